@@ -29,9 +29,10 @@ FRAMES = (
     "end_effector outil herramienta utensile flangia bride pinza organe_terminal bâti suelo fixed_joint hand eef_joint "
     "ToolFlange toolTip --- ... – nan None note Einheiten"
 )
+SLIDES = "Prismatic prismatic_joint_3 P p3 P_3 d3 d₃* D1 slide Slider linear_axis Linear-rail Schubgelenk translation_2"
 JOINTS = (
     "wrist_flange_rotation base_yaw base_rotation shoulder_pan_joint elbow quill tool_roll gripper_rotation poignet "
-    "max_planck_joint J1 A1 joint_0 hip knee bend_joint meander summit_joint minion IV"
+    "shoulder_lift PR1 dof3 pitch deflect linear_yaw slider_crank max_planck_joint J1 A1 joint_0 hip knee bend_joint meander summit_joint minion IV"
 )
 
 
@@ -52,6 +53,41 @@ def test_joints_are_joints(name: str) -> None:
     """A name has to consist of such words, not to have one in it."""
     assert kind_of(name) is None
     assert are_joints([name.lower(), "joint_1"], typed=False)
+
+
+@pytest.mark.parametrize("name", SLIDES.split())
+def test_joints_that_slide_are_known_by_their_names(name: str) -> None:
+    """A word for them, the P of R, R, P, or the variable d3 beside θ1; a type column decides."""
+    assert kind_of(name) == "slide"
+    assert not are_joints([name.lower(), "joint_1"], typed=False)
+    assert are_joints([name.lower(), "joint_1"], typed=True)
+
+
+@pytest.mark.parametrize(
+    ("header", "rows", "outcome"),
+    [
+        ("joint,a,alpha,d", "R1,0.1,0,0.1;P2,0.2,0,0.1", "refused"),
+        ("joint,a,alpha,d", "θ1,0.1,0,0.1;d2*,0.2,0,0.1", "refused"),
+        ("joint,type,a,alpha,d", "one,R,0.1,0,0.1;Linear axis,,0.2,0,0.1", "refused"),
+        ("joint,a,alpha,d,theta", "R1,0.1,0,0.1,q1;P2,0.2,0,0.1,0", "refused"),
+        ("joint,a,alpha,d,theta", "R1,0.1,0,0.1,q1;P2,0.2,0,0.1,q2", "read"),
+        ("joint,type,a,alpha,d", "R1,R,0.1,0,0.1;P2,R,0.2,0,0.1", "read"),
+        ("joint,a,alpha,d,variable", "one,0.1,0,0.1,θ1;two,0.2,0,0.1,d2*", "refused"),
+        ("joint,a,alpha,d,variable", "one,0.1,0,0.1,θ1;two,0.2,0,0.1,θ2*", "read"),
+        ("joint,a,alpha,d,part", "one,0.1,0,0.1,D7;two,0.2,0,0.1,P4", "read"),
+        ("joint,a,alpha,d,note", "one,0.1,0,0.1,;two,0.2,0,0.1,this joint is prismatic", "refused"),
+        ("joint,a,alpha,d,note", "one,0.1,0,0.1,;two,0.2,0,0.1,Prismatic joint", "refused"),
+    ],
+)
+def test_a_table_without_types_that_names_a_slide_is_refused(header: str, rows: str, outcome: str, read: Read) -> None:
+    """The joint was a revolute one, without a word or with a notice of a column that is left out."""
+    (arm,) = read("\n".join([header, *rows.split(";")]), convention="standard")
+    if outcome == "read":
+        assert isinstance(arm, Manipulator)
+        return
+    assert not isinstance(arm, Manipulator)
+    assert [problem.field for problem in arm.problems] == ["type"]
+    assert any(said in arm.problems[0].message for said in ("hardly is a revolute joint", "seems to be a type"))
 
 
 @pytest.mark.parametrize("name", ["0", "base", "0 (from base)", "Base link", "fixed base", "Sockel"])

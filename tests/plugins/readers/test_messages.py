@@ -825,7 +825,8 @@ CASES = [
         "joint,kinematics,a,alpha,d\nj1,prismatic,0,0,0.1\n",
         "arm.csv:1:7: notice: manipulator 'arm': the column 'kinematics' is left out: no field is called so\n"
         "arm.csv:2: error: joint 'joint_1', field 'type': 'prismatic' seems to be a type, and no field is called 'kinematics': the joint would be taken as revolute\n"
-        "    accepted: one of the headers type, joint type, kind, sigma, σ, r/p, p/r, type of joint, axis type",
+        "    accepted: one of the headers type, joint type, kind, sigma, σ, r/p, p/r, type of joint, axis type\n"
+        "    if it is to be left out, begin its header with _: '_kinematics'",
     ),
     Case(
         "a minus before a type",

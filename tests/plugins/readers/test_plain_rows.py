@@ -82,12 +82,20 @@ def test_a_column_of_angles_and_lengths_has_one_meaning(
     assert {type(item) for item in others} == {type(first)}
 
 
-@pytest.mark.parametrize("beside", ["", ","], ids=["alone", "beside an empty column"])
-def test_an_unknown_column_may_hold_types(beside: str, tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    ("header", "row"),
+    [
+        ("robot,a,alpha,d,colour", "{},{},0,1,{}"),
+        ("robot,a,alpha,d,colour,", "{},{},0,1,{},"),
+        ("robot,,a,alpha,d", "{0},{2},{1},0,1"),
+    ],
+    ids=["alone", "beside an empty column", "without a header"],
+)
+def test_an_unknown_column_may_hold_types(header: str, row: str, tmp_path: Path) -> None:
     """Where no column has types, the words of a column that no field knows are looked at in the last arm, too."""
     path = tmp_path / "arms.csv"
-    arms = [f"r{k},0.{k + 1:03},0,1,{'red' if k < 39 else 'prismatic'}{beside}" for k in range(40)]
-    content = "\n".join([f"robot,a,alpha,d,colour{beside}", *arms])
+    arms = [row.format(f"r{k}", f"0.{k + 1:03}", "red" if k < 39 else "prismatic") for k in range(40)]
+    content = "\n".join([header, *arms])
     fast = outcome(path, content, convention="standard")
     with without_the_fast_way():
         assert fast == outcome(path, content, convention="standard")

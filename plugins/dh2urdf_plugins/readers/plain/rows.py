@@ -23,7 +23,7 @@ from dh2urdf_plugins.readers.plain.limits import LIMITS, PlainLimits
 from dh2urdf_plugins.readers.plain.numbers import LINE_END, REMEMBERED, PlainNumbers, foreign_unit, names_foreign_unit
 from dh2urdf_plugins.readers.rows.cells import FULL_TURN, LARGEST_ANGLE
 from dh2urdf_plugins.readers.rows.joint_rows import DECIMAL, NUMBER
-from dh2urdf_plugins.readers.rows.names import are_joints
+from dh2urdf_plugins.readers.rows.names import are_joints, is_plain_label
 from dh2urdf_plugins.readers.rows.rows import NEARLY
 from dh2urdf_plugins.readers.statements.plausibility import longest_plain
 from dh2urdf_plugins.readers.words.bounds import SMALL_ANGLE, SMALLEST_LENGTH, are_radians
@@ -134,7 +134,7 @@ class PlainRows:
         ]
 
     def _are_left_out(self, columns: Sequence[Sequence[str]]) -> bool:
-        """Whether the columns that name no field hold nothing to speak of: what was spoken of, and no quantities."""
+        """Whether columns that name no field hold nothing to speak of: what was spoken of, no quantities, no types."""
         for index, known in self.others.items():
             if index in self.silent:
                 if any(columns[index]):
@@ -144,6 +144,8 @@ class PlainRows:
                 return False
             new = set(columns[index]) - known
             if any(unit_of(text.strip(SPACES)) for text in new):
+                return False
+            if "type" not in self.column and not all(map(is_plain_label, map(str.strip, new))):
                 return False
             if len(known) < REMEMBERED:
                 known.update(new)

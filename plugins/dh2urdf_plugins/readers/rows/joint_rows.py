@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 
     from dh2urdf.manipulator import DHRow
     from dh2urdf.source import Mark
+    from dh2urdf_plugins.readers.rows.names import RowKind
     from dh2urdf_plugins.readers.rows.rows import RowReader
 
 Cells = dict[str, Cell]
@@ -33,6 +34,11 @@ NUMBER = re.compile(r"([0-9]{1,9})(?:\.0+)?")
 DECIMAL = re.compile(r"[-+]?[0-9]*[.,][0-9]+")
 """A name that is the number of a row."""
 _ZERO = late_pattern(r"0+(?:\.0+)?")
+_MEANT: dict[RowKind, str] = {
+    "total": "remove the row, or write its type if it is a joint",
+    "frame": "write fixed if nothing moves there, or revolute if it does",
+    "slide": "write prismatic if the joint slides, or revolute if it turns",
+}
 
 
 def settle(rows: Sequence[tuple[Cells | None, Mark]], reader: RowReader) -> int:
@@ -164,9 +170,11 @@ class _Rows:
             return
         name = self._name_of(place, cells)
         kind = kind_of(name) if name else None
+        if kind == "slide" and place in self.variables:
+            kind = None  # the variable shows what moves
         still = self.variables and place not in self.variables
         is_zero = place in self.indexes and place == 0 and is_base(self.indexes[0].text)
-        if still and kind != "total" and (kind or is_zero):
+        if still and kind not in ("total", "slide") and (kind or is_zero):
             called = shown(name or self.indexes[0].text)
             self._say(
                 f"the row {called} has no type and no joint variable, and the other rows have one: it is fixed",
@@ -185,9 +193,7 @@ class _Rows:
                 place,
                 cells,
                 mark,
-                suggestion="remove the row, or write its type if it is a joint"
-                if kind == "total"
-                else "write fixed if nothing moves there, or revolute if it does",
+                suggestion=_MEANT[kind],
             )
         elif still:
             self._say(

@@ -1,4 +1,4 @@
-"""Names of rows that hardly are joints: totals of a spreadsheet, bases, flanges and tools, notes.
+"""Names of rows that hardly are joints that turn: totals, bases, flanges and tools, notes, and joints that slide.
 
 A word counts only where the whole name consists of such words: `tool_joint` and `EE frame` do, `wrist_flange_rotation`
 and `base_yaw` do not.
@@ -6,16 +6,19 @@ and `base_yaw` do not.
 
 from __future__ import annotations
 
+import re
 import unicodedata
 from functools import lru_cache
 from typing import TYPE_CHECKING, Literal
 
+from dh2urdf.manipulator import JointType
 from dh2urdf.patterns import late_pattern
+from dh2urdf_plugins.readers.words.fields import joint_type
 
 if TYPE_CHECKING:
     from collections.abc import Collection
 
-RowKind = Literal["total", "frame"]
+RowKind = Literal["total", "frame", "slide"]
 
 
 def _words(text: str) -> frozenset[str]:
@@ -45,20 +48,59 @@ _FRAMES = _BASES | _words("""
 _OF_FRAMES = _words("""
     joint jnt frame offset link point center centre transform plate position interface row gelenk rahmen repere from to
 """)
-_HINT = late_pattern("|".join(_TOTALS | _FRAMES))
+_SLIDES = _words("""
+    prismatic prismatical prism prismatisch prismatique prismatico linear linearly lineal lineaire lineare sliding slide
+    slider translation translational translatory translatorisch traslacional traslacion traslazione schub schubgelenk
+    schubachse linearachse glissiere deslizante corredera
+""")
+_OF_SLIDES = _words("""
+    joint jnt axis rail guide motion drive unit stage actuator module gelenk achse liaison articulation axe articulacion
+    eje giunto asse
+""")
+_SLIDE_SYMBOL = late_pattern(r"[pd][0-9]{0,3}")
+"""``P2`` between ``R1`` and ``R3``, and the variable ``d2`` between ``θ1`` and ``θ3``."""
+_SLIDE_IN_PROSE = late_pattern(r"\bprism[aá]ti|\bschubgelenk", re.IGNORECASE)
+_HINT = late_pattern("|".join(_TOTALS | _FRAMES | _SLIDES))
 _NO_LETTERS = late_pattern(r"[\W_]+")
 _LONGEST = 60
 
 
 @lru_cache(maxsize=4096)
 def kind_of(name: str) -> RowKind | None:
-    """What a row seems to be by its name, if it is hardly a joint: a total, or a frame, a note and the like."""
+    """What a row seems to be by its name, if it is hardly a joint that turns: a total, a frame or a note, a slide."""
     if len(name) > _LONGEST:
         return None
     key = _key(name)
     if _consists_of(key, _TOTALS, _OF_TOTALS):
         return "total"
-    return "frame" if name and (not key or _consists_of(key, _FRAMES, _OF_FRAMES)) else None
+    if name and (not key or _consists_of(key, _FRAMES, _OF_FRAMES)):
+        return "frame"
+    return "slide" if _SLIDE_SYMBOL.fullmatch(key) or _consists_of(key, _SLIDES, _OF_SLIDES) else None
+
+
+def speaks_of_slide(text: str) -> bool:
+    """Whether prose speaks of a prismatic joint: ``joint 3 is prismatic``."""
+    return _SLIDE_IN_PROSE.search(text) is not None
+
+
+def holds_type(text: str, number: int) -> bool:
+    """Whether a cell in a column that no field knows says that its joint does not turn.
+
+    Args:
+        text: the cell: ``prismatic``, ``fixed``, ``prismatic joint``, ``d2*``, ``slides (prismatic)``.
+        number: the number of the row, which a symbol such as ``d2`` has to have.
+    """
+    if text.isalpha() and joint_type(text) not in (None, JointType.REVOLUTE):
+        return True
+    symbol = _SLIDE_SYMBOL.fullmatch(_key(text[:_LONGEST]))
+    if symbol:
+        return symbol[0][1:] in ("", str(number))
+    return kind_of(text) == "slide" or speaks_of_slide(text)
+
+
+def is_plain_label(text: str) -> bool:
+    """Whether a cell in a column that no field knows says for sure nothing about the type of its joint."""
+    return text.isdecimal() or not (kind_of(text) or holds_type(text, 0))
 
 
 def is_base(name: str) -> bool:
@@ -68,15 +110,16 @@ def is_base(name: str) -> bool:
 
 
 def are_joints(names: Collection[str], *, typed: bool) -> bool:
-    """Whether none of some ASCII names is that of a row that is hardly a joint.
+    """Whether none of some ASCII names is that of a row that is hardly a joint that turns.
 
     Args:
         names: in lower case.
         typed: whether each row has a type, which decides for all but totals.
     """
     text = _NO_LETTERS.sub("", "".join(names))  # a name that has a word has it here, too
-    kinds = set(map(kind_of, names)) if _HINT.search(text) or not all(map(_key, names)) else set()
-    return "total" not in kinds and (typed or "frame" not in kinds)
+    doubtful = _HINT.search(text) or not all(map(_key, names)) or any(map(_SLIDE_SYMBOL.fullmatch, map(_key, names)))
+    kinds = set(map(kind_of, names)) if doubtful else set()
+    return "total" not in kinds and (typed or kinds <= {None})
 
 
 def _key(name: str) -> str:

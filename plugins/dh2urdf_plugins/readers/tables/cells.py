@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from dh2urdf.manipulator import JointType
 from dh2urdf.patterns import late_pattern
 from dh2urdf.quantities import is_unit, is_zero
 from dh2urdf.source import Mark, Problem, shown
 from dh2urdf_plugins.readers.header.unknown_columns import (
+    how_to_leave_out,
     is_beside,
     is_number,
     left_out,
@@ -17,11 +17,11 @@ from dh2urdf_plugins.readers.header.unknown_columns import (
     with_unit,
 )
 from dh2urdf_plugins.readers.rows.joint_rows import LABEL
-from dh2urdf_plugins.readers.rows.names import kind_of
+from dh2urdf_plugins.readers.rows.names import holds_type, kind_of
 from dh2urdf_plugins.readers.words.cells import SPACES, Cell, text_of
 from dh2urdf_plugins.readers.words.comment_lines import SPREADSHEET_ERROR
 from dh2urdf_plugins.readers.words.decimal_signs import DecimalSigns, turns
-from dh2urdf_plugins.readers.words.fields import FIELDS, GROUPS, REQUIRED, joint_type
+from dh2urdf_plugins.readers.words.fields import FIELDS, GROUPS, REQUIRED
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -109,7 +109,7 @@ class TableCells:
     def _label(self, texts: Sequence[str], marks: Sequence[Mark]) -> dict[str, Cell]:
         """What a column that no field knows calls the row, where no joint is called so."""
         for name, text, mark in zip(self.columns.fields, texts, marks, strict=False):
-            if name is None and kind_of(text.strip(SPACES)):
+            if name is None and kind_of(text.strip(SPACES)) in ("total", "frame"):
                 return {LABEL: Cell(text.strip(SPACES), mark)}
         return {}
 
@@ -146,10 +146,7 @@ class TableCells:
     def _look_for_types(self, text: str, index: int, mark: Mark, number: int, reader: RowReader) -> None:
         """Refuses a column that no field knows where it plainly holds types, since joints without are revolute."""
         word = text.strip(SPACES)
-        if self.has_type or not word.isalpha():
-            return
-        kind = joint_type(word)
-        if kind is None or kind is JointType.REVOLUTE:
+        if self.has_type or not holds_type(word, number):
             return
         header = self.columns.headers[index]
         reader.add(
@@ -161,6 +158,7 @@ class TableCells:
                 field="type",
                 found=word,
                 accepted=f"one of the headers {', '.join(FIELDS['type'].headers)}",
+                suggestion=how_to_leave_out(header) if header else None,
             )
         )
 

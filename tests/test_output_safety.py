@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import pytest
+from interrupted import at_every_step
 from lxml import etree
 
 if TYPE_CHECKING:
@@ -367,28 +368,12 @@ def test_an_interrupt_between_any_two_steps_leaves_no_temporary_folder(tmp_path:
     """A folder for temporary files is gone whatever step of its making, its use and its removal is interrupted."""
     from dh2urdf.output.whole_files import staging
 
+    def use() -> None:
+        with staging(tmp_path / "out") as folder:
+            (folder / "file").write_text("half")
+
     interrupted = 0
-    for step in range(1, 1000):
-        seen = 0
-
-        def stop(_frame: Any, event: str, _argument: Any) -> Any:
-            nonlocal seen
-            if event == "line":
-                seen += 1
-                if seen == step:  # noqa: B023 - it is called in this round alone
-                    sys.settrace(None)
-                    raise KeyboardInterrupt
-            return stop
-
-        sys.settrace(stop)
-        try:
-            with staging(tmp_path / "out") as folder:
-                (folder / "file").write_text("half")
-        except KeyboardInterrupt:
-            interrupted += 1
-        finally:
-            sys.settrace(None)
-        assert list(tmp_path.rglob("*")) in ([], [tmp_path / "out"]), f"interrupted at step {step}"
-        if seen < step:
-            break
+    for was_interrupted in at_every_step(use):
+        interrupted += was_interrupted
+        assert list(tmp_path.rglob("*")) in ([], [tmp_path / "out"]), f"interrupt {interrupted}"
     assert interrupted > 50

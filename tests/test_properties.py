@@ -8,58 +8,21 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from any_tables import SEEN_LENGTHS, manipulators
 from hypothesis import given, settings, strategies as st
 
 from dh2urdf.conversion.one_manipulator import Call, Recipe, read_items, write_robot
 from dh2urdf.conversion.robots import make_robot
 from dh2urdf.kinematics.expected_poses import ExpectedPoses
-from dh2urdf.manipulator import Convention, DHRow, JointType, Limits, Manipulator
+from dh2urdf.manipulator import Convention, JointType, Manipulator
 from dh2urdf.plugin_system import load
 from dh2urdf.plugin_system.options import make_options
-from dh2urdf.rotations import IDENTITY, RigidTransform
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
 FRAMES = ("aligned", "dh")
 CATALOG = load()
-
-lengths = st.just(0.0) | st.floats(-2, 2).filter(lambda length: abs(length) > 1e-3)
-angles = st.sampled_from([k * math.pi / 2 for k in range(-4, 5)]) | st.floats(-2 * math.pi, 2 * math.pi)
-poses = st.builds(RigidTransform.from_xyz_rpy, st.tuples(lengths, lengths, lengths), st.tuples(angles, angles, angles))
-bounds = st.none() | st.tuples(st.floats(-6, 6), st.floats(-6, 6)).map(sorted)
-
-
-@st.composite
-def rows(draw: st.DrawFn, number: int) -> DHRow:
-    """A row with anything that a row may declare about geometry."""
-    kind = draw(st.sampled_from(JointType))
-    moves = kind is not JointType.FIXED
-    lower, upper = (draw(bounds) if kind in (JointType.REVOLUTE, JointType.PRISMATIC) else None) or (None, None)
-    return DHRow(
-        joint=f"joint_{number}",
-        link=f"link_{number}",
-        type=kind,
-        a=draw(lengths),
-        alpha=draw(angles),
-        d=draw(lengths),
-        theta=draw(angles),
-        offset=draw(angles) if moves else 0.0,
-        sign=draw(st.sampled_from([1, -1])) if moves else 1,
-        limits=Limits(lower=lower, upper=upper),
-    )
-
-
-@st.composite
-def manipulators(draw: st.DrawFn) -> Manipulator:
-    """Any arm of 1 to 12 axes."""
-    return Manipulator(
-        name="arm",
-        convention=draw(st.sampled_from(Convention)),
-        rows=tuple(draw(rows(number)) for number in range(1, draw(st.integers(1, 12)) + 1)),
-        base=draw(poses | st.just(IDENTITY)),
-        tool=draw(poses | st.just(IDENTITY)),
-    )
 
 
 def homogeneous(rotation: Any, translation: Any) -> np.ndarray:
@@ -93,7 +56,7 @@ def dh_product(manipulator: Manipulator, q: Sequence[float]) -> np.ndarray:
 
 
 @given(
-    manipulator=manipulators(),
+    manipulator=manipulators(lengths=SEEN_LENGTHS, limits=True),
     form=st.sampled_from(["csv", "yaml"]),
     units=st.tuples(st.sampled_from(["m", "mm"]), st.sampled_from(["rad", "deg"])),
     seed=st.integers(0, 99),

@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
+from any_tables import ANGLES, LENGTHS, manipulators, transforms
 from hypothesis import given, strategies as st
 
 from dh2urdf.kinematics import (
@@ -35,9 +36,6 @@ STANDARD, MODIFIED = Convention.STANDARD, Convention.MODIFIED
 ROUNDING = 2e-14
 """An angle within 1e-15 of quarter turns, relatively, is made one: 6e-15 rad at 2π, on a lever of 2 m."""
 BOTH = pytest.mark.parametrize("convention", Convention)
-
-lengths = st.floats(-2, 2)
-angles = st.floats(-2 * math.pi, 2 * math.pi) | st.sampled_from([k * math.pi / 2 for k in range(-4, 5)])
 
 
 # The oracle: homogeneous matrices as a textbook has them, multiplied by numpy.
@@ -83,43 +81,9 @@ def homogeneous(transform: RigidTransform) -> NDArray[np.float64]:
 
 
 @st.composite
-def dh_rows(draw: st.DrawFn, number: int) -> DHRow:
-    kind = draw(st.sampled_from(JointType))
-    free = kind is not JointType.FIXED
-    return DHRow(
-        joint=f"joint_{number}",
-        link=f"link_{number}",
-        type=kind,
-        a=draw(lengths),
-        alpha=draw(angles),
-        d=draw(lengths),
-        theta=draw(angles),
-        offset=draw(lengths) if free else 0.0,
-        sign=draw(st.sampled_from([1, -1])) if free else 1,
-    )
-
-
-rigid_transforms = st.builds(
-    RigidTransform.from_xyz_rpy, st.tuples(lengths, lengths, lengths), st.tuples(angles, angles, angles)
-)
-
-
-@st.composite
-def manipulators(draw: st.DrawFn) -> Manipulator:
-    count = draw(st.integers(1, 12))
-    return Manipulator(
-        name="arm",
-        convention=draw(st.sampled_from(Convention)),
-        rows=tuple(draw(dh_rows(number)) for number in range(1, count + 1)),
-        base=draw(rigid_transforms),
-        tool=draw(rigid_transforms),
-    )
-
-
-@st.composite
 def tables_with_q(draw: st.DrawFn) -> tuple[Manipulator, list[float]]:
     table = draw(manipulators())
-    return table, [draw(lengths) for _ in table.moving_rows]
+    return table, [draw(LENGTHS) for _ in table.moving_rows]
 
 
 def arm(*rows: DHRow, convention: Convention = STANDARD, **more: RigidTransform) -> Manipulator:
@@ -154,14 +118,14 @@ class TestPublishedRobots:
 
 
 class TestRowTransform:
-    @given(a=lengths, alpha=angles, d=lengths, theta=angles)
+    @given(a=LENGTHS, alpha=ANGLES, d=LENGTHS, theta=ANGLES)
     def test_standard(self, a: float, alpha: float, d: float, theta: float) -> None:
         """A standard row is Rz(theta)·Tz(d)·Tx(a)·Rx(alpha)."""
         expected = turn("z", theta) @ shift(z=d) @ shift(x=a) @ turn("x", alpha)
         found = homogeneous(dh_transform(STANDARD, a=a, alpha=alpha, d=d, theta=theta))
         np.testing.assert_allclose(found, expected, rtol=0, atol=ROUNDING)
 
-    @given(a=lengths, alpha=angles, d=lengths, theta=angles)
+    @given(a=LENGTHS, alpha=ANGLES, d=LENGTHS, theta=ANGLES)
     def test_modified(self, a: float, alpha: float, d: float, theta: float) -> None:
         """A modified row is Rx(alpha)·Tx(a)·Rz(theta)·Tz(d)."""
         expected = turn("x", alpha) @ shift(x=a) @ turn("z", theta) @ shift(z=d)
@@ -389,14 +353,14 @@ class TestKinematicChain:
 
 
 class TestAxisRotation:
-    @given(angle=angles)
+    @given(angle=ANGLES)
     def test_about_the_axes_of_the_frame(self, angle: float) -> None:
         """Rodrigues' formula about x, y and z is the elementary rotation."""
         for axis, vector in (("x", (1.0, 0.0, 0.0)), ("y", (0.0, 1.0, 0.0)), ("z", (0.0, 0.0, 1.0))):
             found = np.reshape(axis_rotation(vector, angle), (3, 3))
             np.testing.assert_allclose(found, turn(axis, angle)[:3, :3], rtol=0, atol=ROUNDING)
 
-    @given(angle=angles, roll=angles, pitch=angles)
+    @given(angle=ANGLES, roll=ANGLES, pitch=ANGLES)
     def test_about_an_oblique_axis(self, angle: float, roll: float, pitch: float) -> None:
         """About an axis that a rotation R makes of z, it is R·Rz·Rᵀ."""
         R = np.reshape(rotation_from_rpy((roll, pitch, 0.0)), (3, 3))
@@ -420,7 +384,7 @@ class TestErrors:
         turned = RigidTransform(axis_rotation(axis, quarter_turns * math.pi / 2), ZERO)
         assert angle_error(IDENTITY, turned) == min(quarter_turns, 4 - quarter_turns) * math.pi / 2
 
-    @given(rigid_transforms, rigid_transforms)
+    @given(transforms(), transforms())
     def test_errors_are_those_of_the_difference(self, left: RigidTransform, right: RigidTransform) -> None:
         """Neither error depends on which frame is the first, and a frame has none from itself."""
         assert position_error(left, right) == position_error(right, left)

@@ -9,9 +9,10 @@ import sys
 import time
 from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import pytest
+from interrupted import at_every_step
 
 from dh2urdf.errors import OutputError
 from dh2urdf.output import local_store
@@ -199,32 +200,19 @@ class TestInterrupts:
         """Whatever step of the writing is interrupted, the old file or the new one is there, whole, and no other."""
         allowed = [{"old": b"old"}, {"old": b"new"} if name == "old" else {"old": b"old", "new": b"new"}]
         interrupted = 0
-        for step in range(1, 1000):
+
+        def write() -> None:
+            store.write(name, b"new")
+
+        store.write("old", b"old")
+        for was_interrupted in at_every_step(write):
+            interrupted += was_interrupted
+            found = files(tmp_path / "out")
+            assert found in allowed, f"interrupt {interrupted}"
             store.write("old", b"old")
             store.remove("new")
-            seen = 0
-
-            def stop(_frame: Any, event: str, _argument: Any) -> Any:
-                nonlocal seen
-                if event == "line":
-                    seen += 1
-                    if seen == step:  # noqa: B023 - it is called in this round alone
-                        sys.settrace(None)
-                        raise KeyboardInterrupt
-                return stop
-
-            sys.settrace(stop)
-            try:
-                store.write(name, b"new")
-            except KeyboardInterrupt:
-                interrupted += 1
-            finally:
-                sys.settrace(None)
-            assert files(tmp_path / "out") in allowed, f"interrupted at step {step}"
-            if seen < step:
-                break
         assert interrupted > 10
-        assert files(tmp_path / "out") == allowed[1]
+        assert found == allowed[1]
 
     WRITER = """
 import sys

@@ -15,11 +15,11 @@ from xml.etree import ElementTree as ET
 
 import numpy as np
 import pytest
-from hypothesis import given, settings, strategies as st
+from any_tables import SEEN_LENGTHS, manipulators
+from hypothesis import given, settings
 
 from dh2urdf.kinematics import KinematicChain
-from dh2urdf.manipulator import Convention, DHRow, JointType, Manipulator
-from dh2urdf.rotations import RigidTransform
+from dh2urdf.manipulator import Convention, JointType, Manipulator
 from dh2urdf_plugins.emitters.urdf import EMITTER as URDF
 from dh2urdf_plugins.emitters.xacro import EMITTER as XACRO
 from dh2urdf_plugins.read_back.xacro_reader import expand, read_xacro
@@ -121,35 +121,8 @@ def assert_same_description(xacro: bytes, urdf: bytes) -> None:
                 assert (np.abs(x - y) <= 1e-15 * np.maximum(1, np.abs(y))).all(), (mine.attrib[key], text)
 
 
-lengths = st.just(0.0) | st.floats(0.001, 2) | st.floats(-2, -0.001)
-angles = st.sampled_from([k * math.pi / 2 for k in range(-2, 3)]) | st.floats(-math.pi, math.pi)
-poses = st.builds(RigidTransform.from_xyz_rpy, st.tuples(lengths, lengths, lengths), st.tuples(angles, angles, angles))
-
-
-@st.composite
-def manipulators(draw: st.DrawFn) -> Manipulator:
-    """Any table: 1 to 12 rows, both conventions, all joint types, any angles, signs, base and tool."""
-    rows = [
-        DHRow(
-            joint=f"joint_{i}",
-            link=f"link_{i}",
-            type=(kind := draw(st.sampled_from(JointType))),
-            a=draw(lengths),
-            alpha=draw(angles),
-            d=draw(lengths),
-            theta=draw(angles),
-            offset=0.0 if kind is JointType.FIXED else draw(angles),
-            sign=1 if kind is JointType.FIXED else draw(st.sampled_from([1, -1])),
-        )
-        for i in range(1, draw(st.integers(1, 12)) + 1)
-    ]
-    return Manipulator(
-        name="any", convention=draw(st.sampled_from(Convention)), rows=tuple(rows), base=draw(poses), tool=draw(poses)
-    )
-
-
 @frames
-@given(manipulator=manipulators())
+@given(manipulator=manipulators(lengths=SEEN_LENGTHS))
 @settings(max_examples=40, deadline=None)
 def test_both_files_of_any_table_are_its_arm(frames: str, manipulator: Manipulator) -> None:
     """URDF and expanded xacro are one description, and it moves tool0 as the DH product does."""

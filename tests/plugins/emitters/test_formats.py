@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import re
 import tempfile
 from dataclasses import replace
@@ -11,13 +10,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
-from hypothesis import given, settings, strategies as st
+from any_tables import SEEN_LENGTHS, manipulators
+from hypothesis import given, settings
 
 from dh2urdf.errors import EmitterError
 from dh2urdf.kinematics import KinematicChain
 from dh2urdf.manipulator import Convention, DHRow, JointType, Limits, Manipulator
 from dh2urdf.robot import Inertial, Mesh
-from dh2urdf.rotations import RigidTransform
 from dh2urdf_plugins.base_bodies import BASE
 from dh2urdf_plugins.emitters.mjcf import EMITTER as MJCF
 from dh2urdf_plugins.emitters.sdf import EMITTER as SDF
@@ -27,6 +26,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from dh2urdf.robot import Link, Robot
+    from dh2urdf.rotations import RigidTransform
     from dh2urdf.stages import Emitter
 
 CONFIGS = Path(__file__).parents[3] / "configs"
@@ -140,34 +140,9 @@ def test_cells_read_back(cli: Callable[..., Any], emitter: Emitter[Any], tmp_pat
         assert "failed" not in answer.stdout
 
 
-angles = st.sampled_from([k * math.pi / 2 for k in range(-2, 3)]) | st.floats(-math.pi, math.pi)
-lengths = st.just(0.0) | st.floats(0.001, 2) | st.floats(-2, -0.001)
-poses = st.builds(RigidTransform.from_xyz_rpy, st.tuples(lengths, lengths, lengths), st.tuples(angles, angles, angles))
-
-
-@st.composite
-def manipulators(draw: st.DrawFn) -> Manipulator:
-    rows = [
-        DHRow(
-            joint=f"joint_{i}",
-            link=f"link_{i}",
-            type=(kind := draw(st.sampled_from(JointType))),
-            a=draw(lengths),
-            alpha=draw(angles),
-            d=draw(lengths),
-            theta=draw(angles),
-            offset=0.0 if kind is JointType.FIXED else draw(angles),
-            sign=1 if kind is JointType.FIXED else draw(st.sampled_from([1, -1])),
-        )
-        for i in range(1, draw(st.integers(1, 9)) + 1)
-    ]
-    convention = draw(st.sampled_from(Convention))
-    return Manipulator(name="any", convention=convention, rows=tuple(rows), base=draw(poses), tool=draw(poses))
-
-
 @formats
 @frames
-@given(manipulator=manipulators())
+@given(manipulator=manipulators(most=9, lengths=SEEN_LENGTHS))
 @settings(max_examples=25)
 def test_any_table_reads_back(emitter: Emitter[Any], frames: str, manipulator: Manipulator) -> None:
     """Any joint types, fixed rows in the middle and at the end, any angles, base and tool."""

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
+from any_tables import ANGLES, LENGTHS, manipulators
 from hypothesis import given, strategies as st
 
 from dh2urdf.manipulator import Convention, DHRow, JointType, Manipulator
@@ -132,44 +133,6 @@ def parameter_values(robot: Robot) -> dict[str, float]:
     return {parameter.name: parameter.value for parameter in robot.parameters}
 
 
-# Tables of every kind.
-
-lengths = st.sampled_from([0.0, 0.0, 0.3, -0.425]) | st.floats(-2, 2)
-angles = st.sampled_from([k * math.pi / 2 for k in range(-4, 5)]) | st.floats(-2 * math.pi, 2 * math.pi)
-vectors = st.tuples(lengths, lengths, lengths)
-frames_of = st.builds(RigidTransform.from_xyz_rpy, vectors, st.tuples(angles, angles, angles)) | st.just(
-    RigidTransform.from_xyz_rpy((0.0, 0.0, 0.0))
-)
-
-
-@st.composite
-def rows(draw: st.DrawFn, number: int) -> DHRow:
-    fixed = (joint_type := draw(st.sampled_from(JointType))) is JointType.FIXED
-    return DHRow(
-        joint=f"joint_{number}",
-        link=f"link_{number}",
-        type=joint_type,
-        a=draw(lengths),
-        alpha=draw(angles),
-        d=draw(lengths),
-        theta=draw(angles),
-        offset=0.0 if fixed else draw(angles),
-        sign=1 if fixed else draw(st.sampled_from([1, -1])),
-    )
-
-
-@st.composite
-def manipulators(draw: st.DrawFn, most: int = 12) -> Manipulator:
-    count = draw(st.integers(1, most))
-    return Manipulator(
-        name="arm",
-        convention=draw(st.sampled_from(Convention)),
-        rows=tuple(draw(rows(number)) for number in range(1, count + 1)),
-        base=draw(frames_of),
-        tool=draw(frames_of),
-    )
-
-
 def joint_vector(manipulator: Manipulator, seed: int) -> list[float]:
     rng = np.random.default_rng(seed)
     return [float(value) for value in rng.uniform(-3, 3, len(manipulator.moving_rows))]
@@ -203,7 +166,7 @@ def test_an_edited_parameter_edits_the_arm(manipulator: Manipulator, data: st.Da
     """With other lengths, in `dh` frames other angles too, the formulas of the old table give the new one's arm."""
     q = joint_vector(manipulator, seed)
     other = tuple(
-        replace(row, a=data.draw(lengths), d=data.draw(lengths), alpha=data.draw(angles), theta=data.draw(angles))
+        replace(row, a=data.draw(LENGTHS), d=data.draw(LENGTHS), alpha=data.draw(ANGLES), theta=data.draw(ANGLES))
         for row in manipulator.rows
     )
     only_lengths = tuple(replace(row, a=new.a, d=new.d) for row, new in zip(manipulator.rows, other, strict=True))

@@ -356,6 +356,8 @@ def test_what_is_not_run_needs_what_no_test_machine_has() -> None:
         ("simulators/ros.md", "python"),
         ("studio.md", "sh"),
         ("studio.md", "sh"),
+        ("studio.md", "sh"),
+        ("studio.md", "python"),
     ]
 
 

@@ -112,7 +112,7 @@ COVERED = """() => {
     const own = document.querySelector('.arm-view-projection').getBoundingClientRect();
     return [...document.querySelectorAll('.arm-view-label')].filter((label) => {
         const box = label.getBoundingClientRect(), shown = getComputedStyle(label).visibility === 'visible';
-        return shown && box.right > own.left && box.top < own.bottom && box.bottom > own.top;
+        return shown && box.right > own.left && box.left < own.right && box.top < own.bottom && box.bottom > own.top;
     }).map((label) => label.textContent);
 }"""
 MIDDLE = f"""(row) => {{

@@ -34,6 +34,7 @@ def command(
     A FILE is a robot description that an emitter reads back (URDF, xacro), a table, or a run file, of which the cells
     are shown, or the arms where it has none. Several are shown in one scene. The address of the page is printed;
     Ctrl-C ends it. A xacro is expanded as by `dh2urdf check`, with the values that NAME:=VALUE gives to its arguments.
+    Programs of this machine can move the joints: POST joint values to /set_joint_positions.
 
     \b
     dh2urdf view ur5.urdf

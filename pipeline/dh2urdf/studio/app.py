@@ -13,6 +13,8 @@ from nicegui import app, ui
 
 from dh2urdf.errors import OutputError
 from dh2urdf.studio.drawing.mesh_store import MeshStore
+from dh2urdf.studio.driving.live_joints import LiveJoints
+from dh2urdf.studio.driving.routes import serve_joints
 from dh2urdf.studio.editing.session import Session
 from dh2urdf.studio.page import StudioPage
 from dh2urdf.studio.view_page import ViewPage
@@ -48,6 +50,10 @@ class Sessions(Generic[S]):
     def __init__(self, new: Callable[[], S]) -> None:
         self._new = new
         self._of: OrderedDict[str, S] = OrderedDict()
+
+    def all(self) -> list[S]:
+        """What all tabs show."""
+        return list(self._of.values())
 
     async def of_this_tab(self) -> S:
         """What the tab shows that asks for a page, as soon as it has said which it is."""
@@ -122,8 +128,10 @@ def _serve(meshes: MeshStore) -> None:
 
 def build_view(figures: Sequence[Figure]) -> None:
     """Declares the page that shows some robots."""
-    views = Sessions(lambda: View(figures))
     first = View(figures)
+    live = LiveJoints(first)
+    views = Sessions(lambda: live.begin(View(figures)))
+    serve_joints(live, views.all)
     meshes = MeshStore(first.meshes())
     meshes.begin(first.drawing.first_meshes)
     _serve(meshes)
@@ -131,7 +139,7 @@ def build_view(figures: Sequence[Figure]) -> None:
     @ui.page("/")
     async def view() -> None:
         dress()
-        await ViewPage(await views.of_this_tab()).start()
+        await ViewPage(await views.of_this_tab(), live).start()
 
 
 def dress() -> None:

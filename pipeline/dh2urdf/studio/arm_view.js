@@ -292,6 +292,11 @@ export default {
       this.draw();
     },
 
+    // Waits for the next picture, or for a page that draws none.
+    nextPicture() {
+      return new Promise((done) => requestAnimationFrame(() => done()));
+    },
+
     draw() {
       if (this.pending) return;
       this.pending = true;

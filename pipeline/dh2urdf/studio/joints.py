@@ -30,6 +30,7 @@ class Slider:
         upper: largest value [rad or m].
         unit: the unit of what is shown.
         group: the robot that the joint belongs to, where there are several.
+        is_endless: whether it turns round and round; values beyond half a turn come in at the other end.
     """
 
     name: str
@@ -37,6 +38,7 @@ class Slider:
     upper: float
     unit: Unit
     group: str = ""
+    is_endless: bool = False
 
     def shown(self, value: float) -> float:
         """A joint value [rad or m] in the unit of the slider."""
@@ -56,7 +58,13 @@ class Slider:
 
     def inside(self, value: float) -> float:
         """The value inside the limits that is nearest to another."""
-        return min(max(value, self.lower), self.upper) if math.isfinite(value) else self.inside(0.0)
+        if not math.isfinite(value):
+            return self.inside(0.0)
+        return min(max(math.remainder(value, math.tau) if self.is_endless else value, self.lower), self.upper)
+
+    def holds(self, value: float) -> bool:
+        """Whether a value [rad or m] is inside the limits."""
+        return self.is_endless or self.lower <= value <= self.upper
 
 
 def sliders(
@@ -67,10 +75,11 @@ def sliders(
     for joint in joints:
         lower, upper = joint.limits.lower, joint.limits.upper
         unit = UNITS[length_unit if joint.type is JointType.PRISMATIC else angle_unit]
-        if lower is None or upper is None or joint.type is JointType.CONTINUOUS:
+        is_endless = joint.type is JointType.CONTINUOUS
+        if lower is None or upper is None or is_endless:
             lower, upper = -_TURN, _TURN
         lower, upper = max(lower, -LARGEST_SAMPLE), min(upper, LARGEST_SAMPLE)
-        found.append(Slider(name=joint.name, lower=lower, upper=upper, unit=unit, group=group))
+        found.append(Slider(name=joint.name, lower=lower, upper=upper, unit=unit, group=group, is_endless=is_endless))
     return tuple(found)
 
 

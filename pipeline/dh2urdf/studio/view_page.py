@@ -11,14 +11,17 @@ from nicegui import ui
 from dh2urdf.studio import dialogs, joints, viewing, words
 from dh2urdf.studio.drawing.fading import faded
 from dh2urdf.studio.drawing.scene import LAYERS
+from dh2urdf.studio.driving.routes import PageFollower
 from dh2urdf.studio.layout.look import lay_look
+from dh2urdf.studio.layout.scene_tools import lay_grasp, lay_opacity, lay_views
 from dh2urdf.studio.panels import sharing
 from dh2urdf.studio.robot_tree import RobotTree
-from dh2urdf.studio.widgets import ArmView, JointSliders, LiveHtml, lay_grasp, lay_opacity, lay_views
+from dh2urdf.studio.widgets import ArmView, JointSliders, LiveHtml
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
 
+    from dh2urdf.studio.driving.live_joints import LiveJoints
     from dh2urdf.studio.viewing import View
     from dh2urdf.studio.widgets import ShownScene
 
@@ -29,9 +32,9 @@ MOST_TIPS = 12
 class ViewPage:
     """What a tab shows of its view."""
 
-    def __init__(self, view: View) -> None:
+    def __init__(self, view: View, live: LiveJoints) -> None:
         """Lays the page out; `start` fills it."""
-        self.view = view
+        self.view, self._live = view, live
         ui.on_exception(dialogs.show_fault)
         with ui.element("div").classes("studio view"):
             with ui.element("header").classes("studio-head"):
@@ -113,7 +116,7 @@ class ViewPage:
 
     def _drag(self, node: str, by: float, *, begins: bool) -> None:
         self.view.drag(node, by, begins=begins)
-        self._show_pose()
+        self._show_own_pose()
 
     def _fade(self, robot: str, opacity: float) -> None:
         self.view.opacities[robot] = opacity
@@ -127,6 +130,7 @@ class ViewPage:
         self._scene.fade(self.view.opacities)
         self._show()
         self._scene.fit()
+        PageFollower(self._live, self._scene, self._show_pose)
 
     def _show(self) -> None:
         view = self.view
@@ -171,10 +175,14 @@ class ViewPage:
 
     def _move_to(self, poses: Callable[[Any], Mapping[str, float]]) -> None:
         self.view.move(poses(self.view.sliders))
-        self._show_pose()
+        self._show_own_pose()
 
     def _moved(self, values: Mapping[str, float]) -> None:
         self.view.move(values)
+        self._show_own_pose()
+
+    def _show_own_pose(self) -> None:
+        self._live.note(self.view)
         self._show_pose()
 
 

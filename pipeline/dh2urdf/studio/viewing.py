@@ -226,8 +226,10 @@ class View:
         return with_followers(values, self.followers)
 
     def copy(self) -> View:
-        """Another view of the same robots."""
-        return View(self.figures)
+        """Another view of the same robots, at the same joint values."""
+        other = View(self.figures)
+        other.q = self.q
+        return other
 
     def place(self, *, apart: bool | None = None, as_in_ros: bool | None = None) -> None:
         """Puts the robots side by side or all at one place, and their meshes as ROS or as their files have them."""

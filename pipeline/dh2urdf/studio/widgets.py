@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
+import contextlib
 import math
-from functools import partial
-from html import escape
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from nicegui import ui
@@ -36,20 +35,6 @@ _LEAST_STEPS = 50
 """From one limit of a joint to the other; of a joint that moves by a millimetre the steps are smaller."""
 
 
-LEAST_OPACITY = 0.1
-"""Of bodies: what is less could not be found again."""
-VIEWS = {
-    "front": "front (1)",
-    "back": "back",
-    "right": "right (3)",
-    "left": "left",
-    "top": "top (7)",
-    "bottom": "bottom",
-    "corner": "corner (9)",
-}
-"""The standard views, with the keys that choose them where the scene has the focus."""
-
-
 class ArmView(Element, component="arm_view.js", esm={"dh2urdf-scene": "scene3d"}):  # type: ignore[call-arg]  # Element is any type to mypy
     """The arm in 3D."""
 
@@ -79,6 +64,11 @@ class ArmView(Element, component="arm_view.js", esm={"dh2urdf-scene": "scene3d"}
     def pose(self, poses: Sequence[RigidTransform], strokes: Sequence[Stroke]) -> None:
         """The same drawing in another pose."""
         self.run_method("move", poses_as_json(poses, strokes))
+
+    async def drawn(self) -> None:
+        """Waits until the browser has drawn what it has got; a tab that is not seen draws once a second at most."""
+        with contextlib.suppress(TimeoutError):
+            await self.run_method("nextPicture", timeout=1.0)
 
     def set_layers(self, layers: Iterable[str]) -> None:
         """What is shown."""
@@ -152,58 +142,6 @@ class ArmView(Element, component="arm_view.js", esm={"dh2urdf-scene": "scene3d"}
 def lay_menu_item(told: str, act: Callable[[], Any]) -> None:
     """Lay out an entry of a menu; a list's, which Quasar makes of it, is none to a screen reader."""
     ui.menu_item(told, on_click=act).props("role=menuitem")
-
-
-def lay_views(scene: Callable[[], ArmView]) -> None:
-    """Lay out the menu of standard views, where the page is being laid out."""
-    with ui.button(icon="view_in_ar").props('flat dense round size=sm aria-label="look from a side"') as button:
-        button.tooltip("look from a side")
-        with ui.menu():
-            for view, told in VIEWS.items():
-                lay_menu_item(told, partial(_look, scene, view))
-
-
-def lay_grasp(scene: Callable[[], ArmView]) -> None:
-    """Lay out the button with which links are dragged, where the page is being laid out."""
-    told = "drag links to move their joints; with Shift you always can"
-    button = ui.button(icon="pan_tool").props(f'flat dense round size=sm aria-pressed=false aria-label="{told}"')
-    button.tooltip(told)
-
-    def switch() -> None:
-        on = button.props["aria-pressed"] == "false"
-        button.props(f"aria-pressed={'true' if on else 'false'} {'unelevated' if on else ''}")
-        button.props(remove="flat" if on else "unelevated", add="" if on else "flat")
-        scene().grasp(on=on)
-
-    button.on_click(switch)
-
-
-def lay_opacity(
-    robots: Mapping[str, str], opacities: Mapping[str, float], on_fade: Callable[[str, float], None]
-) -> None:
-    """Lay out the menu with which bodies are looked through, where the page is being laid out.
-
-    Args:
-        robots: what robots are called, by their names in the scene.
-        opacities: how opaque they are, by the same names; 1 for those that are left out.
-        on_fade: takes a robot's name and how opaque it is to be.
-    """
-    with ui.button(icon="opacity").props('flat dense round size=sm aria-label="opacity"') as button:
-        button.tooltip("opacity")
-        with (
-            ui.menu().props('role=dialog aria-label="opacity of the robots"'),
-            ui.element("div").classes("studio-opacity"),
-        ):
-            for name, told in robots.items():
-                ui.label(told)
-                slider = ui.element("input").props(f"type=range min={LEAST_OPACITY} max=1 step=0.05")
-                slider.props(f'value={opacities.get(name, 1.0)} aria-label="opacity of {escape(told)}"')
-                taken = "(event) => emit(event.target.valueAsNumber)"
-                slider.on("input", lambda event, name=name: on_fade(name, float(event.args)), js_handler=taken)
-
-
-def _look(scene: Callable[[], ArmView], view: str) -> None:
-    scene().look(view)
 
 
 class LiveHtml(Element, component="live_html.js"):  # type: ignore[call-arg]

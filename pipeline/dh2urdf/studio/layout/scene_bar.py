@@ -8,7 +8,7 @@ from nicegui import ui
 
 from dh2urdf.studio.drawing.scene import LAYERS
 from dh2urdf.studio.editing.session import BOTH
-from dh2urdf.studio.widgets import lay_grasp, lay_opacity, lay_views
+from dh2urdf.studio.layout.scene_tools import lay_grasp, lay_opacity, lay_views
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable

@@ -59,7 +59,7 @@ export const labels = {
     this.$el.querySelector(".arm-view-leaders path").setAttribute("d", this.leaders);
   },
 
-  // Where the switch below the cube is; it is measured once for each size of the page.
+  // Where the switch beside the cube is; it is measured once for each size of the page.
   switch() {
     const button = this.$el.querySelector(".arm-view-projection"), { clientWidth } = this.$el;
     this.switched ??= { right: clientWidth - button.offsetLeft, y: button.offsetTop, w: button.offsetWidth, h: button.offsetHeight };

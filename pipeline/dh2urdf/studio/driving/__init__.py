@@ -1,0 +1,1 @@
+"""Joint values that other programs give to the robots of `dh2urdf view`, and ask for."""

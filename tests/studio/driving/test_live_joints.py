@@ -1,0 +1,91 @@
+"""Requests of programs that move the joints of a view."""
+
+from __future__ import annotations
+
+import json
+import math
+from typing import TYPE_CHECKING, Any
+
+import pytest
+
+from dh2urdf.errors import InputError
+from dh2urdf.studio.driving.live_joints import LiveJoints
+from dh2urdf.studio.viewing import View, load_figures
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from dh2urdf.plugin_system import Catalog
+
+GRIPPER = """<robot name="gripper"><link name="palm"/><link name="left"/><link name="right"/><link name="wheel"/>
+<joint name="l" type="prismatic"><parent link="palm"/><child link="left"/><axis xyz="0 1 0"/>
+  <limit lower="0" upper="0.08" effort="1" velocity="1"/></joint>
+<joint name="r" type="prismatic"><parent link="palm"/><child link="right"/><axis xyz="0 1 0"/>
+  <limit lower="-0.08" upper="0" effort="1" velocity="1"/><mimic joint="l" multiplier="-1"/></joint>
+<joint name="w" type="continuous"><parent link="palm"/><child link="wheel"/><axis xyz="0 0 1"/></joint></robot>"""
+
+
+@pytest.fixture
+def view(catalog: Catalog, tmp_path: Path) -> View:
+    (tmp_path / "gripper.urdf").write_text(GRIPPER)
+    return View(load_figures([tmp_path / "gripper.urdf"], catalog))
+
+
+def asked(names: Any, positions: Any) -> bytes:
+    return json.dumps({"names": names, "positions": positions}).encode()
+
+
+def test_joints_move_inside_their_limits(view: View) -> None:
+    """As sliders have it: the nearest limit holds, a wheel goes round, and a joint that follows another one follows."""
+    live, tab = LiveJoints(view.copy()), view
+    assert live.take(asked(["l", "w"], [0.05, 4]), [tab]) == []
+    assert tab.q == live.q == {"l": 0.05, "r": -0.05, "w": 4 - math.tau}
+    assert live.take(asked(["r", "l"], [9, 0.5]), [tab]) == ["l"]
+    assert live.as_json() == {"names": ["l", "w", "r"], "positions": [0.08, 4 - math.tau, -0.08]}
+    assert live.take(asked([], []), [tab]) == []
+
+    # A tab that is opened later has what programs gave; what a person moves, programs read.
+    later = live.begin(View(view.figures))
+    assert later.q == tab.q
+    later.move({"l": 0.01})
+    live.note(later)
+    assert (live.q["l"], tab.q["l"]) == (0.01, 0.08)
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        (b"", "the request is no JSON"),
+        (b"\xff{}", "the request is no JSON"),
+        (b"[" * 100_000, "the request is no JSON"),
+        (b'{"names": ["l"], "positions": [1' + b"0" * 5000 + b"]}", "the request is no JSON"),
+        (b"[]", "needs a list of names and a list of positions"),
+        (b'{"names": "l", "positions": [0.0]}', "needs a list of names and a list of positions"),
+        (b'{"names": ["l"]}', "needs a list of names and a list of positions"),
+        (asked(["l", "w"], [0.0]), "there are 2 names, but 1 positions"),
+        (asked(["l", "L1"], [0.01, 0.0]), "no joint that moves is called 'L1'"),
+        (asked([["l"]], [0.0]), "no joint that moves is called"),
+        (asked(["l", "w", "w"], [0.01, 0, 1]), "joint 'w' is named more than once"),
+        (b'{"names": ["w", "l"], "positions": [1, NaN]}', "the position of joint 'l' is NaN"),
+        (b'{"names": ["l"], "positions": [-Infinity]}', "the position of joint 'l' is -Infinity"),
+        (b'{"names": ["l"], "positions": [1' + b"0" * 400 + b"]}", "the position of joint 'l' is 1000"),
+        (asked(["l"], [None]), "the position of joint 'l' is null"),
+        (asked(["l"], [True]), "the position of joint 'l' is true"),
+        (asked(["l"], ["0.05"]), "the position of joint 'l' is"),
+    ],
+)
+def test_what_is_wrong_moves_nothing(view: View, text: bytes, told: str) -> None:
+    """The message names the joint and what is accepted; of a request that is partly right no part counts."""
+    live = LiveJoints(view.copy())
+    with pytest.raises(InputError) as error:
+        live.take(text, [view])
+    assert told in str(error.value)
+    assert set(view.q.values()) == set(live.q.values()) == {0.0}
+
+
+def test_a_name_that_is_nearly_right(view: View) -> None:
+    """It is suggested, with the joints that there are."""
+    figure = view.figures[0]
+    live = LiveJoints(View([figure]))
+    with pytest.raises(InputError, match="l, w, r"):
+        live.take(asked(["ll"], [0.0]), [])

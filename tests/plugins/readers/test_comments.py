@@ -142,6 +142,18 @@ def test_the_convention_of_a_comment_holds(
         ("# base_transform: {xyz: [0, 0, 0.1]}", "did you mean 'base'?"),
         ("# T_base: {xyz: [0, 0, 0.1]}", "did you mean 'base'?"),
         ("# world: {xyz: [0, 0, 0.1]}", "did you mean 'base'?"),
+        ("# tool length: 0.1", "did you mean 'tool'?"),
+        ("# d_tool = 100 mm", "did you mean 'tool'?"),
+        ("# Base height: 0.3", "did you mean 'base'?"),
+        ("# convention: standard; units: mm, deg", "says more than the convention: 'standard; units: mm, deg'"),
+        ("# joint 1 is prismatic", "no column has types"),
+        ("# Schubgelenk", "no column has types"),
+        ("# joint types: [R, P]", "no column has types"),
+        ("# sigma: 0 1", "no column has types"),
+        ("# Type: RP", "no column has types"),
+        ("# an RRP arm", "no column has types"),
+        ("# R-P-R", "no column has types"),
+        ("# PR robot", "no column has types"),
         ("# density: 2700", "did you mean 'defaults'?"),
         ("# geometry: {shape: box}", "did you mean 'defaults'?"),
         ("# robot: ur5, lengths in mm", "did you mean 'name'?"),
@@ -183,6 +195,10 @@ def test_a_comment_that_seems_to_say_something_is_refused(
         "% written by MATLAB",
         "// by hand",
         "# in the lab, and not at home",
+        "# RRR, or PR 12 of the catalogue",
+        "# joints: 6",
+        "# rev B of the sheet",
+        "# Created: 2024-01-05 10:30",
         '# the "classic" arm, with "quotes"',
     ],
 )
@@ -217,8 +233,64 @@ def test_a_statement_below_the_header_is_refused(
 
 
 def test_a_phrase_below_the_header_may_repeat_what_holds(read_one: Callable[..., Manipulator]) -> None:
-    """As footnotes do."""
+    """As footnotes do, and notes behind an empty line."""
     assert read_one("a [mm],alpha [deg],d [mm]\n300,90,0\n# all lengths in mm,,\n").notices == ()
+    notes = "Units: mm, deg\nConvention: standard\nName: of the note\nall lengths in mm\nThe last joint turns"
+    (notice,) = read_one(f"a [mm],alpha [deg],d [mm]\n300,90,0\n\n{notes}\n").notices
+    assert "nothing is read from what is below the table" in notice.message
+
+
+@pytest.mark.parametrize(
+    ("note", "said"),
+    [
+        ("units: mm", "is below the header"),
+        ("Units: {length: mm}", "is below the header"),
+        ("All lengths in mm", "is below the header"),
+        ("Abmessungen in mm und Winkel", "this comment mentions mm, and lengths are read in m"),
+        ("Convention: modified", "is below the header"),
+        ("Tool length = 100 mm", "did you mean 'tool'?"),
+        ("Note: joint 2 is prismatic", "no column has types"),
+    ],
+)
+@pytest.mark.parametrize("place", ["below", "beside", "behind"])
+def test_a_note_that_seems_to_say_something_is_refused(
+    note: str, said: str, place: str, read: Callable[..., list[Manipulator | Rejected]]
+) -> None:
+    """As a comment is: a notice that it is left out would leave another arm."""
+    if place == "below":
+        table = f"a;alpha;d\n0.3;0;0.1\n0.2;0;0\n\n{note}\n"
+    elif place == "beside":
+        table = f"a;alpha;d;;\n0.3;0;0.1;;\n0.2;0;0;;{note}\n"
+    else:
+        table = f"a;alpha;d\n0.3;0;0.1\n0.2;0;0;# {note}\n"
+    try:
+        (arm,) = read(table, convention="standard")
+    except TableError as error:
+        assert said in str(error)
+    else:
+        assert not isinstance(arm, Manipulator)
+        assert "seems to be a type" in str(arm.problems[0])
+
+
+@pytest.mark.parametrize(
+    ("comment", "said"),
+    [
+        ("# theta offsets: 0, 90°", "nothing is read from it"),
+        ("# home: [0 90] deg", "nothing is read from it"),
+        ("# signs: 1 -1", "nothing is read from it"),
+        ("# limits: ±170°", "no joint gets this value"),
+        ("# qlim: -170 .. 170", "no joint gets this value"),
+        ("# Tool length 100 mm", "nothing is read from it"),
+        ("# the TCP is 0.1 m before the flange", "nothing is read from it"),
+    ],
+)
+def test_numbers_in_a_comment_are_noticed(comment: str, said: str, read_one: Callable[..., Manipulator]) -> None:
+    """Several of them, too, and a length of the tool in prose where no tool is declared."""
+    (notice,) = read_one(f"{comment}\na,alpha,d\n0.3,0,0.1\n").notices
+    assert said in notice.message
+    tool = "# tool: {xyz: [0, 0, 0.1]}"
+    again = read_one(f"{comment}\n{tool}\na,alpha,d\n0.3,0,0.1\n").notices
+    assert len(again) == (0 if "mm" in comment or " m " in comment else 1)
 
 
 @pytest.mark.parametrize(

@@ -11,8 +11,10 @@ from dh2urdf.table_text import CellRow
 from dh2urdf_plugins.readers.csv_file.header import DELIMITERS, row_below, top_rows
 from dh2urdf_plugins.readers.csv_file.lines import CsvLines
 from dh2urdf_plugins.readers.header.header_rows import completed
+from dh2urdf_plugins.readers.rows.names import is_plain_label
 from dh2urdf_plugins.readers.tables.cell_rows import BELOW, is_note, unread_notes
-from dh2urdf_plugins.readers.words.comment_lines import joined, marks_a_comment
+from dh2urdf_plugins.readers.words.cells import text_of
+from dh2urdf_plugins.readers.words.comment_lines import Comment, joined, marks_a_comment
 from dh2urdf_plugins.readers.words.fields import REQUIRED
 
 if TYPE_CHECKING:
@@ -22,6 +24,9 @@ if TYPE_CHECKING:
     from dh2urdf.columns import PlaceInFile
     from dh2urdf_plugins.readers.header.columns import Columns
     from dh2urdf_plugins.readers.rows.source import Row
+
+_NOTES = 1000
+"""Different texts in columns without a header that are looked at."""
 
 
 class CsvRows:
@@ -43,6 +48,8 @@ class CsvRows:
         self.width = self.needed = 0
         self.begun = self.ended = False
         self.below: list[tuple[str, Mark]] = []
+        self.unnamed: list[int] = []
+        self.noted: set[str] = set()
 
     def __iter__(self) -> Iterator[CellRow]:
         """The rows down to the header."""
@@ -65,6 +72,7 @@ class CsvRows:
     def start(self, columns: Columns) -> Columns:
         """Takes the columns of the rows to come."""
         self.width = len(columns.headers)
+        self.unnamed = [index for index, header in enumerate(columns.headers) if not header]
         self.needed = max(index for index, header in enumerate(columns.headers) if header) + 1
         self.lines.required = [columns.fields.index(name) for name in REQUIRED]
         columns.decimal_comma = self.delimiter != ","
@@ -74,6 +82,8 @@ class CsvRows:
     def batches(self) -> Iterator[tuple[Sequence[int], Sequence[Row]]]:
         """The rows that hold anything, and the line at which each starts."""
         for lines, batch in self.lines.records(self.delimiter):
+            for index in self.unnamed:
+                self._look_for_notes(index, lines, batch)
             plain = set(map(len, batch)) == {self.width} and all(map(str.strip, map(itemgetter(0), batch)))
             if plain and not self.ended:
                 self.begun = True
@@ -83,6 +93,16 @@ class CsvRows:
                 yield [line for line, _ in pairs], [cells for _, cells in pairs]
         self.notices += unread_notes(BELOW, self.below)
 
+    def _look_for_notes(self, index: int, lines: Sequence[int], batch: Sequence[Row]) -> None:
+        """Takes what a column without a header holds besides numbers, each text once."""
+        for line, cells in zip(lines, batch, strict=True):
+            text = text_of(cells[index]).strip() if index < len(cells) else ""
+            if not text or text.isdecimal() or text in self.noted or len(self.noted) == _NOTES:
+                continue
+            self.noted.add(text)
+            if is_plain_label(text):  # a type concerns its joint alone
+                self.comments.append(Comment.note(text, Mark(file=self.lines.file, line=line)))
+
     def _is_row(self, line: int, cells: Sequence[str]) -> bool:
         """Whether cells are a row: they hold something, and are no note behind an empty row."""
         if not any(map(str.strip, cells)):
@@ -90,8 +110,11 @@ class CsvRows:
             return False
         mark = Mark(file=self.lines.file, line=line)
         if self.ended and is_note(CellRow(cells, mark), self.lines.required, self.needed):
-            self.below.append((joined([cell for cell in cells if cell.strip()]).strip(), mark))
+            text = joined([cell for cell in cells if cell.strip()]).strip()
+            self.below.append((text, mark))
+            self.comments.append(Comment.note(text, mark))
             return False
+        self.comments += [Comment.note(cell, mark) for cell in cells[self.width :] if marks_a_comment(cell)]
         self.begun = True
         return True
 

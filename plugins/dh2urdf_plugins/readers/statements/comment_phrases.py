@@ -58,7 +58,8 @@ _MENTION = late_pattern(
     r"((?:(?:[^\W\d_]{1,12}|°)(?:\s*(?:,|;|/|&|\band\b|\bund\b|\bet\b|\by\b|\be\b)\s*)?)+)",
     re.IGNORECASE,
 )
-_FREEDOM = late_pattern(r"\bdegrees?\s+of\s+freedom\b", re.IGNORECASE)
+_NO_UNIT = late_pattern(r"\bdegrees?\s+of\s+freedom\b|\brev\.?\s*(?:[a-z]|[0-9.]+)\b", re.IGNORECASE)
+"""Where the word of a unit is none: ``6 degrees of freedom``, ``rev. B``."""
 _SYSTEM = {Dimension.LENGTH: "m", Dimension.ANGLE: "rad"}
 
 _SAYS_CONVENTION = late_pattern(r"\bdh\b|denavit|convention|parameters", re.IGNORECASE)
@@ -176,7 +177,7 @@ def _other_convention(comment: Comment, convention: Convention) -> list[Problem]
 def mentioned_units(text: str) -> list[Unit]:
     """The units of lengths and angles that prose mentions, those behind a number left out: ``0.1 mm``."""
     found: list[Unit] = []
-    for match in _MENTION.finditer(_FREEDOM.sub("", text)):
+    for match in _MENTION.finditer(_NO_UNIT.sub("", text)):
         for word in re.finditer(r"[^\W\d_]+|°", match[1]):
             unit = _unit(word[0])
             is_rate = match[1][word.end() :].lstrip().startswith("/s")

@@ -24,13 +24,14 @@ from dh2urdf_plugins.readers.words.comment_lines import Comment, within
 from dh2urdf_plugins.readers.words.fields import convention_of
 
 if TYPE_CHECKING:
+    from collections.abc import Collection
     from typing import NoReturn
 
     from dh2urdf.source import Mark
 
 STATEMENTS = ("name", "convention", "units", "base", "tool", "payload", "defaults")
 """What comment lines before the header may say, as YAML."""
-_EXAMPLES = {
+EXAMPLES = {
     "name": "# name: ur5",
     "convention": "# convention: standard, or modified",
     "units": "# units: {length: mm, angle: deg}",
@@ -46,7 +47,10 @@ _STATEMENT = late_pattern(r"\s*[-*•]?\s*(?:dh[\s_-]+)?([^\W\d]+)\s*(?:[:=\uff1
 _ENTRY = late_pattern(r"\s*[-*•]?\s*([^\W\d_][\w .\-]{0,40}?)\s*(?:[:=\uff1a]\s*|(?=[\[{]))(.*)", re.DOTALL)
 _BULLET = late_pattern(r"^\s*[-*•]\s+")
 _QUOTED = late_pattern(r'"(?:[^"\\]|\\.)*"|\'(?:[^\']|\'\')*\'')
-_NUMBERS = late_pattern(r"\s*\[\s*[+-]?[0-9.]")
+_ONE = r"[\[(]*[-+−±]?\s*(?:[0-9]+[.,]?[0-9]*|[.,][0-9]+)(?:[eE][-+]?[0-9]+)?\s*(?:°|[^\W\d_]{1,3})?[\])]*"
+_NUMBERS = late_pattern(rf"\s*{_ONE}(?:(?:\s*(?:[,;|/]|\.\.+|…|\bto\b)\s*|\s+){_ONE})*\s*")
+"""One number or several with nothing else: ``[0, 90] deg``, ``±170°``, ``-170 170``."""
+_LIST = late_pattern(r"\s*\[\s*[+-]?[0-9.]")
 _OF_THE_FILE = frozenset(
     "version rev revision release edition date year page pages figure fig table chapter section equation eq line sheet "  # noqa: SIM905
     "no nr id serial serialnumber dof dofs axes joints links rows columns degreesoffreedom numberofjoints numberofaxes "
@@ -55,6 +59,7 @@ _OF_THE_FILE = frozenset(
 """What comments number that is no quantity of the arm."""
 _STRUCTURED = late_pattern(r"\{.*:.*|\[\s*(?:\[|[+-]?[0-9.])", re.DOTALL)
 _NOT_LETTERS = late_pattern(r"[\W_]+")
+_WORD = late_pattern(r"[^\W_]+")
 _CONVENTION_KEYS = frozenset(
     "dh dhparameters dhparameter dhnotation notation dhtype dhvariant dhtable dhform conventions konvention "  # noqa: SIM905
     "dhkonvention convencion convenzione parameterisation parameterization".split()
@@ -73,6 +78,17 @@ _MEANT = {
 }
 _MEANT_BY = {word: key for key, words in _MEANT.items() for word in words.split()}
 """Keys that say what a statement says under another name, without case and separators."""
+_PLACED = {
+    "tool": "tool tools tcp ee eef flange gripper hand effector endeffector werkzeug flansch greifer endeffektor outil "
+    "effecteur herramienta efector utensile",
+    "base": "base basis pedestal mounting mount sockel socle",
+}
+_PLACED_BY = {word: key for key, words in _PLACED.items() for word in words.split()}
+_OF_PLACES = frozenset(
+    "length height offset distance z d l h t end transform frame pose position link plate to from of the länge höhe "  # noqa: SIM905
+    "abstand versatz longueur hauteur longitud altura lunghezza altezza".split()
+)
+"""Words beside those in a key that gives the place of the tool or of the base: ``tool length``, ``d_tool``."""
 
 
 _MAPPING = late_pattern(r"\s*\{[^,]*:")
@@ -178,10 +194,22 @@ def _value(comment: Comment, key: str, start: int) -> Node:
                 mark=comment.mark,
                 field=key,
                 found=comment.line,
-                accepted=_EXAMPLES[key],
+                accepted=EXAMPLES[key],
             )
         )
-    return _node(comment, comment.text[start:], start)
+    node = _node(comment, comment.text[start:], start)
+    if key == "convention" and isinstance(node.value, dict | list):
+        raise TableError(
+            Problem(
+                message=f"the comment line says more than the convention: {shown(comment.text[start:].strip())}",
+                mark=node.mark,
+                field=key,
+                found=comment.line,
+                accepted=EXAMPLES[key],
+                suggestion="write each key on a line of its own",
+            )
+        )
+    return node
 
 
 def _node(comment: Comment, text: str, start: int = 0) -> Node:
@@ -216,9 +244,9 @@ def _refuse_unread(comment: Comment) -> None:
         return
     key, value = _plain(entry[1]), entry[2].strip()
     is_structured = _STRUCTURED.match(value) is not None
-    meant = _MEANT_BY.get(key) or (key if key in STATEMENTS else None)
+    meant = _MEANT_BY.get(key) or (key if key in STATEMENTS else placement_of(entry[1]))
     if meant and (is_structured or _is_number(value) or meant in ("units", "name")):
-        advice = _EXAMPLES.get(meant)
+        advice = EXAMPLES.get(meant)
         _refuse(
             comment, entry[1], entry.start(1), advice or ", ".join(STATEMENTS), advice and f"did you mean {meant!r}?"
         )
@@ -238,10 +266,24 @@ def _refuse(comment: Comment, word: str, position: int, accepted: str, suggestio
     )
 
 
+def placement_of(key: str) -> str | None:
+    """Whether a key gives the place of the tool or of the base: ``tool length``, ``base height``, ``d_tool``."""
+    words = _WORD.findall(key.casefold())
+    placed = {_PLACED_BY[word] for word in words if word in _PLACED_BY}
+    others = {word for word in words if word not in _PLACED_BY}
+    return placed.pop() if len(placed) == 1 and others <= _OF_PLACES else None
+
+
+def words_under_key(comment: Comment, keys: Collection[str]) -> list[str]:
+    """The words that a comment says under one of some keys, and nothing besides; none where it has another key."""
+    entry = _ENTRY.fullmatch(comment.text)
+    return _WORD.findall(entry[2]) if entry and _plain(entry[1]) in keys else []
+
+
 def unread_values(comment: Comment) -> list[Problem]:
     """A notice of a comment that gives a number to something: nothing reads it; a joint gets it from a column."""
     entry = _ENTRY.fullmatch(comment.text)
-    if entry is None or _plain(entry[1]) in _OF_THE_FILE or not (_is_number(entry[2]) or _NUMBERS.match(entry[2])):
+    if entry is None or _plain(entry[1]) in _OF_THE_FILE or not _are_numbers(entry[2]):
         return []
     field = read_header(entry[1]).field
     of_joints = field is not None and field.dimension is not None
@@ -261,6 +303,11 @@ def unread_values(comment: Comment) -> list[Problem]:
 def _plain(key: str) -> str:
     letters = "".join(c for c in unicodedata.normalize("NFKD", key) if not unicodedata.combining(c))
     return _NOT_LETTERS.sub("", letters).casefold()
+
+
+def _are_numbers(text: str) -> bool:
+    """Whether a text is a number, or several."""
+    return _is_number(text) or _LIST.match(text) is not None or _NUMBERS.fullmatch(text) is not None
 
 
 def _is_number(text: str) -> bool:

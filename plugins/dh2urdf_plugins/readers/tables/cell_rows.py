@@ -159,8 +159,10 @@ class CellRows:
             if isinstance(cell, Problem) and index < width and self.fields[index]:
                 texts[index] = LINE_END + texts[index]
             elif self._is_note(index, cell):
+                mark = self.marks(row, texts)[index]
+                self.comments.append(Comment.note(texts[index], mark))
                 if not is_comment(texts[index]):
-                    self.beside.append((texts[index], self.marks(row, texts)[index]))
+                    self.beside.append((texts[index], mark))
                 texts[index] = ""
         while len(texts) > width and not texts[-1].strip(SPACES):
             texts.pop()
@@ -175,7 +177,9 @@ class CellRows:
             self._see_comment(row, texts)
             return False
         if self.ended and is_note(row, self.geometry, len(self.named)):
-            self.below.append((comment_text(row), row.mark))
+            text = comment_text(row)
+            self.below.append((text, row.mark))
+            self.comments.append(Comment.note(text, row.mark))
             return False
         self.begun = True
         return True

@@ -25,8 +25,6 @@ from dh2urdf_plugins.readers.plain.rows import PlainRows
 from dh2urdf_plugins.readers.plain.sample import HEAD, PlainSample, compare
 from dh2urdf_plugins.readers.rows.rows import RowReader
 from dh2urdf_plugins.readers.rows.source import Rows
-from dh2urdf_plugins.readers.statements.comment_phrases import prose_problems
-from dh2urdf_plugins.readers.statements.csv_comments import below_header, statement, unread_values
 from dh2urdf_plugins.readers.statements.plausibility import shortest_plain
 from dh2urdf_plugins.readers.statements.statements import Statements
 from dh2urdf_plugins.readers.tables.cells import TableCells
@@ -140,10 +138,10 @@ class RowTable:
         return Cell(name.text or "", name.mark) if name else None
 
     def judge(self, comments: Iterable[Comment], *, below: bool = False) -> None:
-        """Notes what comments say that the table does not.
+        """Notes what comments and notes say that the table does not.
 
         Args:
-            comments: those that say nothing under a key.
+            comments: those that say nothing under a key, and notes.
             below: whether they are below the header.
 
         Raises:
@@ -151,9 +149,9 @@ class RowTable:
         """
         problems: list[Problem] = []
         for comment in comments:
-            found = prose_problems(comment, self.statements, self.columns)
-            problems += [below_header(comment)] if below and found and statement(comment) else found
-            problems += unread_values(comment)
+            from dh2urdf_plugins.readers.statements.judged_comments import comment_problems
+
+            problems += comment_problems(comment, self.statements, self.columns, below=below)
         errors = [problem for problem in problems if problem.severity == "error"]
         notices = [problem for problem in problems if problem.severity == "notice"]
         if errors:

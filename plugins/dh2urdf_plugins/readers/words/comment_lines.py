@@ -64,6 +64,11 @@ class Comment:
         rest = text.lstrip(f"{_INVISIBLE}{''.join(MARKERS)}")
         return cls(rest, within(place, len(line) - len(rest)), line.strip(), place)
 
+    @classmethod
+    def note(cls, text: str, place: Mark) -> Comment:
+        """The note that a cell beside the table or below it is, with a marker or without one."""
+        return cls.of(cls.of(text, place).text.strip(SPACES), place)
+
 
 def within(place: Mark, position: int) -> Mark:
     """The place of a character of a line, counted from 0; a cell has one place for all of its characters."""

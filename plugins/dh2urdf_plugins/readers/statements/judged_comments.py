@@ -1,0 +1,123 @@
+"""What comments and notes around a table say that the table itself does not: nothing of it may be lost in silence.
+
+A comment begins with #; a note is a text below or beside the table. Prose is no statement, but where it contradicts
+what is read, one of the two is wrong.
+"""
+
+from __future__ import annotations
+
+import re
+from typing import TYPE_CHECKING
+
+from dh2urdf.manipulator import JointType
+from dh2urdf.patterns import late_pattern
+from dh2urdf.source import Problem, shown
+from dh2urdf_plugins.readers.header.units import SI
+from dh2urdf_plugins.readers.rows.names import speaks_of_slide
+from dh2urdf_plugins.readers.statements.comment_phrases import prose_problems
+from dh2urdf_plugins.readers.statements.csv_comments import (
+    EXAMPLES,
+    below_header,
+    placement_of,
+    statement,
+    unread_values,
+    words_under_key,
+)
+from dh2urdf_plugins.readers.statements.statements import Statements
+from dh2urdf_plugins.readers.words.comment_lines import Comment, is_comment
+from dh2urdf_plugins.readers.words.fields import FIELDS, convention_of, joint_type
+
+if TYPE_CHECKING:
+    from dh2urdf.documents import Node
+    from dh2urdf_plugins.readers.header.columns import Columns
+
+_TYPE_KEYS = frozenset(
+    "type types jointtype jointtypes joint joints kinematics structure configuration gelenk gelenke typ typen "  # noqa: SIM905
+    "gelenktypen gelenktyp kinematik articulations tipo tipos".split()
+)
+_SEQUENCE = late_pattern(
+    r"(?<![\w-])(?=[\w-]*P)(?:(?:[2-9]?[RP]-?){3,8}(?![\w-])|[2-9]?[RP]-?[2-9]?[RP](?=\s*(?:robot|arm|manipulator)\b|\s*$))"
+)
+"""The joints of an arm by their letters: ``RRP``, ``R-R-P-R``, ``RP robot``."""
+_LENGTH = late_pattern(r"(?<![\w.,])[-+−]?[0-9]*[.,]?[0-9]*[1-9][0-9]*[.,]?[0-9]*\s*(?:mm|cm|m|µm|inch(?:es)?)\b")
+
+
+def comment_problems(
+    comment: Comment, statements: Statements, columns: Columns, *, below: bool = False
+) -> list[Problem]:
+    """What is wrong with a comment, or worth a notice.
+
+    Args:
+        comment: one that says nothing under a key, where it is above the header.
+        statements: what the table and the options say.
+        columns: its headers.
+        below: whether it is below the header, where a note says nothing that could hold.
+
+    Raises:
+        TableError: it says something under a key that nothing reads.
+    """
+    prose = prose_problems(comment, statements, columns)
+    if below and not is_comment(comment.line):
+        said = statement(comment)
+        if said is None:
+            return prose + _types_elsewhere(comment, columns)
+        return [] if said[0] == "name" or _holds(*said, statements, columns) else [below_header(comment)]
+    problems = [below_header(comment)] if below and prose and statement(comment) else prose
+    return (
+        problems + _types_elsewhere(comment, columns) + (unread_values(comment) or _unread_lengths(comment, statements))
+    )
+
+
+def _holds(key: str, node: Node, statements: Statements, columns: Columns) -> bool:
+    """Whether a note only repeats what holds for the rows above it."""
+    if key == "convention":
+        return statements.convention is not None and statements.convention[0] is convention_of(node.text or "")
+    if key != "units":
+        return False
+    said, problems = Statements(), list[Problem]()
+    said.say_units(node, problems.append)
+    declared = [*(unit for unit, _ in statements.stated.values()), *columns.units.values()]
+    return not problems and all(
+        unit.symbol in ({other.symbol for other in declared if other.dimension is dimension} or {SI.get(dimension, "")})
+        for dimension, (unit, _) in said.stated.items()
+    )
+
+
+def _types_elsewhere(comment: Comment, columns: Columns) -> list[Problem]:
+    """What is wrong with a comment that speaks of joints that slide, where no column has types."""
+    if "type" in columns.fields:
+        return []
+    kinds = {joint_type(word) for word in words_under_key(comment, ("sigma", "σ"))}
+    kinds |= {None if word.isdigit() else joint_type(word) for word in words_under_key(comment, _TYPE_KEYS)}
+    slides = JointType.PRISMATIC in kinds and None not in kinds
+    if not (slides or speaks_of_slide(comment.text) or _SEQUENCE.search(comment.text)):
+        return []
+    return [
+        Problem(
+            message=f"{shown(comment.line)} speaks of a prismatic joint, and no column has types: every joint would be "
+            "taken as revolute",
+            mark=comment.whole,
+            field="type",
+            found=comment.line,
+            accepted=f"one of the headers {', '.join(FIELDS['type'].headers)}, and a type in each row: R or P",
+        )
+    ]
+
+
+def _unread_lengths(comment: Comment, statements: Statements) -> list[Problem]:
+    """A notice of prose that gives a length of the tool or of the base, where nothing declares it."""
+    placed = map(placement_of, re.findall(r"[^\W\d_]+", comment.text))
+    found = {kind for kind in placed if kind}
+    what = found.pop() if len(found) == 1 else None
+    if what is None or what in statements.placed or not _LENGTH.search(comment.text):
+        return []
+    return [
+        Problem(
+            message=f"{shown(comment.line)} is a comment, and nothing is read from it",
+            severity="notice",
+            mark=comment.whole,
+            field=what,
+            found=comment.line,
+            suggestion=f"if it is part of the arm, declare it: `{EXAMPLES[what]}`",
+        )
+    ]

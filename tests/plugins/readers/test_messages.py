@@ -489,6 +489,15 @@ CASES = [
         "    name it otherwise, such as j1_joint",
     ),
     Case(
+        "a joint's name twice, whose like is taken too",
+        ".csv",
+        {"convention": "standard"},
+        "joint,a,alpha,d\nelbow_joint,0,0,0.1\nelbow_joint,0,0,0.1\nelbow_joint_2,0,0,0.1\n",
+        "arm.csv:3:1: error: joint 'elbow_joint', field 'joint': the joint cannot be named 'elbow_joint': a joint of arm.csv:2 has it already\n"
+        "    accepted: a name of its own: links and joints share one set of names, and world, base_link, base_link_inertia, flange, tool0 are in it\n"
+        "    name it otherwise, such as elbow_joint_3",
+    ),
+    Case(
         "names that differ in case",
         ".csv",
         {"convention": "standard"},

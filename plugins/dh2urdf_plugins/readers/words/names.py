@@ -5,14 +5,14 @@ from __future__ import annotations
 import re
 import unicodedata
 from dataclasses import replace
-from itertools import pairwise
+from itertools import chain, count, pairwise
 from typing import TYPE_CHECKING, NamedTuple
 
 from dh2urdf.patterns import late_pattern
 from dh2urdf.source import Mark, Problem, shown
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Collection, Sequence
 
 MAX_NAME = 200
 """Length of a name; readers of robot descriptions cut names of a thousand characters, or crash."""
@@ -62,6 +62,7 @@ def name_problems(rows: Sequence[RowNames]) -> list[Problem]:
     taken: dict[str, str] = dict.fromkeys(RESERVED, "it is the name of a link that every robot description has")
     for name in ("base_link-base_link_inertia", f"{last}-tool0", f"{last}-flange"):
         taken[name] = "it is the name of a joint that the description adds"
+    names = {name for row in rows for name in (row.joint, row.link)}
     alike: dict[str, str] = {}
     problems = []
     if are_out_of_order([row.joint for row in rows]):
@@ -78,7 +79,8 @@ def name_problems(rows: Sequence[RowNames]) -> list[Problem]:
     for joint, link, joint_mark, link_mark in rows:
         for kind, name, mark in (("joint", joint, joint_mark), ("link", link, link_mark)):
             if name in taken:
-                problems.append(_taken(kind, name, taken[name], joint, mark))
+                free = _free(name, kind, names | taken.keys())
+                problems.append(_taken(kind, name, taken[name], joint, mark, free=free))
                 continue
             taken[name] = f"a {kind} of {replace(mark, column=None)} has it already" if mark else "it is taken already"
             folded = unicodedata.normalize("NFKC", name).casefold()
@@ -106,7 +108,14 @@ def are_out_of_order(joints: Sequence[str]) -> bool:
     return any(left >= right for left, right in pairwise(numbers))
 
 
-def _taken(kind: str, name: str, reason: str, joint: str, mark: Mark | None) -> Problem:
+def _free(name: str, kind: str, taken: Collection[str]) -> str:
+    """A name like this one that nothing has yet."""
+    numbered = (f"{name}_{number}" for number in count(2))
+    kinds = () if name.casefold().endswith(kind) else (f"{name}_{kind}",)
+    return next(free for free in chain(kinds, numbered) if free not in taken)
+
+
+def _taken(kind: str, name: str, reason: str, joint: str, mark: Mark | None, *, free: str) -> Problem:
     return Problem(
         message=f"the {kind} cannot be named {shown(name)}: {reason}",
         mark=mark,
@@ -114,5 +123,5 @@ def _taken(kind: str, name: str, reason: str, joint: str, mark: Mark | None) -> 
         field=kind,
         found=name,
         accepted=f"a name of its own: links and joints share one set of names, and {', '.join(RESERVED)} are in it",
-        suggestion=f"name it otherwise, such as {name}_{kind}",
+        suggestion=f"name it otherwise, such as {free}",
     )

@@ -9,7 +9,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from itertools import accumulate
+from itertools import accumulate, pairwise
 from operator import itemgetter
 from typing import Any, TypeAlias
 
@@ -105,7 +105,10 @@ class Skeleton:
 
 
 class Form:
-    """What the files of a skeleton have in common besides their markup and words: an expression that matches them.
+    """What the files of a skeleton have in common besides their markup and words: all bytes between some numbers.
+
+    An expression takes the numbers out of a file by the lengths of what is between them. The file is of this form if
+    the same bytes come of the numbers and of what is between them here.
 
     Attributes:
         joints: their joints.
@@ -120,11 +123,16 @@ class Form:
             traces: the places of the numbers that vary, with what those have in common that are always the same.
         """
         first = {trace: place for place, trace in reversed([*traces.items()])}
-        groups = {place: number for number, place in enumerate(sorted(first.values()), start=1)}
-        parts = list(map(re.escape, pieces))
-        for place, trace in traces.items():
+        groups = {place: number for number, place in enumerate(sorted(first.values()))}
+        cuts = [-1, *[2 * place + 1 for place in traces], len(pieces)]
+        between = [b'"'.join(pieces[start + 1 : end]) for start, end in pairwise(cuts)]
+        self._text = b'"%b"'.join([text.replace(b"%", b"%%") for text in between])
+        steps = [b".{%d}" % len(between[0])]
+        for (place, trace), text in zip(traces.items(), between[1:], strict=True):
             name, is_first = b"_%d" % groups[first[trace]], place in groups
-            parts[2 * place + 1] = b'(?P<%b>[^"]*+)' % name if is_first else b"(?P=%b)" % name
+            steps += (b'"', b'(?P<%b>[^"]*+)' % name if is_first else b"(?P=%b)" % name, b'".{%d}' % len(text))
+        self._match = re.compile(b"".join(steps), re.DOTALL).fullmatch
+        self._fillings = picker([groups[first[trace]] for trace in traces.values()])
         values = pieces[1::2]
         moving = [place for place in skeleton.of_joints if place in traces]
         said = {first[traces[place]] for place in moving}
@@ -136,8 +144,7 @@ class Form:
             for place, count, end in zip(skeleton.of_joints, counts, accumulate(counts), strict=True)
         }
         self.joints = skeleton.joints
-        self._match = re.compile(b'"'.join(parts)).fullmatch
-        self._lone = [groups[place] for place in lone]
+        self._lone = picker([groups[place] for place in lone])
         self._between = between_numbers(text)
         self._count = text.count(b" ") + text.count(b",") + 1 if lone else 0
         self._columns = [column for place in moving for column in spans[place]]
@@ -146,7 +153,10 @@ class Form:
     def numbers(self, content: bytes, start: int) -> bytes | None:
         """The numbers that are to be read in a file, with commas between them; None where it is of another form."""
         match = self._match(content, start)
-        return None if match is None else b",".join(match.group(0, 0, *self._lone)[2:])
+        if match is None:
+            return None
+        texts = match.groups()
+        return b",".join(self._lone(texts)) if content[start:] == self._text % self._fillings(texts) else None
 
     def rows(self, texts: Sequence[bytes]) -> tuple[list[int], Any]:
         """The numbers of the joints of files of this form.

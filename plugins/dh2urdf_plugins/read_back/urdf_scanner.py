@@ -125,8 +125,8 @@ class _Scanner:
     def __init__(self) -> None:
         self._layouts: dict[bytes, _Layout] = {}
         self._joints: dict[Hashable, Joints] = {}
-        self._before: Skeleton | None = None  # that of the last file that was read by itself
-        self._skeleton: Skeleton | None = None  # the same where it is that of the file before too, as it often stays
+        self._last: list[Form] = []  # that of the last file that had one: often the next file has it too
+        self._with_form: dict[int, dict[Skeleton, Form]] = {}  # by the number of quotes
         self.size = 0
 
     def scan(self, contents: Iterable[tuple[int, bytes]]) -> Iterator[_Found]:
@@ -139,12 +139,14 @@ class _Scanner:
             head = _HEAD.match(content)
             if head is None or not _is_printable(head[0]):
                 continue
-            form = self._skeleton.form if self._skeleton else None
-            if form and (text := form.numbers(content, head.end())) is not None:
-                waiting.setdefault(form, []).append((index, head[1].decode(), text))
-                continue
-            if found := self._one(content, head.end()):
-                alone.setdefault(found[0], []).append((index, head[1].decode(), found[1]))
+            for form in self._candidates(content):
+                if (text := form.numbers(content, head.end())) is not None:
+                    waiting.setdefault(form, []).append((index, head[1].decode(), text))
+                    self._last = [form]
+                    break
+            else:
+                if found := self._one(content, head.end()):
+                    alone.setdefault(found[0], []).append((index, head[1].decode(), found[1]))
         for joints, numbers in alone.items():
             indices, names, rows = zip(*numbers, strict=True)
             yield _Found(joints, list(indices), names[0], np.array(rows, dtype=float))
@@ -153,13 +155,21 @@ class _Scanner:
             if good:
                 yield _Found(form.joints, [files[place][0] for place in good], files[good[0]][1], table)
 
+    def _candidates(self, content: bytes) -> Iterator[Form]:
+        """The forms that a file may have. Any other is found out at the first of its numbers, as a rule."""
+        yield from self._last
+        yield from self._with_form.get(content.count(b'"'), {}).values()
+
     def _one(self, content: bytes, start: int) -> tuple[Joints, list[float]] | None:
         """The joints of a file and their numbers; None where the file is not plain."""
         pieces = content[start:].split(b'"')
         if len(pieces) % 2 == 0:
             return None
         markup, values = b'"'.join(pieces[::2]), pieces[1::2]
-        layout = self._layouts.get(markup) or self._lay_out(markup, content, start)
+        layout, attributes = self._layouts.get(markup), list[tuple[etree._Element, str]]()
+        if layout is None:
+            attributes = _attributes(content, start)
+            layout = self._lay_out(markup, attributes)
         if layout is None:
             return None
         text = b",".join(layout.numbers(values))
@@ -171,17 +181,14 @@ class _Scanner:
         key = (layout.words(values), between_numbers(text))
         skeleton = layout.known.get(key)
         if skeleton is None:
-            skeleton = self._learn(key, layout, content, start)
+            skeleton = self._learn(key, layout, content, start, attributes or _attributes(content, start))
         if skeleton is None:
             return None
-        self._skeleton = skeleton if skeleton is self._before else None
-        self._before = skeleton
-        if self._skeleton:
-            skeleton.see(pieces)
+        if form := skeleton.see(pieces):
+            self._with_form.setdefault(content.count(b'"'), {})[skeleton] = form
         return skeleton.joints, numbers[: skeleton.count]
 
-    def _lay_out(self, markup: bytes, content: bytes, start: int) -> _Layout | None:
-        attributes = _attributes(content, start)
+    def _lay_out(self, markup: bytes, attributes: Sequence[tuple[etree._Element, str]]) -> _Layout | None:
         kinds = [(str(element.tag), name) for element, name in attributes]
         numbers = [index for index, kind in enumerate(kinds) if kind in _NUMBERS]
         words = [index for index, kind in enumerate(kinds) if kind not in _NUMBERS]
@@ -195,13 +202,17 @@ class _Scanner:
         return layout
 
     def _learn(
-        self, key: tuple[tuple[bytes, ...], bytes], layout: _Layout, content: bytes, start: int
+        self,
+        key: tuple[tuple[bytes, ...], bytes],
+        layout: _Layout,
+        content: bytes,
+        start: int,
+        attributes: Sequence[tuple[etree._Element, str]],
     ) -> Skeleton | None:
         try:
             robot = parse_urdf(content, "")
         except ProofError:
             return None
-        attributes = _attributes(content, start)
         if not attributes:
             return None
         values = _values(content, start)

@@ -12,6 +12,8 @@ from dh2urdf.report.verdicts import Verdicts
 from dh2urdf.tasks.failure_index import FailureIndex
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from dh2urdf.report.overview import Overview
     from dh2urdf.results import Reproduction
     from dh2urdf.tasks.manifest_table import ManifestTable
@@ -52,8 +54,12 @@ class ManifestWriter:
         self.overview: Overview | None = None
         self._place = place
 
-    def add(self, block: bytes) -> None:
-        """Take the rows of a batch, as lines of JSON.
+    def add(self, block: bytes, telling: Sequence[int] | None = None) -> None:
+        """Take the rows of a batch.
+
+        Args:
+            block: lines of JSON.
+            telling: the places of those that have to be read, as a `BatchReport` has them.
 
         Raises:
             OutputError: they cannot be written.
@@ -61,7 +67,9 @@ class ManifestWriter:
         with reporting_os_errors(self._place):
             write_all(self.rows.fileno(), block)
         lines = block.splitlines(keepends=True)
-        rows = [loads(line) for line in lines]
+        some = lines if telling is None or self.overview else [lines[place] for place in telling]
+        rows = [loads(line) for line in some]
+        self.index.add_ok(len(lines) - len(some))
         for row in rows:
             self.index.add(row)
             self.verdicts.add(row)

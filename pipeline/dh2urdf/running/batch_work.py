@@ -7,6 +7,7 @@ from collections import defaultdict
 from contextlib import nullcontext
 from dataclasses import replace
 from hashlib import sha256
+from itertools import repeat
 from typing import TYPE_CHECKING, Any
 
 import orjson
@@ -52,6 +53,8 @@ class Work(BatchContent):
         report = Tally(self.batch.first)
         journal = Journal(self.worker.reports, f"{self.worker.journal}/{self.batch.first:09d}.jsonl")
         rows: list[bytes] = []
+        telling: list[int] = []
+        form: Any = None
         makes = self.worker.effect is Depth.MAKE
         is_whole = self.worker.layout.is_whole
         place_of = self.worker.layout.place(self.worker.store, self.batch.first) if missing and makes else nullcontext()
@@ -68,6 +71,9 @@ class Work(BatchContent):
                         outcome = replace(outcome, not_loaded=not_loaded(self.recipe, outcome, is_sampled=sampled))
                     row = to_line(outcome.row(*self._put(place, outcome, target)))
                     report.note(outcome)
+                before, form = form, self._form(place) if place in ready else None
+                if form is None or form != before:
+                    telling.append(place)
                 rows.append(row)
                 if makes and not is_whole:
                     journal.add(row, now=place not in ready)
@@ -75,7 +81,7 @@ class Work(BatchContent):
             for row in rows if is_whole else ():
                 journal.add(row)
             journal.close()
-        return report.report(b"".join(rows), self.seconds)
+        return report.report(b"".join(rows), telling, self.seconds)
 
     def _put(self, place: int, outcome: Outcome, target: Destination | None) -> tuple[str, list[FileEntry]]:
         """Put the files of a manipulator in their place; its key and where they are."""
@@ -94,6 +100,11 @@ class Work(BatchContent):
         self.seconds["write"] += time.perf_counter() - started
         told = bool(outcome.notices or outcome.errors)
         return self.key(place, noticed=told, mark=self.mark(place) if told else None), facts
+
+    def _form(self, place: int) -> tuple[Any, ...] | None:
+        """What two rows have to have in common so that the second need not be read; None where it has to be."""
+        drawn = self.drawn.get(place, {})
+        return None if self.recipe.loaders else (*drawn, *map(type, drawn.values()))
 
     # --- Many at once
 
@@ -176,16 +187,15 @@ class Work(BatchContent):
         names = [columns.names[member] for member in whole]
         of_readers, drawn = self.batch.of_readers, self.drawn
         alike = Outcome(name="", status="ok", source="", keeps_kinematics=self.recipe.keeps_kinematics, meshes=meshes)
+        told = [many_unchecked(notice, len(whole), robot=names) for notice in notices]
+        own_notices = zip(*told, strict=True) if told else repeat(())
         outcomes = many_unchecked(
             alike,
             len(whole),
             name=names,
             source=[self.batch.sources[place] for place in done],
             drawn=[drawn.get(place, {}) for place in done],
-            notices=[
-                (*of_readers.get(place, ()), *[replace(notice, robot=name) for notice in notices])
-                for place, name in zip(done, names, strict=True)
-            ],
+            notices=[(*of_readers.get(place, ()), *own) for place, own in zip(done, own_notices, strict=False)],
             written=[tuple(made[member]) for member in whole],
         )
         return dict(zip(done, outcomes, strict=True))

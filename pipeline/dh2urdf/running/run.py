@@ -218,7 +218,7 @@ def _make(  # noqa: PLR0917 - what a run has in its hands
             report = _rescued(worker, batch, answer) if isinstance(answer, Lost) else answer
             for line in report.printed:
                 print(printable(line), file=sys.stderr)  # noqa: T201 - where plugins expect their words to go
-            manifest.add(report.rows)
+            manifest.add(report.rows, report.telling)
             result.add(report)
             readable = readable or report.was_read
             unread.append(replace(report, rows=b""))

@@ -11,6 +11,8 @@ from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.source import Problem, in_file_order
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from dh2urdf.conversion.outcome import Outcome
 
 TIMED = 1000
@@ -24,6 +26,8 @@ class BatchReport:
     Attributes:
         first: number of its first manipulator in the run.
         rows: its part of the manifest, a line of JSON for each.
+        telling: the places of the rows that have to be read: each of the others is ok, has no loader, and draws the
+            same as the row before it but for the numbers; None where all have to be.
         statuses: how many are ok, kept from an earlier run, failed or skipped.
         kinds: how many failed, by kind.
         problems: what was noticed and what failed, a screenful of each; what is noticed of many is there once.
@@ -40,6 +44,7 @@ class BatchReport:
     rows: bytes
     statuses: Counter[str]
     kinds: Counter[str]
+    telling: tuple[int, ...] | None = None
     problems: tuple[Problem, ...] = ()
     severities: Counter[str] = field(default_factory=Counter)
     tracebacks: tuple[str, ...] = ()
@@ -107,11 +112,12 @@ class Tally:
         self.statuses["kept"] += 1
         self._was_read = True
 
-    def report(self, rows: bytes, seconds: dict[str, float]) -> BatchReport:
+    def report(self, rows: bytes, telling: Sequence[int], seconds: dict[str, float]) -> BatchReport:
         """The report of the batch."""
         return BatchReport(
             first=self._first,
             rows=rows,
+            telling=tuple(telling),
             statuses=self.statuses,
             kinds=self._kinds,
             problems=tuple(self._problems),

@@ -67,7 +67,11 @@ class ManifestTable:
         self._is_outgrown = False
 
     def add(self, rows: Iterable[ManifestRow], lines: Iterable[bytes]) -> None:
-        """Take rows of the manifest, and the same as lines of JSON.
+        """Take rows of the manifest.
+
+        Args:
+            rows: those that may have other columns, or other kinds of values, than the rows before them.
+            lines: all, as lines of JSON.
 
         Raises:
             OSError: the file cannot be written.

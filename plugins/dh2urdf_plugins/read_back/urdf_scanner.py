@@ -166,7 +166,8 @@ class _Scanner:
         if len(pieces) % 2 == 0:
             return None
         markup, values = b'"'.join(pieces[::2]), pieces[1::2]
-        layout, attributes = self._layouts.get(markup), list[tuple[etree._Element, str]]()
+        layout = self._layouts.get(markup)
+        attributes: list[tuple[etree._Element, str]] = []
         if layout is None:
             attributes = _attributes(content, start)
             layout = self._lay_out(markup, attributes)

@@ -8,9 +8,11 @@ import pytest
 
 import dh2urdf
 from dh2urdf.output.whole_files import Stems
+from dh2urdf.report.manifest_writer import ManifestWriter
 from dh2urdf.running.batch_work import Work
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
     from pathlib import Path
 
 ARMS = 12
@@ -64,6 +66,40 @@ def test_they_are_what_they_are_by_themselves(inputs: Path, by_themselves: list[
     for name, told in notices.items():
         [of_the_reader] = [notice for notice in told if "tip is within" in notice]
         assert f"{name}.urdf" in of_the_reader
+
+
+MANY = """
+inputs: {path: arms.csv, options: {convention: standard}}
+emitters: [urdf]
+report: {html: false}
+execution: {options: {workers: 1}}
+variations:
+  - {of: arm, name: long, count: 5, vary: [{joints: one, field: a, uniform: [0.2, 0.4]}]}
+  - {of: arm, name: heavy, count: 5, vary: [{joints: one, field: mass, uniform: [1, 2]}]}
+  - {of: arm, name: sliding, count: 5, vary: [{joints: two, field: type, choices: [revolute, prismatic]}]}
+"""
+
+
+def test_rows_that_are_not_read_change_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Index and table of a run are the same, whether each row of its manifest is read or only those that tell more."""
+    rows = ["bad,one,x,0,0.1", "arm,one,0.3,0,0.1", "arm,two,0.2,0,0.1", *[f"arm_{d},one,0.3,0,0.{d}" for d in "123"]]
+    (tmp_path / "arms.csv").write_text("robot,joint,a,alpha,d\n" + "\n".join(rows) + "\n")
+    (tmp_path / "run.yaml").write_text(MANY)
+    add = ManifestWriter.add
+    read: list[int] = []
+
+    def noted(self: ManifestWriter, block: bytes, telling: Sequence[int] | None = None) -> None:
+        assert telling is not None
+        read.append(block.count(b"\n") - len(telling))
+        add(self, block, telling)
+
+    monkeypatch.setattr(ManifestWriter, "add", noted)
+    dh2urdf.run(tmp_path / "run.yaml", tmp_path / "some", settings={"output.layout": "shards"})
+    monkeypatch.setattr(ManifestWriter, "add", lambda self, block, _: add(self, block))
+    dh2urdf.run(tmp_path / "run.yaml", tmp_path / "all", settings={"output.layout": "shards"})
+    assert sum(read) > 5  # were not read
+    for name in ("index.json", "manifest.parquet"):
+        assert (tmp_path / "some" / name).read_bytes() == (tmp_path / "all" / name).read_bytes()
 
 
 def test_names_that_many_have_are_numbered_at_once() -> None:

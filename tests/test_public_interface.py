@@ -43,6 +43,7 @@ PUBLIC = {
     "dh2urdf.isolation": "a function in a child process, which may crash, and may be shut off from the machine",
     "dh2urdf.kinematics": "the DH product and forward kinematics",
     "dh2urdf.late_dataclasses": "dataclasses whose methods are compiled when they are first used",
+    "dh2urdf.late_tuples": "named tuples whose `__new__` is compiled when the first one is made",
     "dh2urdf.manipulator": "the contents of a table: readers make it, transforms accept it",
     "dh2urdf.mass_properties": "mass, centre and inertia of shapes and of compounds",
     "dh2urdf.measuring": "what a simulator has of an arm, compared with the robot that was written",

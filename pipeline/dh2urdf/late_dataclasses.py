@@ -35,6 +35,10 @@ else:
         return lambda kind: _dataclass(kind, frozen=frozen, slots=slots, kw_only=kw_only, eq=eq, has_repr=repr)
 
 
+_OTHERS = ("ClassVar", "InitVar", "KW_ONLY")
+"""Annotations of what is no field."""
+
+
 def _dataclass(kind: type, *, frozen: bool, slots: bool, kw_only: bool, eq: bool, has_repr: bool) -> type:
     kind.__doc__ = kind.__doc__ or kind.__name__  # The standard library would look for a signature.
     # Of a class that extends another one, the standard library checks that both are frozen, or neither is.
@@ -42,17 +46,26 @@ def _dataclass(kind: type, *, frozen: bool, slots: bool, kw_only: bool, eq: bool
     find_fields = dataclasses.dataclass(
         init=False, repr=False, eq=False, frozen=is_frozen, slots=slots, kw_only=kw_only
     )
+    # Of an annotation that is text, it would look three times whether that means something else than a field.
+    written = vars(kind).get("__annotations__", {})
+    plain = [
+        name for name, text in written.items() if isinstance(text, str) and not any(map(text.__contains__, _OTHERS))
+    ]
+    kind.__annotations__ = written | dict.fromkeys(plain, object)
     made: Any = find_fields(kind)
+    made.__annotations__ = written
+    for name in plain:
+        made.__dataclass_fields__[name].type = written[name]
     methods: dict[str, Any] = {"__init__": _LateInit("__init__", made, _init)}
     if has_repr:
-        methods["__repr__"] = _Late("__repr__", made, _repr)
+        methods["__repr__"] = Late("__repr__", made, _repr)
     if frozen:
         methods |= {"__setattr__": _setattr, "__delattr__": _delattr}
         if slots:
             methods |= {"__getstate__": _getstate, "__setstate__": _setstate}
     if eq:
-        methods["__eq__"] = _Late("__eq__", made, _eq)
-        methods["__hash__"] = _Late("__hash__", made, _hash) if frozen else None
+        methods["__eq__"] = Late("__eq__", made, _eq)
+        methods["__hash__"] = Late("__hash__", made, _hash) if frozen else None
     own = vars(made)
     for name in [name for name in methods if name not in own or (name == "__hash__" and own[name] is None)]:
         setattr(made, name, methods[name])
@@ -68,7 +81,7 @@ _FEW = 10
 # --- Methods with code of their own ----------------------------------------------------------------------------------
 
 
-class _Late:
+class Late:
     """Stands for a method of a class: compiles it when it is asked for, and puts it into the class."""
 
     def __init__(self, name: str, kind: type, compiled: Callable[[Any], Callable[..., Any]]) -> None:
@@ -81,7 +94,7 @@ class _Late:
         return function if record is None else function.__get__(record)
 
 
-class _LateInit(_Late):
+class _LateInit(Late):
     """An `__init__` that fills the first few records without code of its own: in most commands there are no more."""
 
     _records = 0

@@ -11,9 +11,10 @@ Rotations are row-major 9-tuples (r00, r01, r02, r10, …), vectors are 3-tuples
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from dh2urdf.elementwise import Condition, Number, atan2, hypot, is_column, mapped
+from dh2urdf.late_tuples import NamedTuple
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -63,11 +64,11 @@ def rounded_quarter_turn(angle: float) -> int | None:
     It is within two units of its own last decimal, in radians or in degrees, and within 5 mrad, of a whole number of
     quarter turns other than 0, and is none. A measured angle has more decimals: 1.57195248 was not rounded from π/2.
     """
-    from decimal import Decimal
-
     turns: int = round(angle / HALF_PI)
     if not turns or quarter_turns(angle) is not None or not abs(angle - turns * HALF_PI) <= _ROUNDED:
         return None
+    from decimal import Decimal
+
     for number, whole in ((angle, turns * HALF_PI), (round(math.degrees(angle), _DIGITS), turns * 90.0)):
         exponent = Decimal(repr(number)).normalize().as_tuple().exponent
         if isinstance(exponent, int) and abs(number - whole) <= 2.0 * 10.0**exponent:

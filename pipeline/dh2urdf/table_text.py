@@ -10,10 +10,10 @@ import math
 import re
 from bisect import bisect_right
 from collections.abc import Iterable, Mapping, Sequence
-from decimal import Decimal
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 from dh2urdf.late_dataclasses import dataclass
+from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.manipulator import JointType
 from dh2urdf.patterns import late_pattern
 from dh2urdf.quantities.number_text import format_number
@@ -176,6 +176,8 @@ def number_in(value: float, unit: Unit) -> str:
         return _shortest(value, math.degrees(value), unit)
     if unit.dimension is Dimension.ANGLE:
         return _multiple_of_pi(value) or format_number(value)
+    from decimal import Decimal
+
     shifted = Decimal(repr(float(value))).scaleb(-unit.power).normalize()
     plain = format(shifted, "f")
     return format_number(0.0) if not shifted else plain if len(plain) <= _PLAIN_LENGTH else str(shifted)

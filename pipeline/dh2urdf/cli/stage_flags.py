@@ -5,12 +5,13 @@ from __future__ import annotations
 import sys
 from contextlib import nullcontext, suppress
 from dataclasses import fields, is_dataclass
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from dh2urdf.cli.answers import kept_apart
 from dh2urdf.cli.leaving_out import loaded
+from dh2urdf.late_tuples import NamedTuple
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 from dh2urdf.commands.described_files import described_files
 from dh2urdf.documents.text_files import check_file
 from dh2urdf.errors import ConfigError, InputError
+from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.plugin_system.calls import Call, depending_on
 from dh2urdf.plugin_system.stage_answers import a_whole_record
 from dh2urdf.source import Mark, Problem, shown

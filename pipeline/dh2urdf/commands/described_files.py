@@ -5,11 +5,12 @@ from __future__ import annotations
 import contextlib
 import os
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 from xml.parsers import expat
 
 from dh2urdf.documents.text_files import check_file
 from dh2urdf.errors import InputError
+from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.plugin_system.calls import Call, depending_on
 from dh2urdf.plugin_system.stage_answers import items_of
 from dh2urdf.source import Mark, Problem

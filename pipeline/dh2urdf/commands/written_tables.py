@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from dataclasses import fields, is_dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 from dh2urdf.conversion.one_manipulator import read_items
 from dh2urdf.errors import InputError, RecordValueError
 from dh2urdf.kinematics.chain import angle_error, forward_kinematics, position_error
 from dh2urdf.late_dataclasses import dataclass
+from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.output.spooled import spooled
 from dh2urdf.output.whole_files import write_whole
 from dh2urdf.plugin_system.calls import Call, blaming, default_call

@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from dataclasses import replace
 from types import NoneType
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 from dh2urdf.conversion.outcome import NotLoaded, Outcome, Verdict
 from dh2urdf.errors import (
@@ -18,6 +18,7 @@ from dh2urdf.errors import (
 from dh2urdf.isolation.loads import load_in_child
 from dh2urdf.kinematics.chain import KinematicChain
 from dh2urdf.kinematics.proof_vectors import joint_vectors
+from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.plugin_system.calls import Call, blaming, depending_on
 from dh2urdf.plugin_system.stage_answers import a_plain_name, a_record
 from dh2urdf.source import Problem, shown

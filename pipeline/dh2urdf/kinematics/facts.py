@@ -9,10 +9,11 @@ offset and a sign: the angle of the model is sign·q − offset.
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 from dh2urdf.kinematics.chain import forward_kinematics, row_transform
 from dh2urdf.late_dataclasses import dataclass
+from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.manipulator import Convention, JointType
 from dh2urdf.rotations import RigidTransform, Vec3, cos_sin, cross, norm, rotation_x, subtract
 

@@ -8,9 +8,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from contextlib import suppress
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 from dh2urdf.errors import RecordTypeError, RecordValueError
+from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.source import Mark, Problem, did_you_mean, shown
 
 if TYPE_CHECKING:

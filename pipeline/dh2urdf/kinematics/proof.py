@@ -15,7 +15,7 @@ from __future__ import annotations
 import math
 from dataclasses import field, replace
 from itertools import repeat
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 from dh2urdf.elementwise import is_column
 from dh2urdf.errors import ProofError
@@ -24,6 +24,7 @@ from dh2urdf.kinematics.expected_poses import ExpectedPoses
 from dh2urdf.kinematics.proof_vectors import joint_columns
 from dh2urdf.kinematics.walk import STACKS, CompiledChain, Frame, JointValue, values_of
 from dh2urdf.late_dataclasses import dataclass
+from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.manipulator import JointType
 from dh2urdf.source import Problem
 from dh2urdf.validation.coercion import many_unchecked, replace_unchecked

@@ -9,9 +9,10 @@ from __future__ import annotations
 
 import re
 from contextlib import ExitStack
-from typing import TYPE_CHECKING, BinaryIO, NamedTuple, Self
+from typing import TYPE_CHECKING, BinaryIO, Self
 
 from dh2urdf.errors import OutputError
+from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.output.store import Store, checked
 from dh2urdf.output.whole_files import refused, reporting_os_errors, safe_stem, write_all
 from dh2urdf.source import Problem

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import re
 import unicodedata
 from contextlib import contextmanager, suppress
 from errno import EISDIR
@@ -12,6 +11,7 @@ from typing import TYPE_CHECKING
 
 from dh2urdf.errors import OutputError
 from dh2urdf.output.seen_names import SeenNames
+from dh2urdf.patterns import late_pattern
 from dh2urdf.source import Problem, shown
 
 if TYPE_CHECKING:
@@ -26,7 +26,7 @@ NO_NAMES = frozenset(("", ".", ".."))
 READ_AT_ONCE = 1 << 20
 """How much of a file is read at once [byte]."""
 _STAGING = ".dh2urdf-"
-_SAFE = re.compile(r"[A-Za-z0-9](?:[A-Za-z0-9.+_-]*[A-Za-z0-9+])?")
+_SAFE = late_pattern(r"[A-Za-z0-9](?:[A-Za-z0-9.+_-]*[A-Za-z0-9+])?")
 _DEVICES = {"con", "prn", "aux", "nul", *(f"{port}{n}" for port in ("com", "lpt") for n in range(1, 10))}
 
 

@@ -14,7 +14,9 @@ from functools import cached_property
 from importlib import import_module
 from importlib.machinery import PathFinder
 from itertools import takewhile
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
+
+from dh2urdf.late_tuples import NamedTuple
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

@@ -194,8 +194,7 @@ class _GivenOptions(Generic[O]):
             for entry_hint in (get_args(member)[0] for member in members(hint) if get_origin(member) in (list, tuple)):
                 for index, entry in enumerate(value):
                     yield from self._unknown(entry_hint, entry, (*keys, index))
-        records = _records(hint)
-        if not records or not isinstance(value, dict):
+        if not value or not isinstance(value, dict) or not (records := _records(hint)):
             return
         known = {name: hint for record in records for name, hint in type_hints(record).items()}
         for key, entry in value.items():

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterable
 from contextlib import contextmanager
 from dataclasses import fields, is_dataclass
@@ -31,8 +30,6 @@ RECORDS: dict[Kind, type[Any]] = {
 }
 KINDS: tuple[Kind, ...] = get_args(Kind)
 
-_DECLARATION = re.compile(rf"({'|'.join(KINDS)})\.(\S+)")
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Provided:
@@ -50,8 +47,8 @@ class Provided:
 
 def declared(plugin: Plugin) -> tuple[str, str] | None:
     """Kind and name of a plugin's only stage, where its entry point is called so, such as ``emitter.usd``."""
-    found = _DECLARATION.fullmatch(plugin.entry)
-    return (found[1], found[2]) if found else None
+    kind, _, name = plugin.entry.partition(".")
+    return (kind, name) if kind in KINDS and name.split() == [name] else None
 
 
 class PluginStages:
@@ -168,13 +165,18 @@ def _check_choices(kind: Kind, stage: Any) -> None:  # noqa: ANN401 - a record o
         raise ValueError(f"the {kind} {stage.name!r} compares {compared!r:.60}, which is none of its options")
 
 
+def _is_word(text: str, others: str) -> bool:
+    """Whether a text is one word, without some other characters."""
+    return text.split() == [text] and not set(text).intersection(others)
+
+
 def check_record(kind: Kind, stage: Any) -> None:  # noqa: ANN401 - whatever a hook gave
     """Raises a TypeError or ValueError where it is no record of the kind that could be asked for by its name."""
     record = RECORDS[kind]
     if not isinstance(stage, record):
         given = f"{type(stage).__name__} {stage!r:.60}"
         raise TypeError(f"the hook dh2urdf_{kind}s gave {given}, not a dh2urdf.stages.{record.__name__}")
-    if not isinstance(stage.name, str) or not re.fullmatch(r"[^\s:]+", stage.name) or not stage.name.isprintable():
+    if not isinstance(stage.name, str) or not _is_word(stage.name, ":") or not stage.name.isprintable():
         raise ValueError(f"the {kind} {stage.name!r:.60} has no name that a run file could say: a word without a colon")
     if not isinstance(stage.summary, str) or not stage.summary.isprintable():
         raise TypeError(f"the summary of the {kind} {stage.name!r} is {stage.summary!r:.60}, not a line of text")
@@ -185,7 +187,7 @@ def check_record(kind: Kind, stage: Any) -> None:  # noqa: ANN401 - whatever a h
         if not isinstance(words, tuple) or not all(isinstance(word, str) for word in words):
             raise TypeError(f"the {what} of the {kind} {stage.name!r} are {words!r:.60}, not a tuple of texts")
     for suffix in getattr(stage, "suffixes", ()):
-        if not re.fullmatch(r"\.[^/\\\s]+", suffix) or suffix != suffix.lower():
+        if suffix[:1] != "." or not _is_word(suffix[1:], "/\\") or suffix != suffix.lower():
             raise ValueError(
                 f"the {kind} {stage.name!r} has the suffix {suffix!r:.60}; accepted: lower case, with the dot before it"
             )

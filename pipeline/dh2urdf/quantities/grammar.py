@@ -20,12 +20,12 @@ import unicodedata
 from typing import TYPE_CHECKING, NoReturn
 
 from dh2urdf.patterns import late_pattern
+from dh2urdf.quantities.exact_numbers import Decimal
 from dh2urdf.quantities.functions import FUNCTIONS, OTHER_NAMES, Function, from_degrees
 from dh2urdf.quantities.spellings import SIGNS, advice, misreading
 from dh2urdf.quantities.tokens import MAX_CHARACTERS, MAX_NESTING, TOKEN, Intermediate, Token, Variable, negative
 from dh2urdf.quantities.units import (
     UNITS,
-    Decimal,
     Dimension,
     QuantityError,
     Unit,

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import re
-from typing import NamedTuple
+from typing import TYPE_CHECKING
 
+from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.patterns import late_pattern
-from dh2urdf.quantities.units import (
-    Decimal,
-    Dimension,
-)
+from dh2urdf.quantities.exact_numbers import Decimal
+
+if TYPE_CHECKING:
+    from dh2urdf.quantities.units import Dimension
 
 MAX_CHARACTERS = 1000
 """Length of a number or an expression: more digits than a double can use, and no work for an attacker."""

@@ -10,13 +10,12 @@ import math
 import re
 import unicodedata
 from enum import StrEnum
-from fractions import Fraction
 from functools import lru_cache
 from itertools import accumulate
-from typing import NamedTuple
 
 from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.patterns import late_pattern
+from dh2urdf.quantities.exact_numbers import ONE, Decimal, Ratio
 from dh2urdf.rotations import HALF_PI
 from dh2urdf.source import did_you_mean, shown
 
@@ -69,7 +68,7 @@ class Unit:
     symbol: str
     dimension: Dimension
     power: int = 0
-    factor: Fraction = Fraction(1)
+    factor: Ratio = ONE
     parts: float | None = None
 
     @property
@@ -78,9 +77,14 @@ class Unit:
         return self.parts == _DEGREES
 
     @property
+    def is_shifted(self) -> bool:
+        """Whether a decimal point in another place makes its numbers those of the SI unit."""
+        return self.factor == ONE and self.parts is None
+
+    @property
     def is_si(self) -> bool:
         """Whether its numbers are those of the SI unit."""
-        return self.power == 0 and self.factor == 1 and self.parts is None
+        return self.power == 0 and self.is_shifted
 
     def number(self, value: float) -> float:
         """How many of this unit a value in SI units is, to within rounding."""
@@ -95,13 +99,15 @@ class Unit:
         """
         if self.parts is not None:
             return number / self.parts * HALF_PI  # a multiple of 90° is whole quarter turns, to the last bit
-        if self.factor == 1:
+        if self.factor == ONE:
             return self._shifted(number, decimal)
         if number == 0 or not math.isfinite(number):
             return number
+        from fractions import Fraction
+
         exact = Fraction(number) if decimal is None else Fraction(decimal.digits) * Fraction(10) ** decimal.exponent
         try:
-            return float(exact * self.factor * Fraction(10) ** self.power)
+            return float(exact * Fraction(self.factor.over, self.factor.under) * Fraction(10) ** self.power)
         except OverflowError:
             return math.copysign(math.inf, number)
 
@@ -114,30 +120,18 @@ class Unit:
         return number * 10.0**self.power if self.power > 0 else number / 10.0**-self.power
 
 
-class Decimal(NamedTuple):
-    """A decimal number as text: digits with sign and point, and a power of ten."""
-
-    digits: str
-    exponent: int
-
-    @property
-    def is_zero(self) -> bool:
-        """Whether the number is 0, whatever a double can hold of it."""
-        return not self.digits.strip("+-0.")
-
-
 # --- Words ------------------------------------------------------------------------------------------------------------
 
 _DEGREES = 90.0
 _POWERS = {"k": 3, "": 0, "c": -2, "m": -3, "µ": -6}
 _SECONDS = {"s": 1, "min": 60}
-_INCH = Fraction(254, 10_000)
-_POUND = Fraction(45_359_237, 100_000_000)
-_GRAVITY = Fraction(980_665, 100_000)
+_INCH = Ratio(254, 10_000)
+_POUND = Ratio(45_359_237, 100_000_000)
+_GRAVITY = Ratio(980_665, 100_000)
 """Standard gravity, which makes a force of a mass, by the General Conference on Weights and Measures, 1901 [m/s²]."""
 _INCHES = {"in": 1, "ft": 12}
 _OUNCE = _POUND / 16
-_SLUG = _POUND * _GRAVITY / (12 * _INCH)
+_SLUG = _POUND * _GRAVITY / (_INCH * 12)
 
 
 class _Words:
@@ -148,7 +142,8 @@ class _Words:
         self.ends: dict[str, set[int]] = {}
 
     def define(self, unit: Unit, *words: str) -> None:
-        for factors in map(_factors, (unit.symbol, *words)):
+        for text in (unit.symbol, *words):
+            factors = unicodedata.normalize("NFKC", text).casefold().split("·")  # What `_factors` finds, too.
             word = "".join(factors)
             self.units[word] = unit
             self.ends.setdefault(word, set()).update(accumulate(map(len, factors)))
@@ -161,7 +156,7 @@ class _Words:
             self.define(unit, *(f"{spoken}{stem}" for stem in stems), *(("um",) if prefix == "µ" else ()))
             self.speeds(unit, "um" if prefix == "µ" else unit.symbol)
         for symbol, words in {"in": ("inch", "inches"), "ft": ("foot", "feet")}.items():
-            unit = Unit(symbol, Dimension.LENGTH, factor=_INCHES[symbol] * _INCH)
+            unit = Unit(symbol, Dimension.LENGTH, factor=_INCH * _INCHES[symbol])
             self.define(unit, *words)
             self.speeds(unit, symbol)
         self.define(Unit("mil", Dimension.LENGTH, factor=_INCH / 1000), "mils", "thou")
@@ -182,7 +177,7 @@ class _Words:
         ):
             self.define(Unit(symbol, Dimension.ANGLE, parts=parts), *words)
             for time, seconds in _SECONDS.items():
-                factor = Fraction(1) if parts else Fraction(1, seconds)
+                factor = ONE if parts else Ratio(1, seconds)
                 rate = Unit(f"{symbol}/{time}", Dimension.TURN_RATE, factor=factor, parts=parts and parts * seconds)
                 rates = {"rev/s": ("rps", "U/s"), "rev/min": ("rpm", "1/min", "U/min", "r/min")}
                 self.define(rate, *(f"{word}/{time}" for word in words), *rates.get(rate.symbol, ()))
@@ -205,11 +200,11 @@ class _Words:
         ):
             self.define(unit, *names)
             for length in inches:
-                factor = unit.factor * (_INCHES[length] * _INCH) ** 2
+                factor = unit.factor * _INCH * _INCH * _INCHES[length] ** 2
                 self.define(Unit(f"{unit.symbol}·{length}²", Dimension.INERTIA, factor=factor))
         for symbol, power in (("kg/m³", 0), ("g/cm³", 3), ("kg/dm³", 3), ("g/mm³", 6)):
             self.define(Unit(symbol, Dimension.DENSITY, power))
-        self.define(Unit("lb/in³", Dimension.DENSITY, factor=_POUND / _INCH**3))
+        self.define(Unit("lb/in³", Dimension.DENSITY, factor=_POUND / _INCH / _INCH / _INCH))
 
     def efforts(self) -> None:
         """Forces, torques, and what damps with them."""
@@ -227,7 +222,7 @@ class _Words:
         for symbol, mass, length in (("lbf·in", _POUND, "in"), ("lbf·ft", _POUND, "ft"), ("ozf·in", _OUNCE, "in")):
             short = symbol.replace("f", "", 1)
             words = (short, *("·".join(reversed(word.split("·"))) for word in (symbol, short)))
-            self.define(Unit(symbol, torque, factor=mass * _GRAVITY * _INCHES[length] * _INCH), *words)
+            self.define(Unit(symbol, torque, factor=mass * _GRAVITY * _INCH * _INCHES[length]), *words)
         self.define(Unit("N·m·s/rad", Dimension.DAMPING), "N·m·s")
         self.define(Unit("N·mm·s/rad", Dimension.DAMPING, -3))
         self.define(Unit("N·s/m", Dimension.LINEAR_DAMPING))
@@ -236,6 +231,8 @@ class _Words:
 
 def _factors(text: str) -> list[str]:
     """The factors of a unit as they are written, without case: ``kg m^2`` is kg and m2, ``kgm²`` is one word."""
+    if text.isascii() and text.isalnum() and "sec" not in (word := text.lower()) and "min" not in word:
+        return [word]
     word = unicodedata.normalize("NFKC", text.replace("º", "°").replace("˚", "°")).casefold().strip()
     word = re.sub(r"sec(?:onds?)?", "s", re.sub(r"\s*\bper\s+", "/", word)).replace("minute", "min")
     if word.isalpha():

@@ -5,7 +5,9 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal, NamedTuple, NotRequired, TypeAlias, TypedDict
+from typing import Annotated, Any, Literal, NotRequired, TypeAlias, TypedDict
+
+from dh2urdf.late_tuples import NamedTuple
 
 
 class Keyword(NamedTuple):

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import re
 from dataclasses import replace
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 from dh2urdf.documents.document import Node, load_yaml
 from dh2urdf.errors import ConfigError
+from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.plugin_system.options import COMMAND_LINE, word_node
 from dh2urdf.source import Problem, did_you_mean, shown
 

@@ -11,11 +11,12 @@ import inspect
 from contextlib import contextmanager
 from dataclasses import field as attribute, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Generic, NamedTuple, TypeAlias, TypeVar
+from typing import TYPE_CHECKING, Any, Generic, TypeAlias, TypeVar
 
 from dh2urdf.documents.document import Node
 from dh2urdf.errors import ConfigError
 from dh2urdf.late_dataclasses import dataclass
+from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.source import Mark, Problem, did_you_mean, shown
 
 if TYPE_CHECKING:

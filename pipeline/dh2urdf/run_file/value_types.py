@@ -6,10 +6,11 @@ import glob
 import os
 import re
 from math import tau
-from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from dh2urdf.documents.text_files import LONG_PATH, check_file, tidy_path
 from dh2urdf.errors import ConfigError
+from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.output.file_patterns import matching
 from dh2urdf.quantities.quantity import Dimension, QuantityError, evaluate
 from dh2urdf.run_file.validator import JsonSchema, Validator, ValueType

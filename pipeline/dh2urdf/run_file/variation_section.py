@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from math import inf, tau
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 from dh2urdf.errors import ConfigError
+from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.manipulator import JointType
 from dh2urdf.output.whole_files import safe_stem
 from dh2urdf.quantities.quantity import Dimension, QuantityError, evaluate

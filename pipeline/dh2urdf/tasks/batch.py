@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import field, replace
 from itertools import chain
-from typing import TYPE_CHECKING, Literal, NamedTuple, TypeAlias, overload
+from typing import TYPE_CHECKING, Literal, TypeAlias, overload
 
 from dh2urdf.cells.cell import Cell, with_tables
 from dh2urdf.cells.wanted_tables import WantedTables
@@ -18,6 +18,7 @@ from dh2urdf.conversion.one_manipulator import read_items
 from dh2urdf.errors import ConfigError, ManipulatorError, StageError, TableError
 from dh2urdf.isolation.garbage import collected_at_the_end
 from dh2urdf.late_dataclasses import dataclass
+from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.manipulator import Manipulator
 from dh2urdf.output.whole_files import Stems
 from dh2urdf.run_file.mesh_section import MeshGiver

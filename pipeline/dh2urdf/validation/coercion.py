@@ -16,7 +16,6 @@ from itertools import islice, repeat
 from typing import (
     TYPE_CHECKING,
     Any,
-    NamedTuple,
     NoReturn,
     ParamSpec,
     TypeVar,
@@ -26,6 +25,7 @@ from typing import (
 
 from dh2urdf.elementwise import is_column
 from dh2urdf.errors import RecordTypeError, RecordValueError
+from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.source import Mark, Problem
 from dh2urdf.validation.field_types import RefusedError, number_of, settled, take_of
 

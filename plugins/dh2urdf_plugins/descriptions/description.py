@@ -8,12 +8,13 @@ from dataclasses import field
 from functools import partial
 from math import comb, nan
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 from dh2urdf.documents import read_bytes
 from dh2urdf.errors import ProofError, TableError
 from dh2urdf.foreign_robot import Follower
 from dh2urdf.late_dataclasses import dataclass
+from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.robot import Robot
 from dh2urdf.source import Mark, Problem
 from dh2urdf_plugins.descriptions.rounded_pi import Rounded, repaired

@@ -13,11 +13,12 @@ from __future__ import annotations
 
 from dataclasses import replace
 from itertools import pairwise
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 from dh2urdf.documents import load_yaml, read_bytes
 from dh2urdf.errors import TableError
 from dh2urdf.late_dataclasses import dataclass
+from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.manipulator import JointType
 from dh2urdf.quantities import Dimension
 from dh2urdf.robot import Joint, Link, Origin, Robot

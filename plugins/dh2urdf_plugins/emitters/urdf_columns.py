@@ -9,10 +9,11 @@ from __future__ import annotations
 import re
 from itertools import chain, repeat
 from operator import itemgetter
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 from dh2urdf.elementwise import is_column
 from dh2urdf.errors import EmitterError
+from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.quantities import format_number, format_rows
 from dh2urdf.source import Problem
 from dh2urdf_plugins.emitters.urdf_tree import LONGEST_COMMENT, Notation, check_lines, serialise, urdf_tree

@@ -23,7 +23,6 @@ from typing import IO, TYPE_CHECKING, Any, Literal, cast
 from dh2urdf.errors import ExecutorError, MissingDependencyError
 from dh2urdf.isolation import is_own
 from dh2urdf.late_dataclasses import dataclass
-from dh2urdf.plugin_system import handed_over
 from dh2urdf.source import Problem
 from dh2urdf.stages import Executor, Lost
 from dh2urdf_plugins.executors.local import processors
@@ -90,6 +89,8 @@ def map_on_dask(function: Callable[[Any], Any], tasks: Iterable[Any], options: D
     Raises:
         ExecutorError: no scheduler answers, no worker is there or comes back, or workers have other versions.
     """
+    from dh2urdf.plugin_system import handed_over
+
     with ExitStack() as stack:
         workers = processors() if options.workers == "auto" else options.workers
         address = options.scheduler or stack.enter_context(_own_cluster(workers))

@@ -20,9 +20,9 @@ from operator import length_hint
 from typing import TYPE_CHECKING, Any, Literal
 
 from dh2urdf.errors import ExecutorError, PluginError
-from dh2urdf.isolation import ChildFailure, Interpreter, claim, result_of
+from dh2urdf.isolation import ChildFailure, claim, result_of
 from dh2urdf.late_dataclasses import dataclass
-from dh2urdf.plugin_system import MARK, handed_over, unmarked
+from dh2urdf.plugin_system import MARK, unmarked
 from dh2urdf.source import Problem, printable, shown
 from dh2urdf.stages import Executor, Lost
 
@@ -73,6 +73,8 @@ def map_locally(function: Callable[[Any], Any], tasks: Iterable[Any], options: L
         yield from map(function, first)
         yield from map(function, waiting)
         return
+    from dh2urdf.plugin_system import handed_over
+
     pool = _Pool(function, workers)
     try:
         for future in handed_over(chain(first, waiting), pool.submit, lambda: AHEAD * workers):
@@ -184,6 +186,8 @@ class _Worker:
     """An interpreter that works for this one: it calls the function of the run with one task after the other."""
 
     def __init__(self, function: bytes) -> None:
+        from dh2urdf.isolation import Interpreter
+
         try:
             self._interpreter = Interpreter(("-X", "faulthandler"))
         except OSError as error:

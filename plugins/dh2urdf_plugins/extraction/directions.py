@@ -8,9 +8,10 @@ sheets have θ = 0 throughout even if a is negative, and where a θ = ±π/2 is 
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, NamedTuple, TypeAlias
+from typing import TYPE_CHECKING, TypeAlias
 
 from dh2urdf.late_dataclasses import dataclass
+from dh2urdf.late_tuples import NamedTuple
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

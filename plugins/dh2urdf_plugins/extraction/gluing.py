@@ -9,9 +9,10 @@ A turn and a shift along z commute with a joint's own motion, whether it turns o
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 from dh2urdf.late_dataclasses import dataclass
+from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.manipulator import Convention
 from dh2urdf.rotations import IDENTITY, RigidTransform, cos_sin, multiply, rotation_z
 from dh2urdf_plugins.extraction.directions import Directions, Group, shortest

@@ -7,8 +7,9 @@ The common normal of the two axes is the x in the middle; a is its length and α
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
+from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.rotations import RigidTransform, cos_sin, multiply, rotate, rotation_x, rotation_z, transpose
 
 if TYPE_CHECKING:

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import math
 import re
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
+from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.source import shown
 from dh2urdf_plugins.lint.document.description import SHAPES, Hit
 from dh2urdf_plugins.lint.document.tree import numbers_of

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import os
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
+from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.meshes import path_of_address
 from dh2urdf.source import did_you_mean, shown
 from dh2urdf_plugins.lint.document.description import ALL, SHAPES, Hit

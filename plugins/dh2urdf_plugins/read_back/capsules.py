@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
+from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.robot import Cylinder, Sphere
 from dh2urdf.rotations import IDENTITY, IDENTITY_ROTATION, RigidTransform
 

@@ -22,12 +22,13 @@ from __future__ import annotations
 import re
 from dataclasses import field, replace
 from itertools import chain
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 from lxml import etree
 
 from dh2urdf.errors import ProofError
 from dh2urdf.late_dataclasses import dataclass
+from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.robot import Link, Robot
 from dh2urdf_plugins.read_back.urdf_forms import (
     Attribute,

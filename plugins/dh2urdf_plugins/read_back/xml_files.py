@@ -13,7 +13,7 @@ from dh2urdf.source import Mark, Problem
 if TYPE_CHECKING:
     from pathlib import Path
 
-_VERSION = re.compile(rb"""(\s*<\?xml\s+version\s*=\s*["'])0\.0""")
+_VERSION = rb"""(\s*<\?xml\s+version\s*=\s*["'])0\.0"""
 """A version of XML that does not exist; 26 of PyBullet's own files have it, and PyBullet and check_urdf read them."""
 FILE = "{urn:dh2urdf}file"
 """An attribute of an element that is in another file than the element around it: its path."""
@@ -47,7 +47,7 @@ def tree_of(content: bytes, file: str, *, is_deep: bool = False) -> etree._Eleme
     parser = etree.XMLParser(
         resolve_entities=False, no_network=True, load_dtd=False, remove_comments=True, huge_tree=is_deep
     )
-    if declared := _VERSION.match(content):
+    if b"0.0" in content.partition(b">")[0] and (declared := re.match(_VERSION, content)):
         content = declared[1] + b"1.0" + content[declared.end() :]
     try:
         return etree.fromstring(content, parser)

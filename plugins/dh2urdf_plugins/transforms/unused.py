@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
+from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.manipulator import JointType
 from dh2urdf.source import Problem
 from dh2urdf_plugins.transforms.checks import is_weighed, row_problem

@@ -6,10 +6,11 @@ import itertools
 import os
 import types
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 from dh2urdf.errors import CrashError, ProofError, TimeLimitError
 from dh2urdf.isolation import enter, run_in_child
+from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.meshes import packages_in
 from dh2urdf.source import Mark, Problem
 from dh2urdf.stages import Expansion

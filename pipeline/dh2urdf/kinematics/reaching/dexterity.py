@@ -6,10 +6,11 @@ angles.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 from dh2urdf.kinematics.joint_vectors import JointNames, joint_values
 from dh2urdf.kinematics.pose_arrays import table_jacobian
+from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.source import shown
 
 if TYPE_CHECKING:

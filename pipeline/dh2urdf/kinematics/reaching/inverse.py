@@ -8,7 +8,7 @@ alike, and where a pose cannot be reached, a length counts as a turn of that par
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 from dh2urdf.errors import RecordValueError
 from dh2urdf.kinematics.chain import angle_error, compile_table, position_error, reach
@@ -16,6 +16,7 @@ from dh2urdf.kinematics.joint_vectors import JointNames, joint_values
 from dh2urdf.kinematics.pose_arrays import jacobian_at
 from dh2urdf.kinematics.walk import CompiledChain, values_of
 from dh2urdf.late_dataclasses import dataclass
+from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.manipulator import JointType
 from dh2urdf.rotations import RigidTransform, multiply, norm, transpose
 from dh2urdf.source import Mark, Problem, shown

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
+from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.manipulator import JointType
 from dh2urdf.rotations import Vec3, norm
 

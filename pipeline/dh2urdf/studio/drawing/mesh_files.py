@@ -10,10 +10,11 @@ import json
 import struct
 from hashlib import sha256
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 from dh2urdf.errors import OutputError
 from dh2urdf.late_dataclasses import dataclass
+from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.meshes import FORMATS, REMEDY, read_parts
 from dh2urdf.meshes.named_files import NamedFiles
 from dh2urdf.rotations import Vec3

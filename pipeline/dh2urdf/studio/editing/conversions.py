@@ -12,8 +12,9 @@ inertias hold in DH frame i, which is S_i further in the standard convention, an
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
+from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.manipulator import Convention, DHRow, Inertia, JointType
 from dh2urdf.quantities.number_text import format_number
 from dh2urdf.quantities.quantity import QuantityError, evaluate

@@ -8,10 +8,11 @@ from contextlib import contextmanager
 from dataclasses import fields, replace
 from itertools import islice
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 from dh2urdf.conversion.one_manipulator import read_items
 from dh2urdf.errors import Dh2UrdfError, InputError
+from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.manipulator import Manipulator
 from dh2urdf.plugin_system.calls import blaming, default_call
 from dh2urdf.plugin_system.stage_answers import whole_records

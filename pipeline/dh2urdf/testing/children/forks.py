@@ -18,11 +18,12 @@ import sys
 import warnings
 from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import IO, TYPE_CHECKING, Any, NamedTuple, NoReturn, TypeVar
+from typing import IO, TYPE_CHECKING, Any, NoReturn, TypeVar
 from uuid import uuid4
 
 from dh2urdf.isolation._child import answer_call
 from dh2urdf.isolation.child_process import outcome, pickled_call, run_in_child, started
+from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.plugin_system.at_work import VARIABLE
 
 if TYPE_CHECKING:

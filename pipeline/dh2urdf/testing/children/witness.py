@@ -20,11 +20,12 @@ import threading
 import time
 from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Generic, NamedTuple, TypeVar
+from typing import TYPE_CHECKING, Any, Generic, TypeVar
 from uuid import uuid4
 
 from dh2urdf.errors import CrashError
 from dh2urdf.late_dataclasses import dataclass
+from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.testing.children.forks import HOST, MARK, environment, forking_interpreter, in_new_interpreter
 
 if TYPE_CHECKING:

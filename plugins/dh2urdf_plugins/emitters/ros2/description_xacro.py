@@ -7,10 +7,11 @@ overwrite each other.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 from lxml import etree
 
+from dh2urdf.late_tuples import NamedTuple
 from dh2urdf_plugins.emitters.ros2.options import PLUGINS
 from dh2urdf_plugins.emitters.ros2.yaml_files import (
     LIMIT_KEYS,

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from functools import cache
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 from lxml import etree
 
 from dh2urdf.documents import read_bytes
 from dh2urdf.errors import Dh2UrdfError, InputError
 from dh2urdf.late_dataclasses import dataclass
+from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.manipulator import Inertia
 from dh2urdf.mass_properties import inertia_problem
 from dh2urdf.source import Mark

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import re
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 from lxml import etree
 
 from dh2urdf.documents import load_yaml
 from dh2urdf.errors import InputError
+from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.source import Mark, did_you_mean, shown
 from dh2urdf_plugins.lint.models.models import parsed
 from dh2urdf_plugins.lint.packages.package import Hit

@@ -5,11 +5,12 @@ from __future__ import annotations
 import os
 from functools import cache, cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 from dh2urdf.documents import read_bytes
 from dh2urdf.errors import Dh2UrdfError, InputError
 from dh2urdf.late_dataclasses import dataclass
+from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.stages import PACKAGE_FILE, Expansion
 from dh2urdf_plugins.descriptions.description import urdf_description, xacro_description
 from dh2urdf_plugins.lint.rules import Rule, rules_of

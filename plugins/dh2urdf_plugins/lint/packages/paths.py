@@ -5,10 +5,11 @@ from __future__ import annotations
 import ast
 import re
 from pathlib import PurePosixPath
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 from lxml import etree
 
+from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.source import Mark, shown
 from dh2urdf_plugins.lint.models.models import parsed
 from dh2urdf_plugins.lint.packages.package import Hit

@@ -11,9 +11,10 @@ import math
 from dataclasses import replace
 from functools import partial
 from importlib.metadata import version
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 from dh2urdf.errors import LoaderError
+from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.manipulator import JointType
 from dh2urdf.measuring import Body
 from dh2urdf.rotations import RigidTransform

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 from dh2urdf.documents import read_bytes
 from dh2urdf.errors import InputError, ProofError
+from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.source import Problem, shown
 from dh2urdf_plugins.read_back.xml_files import FILE, mark_of, tree_of
 

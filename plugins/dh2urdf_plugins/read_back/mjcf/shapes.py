@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from pathlib import PurePosixPath
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
+from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.robot import Box, Collision, Cylinder, Material, Mesh, Origin, Sphere, Visual
 from dh2urdf.rotations import (
     IDENTITY,

@@ -5,9 +5,10 @@ from __future__ import annotations
 import csv
 import re
 from itertools import islice
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 from dh2urdf.errors import TableError
+from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.patterns import late_pattern
 from dh2urdf.source import Mark, Problem, shown
 from dh2urdf.table_text import CellRow

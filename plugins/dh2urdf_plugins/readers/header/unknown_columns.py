@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
+from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.patterns import late_pattern
 from dh2urdf.quantities import Dimension, QuantityError, find_unit, is_unit, is_zero
 from dh2urdf.source import Mark, Problem, did_you_mean, shown

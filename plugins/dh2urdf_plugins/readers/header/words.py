@@ -5,8 +5,8 @@ from __future__ import annotations
 import re
 import unicodedata
 from functools import cache, lru_cache
-from typing import NamedTuple
 
+from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.patterns import late_pattern
 from dh2urdf.quantities import UNITS, is_unit, unit_word
 from dh2urdf_plugins.readers.words.fields import FIELDS, GROUPS, WORDS, Field
@@ -17,6 +17,8 @@ _INDEXED = ("a", "r", "alpha", "α", "d", "theta", "θ", "b", "beta", "β", "gam
 _BEFORE = r"\s*(-\s*1|m1)?\s*[\]})*]*"
 _INDEX = late_pattern(rf"({'|'.join(_INDEXED)})[\s_]*[\[{{(]*[\s]*[ijkn]{_BEFORE}")
 _INDEX_BEHIND = late_pattern(rf"(.+?)(?:[\s_]+[\[{{(]*|[\[{{(]+)\s*[ijk]{_BEFORE}")  # `effort [N]` has a unit
+_LETTERS, _BEHIND = frozenset("ijkn"), "]})* "
+_CLOSING = ("]", ")", "}", ">")
 _OTHER_LINK = late_pattern(r"[a-z]{0,3}\s*[-+]+\s*[a-z0-9]{0,3}|[ijkn][ijkn0-9]{1,2}")
 _PREFIX = late_pattern(r"(?:dh|denavit\W?hartenberg)(?:\W*param(?:eter)?s?)?[\s_.:-]+(.+)")
 _LATEX = late_pattern(r"\\(?:mathrm|mathit|mathbf|text|rm)(?![a-z])|[\\$]")
@@ -95,7 +97,7 @@ def _read(plain: str) -> Header:
     header = _named(plain)
     if header.field or header.key in UNHELD or len(plain) > _LONGEST:
         return header
-    if match := _BRACKETED.fullmatch(plain):
+    if plain.endswith(_CLOSING) and (match := _BRACKETED.fullmatch(plain)):
         found = _with_brackets(match[1], match[2].strip())
         if found.field or found.unit or found.key in UNHELD:
             return found
@@ -146,17 +148,17 @@ def _twice(plain: str) -> Header | None:
 
 
 def _named(plain: str) -> Header:
-    if match := _INDEX.fullmatch(plain):
+    if plain.startswith(_INDEXED) and not _LETTERS.isdisjoint(plain) and (match := _INDEX.fullmatch(plain)):
         key = key_of(match[1])
         return Header(WORDS.get(key) if key not in UNHELD else None, key, link="i-1" if match[2] else "i")
     key = key_of(plain)
     if (found := field_of(key)) or key in UNHELD:
         return Header(found, key)
-    if match := _INDEX_BEHIND.fullmatch(plain):
+    if plain.rstrip(_BEHIND).endswith(("i", "j", "k", "1")) and (match := _INDEX_BEHIND.fullmatch(plain)):
         base = key_of(match[1])
         if (found := field_of(base)) or base in UNHELD:
             return Header(found, base, link="i-1" if match[2] else "i")
-    if match := _PREFIX.fullmatch(plain):
+    if plain.startswith(("dh", "denavit")) and (match := _PREFIX.fullmatch(plain)):
         inner = _named(match[1])
         if inner.field and inner.field.name in ("a", "alpha", "d", "theta"):
             return inner

@@ -6,8 +6,6 @@ import math
 from contextlib import suppress
 from typing import TYPE_CHECKING, Any
 
-import orjson
-
 from dh2urdf.patterns import late_pattern
 from dh2urdf.quantities import Dimension, QuantityError, evaluate
 from dh2urdf.rotations import HALF_PI
@@ -141,6 +139,8 @@ def _json_numbers(text: str, count: int) -> list[float] | None:
         text: some texts, joined by commas.
         count: how many.
     """
+    import orjson
+
     try:
         numbers: list[Any] = orjson.loads(f"[{text}]")
     except orjson.JSONDecodeError:
@@ -161,7 +161,7 @@ def _converter(unit: Unit | None) -> Callable[[Sequence[Any]], list[float]]:
         return lambda column: list(map(float, column))
     if (parts := unit.parts) is not None:
         return lambda column: [float(text) / parts * HALF_PI for text in column]
-    if unit.factor != 1:
+    if not unit.is_shifted:
         return _no_decimals
     suffix = f"e{unit.power}"  # a text with an exponent of its own becomes no number, and is read as an expression
     return lambda column: [float(text + suffix) for text in column]

@@ -7,7 +7,6 @@ fixed only where the other rows have one.
 from __future__ import annotations
 
 import math
-import re
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
@@ -30,8 +29,8 @@ if TYPE_CHECKING:
 Cells = dict[str, Cell]
 LABEL = ""
 """The key of a cell that names its row in a column that no field knows."""
-NUMBER = re.compile(r"([0-9]{1,9})(?:\.0+)?")
-DECIMAL = re.compile(r"[-+]?[0-9]*[.,][0-9]+")
+NUMBER = late_pattern(r"([0-9]{1,9})(?:\.0+)?")
+DECIMAL = late_pattern(r"[-+]?[0-9]*[.,][0-9]+")
 """A name that is the number of a row."""
 _ZERO = late_pattern(r"0+(?:\.0+)?")
 _MEANT: dict[RowKind, str] = {

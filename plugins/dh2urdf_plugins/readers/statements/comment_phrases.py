@@ -62,20 +62,15 @@ _NO_UNIT = late_pattern(r"\bdegrees?\s+of\s+freedom\b|\brev\.?\s*(?:[a-z]|[0-9.]
 """Where the word of a unit is none: ``6 degrees of freedom``, ``rev. B``."""
 _SYSTEM = {Dimension.LENGTH: "m", Dimension.ANGLE: "rad"}
 
+_PROSE_WORD = late_pattern(r"\w+")
 _SAYS_CONVENTION = late_pattern(r"\bdh\b|denavit|convention|parameters", re.IGNORECASE)
 _CONVENTION_WORDS = late_pattern(
     r"(?:denavit|hartenberg|dh|convention|konvention|convención|convencion|convenzione|notation|the|this|table|is|in|"
     r"uses|using|parameters|parameter|s|of|follows|according|to)"
 )
 _PROSE = {
-    Convention.MODIFIED: (
-        late_pattern(r"\b(mdh|craig|proximal)\b", re.IGNORECASE),
-        late_pattern(r"\bmodified\b", re.IGNORECASE),
-    ),
-    Convention.STANDARD: (
-        late_pattern(r"\b(sdh|distal|spong)\b", re.IGNORECASE),
-        late_pattern(r"\b(standard|classic|classical)\b", re.IGNORECASE),
-    ),
+    Convention.MODIFIED: (frozenset(("mdh", "craig", "proximal")), frozenset(("modified",))),
+    Convention.STANDARD: (frozenset(("sdh", "distal", "spong")), frozenset(("standard", "classic", "classical"))),
 }
 """Words for the convention in a comment: those that mean nothing else, and those that may."""
 
@@ -124,7 +119,7 @@ def convention_said(text: str) -> Convention | None:
 
 def _words(text: str) -> list[str]:
     plain = _INCHES.sub("inch", unicodedata.normalize("NFC", text).casefold())
-    return [word for word in _BREAKS.split(_BETWEEN_UNITS.sub(" ", plain)) if word]
+    return [word for word in _BREAKS.split(_BETWEEN_UNITS.sub(" ", plain) if "/" in plain else plain) if word]
 
 
 def _unit(word: str) -> Unit | None:
@@ -150,10 +145,11 @@ def prose_problems(comment: Comment, statements: Statements, columns: Columns) -
 
 def convention_in_prose(line: str) -> Convention | None:
     """The convention that a comment speaks of; None where it speaks of none, or of both."""
+    words = set(_PROSE_WORD.findall(line.casefold()))
     spoken = [
         convention
         for convention, (sure, likely) in _PROSE.items()
-        if sure.search(line) or (likely.search(line) and _SAYS_CONVENTION.search(line))
+        if words & sure or (words & likely and _SAYS_CONVENTION.search(line))
     ]
     return spoken[0] if len(spoken) == 1 else None
 
@@ -177,7 +173,8 @@ def _other_convention(comment: Comment, convention: Convention) -> list[Problem]
 def mentioned_units(text: str) -> list[Unit]:
     """The units of lengths and angles that prose mentions, those behind a number left out: ``0.1 mm``."""
     found: list[Unit] = []
-    for match in _MENTION.finditer(_NO_UNIT.sub("", text)):
+    plain = _NO_UNIT.sub("", text) if any(word in text.casefold() for word in ("freedom", "rev")) else text
+    for match in _MENTION.finditer(plain):
         for word in re.finditer(r"[^\W\d_]+|°", match[1]):
             unit = _unit(word[0])
             is_rate = match[1][word.end() :].lstrip().startswith("/s")

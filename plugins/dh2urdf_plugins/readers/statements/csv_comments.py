@@ -46,6 +46,7 @@ MAX_STATEMENT = 10_000
 _STATEMENT = late_pattern(r"\s*[-*•]?\s*(?:dh[\s_-]+)?([^\W\d]+)\s*(?:[:=\uff1a]\s*|(?=[\[{]))", re.IGNORECASE)
 _ENTRY = late_pattern(r"\s*[-*•]?\s*([^\W\d_][\w .\-]{0,40}?)\s*(?:[:=\uff1a]\s*|(?=[\[{]))(.*)", re.DOTALL)
 _BULLET = late_pattern(r"^\s*[-*•]\s+")
+_BULLETS = ("-", "*", "•")
 _QUOTED = late_pattern(r'"(?:[^"\\]|\\.)*"|\'(?:[^\']|\'\')*\'')
 _ONE = r"[\[(]*[-+−±]?\s*(?:[0-9]+[.,]?[0-9]*|[.,][0-9]+)(?:[eE][-+]?[0-9]+)?\s*(?:°|[^\W\d_]{1,3})?[\])]*"
 _NUMBERS = late_pattern(rf"\s*{_ONE}(?:(?:\s*(?:[,;|/]|\.\.+|…|\bto\b)\s*|\s+){_ONE})*\s*")
@@ -168,7 +169,8 @@ def below_header(comment: Comment) -> Problem:
 def _phrase(comment: Comment) -> tuple[str, Node] | None:
     """The units or the convention that a comment says in words."""
     entry = _ENTRY.fullmatch(comment.text)
-    units = units_said(_BULLET.sub("", comment.text)) or (unit_of_measure(entry[1], entry[2]) if entry else None)
+    text = _BULLET.sub("", comment.text) if comment.text.lstrip()[:1] in _BULLETS else comment.text
+    units = units_said(text) or (unit_of_measure(entry[1], entry[2]) if entry else None)
     if units:
         return "units", _node(comment, "{" + ", ".join(f"{key}: {unit}" for key, unit in units.items()) + "}")
     convention = convention_said(comment.text)

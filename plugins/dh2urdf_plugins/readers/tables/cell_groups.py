@@ -7,8 +7,9 @@ two ways is refused.
 from __future__ import annotations
 
 import re
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
+from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.patterns import late_pattern
 from dh2urdf.quantities import MAX_CHARACTERS, is_unit
 from dh2urdf.row_fields import COM, INERTIA

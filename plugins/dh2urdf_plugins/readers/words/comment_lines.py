@@ -84,7 +84,7 @@ def is_comment(line: str, *, top: bool = False) -> bool:
             Below, a cell in quotes may be a name.
     """
     match = _START.match(line)
-    if match is None or SPREADSHEET_ERROR.match(line, match.start("sign")):
+    if match is None or (line[match.end() :][:1] != " " and SPREADSHEET_ERROR.match(line, match.start("sign"))):
         return False
     return top or not (match["quote"] or match["outer"].strip(_INVISIBLE))
 

@@ -6,8 +6,9 @@ import re
 import unicodedata
 from dataclasses import replace
 from itertools import chain, count, pairwise
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
+from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.patterns import late_pattern
 from dh2urdf.source import Mark, Problem, shown
 

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
+from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.row_fields import ROW_FIELDS
 from dh2urdf_plugins.readers.words.word_keys import keys_of
 

@@ -17,7 +17,10 @@ _KEY = _GREEK | dict.fromkeys((*map(ord, _SEPARATORS), *range(0x2000, 0x200B), *
 
 def key_of(plain: str) -> str:
     """A word without case, separators and accents, by which headers are compared."""
-    if not plain.isascii():
+    if plain.isascii():
+        if plain.isalpha():
+            return plain
+    else:
         plain = unicodedata.normalize("NFD", plain)
         for dotted, word in _DOTS.items():
             plain = plain.replace(dotted, word)

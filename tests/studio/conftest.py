@@ -341,6 +341,7 @@ def new_tab(profile: BrowserContext, parked: dict[str, list[Page]]) -> Iterator[
 
     def open_tab(address: str, *, width: int = 1280, height: int = 720, faults: bool = True) -> Tab:
         page = parked[address].pop() if parked.get(address) else profile.new_page()
+        page.bring_to_front()  # of a tab behind another one, Chromium draws one picture a second
         page.set_viewport_size({"width": width, "height": height})
         tabs.append(Tab(page, address))
         if not faults:  # its server goes away on purpose, and the browser complains

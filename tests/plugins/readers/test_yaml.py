@@ -183,3 +183,42 @@ def test_what_holds_for_all_joints_is_checked(
     (arm,) = read("\n".join(f"{name}: {text}" for name, text in table.items()), ".yaml")
     assert isinstance(arm, Rejected)
     assert key in str(arm.problems[0])
+
+
+@pytest.mark.parametrize(
+    ("comment", "joint", "said"),
+    [
+        ("# lengths in mm", "a: 300, alpha: 0, d: 0", "error: this comment mentions mm, and lengths are read in m"),
+        (
+            "# Längen in mm, Winkel in Grad",
+            "a: 300, alpha: 0, d: 0",
+            "error: this comment mentions mm, and lengths are",
+        ),
+        (
+            "# an RRP arm",
+            "a: 0.3, alpha: 0, d: 0",
+            "error: '# an RRP arm' speaks of a prismatic joint, and the table has",
+        ),
+        ("# an RRP arm", "type: R, a: 0.3, alpha: 0, d: 0", None),
+        (
+            "# modified DH parameters",
+            "a: 0.3, alpha: 0, d: 0",
+            "notice: this comment speaks of the modified convention",
+        ),
+        ("# lengths in m, angles in rad", "a: 0.3, alpha: 0, d: 0", None),
+        ("# measured twice", "a: 0.3, alpha: 0, d: 0  # in mm it is 300", None),
+    ],
+)
+@pytest.mark.parametrize("place", ["above", "below"])
+def test_a_comment_that_contradicts_the_table(
+    comment: str, joint: str, said: str | None, place: str, read: Callable[..., list[Manipulator | Rejected]]
+) -> None:
+    """Nothing is read from it, and what it says of units, of the convention or of types was lost without a word."""
+    joint, *behind = joint.split("  #")
+    table = "\n".join(["convention: standard", "joints:", f"  - {{{joint}}}{''.join(map('  #{}'.format, behind))}"])
+    text = f"{comment}\n{table}\n" if place == "above" else f"{table}\n{comment}\n"
+    (arm,) = read(text, ".yaml")
+    problems = (*arm.notices, *(() if isinstance(arm, Manipulator) else arm.problems))
+    found = [f"{problem.severity}: {problem.message}" for problem in problems]
+    assert [text for text in found if said and text.startswith(said)] == (found if said else [])
+    assert bool(said) == bool(found)

@@ -25,7 +25,7 @@ from dh2urdf_plugins.readers.statements.csv_comments import (
 )
 from dh2urdf_plugins.readers.statements.statements import Statements
 from dh2urdf_plugins.readers.words.comment_lines import Comment, is_comment
-from dh2urdf_plugins.readers.words.fields import FIELDS, convention_of, joint_type
+from dh2urdf_plugins.readers.words.fields import convention_of, joint_type
 
 if TYPE_CHECKING:
     from dh2urdf.documents import Node
@@ -56,16 +56,15 @@ def comment_problems(
     Raises:
         TableError: it says something under a key that nothing reads.
     """
-    prose = prose_problems(comment, statements, columns)
+    prose, typed = prose_problems(comment, statements, columns), "type" in columns.fields
     if below and not is_comment(comment.line):
         said = statement(comment)
         if said is None:
-            return prose + _types_elsewhere(comment, columns)
+            return prose + types_elsewhere(comment, typed=typed)
         return [] if said[0] == "name" or _holds(*said, statements, columns) else [below_header(comment)]
     problems = [below_header(comment)] if below and prose and statement(comment) else prose
-    return (
-        problems + _types_elsewhere(comment, columns) + (unread_values(comment) or _unread_lengths(comment, statements))
-    )
+    problems = problems + types_elsewhere(comment, typed=typed)
+    return problems + (unread_values(comment) or _unread_lengths(comment, statements))
 
 
 def _holds(key: str, node: Node, statements: Statements, columns: Columns) -> bool:
@@ -83,9 +82,14 @@ def _holds(key: str, node: Node, statements: Statements, columns: Columns) -> bo
     )
 
 
-def _types_elsewhere(comment: Comment, columns: Columns) -> list[Problem]:
-    """What is wrong with a comment that speaks of joints that slide, where no column has types."""
-    if "type" in columns.fields:
+def types_elsewhere(comment: Comment, *, typed: bool) -> list[Problem]:
+    """What is wrong with a comment that speaks of joints that slide, in a table without types.
+
+    Args:
+        comment: the comment, or a note.
+        typed: whether the table has types.
+    """
+    if typed:
         return []
     kinds = {joint_type(word) for word in words_under_key(comment, ("sigma", "σ"))}
     kinds |= {None if word.isdigit() else joint_type(word) for word in words_under_key(comment, _TYPE_KEYS)}
@@ -94,12 +98,12 @@ def _types_elsewhere(comment: Comment, columns: Columns) -> list[Problem]:
         return []
     return [
         Problem(
-            message=f"{shown(comment.line)} speaks of a prismatic joint, and no column has types: every joint would be "
-            "taken as revolute",
+            message=f"{shown(comment.line)} speaks of a prismatic joint, and the table has no types: every joint would "
+            "be taken as revolute",
             mark=comment.whole,
             field="type",
             found=comment.line,
-            accepted=f"one of the headers {', '.join(FIELDS['type'].headers)}, and a type in each row: R or P",
+            accepted="a type of each joint, in a column or under the key type: revolute or R, prismatic or P",
         )
     ]
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from dh2urdf.documents import read_bytes, stream_yaml
+from dh2urdf.documents import decoded, read_bytes, stream_yaml
 from dh2urdf.errors import TableError
 from dh2urdf.manipulator import Convention, Manipulator
 from dh2urdf.row_fields import COM, INERTIA
@@ -25,6 +25,7 @@ from dh2urdf_plugins.readers.words.bounds import MAX_JOINTS
 from dh2urdf_plugins.readers.words.cells import Cell
 from dh2urdf_plugins.readers.words.fields import FIELDS, GROUPS
 from dh2urdf_plugins.readers.words.unheld import UNHELD
+from dh2urdf_plugins.readers.yaml_file.comments import judge_comments
 from dh2urdf_plugins.readers.yaml_file.forms import no_mapping, no_robots, other_reader, unused_default
 
 if TYPE_CHECKING:
@@ -69,7 +70,7 @@ def read_documents(path: Path, options: TableOptions, trace: Trace | None = None
     file = str(path)
     count = 0
     previous: Item | None = None
-    text = read_bytes(path, TableError)
+    text = decoded(read_bytes(path, TableError), file, TableError)
     for item in stream_yaml(text, file, TableError, items_of="robots", longest_list=MAX_JOINTS):
         if previous is not None:
             count += 1
@@ -83,7 +84,7 @@ def read_documents(path: Path, options: TableOptions, trace: Trace | None = None
     if "robots" not in root.value:
         if other := other_reader(root):
             raise TableError(other)
-        yield _Table(previous, path.stem, options).manipulator(trace)
+        yield _Table(previous, path.stem, options, text).manipulator(trace)
         return
     problems = list(previous.problems)
     refuse_unknown_keys(root, ("robots",), "a file with several manipulators", problems.append)
@@ -102,8 +103,10 @@ def read_table(item: Item, default_name: str) -> Manipulator | Rejected:
 class _Table:
     """One manipulator that is being read."""
 
-    def __init__(self, item: Item, default_name: str, options: TableOptions) -> None:
+    def __init__(self, item: Item, default_name: str, options: TableOptions, text: str = "") -> None:
         self.node = item.node
+        self.typed = True  # as long as no rows without types have been seen
+        self.text = text  # of the whole file, whose comments concern the only manipulator in it
         self.options = options
         self.statements = Statements()
         self.entries = item.node.value if isinstance(item.node.value, dict) else {}
@@ -125,6 +128,7 @@ class _Table:
             self.problems += effort_notice(reader.units, effort.mark)
         if self.ignored:
             self.problems.append(ignored(self.ignored, next(iter(self.ignored.values())), "key"))
+        judge_comments(self.text, self.node.file, self.statements, typed=self.typed, add=self.problems.append)
         for problem in self.problems:
             reader.add(problem)
         return manipulator(self.name, self.statements, rows, reader, self.node.mark, trace=trace)
@@ -216,6 +220,7 @@ class _Table:
             unused -= {name for name in unused if name in cells and cells[name].mark == common[name].mark}
             found.append((cells, node.mark))
         self.problems += [unused_default(name, common[name]) for name in common if name in unused and found]
+        self.typed = any(cells and "type" in cells for cells, _ in found)
         rows: list[DHRow | None] = []
         for row, node in zip(read_rows(found, reader), joints.value, strict=False):
             entries = node.value if isinstance(node.value, dict) else {}

@@ -344,6 +344,23 @@ def test_the_server_goes_and_another_comes(
     with serving("studio", port=free_port) as address:
         tab = new_tab(address, faults=False)
         page = tab.open("ur5")
+
+        # The same server again, which was suspended: NiceGUI loads the page anew. The cell that was being typed is there.
+        tab.type_into(0, "d", "0.08")
+        page.wait_for_function("dhPage.kept().includes('0.08')")
+        tab.cell(1, "d").click()
+        page.keyboard.type("0.123")
+        page.evaluate("socket.disconnect()")
+        page.get_by_text("The studio does not answer").wait_for()
+        assert not page.locator("#popup").is_visible()
+        page.reload()
+        tab.wait_for_cells(1, d="0.123")
+        tab.wait_for_cells(0, d="0.08")
+        page.get_by_role("button", name="undo").click()
+        tab.wait_for_cells(1, d="0")
+        page.reload()  # It is given back once.
+        tab.wait_for_cells(0, d="0.08")
+        tab.wait_for_cells(1, d="0")
         tab.type_into(1, "a", "-0.77")
         page.wait_for_function("dhPage.kept().includes('-0.77')")  # The cell shows it before the server knows it.
         tab.cell(2, "a").click()

@@ -35,11 +35,12 @@
 
   // While the server is away nothing can be done to the table: it would be lost. The browser keeps the table of this tab,
   // and a server that does not know it is given it back, if a person wants that.
-  const KEPT = "dh2urdf-table";
+  const KEPT = "dh2urdf-table", CELL = "dh2urdf-cell";
   // A cell that is being typed is not in the table of the server yet, but it is in the table that is kept.
   const keepUnfinished = () => {
     const cell = window.dhGrid?.unfinished(), kept = JSON.parse(sessionStorage.getItem(KEPT) || "null");
     if (!cell || !kept?.rows?.[cell.row]) return;
+    sessionStorage.setItem(CELL, JSON.stringify([cell.row, cell.field, cell.text]));
     kept.rows[cell.row][cell.field] = cell.text;
     sessionStorage.setItem(KEPT, JSON.stringify(kept));
   };
@@ -54,7 +55,9 @@
     const told = document.createElement("div");
     told.className = "studio-away";
     told.setAttribute("role", "alert");
-    told.textContent = "The studio does not answer. Your table is kept in this tab, and can be edited again when it is back.";
+    told.textContent = document.querySelector(".studio-table")
+      ? "The studio does not answer. Your table is kept in this tab, and can be edited again when it is back."
+      : "The view does not answer. It goes on when it is back.";
     document.body.append(told);
   };
   const watch = () => {
@@ -146,7 +149,11 @@
     drop,
     link,
     linked,
-    keep: (table) => sessionStorage.setItem(KEPT, table),
+    keep(table) {
+      sessionStorage.setItem(KEPT, table);
+      sessionStorage.removeItem(CELL); // the server has it
+    },
+    unfinished: () => JSON.parse(sessionStorage.getItem(CELL) ?? "null"),
     kept: () => sessionStorage.getItem(KEPT) ?? "",
   };
 })();

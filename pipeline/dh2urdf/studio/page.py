@@ -9,7 +9,7 @@ from nicegui import ui
 
 from dh2urdf.studio import dialogs, joints, words
 from dh2urdf.studio.editing import edits, pasting
-from dh2urdf.studio.editing.keeping import kept_table, kept_text
+from dh2urdf.studio.editing.keeping import finish_cell, kept_table, kept_text
 from dh2urdf.studio.layout.dropping import lay_drop
 from dh2urdf.studio.layout.head import StudioHead
 from dh2urdf.studio.layout.problem_list import ProblemList
@@ -381,7 +381,9 @@ class StudioPage:
 
     async def start(self) -> None:
         """Shows the session for the first time."""
-        kept = kept_table(await ui.run_javascript("return dhPage.kept()", timeout=10.0))
+        text, cell = await ui.run_javascript("return [dhPage.kept(), dhPage.unfinished()]", timeout=10.0)
+        kept, is_new = kept_table(text), not self.session.history.can_undo
+        finish_cell(self.session, cell)
         self._view.set_layers(self.session.shown_layers)
         self._view.fade(self.session.opacities)
         self.show()
@@ -390,7 +392,6 @@ class StudioPage:
         if (linked := await sharing.linked_table()) is not None:
             await self._show_opened(linked)
             return
-        is_new = not self.session.history.can_undo
         if is_new and kept is not None and kept != self.session.table:
             self._keep(kept)  # The page may be loaded again before the question is answered.
             if await dialogs.ask_back(kept):

@@ -153,6 +153,14 @@ def test_a_program_drives_the_robots(address: str, new_tab: Callable[..., Any], 
         each.page.bring_to_front()
         shows(each.page, LEFT, 0.02)
 
+    # What a program sets while a page is away is there when it comes back; the page speaks of no table.
+    tab.page.evaluate("socket.disconnect()")
+    tab.page.get_by_text("The view does not answer").wait_for()
+    program.set(**{LEFT: 0.03})
+    tab.page.evaluate("socket.connect()")
+    shows(tab.page, LEFT, 0.03)
+    tab.page.get_by_text("The view does not answer").wait_for(state="hidden")
+
 
 FORMS = ["text/plain", "application/x-www-form-urlencoded", "multipart/form-data; boundary=x", "", "text/json"]
 

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 import pytest
 
 from dh2urdf.studio import gallery
-from dh2urdf.studio.editing.keeping import kept_table, kept_text
+from dh2urdf.studio.editing.keeping import finish_cell, kept_table, kept_text
+from dh2urdf.studio.editing.session import Session
 from dh2urdf.table_text import TableText
 
 if TYPE_CHECKING:
@@ -37,3 +38,19 @@ def test_words_that_the_page_does_not_know_are_left_out() -> None:
     """A link may hold anything."""
     table = kept_table('{"convention": "mine", "length_unit": "parsec", "angle_unit": "deg", "rows": [{"a": "1"}]}')
     assert table == TableText(angle_unit="deg", rows=({"a": "1"},))
+
+
+def test_a_cell_that_was_being_typed_is_finished(catalog: Catalog) -> None:
+    """In the session that its page had; what is no cell, and a cell that is gone, changes nothing."""
+    table = gallery.exhibit(gallery.exhibits()[0].file, catalog)
+    session = Session(catalog, table)
+    finish_cell(session, [0, "d", "0.5"])
+    assert session.table == table, "a new session is offered the whole table"
+    session.edit(0, "d", "0.25")
+    for cell in (None, [], "0d1", ["0", "d", "1"], [0, "d", 1], [99, "d", "1"], {"row": 0}):
+        finish_cell(session, cell)
+    assert session.table.rows[0]["d"] == "0.25"
+    finish_cell(session, [0, "d", "0.5"])
+    assert session.table.rows[0]["d"] == "0.5"
+    session.undo()
+    assert session.table.rows[0]["d"] == "0.25"

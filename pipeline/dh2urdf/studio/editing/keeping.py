@@ -3,12 +3,17 @@
 from __future__ import annotations
 
 import json
+from contextlib import suppress
 from dataclasses import asdict, fields
+from typing import TYPE_CHECKING
 
 from dh2urdf.manipulator import Convention
 from dh2urdf.studio.editing.conversions import ANGLE_UNITS, LENGTH_UNITS
 from dh2urdf.studio.editing.edits import MOST_ROWS, clean
 from dh2urdf.table_text import FIELDS, TableText
+
+if TYPE_CHECKING:
+    from dh2urdf.studio.editing.session import Session
 
 _TEXTS = tuple(field.name for field in fields(TableText) if field.name != "rows")
 _WORDS = {"convention": ("", *Convention), "length_unit": LENGTH_UNITS, "angle_unit": ANGLE_UNITS}
@@ -35,3 +40,16 @@ def kept_table(text: str) -> TableText | None:
         {key: clean(row[key]) for key in FIELDS if isinstance(row.get(key), str) and row[key]} for row in rows
     )
     return TableText(**texts, rows=cells) if cells else None
+
+
+def finish_cell(session: Session, cell: object) -> None:
+    """A session takes the text of a cell that was being typed when its page lost the connection.
+
+    Args:
+        session: the session; one that has no table yet is offered the whole kept table instead.
+        cell: row, field and text, as the browser has kept them; None where no cell was being typed.
+    """
+    match cell:
+        case [int(row), str(field), str(text)] if session.history.can_undo:
+            with suppress(LookupError):  # The row is no longer there.
+                session.edit(row, field, text)

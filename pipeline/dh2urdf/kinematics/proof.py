@@ -22,7 +22,7 @@ from dh2urdf.errors import ProofError
 from dh2urdf.kinematics.chain import TOOL, compile_joints, joints_between, reach
 from dh2urdf.kinematics.expected_poses import ExpectedPoses
 from dh2urdf.kinematics.proof_vectors import joint_columns
-from dh2urdf.kinematics.walk import STACKS, CompiledChain, Frame, JointValue, values_of
+from dh2urdf.kinematics.walk import STACKS, CompiledChain, Frame, values_of
 from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.manipulator import JointType
@@ -169,32 +169,33 @@ def _largest_at_once(said: CompiledChain, found: CompiledChain, poses: Sequence[
     """The largest errors of floats, all joint vectors walked together."""
     import numpy as np
 
-    q = np.array(poses).reshape(len(poses), len(poses[0]), 1).swapaxes(0, 1)
-    [largest] = _largest_of_arms(said, found, list(zip(q, np.cos(q), np.sin(q), strict=True)), (len(poses), 1))
-    return LargestErrors(*largest)
+    from dh2urdf.kinematics.walk.one_arm import walk_of_one
+
+    q = np.array(poses, dtype=float).reshape(len(poses), len(poses[0])).T.copy()
+    cosines, sines = np.cos(q), np.sin(q)
+    with np.errstate(all="ignore"):  # What is not a number is an infinite error.
+        frames = [walk_of_one(chain.steps, q, cosines, sines) for chain in (said, found)]
+    position, angle, worst = _largest_of_arms(frames, (len(poses), 1))
+    return LargestErrors(position[0], angle[0], tuple(q[:, worst[0]].tolist()))
 
 
-def _largest_of_arms(
-    said: CompiledChain, found: CompiledChain, values: Sequence[JointValue], shape: tuple[int, int]
-) -> Iterator[tuple[float, float, tuple[float, ...]]]:
-    """What `LargestErrors` has, of each of N arms at P joint vectors, whose values have the shape (P, N) or (P, 1)."""
+def _largest_of_arms(frames: Sequence[Frame], shape: tuple[int, int]) -> tuple[list[float], list[float], Array]:
+    """The largest errors of each of N arms at P joint vectors, and the number of the joint vector of `LargestErrors.q`.
+
+    Args:
+        frames: the tip as it is said and as it is found.
+        shape: P and N.
+    """
     import numpy as np
 
     with np.errstate(all="ignore"):  # What is not a number is an infinite error.
-        [one], [other] = said.walk(values, STACKS), found.walk(values, STACKS)
-        position, angle = (np.broadcast_to(square, shape) for square in _squared_differences(one, other))
+        position, angle = (np.broadcast_to(square, shape) for square in _squared_differences(*frames))
         angle = np.where(np.isfinite(angle), angle, math.inf)
         position = np.where(np.isfinite(position) & (angle < math.inf), position, math.inf)
     largest = position.max(axis=0)
     worst = np.where(position == largest, angle, -1.0).argmax(axis=0)
-    arms = range(shape[1])
-    vectors = [value[worst, arms if value.shape[1] > 1 else 0].tolist() for value, _, _ in values]
-    return zip(
-        np.sqrt(largest).tolist(),
-        map(_angle, np.sqrt(angle.max(axis=0)).tolist()),
-        zip(*vectors, strict=True) if values else repeat(()),
-        strict=bool(values),
-    )
+    angles = list(map(_angle, np.sqrt(angle.max(axis=0)).tolist()))
+    return np.sqrt(largest).tolist(), angles, worst
 
 
 def _squared_differences(one: Frame, other: Frame) -> tuple[Array, Array]:
@@ -297,14 +298,18 @@ def _proofs(
             _written_way([_joint(joint, of_files) for joint in joints]),
         )
     shape = (3 + count, len(places))
-    largest = _largest_of_arms(said, found, values_of(q), shape)
-    positions, angles, vectors = zip(*largest, strict=True)
+    with np.errstate(all="ignore"):
+        values = values_of(q)
+        frames = [frame for chain in (said, found) for frame in chain.walk(values, STACKS)]
+    positions, angles, worst = _largest_of_arms(frames, shape)
+    arms = range(len(places))
+    vectors = [value[worst, arms if value.shape[1] > 1 else 0].tolist() for value in q]
     return many_unchecked(
         Proof(position_error=0.0, angle_error=0.0, q=(), tolerance=0.0, poses=3 + count),
         len(places),
         position_error=positions,
         angle_error=angles,
-        q=vectors,
+        q=zip(*vectors, strict=True) if vectors else repeat(()),
         tolerance=_tolerances(table, q, len(places)),
         tips=[{TOOL: position} for position in positions],
     )

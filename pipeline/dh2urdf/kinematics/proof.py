@@ -183,7 +183,7 @@ def _largest_of_arms(frames: Sequence[Frame], shape: tuple[int, int]) -> tuple[l
     """The largest errors of each of N arms at P joint vectors, and the number of the joint vector of `LargestErrors.q`.
 
     Args:
-        frames: the tip as it is said and as it is found.
+        frames: the tip of the table, and that of the file.
         shape: P and N.
     """
     import numpy as np

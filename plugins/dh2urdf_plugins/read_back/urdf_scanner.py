@@ -117,6 +117,13 @@ class _Found(NamedTuple):
     table: Any
 
 
+def _together(form: Form, files: Sequence[tuple[int, str, bytes]]) -> Iterator[_Found]:
+    """The joints of files of one form, given with their indices, names and numbers."""
+    good, table = form.rows([text for _, _, text in files])
+    if good:
+        yield _Found(form.joints, [files[place][0] for place in good], files[good[0]][1], table)
+
+
 class _Scanner:
     """Reads files, and remembers the skeletons that it has met.
 
@@ -127,7 +134,7 @@ class _Scanner:
         self._layouts: dict[bytes, _Layout] = {}
         self._joints: dict[Hashable, Joints] = {}
         self._last: list[Form] = []  # that of the last file that had one: often the next file has it too
-        self._with_form: dict[int, dict[Skeleton, Form]] = {}  # by the number of quotes
+        self._with_form: dict[tuple[int, ...], dict[Skeleton, Form]] = {}  # by the number of quotes about each link
         self.size = 0
 
     def scan(self, contents: Iterable[tuple[int, bytes]]) -> Iterator[_Found]:
@@ -142,7 +149,10 @@ class _Scanner:
                 continue
             for form in self._candidates(content):
                 if (text := form.numbers(content, head.end())) is not None:
-                    waiting.setdefault(form, []).append((index, head[1].decode(), text))
+                    files = waiting.setdefault(form, [])
+                    files.append((index, head[1].decode(), text))
+                    if len(files) == _AT_ONCE:
+                        yield from _together(form, waiting.pop(form))
                     self._last = [form]
                     break
             else:
@@ -152,14 +162,12 @@ class _Scanner:
             indices, names, rows = zip(*numbers, strict=True)
             yield _Found(joints, list(indices), names[0], np.array(rows, dtype=float))
         for form, files in waiting.items():
-            good, table = form.rows([text for _, _, text in files])
-            if good:
-                yield _Found(form.joints, [files[place][0] for place in good], files[good[0]][1], table)
+            yield from _together(form, files)
 
     def _candidates(self, content: bytes) -> Iterator[Form]:
-        """The forms that a file may have. Any other is found out at the first of its numbers, as a rule."""
+        """The forms that a file may have."""
         yield from self._last
-        yield from self._with_form.get(content.count(b'"'), {}).values()
+        yield from self._with_form.get(_quotes(content), {}).values()
 
     def _one(self, content: bytes, start: int) -> tuple[Joints, list[float]] | None:
         """The joints of a file and their numbers; None where the file is not plain."""
@@ -187,7 +195,7 @@ class _Scanner:
         if skeleton is None:
             return None
         if form := skeleton.see(pieces):
-            self._with_form.setdefault(content.count(b'"'), {})[skeleton] = form
+            self._with_form.setdefault(_quotes(content), {})[skeleton] = form
         return skeleton.joints, numbers[: skeleton.count]
 
     def _lay_out(self, markup: bytes, attributes: Sequence[tuple[etree._Element, str]]) -> _Layout | None:
@@ -234,6 +242,11 @@ class _Scanner:
         layout.known[key] = skeleton
         self.size += 1
         return skeleton
+
+
+def _quotes(content: bytes) -> tuple[int, ...]:
+    """How many quotes are about each link: files whose links have other shapes differ in it."""
+    return tuple([part.count(b'"') for part in content.split(b"<link ")])
 
 
 def _is_printable(head: bytes) -> bool:
@@ -306,9 +319,8 @@ def scan_columns(contents: Sequence[bytes]) -> list[tuple[list[int], Robot]]:
     if _scanner.size > _MOST_REMEMBERED:
         _scanner = _Scanner()
     groups: dict[Joints, list[_Found]] = {}
-    for first in range(0, len(contents), _AT_ONCE):
-        for found in _scanner.scan(enumerate(contents[first : first + _AT_ONCE], first)):
-            groups.setdefault(found.joints, []).append(found)
+    for found in _scanner.scan(enumerate(contents)):
+        groups.setdefault(found.joints, []).append(found)
     read = []
     for joints, parts in groups.items():
         indices = np.array(list(chain.from_iterable([part.indices for part in parts])))

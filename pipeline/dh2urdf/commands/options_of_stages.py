@@ -135,7 +135,17 @@ def stage_calls(
                 )
             )
             continue
-        words[kinds[0]][key] = value
+        earlier = words[kinds[0]].setdefault(key, value)
+        if earlier != value:
+            problems.append(
+                Problem(
+                    message=f"{asker.setting}{shown(text)} contradicts {shown(earlier)}, which is given for {key} too",
+                    mark=asker.mark,
+                    field=key,
+                    found=text,
+                    accepted="one value of each option",
+                )
+            )
     calls: dict[str, list[Call[Any]]] = {kind: [] for kind in stages}
     for kind, some in stages.items():
         for stage in some:

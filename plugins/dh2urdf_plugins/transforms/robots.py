@@ -34,7 +34,7 @@ def robot_of(manipulator: Manipulator, options: AlphaSwapOptions) -> Robot:
     table = None if manipulator is given else manipulator
     if options.variant == "paper":
         problems += [*paper_problems(manipulator, options.snap), *of_meshes(manipulator, placed=False)]
-        problems += unused_in_paper(manipulator)
+        problems += unused_in_paper(manipulator, options)
     else:
         problems += [*of_meshes(manipulator), *unused_shapes(manipulator, options)]
     if any(problem.severity == "error" for problem in problems):

@@ -7,13 +7,17 @@ from typing import TYPE_CHECKING
 from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.manipulator import JointType
 from dh2urdf.source import Problem
+from dh2urdf_plugins.transforms.alpha_swap_options import AlphaSwapOptions
 from dh2urdf_plugins.transforms.checks import is_weighed, row_problem
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from dh2urdf.manipulator import LinkGeometry, Manipulator, MeshShape
-    from dh2urdf_plugins.transforms.alpha_swap_options import AlphaSwapOptions
+
+_DEFAULTS = AlphaSwapOptions()
+_OF_THE_EXACT_VARIANT = ("frames", "near_parallel", "shape", "radius")
+"""Options that the paper's variant has no use for."""
 
 
 class Drawn(NamedTuple):
@@ -74,9 +78,13 @@ def unused_density(manipulator: Manipulator) -> Iterator[Problem]:
         yield _unused("defaults.density", "every link has a mass of its own")
 
 
-def unused_in_paper(manipulator: Manipulator) -> Iterator[Problem]:
-    """The same of the paper's variant, which draws boxes of its own."""
+def unused_in_paper(manipulator: Manipulator, options: AlphaSwapOptions) -> Iterator[Problem]:
+    """The same of the paper's variant, which draws boxes of its own, and options that the exact one has."""
     why = "the paper's variant draws boxes of its own"
+    for name in _OF_THE_EXACT_VARIANT:
+        if getattr(options, name) != getattr(_DEFAULTS, name):
+            own = why if name in ("shape", "radius") else "the paper's variant has a chain of its own"
+            yield _unused(name, f"{own}; variant exact has this option")
     for name, geometry in (("defaults.geometry", manipulator.geometry), ("base.geometry", manipulator.base_geometry)):
         if geometry.shape or geometry.radius:
             yield _unused(name, why)

@@ -257,6 +257,8 @@ class TestOptions:
             (["--angle-unit", "gons"], "gons"),
             (["--base", "{xyz: [0, 0]}"], "xyz"),
             (["--base", "[1, 2"], "[1, 2"),
+            (["--frames", "dh", "--set", "frames=aligned"], "--set 'frames=aligned' contradicts 'dh'"),
+            (["--set", "density=1", "--set", "transform.density=2"], "--set 'transform.density=2' contradicts '1'"),
             (["--set", "transform.snap=-1"], "snap"),
             (["--set", "executor.workers=1"], "executor.workers"),
         ],

@@ -102,6 +102,18 @@ def test_an_angle_near_the_set_is_taken_for_it_with_a_notice(table: Table, robot
 
 
 @pytest.mark.parametrize(
+    "options",
+    [{"frames": "dh"}, {"near_parallel": "split"}, {"shape": "box"}, {"radius": 0.02}],
+    ids=lambda each: next(iter(each)),
+)
+def test_an_option_of_the_exact_variant_is_noticed(table: Table, robot_of: RobotOf, options: dict[str, Any]) -> None:
+    """It was left out without a word."""
+    (notice,) = robot_of(table({"alpha": 0.0}, {"d": 0.1}), variant="paper", **options).notices
+    assert (notice.severity, notice.field) == ("notice", next(iter(options)))
+    assert "has no effect: the paper's variant" in notice.message
+
+
+@pytest.mark.parametrize(
     ("row", "field", "found"),
     [
         ({"alpha": 0.3}, "alpha", "0.3"),

@@ -15,10 +15,6 @@ if TYPE_CHECKING:
 
     from dh2urdf.manipulator import LinkGeometry, Manipulator, MeshShape
 
-_DEFAULTS = AlphaSwapOptions()
-_OF_THE_EXACT_VARIANT = ("frames", "near_parallel", "shape", "radius")
-"""Options that the paper's variant has no use for."""
-
 
 class Drawn(NamedTuple):
     """Whether links are seen, and whether they touch."""
@@ -81,17 +77,15 @@ def unused_density(manipulator: Manipulator) -> Iterator[Problem]:
 def unused_in_paper(manipulator: Manipulator, options: AlphaSwapOptions) -> Iterator[Problem]:
     """The same of the paper's variant, which draws boxes of its own, and options that the exact one has."""
     why = "the paper's variant draws boxes of its own"
-    for name in _OF_THE_EXACT_VARIANT:
-        if getattr(options, name) != getattr(_DEFAULTS, name):
-            own = why if name in ("shape", "radius") else "the paper's variant has a chain of its own"
-            yield _unused(name, f"{own}; variant exact has this option")
+    for name in ("frames", "near_parallel", "shape", "radius"):
+        if getattr(options, name) != getattr(AlphaSwapOptions(), name):
+            yield _unused(name, "the paper's variant has a chain and boxes of its own")
     for name, geometry in (("defaults.geometry", manipulator.geometry), ("base.geometry", manipulator.base_geometry)):
         if geometry.shape or geometry.radius:
             yield _unused(name, why)
     for row in manipulator.rows:
         if row.radius is not None:
-            message = f"radius has no effect: {why}"
-            yield row_problem(row, message, field="radius", found=row.radius, severity="notice")
+            yield row_problem(row, f"radius has no effect: {why}", field="radius", found=row.radius, severity="notice")
     yield from unused_density(manipulator)
 
 

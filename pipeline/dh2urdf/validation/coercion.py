@@ -20,14 +20,13 @@ from typing import (
     ParamSpec,
     TypeVar,
     cast,
-    get_type_hints,
 )
 
 from dh2urdf.elementwise import is_column
 from dh2urdf.errors import RecordTypeError, RecordValueError
 from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.source import Mark, Problem
-from dh2urdf.validation.field_types import RefusedError, number_of, settled, take_of
+from dh2urdf.validation.field_types import RefusedError, hints_of, number_of, settled, take_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Sequence
@@ -236,7 +235,7 @@ class _Fields(NamedTuple):
 
 @cache
 def _fields_of(kind: type, *, exact: bool = False) -> _Fields:
-    hints, names = get_type_hints(kind), _names_of(kind)
+    hints, names = hints_of(kind), _names_of(kind)
     get = operator.attrgetter(*names)
     made = []
     for number, name in enumerate(names):

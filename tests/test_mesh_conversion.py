@@ -14,7 +14,7 @@ from lxml import etree
 
 import dh2urdf
 from dh2urdf.errors import ConfigError, CrashError, EmitterError
-from dh2urdf.meshes import conversion as mesh_conversion, read_parts
+from dh2urdf.meshes import conversion as mesh_conversion, read_parts, triangles as mesh_triangles
 from dh2urdf.meshes.forms import forms_of
 from dh2urdf.meshes.kinds import MeshConversion
 from dh2urdf.report.schema import manifest_schema
@@ -247,6 +247,17 @@ def test_vertices_that_are_close_stay_apart(suffix: str) -> None:
     }[suffix]()
     (part,) = read_parts(content, suffix, (1.0, 1.0, 1.0))
     assert part.vertices[part.faces[0]] == pytest.approx(tiny.vertices, rel=1e-6)
+
+
+def test_places_with_one_hash_stay_apart(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Corners are merged by numbers that are made of their places; where two have the same number, by the places."""
+    content = trimesh.creation.icosphere(2).export(file_type="stl")
+    (expected,) = read_parts(content, ".stl", (1.0, 1.0, 1.0))
+    assert len(expected.vertices) == 162
+    monkeypatch.setattr(mesh_triangles, "_MIX", (1, 0, 0))
+    (found,) = read_parts(content, ".stl", (1.0, 1.0, 1.0))
+    assert np.array_equal(found.vertices, expected.vertices)
+    assert np.array_equal(found.faces, expected.faces)
 
 
 def test_the_colours_of_a_collada_file_stay(folder: Path) -> None:

@@ -31,6 +31,7 @@ FORMATS = (".stl", ".obj", ".dae")
 
 _NEGLIGIBLE = 1e-12  # over the size of a body or the trace of its inertia
 _TO_Z_UP = {"X_UP": ((0, -1, 0), (0, 0, -1), (1, 0, 0)), "Y_UP": ((1, 0, 0), (0, 0, -1), (0, 1, 0))}
+_MIX = (0x9E3779B97F4A7C15, 0xC2B2AE3D27D4EB4F, 0x165667B19E3779F9)  # odd, and as good as random
 _ZIP = b"PK\x03\x04"
 
 
@@ -275,16 +276,37 @@ def _joined(pieces: list[tuple[Any, Any, Texture | None]]) -> tuple[Any, Any]:
     """Meshes as one, vertices at the same place merged."""
     import numpy as np
 
-    corners = np.concatenate([vertices[faces] for vertices, faces, _ in pieces]).reshape(-1, 3) + 0.0
-    order = np.lexsort(corners.T)  # stable; much faster than np.unique of rows
-    is_new = np.ones(len(order), dtype=bool)
-    is_new[1:] = (corners[order[1:]] != corners[order[:-1]]).any(axis=1)
-    first, which = order[is_new], np.empty_like(order)
-    which[order] = np.cumsum(is_new) - 1
+    # Plain arrays: those of trimesh note each access.
+    plain = [(np.asarray(vertices), np.asarray(faces)) for vertices, faces, _ in pieces]
+    corners = np.concatenate([vertices[faces] for vertices, faces in plain]).reshape(-1, 3) + 0.0
+    first, which = _alike(_hashes(corners))
+    if (corners[first[which]] != corners).any():  # two places have one hash
+        first, which = _alike(corners)
     way = np.argsort(first)  # as they come in the file
     rank = np.empty_like(way)
     rank[way] = np.arange(len(way))
     return corners[first[way]], rank[which].reshape(-1, 3)
+
+
+def _alike(rows: Any) -> tuple[Any, Any]:  # noqa: ANN401 - arrays
+    """Equal rows of an array: the first row of each kind, and the number of the kind of each row."""
+    import numpy as np
+
+    order = np.lexsort(rows.T)  # stable; much faster than np.unique of rows
+    is_new = np.ones(len(order), dtype=bool)
+    is_new[1:] = (rows[order[1:]] != rows[order[:-1]]).any(axis=1)
+    which = np.empty_like(order)
+    which[order] = np.cumsum(is_new) - 1
+    return order[is_new], which
+
+
+def _hashes(corners: Any) -> Any:  # noqa: ANN401 - arrays
+    """A number for each corner, of shape (N, 1): one column is sorted in half of the time of three."""
+    import numpy as np
+
+    bits = corners.view(np.uint64)
+    mixed = (bits ^ bits >> np.uint64(32)) * np.array(_MIX, dtype=np.uint64)  # round numbers end in zeros
+    return mixed.sum(axis=1, keepdims=True)
 
 
 # --- Bodies -----------------------------------------------------------------------------------------------------------

@@ -11,6 +11,7 @@ import json
 import math
 import os
 import re
+import resource
 import shutil
 import signal
 import subprocess
@@ -25,7 +26,9 @@ if TYPE_CHECKING:
     from types import TracebackType
 
 SECONDS = 20
-"""How long a consumer may take for one file; one that is not ready then counts as crashed."""
+PROCESSOR_SECONDS = 5
+PRINTED = 2**22
+"""A consumer may take so long for one file, and print so many bytes of it; one that goes on counts as crashed."""
 _OTHERS = [folder for folder in os.get_exec_path() if not (Path(folder).parent / "pyvenv.cfg").is_file()]
 CHECK_URDF = shutil.which("check_urdf", path=os.pathsep.join(_OTHERS))
 """urdfdom's command as a system has it. Pinocchio brings a newer one along, urdfdom 6, which takes document types."""
@@ -247,17 +250,21 @@ def drake(path: str) -> Behaviour:
 
 
 def check_urdf(path: str) -> Behaviour:
-    done = subprocess.run(
-        [str(CHECK_URDF), path],
-        capture_output=True,
-        text=True,
-        errors="replace",
-        check=False,
-        timeout=SECONDS,
-    )
+    with tempfile.TemporaryFile() as out:  # a pipe has no limit
+        done = subprocess.run(
+            [str(CHECK_URDF), path],
+            stdout=out,
+            stderr=subprocess.PIPE,
+            text=True,
+            errors="replace",
+            check=False,
+            timeout=SECONDS,
+        )
+        out.seek(0)
+        told = out.read().decode(errors="replace")
     end = "crashes" if done.returncode < 0 else "refuses" if done.returncode else "loads"
-    links = re.findall(r"^(?:root Link: (.*) has \d+ child\(ren\)| *child\(\d+\):  (.*))$", done.stdout, re.MULTILINE)
-    extra = {"stdout": done.stdout, "status": done.returncode, "links": [root or child for root, child in links]}
+    links = re.findall(r"^(?:root Link: (.*) has \d+ child\(ren\)| *child\(\d+\):  (.*))$", told, re.MULTILINE)
+    extra = {"stdout": told, "status": done.returncode, "links": [root or child for root, child in links]}
     return Behaviour(end, printed=done.stderr, extra=extra)
 
 
@@ -329,6 +336,8 @@ def _serve(consumer: str) -> None:
         child = os.fork()
         if child == 0:
             signal.alarm(SECONDS)
+            resource.setrlimit(resource.RLIMIT_CPU, (PROCESSOR_SECONDS, PROCESSOR_SECONDS))
+            resource.setrlimit(resource.RLIMIT_FSIZE, (PRINTED, resource.RLIM_INFINITY))
             target = os.open(printed, os.O_CREAT | os.O_WRONLY | os.O_TRUNC)
             os.dup2(target, 1)
             os.dup2(target, 2)
@@ -339,6 +348,7 @@ def _serve(consumer: str) -> None:
                 found = Behaviour(end, extra={"raised": f"{type(error).__name__}: {error}"})
             sys.stdout.flush()
             ctypes.CDLL(None).fflush(None)  # what a library of C has printed, and `_exit` would drop
+            resource.setrlimit(resource.RLIMIT_FSIZE, (resource.RLIM_INFINITY, resource.RLIM_INFINITY))
             answer.write_text(json.dumps(found.__dict__))
             os._exit(0)
         _, status = os.waitpid(child, 0)

@@ -46,6 +46,10 @@ _SPACES = "'’ʼ \u00a0\u2007\u2009\u202f"
 _ADVICE = (
     (late_pattern(r"\s*[+-]?(nan|inf|infinity)\s*", re.IGNORECASE), "write a finite number"),
     (
+        late_pattern(r"\s*\$[^$]+\$\s*$|.*\\(?:[dt]?frac|over|circ|degree|textdegree|ang|SI|qty)(?![a-z])"),
+        "write the number without LaTeX: -pi/2, -90 deg",
+    ),
+    (
         late_pattern(r"\s*[+-]?[0-9]*,[0-9]+\s*$"),
         "write a decimal point, and no separators of thousands: 0.425, 1234.5",
     ),

@@ -241,3 +241,23 @@ def test_a_decimal_comma_between_commas_stands_in_quotes(read_one: Callable[...,
     arm = read_one('a,alpha,d,upper,lower\n"0,425","-1,5","1,250",90°,"-0,5 rad"\n')
     (row,) = arm.rows
     assert (row.a, row.alpha, row.d, row.limits.lower) == (0.425, -1.5, 1.25, -0.5)
+
+
+@pytest.mark.parametrize("title", ["", "DH parameters of the arm\n\n"])
+@pytest.mark.parametrize(
+    ("table", "said"),
+    [
+        ("| Link | a | alpha |\n|---|---|---|\n| 1 | 0.3 | 0 |\n", "a table between bars"),
+        (
+            "\\begin{tabular}{ccc}\nLink & $a$ & $d$ \\\\ \\hline\n1 & 0.3 & 0 \\\\\n\\end{tabular}\n",
+            "a table of LaTeX",
+        ),
+    ],
+)
+def test_a_table_of_another_program_is_known_below_a_title(
+    table: str, said: str, title: str, read: Callable[..., list[Manipulator | Rejected]]
+) -> None:
+    """The message was about the title alone."""
+    with pytest.raises(TableError) as error:
+        read(f"{title}{table}", convention="standard")
+    assert said in str(error.value)

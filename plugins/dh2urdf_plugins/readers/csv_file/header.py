@@ -74,7 +74,7 @@ def top_rows(lines: Iterable[str], file: str) -> Iterator[tuple[CellRow, str | N
     likely = max(titles, key=lambda title: _known(title.text))
     found = delimiter or delimiter_of(likely.text)
     if found is None:
-        raise TableError(_no_header(likely.text, likely.number, file))
+        raise TableError(_no_header(likely.text, likely.number, file, [title.text for title in titles]))
     yield from ((above, None) for above in _above(held[: held.index(likely)], file, found))
     yield _cells(likely.text, likely.number, file, found), found
 
@@ -224,14 +224,14 @@ def row_below(lines: Sequence[str], number: int, file: str, delimiter: str) -> t
     return None
 
 
-def _no_header(line: str, number: int, file: str) -> Problem:
+def _no_header(line: str, number: int, file: str, others: Sequence[str]) -> Problem:
     return Problem(
         message=f"this line is no header whose columns are known: {shown(line)}",
         mark=Mark(file=file, line=number),
         found=line,
         accepted="a header with at least the columns a, alpha and d, such as `joint,type,a,alpha,d,theta`, with one "
         "delimiter: comma, semicolon or tab",
-        suggestion=_advice(line),
+        suggestion=_advice(line) or next(filter(None, map(_other_form, others[:_FIRST])), None),
     )
 
 
@@ -250,6 +250,12 @@ _OTHER_FORMS = (
     (late_pattern(r"^\s*(?:[\w.]+\s*=\s*)?(?:[\w.]+\(\s*)?\["), _ARRAY),
 )
 """What tables of other programs look like, and what to do about them."""
+_FIRST = 20
+"""Lines that may show it, where a title is above the table."""
+
+
+def _other_form(line: str) -> str | None:
+    return next((advice for pattern, advice in _OTHER_FORMS if pattern.search(line)), None)
 
 
 def _advice(line: str) -> str | None:
@@ -259,9 +265,8 @@ def _advice(line: str) -> str | None:
         return f"write `# {text}`: what holds for all rows is in comment lines"
     if any(are_joints(split(line, delimiter)) for delimiter in DELIMITERS):
         return TURN_ROUND
-    for pattern, advice in _OTHER_FORMS:
-        if pattern.search(line):
-            return advice
+    if form := _other_form(line):
+        return form
     if "  " in line or "|" in line:
         return "columns aligned with spaces or bars cannot be told apart; put commas between them"
     return None

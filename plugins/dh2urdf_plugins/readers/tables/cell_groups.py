@@ -108,8 +108,8 @@ def _bounds(text: str, *, decimal_comma: bool) -> dict[str, str] | GroupError:
     pair = _TO.split(inner)
     if len(pair) == 1 and (match := _PAIR.fullmatch(inner)):
         pair = [match[1], match[3]]
-        if match[2].isspace() and not (match[1].lstrip().startswith("-") or match[3].startswith("+")):
-            return _not_two(text)
+        if doubt := _doubt(match, text):
+            return doubt
     if len(pair) == 1 and re.search("[,;|]", inner):
         pair = _items(inner, decimal_comma=decimal_comma)
     if len(pair) != len(("lower", "upper")) or not all(item.strip() for item in pair):
@@ -118,6 +118,19 @@ def _bounds(text: str, *, decimal_comma: bool) -> dict[str, str] | GroupError:
     if lower.startswith("+") and upper.startswith("-"):
         lower, upper = upper, lower  # `+170/-170`, as makers write it
     return _both(lower, upper, unit)
+
+
+def _doubt(pair: re.Match[str], text: str) -> GroupError | None:
+    """Why two numbers with a sign or a space between them may be no bounds: ``10 20``, ``170/170``."""
+    lower, sign, upper = pair[1].strip(), pair[2], pair[3].strip()
+    if sign.isspace():
+        return None if lower.startswith("-") or upper.startswith("+") else _not_two(text)
+    if sign != "/" or not (lower[:1].isdigit() and upper[:1].isdigit() and lower.strip("0.,")):
+        return None
+    return GroupError(
+        f"{shown(text)} may be two bounds, or how far the joint moves to both sides",
+        f"write '-{lower}/+{upper}' or '{lower} to {upper}'",
+    )
 
 
 def _both(lower: str, upper: str, unit: str | None) -> dict[str, str]:

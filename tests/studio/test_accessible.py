@@ -25,6 +25,10 @@ def dress(page: Any, look: str, size: str) -> None:
     page.evaluate(f"Object.assign(document.documentElement.dataset, {{ look: '{look}', size: '{size}' }})")
     page.evaluate(f"Quasar.Dark.set({'true' if look == 'dark' else 'false'})")
     page.evaluate("dispatchEvent(new Event('dh-look'))")
+    # What fades takes a third of a second, and axe waits for it.
+    page.add_style_tag(
+        content="*, ::before, ::after { transition-duration: 0s !important; animation-duration: 0s !important }"
+    )
 
 
 def parts(tab: Any, folder: Path, look: str, size: str) -> Iterator[tuple[str, str]]:

@@ -190,7 +190,7 @@ def test_picture_of_housings(renew: bool, request: pytest.FixtureRequest, tmp_pa
         tab.page.goto(address)
         tab.page.wait_for_function("document.querySelectorAll('.joint-slider').length === 6")
         for layer in ("joint axes", "frames"):
-            box = tab.page.locator(".studio-bar .q-checkbox", has_text=layer)
+            box = tab.page.locator(".studio-bar").get_by_role("checkbox", name=layer, exact=True)
             if box.get_attribute("aria-checked") == "true":
                 box.click()
         set_sliders(tab, [-143, -109, 115, -97, -90, 0])

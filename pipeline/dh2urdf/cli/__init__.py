@@ -23,7 +23,7 @@ from typing import IO, TYPE_CHECKING, Any, NoReturn
 import click
 
 from dh2urdf._version import __version__
-from dh2urdf.cli.leaving_out import without_option
+from dh2urdf.cli.leaving_out import option, without_option
 from dh2urdf.errors import Dh2UrdfError, OutputError
 from dh2urdf.isolation.own_process import claim
 from dh2urdf.plugin_system.at_work import at_work_here
@@ -128,10 +128,8 @@ def _print_version(ctx: click.Context, _parameter: click.Parameter, value: bool)
     context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100},
     epilog=EXIT_STATUS,
 )
-@click.option(
-    "--version", is_flag=True, is_eager=True, expose_value=False, callback=_print_version, help="Print versions."
-)
-@click.option("--debug", is_flag=True, help="Show the traceback of an error.")
+@option("--version", is_flag=True, is_eager=True, expose_value=False, callback=_print_version, help="Print versions.")
+@option("--debug", is_flag=True, help="Show the traceback of an error.")
 @without_option
 @click.pass_obj
 def dh2urdf(invocation: _Invocation, debug: bool) -> None:  # noqa: FBT001 - click hands flags over so

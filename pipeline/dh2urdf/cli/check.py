@@ -10,7 +10,7 @@ import click
 
 from dh2urdf.cli import SETTLED
 from dh2urdf.cli.answers import answer
-from dh2urdf.cli.leaving_out import catalog, without_option
+from dh2urdf.cli.leaving_out import catalog, option, without_option
 from dh2urdf.cli.stage_flags import StageCommand, given_options
 from dh2urdf.cli.standard_input import DASH, NAME, given_description, given_table
 from dh2urdf.cli.tables import ASKER, package_paths_option, table_options
@@ -42,23 +42,21 @@ EXIT_STATUS = (
 @click.command(name="check", cls=StageCommand, kinds=("reader",), epilog=EXIT_STATUS)
 @click.argument("words", nargs=-1, required=True, metavar="FILE… [NAME:=VALUE]…")
 @package_paths_option
-@click.option("--for", "simulators", multiple=True, metavar="SIMULATOR", help="Only what this one does; repeatable.")
-@click.option(
+@option("--for", "simulators", multiple=True, metavar="SIMULATOR", help="Only what this one does; repeatable.")
+@option(
     "--against",
     "table",
     type=click.Path(path_type=Path),
     metavar="TABLE",
     help="Compare the kinematics with a DH table.",
 )
-@click.option("--base-link", metavar="LINK", help="Where the arm begins; the root.")
-@click.option("--tip-link", metavar="LINK", help="Where it ends; tool0, flange, or its last link.")
+@option("--base-link", metavar="LINK", help="Where the arm begins; the root.")
+@option("--tip-link", metavar="LINK", help="Where it ends; tool0, flange, or its last link.")
 @table_options
-@click.option("--as", "format_name", metavar="NAME", help="Format of FILE, such as urdf; by FILE's suffix.")
-@click.option(
-    "--format", "form", type=click.Choice(["text", "json", "sarif"]), default="text", help="What is printed; text."
-)
-@click.option("--fix", "is_fixed", is_flag=True, help="Fix what is mechanical, write it to -o, and check that.")
-@click.option("-o", "--out", type=click.Path(path_type=Path), metavar="FILE", help="Where --fix writes.")
+@option("--as", "format_name", metavar="NAME", help="Format of FILE, such as urdf; by FILE's suffix.")
+@option("--format", "form", type=click.Choice(["text", "json", "sarif"]), default="text", help="What is printed; text.")
+@option("--fix", "is_fixed", is_flag=True, help="Fix what is mechanical, write it to -o, and check that.")
+@option("-o", "--out", type=click.Path(path_type=Path), metavar="FILE", help="Where --fix writes.")
 @without_option
 def command(  # noqa: PLR0917 - click hands everything over by name
     words: tuple[str, ...],

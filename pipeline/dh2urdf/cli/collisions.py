@@ -9,7 +9,7 @@ import click
 from dh2urdf.cli import EXIT_STATUS
 from dh2urdf.cli.answers import answer
 from dh2urdf.cli.convert import print_notices
-from dh2urdf.cli.leaving_out import catalog, without_option
+from dh2urdf.cli.leaving_out import catalog, option, without_option
 from dh2urdf.cli.tables import ASKER, package_paths_option, settings_of
 from dh2urdf.commands.check import given_arguments
 from dh2urdf.commands.collisions import annotation
@@ -24,7 +24,7 @@ OPTIONS = ("trials", "seed", "min_distance")
 
 @click.command(name="collisions", epilog=EXIT_STATUS)
 @click.argument("words", nargs=-1, required=True, metavar="ROBOT [NAME:=VALUE…]")
-@click.option(
+@option(
     "-o",
     "--output",
     "output",
@@ -32,15 +32,13 @@ OPTIONS = ("trials", "seed", "min_distance")
     metavar="SRDF",
     help="Where to write; what is in it stays.",
 )
-@click.option(
-    "--update", "earlier", type=click.Path(path_type=Path), metavar="SRDF", help="Another file to begin with."
-)
-@click.option("--trials", metavar="N", help="Random states in which a pair of Never does not touch; 10000.")
-@click.option("--seed", metavar="N", help="Seed of the random states; 0.")
-@click.option("--min-distance", metavar="D", help="A pair that comes nearer is not Never [m]; 0.01.")
+@option("--update", "earlier", type=click.Path(path_type=Path), metavar="SRDF", help="Another file to begin with.")
+@option("--trials", metavar="N", help="Random states in which a pair of Never does not touch; 10000.")
+@option("--seed", metavar="N", help="Seed of the random states; 0.")
+@option("--min-distance", metavar="D", help="A pair that comes nearer is not Never [m]; 0.01.")
 @package_paths_option
-@click.option("--set", "settings", multiple=True, metavar="KEY=VALUE", help="Any other option of the emitter.")
-@click.option("-q", "--quiet", is_flag=True, help="Say only what fails.")
+@option("--set", "settings", multiple=True, metavar="KEY=VALUE", help="Any other option of the emitter.")
+@option("-q", "--quiet", is_flag=True, help="Say only what fails.")
 @without_option
 def command(  # noqa: PLR0917 - click hands everything over by name
     words: tuple[str, ...],

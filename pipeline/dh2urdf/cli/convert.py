@@ -10,7 +10,7 @@ import click
 
 from dh2urdf.cli import EXIT_STATUS
 from dh2urdf.cli.answers import answer
-from dh2urdf.cli.leaving_out import catalog, without_option
+from dh2urdf.cli.leaving_out import catalog, option, without_option
 from dh2urdf.cli.stage_flags import StageCommand, given_options
 from dh2urdf.cli.standard_input import DASH, files_behind, given_table
 from dh2urdf.cli.tables import ASKER, settings_of, table_options
@@ -29,27 +29,25 @@ STANDARD_OUTPUT = "standard output"
 
 @click.command(name="convert", cls=StageCommand, kinds=("reader", "transform", "emitter"), epilog=EXIT_STATUS)
 @click.argument("tables", type=click.Path(path_type=Path), nargs=-1, required=True, metavar="TABLE…")
-@click.option(
+@option(
     "-o", "--output", "output", metavar="FILE", help="File to write, or folder; standard output without the option."
 )
-@click.option("--to", "format_name", metavar="NAME", help="Format; by FILE's suffix, else urdf.")
+@option("--to", "format_name", metavar="NAME", help="Format; by FILE's suffix, else urdf.")
 @table_options
-@click.option("--transform", "transform_name", metavar="NAME", help="Transform; the usual one.")
-@click.option(
+@option("--transform", "transform_name", metavar="NAME", help="Transform; the usual one.")
+@option(
     "--edit", "edits", multiple=True, metavar="YAML", help="'payload: {mass: 2.5}', a change of the arm; repeatable."
 )
-@click.option("--meshes", metavar="M", help="relative (copies beside FILE), file (file:// paths) or package://NAME.")
-@click.option(
-    "--convert-meshes", metavar="C", help="auto (OBJ), hull or decomposition (OBJ, and what touches is convex)."
-)
-@click.option("--set", "settings", multiple=True, metavar="KEY=VALUE", help="Any other option of a stage.")
-@click.option(
+@option("--meshes", metavar="M", help="relative (copies beside FILE), file (file:// paths) or package://NAME.")
+@option("--convert-meshes", metavar="C", help="auto (OBJ), hull or decomposition (OBJ, and what touches is convex).")
+@option("--set", "settings", multiple=True, metavar="KEY=VALUE", help="Any other option of a stage.")
+@option(
     "--json",
     "as_json",
     is_flag=True,
     help="Print what became of the tables as JSON; without -o with the description in it.",
 )
-@click.option("-q", "--quiet", is_flag=True, help="Say only what fails.")
+@option("-q", "--quiet", is_flag=True, help="Say only what fails.")
 @without_option
 def command(  # noqa: PLR0917 - click hands everything over by name
     tables: tuple[Path, ...],

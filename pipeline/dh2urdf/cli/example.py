@@ -7,6 +7,7 @@ from pathlib import Path
 import click
 
 from dh2urdf.cli.answers import answer
+from dh2urdf.cli.leaving_out import option
 from dh2urdf.errors import ConfigError
 from dh2urdf.plugin_system.options import COMMAND_LINE
 from dh2urdf.scaffold.shipped import shipped_table, shipped_tables, summary_of
@@ -16,8 +17,8 @@ from dh2urdf.source import Problem, shown
 
 @click.command(name="example")
 @click.argument("name", required=False)
-@click.option("-o", "--output", "output", metavar="FILE", help="File to write, or folder; standard output without it.")
-@click.option("--list", "listed", is_flag=True, help="List the arms.")
+@option("-o", "--output", "output", metavar="FILE", help="File to write, or folder; standard output without it.")
+@option("--list", "listed", is_flag=True, help="List the arms.")
 def command(name: str | None, output: str | None, listed: bool) -> int:  # noqa: FBT001 - click hands flags over so
     """Print the table of the arm NAME, one of those that dh2urdf ships; list them without a NAME.
 

@@ -12,7 +12,7 @@ import click
 from dh2urdf.cli import EXIT_STATUS
 from dh2urdf.cli.answers import answer
 from dh2urdf.cli.convert import print_notices
-from dh2urdf.cli.leaving_out import catalog, without_option
+from dh2urdf.cli.leaving_out import catalog, option, without_option
 from dh2urdf.cli.stage_flags import StageCommand, given_options
 from dh2urdf.cli.standard_input import files_behind, given_table
 from dh2urdf.cli.tables import ASKER, package_paths_option, settings_of
@@ -34,17 +34,15 @@ if TYPE_CHECKING:
 
 @click.command(name="extract", cls=StageCommand, kinds=("reader",), which=attrgetter("leaves"), epilog=EXIT_STATUS)
 @click.argument("words", nargs=-1, required=True, metavar="ROBOT [NAME:=VALUE…]")
-@click.option(
-    "-o", "--output", "output", type=click.Path(path_type=Path), metavar="TABLE", help="A .yaml or .csv file."
-)
-@click.option("--convention", metavar="C", help="standard or modified; without it and without -o, both are printed.")
-@click.option("--tips", "lists_tips", is_flag=True, help="List the leaves of ROBOT, and how many joints move each.")
-@click.option("--length-unit", default="m", metavar="UNIT", help="Unit of lengths: m, cm or mm.")
-@click.option("--angle-unit", default="rad", metavar="UNIT", help="Unit of angles: rad or deg.")
-@click.option("--from", "reader_name", metavar="NAME", help="Reader of ROBOT; by its suffix.")
+@option("-o", "--output", "output", type=click.Path(path_type=Path), metavar="TABLE", help="A .yaml or .csv file.")
+@option("--convention", metavar="C", help="standard or modified; without it and without -o, both are printed.")
+@option("--tips", "lists_tips", is_flag=True, help="List the leaves of ROBOT, and how many joints move each.")
+@option("--length-unit", default="m", metavar="UNIT", help="Unit of lengths: m, cm or mm.")
+@option("--angle-unit", default="rad", metavar="UNIT", help="Unit of angles: rad or deg.")
+@option("--from", "reader_name", metavar="NAME", help="Reader of ROBOT; by its suffix.")
 @package_paths_option
-@click.option("--set", "settings", multiple=True, metavar="KEY=VALUE", help="Any other option of the reader.")
-@click.option("-q", "--quiet", is_flag=True, help="Say only what fails.")
+@option("--set", "settings", multiple=True, metavar="KEY=VALUE", help="Any other option of the reader.")
+@option("-q", "--quiet", is_flag=True, help="Say only what fails.")
 @without_option
 def command(  # noqa: PLR0917 - click hands everything over by name
     words: tuple[str, ...],

@@ -9,7 +9,7 @@ import click
 
 from dh2urdf.cli import EXIT_STATUS, SETTLED
 from dh2urdf.cli.answers import answer, answers
-from dh2urdf.cli.leaving_out import catalog, without_option
+from dh2urdf.cli.leaving_out import catalog, option, without_option
 from dh2urdf.cli.stage_flags import StageCommand, given_options
 from dh2urdf.cli.standard_input import given_table
 from dh2urdf.cli.tables import ASKER, settings_of, table_options
@@ -34,9 +34,9 @@ if TYPE_CHECKING:
 @click.command(name="info", cls=StageCommand, kinds=("reader",), epilog=EXIT_STATUS)
 @click.argument("table", type=click.Path(path_type=Path))
 @table_options
-@click.option("--set", "settings", multiple=True, metavar="KEY=VALUE", help="Any other option of the reader.")
-@click.option("--json", "form", flag_value="json", help="Print it as JSON.")
-@click.option("--markdown", "form", flag_value="markdown", help="Print it as Markdown.")
+@option("--set", "settings", multiple=True, metavar="KEY=VALUE", help="Any other option of the reader.")
+@option("--json", "form", flag_value="json", help="Print it as JSON.")
+@option("--markdown", "form", flag_value="markdown", help="Print it as Markdown.")
 @without_option
 def command(
     table: Path,

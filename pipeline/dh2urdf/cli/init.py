@@ -8,7 +8,7 @@ from pathlib import Path
 import click
 
 from dh2urdf.cli.answers import answer
-from dh2urdf.cli.leaving_out import catalog, without_option
+from dh2urdf.cli.leaving_out import catalog, option, without_option
 from dh2urdf.errors import ConfigError
 from dh2urdf.manipulator import Convention
 from dh2urdf.plugin_system.calls import default_call
@@ -22,17 +22,17 @@ DEFAULT_AXES = 6
 
 @click.command(name="init")
 @click.argument("file", type=click.Path(path_type=Path), default=DEFAULT_FILE)
-@click.option(
+@option(
     "--convention",
     type=click.Choice([str(convention) for convention in Convention]),
     default=str(Convention.STANDARD),
     metavar="C",
     help="standard or modified; standard.",
 )
-@click.option("--axes", type=click.IntRange(1, MOST_AXES), metavar="N", help=f"How many joints; {DEFAULT_AXES}.")
-@click.option("--joints", metavar="A,B,C", help="Their names; joint_1, joint_2 and so on.")
-@click.option("--name", default="", metavar="NAME", help="The manipulator's name; that of FILE.")
-@click.option("--run", "run_file", type=click.Path(path_type=Path), metavar="RUN", help="Also write a run file for it.")
+@option("--axes", type=click.IntRange(1, MOST_AXES), metavar="N", help=f"How many joints; {DEFAULT_AXES}.")
+@option("--joints", metavar="A,B,C", help="Their names; joint_1, joint_2 and so on.")
+@option("--name", default="", metavar="NAME", help="The manipulator's name; that of FILE.")
+@option("--run", "run_file", type=click.Path(path_type=Path), metavar="RUN", help="Also write a run file for it.")
 @without_option
 def command(  # noqa: PLR0917 - click hands everything over by name
     file: Path, convention: str, axes: int | None, joints: str | None, name: str, run_file: Path | None

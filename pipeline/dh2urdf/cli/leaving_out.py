@@ -1,4 +1,7 @@
-"""`--without NAME`, before a command or after it: which plugins a command does without."""
+"""What options of all commands share: each has one value, and `--without NAME` leaves out plugins.
+
+`--without` is accepted before a command or after it. Of two values that differ, click would take the last one.
+"""
 
 from __future__ import annotations
 
@@ -10,8 +13,10 @@ import click
 from dh2urdf.cli.answers import keep_apart
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Callable, Mapping, Sequence
     from typing import TypeVar
+
+    from click.core import ParameterSource
 
     from dh2urdf.plugin_system.catalog import Catalog
 
@@ -22,13 +27,53 @@ _NAMES = f"{__name__}.names"
 _LOADED = f"{__name__}.loaded"
 
 
+class OneValueOption(click.Option):
+    """An option that refuses a second value which differs from the first; flags and repeatable options are click's."""
+
+    @property
+    def _has_one_value(self) -> bool:
+        return not (self.multiple or self.is_flag or self.count)
+
+    def add_to_parser(self, parser: Any, ctx: click.Context) -> None:  # noqa: ANN401 - its class depends on click's version
+        """Has the parser collect all values."""
+        if self._has_one_value:
+            parser.add_option(obj=self, opts=self.opts, dest=self.name, action="append", nargs=self.nargs)
+        else:
+            super().add_to_parser(parser, ctx)
+
+    def consume_value(self, ctx: click.Context, opts: Mapping[str, Any]) -> tuple[Any, ParameterSource]:
+        """The value that the command line, or else the default, gives.
+
+        Raises:
+            click.UsageError: the command line gives two that differ.
+        """
+        given = opts.get(self.name or "")
+        if self._has_one_value and isinstance(given, list):
+            first = given[0]
+            for other in given[1:]:
+                if other != first:
+                    from dh2urdf.source import shown
+
+                    word = max(self.opts, key=len)
+                    ctx.fail(
+                        f"{word} {shown(str(other))} contradicts {word} {shown(str(first))}; {word} accepts one value"
+                    )
+            opts = {**opts, str(self.name): first}
+        return super().consume_value(ctx, opts)
+
+
+def option(*words: str, **attributes: Any) -> Callable[[F], F]:  # noqa: ANN401 - click's
+    """Gives a command an option, as `click.option` does."""
+    return click.option(*words, cls=OneValueOption, **attributes)
+
+
 def _remember(context: click.Context, _parameter: click.Parameter, names: tuple[str, ...]) -> None:
     context.meta.setdefault(_NAMES, []).extend(names)
 
 
 def without_option(function: F) -> F:
     """Gives a command the option; `catalog` heeds it."""
-    return click.option(
+    return option(
         _OPTION,
         multiple=True,
         metavar="NAME",

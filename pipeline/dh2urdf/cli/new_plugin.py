@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, cast
 import click
 
 from dh2urdf.cli.answers import answer
-from dh2urdf.cli.leaving_out import catalog, without_option
+from dh2urdf.cli.leaving_out import catalog, option, without_option
 from dh2urdf.plugin_system.catalog import KINDS
 from dh2urdf.scaffold import write_plugin
 
@@ -19,11 +19,9 @@ if TYPE_CHECKING:
 
 @click.command(name="new-plugin")
 @click.argument("name")
-@click.option("--kind", required=True, type=click.Choice(KINDS), metavar="KIND", help=f"One of {', '.join(KINDS)}.")
-@click.option(
-    "--dir", "folder", type=click.Path(path_type=Path), default=".", metavar="D", help="Where its folder is made."
-)
-@click.option("--minimal", is_flag=True, help="A module with the stage, its contract test, and what installs it.")
+@option("--kind", required=True, type=click.Choice(KINDS), metavar="KIND", help=f"One of {', '.join(KINDS)}.")
+@option("--dir", "folder", type=click.Path(path_type=Path), default=".", metavar="D", help="Where its folder is made.")
+@option("--minimal", is_flag=True, help="A module with the stage, its contract test, and what installs it.")
 @without_option
 def command(name: str, kind: str, folder: Path, *, minimal: bool) -> int:
     """Write a small distribution NAME with one working stage, its tests, and all that goes with it.

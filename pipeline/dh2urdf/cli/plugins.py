@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import click
 
 from dh2urdf.cli.answers import answer
-from dh2urdf.cli.leaving_out import catalog, without_option
+from dh2urdf.cli.leaving_out import catalog, option, without_option
 from dh2urdf.plugin_system.catalog import KINDS
 from dh2urdf.report.plugins import plugins_report
 from dh2urdf.source import printable
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 
 @click.command(name="plugins")
-@click.option("--json", "as_json", is_flag=True, help="Print the list as JSON.")
+@option("--json", "as_json", is_flag=True, help="Print the list as JSON.")
 @without_option
 def command(as_json: bool) -> int:  # noqa: FBT001 - click hands flags over so
     """List every installed stage: kind, name, what it does, its options, and the distribution that provides it.
@@ -48,8 +48,8 @@ def _lines(report: PluginsReport, *, debug: bool) -> Iterator[str]:
         yield f"{kind}s"
         for entry in (entry for entry in report["stages"] if entry["kind"] == kind):
             yield f"  {entry['name']}: {entry['summary']}  [{entry['distribution']}]"
-            for option in entry["options"]:
-                yield f"      {option['name']} = {option['default']} ({option['type']}): {option['help']}"
+            for setting in entry["options"]:
+                yield f"      {setting['name']} = {setting['default']} ({setting['type']}): {setting['help']}"
     for clash in report["clashes"]:
         choice = f"; say {' or '.join(clash['choices'])}" if clash["choices"] else ""
         yield f"claimed twice: {clash['kind']} {clash['name']} by {' and '.join(clash['distributions'])}{choice}"

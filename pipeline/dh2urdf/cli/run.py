@@ -8,7 +8,7 @@ import click
 
 from dh2urdf.cli import EXIT_STATUS, SETTLED
 from dh2urdf.cli.answers import answer
-from dh2urdf.cli.leaving_out import catalog, without_option
+from dh2urdf.cli.leaving_out import catalog, option, without_option
 from dh2urdf.cli.standard_input import refuse_dash
 from dh2urdf.conversion.outcome import to_text
 from dh2urdf.report.html import HOW_TO_GET, can_write_html
@@ -17,16 +17,16 @@ from dh2urdf.running.run import execute, load_plan
 
 @click.command(name="run", epilog=EXIT_STATUS)
 @click.argument("config", type=click.Path(path_type=Path))
-@click.option("-o", "--output", metavar="DIR", help="Where to, not where CONFIG says: a folder or an address.")
-@click.option("--workers", metavar="N", help="How many processes work; auto: one per processor.")
-@click.option("--resume", is_flag=True, help="Keep what an earlier run has finished and what has not changed since.")
-@click.option(
+@option("-o", "--output", metavar="DIR", help="Where to, not where CONFIG says: a folder or an address.")
+@option("--workers", metavar="N", help="How many processes work; auto: one per processor.")
+@option("--resume", is_flag=True, help="Keep what an earlier run has finished and what has not changed since.")
+@option(
     "--set", "settings", multiple=True, metavar="KEY=VALUE", help="Change a value of CONFIG for this run; repeatable."
 )
-@click.option("--keep", is_flag=True, help="Leave the files of the last run into DIR that this one does not write.")
-@click.option("--dry-run", is_flag=True, help="Read and check everything, write nothing.")
-@click.option("--json", "as_json", is_flag=True, help="Print the report as JSON in place of the summary.")
-@click.option("-q", "--quiet", is_flag=True, help="Say only what fails.")
+@option("--keep", is_flag=True, help="Leave the files of the last run into DIR that this one does not write.")
+@option("--dry-run", is_flag=True, help="Read and check everything, write nothing.")
+@option("--json", "as_json", is_flag=True, help="Print the report as JSON in place of the summary.")
+@option("-q", "--quiet", is_flag=True, help="Say only what fails.")
 @without_option
 def command(  # noqa: PLR0917 - click hands everything over by name
     config: Path,

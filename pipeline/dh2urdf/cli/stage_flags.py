@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from dh2urdf.cli.answers import kept_apart
-from dh2urdf.cli.leaving_out import loaded
+from dh2urdf.cli.leaving_out import OneValueOption, loaded
 from dh2urdf.late_tuples import NamedTuple
 
 if TYPE_CHECKING:
@@ -37,7 +37,7 @@ class _Flag(NamedTuple):
         words = [f"--{self.name.replace('_', '-')}", f"{self.kind}{_BETWEEN}{self.name}"]
         first = self.help[:1] if self.help[1:2] == " " else self.help[:1].upper()  # d is no D
         text = f"{first}{self.help[1:]}."
-        return click.Option(words, metavar=self.metavar, help=text)
+        return OneValueOption(words, metavar=self.metavar, help=text)
 
 
 class StageCommand(click.Command):

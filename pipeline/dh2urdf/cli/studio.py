@@ -9,7 +9,7 @@ import click
 
 from dh2urdf.cli import EXIT_STATUS
 from dh2urdf.cli.answers import answer
-from dh2urdf.cli.leaving_out import catalog, without_option
+from dh2urdf.cli.leaving_out import catalog, option, without_option
 from dh2urdf.cli.standard_input import refuse_dash
 
 if TYPE_CHECKING:
@@ -18,10 +18,10 @@ if TYPE_CHECKING:
 
 @click.command(name="studio", epilog=EXIT_STATUS)
 @click.argument("table", type=click.Path(path_type=Path), required=False)
-@click.option("--robot", metavar="NAME", help="Which manipulator of a table that holds several.")
-@click.option("--port", type=click.IntRange(0, 65535), metavar="P", help="Port; 8420 or a free one without it.")
-@click.option("--host", default="127.0.0.1", show_default=True, metavar="ADDRESS", help="Address to listen at.")
-@click.option("--no-browser", is_flag=True, help="Do not open the page in the browser.")
+@option("--robot", metavar="NAME", help="Which manipulator of a table that holds several.")
+@option("--port", type=click.IntRange(0, 65535), metavar="P", help="Port; 8420 or a free one without it.")
+@option("--host", default="127.0.0.1", show_default=True, metavar="ADDRESS", help="Address to listen at.")
+@option("--no-browser", is_flag=True, help="Do not open the page in the browser.")
 @without_option
 def command(table: Path | None, robot: str | None, port: int | None, host: str, no_browser: bool) -> int:  # noqa: FBT001 - click hands flags over so
     """Type a DH table, see the arm move, press Generate: a page in the browser, served from this machine to itself.

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from dh2urdf.cli.leaving_out import option
 from dh2urdf.commands.options_of_stages import Asker, Setting
 from dh2urdf.plugin_system.options import COMMAND_LINE
 
@@ -41,15 +42,15 @@ ASKER = Asker(
 
 def table_options(function: F) -> F:
     """Gives a command the flags that say which reader, and which manipulator of a table."""
-    for option in (
-        click.option("--robot", metavar="NAME", help="Which manipulator of a table that holds several."),
-        click.option("--from", "reader_name", metavar="NAME", help="Reader of TABLE; by its suffix."),
+    for give in (
+        option("--robot", metavar="NAME", help="Which manipulator of a table that holds several."),
+        option("--from", "reader_name", metavar="NAME", help="Reader of TABLE; by its suffix."),
     ):
-        function = option(function)
+        function = give(function)
     return function
 
 
-package_paths_option = click.option(
+package_paths_option = option(
     "--package-path",
     "package_paths",
     type=click.Path(path_type=Path),

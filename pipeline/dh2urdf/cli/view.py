@@ -9,7 +9,7 @@ import click
 from dh2urdf.cli import EXIT_STATUS
 from dh2urdf.cli.answers import answer
 from dh2urdf.cli.convert import print_notices
-from dh2urdf.cli.leaving_out import catalog, without_option
+from dh2urdf.cli.leaving_out import catalog, option, without_option
 from dh2urdf.cli.standard_input import refuse_dash
 from dh2urdf.cli.tables import package_paths_option
 from dh2urdf.plugin_system.options import COMMAND_LINE
@@ -18,9 +18,9 @@ from dh2urdf.plugin_system.options import COMMAND_LINE
 @click.command(name="view", epilog=EXIT_STATUS)
 @click.argument("files", nargs=-1, required=True, metavar="FILE… [NAME:=VALUE]…")
 @package_paths_option
-@click.option("--port", type=click.IntRange(0, 65535), metavar="P", help="Port; 8420 or a free one without it.")
-@click.option("--host", default="127.0.0.1", show_default=True, metavar="ADDRESS", help="Address to listen at.")
-@click.option("--no-browser", is_flag=True, help="Do not open the page in the browser.")
+@option("--port", type=click.IntRange(0, 65535), metavar="P", help="Port; 8420 or a free one without it.")
+@option("--host", default="127.0.0.1", show_default=True, metavar="ADDRESS", help="Address to listen at.")
+@option("--no-browser", is_flag=True, help="Do not open the page in the browser.")
 @without_option
 def command(
     files: tuple[str, ...],

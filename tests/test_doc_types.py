@@ -35,7 +35,7 @@ def test_the_python_of_the_docs_is_typed(tmp_path: Path, types_cache: Path) -> N
         (tmp_path / f"block_{number}.py").write_text(body, "utf-8")
     assert len(places) > 10
     config = tmp_path / "mypy.ini"
-    others = "coppeliasim_zmqremoteapi_client,dask_jobqueue,distributed.*,mujoco,pandas,pinocchio,pyarrow.*,pybullet,pydrake.*"
+    others = "coppeliasim_zmqremoteapi_client,dask_jobqueue,distributed.*,mujoco,pandas,pinocchio,pyarrow.*,pybullet,pydrake.*,rclpy,sensor_msgs.*"
     options = "ignore_missing_imports = true\nfollow_imports = skip\nfollow_imports_for_stubs = true\n"
     # The types of other people's packages, and whether they are installed, are not what is tested.
     sections = "".join(f"[mypy-{module}]\n{options}" for module in others.split(","))

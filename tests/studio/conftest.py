@@ -289,10 +289,13 @@ class Tab:
         }"""
         self.page.wait_for_function(script, arg=[name, list(tip)])
 
-    def nodes(self) -> list[str]:
-        """The names of what is in the scene."""
-        script = "document.querySelector('.arm-view').scene.children[0].children.map(node => node.name)"
-        return list(self.page.evaluate(script))
+    def wait_for_nodes(self, *names: str) -> None:
+        """Waits until nodes with these names are in the scene."""
+        script = """names => {
+            const nodes = document.querySelector('.arm-view').scene.children[0].children.map(node => node.name);
+            return names.every(name => nodes.includes(name));
+        }"""
+        self.page.wait_for_function(script, arg=list(names))
 
     def wait_for_triangles(self, count: int) -> None:
         """Waits until so many triangles of links are in the scene, and no mesh is on its way."""

@@ -275,7 +275,7 @@ def test_the_paper_stands_side_by_side(studio_address: str, new_tab: Callable[..
     page = tab.open("ur5_paper")
     page.get_by_role("button", name="side by side").click()
     page.get_by_text("its tool0 is 1.41 m and 90° from the table's").wait_for()
-    assert {"tool0", "paper/tool0"} <= set(tab.nodes())
+    tab.wait_for_nodes("tool0", "paper/tool0")
 
 
 def test_convention_and_units_are_converted_or_reinterpreted(

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 from openpyxl import Workbook
+from openpyxl.comments import Comment
 from openpyxl.styles import Font
 
 from dh2urdf.errors import MissingDependencyError, TableError
@@ -460,6 +461,22 @@ def test_struck_cells_are_read_with_a_notice(sheet: Worksheet) -> None:
     save(sheet)
     arm = read_one()
     assert "arm.xlsx:Sheet2!C3: notice: what is struck through is read too: C3\n" in notices(arm)
+
+
+def test_comments_on_cells_get_notices(sheet: Worksheet) -> None:
+    """Each with its place and its text, which may say the unit; of many the number of the others."""
+    fill(sheet, HEADER, FIRST, SECOND)
+    sheet["C1"].comment = Comment("all in mm", "somebody")
+    sheet["D3"].comment = Comment("measured\n  twice", "somebody")
+    save(sheet)
+    assert "arm.xlsx:Sheet2!C1: notice: manipulator 'arm': the comment 'all in mm' is not read\n" in notices(read_one())
+    assert "arm.xlsx:Sheet2!D3: notice: manipulator 'arm': the comment 'measured twice' is not read" in notices(
+        read_one()
+    )
+    for row in range(1, 11):
+        sheet.cell(row, 9).comment = Comment("see the datasheet", "somebody")
+    save(sheet)
+    assert "arm.xlsx:Sheet2: notice: manipulator 'arm': 4 more comments on cells are not read" in notices(read_one())
 
 
 def test_empty_cells_that_are_formatted_are_empty(sheet: Worksheet) -> None:

@@ -88,7 +88,7 @@ class _Workbook:
                 yield Rejected(name=title, problems=tuple(error.problems), mark=place, notices=error.notices)
 
     def _read(self, table: SheetRows, name: str) -> Iterator[Manipulator | Rejected]:
-        notices = [*self.notices, *_hidden(table)]
+        notices = [*self.notices, *_hidden(table), *_comments(table)]
         self.notices = []
         rows = _guarded(table, self.path)
         for item in read_table(
@@ -199,6 +199,26 @@ def _hidden(table: SheetRows) -> list[Problem]:
     return [
         Problem(message=message, severity="notice", mark=place, suggestion="delete what does not belong to the table")
     ]
+
+
+def _comments(table: SheetRows) -> list[Problem]:
+    """Notices of the comments on cells, from which nothing is read."""
+    from dh2urdf_plugins.readers.xlsx_file.rows import cell_mark
+
+    found, title = table.layout.comments, table.sheet.title
+    notices = [
+        Problem(
+            message=f"the comment {shown(text)} is not read",
+            severity="notice",
+            mark=cell_mark(table.file, title, row, column),
+            suggestion="write what is part of the arm into a cell: a unit into the header, a convention above it",
+        )
+        for row, column, text in found[:_FEW]
+    ]
+    if len(found) > _FEW:
+        message = f"{len(found) - _FEW} more comments on cells are not read"
+        notices.append(Problem(message=message, severity="notice", mark=Mark(file=table.file, place=title)))
+    return notices
 
 
 def _struck(places: Sequence[Mark]) -> Problem:

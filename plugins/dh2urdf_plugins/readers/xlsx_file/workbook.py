@@ -40,12 +40,14 @@ class SheetLayout:
         hidden_rows: rows that are not shown and hold anything.
         hidden_columns: first and last of each run of columns that are not shown.
         uncomputed: by row, the columns of formulas without a value.
+        comments: the comments on cells: row, column and text.
     """
 
     merged: list[tuple[int, int, int, int]] = field(default_factory=list)
     hidden_rows: list[int] = field(default_factory=list)
     hidden_columns: list[tuple[int, int]] = field(default_factory=list)
     uncomputed: dict[int, list[int]] = field(default_factory=dict)
+    comments: list[tuple[int, int, str]] = field(default_factory=list)
 
 
 def check_workbook(path: Path) -> None:
@@ -178,7 +180,32 @@ def read_layout(path: Path, part: str) -> SheetLayout:
                     layout.hidden_columns.append((int(element.get("min", "1")), int(element.get("max", "1"))))
                 case "mergeCell":
                     layout.merged.append(_range(element.get("ref", "A1")))
+    layout.comments = _comments(path, part)
     return layout
+
+
+def _comments(path: Path, part: str) -> list[tuple[int, int, str]]:
+    folder, _, file = part.rpartition("/")
+    found = []
+    with zipfile.ZipFile(path) as archive:
+        links, parts = f"{folder}/_rels/{file}.rels", set(archive.namelist())
+        if links not in parts:
+            return []
+        for target, kind in _links(archive, links, folder).values():
+            if not kind.endswith("/comments") or target not in parts:
+                continue
+            with archive.open(target) as content:
+                parsed: Any = etree.iterparse(
+                    content, events=("end",), tag="{*}comment", resolve_entities=False, no_network=True
+                )
+                for _, comment in parsed:
+                    text = " ".join("".join(comment.itertext("{*}t")).split())
+                    if text:
+                        found.append((*_cell(comment.get("ref", "A1")), text))
+                    comment.clear()
+                    while comment.getprevious() is not None:
+                        del comment.getparent()[0]
+    return found
 
 
 def _see_row(layout: SheetLayout, row: Any, number: int) -> None:  # noqa: ANN401 - an element

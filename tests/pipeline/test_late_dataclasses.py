@@ -11,6 +11,7 @@ from dataclasses import FrozenInstanceError, asdict, field, fields, is_dataclass
 from typing import TYPE_CHECKING, Any, Generic, TypeVar, get_type_hints
 
 import pytest
+from outcomes import outcome
 from pydantic import TypeAdapter, ValidationError
 
 from dh2urdf import late_dataclasses
@@ -50,14 +51,6 @@ def arm(dataclass: Callable[..., Any], how: dict[str, bool]) -> Any:
     made = dataclass(**how)(Arm)
     setattr(sys.modules[__name__], "Arm", made)  # noqa: B010 - no type checker should look for it
     return made
-
-
-def outcome(call: Callable[[], Any]) -> Any:
-    """What a call returns, or the type and text of its error."""
-    try:
-        return call()
-    except Exception as error:  # noqa: BLE001 - all are compared
-        return type(error), str(error)
 
 
 def facts(kind: Any) -> dict[str, Any]:

@@ -10,6 +10,7 @@ import sys
 import typing
 from typing import TYPE_CHECKING, Any, get_type_hints
 
+from outcomes import outcome
 from pydantic import TypeAdapter, ValidationError
 
 from dh2urdf import late_tuples
@@ -39,14 +40,6 @@ def joint(base: Any) -> Any:
     Joint.__qualname__ = "Joint"
     setattr(sys.modules[__name__], "Joint", Joint)  # noqa: B010 - no type checker should look for it
     return Joint
-
-
-def outcome(call: Callable[[], Any]) -> Any:
-    """What a call returns, or the type and text of its error."""
-    try:
-        return call()
-    except Exception as error:  # noqa: BLE001 - all are compared
-        return type(error), str(error)
 
 
 def facts(kind: Any) -> dict[str, Any]:

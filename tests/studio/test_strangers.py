@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import http.client
-import threading
-from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from typing import TYPE_CHECKING, Any
 from urllib.parse import urlsplit
 
 import pytest
+from foreign_pages import foreign_page
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -106,20 +105,8 @@ def hostile_page(studio_address: str) -> Iterator[str]:
         script="_nicegui/auto/static/nicegui.js",
     )
 
-    class Page(BaseHTTPRequestHandler):
-        def do_GET(self) -> None:
-            self.send_response(200)
-            self.send_header("Content-Type", "text/html; charset=utf-8")
-            self.end_headers()
-            self.wfile.write(text.encode())
-
-        def log_message(self, *_: Any) -> None:
-            """Says nothing."""
-
-    with ThreadingHTTPServer(("127.0.0.1", 0), Page) as server:
-        threading.Thread(target=server.serve_forever, daemon=True).start()
-        yield f"http://localhost:{server.server_address[1]}/"
-        server.shutdown()
+    with foreign_page(text) as address:
+        yield address
 
 
 def test_a_hostile_page(studio_address: str, hostile_page: str, chromium: Browser, new_tab: Callable[..., Any]) -> None:

@@ -23,7 +23,7 @@ from typing import IO, TYPE_CHECKING, Any, NoReturn
 import click
 
 from dh2urdf._version import __version__
-from dh2urdf.cli.leaving_out import option, without_option
+from dh2urdf.cli.shared_options import option, without_option
 from dh2urdf.errors import Dh2UrdfError, OutputError
 from dh2urdf.isolation.own_process import claim
 from dh2urdf.plugin_system.at_work import at_work_here

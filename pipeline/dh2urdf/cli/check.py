@@ -10,7 +10,7 @@ import click
 
 from dh2urdf.cli import SETTLED
 from dh2urdf.cli.answers import answer
-from dh2urdf.cli.leaving_out import catalog, option, without_option
+from dh2urdf.cli.shared_options import catalog, option, without_option
 from dh2urdf.cli.stage_flags import StageCommand, given_options
 from dh2urdf.cli.standard_input import DASH, NAME, given_description, given_table
 from dh2urdf.cli.tables import ASKER, package_paths_option, table_options

@@ -7,7 +7,7 @@ from pathlib import Path
 import click
 
 from dh2urdf.cli.answers import answer
-from dh2urdf.cli.leaving_out import option
+from dh2urdf.cli.shared_options import option
 from dh2urdf.errors import ConfigError
 from dh2urdf.plugin_system.options import COMMAND_LINE
 from dh2urdf.scaffold.shipped import shipped_table, shipped_tables, summary_of

@@ -9,7 +9,7 @@ import click
 
 from dh2urdf.cli import EXIT_STATUS, SETTLED
 from dh2urdf.cli.answers import answer, answers
-from dh2urdf.cli.leaving_out import catalog, option, without_option
+from dh2urdf.cli.shared_options import catalog, option, without_option
 from dh2urdf.cli.stage_flags import StageCommand, given_options
 from dh2urdf.cli.standard_input import given_table
 from dh2urdf.cli.tables import ASKER, settings_of, table_options

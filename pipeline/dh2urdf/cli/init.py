@@ -8,7 +8,7 @@ from pathlib import Path
 import click
 
 from dh2urdf.cli.answers import answer
-from dh2urdf.cli.leaving_out import catalog, option, without_option
+from dh2urdf.cli.shared_options import catalog, option, without_option
 from dh2urdf.errors import ConfigError
 from dh2urdf.manipulator import Convention
 from dh2urdf.plugin_system.calls import default_call

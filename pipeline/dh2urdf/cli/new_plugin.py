@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, cast
 import click
 
 from dh2urdf.cli.answers import answer
-from dh2urdf.cli.leaving_out import catalog, option, without_option
+from dh2urdf.cli.shared_options import catalog, option, without_option
 from dh2urdf.plugin_system.catalog import KINDS
 from dh2urdf.scaffold import write_plugin
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import click
 
 from dh2urdf.cli.answers import answer
-from dh2urdf.cli.leaving_out import catalog, option, without_option
+from dh2urdf.cli.shared_options import catalog, option, without_option
 from dh2urdf.plugin_system.catalog import KINDS
 from dh2urdf.report.plugins import plugins_report
 from dh2urdf.source import printable

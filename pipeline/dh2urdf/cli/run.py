@@ -8,7 +8,7 @@ import click
 
 from dh2urdf.cli import EXIT_STATUS, SETTLED
 from dh2urdf.cli.answers import answer
-from dh2urdf.cli.leaving_out import catalog, option, without_option
+from dh2urdf.cli.shared_options import catalog, option, without_option
 from dh2urdf.cli.standard_input import refuse_dash
 from dh2urdf.conversion.outcome import to_text
 from dh2urdf.report.html import HOW_TO_GET, can_write_html

@@ -7,7 +7,7 @@ import json
 import click
 
 from dh2urdf.cli.answers import answer
-from dh2urdf.cli.leaving_out import catalog, without_option
+from dh2urdf.cli.shared_options import catalog, without_option
 from dh2urdf.report.schema import (
     conversions_schema,
     error_schema,

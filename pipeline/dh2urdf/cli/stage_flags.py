@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from dh2urdf.cli.answers import kept_apart
-from dh2urdf.cli.leaving_out import OneValueOption, loaded
+from dh2urdf.cli.shared_options import OneValueOption, loaded
 from dh2urdf.late_tuples import NamedTuple
 
 if TYPE_CHECKING:

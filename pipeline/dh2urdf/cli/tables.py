@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from dh2urdf.cli.leaving_out import option
+from dh2urdf.cli.shared_options import option
 from dh2urdf.commands.options_of_stages import Asker, Setting
 from dh2urdf.plugin_system.options import COMMAND_LINE
 

@@ -9,7 +9,7 @@ import click
 from dh2urdf.cli import EXIT_STATUS
 from dh2urdf.cli.answers import answer
 from dh2urdf.cli.convert import print_notices
-from dh2urdf.cli.leaving_out import catalog, option, without_option
+from dh2urdf.cli.shared_options import catalog, option, without_option
 from dh2urdf.cli.standard_input import refuse_dash
 from dh2urdf.cli.tables import package_paths_option
 from dh2urdf.plugin_system.options import COMMAND_LINE

@@ -6,12 +6,12 @@ import http.client
 import json
 import math
 import threading
-from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 from urllib.parse import urlsplit
 
 import pytest
+from foreign_pages import foreign_page
 
 from dh2urdf.studio.viewing import View, load_figures
 
@@ -215,22 +215,10 @@ def test_a_hostile_page_drives_nothing(address: str, chromium: Browser) -> None:
     program.set(**{PAN: 0.25})
     text = HOSTILE.format(address=address, joint=PAN)
 
-    class Page(BaseHTTPRequestHandler):
-        def do_GET(self) -> None:
-            self.send_response(200)
-            self.send_header("Content-Type", "text/html; charset=utf-8")
-            self.end_headers()
-            self.wfile.write(text.encode())
-
-        def log_message(self, *_: Any) -> None:
-            """Says nothing."""
-
-    with ThreadingHTTPServer(("127.0.0.1", 0), Page) as server:
-        threading.Thread(target=server.serve_forever, daemon=True).start()
+    with foreign_page(text) as foreign:
         page = chromium.new_page()
-        page.goto(f"http://localhost:{server.server_address[1]}/")
+        page.goto(foreign)
         page.wait_for_function("document.title !== 'waiting'")
         assert page.title() == "nothing"
         page.close()
-        server.shutdown()
     assert program.get()[PAN] == 0.25

@@ -30,6 +30,7 @@ if TYPE_CHECKING:
 
     from dh2urdf.manipulator import Manipulator
     from dh2urdf.plugin_system import Catalog
+    from dh2urdf.table_text import TableText
 
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or ""
 ARGUMENTS = ("--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--no-sandbox")
@@ -120,8 +121,13 @@ def chromium(request: pytest.FixtureRequest) -> Iterator[Browser]:
 def link_to(exhibit: str) -> str:
     """The part of a link that holds a table of the gallery: to click through the dialog costs as much as the page."""
     (file,) = (item.file for item in gallery.exhibits() if item.name == exhibit)
+    return link_to_table(gallery.exhibit(file, load()))
+
+
+def link_to_table(table: TableText) -> str:
+    """The part of a link that holds a table."""
     squeezed = zlib.compressobj(wbits=-15)
-    text = squeezed.compress(kept_text(gallery.exhibit(file, load())).encode()) + squeezed.flush()
+    text = squeezed.compress(kept_text(table).encode()) + squeezed.flush()
     return f"#table={base64.urlsafe_b64encode(text).decode().rstrip('=')}"
 
 
@@ -158,13 +164,25 @@ class Tab:
 
     def open(self, exhibit: str = "") -> Page:
         """Opens the page, with an empty table or, by a link, with a table of the gallery."""
-        self.page.goto(self.address + (link_to(exhibit) if exhibit else ""))
+        self._go_to(link_to(exhibit) if exhibit else "")
+        if exhibit:
+            self._wait_for_arm(exhibit)
+        return self.page
+
+    def open_table(self, table: TableText) -> Page:
+        """Opens the page with a table, by a link."""
+        self._go_to(link_to_table(table))
+        self._wait_for_arm(table.name)
+        return self.page
+
+    def _go_to(self, fragment: str) -> None:
+        self.page.goto(self.address + fragment)
         self.page.wait_for_function("document.querySelector('.arm-view')?.drawn > 0")
         self.page.wait_for_function("document.querySelector('.dh-table .ag-header-cell[col-id=a]')")
-        if exhibit:
-            self.wait_for_exhibit(exhibit)
-            self.page.wait_for_function("document.querySelector('.arm-view').scene.getObjectByName('tool0')")
-        return self.page
+
+    def _wait_for_arm(self, name: str) -> None:
+        self.wait_for_exhibit(name)
+        self.page.wait_for_function("document.querySelector('.arm-view').scene.getObjectByName('tool0')")
 
     # --- What stands on the page ---
 

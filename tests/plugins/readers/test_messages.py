@@ -284,6 +284,18 @@ CASES = [
         "    if these are degrees, say so: `theta [deg]`",
     ),
     Case(
+        "a limit without a unit beside one in degrees",
+        ".csv",
+        {"convention": "standard"},
+        "joint,type,a,alpha,d,theta,lower,upper (deg)\nj1,R,0.3,0,0.1,0,-1,90\nj2,P,0.3,0,0.1,0,-1,1 m\n",
+        "arm.csv:2:18: error: joint 'j1', field 'lower': '-1' has no unit, and the unit of upper is deg\n"
+        "    accepted: 0, or a number with a unit: rad, deg, rev\n"
+        "    name its unit: '-1 deg', or `units: {angle: deg}`\n"
+        "arm.csv:3:18: error: joint 'j2', field 'lower': '-1' has no unit, and the unit of upper is deg\n"
+        "    accepted: 0, or a number with a unit: m, cm, mm, µm, in, ft, mil\n"
+        "    name its unit: '-1 m', or `units: {length: m}`",
+    ),
+    Case(
         "pi in degrees",
         ".csv",
         {"convention": "standard"},

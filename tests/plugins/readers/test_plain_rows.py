@@ -9,13 +9,13 @@ from typing import TYPE_CHECKING, Any
 import pytest
 from hypothesis import given, settings, strategies as st
 
-from dh2urdf.errors import TableError
-from dh2urdf.manipulator import DHRow, Manipulator
+from dh2urdf.errors import Problem, TableError
+from dh2urdf.manipulator import Convention, DHRow, Manipulator
 from dh2urdf.unchecked_records import replace_unchecked
 from dh2urdf_plugins.readers import csv
 from dh2urdf_plugins.readers.plain.numbers import PlainNumbers
 from dh2urdf_plugins.readers.plain.rows import PlainRows
-from dh2urdf_plugins.readers.plain.sample import EVERY, HEAD, PlainSample
+from dh2urdf_plugins.readers.plain.sample import EVERY, HEAD, PlainSample, compare
 from dh2urdf_plugins.readers.table import TableOptions
 from dh2urdf_plugins.readers.words.cells import Units
 
@@ -331,6 +331,19 @@ def test_a_row_that_only_the_fast_way_accepts_is_an_error(tmp_path: Path, monkey
     path.write_text(arms_of(2).replace("pi/2", "400"))
     with pytest.raises(TableError, match=r"the fast reading accepts DHRow.*, and the careful one refuses it: '400' is"):
         list(csv.READER.read(path, TableOptions(convention="standard")))
+
+
+def test_a_notice_that_the_fast_way_lacks_is_named() -> None:
+    """The message has the words of the notice, as a person could act on them."""
+    row = DHRow(joint="j1", link="link_1", a=0.1, alpha=0.0, d=0.1)
+    fast = Manipulator(name="arm", convention=Convention.STANDARD, rows=(row,))
+    careful = replace_unchecked(fast, notices=(Problem(message="a column is left out"),))
+    compare(fast, fast, 1)
+    with pytest.raises(
+        TableError, match="the fast reading has no notice, and the careful reading has: a column is left out"
+    ):
+        compare(fast, careful, 1)
+    compare(fast, careful, 0)  # Notices of a part of the rows are no notices of the arm.
 
 
 def test_a_wrong_reading_deep_in_a_file_is_found(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

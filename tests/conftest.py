@@ -242,7 +242,7 @@ def undrawn() -> str:
     """How a script begins whose runs write no drawings into report.html: most of a short run is matplotlib."""
     return (
         "from dh2urdf.report import html\n"
-        "html._figures = lambda _exhibit: None\n"
+        "html._figures = lambda _manipulator: None\n"
         "html._distributions = lambda _overview: {'errors': None, 'drawn': None}\n"
     )
 
@@ -275,7 +275,7 @@ def cli(
     a second for each manipulator: `tests/pipeline/report` looks at them.
     """
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr("dh2urdf.report.html._figures", lambda _exhibit: None)
+    monkeypatch.setattr("dh2urdf.report.html._figures", lambda _manipulator: None)
     monkeypatch.setattr("dh2urdf.report.html._distributions", lambda _overview: {"errors": None, "drawn": None})
 
     def call(*words: str | Path, status: int = 0) -> Answer:

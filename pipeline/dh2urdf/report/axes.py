@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from dh2urdf.kinematics.facts import kinematic_facts
-from dh2urdf.report.exhibits import tables_of
+from dh2urdf.report.first_manipulators import tables_of
 
 if TYPE_CHECKING:
     from dh2urdf.manipulator import Manipulator

@@ -20,8 +20,8 @@ from typing import TYPE_CHECKING, Any
 from dh2urdf._version import __version__
 from dh2urdf.output.layouts import Form
 from dh2urdf.quantities.number_text import format_number
-from dh2urdf.report.exhibits import Exhibit
 from dh2urdf.report.figures import ARMS, LARGEST, Workspace, arm_figure, bars_figure, without_warnings
+from dh2urdf.report.first_manipulators import DetailedManipulator
 from dh2urdf.report.overview import MOST_DRAWN, checks
 from dh2urdf.report.reproduction import plain_options
 from dh2urdf.report.verdicts import covered, notice_line
@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     from dh2urdf.conversion.one_manipulator import Recipe
     from dh2urdf.output.layouts import Layout
     from dh2urdf.output.store import Store
-    from dh2urdf.report.exhibits import Exhibits
+    from dh2urdf.report.first_manipulators import FirstManipulators
     from dh2urdf.report.manifest_writer import ManifestWriter
     from dh2urdf.report.overview import Overview
 
@@ -53,14 +53,20 @@ def can_write_html() -> bool:
 
 
 def write_html(
-    store: Store, manifest: ManifestWriter, exhibits: Exhibits, recipe: Recipe, layout: Layout, *, reports: Store
+    store: Store,
+    manifest: ManifestWriter,
+    manipulators: FirstManipulators,
+    recipe: Recipe,
+    layout: Layout,
+    *,
+    reports: Store,
 ) -> None:
     """Write `report.html`.
 
     Args:
         store: where the pictures of the simulators are.
         manifest: what was gathered from the rows of its manifest, an overview among it.
-        exhibits: what the run's first manipulators are made of.
+        manipulators: what the run's first manipulators are made of.
         recipe: what was done with every manipulator.
         layout: under which names the files lie.
         reports: where it goes.
@@ -69,11 +75,13 @@ def write_html(
         OutputError: it cannot be written.
     """
     with without_warnings():
-        content = page(manifest, exhibits, recipe, store, layout)
+        content = page(manifest, manipulators, recipe, store, layout)
     reports.write(PAGE, content)
 
 
-def page(manifest: ManifestWriter, exhibits: Exhibits, recipe: Recipe, store: Store, layout: Layout) -> bytes:
+def page(
+    manifest: ManifestWriter, manipulators: FirstManipulators, recipe: Recipe, store: Store, layout: Layout
+) -> bytes:
     """The page of a run, of which an overview was gathered."""
     from markupsafe import Markup
 
@@ -84,8 +92,8 @@ def page(manifest: ManifestWriter, exhibits: Exhibits, recipe: Recipe, store: St
     environment, templates = _environment()
     style, script = (templates.get_source(environment, name)[0] for name in ("page.css", "page.js"))
     shown = [
-        Exhibit.of(number, overview.first[number - 1], what, recipe)
-        for number, what in enumerate(exhibits.shown(overview.count), start=1)
+        DetailedManipulator.of(number, overview.first[number - 1], what, recipe)
+        for number, what in enumerate(manipulators.shown(overview.count), start=1)
     ]
     text = environment.get_template("page.html").render(
         version=__version__,
@@ -96,12 +104,12 @@ def page(manifest: ManifestWriter, exhibits: Exhibits, recipe: Recipe, store: St
         simulator_notices=list(map(notice_line, manifest.verdicts.notices())),
         told=manifest.reproduction,
         shown=shown,
-        shown_keys={exhibit.number: exhibit.key for exhibit in shown},
+        shown_keys={detailed.number: detailed.key for detailed in shown},
         stages=list(_stages(recipe)),
         recipe=recipe,
         checks=checks,
         figures=_figures,
-        pictures=lambda exhibit: list(_pictures(exhibit, store, layout)),
+        pictures=lambda detailed: list(_pictures(detailed, store, layout)),
         distributions=_distributions(overview),
         style=Markup(style),  # noqa: S704 - the project's own
         script=Markup(script),  # noqa: S704
@@ -223,19 +231,19 @@ def _word(value: object) -> str:
 # --- Figures and pictures ---------------------------------------------------------------------------------------------
 
 
-def _figures(exhibit: Exhibit) -> dict[str, Any] | None:
-    """The drawings of an exhibit, and how far its tips get; None where it has no robot, or none that can be drawn."""
+def _figures(detailed: DetailedManipulator) -> dict[str, Any] | None:
+    """Draw a manipulator and how far its tips get; None where there is no robot, or none that can be drawn."""
     from markupsafe import Markup
 
-    if exhibit.robot is None or exhibit.truth is None:
+    if detailed.robot is None or detailed.truth is None:
         return None
-    workspace = Workspace(exhibit.truth, exhibit.robot)
+    workspace = Workspace(detailed.truth, detailed.robot)
     extents = {tip: workspace.extent(tip) for tip in workspace.points}
     if not all(0.0 <= extent["distance"] < LARGEST for extent in extents.values()):
         return None
     return {
-        "arm": Markup(arm_figure(exhibit.truth, f"{exhibit.key}-arm")),  # noqa: S704 - drawn by matplotlib
-        "workspace": Markup(workspace.figure(f"{exhibit.key}-reach")),  # noqa: S704
+        "arm": Markup(arm_figure(detailed.truth, f"{detailed.key}-arm")),  # noqa: S704 - drawn by matplotlib
+        "workspace": Markup(workspace.figure(f"{detailed.key}-reach")),  # noqa: S704
         "extents": [(tip, ARMS[n % len(ARMS)], extent) for n, (tip, extent) in enumerate(extents.items())],
         "samples": len(next(iter(workspace.points.values()))),
     }
@@ -254,11 +262,11 @@ def _distributions(overview: Overview) -> dict[str, Any]:
     }
 
 
-def _pictures(exhibit: Exhibit, store: Store, layout: Layout) -> Iterator[tuple[str, str]]:
+def _pictures(detailed: DetailedManipulator, store: Store, layout: Layout) -> Iterator[tuple[str, str]]:
     """The pictures that simulators took, as data URIs, with the simulators' names."""
-    for load in exhibit.row["loaders"].values():
+    for load in detailed.row["loaders"].values():
         if load["picture"]:
-            content = _picture(exhibit.number - 1, load["picture"], store, layout)
+            content = _picture(detailed.number - 1, load["picture"], store, layout)
             if content.startswith(_PNG):
                 yield load["simulator"], f"data:image/png;base64,{b64encode(content).decode()}"
 

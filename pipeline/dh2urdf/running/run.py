@@ -20,7 +20,7 @@ from dh2urdf.plugin_system.at_work import unmarked
 from dh2urdf.plugin_system.calls import Call, depending_on, fault, own_work
 from dh2urdf.plugin_system.pools import results_of
 from dh2urdf.plugin_system.stage_answers import a_record, items_of
-from dh2urdf.report.exhibits import FULL, Exhibits
+from dh2urdf.report.first_manipulators import FULL, FirstManipulators
 from dh2urdf.report.html import PAGE, can_write_html, write_html
 from dh2urdf.report.json import TABLE, run_report, write_reports, write_timing
 from dh2urdf.report.manifest_writer import ManifestWriter
@@ -124,7 +124,7 @@ def execute(
     if dry_run:
         with tempfile.TemporaryFile(prefix="dh2urdf-") as rows:
             manifest = ManifestWriter(rows, tempfile.gettempdir(), told)
-            _make(plan, Depth.LOOK, "", None, manifest, result, note, Exhibits(0))
+            _make(plan, Depth.LOOK, "", None, manifest, result, note, FirstManipulators(0))
             report = run_report(manifest, result)
         result.seconds["total"] = time.perf_counter() - started
         return result, report
@@ -132,7 +132,7 @@ def execute(
     with _locked(store, reports), _earlier(reports, resume=resume) as earlier, reports.scratch() as folder:
         journal = next_journal(reports)
         path = folder / "manifest"
-        exhibits = Exhibits()
+        first_manipulators = FirstManipulators()
         with path.open("w+b") as rows:
             manifest = ManifestWriter(rows, f"{reports}/{MANIFEST}", told, Verdicts.of(plan.recipe))
             if can_write_parquet():
@@ -140,13 +140,13 @@ def execute(
             if plan.html and can_write_html():
                 manifest.overview = Overview(FULL, manifest.index)
             try:
-                _make(plan, Depth.MAKE, journal, earlier, manifest, result, note, exhibits)
+                _make(plan, Depth.MAKE, journal, earlier, manifest, result, note, first_manipulators)
             except TableError:  # There is nothing to go on with.
                 reports.remove_tree(journal if resume else JOURNAL)
                 raise
             report = write_reports(reports, manifest, result)
             if manifest.overview:
-                write_html(store, manifest, exhibits, plan.recipe, plan.layout, reports=reports)
+                write_html(store, manifest, first_manipulators, plan.recipe, plan.layout, reports=reports)
             else:
                 reports.remove(PAGE)  # An older one would describe another run.
             # While the old manifest is there, as what is removed is known from it alone.
@@ -185,7 +185,7 @@ def _make(  # noqa: PLR0917 - what a run has in its hands
     manifest: ManifestWriter,
     result: Result,
     note: Note | None,
-    exhibits: Exhibits,
+    first_manipulators: FirstManipulators,
 ) -> None:
     """Make all manipulators, and write the rows of the manifest."""
     worker = BatchWorker(
@@ -206,7 +206,7 @@ def _make(  # noqa: PLR0917 - what a run has in its hands
             for batch in batches(plan, expected):
                 known = replace(batch, rows=earlier.of(batch.names)) if earlier else batch
                 under_way.append(known)
-                exhibits.see(batch)
+                first_manipulators.see(batch)
                 manifest.axes.see(batch)
                 yield known
 

@@ -28,8 +28,8 @@ from dh2urdf.running.run import execute
 pytest.importorskip("jinja2")
 pytest.importorskip("matplotlib")
 
-from dh2urdf.report.exhibits import EXAMPLES, FULL, Exhibits
 from dh2urdf.report.figures import Workspace
+from dh2urdf.report.first_manipulators import EXAMPLES, FULL, FirstManipulators
 from dh2urdf.report.html import page
 from dh2urdf.report.manifest_writer import ManifestWriter
 from dh2urdf.report.overview import LISTED, SAMPLED, Overview
@@ -352,7 +352,7 @@ class TestManyManipulators:
                     )
                 _, peak = tracemalloc.get_traced_memory()
                 tracemalloc.stop()
-            return page(manifest, Exhibits(0), plan.recipe, plan.store, plan.layout), peak
+            return page(manifest, FirstManipulators(0), plan.recipe, plan.store, plan.layout), peak
 
         few, small = made(30_000)
         many, large = made(100_000)

@@ -31,7 +31,7 @@ EXAMPLES = 6
 """Manipulators that are shown in full of a longer run: its first ones."""
 
 
-class Exhibits:
+class FirstManipulators:
     """Keeps what a run's first manipulators are made of.
 
     Args:
@@ -91,7 +91,7 @@ class Mass(NamedTuple):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Exhibit:
+class DetailedManipulator:
     """A manipulator or cell that is shown in full.
 
     Attributes:
@@ -109,7 +109,7 @@ class Exhibit:
     truth: ExpectedPoses | None = None
 
     @classmethod
-    def of(cls, number: int, row: ManifestRow, what: Single, recipe: Recipe) -> Exhibit:
+    def of(cls, number: int, row: ManifestRow, what: Single, recipe: Recipe) -> DetailedManipulator:
         """What is shown of a manipulator whose row is known.
 
         Of one without files no robot is made again: what it did to a worker it would do to the run.

@@ -184,7 +184,7 @@ def _by_joint(node: Node, field: str, to: Validator) -> tuple[tuple[str, Shapes]
     """The meshes of links, by the names of the joints that move them, each with the place of its joint's name."""
     if not isinstance(node.value, dict):
         accepted = "{JOINT: {visual: FILE, collision: FILE}}"
-        to.say(f"this cannot be {node.describe()}", node, field, accepted=accepted)
+        to.add_problem(f"this cannot be {node.describe()}", node, field, accepted=accepted)
         return None
     read = [(joint, SHAPES.read(entry, f"{field}.{joint}", to)) for joint, entry in node.value.items()]
     return tuple((joint, replace(shapes, mark=node.key_mark(joint))) for joint, shapes in read if shapes)

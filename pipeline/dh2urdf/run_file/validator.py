@@ -46,7 +46,7 @@ class Validator:
         """The folder of a path in the run file is that of the file, of one in a change the working directory."""
         return Path() if node.file == self.changes else self.folder
 
-    def say(
+    def add_problem(
         self,
         message: str,
         node: Node,
@@ -185,7 +185,7 @@ class Record(ValueType[T]):
         node = self._written_out(node)
         if not isinstance(node.value, dict):
             accepted = f"a mapping of {', '.join(self.keys)}"
-            to.say(f"this cannot be {node.describe()}", node, field, accepted=accepted)
+            to.add_problem(f"this cannot be {node.describe()}", node, field, accepted=accepted)
             return None
         unknown = [name for name in node.value if name not in self.keys]
         for name in unknown:
@@ -200,7 +200,7 @@ class Record(ValueType[T]):
                     values[name] = value
                 is_made = is_made and not (key.is_vital and len(to.problems) > before)
             elif key.missing and not any(did_you_mean(other, [name]) for other in unknown):
-                to.say(key.missing[0], node, place, accepted=key.missing[1])
+                to.add_problem(key.missing[0], node, place, accepted=key.missing[1])
         if not is_made or any(key.missing and name not in values for name, key in self.keys.items()):
             return None
         return self._made(values, node, field, to)
@@ -212,7 +212,7 @@ class Record(ValueType[T]):
         if near is None and "options" in self.keys:
             near = "the options of a stage stand under `options:`"
         place = f"{field}.{key}".lstrip(".")
-        to.say(message, node, place, mark=node.key_mark(key), found=key, accepted=accepted, suggestion=near)
+        to.add_problem(message, node, place, mark=node.key_mark(key), found=key, accepted=accepted, suggestion=near)
 
     def _made(self, values: dict[str, Any], node: Node, field: str, to: Validator) -> T | None:
         given = {"": node} | ({key: node.value[key] for key in values} if isinstance(node.value, dict) else {})
@@ -296,7 +296,7 @@ class Many(ValueType[tuple[T, ...]]):
         """The entries that can be made."""
         entries = self._entries(node)
         if self.empty and not entries:
-            to.say(self.empty[0], node, field, accepted=self.empty[1])
+            to.add_problem(self.empty[0], node, field, accepted=self.empty[1])
         taken: list[T] = []
         first: dict[str, Node] = {}
         for index, each in enumerate(entries):
@@ -307,7 +307,7 @@ class Many(ValueType[tuple[T, ...]]):
                 other = first.setdefault(self.distinct.key(name), each)
                 if other is not each:
                     message, where = self.distinct.message.format(shown(name)), f"the first is at {other.mark}"
-                    to.say(message, each, place, found=name, accepted=self.distinct.accepted, suggestion=where)
+                    to.add_problem(message, each, place, found=name, accepted=self.distinct.accepted, suggestion=where)
                     continue
             taken.append(value)
         return tuple(taken)

@@ -61,7 +61,7 @@ def plain(
         if (value := take(node)) is None:
             message = f"{subject.format(key=field.rpartition('.')[2].replace('_', ' '))} cannot be {node.describe()}"
             near = did_you_mean(node.text or "", words) if words else None
-            to.say(message, node, field, accepted=accepted, suggestion=near)
+            to.add_problem(message, node, field, accepted=accepted, suggestion=near)
         return value
 
     return ValueType(read, keywords, null_is_absent=null_is_absent)
@@ -145,11 +145,11 @@ def path_of(resolve: Callable[[str, Node, str, Validator], T | None]) -> ValueTy
         if (path := TEXT.read(node, field, to)) is None:
             return None
         if "\0" in path:
-            to.say("a path cannot hold the character U+0000", node, field)
+            to.add_problem("a path cannot hold the character U+0000", node, field)
             return None
         if (found := _SHELL.search(path)) and (found.start() == 0 or found[0].startswith("$")):
             message = f"nothing takes the place of {shown(found[0])} in a path of a run file"
-            to.say(message, node, field, accepted="an absolute path, or one from the run file's folder")
+            to.add_problem(message, node, field, accepted="an absolute path, or one from the run file's folder")
             return None
         return resolve(path, node, field, to)
 
@@ -179,7 +179,7 @@ def _files(path: str, node: Node, field: str, to: Validator) -> FoundFiles:
             check_file(file)
         except ConfigError as error:
             why = error.problems[0]
-            to.say(f"{shown(str(file), LONG_PATH)}: {why.message}", node, field, suggestion=why.suggestion)
+            to.add_problem(f"{shown(str(file), LONG_PATH)}: {why.message}", node, field, suggestion=why.suggestion)
         else:
             files.append(file)
     return FoundFiles(tuple(files), tuple(notices))
@@ -210,22 +210,22 @@ def measure(dimension: Dimension) -> ValueType[float]:
 
     def read(node: Node, field: str, to: Validator) -> float | None:
         if node.text is None or node.value is None or isinstance(node.value, bool):
-            to.say(f"{node.describe()} stands where a number is needed", node, field, accepted="a number")
+            to.add_problem(f"{node.describe()} stands where a number is needed", node, field, accepted="a number")
             return None
         try:
             quantity = evaluate(node.text, dimension)
         except QuantityError as error:
-            to.say(error.message, node, field, accepted=error.accepted, suggestion=error.suggestion)
+            to.add_problem(error.message, node, field, accepted=error.accepted, suggestion=error.suggestion)
             return None
         size = abs(quantity.value)
         if quantity.variable:
-            to.say(f"{shown(node.text)} names a joint variable, and nothing moves here", node, field)
+            to.add_problem(f"{shown(node.text)} names a joint variable, and nothing moves here", node, field)
         elif dimension is Dimension.ANGLE and size > tau and not quantity.has_unit:
             message = f"{shown(node.text)} is more than a full turn in rad"
             near = f"if these are degrees, say so: '{node.text.strip()} deg'"
-            to.say(message, node, field, accepted="at most 2π rad where no unit is named", suggestion=near)
+            to.add_problem(message, node, field, accepted="at most 2π rad where no unit is named", suggestion=near)
         elif dimension is Dimension.ANGLE and size > LARGEST_ANGLE:
-            to.say(f"{shown(node.text)} is more than a thousand turns", node, field)
+            to.add_problem(f"{shown(node.text)} is more than a thousand turns", node, field)
         return quantity.value
 
     return ValueType(read, NUMBER)
@@ -236,7 +236,7 @@ def triple(dimension: Dimension) -> ValueType[Vec3]:
 
     def read(node: Node, field: str, to: Validator) -> Vec3 | None:
         if not isinstance(node.value, list) or len(node.value) != 3:  # noqa: PLR2004 - the space has three dimensions
-            to.say(f"this cannot be {node.describe()}", node, field, accepted="a list of three numbers")
+            to.add_problem(f"this cannot be {node.describe()}", node, field, accepted="a list of three numbers")
             return None
         x, y, z = (measure(dimension).read(item, field, to) or 0.0 for item in node.value)
         return (x, y, z)

@@ -67,15 +67,15 @@ class _LawReader:
         self.to = Validator()
         self.units: list[Dimension] = []
 
-    def say(self, message: str, node: Node, accepted: str | None = None, suggestion: str | None = None) -> None:
+    def add_problem(self, message: str, node: Node, accepted: str | None = None, suggestion: str | None = None) -> None:
         """Note a problem of the law."""
-        self.to.say(message, node, self.field, accepted=accepted, suggestion=suggestion)
+        self.to.add_problem(message, node, self.field, accepted=accepted, suggestion=suggestion)
 
     def read(self, law: str, node: Node) -> Law | None:
         """The law; None where something is wrong with it."""
         if FIELDS[self.what].dimension is None and law not in WORD_LAWS:
             accepted = f"{' or '.join(WORD_LAWS)}, a list of values"
-            self.say(f"{self.what} cannot vary by {law}", node, accepted=accepted)
+            self.add_problem(f"{self.what} cannot vary by {law}", node, accepted=accepted)
             return None
         if law in _RANGES:
             return self._range(node, _RANGES[law])
@@ -95,7 +95,7 @@ class _LawReader:
 
     def _values(self, node: Node, accepted: str) -> tuple[DrawnValue, ...]:
         if not isinstance(node.value, list) or not node.value:
-            self.say(f"this cannot be {node.describe()}", node, accepted=accepted)
+            self.add_problem(f"this cannot be {node.describe()}", node, accepted=accepted)
             return ()
         values = [self._value(entry) for entry in node.value]
         return tuple(value for value in values if value is not None)
@@ -106,18 +106,18 @@ class _LawReader:
             if word is not None and word not in JOINT_TYPES:
                 near = did_you_mean(word, JOINT_TYPES)
                 accepted = ", ".join(JOINT_TYPES)
-                self.say(f"{shown(word)} is no type of joint", node, accepted=accepted, suggestion=near)
+                self.add_problem(f"{shown(word)} is no type of joint", node, accepted=accepted, suggestion=near)
             return word
         if self.what == AXES:
             if isinstance(node.value, int) and not isinstance(node.value, bool) and node.value >= 1:
                 return node.value
-            self.say(f"{node.describe()} is no number of axes", node, accepted="a whole number from 1 on")
+            self.add_problem(f"{node.describe()} is no number of axes", node, accepted="a whole number from 1 on")
             return None
         return self._positive(node, self._number(node))
 
     def _spaced(self, node: Node) -> Law | None:
         if FIELDS[self.what].dimension is None:
-            self.say(f"{self.what} has no values in between", node, accepted="a list of values")
+            self.add_problem(f"{self.what} has no values in between", node, accepted="a list of values")
             return None
         if (given := SPACED.read(node, self.field, self.to)) is None:
             return None
@@ -132,20 +132,20 @@ class _LawReader:
         if ends is None or (is_absolute and any(self._positive(node, end) is None for end in ends)):
             return None
         if law is LogUniform and ends[0] <= 0.0:
-            self.say("orders of magnitude begin above 0", node, accepted="two numbers greater than 0")
+            self.add_problem("orders of magnitude begin above 0", node, accepted="two numbers greater than 0")
             return None
         return law(low=ends[0], high=ends[1])
 
     def _ends(self, node: Node, dimension: Dimension | None = None) -> tuple[float, float] | None:
         if not isinstance(node.value, list) or len(node.value) != 2:  # noqa: PLR2004 - a range has two ends
-            self.say(f"this cannot be {node.describe()}", node, accepted="a range: [LOW, HIGH]")
+            self.add_problem(f"this cannot be {node.describe()}", node, accepted="a range: [LOW, HIGH]")
             return None
         low, high = (self._number(end, dimension) for end in node.value)
         if low is None or high is None:
             return None
         if low > high:
             message = f"the range goes down from {low:.12g} to {high:.12g}"
-            self.say(message, node, accepted="the lower end first", suggestion="are they exchanged?")
+            self.add_problem(message, node, accepted="the lower end first", suggestion="are they exchanged?")
             return None
         return low, high
 
@@ -156,7 +156,9 @@ class _LawReader:
         deviation = self._number(given["deviation"])
         ends = self._ends(given["bounds"])
         if deviation is not None and deviation <= 0.0:
-            self.say("a standard deviation is greater than 0", given["deviation"], accepted="a number greater than 0")
+            self.add_problem(
+                "a standard deviation is greater than 0", given["deviation"], accepted="a number greater than 0"
+            )
             return None
         if deviation is None or ends is None or (mean is None and "mean" in given):
             return None
@@ -165,7 +167,7 @@ class _LawReader:
         law = Normal(mean=mean, deviation=deviation, low=ends[0], high=ends[1])
         if mean is not None and law.probability() < LEAST_PROBABILITY:
             message = "the bounds leave hardly anything of this normal distribution"
-            self.say(message, given["bounds"], accepted="bounds about the mean")
+            self.add_problem(message, given["bounds"], accepted="bounds about the mean")
         return law
 
     # --- Numbers
@@ -173,7 +175,7 @@ class _LawReader:
     def _number(self, node: Node, dimension: Dimension | None = None) -> float | None:
         """A number in SI units; of the field's dimension where none is given."""
         if node.text is None or node.value is None or isinstance(node.value, bool):
-            self.say(f"{node.describe()} stands where a number is needed", node, accepted="a number")
+            self.add_problem(f"{node.describe()} stands where a number is needed", node, accepted="a number")
             return None
         what = FIELDS[self.what]
         dimensions = [dimension] if dimension else [each for each in (what.dimension, what.linear) if each]
@@ -185,7 +187,7 @@ class _LawReader:
                 wrong.append(error)
                 continue
             if quantity.variable:
-                self.say(f"{shown(node.text)} names a joint variable", node, accepted="a number")
+                self.add_problem(f"{shown(node.text)} names a joint variable", node, accepted="a number")
                 return None
             if quantity.has_unit:
                 self.units.append(each)
@@ -193,10 +195,10 @@ class _LawReader:
                 text = node.text.strip()
                 message = f"{shown(text)} is more than {_BARE_ANGLES[self.what] / tau:g} turns in rad"
                 near = f"if these are degrees, say so: '{text} deg'"
-                self.say(message, node, accepted="numbers of this size with their unit", suggestion=near)
+                self.add_problem(message, node, accepted="numbers of this size with their unit", suggestion=near)
                 return None
             return quantity.value
-        self.say(wrong[0].message, node, accepted=wrong[0].accepted, suggestion=wrong[0].suggestion)
+        self.add_problem(wrong[0].message, node, accepted=wrong[0].accepted, suggestion=wrong[0].suggestion)
         return None
 
     def _positive(self, node: Node, number: float | None) -> float | None:
@@ -204,7 +206,7 @@ class _LawReader:
         field = FIELDS[self.what]
         if number is not None and not field.takes(number):
             message = f"{self.what} must be {field.bound}"
-            self.say(message, node, accepted=f"numbers {field.bound}")
+            self.add_problem(message, node, accepted=f"numbers {field.bound}")
             return None
         return number
 
@@ -228,11 +230,11 @@ def _joints(node: Node, field: str, to: Validator) -> ChosenJoints:
         value = entry.value
         is_number = isinstance(value, int) and not isinstance(value, bool) and value >= 1
         if not is_number and (not isinstance(value, str) or not value):
-            to.say(f"{entry.describe()} is no joint", entry, field, accepted=ACCEPTED_JOINTS)
+            to.add_problem(f"{entry.describe()} is no joint", entry, field, accepted=ACCEPTED_JOINTS)
         else:
             joints.append(value if isinstance(value, int) else str(value))
     if not nodes:
-        to.say("no joint is named", node, field, accepted=ACCEPTED_JOINTS)
+        to.add_problem("no joint is named", node, field, accepted=ACCEPTED_JOINTS)
     return ChosenJoints(tuple(joints), tuple(entry.mark for entry in nodes))
 
 

@@ -50,7 +50,7 @@ class _Binder:
             for factor in self._factors(rule):
                 if factor.key in factors:
                     at = factors[factor.key].mark
-                    self._say(rule, f"{factor.key} is varied twice", suggestion=f"it is varied first at {at}")
+                    self._add_problem(rule, f"{factor.key} is varied twice", suggestion=f"it is varied first at {at}")
                 factors.setdefault(factor.key, factor)
         count = 0 if self.problems else self._count(tuple(factors.values()))
         if self.problems:
@@ -65,7 +65,7 @@ class _Binder:
             mark=self.call.mark,
         )
 
-    def _say(
+    def _add_problem(
         self,
         rule: Rule,
         message: str,
@@ -112,7 +112,7 @@ class _Binder:
             elif joint in names:
                 indices.append(names.index(str(joint)))
             elif not quiet:
-                self._say(
+                self._add_problem(
                     rule,
                     f"the table of {shown(self.nominal.name)} has no joint {shown(str(joint))}",
                     mark=mark,
@@ -134,7 +134,7 @@ class _Binder:
             return
         indices = self._indices(rule)
         if rule.joints is None and not indices:
-            self._say(rule, f"no joint of {shown(self.nominal.name)} has {rule.field}")
+            self._add_problem(rule, f"no joint of {shown(self.nominal.name)} has {rule.field}")
         for index in indices:
             row = self.rows[index]
             value = getattr(row.limits if rule.field in LIMITS else row, rule.field)
@@ -150,7 +150,9 @@ class _Binder:
         for value in rule.law.values if isinstance(rule.law, Choices | Grid) else ():
             if float(value) > have:
                 message = f"the table of {shown(self.nominal.name)} has {have} axes, and {value} are asked for"
-                self._say(rule, message, found=str(value), accepted=f"1 to {have}: rows are left out, not added")
+                self._add_problem(
+                    rule, message, found=str(value), accepted=f"1 to {have}: rows are left out, not added"
+                )
         yield Factor(key=AXES, field=AXES, row=None, law=rule.law, mark=rule.mark)
 
     def _check(self, rule: Rule, index: int, row: DHRow, nominal: float | None) -> None:
@@ -158,35 +160,37 @@ class _Binder:
         what, types = FIELDS[rule.field], self.types[index]
         if not self._has(index, rule.field):
             message = f"a {types[0]} joint has no {rule.field}"
-            self._say(rule, message, joint=row.joint, accepted=f"joints of the types {', '.join(sorted(what.types))}")
+            self._add_problem(
+                rule, message, joint=row.joint, accepted=f"joints of the types {', '.join(sorted(what.types))}"
+            )
             return
         fitting = [kind for kind in types if kind in what.types]
         for kind in fitting:
             for unit in rule.units:
                 if unit is not what.of(kind):
                     message = f"{rule.field} of a {kind} joint is {what.of(kind)}, and the values here are {unit}"
-                    self._say(rule, message, joint=row.joint, suggestion="name the joints that are meant")
+                    self._add_problem(rule, message, joint=row.joint, suggestion="name the joints that are meant")
                     return
         if not is_relative(rule.law):
             return
         nominal_kind = {JointType.CONTINUOUS: JointType.REVOLUTE}.get(row.type, row.type)
         kinds = {{JointType.CONTINUOUS: JointType.REVOLUTE}.get(kind, kind) for kind in fitting}
         if (what.linear or rule.field in LIMITS) and kinds != {nominal_kind}:
-            self._say(
+            self._add_problem(
                 rule,
                 f"the type of the joint is drawn too, and {rule.field} of the table holds for a {row.type} joint only",
                 joint=row.joint,
                 accepted="values of their own in place of such that start from the nominal one",
             )
         elif nominal is None:
-            self._say(
+            self._add_problem(
                 rule,
                 f"the table gives no {rule.field}, and the values here start from it",
                 joint=row.joint,
                 accepted=f"{rule.field} in the table, or values of their own such as uniform: [LOW, HIGH]",
             )
         elif isinstance(rule.law, Normal) and rule.law.probability(nominal) < LEAST_PROBABILITY:
-            self._say(
+            self._add_problem(
                 rule,
                 f"the bounds leave hardly anything of a normal distribution about the nominal {nominal:.12g}",
                 joint=row.joint,

@@ -175,7 +175,7 @@ class _Rows:
         is_zero = place in self.indexes and place == 0 and is_base(self.indexes[0].text)
         if still and kind not in ("total", "slide") and (kind or is_zero):
             called = shown(name or self.indexes[0].text)
-            self._say(
+            self._add_problem(
                 f"the row {called} has no type and no joint variable, and the other rows have one: it is fixed",
                 place,
                 cells,
@@ -185,7 +185,7 @@ class _Rows:
             cells["type"] = Cell(JointType.FIXED.value, mark)
             return
         if kind:
-            self._say(
+            self._add_problem(
                 f"the row {shown(name)} seems to be no joint: in a table of joints it would be one more"
                 if kind == "total"
                 else f"the row {shown(name)} has no type, and by its name it hardly is a revolute joint",
@@ -195,7 +195,7 @@ class _Rows:
                 suggestion=_MEANT[kind],
             )
         elif still:
-            self._say(
+            self._add_problem(
                 f"row {place + 1} has no joint variable and no type, and other rows have a variable",
                 place,
                 cells,
@@ -214,7 +214,7 @@ class _Rows:
         index = self.indexes.get(place)
         return index.text if index and not NUMBER.fullmatch(index.text) and not is_base(index.text) else ""
 
-    def _say(
+    def _add_problem(
         self, message: str, place: int, cells: Cells, mark: Mark, *, suggestion: str | None = None, notice: bool = False
     ) -> None:
         cell = cells.get("type")

@@ -56,15 +56,20 @@ def _serving() -> Callable[..., Any]:
 
 
 @contextmanager
-def serving(*words: str | Path, port: int = 0, errors: Path | None = None) -> Iterator[str]:
+def serving(
+    *words: str | Path, port: int = 0, errors: Path | None = None, patience: float | None = None
+) -> Iterator[str]:
     """The address at which a command of the project serves, in a process of its own, until the end of the block.
 
     Args:
         words: the command.
         port: where it listens.
         errors: the file in which its standard error is written.
+        patience: how long a tab that is gone may come back [s]; without it as long as for a person.
     """
     code = "from dh2urdf.cli import main; main()"
+    if patience is not None:
+        code = f"from dh2urdf.studio import server; server.PATIENCE = {patience}; {code}"
     command = [sys.executable, "-c", code, *map(str, words), "--no-browser", "--port", str(port)]
     environment = {**os.environ, "PYTHONUNBUFFERED": "1"}
     environment.pop("PYTEST_CURRENT_TEST", None)  # NiceGUI would take the server for its own test.

@@ -586,7 +586,7 @@ def test_a_tab_that_is_closed_during_a_dialog(
 ) -> None:
     """Nothing is left to answer: the server forgets the dialogs, without a stack trace."""
     errors = tmp_path / "errors.txt"
-    with serving("studio", TABLES / "ur5.csv", errors=errors) as address:
+    with serving("studio", TABLES / "ur5.csv", errors=errors, patience=1.0) as address:
         for button, told in (
             ("Open", "or one of the gallery"),
             ("deg", "To m and deg"),
@@ -596,7 +596,7 @@ def test_a_tab_that_is_closed_during_a_dialog(
             page.get_by_role("button", name=button, exact=True).click()
             page.locator(".q-dialog").get_by_text(told).wait_for()
             page.close()
-        time.sleep(11.0)  # the server waits ten seconds for a tab to come back
+        time.sleep(2.0)  # the server waits one second for a tab to come back
     assert errors.read_text("utf-8") == ""
 
 

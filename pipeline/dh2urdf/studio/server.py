@@ -19,6 +19,8 @@ if TYPE_CHECKING:
 LOOPBACK = "127.0.0.1"
 PORT = 8420
 """The port that is tried first."""
+PATIENCE = 10.0
+"""How long a tab that is gone may come back to what it showed [s]."""
 _LARGEST_PORT = 65535
 
 
@@ -103,7 +105,7 @@ def serve(
     # Quasar's bar at the top of a page has no name for people who hear it, and the page has progress of its own.
     pages.config.quasar_config["loadingBar"]["skipHijack"] = True
     build()
-    ui.run_with(app, title=title, favicon="🦾", show_welcome_message=False, reconnect_timeout=10.0, tailwind=False)
+    ui.run_with(app, title=title, favicon="🦾", show_welcome_message=False, reconnect_timeout=PATIENCE, tailwind=False)
     guarded = Guard(app, port, [host, socket.gethostname()], LARGEST + 2**20)  # files, and their names
     server = uvicorn.Server(uvicorn.Config(guarded, log_level="warning", ws_max_size=64 * 2**20))
     place = f"[{name}]" if ":" in name else name

@@ -91,7 +91,7 @@ def cos_sin(angle: Any) -> tuple[Any, Any]:  # noqa: ANN401 - floats and arrays 
 
 def exact_cos_sin(angle: Number) -> tuple[Number, Number]:
     """Cosine and sine of an angle [rad] as `cos_sin` gives them for a float; takes columns."""
-    if not is_column(angle):
+    if isinstance(angle, float) or not is_column(angle):
         return cos_sin(angle)
     import numpy as np
 

@@ -77,7 +77,7 @@ class Tip:
         """An upper bound of its distance from the root at some joint vectors [m]."""
         rows = [row for stretch in self.way for row in stretch.manipulator.moving_rows]
         sliding = [column for column, row in zip(self.columns, rows, strict=True) if row.type is JointType.PRISMATIC]
-        travel = max((sum(abs(q[column]) for column in sliding) for q in poses), default=0.0)
+        travel = max((sum(abs(q[column]) for column in sliding) for q in poses), default=0.0) if sliding else 0.0
         return sum(norm(placement.translation) + reach(table) for table, _, placement in self.way) + travel
 
 

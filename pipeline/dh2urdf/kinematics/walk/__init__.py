@@ -191,7 +191,7 @@ class CompiledChain:
 
     def move(self, along: int, length: Numbers, *, joint: int | None = None, factor: Numbers = 1.0) -> None:
         """A move along an axis by a length, and by the value of a joint times a factor [m]."""
-        if _is(length, 0.0) and (joint is None or _is(factor, 0.0)):
+        if isinstance(length, float) and length == 0.0 and (joint is None or _is(factor, 0.0)):
             return
         axis, sign = self._names[along]
         numbers = (length, factor) if sign > 0 else (-length, -factor)
@@ -200,12 +200,12 @@ class CompiledChain:
     def turn(self, about: int, angle: Numbers, *, joint: int | None = None, sign: int = 1) -> None:
         """A turn about an axis by an angle, and by the value of a joint times a sign [rad]."""
         cosine = sine = None
-        if not _is(angle, 0.0):
+        if not isinstance(angle, float) or angle != 0.0:
             cosine, sine = exact_cos_sin(angle)
             if _is(cosine, 0.0) or _is(sine, 0.0):
                 self._rename(about, cosine, sine)
                 cosine = sine = None
-        if joint is None and cosine is None:
+        if cosine is None and joint is None:
             return
         axis, direction = self._names[about]
         if direction < 0:

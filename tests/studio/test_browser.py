@@ -324,6 +324,26 @@ def test_a_wrong_table_is_not_reinterpreted_unasked(studio_address: str, new_tab
     page.locator("button.bg-primary", has_text="standard").wait_for()
 
 
+def test_too_large_a_file_is_not_read(studio_address: str, new_tab: Callable[..., Any], tmp_path: Path) -> None:
+    """The dialog refuses what has more than 64 MB: the page sends none of it, and the server takes none past the page."""
+    page = new_tab(studio_address).open()
+    huge = tmp_path / "huge.csv"
+    with huge.open("wb") as file:
+        file.truncate(2**26 + 1)
+    page.get_by_role("button", name="Open", exact=True).click()
+    dialog = page.locator(".q-dialog")
+    dialog.locator("input[type=file]").set_input_files(huge)
+    dialog.get_by_text("this is not a file that can be opened").filter(has_text="of at most 64 MB").wait_for()
+    script = """async name => {
+        const {id} = document.querySelector('.q-dialog .q-uploader'), form = new FormData();
+        form.append(name, new File([new Uint8Array(2 ** 26 + 1)], name));
+        await fetch(getElement(Number(id.slice(1))).$props.url, {method: 'POST', body: form});
+    }"""
+    page.evaluate(script, "huge.csv")
+    dialog.get_by_text("huge.csv is too large").filter(has_text="of at most 64 MB").wait_for()
+    assert dialog.get_by_text("reading huge.csv").count() == 0
+
+
 def test_a_file_is_opened(studio_address: str, new_tab: Callable[..., Any], tmp_path: Path) -> None:
     """A table of one's own is uploaded; one that cannot be read says why; of several robots one is chosen."""
     tab = new_tab(studio_address)

@@ -162,7 +162,7 @@ class Tab:
         page = self.page
         page.mouse.move(0, 0)
         page.goto(f"{self.address}favicon.ico")
-        page.evaluate("sessionStorage.clear()")
+        page.evaluate("sessionStorage.clear(), localStorage.clear()")  # tabs share what is in the latter
         page.emulate_media(color_scheme="light")
         for event, listener in self._listeners.items():
             page.remove_listener(event, listener)

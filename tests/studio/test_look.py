@@ -8,10 +8,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import pytest
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Callable
 
 TABLES = Path(__file__).parents[2] / "configs" / "tables"
 
@@ -34,21 +33,12 @@ GAP = """[...document.querySelectorAll('.studio-panel')].find(panel => panel.off
     - document.querySelector('.studio-scene').getBoundingClientRect().bottom"""
 
 
-@pytest.fixture(name="usual_look")
-def _usual_look(new_tab: Callable[..., Any], studio_address: str) -> Iterator[None]:
-    """Tabs share what the browser keeps; in the end it is kept no longer."""
-    yield
-    page = new_tab(studio_address).open()
-    page.evaluate("localStorage.removeItem('dh2urdf-look')")
-
-
 def choose(page: Any, entry: str) -> None:
     page.get_by_role("button", name="light, dark, projector").click()
     page.locator(".q-menu").get_by_text(entry).click()
     page.locator(".q-menu").wait_for(state="detached")
 
 
-@pytest.mark.usefixtures("usual_look")
 def test_light_dark_and_projector(
     studio_address: str, new_tab: Callable[..., Any], serving: Callable[..., Any]
 ) -> None:

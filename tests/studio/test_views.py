@@ -215,3 +215,19 @@ def test_orthographic(studio_address: str, new_tab: Callable[..., Any]) -> None:
     eye.press("0")
     eye.sees_all(parallel=False)
     assert tab.serious(ARM) == []
+
+
+def test_the_projection_is_kept(studio_address: str, new_tab: Callable[..., Any]) -> None:
+    """The browser keeps the projection over a reload, beside the scheme, until the other one is chosen."""
+    tab = new_tab(studio_address)
+    page, eye = tab.open("ur5"), Eye(tab)
+    for parallel in (True, False):
+        pressed = page.locator(f".arm-view-projection[aria-pressed={str(parallel).lower()}]")
+        eye.press("5")
+        pressed.wait_for()
+        page.evaluate("dhLook.choose('dark')")
+        page.reload()
+        page.wait_for_function("document.querySelector('.arm-view')?.scene?.getObjectByName('tool0')")
+        pressed.wait_for()
+        page.wait_for_function(f"parallel => ({SEEN})()[0] === parallel", arg=parallel)
+        assert page.evaluate("document.documentElement.dataset.look") == "dark"

@@ -33,7 +33,7 @@ export default {
       <div v-if="fault" class="arm-view-fault">{{ fault }}</div>
     </div>`,
 
-  data: () => ({ fault: "", waiting: 0, loaded: 0, parallel: false }),
+  data: () => ({ fault: "", waiting: 0, loaded: 0, parallel: dhLook.isOrthographic() }),
 
   created() {
     // Not reactive: three.js has its own ideas of objects.

@@ -1,15 +1,17 @@
-// How the pages look: light, dark or as the system is, and large for a projector. The browser keeps the choice, for all
-// tabs of this address. Style sheets read it from `data-look` and `data-size` of the page, scenes hear of it by `dh-look`.
+// How the pages look: light, dark or as the system is, large for a projector, in perspective or orthographic. The browser
+// keeps the choice, for all tabs of this address. Style sheets read `data-look` and `data-size` of the page, scenes hear of
+// them by `dh-look`; a scene that is already open keeps its own projection.
 (() => {
   const KEPT = "dh2urdf-look";
   const system = matchMedia("(prefers-color-scheme: dark)");
-  let choice = { scheme: "system", size: "usual" };
+  let choice = { scheme: "system", size: "usual", projection: "perspective" };
 
   const read = () => {
     try {
       const kept = JSON.parse(localStorage.getItem(KEPT) ?? "{}");
       if (["system", "light", "dark"].includes(kept.scheme)) choice.scheme = kept.scheme;
       if (["usual", "large"].includes(kept.size)) choice.size = kept.size;
+      if (["perspective", "orthographic"].includes(kept.projection)) choice.projection = kept.projection;
     } catch {
       return; // it is not ours, or the browser keeps nothing
     }
@@ -30,20 +32,21 @@
     mark();
     window.dispatchEvent(new Event("dh-look"));
   };
+  const keep = (chosen) => {
+    choice = { ...choice, ...chosen };
+    try {
+      localStorage.setItem(KEPT, JSON.stringify(choice));
+    } catch {
+      // The choice holds until the page is left.
+    }
+  };
 
   window.dhLook = {
     mark,
-    choose: (scheme) => window.dhLook.keep({ ...choice, scheme }),
-    magnify: () => window.dhLook.keep({ ...choice, size: choice.size === "large" ? "usual" : "large" }),
-    keep(chosen) {
-      choice = chosen;
-      try {
-        localStorage.setItem(KEPT, JSON.stringify(choice));
-      } catch {
-        // The choice holds until the page is left.
-      }
-      apply();
-    },
+    choose: (scheme) => (keep({ scheme }), apply()),
+    magnify: () => (keep({ size: choice.size === "large" ? "usual" : "large" }), apply()),
+    project: (parallel) => keep({ projection: parallel ? "orthographic" : "perspective" }),
+    isOrthographic: () => choice.projection === "orthographic",
   };
   system.addEventListener("change", apply);
   window.addEventListener("storage", ({ key }) => key === KEPT && (read(), apply()));

@@ -22,9 +22,11 @@ export const projection = {
   },
 
   // Parallel rays or perspective. The camera sees all of the arm in the other way too, unless a person looks at a part.
+  // The browser keeps the choice.
   project(parallel) {
     this.arrive();
     this.parallel = parallel;
+    dhLook.project(parallel);
     if (!this.own) this.fit(true);
     this.draw();
   },

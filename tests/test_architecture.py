@@ -206,7 +206,7 @@ class TestQuickStart:
         modules = modules_after(f"from dh2urdf.cli import main; main({words})", tmp_path)
         assert len([name for name in modules if name.startswith("dh2urdf")]) <= bound
         # Of the standard library, what takes as long as several modules of the house.
-        assert modules & {"email", "fractions", "importlib.metadata", "tempfile", "zipfile"} == set()
+        assert modules & {"decimal", "email", "fractions", "importlib.metadata", "tempfile", "zipfile"} == set()
         host = {"dh2urdf.inspections", "dh2urdf.load_records", "dh2urdf.cells.cell", "dh2urdf.meshes.conversion"}
         host |= {"dh2urdf.plugin_system.column_calls", "dh2urdf.isolation.fence", "orjson"}
         work = {

@@ -14,7 +14,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from decimal import Decimal
 from typing import TYPE_CHECKING, TypeAlias
 
 from dh2urdf import unchecked_records as own
@@ -230,6 +229,7 @@ def _atan2(sine: Quantity, cosine: Quantity) -> Quantity:
 
 
 def _decimal(number: float) -> str:
-    """The shortest decimal text of a number that reads back to it, without an exponent."""
-    text = repr(number)
-    return format(Decimal(text), "f") if "e" in text else text.removesuffix(".0")
+    """The shortest decimal text of a number, 0 or more, that reads back to it, without an exponent."""
+    text, _, power = repr(number).removesuffix(".0").partition("e")
+    shift, digits = int(power or 0), text.replace(".", "")
+    return text if not shift else "0." + "0" * ~shift + digits if shift < 0 else digits.ljust(shift + 1, "0")

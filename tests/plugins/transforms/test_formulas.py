@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import math
+from decimal import Decimal
 from typing import TYPE_CHECKING, Any
 
 import pytest
@@ -113,3 +114,13 @@ def test_an_origin_has_formulas_only_where_a_parameter_changes_it() -> None:
     assert made.rpy_formula is None
     assert math.copysign(1, made.xyz[1]) == 1
     assert math.copysign(1, made.rpy[1]) == 1
+
+
+@given(
+    st.floats(0.0, 1e30)
+    | st.floats(0.0, 1e-3)
+    | st.sampled_from([1e-6, 2.0**-24, 5e-324, 1e16, 1e23, 1.7976931348623157e308])
+)
+def test_numbers_have_no_exponents(value: float) -> None:
+    """A number in a formula is its shortest decimal text, written out as `decimal` writes it."""
+    assert Quantity(value).formula == format(Decimal(repr(value)), "f").removesuffix(".0")

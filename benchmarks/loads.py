@@ -51,15 +51,15 @@ def work(name: str, catalog: Catalog, manipulators: list[Manipulator], folder: P
     options = loader.options(**({"picture": False} if name in {"pybullet", "mujoco"} else {}))
     requests = []
     for manipulator in manipulators:
-        robot, truth = (
+        robot, expected = (
             make_robot(manipulator, Call(stage=transform, options=transform.options())),
             ExpectedPoses.of(manipulator),
         )
         first, *others = emitter.emit(robot, manipulator.name, emitter.options())
         for file in (first, *others):
             (folder / file.name).write_bytes(file.content)
-        poses = joint_vectors(truth, robot, loader.poses(options))
-        (tip,) = truth.tips
+        poses = joint_vectors(expected, robot, loader.poses(options))
+        (tip,) = expected.tips
         frames = tuple(_elements(*tip.pose(q)) for q in poses)
         requests.append(LoadRequest(path=folder / first.name, robot=robot, poses=poses, expected={tip.link: frames}))
     return Work(loader, options, requests)

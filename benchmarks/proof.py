@@ -118,11 +118,11 @@ def of_columns(members: int, rounds: int, **kind: bool) -> float:
 def of_one(rounds: int, *, axes: int = 6, all_numbers: bool = False, **how: bool) -> float:
     """Seconds for the proof of an arm that is made by itself."""
     one = arm("arm", random.Random(2), axes=axes, all_numbers=all_numbers)
-    robot, truth = TRANSFORM.transform(one, OPTIONS), ExpectedPoses.of(one)
-    poses = proof_vectors(truth, robot, RANDOM)
-    if not prove(truth, robot, poses, **how).holds:
+    robot, expected = TRANSFORM.transform(one, OPTIONS), ExpectedPoses.of(one)
+    poses = proof_vectors(expected, robot, RANDOM)
+    if not prove(expected, robot, poses, **how).holds:
         raise ValueError("not proved")
-    return least(lambda: prove(truth, robot, poses, **how), rounds)
+    return least(lambda: prove(expected, robot, poses, **how), rounds)
 
 
 def of_a_pose(rounds: int) -> tuple[float, float]:

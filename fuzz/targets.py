@@ -152,10 +152,10 @@ def _check_arm(arm: Manipulator) -> None:
         _check_problems([problem for problem in error.problems if problem.severity == "error"], "error")
         return
     _check_problems(robot.notices, "notice")
-    truth = ExpectedPoses.of(arm)
-    poses = proof_vectors(truth, robot, 2)
+    expected = ExpectedPoses.of(arm)
+    poses = proof_vectors(expected, robot, 2)
     written = parse_urdf(file.content, "arm.urdf")
-    proof = prove(truth, written, poses)
+    proof = prove(expected, written, poses)
     _hold(proof.holds, f"the description is another arm: {proof}")
 
 

@@ -123,10 +123,10 @@ def chromium(request: pytest.FixtureRequest) -> Iterator[Browser]:
 
 
 @cache
-def link_to(exhibit: str) -> str:
+def link_to(name: str) -> str:
     """The part of a link that holds a table of the gallery: to click through the dialog costs as much as the page."""
-    (file,) = (item.file for item in gallery.exhibits() if item.name == exhibit)
-    return link_to_table(gallery.exhibit(file, load()))
+    (file,) = (item.file for item in gallery.tables() if item.name == name)
+    return link_to_table(gallery.table(file, load()))
 
 
 def link_to_table(table: TableText) -> str:
@@ -167,11 +167,11 @@ class Tab:
         for event, listener in self._listeners.items():
             page.remove_listener(event, listener)
 
-    def open(self, exhibit: str = "") -> Page:
+    def open(self, name: str = "") -> Page:
         """Opens the page, with an empty table or, by a link, with a table of the gallery."""
-        self._go_to(link_to(exhibit) if exhibit else "")
-        if exhibit:
-            self._wait_for_arm(exhibit)
+        self._go_to(link_to(name) if name else "")
+        if name:
+            self._wait_for_arm(name)
         return self.page
 
     def open_table(self, table: TableText) -> Page:
@@ -186,7 +186,7 @@ class Tab:
         self.page.wait_for_function("document.querySelector('.dh-table .ag-header-cell[col-id=a]')")
 
     def _wait_for_arm(self, name: str) -> None:
-        self.wait_for_exhibit(name)
+        self.wait_for_table(name)
         self.page.wait_for_function("document.querySelector('.arm-view').scene.getObjectByName('tool0')")
 
     # --- What stands on the page ---
@@ -214,16 +214,16 @@ class Tab:
         script = "text => document.querySelector('.studio-status')?.textContent.includes(text)"
         self.page.wait_for_function(script, arg=text)
 
-    def wait_for_exhibit(self, name: str) -> None:
+    def wait_for_table(self, name: str) -> None:
         self.page.wait_for_function(f"document.querySelector('.studio-name input').value === '{name}'")
         self.wait_for_status("the arm is the table's")
 
-    def open_exhibit(self, name: str) -> None:
+    def open_from_gallery(self, name: str) -> None:
         """Opens a table of the gallery as a person does."""
         shown = self.page.evaluate("document.querySelector('.arm-view').shown")
         self.page.get_by_role("button", name="Open", exact=True).click()
-        self.page.locator(f".studio-exhibit[data-name='{name}']").click()
-        self.wait_for_exhibit(name)
+        self.page.locator(f".studio-gallery-table[data-name='{name}']").click()
+        self.wait_for_table(name)
         self.page.wait_for_function("shown => document.querySelector('.arm-view').shown > shown", arg=shown)
 
     def drop(self, where: str, *paths: Path) -> None:

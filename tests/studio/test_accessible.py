@@ -44,7 +44,7 @@ def parts(tab: Any, folder: Path, look: str, size: str) -> Iterator[tuple[str, s
     page.locator("[role=dialog] input[type=file]").set_input_files(two)
     page.get_by_text("The file holds 2 manipulators").wait_for()
     yield from _dialog(page, "which manipulator")
-    tab.open_exhibit("ur5")
+    tab.open_from_gallery("ur5")
     tab.cell(1, "a").click()
     yield "an arm", "document"
     for name in PANELS:

@@ -39,7 +39,7 @@ def test_a_wrong_cell(studio_address: str, new_tab: Callable[..., Any], catalog:
     before = tab.pose("tool0")
     tab.type_into(1, "alpha", "pi/x")
     tab.wait_for_status("1 problem; the last good arm is shown")
-    (problem,) = read_whole(edits.with_cell(gallery.exhibit("ur5.csv", catalog), 1, "alpha", "pi/x"), catalog).errors
+    (problem,) = read_whole(edits.with_cell(gallery.table("ur5.csv", catalog), 1, "alpha", "pi/x"), catalog).errors
     assert problem.text in page.locator(".studio-problem").inner_text()
     assert "dh-wrong" in tab.cell(1, "alpha").get_attribute("class")
     assert "dh-wrong" not in tab.cell(2, "alpha").get_attribute("class")
@@ -59,7 +59,7 @@ def test_the_arm_moves_as_one_types(studio_address: str, new_tab: Callable[..., 
     page = tab.open("ur5")
     tab.cell(1, "a").click()
     page.keyboard.type("-0.9")
-    table = gallery.exhibit("ur5.csv", catalog)
+    table = gallery.table("ur5.csv", catalog)
     tab.wait_for_tool0(arm_of(edits.with_cell(table, 1, "a", "-0.9"), catalog))
     page.keyboard.press("Escape")
     tab.wait_for_tool0(arm_of(table, catalog))
@@ -81,7 +81,7 @@ def test_letters_are_not_queued(studio_address: str, new_tab: Callable[..., Any]
             }
         }"""
     )
-    tab.wait_for_tool0(arm_of(edits.with_cell(gallery.exhibit("ur5.csv", catalog), 1, "a", "-0.199"), catalog))
+    tab.wait_for_tool0(arm_of(edits.with_cell(gallery.table("ur5.csv", catalog), 1, "a", "-0.199"), catalog))
     assert page.evaluate("document.querySelector('.arm-view').shown") <= shown + 3
 
 
@@ -89,7 +89,7 @@ def test_undo_and_redo(studio_address: str, new_tab: Callable[..., Any], catalog
     """By key and by button, in the cells and in the scene."""
     tab = new_tab(studio_address)
     page = tab.open("ur5")
-    table = gallery.exhibit("ur5.csv", catalog)
+    table = gallery.table("ur5.csv", catalog)
     before, after = (arm_of(edits.with_cell(table, 1, "a", text), catalog) for text in ("-0.425", "-0.9"))
     tab.type_into(1, "a", "-0.9")
     tab.wait_for_tool0(after)
@@ -159,14 +159,14 @@ def test_a_reload_and_another_tab(studio_address: str, new_tab: Callable[..., An
     tab.type_into(0, "a", "0.45")
     page.locator(".joint-slider-number").first.fill("0.5")
     page.keyboard.press("Enter")
-    arm = arm_of(edits.with_cell(gallery.exhibit("scara.csv", catalog), 0, "a", "0.45"), catalog)
+    arm = arm_of(edits.with_cell(gallery.table("scara.csv", catalog), 0, "a", "0.45"), catalog)
     page.wait_for_function("document.querySelector('.joint-slider input[type=range]').valueAsNumber === 0.5")
     tab.wait_for_tool0(arm)
 
     other = new_tab(studio_address)
     other.open()
     assert other.status == "choose the number of axes"
-    other.open_exhibit("ur5")
+    other.open_from_gallery("ur5")
 
     page.reload()
     tab.wait_for_status("4 axes; the arm is the table's")
@@ -183,7 +183,7 @@ def test_sliders_move_the_arm(studio_address: str, new_tab: Callable[..., Any], 
     """Seven joints of a modified table: after a random pose, zero and a key, the scene is the DH product of the sliders."""
     tab = new_tab(studio_address)
     page = tab.open("panda")
-    arm = arm_of(gallery.exhibit("panda.yaml", catalog), catalog)
+    arm = arm_of(gallery.table("panda.yaml", catalog), catalog)
     for button in ("random pose", "zero"):
         tab.press(button)
         q = tab.sliders()
@@ -241,7 +241,7 @@ def test_labels_keep_clear(studio_address: str, new_tab: Callable[..., Any]) -> 
     assert page.evaluate(lines) < page.locator(".arm-view-label").count() / 2, "most are beside their points"
 
     # At the wrist of a Stanford arm all frames from {3} on are at one point.
-    tab.open_exhibit("stanford")
+    tab.open_from_gallery("stanford")
     page.wait_for_function(f"({script})().some(([text]) => text === '{{3}}–{{6}} flange tool0')")
     tab.cell(4, "a").click()
     page.wait_for_function(f"({script})().some(([text]) => text === '{{3}} {{4}} {{6}} flange tool0')")
@@ -265,7 +265,7 @@ def test_the_camera_sees_all(studio_address: str, new_tab: Callable[..., Any]) -
     }"""
     page.wait_for_function(f"({script})()")
     for name in ("stanford", "track"):
-        tab.open_exhibit(name)
+        tab.open_from_gallery(name)
         page.wait_for_function(f"({script})()")
 
 
@@ -298,7 +298,7 @@ def test_convention_and_units_are_converted_or_reinterpreted(
     page.get_by_text("Reinterpret: the same numbers").click()
     page.wait_for_function("!document.querySelector('.ag-header-cell[col-id=a]').innerText.includes('ᵢ₋₁')")
     tab.wait_for_cells(2, a="-425", alpha="0")
-    session = Session(catalog, gallery.exhibit("ur5.csv", catalog))
+    session = Session(catalog, gallery.table("ur5.csv", catalog))
     session.set_convention(Convention.MODIFIED, convert=True)
     session.set_convention(Convention.STANDARD, convert=False)
     assert session.arm is not None
@@ -370,7 +370,7 @@ def test_everything_is_saved(studio_address: str, new_tab: Callable[..., Any], c
     """Every entry of the menu hands over the bytes that the command line would write."""
     tab = new_tab(studio_address)
     tab.open("stanford")
-    table = gallery.exhibit("stanford.csv", catalog)
+    table = gallery.table("stanford.csv", catalog)
     assert tab.save("Table as yaml") == ("stanford.yaml", save.table_file(table, "yaml", catalog).content)
     assert tab.save("Table as .tex") == ("stanford.tex", save.other_file(table, ".tex", "exact", catalog).content)
     assert tab.save("Robot as urdf") == ("stanford.urdf", save.robot_file(table, "urdf", "exact", catalog).content)

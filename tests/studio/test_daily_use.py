@@ -576,7 +576,7 @@ def test_a_large_file_is_read_in_sight(tab: Any, tmp_path: Path) -> None:
     tab.page.get_by_text("reading many.csv").wait_for()
     tab.page.locator(".q-dialog").get_by_role("button", name="Cancel").click()
     tab.page.locator(".q-dialog").wait_for(state="detached")
-    tab.open_exhibit("ur5")
+    tab.open_from_gallery("ur5")
     assert tab.page.get_by_text("The studio failed at this").count() == 0
     assert tab.status == "6 axes; the arm is the table's"
 

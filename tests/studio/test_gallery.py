@@ -22,10 +22,10 @@ def test_the_gallery_is_configs() -> None:
     }
 
 
-@pytest.mark.parametrize("item", gallery.exhibits(), ids=lambda item: item.name)
+@pytest.mark.parametrize("item", gallery.tables(), ids=lambda item: item.name)
 def test_every_arm_can_be_opened(item: gallery.GalleryTable, catalog: Catalog) -> None:
     """Each opens under its name, and a line tells what it is."""
-    table = gallery.exhibit(item.file, catalog)
+    table = gallery.table(item.file, catalog)
     assert table.name == item.name
     assert len(item.told) > 10
 
@@ -33,4 +33,4 @@ def test_every_arm_can_be_opened(item: gallery.GalleryTable, catalog: Catalog) -
 def test_nothing_else_can(catalog: Catalog) -> None:
     """A name that is not in the gallery leads nowhere, and not into another folder."""
     with pytest.raises(LookupError):
-        gallery.exhibit("../__init__.py", catalog)
+        gallery.table("../__init__.py", catalog)

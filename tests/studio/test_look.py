@@ -115,7 +115,7 @@ def test_every_width_of_screen(studio_address: str, new_tab: Callable[..., Any])
             assert page.evaluate(covered) == 0, (size, width)
             if width > 390:  # the scene takes the height that is left, not the header
                 assert page.locator(".studio-head").bounding_box()["height"] < 70, (size, width)
-    tab.open_exhibit("ur5")
+    tab.open_from_gallery("ur5")
     for width, height in ((390, 844), (640, 360), (820, 1180), (1280, 720), (2560, 1440)):
         page.set_viewport_size({"width": width, "height": height})
         page.wait_for_function(f"document.documentElement.scrollWidth <= {width}")

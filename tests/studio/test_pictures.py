@@ -27,7 +27,7 @@ def empty(_: Any) -> None:
 
 
 def ur5(tab: Any) -> None:
-    tab.open_exhibit("ur5")
+    tab.open_from_gallery("ur5")
     set_sliders(tab, UR5_POSE)
     tab.cell(1, "a").click()
 
@@ -39,27 +39,27 @@ def dark(tab: Any) -> None:
 
 
 def wrong_cell(tab: Any) -> None:
-    tab.open_exhibit("ur5")
+    tab.open_from_gallery("ur5")
     set_sliders(tab, UR5_POSE)
     tab.type_into(3, "alpha", "pi/x")
     tab.wait_for_status("1 problem")
 
 
 def panda(tab: Any) -> None:
-    tab.open_exhibit("panda")
+    tab.open_from_gallery("panda")
     set_sliders(tab, [0.3, 0.5, -0.2, -1.9, 0.2, 2.2, 0.8])
     tab.page.get_by_text("a α d θ", exact=True).click()
     tab.cell(3, "a").click()
 
 
 def paper(tab: Any) -> None:
-    tab.open_exhibit("ur5_paper")
+    tab.open_from_gallery("ur5_paper")
     tab.page.get_by_role("button", name="side by side").click()
     tab.page.get_by_text("from the table's").wait_for()
 
 
 def lesson(tab: Any) -> None:
-    tab.open_exhibit("panda")
+    tab.open_from_gallery("panda")
     set_sliders(tab, [0.3, 0.5, -0.2, -1.9, 0.2, 2.2, 0.8])
     tab.page.get_by_role("button", name="explain the picked row").click()
     tab.cell(3, "a").click()
@@ -68,14 +68,14 @@ def lesson(tab: Any) -> None:
 
 
 def normals(tab: Any) -> None:
-    tab.open_exhibit("panda")
+    tab.open_from_gallery("panda")
     set_sliders(tab, [0.3, -0.6, 0.9, -1.4, 0.5, 1.2, 0.4])
     for layer in ("joint axes", "frames", "common normals"):
         tab.page.get_by_text(layer, exact=True).click()
 
 
 def target(tab: Any) -> None:
-    tab.open_exhibit("ur5")
+    tab.open_from_gallery("ur5")
     set_sliders(tab, UR5_POSE)
     tab.page.get_by_role("button", name="set the pose of tool0").click()
     box = tab.page.get_by_label("z of tool0", exact=True)
@@ -86,7 +86,7 @@ def target(tab: Any) -> None:
 
 
 def workspace(tab: Any) -> None:
-    tab.open_exhibit("ur5")
+    tab.open_from_gallery("ur5")
     set_sliders(tab, UR5_POSE)
     tab.page.get_by_role("button", name="measure between frames, and show the workspace").click()
     tab.page.get_by_text("workspace", exact=True).click()

@@ -46,12 +46,12 @@ def test_what_is_to_be_done_next(catalog: Catalog) -> None:
 )
 def test_axes_are_those_that_move(catalog: Catalog, file: str, told: str) -> None:
     """A fixed row is no axis."""
-    assert status(Session(catalog, gallery.exhibit(file, catalog))) == (told, "good")
+    assert status(Session(catalog, gallery.table(file, catalog))) == (told, "good")
 
 
 def test_a_problem_says_its_row(catalog: Catalog) -> None:
     """Row, joint and field stand before the message; what is about the whole table names what."""
-    session = Session(catalog, edits.with_cell(gallery.exhibit("ur5.csv", catalog), 3, "alpha", "pi/x"))
+    session = Session(catalog, edits.with_cell(gallery.table("ur5.csv", catalog), 3, "alpha", "pi/x"))
     (found,) = session.reading.errors
     assert words.place(found, session.table) == "row 4, wrist_1_joint, alpha: "
     assert words.place(replace(found, row=None, field="base"), session.table) == "base: "
@@ -84,7 +84,7 @@ def test_what_is_lost_is_told_in_a_line() -> None:
 
 def test_the_paper_is_remarked_on(catalog: Catalog) -> None:
     """Where the paper's variant is shown it is said how far it is from the arm, or why it refuses the table."""
-    session = Session(catalog, gallery.exhibit("ur5_paper.csv", catalog))
+    session = Session(catalog, gallery.table("ur5_paper.csv", catalog))
     assert words.remark(session) == ""
     session.show_variant("both")
     assert words.remark(session).endswith("at this pose its tool0 is 1.41 m and 90° from the table's.")

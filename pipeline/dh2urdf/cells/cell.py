@@ -254,7 +254,7 @@ def _number_geometry(geometry: Geometry) -> Geometry:
 # --- What is proved ---------------------------------------------------------------------------------------------------
 
 
-def truth_of(cell: Cell, robots: Mapping[str, Robot]) -> ExpectedPoses:
+def expected_poses_of(cell: Cell, robots: Mapping[str, Robot]) -> ExpectedPoses:
     """Where the tables have tool0 of every arm of a cell.
 
     Args:

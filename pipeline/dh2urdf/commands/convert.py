@@ -126,7 +126,7 @@ class Planned:
         manipulator, files = self._read(trace)
         named = zip(manipulator.rows, trace.rows, strict=False)
         try:
-            robot, truth = make_item(manipulator, self.recipe.transform, self.recipe.edits)
+            robot, expected = make_item(manipulator, self.recipe.transform, self.recipe.edits)
             made = with_notices(robot, self.recipe.emitters)
         except (EditError, TransformError, RobotError) as error:  # All there is to do is this table, and it is wrong.
             raise TableError(error.problems, manipulator.notices) from error
@@ -138,7 +138,7 @@ class Planned:
         made = replace(made, notices=(*notices, *self.notices, *self._unused_meshes(made)))
         note((*manipulator.notices, *made.notices))
         used = (path for call in self.recipe.calls for path in call.files)
-        written = _write(truth, made, self.recipe, self.target, (*files, *used, *self.inputs))
+        written = _write(expected, made, self.recipe, self.target, (*files, *used, *self.inputs))
         return Conversion(
             manipulator=manipulator,
             robot=made,
@@ -314,20 +314,20 @@ def as_named(call: Call[Emitter[Any]], target: Path) -> Call[Emitter[Any]]:
 
 
 def _write(
-    truth: ExpectedPoses, robot: Robot, recipe: Recipe, target: Path | None, inputs: Sequence[Path]
+    expected: ExpectedPoses, robot: Robot, recipe: Recipe, target: Path | None, inputs: Sequence[Path]
 ) -> tuple[Written, ...]:
     """The files of a robot, proved and put where they belong: at a file's name, into a folder, or nowhere."""
-    stem = safe_stem(truth.name)
+    stem = safe_stem(expected.name)
     if target is None:
         import tempfile
 
         with tempfile.TemporaryDirectory(prefix="dh2urdf-") as folder:
-            return write_robot(truth, robot, recipe, directory=Path(folder), stem=stem)
+            return write_robot(expected, robot, recipe, directory=Path(folder), stem=stem)
     if len(recipe.emitters) > 1 or recipe.emitters[0].stage.in_folders:
-        return write_robot(truth, robot, recipe, directory=target, stem=stem, inputs=inputs)
+        return write_robot(expected, robot, recipe, directory=target, stem=stem, inputs=inputs)
     stem = _stem(target, recipe.emitters[0].stage)
     directory, name = target.parent, target.name
-    return write_robot(truth, robot, recipe, directory=directory, stem=stem, main_file=name, inputs=inputs)
+    return write_robot(expected, robot, recipe, directory=directory, stem=stem, main_file=name, inputs=inputs)
 
 
 def _stem(target: Path, emitter: Emitter[Any]) -> str:

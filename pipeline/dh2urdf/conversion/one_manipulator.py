@@ -154,7 +154,7 @@ def with_copies(robot: Robot, recipe: Recipe) -> Robot:
 
 
 def write_robot(
-    truth: ExpectedPoses,
+    expected: ExpectedPoses,
     robot: Robot,
     recipe: Recipe,
     *,
@@ -166,7 +166,7 @@ def write_robot(
     """Emit a robot with every emitter, prove each file, and put all of them in place, with its meshes, or none.
 
     Args:
-        truth: what the tables declare about it.
+        expected: what the tables declare about it.
         robot: the robot.
         recipe: what is done.
         directory: where the files go; made where it is missing.
@@ -182,7 +182,7 @@ def write_robot(
     robot = with_copies(robot, recipe)
     copies = mesh_files(robot) if recipe.copies_meshes else ()
     with staging(directory) as folder:
-        written = emit_robot(truth, robot, recipe, folder=folder, stem=stem, main_file=main_file)
+        written = emit_robot(expected, robot, recipe, folder=folder, stem=stem, main_file=main_file)
         names = [file.name for emitted in written for file in emitted.files]
         targets = [directory / name for name in (*names, *map(copy_path, copies))]
         refuse_inputs(targets, [*inputs, *originals])
@@ -193,7 +193,7 @@ def write_robot(
 
 
 def emit_robot(
-    truth: ExpectedPoses,
+    expected: ExpectedPoses,
     robot: Robot,
     recipe: Recipe,
     *,
@@ -209,7 +209,7 @@ def emit_robot(
     """Emit a robot with every emitter into a folder of its own, and prove each file there.
 
     Args:
-        truth: what the tables declare about it.
+        expected: what the tables declare about it.
         robot: the robot.
         recipe: what is done.
         folder: a folder that nobody else uses.
@@ -225,7 +225,7 @@ def emit_robot(
         ManipulatorError: an emitter failed, or what it wrote is not the arm of the table.
         OutputError: the files cannot be written.
     """
-    poses = proof_vectors(truth, robot, recipe.poses) if proved else ()
+    poses = proof_vectors(expected, robot, recipe.poses) if proved else ()
     written: list[Written] = []
     taken: dict[str, str] = {}
     for call in recipe.emitters:
@@ -247,21 +247,21 @@ def emit_robot(
         write_files(folder, files, place)
         looked = proved and (sampled or not emitter.costly_proof)
         robots = [folder / file.name for file in files if looked and file.is_robot]
-        proof = _prove_file(truth, robots[0], call, poses, recipe=recipe, at_once=at_once) if robots else None
+        proof = _prove_file(expected, robots[0], call, poses, recipe=recipe, at_once=at_once) if robots else None
         written.append(Written(stage=emitter.name, files=tuple(files), proof=proof))
     return tuple(written)
 
 
 def _prove_file(
-    truth: ExpectedPoses, path: Path, call: Call[Emitter[Any]], poses: Poses, *, recipe: Recipe, at_once: bool
+    expected: ExpectedPoses, path: Path, call: Call[Emitter[Any]], poses: Poses, *, recipe: Recipe, at_once: bool
 ) -> Proof | None:
     emitter = call.stage
     if emitter.read_back is None:
         return None
     with blaming(call, "read_back"):
         described = a_robot(emitter.read_back(path), call)
-    proof = prove(truth, described, poses, at_once=at_once)
-    accept(proof, emitter, truth.name, truth.mark, recipe=recipe)
+    proof = prove(expected, described, poses, at_once=at_once)
+    accept(proof, emitter, expected.name, expected.mark, recipe=recipe)
     return proof
 
 

@@ -57,7 +57,7 @@ def make_cell(
     Raises:
         ManipulatorError: a stage refuses an arm, the arms do not go together, or the robot breaks a rule.
     """
-    from dh2urdf.cells.cell import cannot_be, compose, truth_of
+    from dh2urdf.cells.cell import cannot_be, compose, expected_poses_of
 
     robots: dict[str, Robot] = {}
     tables: dict[str, Manipulator] = {}
@@ -74,7 +74,7 @@ def make_cell(
     edited = replace(cell, manipulators=tables)
     composed = compose(edited, robots)
     robot = replace(composed, notices=(*composed.notices, *_found_wrong(composed, cell.mark)))
-    return robot, truth_of(edited, robots)
+    return robot, expected_poses_of(edited, robots)
 
 
 def edited_table(manipulator: Manipulator, edits: Iterable[Call[Edit[Any]]]) -> Manipulator:

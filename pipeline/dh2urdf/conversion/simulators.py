@@ -85,7 +85,7 @@ class Loaded(NamedTuple):
 
 
 def load_with_all(  # noqa: PLR0917 - what is known of a manipulator with files
-    truth: ExpectedPoses,
+    expected: ExpectedPoses,
     robot: Robot,
     recipe: Recipe,
     written: Sequence[Written],
@@ -97,7 +97,7 @@ def load_with_all(  # noqa: PLR0917 - what is known of a manipulator with files
     """What all loaders of a recipe declare about the files of a manipulator; whatever one says, the next is asked.
 
     Args:
-        truth: what the tables declare about it.
+        expected: what the tables declare about it.
         robot: the robot.
         recipe: what is done with every manipulator.
         written: its files.
@@ -122,7 +122,7 @@ def load_with_all(  # noqa: PLR0917 - what is known of a manipulator with files
         started = time.perf_counter()
         try:
             report = load_written(
-                truth, robot, call, written, children, keeps_kinematics=recipe.keeps_kinematics, picture=picture
+                expected, robot, call, written, children, keeps_kinematics=recipe.keeps_kinematics, picture=picture
             )
         except OutputError:
             raise
@@ -131,7 +131,7 @@ def load_with_all(  # noqa: PLR0917 - what is known of a manipulator with files
                 raise
             verdicts[name] = _missing(name, str(error))
         except (ManipulatorError, InputError) as error:
-            errors = tuple(problem.about(robot=robot.name, mark=truth.mark) for problem in error.problems)
+            errors = tuple(problem.about(robot=robot.name, mark=expected.mark) for problem in error.problems)
             if optional:
                 errors = tuple(replace(problem, severity="notice") for problem in errors)
             else:
@@ -153,7 +153,7 @@ def _missing(name: str, why: str) -> Verdict:
 
 
 def load_written(
-    truth: ExpectedPoses,
+    expected: ExpectedPoses,
     robot: Robot,
     call: Call[Loader[Any]],
     written: Sequence[Written],
@@ -171,21 +171,21 @@ def load_written(
     path = next(picture.with_name(names[wanted]) for wanted in loader.formats if wanted in names)
     with blaming(call, "poses"):
         count = a_record(loader.poses(call.options), int)
-    poses = joint_vectors(truth, robot, count)
+    poses = joint_vectors(expected, robot, count)
     with blaming(call, "picture"):
         pictured = a_record(loader.picture(call.options), bool)
-    expected: dict[str, tuple[tuple[float, ...], ...]] = {}
-    for tip in truth.tips:
-        chain = KinematicChain.between(robot, truth.root, tip.link)
-        expected[tip.link] = tuple(
+    frames: dict[str, tuple[tuple[float, ...], ...]] = {}
+    for tip in expected.tips:
+        chain = KinematicChain.between(robot, expected.root, tip.link)
+        frames[tip.link] = tuple(
             _elements(tip.pose(q) if keeps_kinematics else chain.forward_kinematics(tip.values(q))) for q in poses
         )
     request = LoadRequest(
         path=path,
         robot=robot,
         poses=poses,
-        expected=expected,
-        mark=truth.mark,
+        expected=frames,
+        mark=expected.mark,
         picture=picture if pictured else None,
     )
     with blaming(call):

@@ -101,7 +101,7 @@ class ExpectedPoses:
 
     @classmethod
     def of(cls, manipulator: Manipulator) -> ExpectedPoses:
-        """The truth of a robot that is one arm."""
+        """The poses of a robot that is one arm."""
         joints = tuple(row.joint for row in manipulator.moving_rows)
         tip = Tip(link=TOOL, way=(Stretch(manipulator, joints),), columns=tuple(range(len(joints))))
         return cls(name=manipulator.name, tips=(tip,), joints=joints, mark=manipulator.mark)

@@ -75,19 +75,22 @@ class Proof:
         )
 
 
-def prove(truth: ExpectedPoses, written: Robot, poses: Sequence[Sequence[float]], *, at_once: bool = False) -> Proof:
+def prove(expected: ExpectedPoses, written: Robot, poses: Sequence[Sequence[float]], *, at_once: bool = False) -> Proof:
     """Compare T(root → tool0), of every arm, of what was written with the DH product.
 
     Args:
-        truth: what the tables say.
+        expected: what the tables say.
         written: the robot read back from the file.
-        poses: joint vectors, one value per joint of the truth [rad or m].
+        poses: joint vectors, one value per joint of the tables [rad or m].
         at_once: whether to walk all of them together: several times as fast, where numpy has been imported.
 
     Raises:
         ProofError: a written chain from the root to a tool0 does not have the tables' moving joints in order.
     """
-    ways = {tip.link: (tip.compiled(), _written_way(joints_to(truth, tip, written), tip.columns)) for tip in truth.tips}
+    ways = {
+        tip.link: (tip.compiled(), _written_way(joints_to(expected, tip, written), tip.columns))
+        for tip in expected.tips
+    }
     largest = _largest_at_once if at_once and poses else largest_errors
     found = {link: largest(said, way, poses) for link, (said, way) in ways.items()}
     worst = max(found, key=lambda link: found[link][:2])
@@ -95,7 +98,7 @@ def prove(truth: ExpectedPoses, written: Robot, poses: Sequence[Sequence[float]]
         position_error=found[worst].position,
         angle_error=max(errors.angle for errors in found.values()),
         q=found[worst].q,
-        tolerance=TOLERANCE * max(1.0, *(tip.reach(poses) for tip in truth.tips)),
+        tolerance=TOLERANCE * max(1.0, *(tip.reach(poses) for tip in expected.tips)),
         poses=len(poses),
         tip=worst,
         tips={link: errors.position for link, errors in found.items()},
@@ -110,22 +113,22 @@ def _written_way(joints: Sequence[Joint], columns: Sequence[int] | None = None) 
     return chain
 
 
-def joints_to(truth: ExpectedPoses, tip: Tip, written: Robot) -> tuple[Joint, ...]:
+def joints_to(expected: ExpectedPoses, tip: Tip, written: Robot) -> tuple[Joint, ...]:
     """The joints on the written way to a tip, of which those that move have to be those of the tables' way.
 
     Raises:
         ProofError: there is no way, or it moves other joints.
     """
     try:
-        joints = joints_between(written, truth.root, tip.link)
+        joints = joints_between(written, expected.root, tip.link)
     except ValueError as error:
-        raise ProofError(Problem(message=str(error), robot=truth.name)) from error
+        raise ProofError(Problem(message=str(error), robot=expected.name)) from error
     moving = [joint.name for joint in joints if joint.type is not JointType.FIXED]
     if moving != list(tip.joints):
         raise ProofError(
             Problem(
                 message=f"the written chain moves the joints {_few(moving)}, the table {_few(tip.joints)}",
-                robot=truth.name,
+                robot=expected.name,
             )
         )
     return joints
@@ -243,10 +246,10 @@ def prove_columns(
         order; None where no group has its file.
     """
     found: dict[int, Proof | ProofError] = {}
-    truth = ExpectedPoses.of(tables.table)
+    expected = ExpectedPoses.of(tables.table)
     for places, described in written:
         try:
-            joints = joints_to(truth, truth.tips[0], described)
+            joints = joints_to(expected, expected.tips[0], described)
         except ProofError:
             found.update(_refusals(tables, places, described))
             continue
@@ -260,9 +263,9 @@ def prove_columns(
 def _refusals(tables: ManipulatorColumns, places: Sequence[int], described: Robot) -> Iterator[tuple[int, ProofError]]:
     """Why there is no proof, for each of the members of a group, with its name."""
     for place in places:
-        truth = ExpectedPoses.of(tables.pick(place))
+        expected = ExpectedPoses.of(tables.pick(place))
         try:
-            joints_to(truth, truth.tips[0], replace(described, name=truth.name))
+            joints_to(expected, expected.tips[0], replace(described, name=expected.name))
         except ProofError as error:
             yield place, error
 

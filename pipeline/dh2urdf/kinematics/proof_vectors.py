@@ -39,15 +39,15 @@ def fractions(joints: int, count: int) -> Poses:
     return tuple(tuple(draw.random() for _ in range(joints)) for _ in range(count))
 
 
-def joint_vectors(truth: ExpectedPoses, robot: Robot, count: int) -> Poses:
+def joint_vectors(expected: ExpectedPoses, robot: Robot, count: int) -> Poses:
     """Joint vectors inside the limits: the one nearest to zero, then random ones [rad or m].
 
     Args:
-        truth: what the tables say; a vector has a value for each of its joints, in order.
+        expected: what the tables say; a vector has a value for each of its joints, in order.
         robot: the robot made of them, whose joints have the limits that the tables left open.
         count: how many.
     """
-    ranges = joint_ranges(truth, robot)
+    ranges = joint_ranges(expected, robot)
     nearest_to_zero = tuple(min(max(0.0, lower), upper) for lower, upper in ranges)
     others = (
         tuple(lower + u * (upper - lower) for u, (lower, upper) in zip(row, ranges, strict=True))
@@ -56,11 +56,11 @@ def joint_vectors(truth: ExpectedPoses, robot: Robot, count: int) -> Poses:
     return (nearest_to_zero, *others) if count > 0 else ()
 
 
-def proof_vectors(truth: ExpectedPoses, robot: Robot, count: int) -> Poses:
+def proof_vectors(expected: ExpectedPoses, robot: Robot, count: int) -> Poses:
     """The joint vectors of a proof: all zero (inside the limits or not), both ends, and `count` inside the limits."""
-    ranges = joint_ranges(truth, robot)
+    ranges = joint_ranges(expected, robot)
     ends = [tuple(0.0 for _ in ranges), tuple(low for low, _ in ranges), tuple(high for _, high in ranges)]
-    return (*ends, *joint_vectors(truth, robot, count))
+    return (*ends, *joint_vectors(expected, robot, count))
 
 
 def joint_columns(table: Manipulator, robot: Robot, pick: Pick, count: int) -> list[Array]:
@@ -79,10 +79,10 @@ def joint_columns(table: Manipulator, robot: Robot, pick: Pick, count: int) -> l
     return values
 
 
-def joint_ranges(truth: ExpectedPoses, robot: Robot) -> list[tuple[float, float]]:
+def joint_ranges(expected: ExpectedPoses, robot: Robot) -> list[tuple[float, float]]:
     """The ends of every joint's limits, as far as they are sampled [rad or m]; a full turn where there are none."""
     joints = {joint.name: joint for joint in robot.joints}
-    return [_range(joints.get(name)) for name in truth.joints]
+    return [_range(joints.get(name)) for name in expected.joints]
 
 
 def _range(joint: Joint | None, pick: Pick = lambda numbers: numbers) -> tuple[Numbers, Numbers]:

@@ -78,15 +78,15 @@ _STYLE: dict[str, Any] = {
 # --- The arm --------------------------------------------------------------------------------------------------------
 
 
-def arm_figure(truth: ExpectedPoses, key: str) -> str:
+def arm_figure(expected: ExpectedPoses, key: str) -> str:
     """The arms of a robot where all joint values are 0, with joint axes and DH frames, as SVG.
 
     Args:
-        truth: what the tables declare about it.
+        expected: what the tables declare about it.
         key: a word of the figure's own on its page, for the names of its parts.
     """
     return skeleton_figure(
-        [arm_skeleton(tip) for tip in truth.tips],
+        [arm_skeleton(tip) for tip in expected.tips],
         "the arm at zero joint values, with its joint axes and DH frames",
         key,
     )
@@ -174,15 +174,15 @@ class Workspace:
         points: positions of every tip in the root frame at random joint vectors inside the limits, (samples, 3) [m].
     """
 
-    def __init__(self, truth: ExpectedPoses, robot: Robot) -> None:
+    def __init__(self, expected: ExpectedPoses, robot: Robot) -> None:
         import numpy as np
 
-        ranges = np.array(joint_ranges(truth, robot)).reshape(-1, 2)
+        ranges = np.array(joint_ranges(expected, robot)).reshape(-1, 2)
         samples = max(500, min(SAMPLES, _MOST_VALUES // max(1, len(ranges))))
         shares = np.random.default_rng(20240229).random((samples, len(ranges)))
         columns = list((ranges[:, 0] + shares * (ranges[:, 1] - ranges[:, 0])).T)
         self.points: dict[str, NDArray[np.float64]] = {}
-        for tip in truth.tips:
+        for tip in expected.tips:
             poses = np.broadcast_to(as_matrices(tip.pose(columns)), (samples, 4, 4))
             self.points[tip.link] = poses[:, :3, 3]
 

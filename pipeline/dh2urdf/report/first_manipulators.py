@@ -99,14 +99,14 @@ class DetailedManipulator:
         row: its row of the manifest.
         what: its table or tables; None where they could not be read.
         robot: its robot; None where it has no files.
-        truth: what the tables declare about it.
+        expected: what the tables declare about it.
     """
 
     number: int
     row: ManifestRow
     what: Manipulator | Cell | None
     robot: Robot | None = None
-    truth: ExpectedPoses | None = None
+    expected: ExpectedPoses | None = None
 
     @classmethod
     def of(cls, number: int, row: ManifestRow, what: Single, recipe: Recipe) -> DetailedManipulator:
@@ -117,10 +117,10 @@ class DetailedManipulator:
         if not isinstance(what, Manipulator | Cell):
             return cls(number=number, row=row, what=None)
         try:
-            robot, truth = make_item(what, recipe.transform, recipe.edits) if row["files"] else (None, None)
+            robot, expected = make_item(what, recipe.transform, recipe.edits) if row["files"] else (None, None)
         except ManipulatorError:  # A transform with changing results is reported already.
-            robot = truth = None
-        return cls(number=number, row=row, what=what, robot=robot, truth=truth)
+            robot = expected = None
+        return cls(number=number, row=row, what=what, robot=robot, expected=expected)
 
     @property
     def key(self) -> str:

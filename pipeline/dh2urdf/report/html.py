@@ -235,14 +235,14 @@ def _figures(detailed: DetailedManipulator) -> dict[str, Any] | None:
     """Draw a manipulator and how far its tips get; None where there is no robot, or none that can be drawn."""
     from markupsafe import Markup
 
-    if detailed.robot is None or detailed.truth is None:
+    if detailed.robot is None or detailed.expected is None:
         return None
-    workspace = Workspace(detailed.truth, detailed.robot)
+    workspace = Workspace(detailed.expected, detailed.robot)
     extents = {tip: workspace.extent(tip) for tip in workspace.points}
     if not all(0.0 <= extent["distance"] < LARGEST for extent in extents.values()):
         return None
     return {
-        "arm": Markup(arm_figure(detailed.truth, f"{detailed.key}-arm")),  # noqa: S704 - drawn by matplotlib
+        "arm": Markup(arm_figure(detailed.expected, f"{detailed.key}-arm")),  # noqa: S704 - drawn by matplotlib
         "workspace": Markup(workspace.figure(f"{detailed.key}-reach")),  # noqa: S704
         "extents": [(tip, ARMS[n % len(ARMS)], extent) for n, (tip, extent) in enumerate(extents.items())],
         "samples": len(next(iter(workspace.points.values()))),

@@ -255,7 +255,7 @@ class Work(BatchContent):
             loaders = self.recipe.loaders if loads else ()
             with watched(self.worker.home, self.recipe.time_limit, loaders):
                 with timed(seconds, "transform"):
-                    robot, truth = make_item(what, self.recipe.transform, self.recipe.edits)
+                    robot, expected = make_item(what, self.recipe.transform, self.recipe.edits)
                     robot = with_notices(with_copies(robot, self.recipe), self.recipe.emitters)
                 outcome = replace(outcome, notices=(*outcome.notices, *robot.notices))
                 if self.worker.effect is Depth.LOOK:
@@ -263,7 +263,7 @@ class Work(BatchContent):
                 with self.copies.workplace(robot, loads=bool(loaders)) as folder:
                     with timed(seconds, "emit"):
                         written = emit_robot(
-                            truth,
+                            expected,
                             robot,
                             self.recipe,
                             folder=folder,
@@ -278,7 +278,7 @@ class Work(BatchContent):
                     if loaders:
                         stem = batch.stems[place]
                         kept = self.worker.children
-                        loaded = load_with_all(truth, robot, self.recipe, written, folder, stem, seconds, kept)
+                        loaded = load_with_all(expected, robot, self.recipe, written, folder, stem, seconds, kept)
                         outcome = replace(outcome, loads=loaded.verdicts, pictures=loaded.pictures)
                         if loaded.failures:
                             outcome = self._failed(outcome, place, loaded.failures)

@@ -142,9 +142,11 @@ async def ask_table(catalog: Catalog) -> TableText | None:
         problem.set_visibility(False)
         ui.label("or one of the gallery").classes("studio-status")
         with ui.element("div").classes("studio-gallery"):
-            for item in gallery.exhibits():
-                box = ui.element("button").classes("studio-exhibit").props(f'type="button" data-name="{item.name}"')
-                box.on("click", lambda item=item: dialog.submit((Opened(gallery.exhibit(item.file, catalog)),)))
+            for item in gallery.tables():
+                box = (
+                    ui.element("button").classes("studio-gallery-table").props(f'type="button" data-name="{item.name}"')
+                )
+                box.on("click", lambda item=item: dialog.submit((Opened(gallery.table(item.file, catalog)),)))
                 with box:
                     with ui.element("b"):
                         ui.label(item.name)

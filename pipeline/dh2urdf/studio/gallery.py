@@ -29,7 +29,7 @@ class GalleryTable(NamedTuple):
     told: str
 
 
-def exhibits() -> tuple[GalleryTable, ...]:
+def tables() -> tuple[GalleryTable, ...]:
     """What there is in the gallery, by name."""
     found = []
     for entry in sorted(_FOLDER.iterdir(), key=lambda entry: entry.name):
@@ -38,13 +38,13 @@ def exhibits() -> tuple[GalleryTable, ...]:
     return tuple(found)
 
 
-def exhibit(file: str, catalog: Catalog) -> TableText:
+def table(file: str, catalog: Catalog) -> TableText:
     """A table of the gallery.
 
     Raises:
         LookupError: there is no such file in it.
     """
-    if file not in {item.file for item in exhibits()}:
+    if file not in {item.file for item in tables()}:
         raise LookupError(f"the gallery has no {file!r}")
     with as_file(_FOLDER / file) as path:
         return open_tables(path, catalog)[0].table

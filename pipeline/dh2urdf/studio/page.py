@@ -52,7 +52,7 @@ class StudioPage:
             with ui.element("header").classes("studio-head"):
                 self._head = StudioHead(
                     session,
-                    on_name=lambda name: self._say(name=name),
+                    on_name=lambda name: self._set_texts(name=name),
                     on_undo=lambda: self._do(session.undo),
                     on_redo=lambda: self._do(session.redo),
                     on_new=self._new,
@@ -101,7 +101,7 @@ class StudioPage:
             ComparingPanel(self.session, self._meshes, self._show_arm, lambda table: self._put(table, all_cells=True)),
         )
         self._problems = ProblemList(on_click=self._go_to)
-        self._ends = EndFields(self.session, self._say)
+        self._ends = EndFields(self.session, self._set_texts)
 
     def _lay_scene(self) -> None:
         self._layers = SceneBar(
@@ -204,8 +204,8 @@ class StudioPage:
         self.session.put(table)
         self.show(all_cells=all_cells)
 
-    def _say(self, **texts: str) -> None:
-        self.session.say(**texts)
+    def _set_texts(self, **texts: str) -> None:
+        self.session.set_texts(**texts)
         self.show()
 
     def _edited(self, row: int, field: str, text: str) -> None:

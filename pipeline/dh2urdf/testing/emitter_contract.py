@@ -184,7 +184,7 @@ class EmitterContract(StageContract):
         if self.stage.read_back is None:
             return  # A format that holds no kinematics, such as a data sheet.
         for manipulator in reference_manipulators():
-            robot, truth = plain_robot(manipulator), ExpectedPoses.of(manipulator)
+            robot, expected = plain_robot(manipulator), ExpectedPoses.of(manipulator)
             _write(tmp_path, files := self._emit(robot))
             if not files[0].is_robot:
                 continue
@@ -197,7 +197,7 @@ class EmitterContract(StageContract):
                     accepted="a Robot",
                     remedy="let read_back read what emit writes",
                 )
-            for q in proof_vectors(truth, robot, 8):
+            for q in proof_vectors(expected, robot, 8):
                 poses = [robot_pose(each, q, "base_link", "tool0") for each in (robot, found)]
                 distance, angle = difference(*poses)
                 if not (distance <= 3 * TOLERANCE and angle <= 3 * TOLERANCE):

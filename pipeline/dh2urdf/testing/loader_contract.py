@@ -254,9 +254,9 @@ class LoaderContract(StageContract):
     def _request(self, folder: Path, manipulator: Manipulator | None = None) -> LoadRequest:
         """A written file of a reference arm, and where its tool0 is by the oracle's matrices."""
         manipulator = manipulator or reference_manipulators()[0]
-        robot, truth = plain_robot(manipulator), ExpectedPoses.of(manipulator)
+        robot, expected = plain_robot(manipulator), ExpectedPoses.of(manipulator)
         path = self._written(robot, folder)
-        poses = joint_vectors(truth, robot, self.stage.poses(self.given()))
+        poses = joint_vectors(expected, robot, self.stage.poses(self.given()))
         frames = tuple(tuple(number for row in table_pose(manipulator, q) for number in row) for q in poses)
         picture = folder / f"{path.name.partition('.')[0]}.png" if self.stage.picture(self.given()) else None
         return LoadRequest(path=path, robot=robot, poses=poses, expected={"tool0": frames}, picture=picture)

@@ -67,10 +67,10 @@ class TransformContract(StageContract):
         clause = self.test_keeps_the_kinematics
         remedy = "fix the transform; or, where another arm is meant, let keeps_kinematics say False with these options"
         for manipulator in self._manipulators():
-            robot, truth = self._transform(manipulator), ExpectedPoses.of(manipulator)
-            poses = proof_vectors(truth, robot, POSES)
+            robot, expected = self._transform(manipulator), ExpectedPoses.of(manipulator)
+            poses = proof_vectors(expected, robot, POSES)
             try:
-                proof = prove(truth, robot, poses)
+                proof = prove(expected, robot, poses)
             except ProofError as error:
                 self.breach(
                     clause,
@@ -79,7 +79,7 @@ class TransformContract(StageContract):
                     remedy=remedy,
                 )
             for q in poses:
-                found = robot_pose(robot, q, truth.root, truth.tips[0].link)
+                found = robot_pose(robot, q, expected.root, expected.tips[0].link)
                 distance, angle = difference(table_pose(manipulator, q), found)
                 if not (proof.holds and distance <= proof.tolerance and angle <= TOLERANCE):
                     worst, turned = max(distance, proof.position_error), max(angle, proof.angle_error)

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 
-from dh2urdf.cells.cell import ArmCall, Cell, CellCall, compose, truth_of, with_tables
+from dh2urdf.cells.cell import ArmCall, Cell, CellCall, compose, expected_poses_of, with_tables
 from dh2urdf.cells.wanted_tables import WantedTables
 from dh2urdf.conversion.one_manipulator import Call
 from dh2urdf.conversion.robots import make_cell
@@ -182,7 +182,7 @@ class TestCompose:
         assert f"did you mean {meant!r}?" in message
 
 
-# --- The truth, against an oracle that shares nothing with the project: numpy's 4x4 products --------------------------
+# --- The expected poses, against an oracle that shares nothing with the project: numpy's 4x4 products --------------------------
 
 
 def rx(angle: float) -> np.ndarray:
@@ -228,13 +228,13 @@ def dh(table: Manipulator, q: Sequence[float], rows: int | None = None) -> np.nd
 joint_values = st.lists(st.floats(-3, 3), min_size=10, max_size=10)
 
 
-class TestTruth:
+class TestExpectedPoses:
     @given(q=joint_values)
     def test_an_arm_on_another_arms_tool_is_a_product_of_dh_products(self, q: list[float]) -> None:
         """T(world → tool0) is placement · T_track(q) · placement · T_arm(q), and of an arm on the world its own."""
-        truth = truth_of(ON_TRACK, robots())
+        stated = expected_poses_of(ON_TRACK, robots())
         track, left, _hand, right = (at(arm.placement) for arm in ON_TRACK.call.arms)
-        tips = {tip.link: np.asarray(as_matrices(tip.pose(q))) for tip in truth.tips}
+        tips = {tip.link: np.asarray(as_matrices(tip.pose(q))) for tip in stated.tips}
         on_track = track @ dh(TRACK, q[:1])
         expected = {
             "track_tool0": on_track,
@@ -248,7 +248,7 @@ class TestTruth:
     def test_an_arm_on_a_link_in_the_middle(self, q: list[float]) -> None:
         """With DH frames and the modified convention, link i is DH frame i: an arm on it has the product up to there."""
         alone = {name: TRANSFORM.transform(table, AlphaSwapOptions(frames="dh")) for name, table in TABLES.items()}
-        tip = truth_of(ON_TRACK, alone).tips[2]
+        tip = expected_poses_of(ON_TRACK, alone).tips[2]
         track, left, hand, _ = (at(arm.placement) for arm in ON_TRACK.call.arms)
         expected = track @ dh(TRACK, q[:1]) @ left @ dh(ARM, q[1:4], rows=2) @ hand @ dh(ARM, q[4:7])
         assert tip.link == "hand_tool0"
@@ -256,17 +256,17 @@ class TestTruth:
 
     def test_a_joint_vector_has_the_moving_joints_of_the_robot_in_order(self) -> None:
         """So a simulator's joints can be set one by one; a tip names those on its way."""
-        robot, truth = make_cell(ON_TRACK, swap())
-        assert truth.joints == tuple(joint.name for joint in robot.moving_joints)
-        assert truth.tips[2].joints == ("track_slide", "left_pan", "left_lift", "hand_pan", "hand_lift", "hand_reach")
+        robot, stated = make_cell(ON_TRACK, swap())
+        assert stated.joints == tuple(joint.name for joint in robot.moving_joints)
+        assert stated.tips[2].joints == ("track_slide", "left_pan", "left_lift", "hand_pan", "hand_lift", "hand_reach")
 
     def test_the_reach_of_a_tip_adds_up_along_the_way(self) -> None:
         """Placements, tables, and the travel of slides: what rounding may grow with."""
-        truth = truth_of(ON_TRACK, robots())
+        stated = expected_poses_of(ON_TRACK, robots())
         track = 1.0 + 0.4 + 0.1 + 0.2 + 0.05
-        assert truth.tips[0].reach([[0.0] * 10]) == pytest.approx(track)
-        assert truth.tips[0].reach([[-0.5] + [9.0] * 9]) == pytest.approx(track + 0.5)
-        assert truth.tips[1].reach([[0.0] * 10]) == pytest.approx(track + 0.1 + 1.1)
+        assert stated.tips[0].reach([[0.0] * 10]) == pytest.approx(track)
+        assert stated.tips[0].reach([[-0.5] + [9.0] * 9]) == pytest.approx(track + 0.5)
+        assert stated.tips[1].reach([[0.0] * 10]) == pytest.approx(track + 0.1 + 1.1)
 
 
 class TestProof:
@@ -274,9 +274,9 @@ class TestProof:
     @pytest.mark.parametrize("link", ["base_link", "base_link_inertia", "one", "two", "three", "flange", "tool0"])
     def test_it_holds_whatever_link_holds_the_arm(self, frames: str, link: str) -> None:
         """The written file puts every tool0 where the tables have it."""
-        made, truth = make_cell(cell(call("a", "arm"), call("b", "track", parent="a", link=link)), swap(frames))
+        made, stated = make_cell(cell(call("a", "arm"), call("b", "track", parent="a", link=link)), swap(frames))
         (file,) = URDF.emit(made, "cell", URDF.options())
-        proof = prove(truth, parse_urdf(file.content, "cell"), proof_vectors(truth, made, 8))
+        proof = prove(stated, parse_urdf(file.content, "cell"), proof_vectors(stated, made, 8))
         assert proof.holds
         assert proof.position_error < 1e-14
         assert set(proof.tips) == {"a_tool0", "b_tool0"}
@@ -284,17 +284,17 @@ class TestProof:
     @pytest.mark.parametrize("frames", ["aligned", "dh"])
     def test_an_arm_on_a_fixed_row(self, frames: str) -> None:
         """A link that a fixed row holds moves as the one before."""
-        made, truth = make_cell(cell(call("a", "track"), call("b", "arm", parent="a", link="plate")), swap(frames))
-        assert prove(truth, made, proof_vectors(truth, made, 8)).position_error < 1e-14
+        made, stated = make_cell(cell(call("a", "track"), call("b", "arm", parent="a", link="plate")), swap(frames))
+        assert prove(stated, made, proof_vectors(stated, made, 8)).position_error < 1e-14
 
     def test_a_wrong_placement_is_found_in_the_arm_that_it_moves(self) -> None:
         """The tip of the largest error is named, and the error of every other one said."""
-        made, truth = make_cell(ON_TRACK, swap())
+        made, stated = make_cell(ON_TRACK, swap())
         moved = tuple(
             replace(joint, origin=Origin(xyz=(-1.0, 0.0, 1e-6))) if joint.name == "right_base_joint" else joint
             for joint in made.joints
         )
-        proof = prove(truth, replace(made, joints=moved), proof_vectors(truth, made, 4))
+        proof = prove(stated, replace(made, joints=moved), proof_vectors(stated, made, 4))
         assert not proof.holds
         assert proof.tip == "right_tool0"
         assert proof.tips["right_tool0"] == pytest.approx(1e-6)
@@ -303,17 +303,17 @@ class TestProof:
     def test_pinocchio_has_every_tool_where_the_tables_have_it(self, tmp_path: Path) -> None:
         """A reader that shares no code with the project, on the file as it is written."""
         pin = pytest.importorskip("pinocchio")
-        made, truth = make_cell(ON_TRACK, swap())
+        made, stated = make_cell(ON_TRACK, swap())
         (file,) = URDF.emit(made, "cell", URDF.options())
         (tmp_path / file.name).write_bytes(file.content)
         model = pin.buildModelFromUrdf(str(tmp_path / file.name))
         data = model.createData()
-        for q in proof_vectors(truth, made, 5):
+        for q in proof_vectors(stated, made, 5):
             values = np.zeros(model.nq)
-            for name, value in zip(truth.joints, q, strict=True):
+            for name, value in zip(stated.joints, q, strict=True):
                 values[model.joints[model.getJointId(name)].idx_q] = value
             pin.framesForwardKinematics(model, data, values)
-            for tip in truth.tips:
+            for tip in stated.tips:
                 found = data.oMf[model.getFrameId(tip.link)].homogeneous
                 np.testing.assert_allclose(found, as_matrices(tip.pose(q)), rtol=0, atol=1e-12)
 
@@ -324,13 +324,13 @@ class TestProof:
             call(f"a{number}", name, placement=Origin(xyz=(number, 0.0, 0.0), rpy=(0.1 * number, 0.0, 0.2)))
             for number, name in enumerate(tables)
         ]
-        truth = truth_of(cell(*arms, tables=tables), robots(tables))
+        stated = expected_poses_of(cell(*arms, tables=tables), robots(tables))
         published = {robot.id: robot for robot in reference_robots}
         assert len(arms) > 15
-        for arm, tip in zip(arms, truth.tips, strict=True):
+        for arm, tip in zip(arms, stated.tips, strict=True):
             robot = published[arm.of]
             for values, pose in zip(robot.q, robot.poses, strict=True):
-                q = np.zeros(len(truth.joints))
+                q = np.zeros(len(stated.joints))
                 q[list(tip.columns)] = values
                 expected = at(arm.placement) @ np.asarray(pose)
                 np.testing.assert_allclose(as_matrices(tip.pose(tuple(q))), expected, rtol=0, atol=1e-9)
@@ -403,7 +403,7 @@ class TestXacro:
 
     @pytest.mark.parametrize("prefix", ["", "007", "1e3", "true", "1_0", "'x'", "$(arg x)", "${1/0}", "a b/", "é"])
     def test_a_prefix_is_a_text_whatever_it_looks_like(self, tmp_path: Path, prefix: str) -> None:
-        """xacro makes numbers and truth values of parameters, and evaluates expressions: not of these."""
+        """xacro makes numbers and stated values of parameters, and evaluates expressions: not of these."""
         arms = (call("a", "arm", prefix=prefix), call("b", "arm", parent="a", link="one"))
         robot = compose(cell(*arms), robots())
         for file in XACRO.emit(robot, "cell", XACRO.options()):
@@ -553,11 +553,11 @@ def test_pybullet_finds_an_arm_that_stands_elsewhere(tmp_path: Path) -> None:
     from dh2urdf.stages import LoadRequest
     from dh2urdf_plugins.loaders.pybullet.loader import LOADER
 
-    made, truth = make_cell(ON_TRACK, swap())
+    made, stated = make_cell(ON_TRACK, swap())
     (file,) = URDF.emit(made, "cell", URDF.options())
     (tmp_path / file.name).write_bytes(file.content.replace(b'xyz="-1 0 0"', b'xyz="-1.001 0 0"'))
-    poses = proof_vectors(truth, made, 2)[3:]
-    expected = {tip.link: tuple(tuple(as_matrices(tip.pose(q)).ravel().tolist()) for q in poses) for tip in truth.tips}
+    poses = proof_vectors(stated, made, 2)[3:]
+    expected = {tip.link: tuple(tuple(as_matrices(tip.pose(q)).ravel().tolist()) for q in poses) for tip in stated.tips}
     request = LoadRequest(path=tmp_path / file.name, robot=made, poses=poses, expected=expected)
     with pytest.raises(LoaderError, match=r"PyBullet has right_tool0 in another place, 0\.001 m and"):
         load_in_child(LOADER, request, LOADER.options(picture=False))

@@ -79,8 +79,8 @@ def moved(robot: Robot, _options: object) -> Robot:
 
 def written(tmp_path: Path, *edits: Call[Edit[Any]]) -> Any:
     recipe = Recipe(transform=DRAWING, emitters=(PICKLING,), edits=edits, poses=4)
-    robot, truth = make_item(UR5, recipe.transform, recipe.edits)
-    (result,) = write_robot(truth, robot, recipe, directory=tmp_path, stem="arm")
+    robot, expected = make_item(UR5, recipe.transform, recipe.edits)
+    (result,) = write_robot(expected, robot, recipe, directory=tmp_path, stem="arm")
     return result.proof
 
 

@@ -81,8 +81,8 @@ def proved(
 
 
 def proved_alone(table: Manipulator, robot: Robot, file: bytes) -> Proof:
-    truth = ExpectedPoses.of(table)
-    return prove(truth, parse_urdf(file, robot.name), proof_vectors(truth, robot, COUNT))
+    expected = ExpectedPoses.of(table)
+    return prove(expected, parse_urdf(file, robot.name), proof_vectors(expected, robot, COUNT))
 
 
 def test_every_published_robot(reference_robot: ReferenceRobot) -> None:

@@ -128,7 +128,7 @@ def variants(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture
 def same_drawings(monkeypatch: pytest.MonkeyPatch) -> None:
     """Every manipulator has the same drawings, where they are not what is looked at: two take a third of a second."""
-    monkeypatch.setattr("dh2urdf.report.html.arm_figure", lambda _truth, _key: "<svg></svg>")
+    monkeypatch.setattr("dh2urdf.report.html.arm_figure", lambda _expected, _key: "<svg></svg>")
     monkeypatch.setattr(Workspace, "figure", lambda _workspace, _key: "<svg></svg>")
 
 
@@ -497,12 +497,12 @@ class TestDrawings:
 
         stage = load().get("transform", "alpha-swap")
         robot = make_robot(reference_robot.manipulator, Call(stage=stage, options=stage.options()))
-        truth = ExpectedPoses.of(reference_robot.manipulator)
-        workspace = Workspace(truth, robot)
+        expected = ExpectedPoses.of(reference_robot.manipulator)
+        workspace = Workspace(expected, robot)
         extent = workspace.extent("tool0")
         limits = [joint.limits for joint in robot.moving_joints if joint.type.value == "prismatic"]
         travel = sum(max(abs(limit.lower or 0.0), abs(limit.upper or 0.0)) for limit in limits)
-        bound = truth.tips[0].reach([[0.0] * len(truth.joints)]) + travel
+        bound = expected.tips[0].reach([[0.0] * len(expected.joints)]) + travel
         assert 0.2 * (bound - travel) < extent["distance"] <= bound + 1e-9
         assert extent["radius"] <= extent["distance"]
         assert extent["low"] <= extent["high"]

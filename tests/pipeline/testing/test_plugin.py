@@ -42,15 +42,15 @@ class TestReferenceArms:
     @ARMS
     def test_the_plain_robot_is_the_arm(self, arm: Manipulator) -> None:
         """It is proved as any other robot, and every reader takes it."""
-        robot, truth = plain_robot(arm), ExpectedPoses.of(arm)
-        assert prove(truth, robot, proof_vectors(truth, robot, 20)).holds
+        robot, expected = plain_robot(arm), ExpectedPoses.of(arm)
+        assert prove(expected, robot, proof_vectors(expected, robot, 20)).holds
         assert check_robot(robot) == ()
 
     @ARMS
     def test_the_oracle_agrees_with_the_pipeline(self, arm: Manipulator) -> None:
         """Two computations of T(q) that share no code give the same frames."""
-        robot, truth = plain_robot(arm), ExpectedPoses.of(arm)
-        for q in proof_vectors(truth, robot, 20):
+        robot, expected = plain_robot(arm), ExpectedPoses.of(arm)
+        for q in proof_vectors(expected, robot, 20):
             rotation, translation = forward_kinematics(arm, q)
             found = table_pose(arm, q)
             assert [number for row in found[:3] for number in row[:3]] == pytest.approx(rotation, abs=1e-12)

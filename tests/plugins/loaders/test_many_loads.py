@@ -36,12 +36,12 @@ def options_of(loader: Loader[Any], *, picture: bool = False) -> Any:
 
 def request_of(manipulator: Manipulator, loader: Loader[Any], folder: Path) -> LoadRequest:
     """A written file; every arm has the same name of a file, in a folder of its own."""
-    robot, truth = plain_robot(manipulator), ExpectedPoses.of(manipulator)
+    robot, expected = plain_robot(manipulator), ExpectedPoses.of(manipulator)
     emitter = CATALOG.get("emitter", loader.formats[0])
     folder.mkdir()
     for file in (files := emitter.emit(robot, "arm", emitter.options())):
         (folder / file.name).write_bytes(file.content)
-    poses = joint_vectors(truth, robot, loader.poses(options_of(loader)))
+    poses = joint_vectors(expected, robot, loader.poses(options_of(loader)))
     frames = tuple(tuple(number for row in table_pose(manipulator, q) for number in row) for q in poses)
     return LoadRequest(path=folder / files[0].name, robot=robot, poses=poses, expected={"tool0": frames})
 

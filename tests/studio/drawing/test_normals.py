@@ -97,7 +97,7 @@ UR5 = [
 
 def test_parallel_axes_and_axes_that_meet(catalog: Catalog) -> None:
     """Each row of a UR5 has the words for how its axes lie, and the normal that the table takes."""
-    session = Session(catalog, gallery.exhibit("ur5.csv", catalog))
+    session = Session(catalog, gallery.table("ur5.csv", catalog))
     assert session.arm is not None
     table = session.arm.manipulator
     session.move({row.joint: 0.4 * number - 0.7 for number, row in enumerate(table.moving_rows)})

@@ -65,7 +65,7 @@ def bounds(drawing: Drawing, q: Any, layers: set[str]) -> Any:
 @pytest.mark.parametrize("file", ["ur5.csv", "panda.yaml", "stanford.csv"])
 def test_nodes_are_where_kinematics_has_them(catalog: Catalog, file: str) -> None:
     """Links and DH frames at a pose, to 1e-9; links are nested as joints hold them; the shapes have their extent."""
-    session = Session(catalog, gallery.exhibit(file, catalog))
+    session = Session(catalog, gallery.table(file, catalog))
     assert session.arm is not None
     arm = session.arm
     session.move({slider.name: 0.3 * number - 0.4 for number, slider in enumerate(session.sliders)})
@@ -92,7 +92,7 @@ def test_nodes_are_where_kinematics_has_them(catalog: Catalog, file: str) -> Non
 
 def test_colours_and_surfaces(catalog: Catalog) -> None:
     """Colours of sRGB become linear; what can be looked through is blended; all surfaces are closed, normals outwards."""
-    session = Session(catalog, gallery.exhibit("ur5.csv", catalog))
+    session = Session(catalog, gallery.table("ur5.csv", catalog))
     session.show_variant(BOTH)
     content = glb(session.drawing, session.joint_values(), {"links", "inertias", "frames"}, "arm")
     materials = json_of(content)["materials"]

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 )
 def test_the_table_becomes_the_description(catalog: Catalog, file: str, cells: dict, ends: dict, most: int) -> None:
     """Of an arm that differs in a few numbers only these are taken; the other cells keep their texts."""
-    table = gallery.exhibit(file, catalog)
+    table = gallery.table(file, catalog)
     other = replace(with_cells(table, cells), **ends)
     described = Session(catalog, other).arm
     assert described

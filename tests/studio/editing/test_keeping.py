@@ -15,9 +15,9 @@ if TYPE_CHECKING:
     from dh2urdf.plugin_system import Catalog
 
 
-@pytest.mark.parametrize("name", [item.file for item in gallery.exhibits()])
+@pytest.mark.parametrize("name", [item.file for item in gallery.tables()])
 def test_a_table_comes_back(name: str, catalog: Catalog) -> None:
-    table = gallery.exhibit(name, catalog)
+    table = gallery.table(name, catalog)
     assert kept_table(kept_text(table)) == table
 
 
@@ -42,7 +42,7 @@ def test_words_that_the_page_does_not_know_are_left_out() -> None:
 
 def test_a_cell_that_was_being_typed_is_finished(catalog: Catalog) -> None:
     """In the session that its page had; what is no cell, and a cell that is gone, changes nothing."""
-    table = gallery.exhibit(gallery.exhibits()[0].file, catalog)
+    table = gallery.table(gallery.tables()[0].file, catalog)
     session = Session(catalog, table)
     finish_cell(session, [0, "d", "0.5"])
     assert session.table == table, "a new session is offered the whole table"

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 @pytest.fixture
 def session(catalog: Catalog) -> Session:
-    return Session(catalog, gallery.exhibit("ur5.csv", catalog))
+    return Session(catalog, gallery.table("ur5.csv", catalog))
 
 
 def pose_of(session: Session, name: str) -> np.ndarray:
@@ -169,7 +169,7 @@ def test_the_paper_stands_beside_the_arm(session: Session) -> None:
 
 def test_where_the_paper_refuses_the_arm_is_shown(catalog: Catalog) -> None:
     """The modified convention is none of the paper's: it says so, and the exact arm stays."""
-    session = Session(catalog, gallery.exhibit("panda.yaml", catalog))
+    session = Session(catalog, gallery.table("panda.yaml", catalog))
     session.show_variant("paper")
     assert session.other_error is None
     assert "standard convention only" in (session.arm.refusal[0].text if session.arm else "")

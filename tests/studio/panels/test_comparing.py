@@ -125,8 +125,8 @@ def drop_all(tab: Any, folder: Path, drawn: str) -> None:
     page.evaluate(script, "huge.csv")  # past the page, which sends none of that size
     page.locator(".q-notification", has_text="of at most 64 MB").wait_for()
     tab.drop(".arm-view", other)
-    tab.wait_for_exhibit("scara")
+    tab.wait_for_table("scara")
     page.get_by_role("button", name="undo").click()
-    tab.wait_for_exhibit("ur5")
+    tab.wait_for_table("ur5")
     tab.drop(".studio-panel:visible", folder)
     page.wait_for_function(f"({drawn})() === 1280")

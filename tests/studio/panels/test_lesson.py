@@ -53,7 +53,7 @@ def test_the_matrices_are_those_of_the_row(catalog: Catalog, file: str, length: 
 
     In the other convention the product of all rows, and of what is left over, is the same arm.
     """
-    session = Session(catalog, gallery.exhibit(file, catalog))
+    session = Session(catalog, gallery.table(file, catalog))
     session.set_units(length, "rad", convert=True)
     assert session.arm is not None
     arm = session.arm.manipulator
@@ -89,7 +89,7 @@ def test_the_matrices_are_those_of_the_row(catalog: Catalog, file: str, length: 
 def test_the_symbols_are_those_of_the_conventions(catalog: Catalog) -> None:
     """Each convention's matrix is that of its product, and the other one's is there too."""
     for file, convention in (("ur5.csv", Convention.STANDARD), ("panda.yaml", Convention.MODIFIED)):
-        session = Session(catalog, gallery.exhibit(file, catalog))
+        session = Session(catalog, gallery.table(file, catalog))
         assert session.arm is not None
         html = explained(session.arm.manipulator, 0, {}, session.table)
         expected = ["Rz(θ) Tz(d) Tx(a) Rx(α)", "Rx(α) Tx(a) Rz(θ) Tz(d)"]
@@ -106,7 +106,7 @@ def test_a_row_in_the_browser(studio_address: str, new_tab: Callable[..., Any], 
     page.get_by_text("Pick a row of the table, or a link of the arm.").wait_for()
     tab.cell(1, "a").click()
     page.get_by_text("A2 = Rz(θ) Tz(d) Tx(a) Rx(α)").wait_for()
-    session = Session(catalog, gallery.exhibit("ur5.csv", catalog))
+    session = Session(catalog, gallery.table("ur5.csv", catalog))
     session.row, session.lesson = 1, 4.0
     arrows = {stroke.field: stroke.points[-1] for stroke in session.strokes()}
     for field in "xyz":

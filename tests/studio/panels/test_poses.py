@@ -27,7 +27,7 @@ ANGLE = st.floats(-3.0, 3.0)
 
 
 def arm_of(file: str, catalog: Catalog) -> Manipulator:
-    arm = Session(catalog, gallery.exhibit(file, catalog)).arm
+    arm = Session(catalog, gallery.table(file, catalog)).arm
     assert arm is not None
     return arm.manipulator
 
@@ -77,7 +77,7 @@ def test_poses_are_stored_and_played(studio_address: str, new_tab: Callable[...,
     page.get_by_role("button", name=re.compile("^pose 2$")).wait_for(state="hidden")
     page.get_by_role("button", name="pose 1", exact=True).click()
     tab.wait_for_tool0(arm, stored[1])
-    tab.open_exhibit("panda")
+    tab.open_from_gallery("panda")
     page.get_by_role("button", name="pose 1", exact=True).wait_for(state="hidden")
 
 
@@ -134,7 +134,7 @@ def test_the_workspace_is_where_tool0_can_be(
         "Array.from(document.querySelector('.arm-view').scene.getObjectByName('workspace').geometry.attributes.position.array)"
     )
     far = np.linalg.norm(np.reshape(points, (-1, 3)), axis=1)
-    session = Session(catalog, gallery.exhibit(f"{name}.csv", catalog))
+    session = Session(catalog, gallery.table(f"{name}.csv", catalog))
     assert len(far) == 4000
     assert far.max() <= session.reach
     assert far.max() > 0.75 * session.reach

@@ -55,7 +55,7 @@ def test_a_link_holds_the_table(studio_address: str, new_tab: Callable[..., Any]
     assert address == studio_address
     text = zlib.decompress(base64.urlsafe_b64decode(word + "==="), wbits=-15).decode()
     table = kept_table(text)
-    expected = gallery.exhibit("panda.yaml", catalog)
+    expected = gallery.table("panda.yaml", catalog)
     assert table is not None
     assert table.rows[0] == expected.rows[0]
     assert table.rows[2]["a"] == "0.0825 + 1e-3"
@@ -100,7 +100,7 @@ def test_links_that_are_broken(studio_address: str, new_tab: Callable[..., Any])
         page.evaluate("([name, word]) => { window.left = name; location.hash = '#table=' + word; }", [name, word])
         page.wait_for_function("window.left === undefined && document.querySelector('.arm-view')")
         page.get_by_text("This link holds no table that can be read").wait_for()
-    tab.open_exhibit("ur5")
+    tab.open_from_gallery("ur5")
 
 
 def test_pictures(studio_address: str, new_tab: Callable[..., Any]) -> None:
@@ -166,7 +166,7 @@ def test_a_turntable_and_the_scene(studio_address: str, new_tab: Callable[..., A
     name, content = tab.save("Scene as glTF (GLB)")
     assert name == "ur5.glb"
     scene = trimesh.load_scene(io.BytesIO(content), file_type="glb", process=False)
-    arm = Session(catalog, gallery.exhibit("ur5.csv", catalog)).arm
+    arm = Session(catalog, gallery.table("ur5.csv", catalog)).arm
     assert arm is not None
     y_up = np.array([[1, 0, 0, 0], [0, 0, 1, 0], [0, -1, 0, 0], [0, 0, 0, 1]])
     expected = y_up @ as_matrices(forward_kinematics(arm.manipulator, tab.sliders()))

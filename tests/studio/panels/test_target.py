@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 
 def arm_of(file: str, catalog: Catalog) -> Manipulator:
-    arm = Session(catalog, gallery.exhibit(file, catalog)).arm
+    arm = Session(catalog, gallery.table(file, catalog)).arm
     assert arm is not None
     return arm.manipulator
 

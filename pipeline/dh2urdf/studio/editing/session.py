@@ -163,7 +163,7 @@ class Session:
         """
         self.put(edits.with_cell(self.table, row, field, text))
 
-    def say(self, **texts: str) -> None:
+    def set_texts(self, **texts: str) -> None:
         """A text of the whole table was typed: its name, base, tool or defaults."""
         self.put(replace(self.table, **{key: edits.clean(text) for key, text in texts.items()}))  # type: ignore[arg-type]  # all are texts
 

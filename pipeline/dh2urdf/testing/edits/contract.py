@@ -74,10 +74,10 @@ class EditContract(StageContract):
             return  # The edited table is the truth; or the proof reports the difference, and fails nothing.
         for manipulator in self._manipulators():
             table, robot = self._edited_table(manipulator), self._edited_robot(manipulator)
-            truth = ExpectedPoses.of(table)
-            for q in proof_vectors(truth, plain_robot(table), POSES):
+            expected = ExpectedPoses.of(table)
+            for q in proof_vectors(expected, plain_robot(table), POSES):
                 distance, angle = self._distance(table, robot, q)
-                tolerance = TOLERANCE * max(1.0, truth.tips[0].reach([q]))
+                tolerance = TOLERANCE * max(1.0, expected.tips[0].reach([q]))
                 if not (distance <= tolerance and angle <= TOLERANCE):
                     self.breach(
                         self.test_keeps_the_kinematics,

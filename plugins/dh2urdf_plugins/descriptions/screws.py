@@ -115,7 +115,7 @@ class _File:
         self.problems: list[Problem] = []
         statements = Statements()
         if units := self.entries.get("units"):
-            statements.say_units(units, self.problems.append)
+            statements.declare_units(units, self.problems.append)
         self.transforms = TransformReader(statements.units(), self.problems.append)
 
     def description(self) -> Description:

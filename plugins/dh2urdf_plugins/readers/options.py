@@ -55,7 +55,7 @@ class TableOptions:
             from dh2urdf_plugins.calibrations.files import unreadable
 
             problems += unreadable(self.calibration, "calibration")
-        Statements().say_options(said_by(self), problems.append)
+        Statements().declare_options(given_by(self), problems.append)
         if problems:
             names = {"units.length": "length_unit", "units.angle": "angle_unit"}
             raise TableError(
@@ -72,6 +72,6 @@ class XlsxOptions(TableOptions):
     )
 
 
-def said_by(options: TableOptions) -> dict[str, Any]:
+def given_by(options: TableOptions) -> dict[str, Any]:
     """What the options say, by their names."""
     return {each.name: getattr(options, each.name) for each in fields(options)}

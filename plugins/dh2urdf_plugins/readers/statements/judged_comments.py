@@ -74,7 +74,7 @@ def _holds(key: str, node: Node, statements: Statements, columns: Columns) -> bo
     if key != "units":
         return False
     said, problems = Statements(), list[Problem]()
-    said.say_units(node, problems.append)
+    said.declare_units(node, problems.append)
     declared = [*(unit for unit, _ in statements.stated.values()), *columns.units.values()]
     return not problems and all(
         unit.symbol in ({other.symbol for other in declared if other.dimension is dimension} or {SI.get(dimension, "")})

@@ -113,7 +113,7 @@ class Statements:
         stated = {dimension: unit for dimension, (unit, _) in self.stated.items()}
         return replace(table_units(stated, self.columns), bare=self.bare)
 
-    def say_convention(self, cell: Cell, add: Callable[[Problem], None]) -> None:
+    def declare_convention(self, cell: Cell, add: Callable[[Problem], None]) -> None:
         """Takes a word for the convention."""
         convention = convention_of(cell.text)
         if convention is None:
@@ -131,9 +131,9 @@ class Statements:
                 )
             )
         else:
-            self.say_which(convention, cell, add)
+            self.declare_implied_convention(convention, cell, add)
 
-    def say_which(self, convention: Convention, cell: Cell, add: Callable[[Problem], None]) -> None:
+    def declare_implied_convention(self, convention: Convention, cell: Cell, add: Callable[[Problem], None]) -> None:
         """Takes the convention from what only it writes."""
         if self.convention is None:
             self.convention = (convention, cell.mark)
@@ -149,7 +149,7 @@ class Statements:
                 )
             )
 
-    def say_unit(self, cell: Cell, key: str, add: Callable[[Problem], None]) -> None:
+    def declare_unit(self, cell: Cell, key: str, add: Callable[[Problem], None]) -> None:
         """Takes a declaration of a unit.
 
         Args:
@@ -189,7 +189,7 @@ class Statements:
                 )
             )
 
-    def say_units(self, node: Node, add: Callable[[Problem], None]) -> None:
+    def declare_units(self, node: Node, add: Callable[[Problem], None]) -> None:
         """Takes `units`: a mapping such as ``{length: mm, effort: [Nm, N]}``, or bare words such as ``mm, deg``."""
         from dh2urdf_plugins.readers.statements.unit_words import MEANT_KEYS, words_of_units
 
@@ -213,13 +213,13 @@ class Statements:
                     message = f"units.{key} is {item.describe()}"
                     add(Problem(message=message, mark=item.mark, field=f"units.{key}", accepted="the name of a unit"))
                 for word in words:
-                    self.say_unit(word, key, add)
+                    self.declare_unit(word, key, add)
             return
         words = words_of_units(node)
         known = [UNITS.get(unit_word(word.text)) for word in words]
         for word, unit in zip(words, known, strict=True):
             if unit and all(known):
-                self.say_unit(word, KEY_OF.get(unit.dimension, "length"), add)
+                self.declare_unit(word, KEY_OF.get(unit.dimension, "length"), add)
         if not words or not all(known):
             add(
                 Problem(
@@ -232,7 +232,7 @@ class Statements:
                 )
             )
 
-    def say_transform(self, node: Node, what: str, add: Callable[[Problem], None]) -> None:
+    def declare_transform(self, node: Node, what: str, add: Callable[[Problem], None]) -> None:
         """Takes `base` or `tool`: a rigid transform, and the base's body."""
         from dh2urdf_plugins.readers.statements.meshes import MESH_KEYS
         from dh2urdf_plugins.readers.statements.placements import PLACED, TransformReader
@@ -240,7 +240,7 @@ class Statements:
         body = ("mass", "geometry", *MESH_KEYS) if what == "base" else ()
         transform = TransformReader(self.units(), add).read(node, what, other_keys=body)
         if body:
-            self.say_body(node, add)
+            self.declare_body(node, add)
         only_body = body and isinstance(node.value, dict) and node.value.keys().isdisjoint(PLACED)
         if transform is None or only_body:
             return
@@ -254,7 +254,7 @@ class Statements:
             self.tool = transform
             self.placed[what] = node.mark
 
-    def say_options(self, options: Mapping[str, Any], add: Callable[[Problem], None]) -> None:
+    def declare_options(self, options: Mapping[str, Any], add: Callable[[Problem], None]) -> None:
         """Takes the convention and the units of the options; base and tool follow when the units are known."""
         mark = Mark(file=OPTIONS)
         self.mesh_links = options["mesh_links"]
@@ -264,15 +264,15 @@ class Statements:
             units = {name: options[name] for name in ("length_unit", "angle_unit", "units")}
             self.calibration = CalibrationFile(options["calibration"], units)
         if options["convention"] is not None:
-            self.say_convention(Cell(options["convention"], mark), add)
+            self.declare_convention(Cell(options["convention"], mark), add)
         if options["length_unit"] is not None:
-            self.say_unit(Cell(options["length_unit"], mark), "length", add)
+            self.declare_unit(Cell(options["length_unit"], mark), "length", add)
         if options["angle_unit"] is not None:
-            self.say_unit(Cell(options["angle_unit"], mark), "angle", add)
+            self.declare_unit(Cell(options["angle_unit"], mark), "angle", add)
         if options["units"] is not None and (node := _option_node("units", options["units"], add)):
-            self.say_units(node, add)
+            self.declare_units(node, add)
 
-    def say_defaults(self, node: Node, add: Callable[[Problem], None], other_keys: Iterable[str] = ()) -> None:
+    def declare_defaults(self, node: Node, add: Callable[[Problem], None], other_keys: Iterable[str] = ()) -> None:
         """Takes `defaults`: the links' geometry and density."""
         from dh2urdf_plugins.readers.statements.shapes import ShapeReader, refuse_unknown_keys
 
@@ -289,7 +289,7 @@ class Statements:
             self.density = shapes.positive(density, "defaults.density", Dimension.DENSITY)
             self.placed["density"] = density.mark
 
-    def say_what_is_drawn(self, entries: Mapping[str, Node], add: Callable[[Problem], None]) -> None:
+    def declare_drawn(self, entries: Mapping[str, Node], add: Callable[[Problem], None]) -> None:
         """Takes `visuals` and `collisions`: all or none."""
         from dh2urdf_plugins.readers.statements.meshes import drawn_or_not
 
@@ -298,7 +298,7 @@ class Statements:
         if node := entries.get("collisions"):
             self.collisions, self.placed["collisions"] = drawn_or_not(node, "collisions", add), node.mark
 
-    def say_body(self, node: Node, add: Callable[[Problem], None]) -> None:
+    def declare_body(self, node: Node, add: Callable[[Problem], None]) -> None:
         """Takes mass, geometry and meshes of the base's body from `base`."""
         if not isinstance(node.value, dict):
             return
@@ -307,18 +307,18 @@ class Statements:
 
         shapes = ShapeReader(self.units(), add)
         if mass := node.value.get("mass"):
-            self._say_base_mass(shapes.positive(mass, "base.mass", Dimension.MASS, or_zero=True), mass, add)
+            self._declare_base_mass(shapes.positive(mass, "base.mass", Dimension.MASS, or_zero=True), mass, add)
         if geometry := node.value.get("geometry"):
             self.base_geometry = shapes.geometry(geometry, "base.geometry")
             self.placed["base_geometry"] = geometry.mark
         self.base_meshes = MeshReader(self.units(), add, links=self.mesh_links).read(node.value, "base.")
 
-    def _say_base_mass(self, mass: float | None, node: Node, add: Callable[[Problem], None]) -> None:
+    def _declare_base_mass(self, mass: float | None, node: Node, add: Callable[[Problem], None]) -> None:
         if self.base_mass is not None and mass is not None and self.base_mass != mass:
             self._said_twice("base.mass", node, add)
         self.base_mass, self.placed["base_mass"] = mass, node.mark
 
-    def say_payload(self, node: Node, add: Callable[[Problem], None]) -> None:
+    def declare_payload(self, node: Node, add: Callable[[Problem], None]) -> None:
         """Takes `payload`: what the arm carries at tool0."""
         from dh2urdf_plugins.readers.statements.payloads import PayloadReader
 
@@ -333,14 +333,14 @@ class Statements:
         message = f"{what} is given twice, with different values: in the table and in {OPTIONS}"
         add(Problem(message=message, mark=node.mark, field=what, found=node.text, accepted=f"one {what}"))
 
-    def say_option_transforms(self, options: Mapping[str, Any], add: Callable[[Problem], None]) -> None:
+    def declare_option_transforms(self, options: Mapping[str, Any], add: Callable[[Problem], None]) -> None:
         """Takes base, tool and payload of the options."""
         for what, value in ((what, options[what]) for what in ("base", "tool", "payload")):
             if value is not None and (node := _option_node(what, value, add)):
                 if what == "payload":
-                    self.say_payload(node, add)
+                    self.declare_payload(node, add)
                 else:
-                    self.say_transform(node, what, add)
+                    self.declare_transform(node, what, add)
 
 
 def _option_node(what: str, value: str | dict[str, Any] | list[Any], add: Callable[[Problem], None]) -> Node | None:

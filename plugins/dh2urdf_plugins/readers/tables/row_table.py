@@ -20,7 +20,7 @@ from dh2urdf.output import SeenNames
 from dh2urdf.source import Problem, shown
 from dh2urdf.stages import Rejected
 from dh2urdf_plugins.readers.header.units import unit_notices, unit_problems
-from dh2urdf_plugins.readers.options import said_by
+from dh2urdf_plugins.readers.options import given_by
 from dh2urdf_plugins.readers.plain.rows import PlainRows
 from dh2urdf_plugins.readers.plain.sample import HEAD, PlainSample, compare
 from dh2urdf_plugins.readers.rows.rows import RowReader
@@ -102,9 +102,9 @@ class RowTable:
         """Reads what table, headers and options declare about all rows; returns the name in the table."""
         columns, problems = self.columns, list[Problem]()
         if units := said.get("units"):
-            self.statements.say_units(units, problems.append)
+            self.statements.declare_units(units, problems.append)
         if convention := said.get("convention"):
-            self.statements.say_convention(Cell(convention.text or "", convention.mark), problems.append)
+            self.statements.declare_convention(Cell(convention.text or "", convention.mark), problems.append)
         if columns.modified is not None:
             header = Cell(columns.headers[columns.modified], columns.mark)
             if self.statements.convention is None and options.convention is None:
@@ -112,18 +112,18 @@ class RowTable:
                 self.notices.append(
                     Problem(message=message, severity="notice", mark=header.mark, field="convention", found=header.text)
                 )
-            self.statements.say_which(Convention.MODIFIED, header, problems.append)
-        self.statements.say_options(said_by(options), problems.append)
+            self.statements.declare_implied_convention(Convention.MODIFIED, header, problems.append)
+        self.statements.declare_options(given_by(options), problems.append)
         problems += unit_problems(columns, self.statements.stated.values())
         self.statements.columns = columns
         for what in ("base", "tool"):
             if node := said.get(what):
-                self.statements.say_transform(node, what, problems.append)
+                self.statements.declare_transform(node, what, problems.append)
         if payload := said.get("payload"):
-            self.statements.say_payload(payload, problems.append)
-        self.statements.say_option_transforms(said_by(options), problems.append)
+            self.statements.declare_payload(payload, problems.append)
+        self.statements.declare_option_transforms(given_by(options), problems.append)
         if defaults := said.get("defaults"):
-            self.statements.say_defaults(defaults, problems.append)
+            self.statements.declare_defaults(defaults, problems.append)
         errors = [problem for problem in problems if problem.severity == "error"]
         if errors:
             others = [problem for problem in problems if problem.severity == "notice"]
@@ -335,7 +335,7 @@ class RowTable:
                 if (robot := cells.pop("robot", None)) and not robot.text and rows.name:
                     reader.add(_nameless(robot, rows.name, number))
                 if convention := cells.pop("convention", None):
-                    statements.say_convention(convention, reader.add)
+                    statements.declare_convention(convention, reader.add)
                 found[-1] = (cells, mark)
             if stopped(reader):
                 return [None]

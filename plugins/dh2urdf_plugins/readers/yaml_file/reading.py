@@ -14,7 +14,7 @@ from dh2urdf.stages import Rejected
 from dh2urdf_plugins.readers.header.units import effort_notice
 from dh2urdf_plugins.readers.header.unknown_columns import ignored, meant_key, refusal, refused
 from dh2urdf_plugins.readers.header.words import bounds_theta, parts_of, read_header
-from dh2urdf_plugins.readers.options import TableOptions, said_by
+from dh2urdf_plugins.readers.options import TableOptions, given_by
 from dh2urdf_plugins.readers.rows.rows import RowReader
 from dh2urdf_plugins.readers.statements.meshes import MESH_KEYS, Meshes, MeshReader
 from dh2urdf_plugins.readers.statements.shapes import refuse_unknown_keys
@@ -161,19 +161,19 @@ class _Table:
         """Takes what holds for all rows."""
         add, entries, statements = self.problems.append, self.entries, self.statements
         if units := entries.get("units"):
-            statements.say_units(units, add)
+            statements.declare_units(units, add)
         if convention := self._word("convention"):
-            statements.say_convention(convention, add)
-        statements.say_options(said_by(self.options), add)
+            statements.declare_convention(convention, add)
+        statements.declare_options(given_by(self.options), add)
         for what in ("base", "tool"):
             if node := entries.get(what):
-                statements.say_transform(node, what, add)
+                statements.declare_transform(node, what, add)
         if payload := entries.get("payload"):
-            statements.say_payload(payload, add)
-        statements.say_option_transforms(said_by(self.options), add)
-        statements.say_what_is_drawn(entries, add)
+            statements.declare_payload(payload, add)
+        statements.declare_option_transforms(given_by(self.options), add)
+        statements.declare_drawn(entries, add)
         if defaults := entries.get("defaults"):
-            statements.say_defaults(defaults, add, self._joint_keys(defaults))
+            statements.declare_defaults(defaults, add, self._joint_keys(defaults))
 
     @staticmethod
     def _joint_keys(defaults: Node) -> list[str]:
@@ -266,7 +266,7 @@ class _Table:
 
     def _is_modified(self, mapping: Node, key: str) -> None:
         cell = Cell(key, mapping.key_mark(key))
-        self.statements.say_which(Convention.MODIFIED, cell, self.problems.append)
+        self.statements.declare_implied_convention(Convention.MODIFIED, cell, self.problems.append)
 
     def _put_cell(self, cells: dict[str, Cell], field: str, cell: Cell) -> None:
         twin = {"flip": "sign", "sign": "flip"}.get(field, field)

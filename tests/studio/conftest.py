@@ -281,6 +281,14 @@ class Tab:
         """Waits until tool0 is drawn where the DH product has it, at joint values or at those of the sliders."""
         self.wait_for_pose("tool0", forward_kinematics(arm, self.sliders() if q is None else q))
 
+    def switch_layers(self, *names: str) -> None:
+        """Shows or hides rare layers, which are in the menu above the scene."""
+        self.page.get_by_role("button", name="more layers").click()
+        for name in names:
+            self.page.get_by_role("dialog", name="more layers").get_by_role("checkbox", name=name, exact=True).click()
+        self.page.keyboard.press("Escape")
+        self.page.locator(".q-menu").wait_for(state="detached")
+
     def press(self, name: str) -> None:
         """Presses a button that moves the joints, and waits until the sliders have moved."""
         before = self.sliders()

@@ -17,7 +17,7 @@ PANELS = (
     "explain the picked row",
     "compare with a robot description",
 )
-MENUS = ("Save", "look from a side", "light, dark, projector")
+MENUS = ("Save", "more layers", "look from a side", "light, dark, projector")
 
 
 def dress(page: Any, look: str, size: str) -> None:

@@ -152,8 +152,15 @@ def test_no_number_of_axes_takes_no_rows(studio_address: str, new_tab: Callable[
         assert tab.status == "6 axes; the arm is the table's"
 
 
+SHOWS_INERTIAS = """() => {
+    let shown = 0;
+    document.querySelector('.arm-view')?.scene?.traverse(part => shown += part.userData.layer === 'inertias' && part.visible);
+    return shown > 0;
+}"""
+
+
 def test_a_reload_and_another_tab(studio_address: str, new_tab: Callable[..., Any], catalog: Catalog) -> None:
-    """A reload finds table, pose and past again; another tab has its own."""
+    """A reload finds table, pose, past and what is shown again; another tab has its own."""
     tab = new_tab(studio_address)
     page = tab.open("scara")
     tab.type_into(0, "a", "0.45")
@@ -168,8 +175,16 @@ def test_a_reload_and_another_tab(studio_address: str, new_tab: Callable[..., An
     assert other.status == "choose the number of axes"
     other.open_from_gallery("ur5")
 
+    page.bring_to_front()
+    page.get_by_role("button", name="orthographic").click()
+    tab.switch_layers("inertias")
+    page.wait_for_function(SHOWS_INERTIAS)
     page.reload()
     tab.wait_for_status("4 axes; the arm is the table's")
+    page.wait_for_function(SHOWS_INERTIAS)
+    page.locator(".arm-view-projection[aria-pressed=true]").wait_for()
+    page.wait_for_function("document.querySelector('.arm-view').camera.isOrthographicCamera")
+    assert other.page.locator(".arm-view-projection[aria-pressed=false]").count() == 1
     tab.wait_for_cells(0, joint="shoulder", a="0.45")
     assert tab.sliders()[0] == 0.5
     tab.wait_for_tool0(arm)

@@ -130,6 +130,9 @@ def test_every_width_of_screen(studio_address: str, new_tab: Callable[..., Any])
             assert room["x"] + room["width"] <= width, part
         if height == 720:
             page.wait_for_function("document.documentElement.scrollHeight <= 720")
+            assert page.locator(".studio-scene .studio-bar").first.bounding_box()["height"] < 76, (
+                "two rows above the scene"
+            )
         if width <= 820:  # a panel is where it is seen: below the scene
             page.get_by_role("button", name="explain the picked row").click()
             page.locator(".studio-panel:visible").wait_for()

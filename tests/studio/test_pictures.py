@@ -70,8 +70,9 @@ def lesson(tab: Any) -> None:
 def normals(tab: Any) -> None:
     tab.open_from_gallery("panda")
     set_sliders(tab, [0.3, -0.6, 0.9, -1.4, 0.5, 1.2, 0.4])
-    for layer in ("joint axes", "frames", "common normals"):
+    for layer in ("joint axes", "frames"):
         tab.page.get_by_text(layer, exact=True).click()
+    tab.switch_layers("common normals")
 
 
 def target(tab: Any) -> None:

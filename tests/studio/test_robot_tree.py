@@ -49,14 +49,15 @@ LAYER = """layer => {
 }"""
 
 
-def lines_between_frames(page: Any) -> None:
+def lines_between_frames(tab: Any) -> None:
     """A line from each frame to the one that carries it, in any pose, but none to a hidden one or of no length."""
-    page.get_by_text("lines between frames", exact=True).click()
+    page = tab.page
+    tab.switch_layers("lines between frames")
     page.get_by_role("button", name="random pose").click()
     page.wait_for_function(f"({LINES})().length > 0")
     lines = [[f"ur5/frame {number}", f"ur5/frame {number - 1}"] for number in range(1, 7)]
     assert sorted(page.evaluate(LINES)) == [["gripper/left", "gripper/palm"], *lines]
-    page.get_by_text("lines between frames", exact=True).click()
+    tab.switch_layers("lines between frames")
     page.wait_for_function(f"({LINES})().length === 0")
 
 
@@ -125,13 +126,12 @@ def test_links_are_picked_hidden_and_unfolded(
 
         # Centres of mass, and inertias, on request.
         assert page.evaluate(LAYER, "masses") == page.evaluate(LAYER, "inertias") == []
-        page.get_by_text("centres of mass", exact=True).click()
-        page.get_by_text("inertias", exact=True).click()
+        tab.switch_layers("centres of mass", "inertias")
         for layer in ("masses", "inertias"):
             script = f"layer => ({LAYER})(layer).filter(name => name.startsWith('gripper')).join() === 'gripper/palm'"
             page.wait_for_function(script, arg=layer)
 
-        lines_between_frames(page)
+        lines_between_frames(tab)
 
         # What is hidden stays hidden in another drawing and after a reload.
         page.get_by_role("button", name="side by side").click()

@@ -49,15 +49,15 @@ def test_a_cell_and_an_arm_in_one_scene(
             page.emulate_media(color_scheme=scheme)
             page.locator(f"html[data-look={scheme}]").wait_for()
             assert tab.serious() == []
-        page.get_by_text("common normals", exact=True).click()
+        tab.switch_layers("common normals")
         drawn = Counter(stroke.field for stroke in view.drawing.normals(view.q))
         page.wait_for_function(
             "count => document.querySelector('.arm-view').scene.children[1].children.length === count",
             arg=drawn.total(),
         )
         assert drawn["line"] == 12 + 9, "of a cell its moving joints, of a table its z axes"
-        page.get_by_text("common normals", exact=True).click()
-        page.get_by_text("collision", exact=True).click()
+        tab.switch_layers("common normals")
+        tab.switch_layers("collision")
         script = """() => {
             let count = 0;
             document.querySelector('.arm-view').scene.traverse(part => count += part.userData.layer === 'collision' && part.visible);
@@ -120,7 +120,7 @@ def test_meshes_are_drawn(new_tab: Callable[..., Any], serving: Callable[..., An
         assert page.locator(".q-notification").count() == 1, "one notification has them all"
         tab.wait_for_triangles(300)
         asked = [url for url in tab.asked if "/meshes/" in url]
-        page.get_by_text("collision", exact=True).click()
+        tab.switch_layers("collision")
         page.wait_for_function(
             """() => {
                 let touching = 0;

@@ -10,10 +10,9 @@ from nicegui import ui
 
 from dh2urdf.studio import dialogs, joints, viewing, words
 from dh2urdf.studio.drawing.fading import faded
-from dh2urdf.studio.drawing.scene import LAYERS
 from dh2urdf.studio.driving.routes import PageFollower
 from dh2urdf.studio.layout.look import lay_look
-from dh2urdf.studio.layout.scene_tools import lay_grasp, lay_opacity, lay_views
+from dh2urdf.studio.layout.scene_tools import LayerBoxes, lay_grasp, lay_opacity, lay_views
 from dh2urdf.studio.panels import sharing
 from dh2urdf.studio.robot_tree import RobotTree
 from dh2urdf.studio.widgets import ArmView, JointSliders, LiveHtml
@@ -72,10 +71,7 @@ class ViewPage:
     def _lay_scene(self) -> None:
         with ui.element("div").classes("studio-bar"):
             tables = any(figure.manipulator for figure in self.view.figures)
-            for layer, told in LAYERS.items():
-                if layer != "parameters" or tables:
-                    box = ui.checkbox(told, value=layer in self.view.layers).props("dense size=xs")
-                    box.on_value_change(lambda event, layer=layer: self._choose_layer(layer, shown=event.value))
+            LayerBoxes(self.view.layers, self._choose_layers, left_out=() if tables else ("parameters",))
             if len(self.view.figures) > 1:
                 choice = ui.toggle({True: "side by side", False: "at one place"}, value=self.view.apart)
                 choice.props("dense unelevated no-caps").on_value_change(self._choose_place)
@@ -156,8 +152,8 @@ class ViewPage:
             lines.append(f"<div><b>{escape(name)}</b><br>xyz {xyz} m<br>rpy {rpy} °</div>")
         self._numbers.show("".join(lines))
 
-    def _choose_layer(self, layer: str, *, shown: bool) -> None:
-        self.view.layers = self.view.layers | {layer} if shown else self.view.layers - {layer}
+    def _choose_layers(self, layers: frozenset[str]) -> None:
+        self.view.layers = layers
         self._scene.set_layers(self.view.layers)
         self._show_pose()
 

@@ -127,7 +127,7 @@ def test_a_row_in_the_browser(studio_address: str, new_tab: Callable[..., Any], 
     hat.click()
     page.get_by_text("A2 = Rz(θ)").wait_for(state="hidden")
     page.wait_for_function("!document.querySelector('.arm-view-x')")
-    page.get_by_text("common normals", exact=True).click()
+    tab.switch_layers("common normals")
     session.edit(1, "a", "-0.5")
     (product,) = (stroke for stroke in session.drawing.normals(session.q, 4) if stroke.field == "normal")
     tab.wait_for_arrow("normal 5", product.points[-1])

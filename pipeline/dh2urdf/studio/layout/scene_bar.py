@@ -6,9 +6,8 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 from nicegui import ui
 
-from dh2urdf.studio.drawing.scene import LAYERS
 from dh2urdf.studio.editing.session import BOTH
-from dh2urdf.studio.layout.scene_tools import lay_grasp, lay_opacity, lay_views
+from dh2urdf.studio.layout.scene_tools import LayerBoxes, lay_grasp, lay_opacity, lay_views
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
@@ -52,12 +51,9 @@ class SceneBar:
     ) -> None:
         self._session = session
         self._filling = False
-        self._on_layers, self._on_variant = on_layers, on_variant
+        self._on_variant = on_variant
         with ui.element("div").classes("studio-bar"):
-            self._layers = {
-                layer: ui.checkbox(told, on_change=self._choose_layers).props("dense size=xs")
-                for layer, told in LAYERS.items()
-            }
+            self._layers = LayerBoxes(session.layers, on_layers)
             names = session.variants
             both = {BOTH: "side by side"} if len(names) > 1 else {}
             self._variant = ui.toggle({name: name for name in names} | both, on_change=self._choose_variant)
@@ -75,8 +71,7 @@ class SceneBar:
     def show(self) -> None:
         """Show which layers and which variant the session has."""
         self._filling = True
-        for layer, box in self._layers.items():
-            box.set_value(layer in self._session.layers)
+        self._layers.show(self._session.layers)
         self._variant.set_value(self._session.variant)
         self._filling = False
 
@@ -84,10 +79,6 @@ class SceneBar:
         """Both variants are the arm; a description that is compared with it is not."""
         self._session.opacities = {"": opacity, f"{self._session.variants[-1]}/": opacity}
         scene.fade(self._session.opacities)
-
-    def _choose_layers(self) -> None:
-        if not self._filling:
-            self._on_layers(frozenset(layer for layer, box in self._layers.items() if box.value))
 
     def _choose_variant(self, event: Any) -> None:  # noqa: ANN401 - NiceGUI's
         if not self._filling:

@@ -1,4 +1,4 @@
-"""The buttons above every scene: from which side it is seen, what drags its links, how opaque its robots are."""
+"""What is above every scene: which layers it shows, from which side, what drags links, and how opaque robots are."""
 
 from __future__ import annotations
 
@@ -8,10 +8,11 @@ from typing import TYPE_CHECKING
 
 from nicegui import ui
 
+from dh2urdf.studio.drawing.scene import LAYERS
 from dh2urdf.studio.widgets import lay_menu_item
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
+    from collections.abc import Callable, Iterable, Mapping
 
     from dh2urdf.studio.widgets import ArmView
 
@@ -27,6 +28,51 @@ VIEWS = {
     "corner": "corner (9)",
 }
 """The standard views, with the keys that choose them where the scene has the focus."""
+USUAL_LAYERS = ("links", "axes", "frames", "parameters")
+"""Layers with a box in the bar; the others are in a menu, so that the bar takes two rows beside a table."""
+
+
+class LayerBoxes:
+    """A box for each layer, the rare ones in a menu; laid out where the page is being laid out.
+
+    Args:
+        shown: the layers that are shown at first.
+        on_layers: takes the layers that are to be shown, whenever a person changes them.
+        left_out: layers that this scene never has.
+    """
+
+    def __init__(
+        self, shown: Iterable[str], on_layers: Callable[[frozenset[str]], None], *, left_out: Iterable[str] = ()
+    ) -> None:
+        self._on_layers = on_layers
+        self._filling = False
+        self._boxes: dict[str, ui.checkbox] = {}
+        shown, there = frozenset(shown), [layer for layer in LAYERS if layer not in left_out]
+        for layer in (layer for layer in there if layer in USUAL_LAYERS):
+            self._lay(layer, shown)
+        with ui.button(icon="layers").props('flat dense round size=sm aria-label="more layers"') as button:
+            button.tooltip("more layers")
+            with (
+                ui.menu().props('role=dialog aria-label="more layers"'),
+                ui.element("div").classes("studio-layers"),
+            ):
+                for layer in (layer for layer in there if layer not in USUAL_LAYERS):
+                    self._lay(layer, shown)
+
+    def show(self, shown: frozenset[str]) -> None:
+        """Tick the boxes of the layers that are shown."""
+        self._filling = True
+        for layer, box in self._boxes.items():
+            box.set_value(layer in shown)
+        self._filling = False
+
+    def _lay(self, layer: str, shown: frozenset[str]) -> None:
+        box = ui.checkbox(LAYERS[layer], value=layer in shown, on_change=self._choose)
+        self._boxes[layer] = box.props("dense size=xs")
+
+    def _choose(self) -> None:
+        if not self._filling:
+            self._on_layers(frozenset(layer for layer, box in self._boxes.items() if box.value))
 
 
 def lay_views(scene: Callable[[], ArmView]) -> None:

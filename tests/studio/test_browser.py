@@ -369,7 +369,7 @@ def test_a_file_is_opened(studio_address: str, new_tab: Callable[..., Any], tmp_
     two.write_text("# convention: standard\nrobot,a,alpha,d\nfirst,1,0,0\nsecond,2,0,0\n")
     page.get_by_role("button", name="Open", exact=True).click()
     page.locator("[role=dialog] input[type=file]").set_input_files(tmp_path / "notes.txt")
-    page.get_by_text("this is not a file that can be opened").wait_for()
+    page.get_by_text("is no file that can be opened").wait_for()
     page.locator("[role=dialog] input[type=file]").set_input_files(wrong)
     page.get_by_text("wrong.csv:3:3: error: joint 'joint_1', field 'alpha': 'x' cannot be read").wait_for()
     page.locator("[role=dialog] input[type=file]").set_input_files(two)

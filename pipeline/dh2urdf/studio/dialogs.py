@@ -110,10 +110,14 @@ async def ask_table(catalog: Catalog) -> TableText | None:
             problem.set_text(told)
             problem.set_visibility(True)
 
+        def refuse_file(reason: str, name: str) -> None:
+            told = f"{name} is too large" if reason == "max-file-size" else f"{name} is no file that can be opened"
+            refuse(f"{told}\naccepted: {accepted}")
+
         async def take(event: Any) -> None:  # noqa: ANN401 - NiceGUI's
             name, size = event.file.name, event.file.size()
-            if size > LARGEST_FILE:  # before it is in memory
-                refuse(f"{name} is too large\naccepted: {accepted}")
+            if size > LARGEST_FILE:  # before it is in memory, whatever the page has let through
+                refuse_file("max-file-size", name)
                 return
             problem.set_visibility(False)
             busy.set_visibility(True)
@@ -130,7 +134,8 @@ async def ask_table(catalog: Catalog) -> TableText | None:
         accepted = f"one of {', '.join(suffixes)}, of at most {LARGEST_FILE // 2**20} MB"
         label = "drop a file of yours here, or choose it"
         upload = ui.upload(label=label, auto_upload=True, max_file_size=LARGEST_FILE, on_upload=take)
-        upload.on_rejected(lambda: refuse(f"this is not a file that can be opened\naccepted: {accepted}"))
+        why = "([{ failedPropValidation, file }]) => emit(failedPropValidation, file.name)"
+        upload.on("rejected", lambda event: refuse_file(*event.args), js_handler=why)
         upload.props(f'accept="{",".join(suffixes)}" flat bordered').style("width: 100%")
         choose_file = ui.button("Choose a file", icon="folder_open", on_click=lambda: upload.run_method("pickFiles"))
         choose_file.props("unelevated no-caps autofocus")

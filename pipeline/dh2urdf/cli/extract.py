@@ -17,8 +17,8 @@ from dh2urdf.cli.stage_flags import StageCommand, given_options
 from dh2urdf.cli.standard_input import files_behind, given_table
 from dh2urdf.cli.tables import ASKER, package_paths_option, settings_of
 from dh2urdf.commands.check import given_arguments
-from dh2urdf.commands.extract import arms_of, description_reader, leaves_of, table_lines, write_extracted
-from dh2urdf.errors import ConfigError
+from dh2urdf.commands.extract import chains_of, description_reader, leaves_of, table_lines, write_extracted
+from dh2urdf.errors import SCREENFUL, ConfigError, ManipulatorError
 from dh2urdf.kinematics.facts import kinematic_facts
 from dh2urdf.manipulator import Convention
 from dh2urdf.plugin_system.options import COMMAND_LINE
@@ -27,6 +27,7 @@ from dh2urdf.source import Problem, printable
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
 
+    from dh2urdf.commands.extract import Chains
     from dh2urdf.manipulator import Manipulator
     from dh2urdf.plugin_system.calls import Call
     from dh2urdf.stages import Reader
@@ -98,27 +99,39 @@ def command(  # noqa: PLR0917 - click hands everything over by name
         answer("\n".join(map(printable, counts)))
         return 0
     if output is not None:
-        arms = arms_of(call(), robot)
+        chains = chains_of(call(), robot)
         units = {"length_unit": length_unit, "angle_unit": angle_unit}
-        lost = write_extracted(arms, output, installed, inputs=files_behind(robots), **units)
+        lost = write_extracted(chains.arms, output, installed, inputs=files_behind(robots), **units)
         if not quiet:
-            print_notices([*(notice for arm in arms for notice in arm.notices), *lost])
-            told = [f"{arm.name}: {_moving(len(arm.moving_rows))}, {arm.convention} convention" for arm in arms]
+            print_notices([*(notice for arm in chains.arms for notice in arm.notices), *lost])
+            told = [f"{arm.name}: {_moving(len(arm.moving_rows))}, {arm.convention} convention" for arm in chains.arms]
             click.echo("\n".join(printable(f"{each}; written to {output}") for each in told), err=True)
-        return 0
-    both = [arms_of(call(each), robot) for each in ([convention] if convention else list(Convention))]
+        return _print_refused([chains])
+    both = [chains_of(call(each), robot) for each in ([convention] if convention else list(Convention))]
     if not quiet:
-        print_notices(list(dict.fromkeys(notice for arms in both for arm in arms for notice in arm.notices)))
+        print_notices(list(dict.fromkeys(notice for chains in both for arm in chains.arms for notice in arm.notices)))
     blocks = _blocks(both, length_unit, angle_unit)
     answer("\n\n".join("\n".join(map(printable, block)) for block in blocks))
-    return 0
+    return _print_refused(both)
 
 
-def _blocks(both: list[list[Manipulator]], length_unit: str, angle_unit: str) -> Iterator[list[str]]:
+def _print_refused(both: list[Chains]) -> int:
+    """Name the chains that have no table on standard error, and why; the exit status."""
+    refused = {item.name: item for chains in both for item in chains.refused}
+    for name, item in refused.items():
+        click.echo("\n".join(map(str, item.problems[:SCREENFUL])), err=True)
+        click.echo(printable(f"{name}: no table"), err=True)
+    return ManipulatorError.exit_status if refused else 0
+
+
+def _blocks(both: list[Chains], length_unit: str, angle_unit: str) -> Iterator[list[str]]:
     """What is printed of each chain: its name where there are several, its tables, and what its axes say."""
-    for same in zip(*both, strict=True):
-        if len(both[0]) > 1:
-            yield [same[0].name]
+    chains: dict[str, list[Manipulator]] = {}
+    for arm in (arm for each in both for arm in each.arms):
+        chains.setdefault(arm.name, []).append(arm)
+    for name, same in chains.items():
+        if len(chains) > 1 or any(each.refused for each in both):
+            yield [name]
         for arm in same:
             yield [*table_lines(arm, length_unit, angle_unit)]
         if facts := kinematic_facts(same[0]).sentences():

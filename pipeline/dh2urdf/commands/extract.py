@@ -11,6 +11,7 @@ from dh2urdf.commands.written_tables import table_file
 from dh2urdf.conversion.one_manipulator import read_items
 from dh2urdf.documents.text_files import check_file
 from dh2urdf.errors import ConfigError, InputError, OutputError, TableError
+from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.manipulator import Manipulator
 from dh2urdf.output.whole_files import refuse_inputs, write_whole
 from dh2urdf.plugin_system.calls import blaming, default_call
@@ -83,19 +84,32 @@ def leaves_of(call: Call[Reader[Any]], path: Path) -> Mapping[str, int]:
         return a_record(call.stage.leaves(path, call.options), dict)
 
 
-def arms_of(call: Call[Reader[Any]], path: Path) -> list[Manipulator]:
-    """The manipulators of the chains that are meant.
+class Chains(NamedTuple):
+    """What a description's chains came to.
+
+    Attributes:
+        arms: the manipulators of the chains that have a table, one at least.
+        refused: the chains that have none, each with the problems that say why.
+    """
+
+    arms: list[Manipulator]
+    refused: list[Rejected]
+
+
+def chains_of(call: Call[Reader[Any]], path: Path) -> Chains:
+    """The chains that are meant, as manipulators.
 
     Raises:
-        TableError: there is none, or one of them has no table.
+        TableError: there is none, or none of them has a table.
     """
     items = list(read_items(call, path))
-    if rejected := [item for item in items if isinstance(item, Rejected)]:
-        problems = [problem.about(robot=item.name) for item in rejected for problem in item.problems]
-        raise TableError(problems, [notice for item in rejected for notice in item.notices])
-    if arms := [item for item in items if isinstance(item, Manipulator)]:
-        return arms
-    raise TableError(Problem(message="there is no chain in it", mark=Mark(file=str(path))))
+    arms = [item for item in items if isinstance(item, Manipulator)]
+    refused = [item for item in items if isinstance(item, Rejected)]
+    if arms:
+        return Chains(arms, refused)
+    problems = [problem.about(robot=item.name) for item in refused for problem in item.problems]
+    notices = [notice for item in refused for notice in item.notices]
+    raise TableError(problems or Problem(message="there is no chain in it", mark=Mark(file=str(path))), notices)
 
 
 def the_one(call: Call[Reader[Any]], path: Path) -> Manipulator:
@@ -104,12 +118,12 @@ def the_one(call: Call[Reader[Any]], path: Path) -> Manipulator:
     Raises:
         TableError: there is none, or there are several.
     """
-    arms = arms_of(call, path)
-    if len(arms) == 1:
+    arms, refused = chains_of(call, path)
+    if len(arms) == 1 and not refused:
         return arms[0]
     raise TableError(
         Problem(
-            message=f"{len(arms)} chains are asked for, and one table has one",
+            message=f"{len(arms) + len(refused)} chains are asked for, and one table has one",
             mark=Mark(file=str(path)),
             field="tip_link",
             accepted="the name of a link",

@@ -108,6 +108,25 @@ class TestPrinted:
         with pytest.raises(InputError, match="2 chains are asked for, and one table has one"):
             dh2urdf.extract(path, tip_link="*")
 
+    def test_a_chain_that_has_no_table_costs_no_other(self, cli: Cli, tmp_path: Path) -> None:
+        """The others are printed and written; it is named with the reason, and the exit status tells."""
+        path, table = tmp_path / "tree.urdf", tmp_path / "chains.yaml"
+        head, mimic = '<joint name="{}" type="continuous">', '<mimic joint="j1"/>'
+        path.write_text(TREE.replace(third := head.format("j3"), third + mimic))
+        for words in ((), ("--convention", "modified"), ("-o", str(table))):
+            answer = cli("extract", str(path), "--tip-link", "*", *words, status=1)
+            assert answer.stderr.count(f"{path}:5: error: joint 'j3': the chain holds 'j3', which mimics 'j1'") == 1
+            assert answer.stderr.endswith("\ntree_c: no table\n")
+            assert words[:1] == ("-o",) or answer.stdout.startswith("tree_b\n")
+        assert [arm.name for arm in dh2urdf.read_all(table)] == ["tree_b"]
+        table.unlink()
+        path.write_text(path.read_text().replace(second := head.format("j2"), second + mimic))
+        refused = cli("extract", str(path), "--tip-link", "*", "-o", str(table), status=2)
+        assert refused.stderr.count(": error: joint 'j") == 2
+        assert not table.exists()
+        with pytest.raises(InputError, match="joint 'j3'"):
+            dh2urdf.extract(path, tip_link="c")
+
     def test_standard_input(self, cli: Cli, ur5: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
         """A description that comes through a pipe has the tables of the file."""
 

@@ -19,7 +19,7 @@ from dh2urdf_plugins.readers.header.units import KEY_OF
 from dh2urdf_plugins.readers.words.fields import convention_of
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterable, Sequence
 
     from dh2urdf_plugins.readers.header.columns import Columns
     from dh2urdf_plugins.readers.statements.statements import Statements
@@ -58,6 +58,8 @@ _MENTION = late_pattern(
     r"((?:(?:[^\W\d_]{1,12}|°)(?:\s*(?:,|;|/|&|\band\b|\bund\b|\bet\b|\by\b|\be\b)\s*)?)+)",
     re.IGNORECASE,
 )
+_LETTERS = late_pattern(r"[^\W\d_]+|°")
+_OWN_NUMBER = late_pattern(r"(?<![^\W_])[0-9]")
 _NO_UNIT = late_pattern(r"\bdegrees?\s+of\s+freedom\b|\brev\.?\s*(?:[a-z]|[0-9.]+)\b", re.IGNORECASE)
 """Where the word of a unit is none: ``6 degrees of freedom``, ``rev. B``."""
 _SYSTEM = {Dimension.LENGTH: "m", Dimension.ANGLE: "rad"}
@@ -138,9 +140,30 @@ def prose_problems(comment: Comment, statements: Statements, columns: Columns) -
         statements: what the table and the options say.
         columns: its headers.
     """
-    problems = _other_convention(comment, statements.convention[0]) if statements.convention else []
-    declared = [unit for unit, _ in statements.stated.values()] + [*columns.units.values()]
-    return problems + _other_units(comment, declared)
+    return in_other_words(comment, statements, columns.units.values(), lead="# ")
+
+
+def in_other_words(
+    comment: Comment, statements: Statements, units: Iterable[Unit], *, lead: str, behind: bool = False
+) -> list[Problem]:
+    """What a comment says that the table does not: another convention, or a unit.
+
+    Args:
+        comment: one that says nothing under a key.
+        statements: what the table and the options say.
+        units: units that hold where the comment is, besides those of the statements.
+        lead: what a line begins with that declares something.
+        behind: whether it is behind a value, of which a number with its unit says no more: ``# 425 mm``.
+    """
+    problems = _other_convention(comment, statements.convention[0], lead) if statements.convention else []
+    if behind and _OWN_NUMBER.search(comment.text):
+        return problems
+    return problems + _other_units(comment, [*(unit for unit, _ in statements.stated.values()), *units], lead)
+
+
+def units_beside(text: str) -> list[Unit]:
+    """The units that a line names before its comment: ``a: 425 mm``."""
+    return [unit for word in _LETTERS.findall(text) if (unit := _unit(word))]
 
 
 def convention_in_prose(line: str) -> Convention | None:
@@ -154,7 +177,7 @@ def convention_in_prose(line: str) -> Convention | None:
     return spoken[0] if len(spoken) == 1 else None
 
 
-def _other_convention(comment: Comment, convention: Convention) -> list[Problem]:
+def _other_convention(comment: Comment, convention: Convention, lead: str) -> list[Problem]:
     spoken = convention_in_prose(comment.text)
     if spoken in (None, convention):
         return []
@@ -165,7 +188,7 @@ def _other_convention(comment: Comment, convention: Convention) -> list[Problem]
             mark=comment.whole,
             field="convention",
             found=comment.line,
-            suggestion=f"if it means this table, write `# convention: {spoken}`",
+            suggestion=f"if it means this table, write `{lead}convention: {spoken}`",
         )
     ]
 
@@ -175,7 +198,7 @@ def mentioned_units(text: str) -> list[Unit]:
     found: list[Unit] = []
     plain = _NO_UNIT.sub("", text) if any(word in text.casefold() for word in ("freedom", "rev")) else text
     for match in _MENTION.finditer(plain):
-        for word in re.finditer(r"[^\W\d_]+|°", match[1]):
+        for word in _LETTERS.finditer(match[1]):
             unit = _unit(word[0])
             is_rate = match[1][word.end() :].lstrip().startswith("/s")
             if unit is None or unit.dimension not in _SYSTEM or is_rate or word[0].casefold() in _FILLERS:
@@ -184,9 +207,9 @@ def mentioned_units(text: str) -> list[Unit]:
     return found
 
 
-def _other_units(comment: Comment, declared: Sequence[Unit]) -> list[Problem]:
+def _other_units(comment: Comment, declared: Sequence[Unit], lead: str) -> list[Problem]:
     """What is wrong with units that a comment mentions beside those that hold."""
-    problems = []
+    problems, elsewhere = [], "units in the headers" if lead else "numbers with their units"
     for unit in dict.fromkeys(mentioned_units(comment.text)):
         others = {other.symbol for other in declared if other.dimension is unit.dimension}
         key, system = KEY_OF[unit.dimension], _SYSTEM[unit.dimension]
@@ -202,10 +225,10 @@ def _other_units(comment: Comment, declared: Sequence[Unit]) -> list[Problem]:
                 found=comment.line,
                 accepted=None
                 if others
-                else f"`# units: {{{key}: {unit.symbol}}}` if that is the unit of all {key}s, or units in the headers",
+                else f"`{lead}units: {{{key}: {unit.symbol}}}` if that is the unit of all {key}s, or {elsewhere}",
                 suggestion=None
                 if others
-                else f"if the {key}s are in {system}, declare that too: `# units: {{{key}: {system}}}`",
+                else f"if the {key}s are in {system}, declare that too: `{lead}units: {{{key}: {system}}}`",
             )
         )
     return problems

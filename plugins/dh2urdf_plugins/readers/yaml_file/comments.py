@@ -8,41 +8,90 @@ from dh2urdf.source import Mark, Problem
 from dh2urdf_plugins.readers.words.comment_lines import Comment
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Callable, Iterable, Iterator
 
     from dh2urdf_plugins.readers.statements.statements import Statements
 
 _MAX_COMMENTS = 1000
+_BEFORE_QUOTES = ("", ":", ",", "[", "{", "-", "?")
+"""What a text in quotes comes after."""
 
 
-def judge_comments(
-    text: str, file: str, statements: Statements, *, typed: bool, add: Callable[[Problem], None]
-) -> None:
-    """Adds what lines of comments say that the table does not: another unit, another convention, a joint that slides.
+class CommentLines:
+    """The lines of a file with comments, by the manipulators that they are about.
 
     Args:
         text: the file's text.
+    """
+
+    def __init__(self, text: str) -> None:
+        self._lines = text.splitlines() if "#" in text else []
+        self._first: int | None = None  # where the first of several manipulators begins
+
+    def all(self) -> Iterator[tuple[int, str]]:
+        """Every line with its number: of a file that is one manipulator."""
+        return enumerate(self._lines, start=1)
+
+    def of(self, first: int, end: int | None) -> Iterator[tuple[int, str]]:
+        """The lines of one of several manipulators, and those above all of them.
+
+        Args:
+            first: the line where it begins; comments right above it belong to it.
+            end: the line where the next one begins; None for the last one.
+        """
+        if not self._lines:
+            return
+        begin, stop = self._with_comments_above(first), self._with_comments_above(end or len(self._lines) + 1)
+        self._first = begin if self._first is None else self._first
+        for number in (*range(1, self._first), *range(begin, len(self._lines) + 1 if end is None else stop)):
+            yield number, self._lines[number - 1]
+
+    def _with_comments_above(self, line: int) -> int:
+        while line > 1 and self._lines[line - 2].lstrip().startswith("#"):
+            line -= 1
+        return line
+
+
+def judge_comments(
+    lines: Iterable[tuple[int, str]], file: str, statements: Statements, *, typed: bool, add: Callable[[Problem], None]
+) -> None:
+    """Adds what comments say that the table does not: another unit, another convention, a joint that slides.
+
+    Args:
+        lines: the lines that the comments are in, with their numbers.
         file: the file.
         statements: what the table and the options say.
         typed: whether the table has types.
         add: what takes the problems.
     """
-    for comment in _comments(text, file):
-        from dh2urdf_plugins.readers.header.columns import Columns
-        from dh2urdf_plugins.readers.statements.comment_phrases import prose_problems
+    found = 0
+    for number, line in lines:
+        if "#" not in line or found >= _MAX_COMMENTS or (position := _start(line)) is None:
+            continue
+        from dh2urdf_plugins.readers.statements.comment_phrases import in_other_words, units_beside
         from dh2urdf_plugins.readers.statements.judged_comments import types_elsewhere
 
+        found += 1
+        before = line[:position].strip()
+        comment = Comment.of(
+            line[position:].strip(), Mark(file=file, line=number, column=position + 1 if before else None)
+        )
         for problem in (
-            *prose_problems(comment, statements, Columns(mark=Mark(file=file), headers=[])),
+            *in_other_words(comment, statements, units_beside(before), lead="", behind=bool(before)),
             *types_elsewhere(comment, typed=typed),
         ):
             add(problem)
 
 
-def _comments(text: str, file: str) -> Iterator[Comment]:
-    """The lines that are comments as a whole; one behind a value is about this value."""
-    found = 0
-    for number, line in enumerate(text.splitlines() if "#" in text else (), start=1):
-        if line.lstrip().startswith("#") and found < _MAX_COMMENTS:
-            found += 1
-            yield Comment.of(line.strip(), Mark(file=file, line=number))
+def _start(line: str) -> int | None:
+    """Where the comment of a line begins; None where # is in a text or in a word."""
+    quote = ""
+    for position, letter in enumerate(line):
+        if quote:
+            if letter == quote and not (quote == '"' and line[position - 1] == "\\"):
+                quote = ""
+        elif letter in "'\"" and line[:position].rstrip()[-1:] in _BEFORE_QUOTES:
+            quote = letter
+        elif letter == "#" and not line[:position][-1:].strip():
+            return position
+    return None

@@ -25,11 +25,11 @@ from dh2urdf_plugins.readers.words.bounds import MAX_JOINTS
 from dh2urdf_plugins.readers.words.cells import Cell
 from dh2urdf_plugins.readers.words.fields import FIELDS, GROUPS
 from dh2urdf_plugins.readers.words.unheld import UNHELD
-from dh2urdf_plugins.readers.yaml_file.comments import judge_comments
+from dh2urdf_plugins.readers.yaml_file.comments import CommentLines, judge_comments
 from dh2urdf_plugins.readers.yaml_file.forms import no_mapping, no_robots, other_reader, unused_default
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Iterable, Iterator, Sequence
     from pathlib import Path
 
     from dh2urdf.documents import Item, Node
@@ -71,10 +71,12 @@ def read_documents(path: Path, options: TableOptions, trace: Trace | None = None
     count = 0
     previous: Item | None = None
     text = decoded(read_bytes(path, TableError), file, TableError)
+    comments = CommentLines(text)
     for item in stream_yaml(text, file, TableError, items_of="robots", longest_list=MAX_JOINTS):
         if previous is not None:
             count += 1
-            yield _Table(previous, f"{path.stem}_{count}", options).manipulator(trace)
+            lines = comments.of(_line(previous), _line(item) if _line(item) > _line(previous) else None)
+            yield _Table(previous, f"{path.stem}_{count}", options, lines).manipulator(trace)
         previous = item
     if previous is None:
         return
@@ -84,7 +86,7 @@ def read_documents(path: Path, options: TableOptions, trace: Trace | None = None
     if "robots" not in root.value:
         if other := other_reader(root):
             raise TableError(other)
-        yield _Table(previous, path.stem, options, text).manipulator(trace)
+        yield _Table(previous, path.stem, options, comments.all()).manipulator(trace)
         return
     problems = list(previous.problems)
     refuse_unknown_keys(root, ("robots",), "a file with several manipulators", problems.append)
@@ -95,6 +97,10 @@ def read_documents(path: Path, options: TableOptions, trace: Trace | None = None
         raise TableError(problems)
 
 
+def _line(item: Item) -> int:
+    return item.node.mark.line or 0 if item.node.mark else 0
+
+
 def read_table(item: Item, default_name: str) -> Manipulator | Rejected:
     """The manipulator of a mapping, or everything that is wrong with it."""
     return _Table(item, default_name, TableOptions()).manipulator()
@@ -103,10 +109,12 @@ def read_table(item: Item, default_name: str) -> Manipulator | Rejected:
 class _Table:
     """One manipulator that is being read."""
 
-    def __init__(self, item: Item, default_name: str, options: TableOptions, text: str = "") -> None:
+    def __init__(
+        self, item: Item, default_name: str, options: TableOptions, lines: Iterable[tuple[int, str]] = ()
+    ) -> None:
         self.node = item.node
         self.typed = True  # as long as no rows without types have been seen
-        self.text = text  # of the whole file, whose comments concern the only manipulator in it
+        self.lines = lines  # of the file, whose comments may be about it
         self.options = options
         self.statements = Statements()
         self.entries = item.node.value if isinstance(item.node.value, dict) else {}
@@ -128,7 +136,7 @@ class _Table:
             self.problems += effort_notice(reader.units, effort.mark)
         if self.ignored:
             self.problems.append(ignored(self.ignored, next(iter(self.ignored.values())), "key"))
-        judge_comments(self.text, self.node.file, self.statements, typed=self.typed, add=self.problems.append)
+        judge_comments(self.lines, self.node.file, self.statements, typed=self.typed, add=self.problems.append)
         for problem in self.problems:
             reader.add(problem)
         return manipulator(self.name, self.statements, rows, reader, self.node.mark, trace=trace)

@@ -348,7 +348,10 @@ def test_too_large_a_file_is_not_read(studio_address: str, new_tab: Callable[...
     page.get_by_role("button", name="Open", exact=True).click()
     dialog = page.locator(".q-dialog")
     dialog.locator("input[type=file]").set_input_files(huge)
-    dialog.get_by_text("this is not a file that can be opened").filter(has_text="of at most 64 MB").wait_for()
+    dialog.get_by_text("huge.csv is too large").filter(has_text="of at most 64 MB").wait_for()
+    (other := tmp_path / "arm.docx").write_bytes(b"PK")
+    dialog.locator("input[type=file]").set_input_files(other)
+    dialog.get_by_text("arm.docx is no file that can be opened").wait_for()
     script = """async name => {
         const {id} = document.querySelector('.q-dialog .q-uploader'), form = new FormData();
         form.append(name, new File([new Uint8Array(2 ** 26 + 1)], name));

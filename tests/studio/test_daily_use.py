@@ -581,27 +581,6 @@ def test_a_large_file_is_read_in_sight(tab: Any, tmp_path: Path) -> None:
     assert tab.status == "6 axes; the arm is the table's"
 
 
-def test_files_that_cannot_be_opened(tab: Any, tmp_path: Path) -> None:
-    """A file that is too large, or of another kind, is named in the dialog and stays where it is."""
-    from dh2urdf.studio.dialogs import LARGEST_FILE
-
-    tab.open()
-    with (tmp_path / "huge.csv").open("wb") as huge:
-        huge.truncate(LARGEST_FILE + 1)
-    (tmp_path / "arm.docx").write_bytes(b"PK")
-    tab.page.get_by_role("button", name="Open", exact=True).click()
-    sent: list[str] = []
-    tab.page.on("request", lambda request: sent.append(request.method))
-    for name, told in (("huge.csv", "huge.csv is too large"), ("arm.docx", "arm.docx is no file that can be opened")):
-        tab.page.locator("[role=dialog] input[type=file]").set_input_files(tmp_path / name)
-        problem = tab.page.locator(".q-dialog .studio-problem", has_text=told)
-        problem.wait_for()
-        assert f"of at most {LARGEST_FILE // 2**20} MB" in problem.inner_text()
-    assert "POST" not in sent
-    tab.page.locator("[role=dialog] input[type=file]").set_input_files(TABLES / "ur5.csv")
-    tab.wait_for_status("6 axes; the arm is the table's")
-
-
 def test_a_tab_that_is_closed_during_a_dialog(
     serving: Callable[..., Any], new_tab: Callable[..., Any], tmp_path: Path
 ) -> None:

@@ -222,3 +222,48 @@ def test_a_comment_that_contradicts_the_table(
     found = [f"{problem.severity}: {problem.message}" for problem in problems]
     assert [text for text in found if said and text.startswith(said)] == (found if said else [])
     assert bool(said) == bool(found)
+
+
+@pytest.mark.parametrize(
+    ("line", "said"),
+    [
+        ("{a: 425, alpha: 0, d: 0}  # mm", "2:"),
+        ("{a: 425, alpha: 90, d: 0}  # mm, deg", "4:"),
+        ("{a: 0.425, alpha: 0, d: 0}  # 425 mm", None),
+        ("{a: 425 mm, alpha: 90 deg, d: 0}  # mm, deg", None),
+        ("{a: 425 mm, alpha: 0, d: 0}  # cm", "notice"),
+        ("{a: 0.425, alpha: 0, d: 0}  # m", None),
+        ("{name: 'j # mm', a: 0.425, alpha: 0, d: 0}", None),
+        ("{a: 0.425, alpha: 0, d: 0}  # prismatic", "speaks of a prismatic joint"),
+        ("{type: P, a: 0.425, alpha: 0, d: 0}  # prismatic", None),
+    ],
+)
+def test_a_comment_behind_a_value(
+    line: str, said: str | None, read: Callable[..., list[Manipulator | Rejected]]
+) -> None:
+    """It is judged with the units of its own line; a number of its own is no unit of the table's."""
+    (arm,) = read(f"convention: standard\njoints:\n  - {line}\n", ".yaml")
+    problems = [str(one) for one in (*arm.notices, *(() if isinstance(arm, Manipulator) else arm.problems))]
+    told = [text for text in problems if "this comment" in text or "# prismatic" in text]
+    if said is None:
+        assert told == []
+    elif said == "notice":
+        assert ["notice" in text and "mentions cm" in text for text in told] == [True]
+    elif said[0].isdigit():
+        assert len(told) == int(said[0]) // 2
+        assert all("error" in text and ":3:" in text and "`units: {" in text for text in told)
+    else:
+        assert ["error" in text and said in text for text in told] == [True]
+
+
+def test_comments_of_several_manipulators(read: Callable[..., list[Manipulator | Rejected]]) -> None:
+    """Each is about the manipulator below it or around it; what is above all of them is about each."""
+    robot = "  - convention: standard\n    joints: [{{a: 0.3, alpha: 0, d: 0}}]{}\n"
+    text = "robots:\n" + robot.format("") + "  # lengths in mm\n" + robot.format("") + robot.format("  # cm")
+    first, second, third = read(text, ".yaml")
+    assert isinstance(first, Manipulator)
+    assert isinstance(second, Rejected)
+    assert [problem.mark.line for problem in second.problems if problem.mark] == [4]
+    assert isinstance(third, Rejected)
+    assert [problem.mark.line for problem in third.problems if problem.mark] == [8]
+    assert all(isinstance(arm, Rejected) for arm in read(f"# all lengths in mm\n{text}", ".yaml"))

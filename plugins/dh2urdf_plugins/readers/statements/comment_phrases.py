@@ -155,9 +155,11 @@ def in_other_words(
         lead: what a line begins with that declares something.
         behind: whether it is behind a value, of which a number with its unit says no more: ``# 425 mm``.
     """
-    problems = _other_convention(comment, statements.convention[0], lead) if statements.convention else []
     if behind and _OWN_NUMBER.search(comment.text):
-        return problems
+        return []
+    # What explains a value may speak of the other convention.
+    stated = None if behind else statements.convention
+    problems = _other_convention(comment, stated[0], lead) if stated else []
     return problems + _other_units(comment, [*(unit for unit, _ in statements.stated.values()), *units], lead)
 
 

@@ -135,14 +135,12 @@ def seen(page: Page, address: str) -> tuple[float, float]:
     page.goto(address, wait_until="commit")
     page.wait_for_function("document.querySelector('.arm-view')?.shown > 0", polling=POLLING)
     shown = time.perf_counter() - started
-    drawn = """() => {
-        const view = document.querySelector('.arm-view');
-        if (document.querySelector('.arm-view-progress')) return false;
-        const gl = view.querySelector('canvas').getContext('webgl2');
+    page.wait_for_function("!document.querySelector('.arm-view-progress')", polling=POLLING)
+    page.evaluate("""async () => {
+        for (let frames = 0; frames < 2; frames++) await new Promise(requestAnimationFrame); // the last mesh is drawn
+        const gl = document.querySelector('.arm-view canvas').getContext('webgl2');
         gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4));
-        return true;
-    }"""
-    page.wait_for_function(drawn, polling=POLLING)
+    }""")
     return shown, time.perf_counter() - started
 
 

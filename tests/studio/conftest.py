@@ -333,7 +333,7 @@ class Tab:
         script = """count => {
             let found = 0;
             document.querySelector('.arm-view').scene.traverse(part => found += part.isMesh && part.visible &&
-                part.userData.layer === 'links' ? part.geometry.attributes.position.count / 3 : 0);
+                part.userData.layer === 'links' ? (part.geometry.index ?? part.geometry.attributes.position).count / 3 : 0);
             return found > count && !document.querySelector('.arm-view-progress');
         }"""
         self.page.wait_for_function(script, arg=count)

@@ -132,6 +132,8 @@ def test_meshes_are_drawn(new_tab: Callable[..., Any], serving: Callable[..., An
         assert (len(asked), len(later)) == (6, 7), (
             "what only the collision shapes need is asked for when they are shown"
         )
+        packed = page.evaluate("async url => (await fetch(url)).headers.get('content-encoding')", asked[0])
+        assert packed is None, "on one machine packing takes longer than sending"
         drawn = page.evaluate(
             """() => {
                 const found = [];

@@ -211,8 +211,9 @@ def read_parts(
     found: dict[tuple[tuple[float, ...] | None, int], list[tuple[Any, Any, Texture | None]]] = {}
     for matrix, mesh in _placed_meshes(scene):
         whole = outer @ matrix
-        vertices = mesh.vertices @ whole[:3, :3].T + whole[:3, 3]
-        if not np.isfinite(vertices[mesh.faces]).all():
+        x, y, z = np.asarray(mesh.vertices).T
+        vertices = np.column_stack([a * x + b * y + c * z + d for a, b, c, d in whole[:3]])
+        if not np.isfinite(vertices).all() and not np.isfinite(vertices[mesh.faces]).all():
             raise ValueError("corners of its triangles are at no finite place")
         faces = mesh.faces[:, ::-1] if np.linalg.det(whole[:3, :3]) < 0.0 else mesh.faces
         texture = _texture(mesh, faces) if named else None

@@ -96,6 +96,7 @@ def serve(
     listening = listen(host, port)
     import uvicorn
     from fastapi import FastAPI
+    from fastapi.middleware.gzip import GZipMiddleware
     from nicegui import app as pages, ui
 
     from dh2urdf.studio.drawing.mesh_files import LARGEST
@@ -105,7 +106,15 @@ def serve(
     # Quasar's bar at the top of a page has no name for people who hear it, and the page has progress of its own.
     pages.config.quasar_config["loadingBar"]["skipHijack"] = True
     build()
-    ui.run_with(app, title=title, favicon="🦾", show_welcome_message=False, reconnect_timeout=PATIENCE, tailwind=False)
+    ui.run_with(
+        app,
+        title=title,
+        favicon="🦾",
+        show_welcome_message=False,
+        reconnect_timeout=PATIENCE,
+        tailwind=False,
+        gzip_middleware_factory=GZipMiddleware if is_open(name) else None,  # packing takes longer than loopback saves
+    )
     guarded = Guard(app, port, [host, socket.gethostname()], LARGEST + 2**20)  # files, and their names
     server = uvicorn.Server(uvicorn.Config(guarded, log_level="warning", ws_max_size=64 * 2**20))
     place = f"[{name}]" if ":" in name else name

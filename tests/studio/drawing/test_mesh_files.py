@@ -11,7 +11,7 @@ import pytest
 import trimesh
 
 from dh2urdf.errors import OutputError
-from dh2urdf.studio.drawing.mesh_files import DrawnMesh, triangles
+from dh2urdf.studio.drawing.mesh_files import DrawnMesh, surfaces, triangles
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -35,17 +35,19 @@ COLOURED = """<?xml version="1.0"?>
 
 
 def parts(mesh: DrawnMesh) -> list[tuple[Any, Any, Any]]:
-    """Colour, positions (N, 3) and normals (N, 3) of the parts."""
+    """Colour, positions (N, 3) and normals (N, 3) of the corners of all triangles, for each part."""
     content = triangles(mesh).content
     (length,) = struct.unpack_from("<I", content)
     assert (4 + length) % 4 == 0
     at, found = 4 + length, []
     for part in json.loads(content[4:at])["parts"]:
-        count = part["corners"]
+        count, corners = part["vertices"], part["corners"]
         positions = np.frombuffer(content, "<f4", 3 * count, at).reshape(-1, 3)
         normals = np.frombuffer(content, np.int8, 4 * count, at + 12 * count).reshape(-1, 4)[:, :3] / 127
-        found.append((part["rgba"], positions, normals))
-        at += 16 * count
+        numbers = np.frombuffer(content, "<u4", corners, at + 16 * count)
+        assert set(numbers.tolist()) == set(range(count)), "no corner is sent that no triangle has"
+        found.append((part["rgba"], positions[numbers], normals[numbers]))
+        at += 16 * count + 4 * corners
     assert at == len(content)
     return found
 
@@ -73,6 +75,38 @@ def test_a_ball_is_smooth(tmp_path: Path) -> None:
     ball = trimesh.creation.icosphere(subdivisions=3, radius=0.5)
     ((_, positions, normals),) = parts(DrawnMesh(path=written(tmp_path, "ball.stl", ball)))
     assert np.abs(normals - positions / 0.5).max() < 0.03
+
+
+def test_corners_have_the_normals_that_the_rule_gives(tmp_path: Path) -> None:
+    """Of crumpled paper, which has every angle between its triangles, and one triangle without an area."""
+    random = np.random.default_rng(1)
+    x, y = (axis.reshape(-1) for axis in np.meshgrid(np.arange(12.0), np.arange(12.0)))
+    vertices = np.column_stack([x, y, random.normal(0.0, 0.3, len(x))])
+    squares = [12 * row + column for row in range(11) for column in range(11)]
+    faces = [face for i in squares for face in ((i, i + 1, i + 13), (i, i + 13, i + 12))]
+    paper = trimesh.Trimesh(vertices, [*faces, (0, 1, 1)], process=False)
+    ((_, positions, normals),) = parts(DrawnMesh(path=written(tmp_path, "paper.obj", paper)))
+    corners = positions.reshape(-1, 3, 3).astype(float)
+    areas = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    lengths = np.linalg.norm(areas, axis=1)
+    flat = areas / np.where(lengths > 0.0, lengths, 1.0)[:, None]
+    split = 0
+    for number, (position, normal) in enumerate(zip(positions, normals, strict=True)):
+        meeting = [other // 3 for other in np.flatnonzero((positions == position).all(axis=1))]
+        smooth = [other for other in meeting if flat[other] @ flat[number // 3] > 0.77]
+        expected = areas[smooth].sum(axis=0)
+        split += 0 < len(smooth) < len(meeting)
+        expected = expected / np.linalg.norm(expected) if smooth else (0.0, 0.0, 1.0)
+        assert np.abs(normal - expected).max() < 0.006
+    assert split > 50
+
+
+@pytest.mark.parametrize(("name", "count"), [("box.stl", 24), ("ball.stl", 642)])
+def test_corners_that_are_alike_are_one(tmp_path: Path, name: str, count: int) -> None:
+    """A box has three normals at each of its corners, a ball one."""
+    shape = trimesh.creation.box((1, 1, 1)) if name == "box.stl" else trimesh.creation.icosphere(subdivisions=3)
+    ((_, surface),) = surfaces(DrawnMesh(path=written(tmp_path, name, shape)))
+    assert (len(surface.positions), len(surface.corners)) == (count, 3 * len(shape.faces))
 
 
 @pytest.mark.parametrize(("as_in_ros", "sizes"), [(True, (1, 2, 0)), (False, (1, 0, 2))])

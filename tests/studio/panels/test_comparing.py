@@ -86,7 +86,7 @@ def test_a_description_lies_upon_the_arm(studio_address: str, new_tab: Callable[
     drawn = """() => {
         const node = document.querySelector('.arm-view').scene.getObjectByName('description/tool0');
         let count = 0;
-        node?.traverse(part => count += part.isMesh && part.geometry.attributes.normal?.itemSize === 4 ? part.geometry.attributes.position.count / 3 : 0);
+        node?.traverse(part => count += part.isMesh && part.geometry.attributes.normal?.itemSize === 4 ? (part.geometry.index ?? part.geometry.attributes.position).count / 3 : 0);
         return count;
     }"""
     page.wait_for_function(f"({drawn})() === 1280")

@@ -37,6 +37,8 @@ _SHOWN = {"PNG": "image/png", "JPEG": "image/jpeg", "WEBP": "image/webp"}
 """Formats of pictures that all browsers show; others are sent as PNG."""
 _SMOOTH = 0.77
 """Cosine of the largest angle between two triangles that are parts of one smooth surface: 40°."""
+_HALF = ((1.0 + _SMOOTH) / 2.0) ** 0.5
+"""Cosine of half of that angle."""
 _AT_ONCE = 2**22
 """Pairs of corners that are compared at a time."""
 
@@ -90,11 +92,11 @@ def drawn_mesh(mesh: Mesh, path: Path | None, *, as_in_ros: bool) -> DrawnMesh |
 def triangles(mesh: DrawnMesh) -> DrawnTriangles:
     """The triangles of a file in metres, z up, for `arm_view.js`.
 
-    The length of a header (four bytes, little-endian), the header as JSON, and for each of its parts the corners of all
-    triangles, three after three: positions as 32-bit floats (N, 3), then normals of 8 bits (N, 4), of which the fourth
-    is 0, and for a part with a texture the places in the picture as 32-bit floats (N, 2). A part has the colour that
-    the file gives it, or null, and the key of its texture, or null. `unread` of the header has messages about the files
-    that the mesh file names and that are not shown.
+    The length of a header (four bytes, little-endian), the header as JSON, and for each of its parts the corners:
+    positions as 32-bit floats (N, 3), normals of 8 bits (N, 4), of which the fourth is 0, for a part with a texture the
+    places in the picture as 32-bit floats (N, 2), and the numbers of corners (3 M) as 32-bit integers, three for each
+    triangle. A part has the colour that the file gives it, or null, and the key of its texture, or null. `unread` of
+    the header has messages about the files that the mesh file names and that are not shown.
 
     Raises:
         OutputError: the file cannot be read, or holds no triangles.
@@ -103,18 +105,17 @@ def triangles(mesh: DrawnMesh) -> DrawnTriangles:
 
     told, bodies, pictures = [], [], {}
     named = NamedFiles(mesh.path, LARGEST)
-    for part in _parts(mesh, named):
-        corners, normals = _corners(part.vertices, part.faces)
-        packed = np.zeros((len(normals), 4), dtype=np.int8)
-        packed[:, :3] = np.rint(127 * normals)
-        bodies += [corners.tobytes(), packed.tobytes()]
+    for rgba, surface in surfaces(mesh, named):
+        packed = np.zeros((len(surface.normals), 4), dtype=np.int8)
+        packed[:, :3] = np.rint(127 * surface.normals)
+        bodies += [surface.positions.astype("<f4").tobytes(), packed.tobytes()]
         key = None
-        if (textured := _textured(part, named)) is not None:
-            uv, picture = textured
-            key = sha256(picture.content).hexdigest()[:32]
-            pictures[key] = picture
-            bodies.append(uv.astype("<f4").tobytes())
-        told.append({"rgba": part.rgba, "corners": len(corners), "texture": key})
+        if surface.texture is not None:
+            key = sha256(surface.texture.content).hexdigest()[:32]
+            pictures[key] = surface.texture
+            bodies.append(surface.uv.astype("<f4").tobytes())
+        bodies.append(surface.corners.astype("<u4").tobytes())
+        told.append({"rgba": rgba, "vertices": len(packed), "corners": len(surface.corners), "texture": key})
     unread = [f"{shown(mesh.path.name)} names {shown(name)}: {why}" for name, why in named.unread.items()]
     header = json.dumps({"parts": told, "unread": unread}).encode()
     header += b" " * (-len(header) % 4)
@@ -140,25 +141,38 @@ def _textured(part: Part, named: NamedFiles) -> tuple[Any, Picture] | None:
     return uv, Picture(target.getvalue(), "image/png")
 
 
-def surfaces(mesh: DrawnMesh) -> Iterator[tuple[tuple[float, float, float, float] | None, Surface]]:
-    """The same triangles, for files: the surface of each part with its colour, corners that are alike once.
+def surfaces(
+    mesh: DrawnMesh, named: NamedFiles | None = None
+) -> Iterator[tuple[tuple[float, float, float, float] | None, Surface]]:
+    """The triangles of a file in metres, z up: the surface of each part with its colour. Like corners are one.
+
+    A corner has the mean of the normals of the triangles that meet there, weighted by their areas, without those that
+    are at an edge from its own one; a triangle without an area has normals along z.
+
+    Args:
+        mesh: the file.
+        named: reads the files that it names, and has the messages about those that cannot be shown.
 
     Raises:
         OutputError: the file cannot be read, or holds no triangles.
     """
     import numpy as np
 
-    named = NamedFiles(mesh.path, LARGEST)
+    named = named or NamedFiles(mesh.path, LARGEST)
     for part in _parts(mesh, named):
-        positions, normals = _corners(part.vertices, part.faces)
-        normals[~normals.any(axis=1)] = (0.0, 0.0, 1.0)  # of triangles without an area
+        normals, alike = _normals(part.vertices, part.faces)
         uv, picture = _textured(part, named) or (None, None)
-        columns = [positions, normals.round(3), *(() if uv is None else (uv,))]
-        every = np.ascontiguousarray(np.concatenate(columns, axis=1, dtype="<f4") + np.float32(0.0))  # no -0
-        alike = every.view(f"V{every.dtype.itemsize * every.shape[1]}").ravel()
-        _, first, corners = np.unique(alike, return_index=True, return_inverse=True)
-        places = None if uv is None else uv[first]
-        yield part.rgba, Surface(positions[first], _unit(normals[first]), corners, places, picture)
+        if uv is not None:
+            rows = np.column_stack([alike, uv.astype("<f4").view("<u4")])
+            _, first, number = np.unique(rows, axis=0, return_index=True, return_inverse=True)
+            alike = first[number.reshape(-1)]
+        is_first = alike == np.arange(len(alike))
+        corners = (np.cumsum(is_first) - 1)[alike]
+        places = None if uv is None else uv[is_first]
+        yield (
+            part.rgba,
+            Surface(part.vertices[part.faces.reshape(-1)[is_first]], normals[is_first], corners, places, picture),
+        )
 
 
 def _parts(mesh: DrawnMesh, named: NamedFiles) -> list[Part]:
@@ -184,33 +198,39 @@ def _parts(mesh: DrawnMesh, named: NamedFiles) -> list[Part]:
         raise OutputError(Problem(message=f"{name} cannot be read: {str(error)[:200]}")) from error
 
 
-def _corners(vertices: Any, faces: Any) -> tuple[Any, Any]:  # noqa: ANN401 - arrays
-    """Positions and unit normals of the corners of all triangles; the normals of triangles without an area are 0.
-
-    A corner has the mean of the normals of the triangles that meet there, weighted by their areas, without those that
-    are at an edge from its own one.
-    """
+def _normals(vertices: Any, faces: Any) -> tuple[Any, Any]:  # noqa: ANN401 - arrays
+    """Unit normals of the corners of all triangles, see `surfaces`, and the first corner that each is the same as."""
     import numpy as np
 
-    triangles = vertices[faces]
-    areas = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
+    a, b, c = (vertices[faces[:, corner]] for corner in range(3))
+    areas = np.cross(b - a, c - a)
     flat = _unit(areas)
     meeting = faces.reshape(-1)
     order = np.argsort(meeting, kind="stable")  # corners at one vertex, one after the other
-    _, first, counts = np.unique(meeting[order], return_index=True, return_counts=True)
-    normals = np.empty((len(meeting), 3))
-    for count in np.unique(counts):
-        starts = first[counts == count]
+    counts = np.bincount(meeting)
+    counts = counts[counts > 0]
+    first = np.cumsum(counts) - counts
+    # Where all triangles are within half of the angle from one direction, they are one surface.
+    total = np.add.reduceat(areas[order // 3], first)
+    apart = np.einsum("ij,ij->i", flat[order // 3], np.repeat(_unit(total), counts, axis=0))
+    is_edge = np.minimum.reduceat(apart, first) <= _HALF
+    normals, alike = np.empty((len(meeting), 3)), np.empty_like(order)
+    normals[order], alike[order] = np.repeat(total, counts, axis=0), np.repeat(order[first], counts)
+    for count in np.unique(counts[is_edge]):
+        starts = first[is_edge & (counts == count)]
         for some in np.array_split(starts, 1 + len(starts) * count * count // _AT_ONCE):
             corners = order[some[:, None] + np.arange(count)]  # (vertices, corners there)
             near, own = areas[corners // 3], flat[corners // 3]
-            smooth = own @ own.transpose(0, 2, 1) > _SMOOTH
-            normals[corners.reshape(-1)] = (smooth @ near).reshape(-1, 3)
-    return triangles.reshape(-1, 3).astype("<f4"), _unit(normals)
+            mean = (own @ own.transpose(0, 2, 1) > _SMOOTH) @ near
+            x, y, z = (mean[:, :, None, axis] == mean[:, None, :, axis] for axis in range(3))
+            normals[corners], alike[corners] = mean, np.take_along_axis(corners, (x & y & z).argmax(axis=2), axis=1)
+    normals = _unit(normals)
+    normals[~normals.any(axis=1)] = (0.0, 0.0, 1.0)
+    return normals, alike
 
 
 def _unit(vectors: Any) -> Any:  # noqa: ANN401 - arrays (N, 3)
     import numpy as np
 
-    lengths = np.linalg.norm(vectors, axis=1, keepdims=True)
+    lengths = np.sqrt(np.einsum("ij,ij->i", vectors, vectors))[:, None]
     return np.divide(vectors, lengths, out=np.zeros_like(vectors), where=lengths > 0.0)

@@ -3,6 +3,7 @@ import { THREE } from "nicegui-scene";
 import { matrixOf } from "dh2urdf-scene/shapes.js";
 
 const GREY = [0.72, 0.74, 0.77]; // of a mesh without a colour
+const PACE = 1000; // between pictures while meshes are on their way [ms]
 const WHITE = [1, 1, 1]; // what a texture is multiplied by
 
 // What a mesh file holds, as `triangles` of drawing/mesh_files.py sends it: a geometry for each colour and texture.
@@ -14,16 +15,19 @@ async function triangles(address, picture, report) {
   const { parts, unread } = JSON.parse(new TextDecoder().decode(new Uint8Array(bytes, 4, length)));
   if (unread.length) report(unread.join("\n"));
   let at = 4 + length;
-  return Promise.all(parts.map(async ({ rgba, corners, texture }) => {
+  const take = (kind, count) => {
+    const taken = new kind(bytes, at, count);
+    at += taken.byteLength;
+    return taken;
+  };
+  return Promise.all(parts.map(async ({ rgba, vertices, corners, texture }) => {
     const geometry = new THREE.BufferGeometry();
-    geometry.setAttribute("position", new THREE.BufferAttribute(new Float32Array(bytes, at, 3 * corners), 3));
-    geometry.setAttribute("normal", new THREE.BufferAttribute(new Int8Array(bytes, at + 12 * corners, 4 * corners), 4, true));
+    geometry.setAttribute("position", new THREE.BufferAttribute(take(Float32Array, 3 * vertices), 3));
+    geometry.setAttribute("normal", new THREE.BufferAttribute(take(Int8Array, 4 * vertices), 4, true));
+    if (texture) geometry.setAttribute("uv", new THREE.BufferAttribute(take(Float32Array, 2 * vertices), 2));
+    geometry.setIndex(new THREE.BufferAttribute(take(Uint32Array, corners), 1));
     geometry.computeBoundingBox();
-    at += 16 * corners;
-    if (!texture) return { rgba, geometry };
-    geometry.setAttribute("uv", new THREE.BufferAttribute(new Float32Array(bytes, at, 2 * corners), 2));
-    at += 8 * corners;
-    return { rgba, geometry, map: await picture(texture) };
+    return { rgba, geometry, map: texture ? await picture(texture) : undefined };
   }));
 }
 
@@ -39,6 +43,7 @@ export const meshes = {
         const refuse = (error) => (report(error.message), []);
         this.meshes.set(key, triangles(`meshes/${key}`, (texture) => this.picture(texture, report), report).catch(refuse));
       }
+      if (!this.waiting) this.nextLook = performance.now() + PACE;
       this.waiting += 1;
       this.meshes.get(key).then((parts) => {
         for (const { rgba, geometry, map } of parts) {
@@ -53,8 +58,6 @@ export const meshes = {
         }
         if (group.parent) this.veil(group.parent);
         this.arrived();
-        this.shade();
-        this.draw();
       });
     };
     if (this.layers.has(layer)) load();
@@ -72,12 +75,19 @@ export const meshes = {
     return this.textures.get(key);
   },
 
-  // A part of a mesh file is there; after the last one the camera sees all, if a person has not turned it meanwhile.
+  // A mesh is there. Those before the last one are drawn now and then only, as a picture of many triangles can take as
+  // long as a file. After the last one the camera sees all, if a person has not turned it meanwhile.
   arrived() {
     this.loaded += 1;
-    if (this.loaded < this.waiting) return;
-    this.waiting = this.loaded = 0;
-    this.settle();
-    if (!this.own && !this.seen()) this.fit(true);
+    const isLast = this.loaded >= this.waiting;
+    if (isLast) {
+      this.waiting = this.loaded = 0;
+      this.settle();
+      if (!this.own && !this.seen()) this.fit(true);
+    }
+    if (!isLast && performance.now() < this.nextLook) return;
+    this.nextLook = performance.now() + PACE;
+    this.shade();
+    this.draw();
   },
 };

@@ -42,6 +42,12 @@ LINES = """() => {
     });
     return found;
 }"""
+IN_PICTURE = """name => {
+    const view = document.querySelector('.arm-view'), node = view.scene.getObjectByName(name);
+    view.scene.updateMatrixWorld();
+    view.camera.updateMatrixWorld();
+    return view.camera.position.clone().setFromMatrixPosition(node.matrixWorld).project(view.camera).toArray();
+}"""
 LAYER = """layer => {
     const found = [];
     document.querySelector('.arm-view').scene.traverse(part => part.userData.layer === layer && part.visible && found.push(part.parent.name));
@@ -59,6 +65,34 @@ def lines_between_frames(tab: Any) -> None:
     assert sorted(page.evaluate(LINES)) == [["gripper/left", "gripper/palm"], *lines]
     tab.switch_layers("lines between frames")
     page.wait_for_function(f"({LINES})().length === 0")
+
+
+def outlined_and_followed(tab: Any) -> None:
+    """The outline of the picked link can be switched off; the camera moves with the link once it is told to."""
+    page = tab.page
+    for is_on in (False, True):
+        tab.switch_layers("outline of the picked link")
+        page.wait_for_function(f"name => ({OUTLINED})(name) === {str(is_on).lower()}", arg="gripper/left")
+
+    def moved(position: float) -> float:
+        """How far the link is in the picture from where it was, once its joint is elsewhere."""
+        before = page.evaluate(IN_PICTURE, "gripper/left")
+        page.get_by_label("gripper/l in m").fill(str(position))
+        page.get_by_label("gripper/l in m").press("Enter")
+        script = """y => {
+            const view = document.querySelector('.arm-view');
+            return Math.abs(view.scene.getObjectByName('gripper/left').matrix.elements[13] - y) < 1e-9 && !view.goes;
+        }"""
+        page.wait_for_function(script, arg=0.02 + position)
+        return max(abs(a - b) for a, b in zip(before, page.evaluate(IN_PICTURE, "gripper/left"), strict=True))
+
+    assert moved(0.01) > 0.01
+    for check in (lambda way: way < 1e-6, lambda way: way > 0.01):
+        page.get_by_role("button", name="look from a side").click()
+        page.get_by_role("menuitemcheckbox", name="follow what is picked").click()
+        page.locator(".q-menu").wait_for(state="detached")
+        assert check(moved(0.07))
+        assert check(moved(0.01))
 
 
 def test_links_are_picked_hidden_and_unfolded(
@@ -131,6 +165,7 @@ def test_links_are_picked_hidden_and_unfolded(
             script = f"layer => ({LAYER})(layer).filter(name => name.startsWith('gripper')).join() === 'gripper/palm'"
             page.wait_for_function(script, arg=layer)
 
+        outlined_and_followed(tab)
         lines_between_frames(tab)
 
         # What is hidden stays hidden in another drawing and after a reload.

@@ -37,7 +37,7 @@ export default {
 
   created() {
     // Not reactive: three.js has its own ideas of objects.
-    this.layers = new Set(["links", "axes", "frames"]);
+    this.layers = new Set(["links", "axes", "frames", "outlines"]);
     this.meshes = new Map(); // by their keys, promises of what mesh files hold
     this.textures = new Map(); // and of the pictures on them
     this.nodes = [];
@@ -59,6 +59,8 @@ export default {
     this.faded = {}; // how much less opaque the bodies of robots are than they would be, by the names of the robots
     this.goal = null; // where the camera is going by itself
     this.holding = false; // whether a person holds the camera
+    this.attends = false; // whether the camera moves with the picked node
+    this.anchor = null; // where that node was
     this.own = false; // whether a person looks at a part of the arm, and wants to go on looking there
   },
 
@@ -166,6 +168,7 @@ export default {
       if (tool0) this.handle.position.setFromMatrixPosition(tool0.matrix);
       this.handle.scale.setScalar(0.035 * this.reach);
       this.stretch();
+      this.attend();
       this.follow();
       this.shade();
       this.draw();
@@ -224,6 +227,7 @@ export default {
           waits.load();
         }
       });
+      this.highlight(this.row, this.link);
       this.stretch();
       this.shade();
       this.draw();

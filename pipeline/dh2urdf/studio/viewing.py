@@ -197,7 +197,7 @@ class View:
 
     def __init__(self, figures: Sequence[Figure]) -> None:
         self.figures = tuple(figures)
-        self.layers: frozenset[str] = frozenset(("links", "axes"))
+        self.layers: frozenset[str] = frozenset(("links", "axes", "outlines"))
         self.apart, self.as_in_ros = True, True
         self.followers = {
             figure.name + name: follower._replace(leader=figure.name + follower.leader)
@@ -215,7 +215,7 @@ class View:
         self._grasp = Grasp()
         self.place()
         if self.drawing.meshes:  # which joint axes would only lie on
-            self.layers = frozenset(("links",))
+            self.layers -= {"axes"}
 
     @staticmethod
     def _sliders_of(figure: Figure) -> tuple[Slider, ...]:

@@ -44,6 +44,7 @@ LAYERS = {
     "collision": "collision",
     "masses": "centres of mass",
     "inertias": "inertias",
+    "outlines": "outline of the picked link",
 }
 """What can be shown and hidden, and what a person calls it."""
 

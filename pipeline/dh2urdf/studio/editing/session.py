@@ -105,7 +105,7 @@ class Session:
         self.q: dict[str, float] = {}
         self.variants = variants(catalog)
         self.variant = self.variants[0]
-        self.layers: frozenset[str] = frozenset(("links", "axes", "frames"))
+        self.layers: frozenset[str] = frozenset(("links", "axes", "frames", "outlines"))
         self.row: int | None = None
         self.all_columns = False
         self.lesson: float | None = None

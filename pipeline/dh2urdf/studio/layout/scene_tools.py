@@ -82,6 +82,9 @@ def lay_views(scene: Callable[[], ArmView]) -> None:
         with ui.menu():
             for view, told in VIEWS.items():
                 lay_menu_item(told, partial(_look, scene, view))
+            ui.separator()
+            follow = ui.menu_item("follow what is picked").classes("studio-tick").props("role=menuitemcheckbox aria-checked=false")
+            follow.on_click(lambda: scene().attend(on=_switched(follow, "aria-checked")))
 
 
 def lay_grasp(scene: Callable[[], ArmView]) -> None:
@@ -91,9 +94,8 @@ def lay_grasp(scene: Callable[[], ArmView]) -> None:
     button.tooltip(told)
 
     def switch() -> None:
-        on = button.props["aria-pressed"] == "false"
-        button.props(f"aria-pressed={'true' if on else 'false'} {'unelevated' if on else ''}")
-        button.props(remove="flat" if on else "unelevated", add="" if on else "flat")
+        on = _switched(button, "aria-pressed")
+        button.props(remove="flat" if on else "unelevated", add="unelevated" if on else "flat")
         scene().grasp(on=on)
 
     button.on_click(switch)
@@ -121,6 +123,13 @@ def lay_opacity(
                 slider.props(f'value={opacities.get(name, 1.0)} aria-label="opacity of {escape(told)}"')
                 taken = "(event) => emit(event.target.valueAsNumber)"
                 slider.on("input", lambda event, name=name: on_fade(name, float(event.args)), js_handler=taken)
+
+
+def _switched(element: ui.element, state: str) -> bool:
+    """Change what an element tells of its state, and whether it is on now."""
+    on = element.props[state] == "false"
+    element.props(f"{state}={'true' if on else 'false'}")
+    return on
 
 
 def _look(scene: Callable[[], ArmView], view: str) -> None:

@@ -75,6 +75,7 @@ export const camera = {
   // Where the joints have moved the arm out of the picture, the camera goes after it: aside and back, never nearer. It
   // does not while a person holds it, looks at a part of the arm, or drags a link or the handle.
   follow() {
+    if (this.attends && this.anchor) return;
     if (this.holding || this.plane || this.held || this.turning || !this.fitted) return;
     const lost = this.handle.visible && !this.within([this.handle.position.clone()]);
     if (this.own && !lost) return;
@@ -85,6 +86,29 @@ export const camera = {
     if (goal.position.distanceTo(goal.target) < now) goal.position.copy(goal.target).addScaledVector(away, now);
     this.goal = goal;
     this.own = false;
+  },
+
+  // Where the picked link is, or the frame of the picked row; null if none is picked.
+  picked() {
+    const node = this.nodes.find((node) => this.isPicked(node));
+    return node ? new THREE.Vector3().setFromMatrixPosition(node.matrix) : null;
+  },
+
+  // The camera moves with what is picked, from now on or no longer.
+  attendTo(on) {
+    this.attends = on;
+    this.anchor = this.picked();
+  },
+
+  // What is picked has moved: if the camera attends to it, it is where it was in the picture.
+  attend() {
+    const place = this.picked();
+    if (this.attends && place && this.anchor) {
+      const by = place.clone().sub(this.anchor);
+      for (const moved of [this.controls.target, this.camera.position, this.goal?.target, this.goal?.position]) moved?.add(by);
+      this.range();
+    }
+    this.anchor = place;
   },
 
   // The camera is at its goal at once: pictures are not taken on the way.

@@ -39,6 +39,10 @@ export const outlines = {
     }
   },
 
+  isPicked(node) {
+    return this.link === null ? this.row !== null && node.userData.row === this.row : node.name === this.link;
+  },
+
   // The link and the frame of a row stand out, or the node of a name; null for none.
   highlight(row, link = null) {
     this.row = row;
@@ -51,8 +55,9 @@ export const outlines = {
     for (const line of lines) line.removeFromParent();
     this.worn.push(...new Set(lines.map((line) => line.material)));
     for (const tube of this.strokes.children) this.emphasise(tube);
+    this.anchor = this.picked();
     for (const node of this.nodes) {
-      const on = link === null ? row !== null && node.userData.row === row : node.name === link;
+      const on = this.isPicked(node);
       node.traverse((object) => {
         if (object.isMesh && object.userData.layer === "frames") {
           object.material.opacity = (row === null && link === null) || on ? 1 : 0.35;
@@ -61,7 +66,7 @@ export const outlines = {
           delete object.userData.size; // it is bold now, or no longer
         }
       });
-      if (on) this.outline(node);
+      if (on && this.layers.has("outlines")) this.outline(node);
     }
     this.draw();
   },

@@ -83,7 +83,8 @@ def lay_views(scene: Callable[[], ArmView]) -> None:
             for view, told in VIEWS.items():
                 lay_menu_item(told, partial(_look, scene, view))
             ui.separator()
-            follow = ui.menu_item("follow what is picked").classes("studio-tick").props("role=menuitemcheckbox aria-checked=false")
+            follow = ui.menu_item("follow what is picked").classes("studio-tick")
+            follow.props("role=menuitemcheckbox aria-checked=false")
             follow.on_click(lambda: scene().attend(on=_switched(follow, "aria-checked")))
 
 

@@ -127,7 +127,7 @@ def lay_opacity(
 
 
 def _switched(element: ui.element, state: str) -> bool:
-    """Change what an element tells of its state, and whether it is on now."""
+    """Switch the state that an attribute of an element has; whether it is on now."""
     on = str(element.props[state]) == "false"
     element.props(f"{state}={'true' if on else 'false'}")
     return on

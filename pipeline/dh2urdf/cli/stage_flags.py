@@ -14,7 +14,8 @@ from dh2urdf.cli.shared_options import OneValueOption, loaded
 from dh2urdf.late_tuples import NamedTuple
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping, Sequence
+    from collections.abc import Callable, Iterator, Mapping, Sequence
+    from dataclasses import Field
 
     from dh2urdf.stages import Kind
 
@@ -80,24 +81,41 @@ class StageCommand(click.Command):
             with suppress(click.NoSuchOption):
                 return super().parse_args(ctx, list(args))
         ctx.meta[_WHOSE] = _EVERYBODY
-        return super().parse_args(ctx, args)
+        try:
+            return super().parse_args(ctx, args)
+        except click.NoSuchOption as error:
+            name = error.option_name.lstrip("-").replace("-", "_")
+            whose = (
+                f"{kind} {stage!r}" for kind, stage, field in self._options(ctx, everybody=True) if field.name == name
+            )
+            stage = next(whose, "") if any(parameter.name == _LAST for parameter in self.params) else ""
+            if stage:
+                told = f"No such option {error.option_name!r}; `--set {name}=VALUE` gives the {stage} its option."
+                raise click.NoSuchOption(error.option_name, told, ctx=ctx) from error
+            raise
 
     def _flags(self, ctx: click.Context) -> list[_Flag]:
         """The flags, each once."""
         whose = ctx.meta.get(_WHOSE, _BUILTIN)
         if whose == _NOBODY:
             return []
-        installed, flags = loaded(ctx, ctx.meta.get(_WORDS, ())), dict[str, _Flag]()
+        flags = dict[str, _Flag]()
         with kept_apart() if whose == _EVERYBODY and None not in (sys.stdout, sys.stderr) else nullcontext():
-            for kind in self.kinds:
-                for item in installed.provided(kind) if whose == _EVERYBODY else installed.builtin(kind):
-                    is_asked = is_dataclass(item.stage.options) and self.which(item.stage)
-                    for field in fields(item.stage.options) if is_asked else ():
-                        data = field.metadata
-                        if "flag" in data and self.name in data.get("commands", (self.name,)):
-                            flag = _Flag(kind, field.name, str(data["flag"]), str(data.get("help", "")))
-                            flags.setdefault(field.name, flag)
+            for kind, _, field in self._options(ctx, everybody=whose == _EVERYBODY):
+                data = field.metadata
+                if "flag" in data and self.name in data.get("commands", (self.name,)):
+                    flag = _Flag(kind, field.name, str(data["flag"]), str(data.get("help", "")))
+                    flags.setdefault(field.name, flag)
         return list(flags.values())
+
+    def _options(self, ctx: click.Context, *, everybody: bool) -> Iterator[tuple[Kind, str, Field[Any]]]:
+        """The options of the stages that the command may call, each with the kind and the name of its stage."""
+        installed = loaded(ctx, ctx.meta.get(_WORDS, ()))
+        for kind in self.kinds:
+            for item in installed.provided(kind) if everybody else installed.builtin(kind):
+                is_asked = is_dataclass(item.stage.options) and self.which(item.stage)
+                for field in fields(item.stage.options) if is_asked else ():
+                    yield kind, item.stage.name, field
 
 
 def given_options(flags: Mapping[str, Any]) -> dict[str, dict[str, str | None]]:

@@ -68,7 +68,7 @@ def lines_between_frames(tab: Any) -> None:
 
 
 def outlined_and_followed(tab: Any) -> None:
-    """The outline of the picked link can be switched off; the camera moves with the link once it is told to."""
+    """The outline of the picked link can be switched off; the camera follows the link on request."""
     page = tab.page
     for is_on in (False, True):
         tab.switch_layers("outline of the picked link")

@@ -59,8 +59,9 @@ export default {
     this.faded = {}; // how much less opaque the bodies of robots are than they would be, by the names of the robots
     this.goal = null; // where the camera is going by itself
     this.holding = false; // whether a person holds the camera
-    this.attends = false; // whether the camera moves with the picked node
-    this.anchor = null; // where that node was
+    this.followsPicked = false; // whether the camera moves with the picked node
+    this.pickedAt = null; // where that node was
+    this.nextLook = 0; // when meshes that are on their way are drawn next [ms]
     this.own = false; // whether a person looks at a part of the arm, and wants to go on looking there
   },
 
@@ -168,7 +169,7 @@ export default {
       if (tool0) this.handle.position.setFromMatrixPosition(tool0.matrix);
       this.handle.scale.setScalar(0.035 * this.reach);
       this.stretch();
-      this.attend();
+      this.keepPicked();
       this.follow();
       this.shade();
       this.draw();

@@ -130,9 +130,9 @@ class ArmView(Element, component="arm_view.js", esm={"dh2urdf-scene": "scene3d"}
         """How opaque the bodies of robots are, by the names of the robots: 1 as they are drawn without it."""
         self.run_method("fade", dict(opacities))
 
-    def attend(self, *, on: bool) -> None:
+    def follow_picked(self, *, on: bool) -> None:
         """Whether the camera moves with what is picked."""
-        self.run_method("attendTo", on)
+        self.run_method("followPicked", on)
 
     def look(self, view: str) -> None:
         """The camera where it sees all of the arm from one of the standard sides."""

@@ -85,7 +85,7 @@ def lay_views(scene: Callable[[], ArmView]) -> None:
             ui.separator()
             follow = ui.menu_item("follow what is picked").classes("studio-tick")
             follow.props("role=menuitemcheckbox aria-checked=false")
-            follow.on_click(lambda: scene().attend(on=_switched(follow, "aria-checked")))
+            follow.on_click(lambda: scene().follow_picked(on=_switched(follow, "aria-checked")))
 
 
 def lay_grasp(scene: Callable[[], ArmView]) -> None:

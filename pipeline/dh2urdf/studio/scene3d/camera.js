@@ -75,7 +75,7 @@ export const camera = {
   // Where the joints have moved the arm out of the picture, the camera goes after it: aside and back, never nearer. It
   // does not while a person holds it, looks at a part of the arm, or drags a link or the handle.
   follow() {
-    if (this.attends && this.anchor) return;
+    if (this.followsPicked && this.pickedAt) return;
     if (this.holding || this.plane || this.held || this.turning || !this.fitted) return;
     const lost = this.handle.visible && !this.within([this.handle.position.clone()]);
     if (this.own && !lost) return;
@@ -95,20 +95,20 @@ export const camera = {
   },
 
   // The camera moves with what is picked, from now on or no longer.
-  attendTo(on) {
-    this.attends = on;
-    this.anchor = this.picked();
+  followPicked(on) {
+    this.followsPicked = on;
+    this.pickedAt = this.picked();
   },
 
-  // What is picked has moved: if the camera attends to it, it is where it was in the picture.
-  attend() {
+  // What is picked has moved: if the camera follows it, it stays where it was in the picture.
+  keepPicked() {
     const place = this.picked();
-    if (this.attends && place && this.anchor) {
-      const by = place.clone().sub(this.anchor);
+    if (this.followsPicked && place && this.pickedAt) {
+      const by = place.clone().sub(this.pickedAt);
       for (const moved of [this.controls.target, this.camera.position, this.goal?.target, this.goal?.position]) moved?.add(by);
       this.range();
     }
-    this.anchor = place;
+    this.pickedAt = place;
   },
 
   // The camera is at its goal at once: pictures are not taken on the way.

@@ -3,8 +3,8 @@ import { THREE } from "nicegui-scene";
 import { matrixOf } from "dh2urdf-scene/shapes.js";
 
 const GREY = [0.72, 0.74, 0.77]; // of a mesh without a colour
-const PACE = 1000; // between pictures while meshes are on their way [ms]
 const WHITE = [1, 1, 1]; // what a texture is multiplied by
+const PACE = 1000; // between pictures while meshes are on their way [ms]
 
 // What a mesh file holds, as `triangles` of drawing/mesh_files.py sends it: a geometry for each colour and texture.
 async function triangles(address, picture, report) {

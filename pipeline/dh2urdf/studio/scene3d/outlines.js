@@ -55,7 +55,7 @@ export const outlines = {
     for (const line of lines) line.removeFromParent();
     this.worn.push(...new Set(lines.map((line) => line.material)));
     for (const tube of this.strokes.children) this.emphasise(tube);
-    this.anchor = this.picked();
+    this.pickedAt = this.picked();
     for (const node of this.nodes) {
       const on = this.isPicked(node);
       node.traverse((object) => {

@@ -36,6 +36,8 @@ CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or ""
 ARGUMENTS = ("--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--no-sandbox")
 CHEAP = ("--disable-gpu-compositing", "--webgl-antialiasing-mode=none")
 """There is no GPU here: a page is put together by the processor twice as fast as by a GPU that the processor plays."""
+SMOOTH = """localStorage.setItem(
+  "dh2urdf-look", JSON.stringify({ ...JSON.parse(localStorage.getItem("dh2urdf-look") ?? "{}"), edges: "smooth" }))"""
 STILL = """
 !document.querySelector(".q-tooltip") && !document.getAnimations().some((animation) =>
   animation.playState === "running" && animation.effect.getComputedTiming().endTime !== Infinity)
@@ -359,9 +361,11 @@ class Tab:
 
 
 @pytest.fixture(scope="session")
-def profile(chromium: Browser) -> Iterator[BrowserContext]:
+def profile(chromium: Browser, request: pytest.FixtureRequest) -> Iterator[BrowserContext]:
     """The profile of the browser that all tabs share: what they show is told apart by the tab alone."""
     context = chromium.new_context(accept_downloads=True)
+    if request.config.getoption("--renew"):  # pictures are those of a browser with a graphics card
+        context.add_init_script(SMOOTH)
     context.set_default_timeout(120_000)  # Only a fault waits so long, on a busy machine too.
     yield context
     context.close()

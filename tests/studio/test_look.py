@@ -29,6 +29,16 @@ WHOLE_HEADERS = """[...document.querySelectorAll('.dh-table .ag-header-cell-text
     text => text.scrollWidth <= text.clientWidth)"""
 
 
+ASKED = """{
+    window.smoothed = []; // what the scene has asked for: these tests switch smoothing off in the browser
+    const ask = HTMLCanvasElement.prototype.getContext;
+    HTMLCanvasElement.prototype.getContext = function (kind, options) {
+        if (options && "antialias" in options) smoothed.push(options.antialias);
+        return ask.call(this, kind, options);
+    };
+}"""
+
+
 GAP = """[...document.querySelectorAll('.studio-panel')].find(panel => panel.offsetParent).getBoundingClientRect().top
     - document.querySelector('.studio-scene').getBoundingClientRect().bottom"""
 
@@ -93,6 +103,35 @@ def test_light_dark_and_projector(
         assert other.evaluate("({ ...document.documentElement.dataset })") == {"look": "dark", "size": "usual"}
         assert other.get_by_role("button", name="light, dark, projector").is_visible()
         other.close()
+
+
+def test_edges_are_quick_where_the_browser_draws_in_software(studio_address: str, new_tab: Callable[..., Any]) -> None:
+    """The scene says so, and a click makes them smooth: it is kept over a reload with what is on the page."""
+    tab = new_tab(studio_address)
+    tab.page.add_init_script(ASKED)
+    page = tab.open("ur5")
+    notice = page.get_by_role("button", name="drawn in software")
+    assert "a click makes them smooth" in notice.get_attribute("title")
+    assert page.evaluate("smoothed") == [False]
+    tab.set_sliders([0.1, 0.2, 0.3, 0.4, 0.5, 0.6])
+    for is_smooth in (True, False):
+        if is_smooth:
+            notice.click()
+        else:
+            choose(page, "smooth edges")
+        page.wait_for_function(
+            f"document.querySelector('.arm-view')?.drawn && dhLook.isSmooth() === {str(is_smooth).lower()}"
+        )
+        tab.wait_for_table("ur5")
+        assert tab.sliders() == [0.1, 0.2, 0.3, 0.4, 0.5, 0.6]
+        assert notice.is_visible() is not is_smooth
+        assert page.evaluate("smoothed") == [is_smooth]
+        page.get_by_role("button", name="light, dark, projector").click()
+        ticked = page.get_by_role("menuitemcheckbox", name="smooth edges", checked=is_smooth)
+        ticked.wait_for()
+        page.keyboard.press("Escape")
+        page.locator(".q-menu").wait_for(state="detached")
+    page.close()  # what it notes is for this test only
 
 
 def test_every_width_of_screen(studio_address: str, new_tab: Callable[..., Any]) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import closing
 from pathlib import Path
 
 import click
@@ -44,8 +45,9 @@ def command(
     """
     from dh2urdf.commands.check import given_arguments
     from dh2urdf.stages import Expansion
+    from dh2urdf.studio.drawing.mesh_store import MeshStore
     from dh2urdf.studio.server import require_nicegui, serve
-    from dh2urdf.studio.viewing import load_figures
+    from dh2urdf.studio.viewing import View, load_figures
 
     refuse_dash(files, "view")
     require_nicegui("view")
@@ -53,14 +55,17 @@ def command(
     expansion = Expansion(arguments=given_arguments(words, COMMAND_LINE), package_paths=package_paths)
     figures = load_figures([Path(word) for word in files if word not in words], catalog(), expansion)
     print_notices([notice for figure in figures for notice in figure.notices])
-    from dh2urdf.studio.app import build_view
+    first = View(figures)
+    with closing(MeshStore(first.meshes())) as meshes:
+        meshes.begin(first.drawing.first_meshes)  # while the server starts
+        from dh2urdf.studio.app import build_view
 
-    serve(
-        lambda: build_view(figures),
-        host=host,
-        port=port,
-        browser=not no_browser,
-        say=answer,
-        title="dh2urdf view",
-    )
+        serve(
+            lambda: build_view(first, meshes),
+            host=host,
+            port=port,
+            browser=not no_browser,
+            say=answer,
+            title="dh2urdf view",
+        )
     return 0

@@ -22,10 +22,9 @@ from dh2urdf.studio.viewing import View
 from dh2urdf.table_text import TableText
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Callable
 
     from dh2urdf.plugin_system.catalog import Catalog
-    from dh2urdf.studio.drawing.scene import Figure
 
 MOST_SESSIONS = 100
 """Tabs whose state is kept; the one that was not used for the longest time goes first."""
@@ -88,6 +87,7 @@ def build_studio(catalog: Catalog, table: TableText | None) -> None:
     """
     sessions = Sessions(lambda: Session(catalog, table))
     meshes = MeshStore({})
+    app.on_shutdown(meshes.close)
     _serve(meshes)
     app.on_startup(lambda: threading.Thread(target=rehearse, args=[catalog], daemon=True).start())
 
@@ -104,7 +104,6 @@ def rehearse(catalog: Catalog) -> None:
 
 def _serve(meshes: MeshStore) -> None:
     """Declares the routes of the mesh files that are open, and of the pictures that they name."""
-    app.on_shutdown(meshes.close)
 
     @app.get("/meshes/{key}")
     async def mesh(key: str) -> Response:
@@ -126,14 +125,16 @@ def _serve(meshes: MeshStore) -> None:
         return Response(picture.content, media_type=picture.media_type)
 
 
-def build_view(figures: Sequence[Figure]) -> None:
-    """Declares the page that shows some robots."""
-    first = View(figures)
+def build_view(first: View, meshes: MeshStore) -> None:
+    """Declares the page that shows some robots.
+
+    Args:
+        first: what the page of the first tab shows.
+        meshes: reads their mesh files.
+    """
     live = LiveJoints(first)
-    views = Sessions(lambda: live.begin(View(figures)))
+    views = Sessions(lambda: live.begin(View(first.figures)))
     serve_joints(live, views.all)
-    meshes = MeshStore(first.meshes())
-    meshes.begin(first.drawing.first_meshes)
     _serve(meshes)
 
     @ui.page("/")

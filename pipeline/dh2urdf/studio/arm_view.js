@@ -26,6 +26,8 @@ export default {
       <div class="arm-view-labels"></div>
       <button type="button" tabindex="-1" class="arm-view-projection" :aria-pressed="parallel" title="parallel rays, as in a drawing; 5 in the scene"
               @click="project(!parallel)" @pointerdown.stop @dblclick.stop>orthographic</button>
+      <button v-if="quick" type="button" tabindex="-1" class="arm-view-quick" @click="smooth" @pointerdown.stop @dblclick.stop
+              title="This browser draws without a graphics card. So that it draws quickly, edges are not smooth; a click makes them smooth.">drawn in software</button>
       <svg class="arm-view-cross" viewBox="-36 -36 72 72" aria-hidden="true"></svg>
       <div v-if="waiting" class="arm-view-progress">
         meshes: {{ loaded }} of {{ waiting }} <progress :max="waiting" :value="loaded" aria-label="meshes"></progress>
@@ -33,7 +35,7 @@ export default {
       <div v-if="fault" class="arm-view-fault">{{ fault }}</div>
     </div>`,
 
-  data: () => ({ fault: "", waiting: 0, loaded: 0, parallel: dhLook.isOrthographic() }),
+  data: () => ({ fault: "", waiting: 0, loaded: 0, parallel: dhLook.isOrthographic(), quick: !dhLook.isSmooth() && dhLook.drawsInSoftware() }),
 
   created() {
     // Not reactive: three.js has its own ideas of objects.
@@ -56,6 +58,7 @@ export default {
     this.link = null; // the name of a node that stands out, instead of those of a row
     this.hidden = new Set(); // names of nodes
     this.lines = Number(styled("lines")) || 1; // thickness of lines
+    this.isSmooth = dhLook.isSmooth(); // whether the canvas has smooth edges
     this.faded = {}; // how much less opaque the bodies of robots are than they would be, by the names of the robots
     this.goal = null; // where the camera is going by itself
     this.holding = false; // whether a person holds the camera
@@ -89,7 +92,7 @@ export default {
     this.$el.camera = this.camera;
     const canvas = this.$el.querySelector("canvas");
     try {
-      this.renderer = new THREE.WebGLRenderer({ antialias: true, alpha: true, stencil: true, canvas });
+      this.renderer = new THREE.WebGLRenderer({ antialias: this.isSmooth, alpha: true, stencil: true, canvas });
       this.renderer.shadowMap.enabled = true;
       this.renderer.shadowMap.type = THREE.PCFSoftShadowMap;
       this.renderer.shadowMap.autoUpdate = false; // it is drawn anew when something has moved
@@ -296,6 +299,8 @@ export default {
       if (!this.own) this.fit(true);
       this.draw();
     },
+
+    smooth: () => dhLook.smooth(),
 
     // Waits for the next picture, or for a page that draws none.
     nextPicture() {

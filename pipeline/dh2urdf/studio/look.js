@@ -1,10 +1,27 @@
-// How the pages look: light, dark or as the system is, large for a projector, in perspective or orthographic. The browser
-// keeps the choice, for all tabs of this address. Style sheets read `data-look` and `data-size` of the page, scenes hear of
-// them by `dh-look`; a scene that is already open keeps its own projection.
+// How the pages look: light, dark or as the system is, large for a projector, in perspective or orthographic, with edges
+// that are smoothed or not. The browser keeps the choice, for all tabs of this address. Style sheets read `data-look` and
+// `data-size` of the page, scenes hear of them by `dh-look`; a scene that is already open keeps its own projection and its
+// own edges.
 (() => {
   const KEPT = "dh2urdf-look";
   const system = matchMedia("(prefers-color-scheme: dark)");
-  let choice = { scheme: "system", size: "usual", projection: "perspective" };
+  let choice = { scheme: "system", size: "usual", projection: "perspective", edges: "fitting" };
+  let software; // whether the processor draws
+
+  // A browser says whether WebGL would be slow, except one that leaves that to the driver, whose name says it.
+  const drawsInSoftware = () => {
+    if (software !== undefined) return software;
+    const probe = (options) => document.createElement("canvas").getContext("webgl2", options);
+    const quick = probe({ failIfMajorPerformanceCaveat: true }), context = quick ?? probe();
+    software = Boolean(context) && (!quick || /llvmpipe|softpipe|swiftshader|software|basic render/i.test(driver(context)));
+    context?.getExtension("WEBGL_lose_context")?.loseContext();
+    return software;
+  };
+  const driver = (context) => {
+    const names = context.getExtension("WEBGL_debug_renderer_info");
+    return context.getParameter(names ? names.UNMASKED_RENDERER_WEBGL : context.RENDERER);
+  };
+  const isSmooth = () => (choice.edges === "fitting" ? !drawsInSoftware() : choice.edges === "smooth");
 
   const read = () => {
     try {
@@ -12,6 +29,7 @@
       if (["system", "light", "dark"].includes(kept.scheme)) choice.scheme = kept.scheme;
       if (["usual", "large"].includes(kept.size)) choice.size = kept.size;
       if (["perspective", "orthographic"].includes(kept.projection)) choice.projection = kept.projection;
+      if (["fitting", "smooth", "quick"].includes(kept.edges)) choice.edges = kept.edges;
     } catch {
       return; // it is not ours, or the browser keeps nothing
     }
@@ -19,8 +37,9 @@
   // What is chosen in an open menu.
   const mark = () => {
     for (const item of document.querySelectorAll(".studio-look")) {
-      const on = item.dataset.scheme === choice.scheme || item.dataset.size === choice.size;
-      item.setAttribute("role", item.dataset.size ? "menuitemcheckbox" : "menuitemradio");
+      const { scheme, size, edges } = item.dataset;
+      const on = scheme === choice.scheme || size === choice.size || Boolean(edges && isSmooth());
+      item.setAttribute("role", scheme ? "menuitemradio" : "menuitemcheckbox");
       item.setAttribute("aria-checked", String(on));
     }
   };
@@ -47,6 +66,10 @@
     magnify: () => (keep({ size: choice.size === "large" ? "usual" : "large" }), apply()),
     project: (parallel) => keep({ projection: parallel ? "orthographic" : "perspective" }),
     isOrthographic: () => choice.projection === "orthographic",
+    drawsInSoftware,
+    isSmooth,
+    // A canvas is smoothed or not for as long as there is one.
+    smooth: () => (keep({ edges: isSmooth() ? "quick" : "smooth" }), location.reload()),
   };
   system.addEventListener("change", apply);
   window.addEventListener("storage", ({ key }) => key === KEPT && (read(), apply()));

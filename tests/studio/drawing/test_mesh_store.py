@@ -9,6 +9,7 @@ import pytest
 import trimesh
 
 from dh2urdf.errors import OutputError
+from dh2urdf.isolation.child_process import pickled_call, started
 from dh2urdf.studio.drawing import mesh_store
 from dh2urdf.studio.drawing.mesh_files import DrawnMesh, triangles
 from dh2urdf.studio.drawing.mesh_store import MeshStore
@@ -16,18 +17,19 @@ from dh2urdf.studio.drawing.mesh_store import MeshStore
 if TYPE_CHECKING:
     from pathlib import Path
 
+    from dh2urdf.isolation.interpreter import Interpreter
 
-def test_a_file_is_read_once_until_it_changes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+
+def test_a_file_is_read_once_until_it_changes(tmp_path: Path) -> None:
     path = tmp_path / "box.stl"
     trimesh.creation.box((1.0, 1.0, 1.0)).export(path)
     mesh = DrawnMesh(path=path)
-    reads: list[DrawnMesh] = []
-    monkeypatch.setattr(mesh_store, "triangles", lambda mesh: (reads.append(mesh), triangles(mesh))[1])
     store = MeshStore({"key": mesh})
     store.begin(["key"])
-    before = store.triangles("key").result()
-    assert store.triangles("key").result() == before == triangles(mesh)
-    assert reads == [mesh]
+    reading = store.triangles("key")
+    before = reading.result()
+    assert store.triangles("key") is reading
+    assert before == triangles(mesh)
     trimesh.creation.icosphere(subdivisions=1).export(path)
     os.utime(path, ns=(1, 1))
     assert store.triangles("key").result() != before
@@ -37,3 +39,21 @@ def test_a_file_is_read_once_until_it_changes(tmp_path: Path, monkeypatch: pytes
     assert "key" in store
     assert "other" not in store
     store.close()
+
+
+def test_a_reader_that_crashes_costs_one_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A new one reads the next file, and none is left."""
+    meshes = {name: DrawnMesh(path=tmp_path / f"{name}.stl") for name in ("bad", "good")}
+    for mesh in meshes.values():
+        trimesh.creation.box((1.0, 1.0, 1.0)).export(mesh.path)
+    readers: list[Interpreter] = []
+    monkeypatch.setattr(mesh_store, "started", lambda: (readers.append(started()), readers[-1])[1])
+    store = MeshStore(meshes)
+    with monkeypatch.context() as patch:
+        patch.setattr(mesh_store, "pickled_call", lambda *_: pickled_call(os.abort, (), "it"))
+        message = r"'bad\.stl' cannot be read: the reader of 'bad\.stl' crashed \(aborted\)"
+        with pytest.raises(OutputError, match=message):
+            store.triangles("bad").result()
+    assert store.triangles("good").result() == triangles(meshes["good"])
+    store.close()
+    assert [reader.is_alive() for reader in readers] == [False, False]

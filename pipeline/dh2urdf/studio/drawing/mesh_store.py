@@ -1,21 +1,30 @@
-"""The triangles of the mesh files that pages ask for: each file is read once, and before anybody asks for it."""
+"""The triangles of the mesh files that pages ask for: each file is read once, and before anybody asks for it.
+
+Children read them, see `dh2urdf.isolation.interpreter`: the server answers meanwhile, and a file that ends its reader
+ends nothing else.
+"""
 
 from __future__ import annotations
 
+import os
 from concurrent.futures import Future, ThreadPoolExecutor
 from typing import TYPE_CHECKING
 
+from dh2urdf.errors import CrashError, OutputError
+from dh2urdf.isolation.child_process import outcome, pickled_call, started
 from dh2urdf.late_tuples import NamedTuple
+from dh2urdf.source import Problem, shown
 from dh2urdf.studio.drawing.mesh_files import triangles
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
 
+    from dh2urdf.isolation.interpreter import Interpreter
     from dh2urdf.studio.drawing.mesh_files import DrawnMesh, DrawnTriangles
     from dh2urdf.studio.drawing.solids import Picture
 
-_THREADS = 2
-"""Files that are read at a time: much of the work holds Python's lock."""
+_MOST_READERS = 4
+"""Files that are read at a time, where there are so many processors beside the one of the server and the page."""
 
 
 class _Read(NamedTuple):
@@ -39,7 +48,10 @@ class MeshStore:
 
     def __init__(self, meshes: Mapping[str, DrawnMesh]) -> None:
         self._meshes = dict(meshes)
-        self._pool = ThreadPoolExecutor(_THREADS, thread_name_prefix="dh2urdf-mesh")
+        readers = max(1, min(_MOST_READERS, (os.cpu_count() or 1) - 1))
+        self._pool = ThreadPoolExecutor(readers, thread_name_prefix="dh2urdf-mesh")
+        self._idle: list[Interpreter] = []
+        self._busy: set[Interpreter] = set()
         self._read: dict[str, _Read] = {}
         self._pictures: dict[str, Picture] = {}
 
@@ -79,7 +91,19 @@ class MeshStore:
         return found.content
 
     def _triangles(self, mesh: DrawnMesh) -> DrawnTriangles:
-        found = triangles(mesh)
+        name = shown(mesh.path.name)
+        try:
+            child = self._idle.pop() if self._idle else started()
+            self._busy.add(child)
+            answer, status = child.call(*pickled_call(triangles, (mesh,), name), timeout=None), 0
+            self._busy.discard(child)
+            if answer:
+                self._idle.append(child)
+            else:
+                status = child.end()
+            found = outcome(answer, child.output.text(), status, triangles, None, f"the reader of {name}").value
+        except CrashError as error:
+            raise OutputError(Problem(message=f"{name} cannot be read: {error.problems[0].message}")) from error
         self._pictures.update(found.pictures)
         return found
 
@@ -89,5 +113,7 @@ class MeshStore:
             self.triangles(key)
 
     def close(self) -> None:
-        """Read nothing more."""
+        """Read nothing more, also of the files that are being read."""
         self._pool.shutdown(wait=False, cancel_futures=True)
+        for child in (*self._busy, *self._idle):
+            child.end()

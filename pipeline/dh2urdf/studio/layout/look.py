@@ -7,6 +7,7 @@ from nicegui import ui
 SCHEMES = {"system": "as the system", "light": "light", "dark": "dark"}
 """The colour schemes."""
 _TOLD = "light, dark, projector"
+_SMOOTH = "smooth edges"
 _LARGE = "projector: larger text and lines"
 
 
@@ -21,4 +22,6 @@ def lay_look() -> None:
             ui.separator()
             large = ui.menu_item(_LARGE).classes("studio-look").props('data-size="large" role=menuitem')
             large.on("click", js_handler="() => dhLook.magnify()")
+            smooth = ui.menu_item(_SMOOTH).classes("studio-look").props('data-edges="smooth" role=menuitem')
+            smooth.on("click", js_handler="() => dhLook.smooth()")
         menu.on("show", js_handler="() => dhLook.mark()")

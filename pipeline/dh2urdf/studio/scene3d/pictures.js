@@ -7,7 +7,7 @@ export const pictures = {
   savePicture(name, transparent) {
     const fine = 2;
     this.arrive();
-    this.renderer.setPixelRatio(fine);
+    this.renderer.setPixelRatio(this.isSmooth ? fine : 2 * fine); // what is drawn finer is smooth when it gets smaller
     const sheet = this.pictured(fine, transparent);
     this.renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
     this.draw();

@@ -172,7 +172,7 @@ def test_a_reload_and_another_tab(studio_address: str, new_tab: Callable[..., An
 
     other = new_tab(studio_address)
     other.open()
-    assert other.status == "choose the number of axes"
+    assert other.status == "choose the number of axes, or paste a table"
     other.open_from_gallery("ur5")
 
     page.bring_to_front()

@@ -40,7 +40,7 @@ def paste(tab: Any, row: int, field: str, text: str) -> None:
 def begin(tab: Any, axes: int) -> None:
     """A new table of the standard convention, with rows that are empty."""
     tab.page.get_by_role("button", name="New", exact=True).click()
-    tab.wait_for_status("choose the number of axes")
+    tab.wait_for_status("choose the number of axes, or paste a table")
     tab.page.get_by_role("button", name="standard").click()
     tab.page.get_by_label("number of axes").fill(f"{axes}")
     tab.page.keyboard.press("Enter")
@@ -60,7 +60,7 @@ def test_no_ghosts_of_rows(tab: Any, how: str) -> None:
     tab.open("ur5")
     tab.page.get_by_role("button", name=how, exact=True).click()
     tab.page.wait_for_function(f"{ROWS} === 0")
-    tab.wait_for_status("choose the number of axes")
+    tab.wait_for_status("choose the number of axes, or paste a table")
 
 
 def test_undo_is_the_studios(tab: Any) -> None:
@@ -243,6 +243,37 @@ def test_cells_of_a_text(tab: Any) -> None:
         tab.wait_for_status("2 axes; the arm is the table's")
         tab.wait_for_cells(0, a="0.1", alpha="pi/2", d="0.2")
         tab.wait_for_cells(1, a="0.3", alpha="0", d="0")
+
+
+def test_an_empty_table_takes_what_is_pasted(tab: Any) -> None:
+    """Wherever the cursor is: a whole table is there at once, cells begin where they belong, and a number is a number."""
+    page = tab.open()
+    page.locator(".studio-axes input:focus").wait_for()
+    for text, status, cells in (
+        (
+            "# convention: standard\nalpha [deg];a [mm];d [mm]\n90;0,5;120\n",
+            "1 axis; the arm is the table's",
+            {"alpha": "90", "d": "120"},
+        ),
+        ("0.1\tpi/2\t0.2\n0.3\t0\t0\n", "1 problem", {"a": "0.1", "alpha": "pi/2", "d": "0.2"}),
+        ("waist 1\tP\t0.1\t0\t0.2", "1 problem", {"joint": "waist 1", "type": "P", "a": "0.1", "d": "0.2"}),
+    ):
+        copy_text(tab, text)
+        page.keyboard.press("Control+v")
+        tab.wait_for_status(status)
+        tab.wait_for_cells(0, **cells)
+        page.get_by_role("button", name="New", exact=True).click()
+        tab.wait_for_status("choose the number of axes, or paste a table")
+        page.locator(".arm-view").click()  # the cursor is in no field
+    copy_text(tab, "# convention: foo\na,alpha,d\n1,2,3\n")
+    page.keyboard.press("Control+v")
+    page.get_by_text("This looks like a whole table, and cannot be read as one").wait_for()
+    page.get_by_role("button", name="Cancel").click()
+    copy_text(tab, "3")
+    page.get_by_label("number of axes").click()
+    page.keyboard.press("Control+v")
+    page.keyboard.press("Enter")
+    page.wait_for_function(f"{ROWS} === 3")
 
 
 def test_cells_without_a_place_are_told(tab: Any) -> None:

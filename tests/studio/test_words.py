@@ -24,7 +24,7 @@ def status(session: Session) -> tuple[str, str]:
 def test_what_is_to_be_done_next(catalog: Catalog) -> None:
     """From an empty table to an arm the line below the table says the next step."""
     session = Session(catalog)
-    assert status(session) == ("choose the number of axes", "")
+    assert status(session) == ("choose the number of axes, or paste a table", "")
     session.put(edits.resized(session.table, 2))
     assert status(session)[0].startswith("choose the convention: standard")
     session.set_convention(Convention.STANDARD, convert=False)

@@ -33,6 +33,15 @@
     true,
   );
 
+  // What is pasted while the table is empty begins it, wherever the cursor is: at first it is in the field of axes.
+  document.addEventListener("paste", (event) => {
+    const { target } = event, text = event.clipboardData.getData("text/plain");
+    if (!document.querySelector(".studio-table") || document.querySelector(".q-dialog, .dh-table .ag-row")) return;
+    if (!/[\t\n;|,]/.test(text.trim()) || (isField(target) && !target.closest(".studio-axes"))) return;
+    event.preventDefault();
+    emitEvent("dh-paste", text);
+  });
+
   // While the server is away nothing can be done to the table: it would be lost. The browser keeps the table of this tab,
   // and a server that does not know it is given it back, if a person wants that.
   const KEPT = "dh2urdf-table", CELL = "dh2urdf-cell";

@@ -120,12 +120,7 @@ class StudioPage:
                 on_undrawn=dialogs.Warnings().add,
             )
             with ui.element("div").classes("studio-empty") as self._empty, ui.element("div"):
-                ui.html(
-                    "<b>An empty table.</b><br>Choose the number of axes and the convention, then enter a, α and d of "
-                    "every row: <code>pi/2</code>, <code>90°</code> and <code>-425 mm</code> are fine. "
-                    "The arm appears as you type. Or open a table of yours, or one of the gallery.",
-                    sanitize=False,
-                )
+                ui.html(words.EMPTY, sanitize=False)
         self._head.share(self._view)
 
     def _lay_motion(self) -> None:
@@ -235,7 +230,8 @@ class StudioPage:
         if field not in session.columns:
             return
         found = pasting.whole_tables(text, session.catalog, session.table.convention)
-        answer = await dialogs.ask_paste(found) if found else "cells"
+        is_asked = session.table.rows or isinstance(found, str)  # a whole table takes the place of an empty one
+        answer = (await dialogs.ask_paste(found) if is_asked else "table") if found else "cells"
         if answer == "cells":
             put = pasting.pasted(session.table, row, field, text, session.columns)
             self._put(put.table, all_cells=True)

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 from nicegui import ui
 
 from dh2urdf.manipulator import Convention
+from dh2urdf.studio.editing.pasting import first_field
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -100,7 +101,7 @@ class TableGrid:
                 "rowDragManaged": True,
                 "suppressMoveWhenRowDragging": True,
                 ":onRowDragEnd": "e => emitEvent('dh-row', [Number(e.node.data.id), e.node.rowIndex])",
-                "overlayNoRowsTemplate": "<span>choose the number of axes</span>",
+                "overlayNoRowsTemplate": "<span>choose the number of axes, or paste a table</span>",
             },
             theme="balham",
             auto_size_columns=False,
@@ -116,6 +117,7 @@ class TableGrid:
             lambda event: on_paste(*event.args),
             js_handler=f"e => dhGrid.paste(getElement({grid.id}).api, e, emit)",
         )
+        ui.on("dh-paste", lambda event: on_paste(0, first_field(event.args), event.args))
         for event, function in {"copy": "copy", "cut": "copy", "mousedown": "clicked"}.items():
             grid.on(event, js_handler=f"e => dhGrid.{function}(getElement({grid.id}).api, e)")
         ui.on("dh-clear", lambda event: on_clear(*event.args))

@@ -17,6 +17,12 @@ if TYPE_CHECKING:
     from dh2urdf.studio.editing.session import Session
     from dh2urdf.table_text import TableText
 
+EMPTY = (
+    "<b>An empty table.</b><br>Choose the number of axes and the convention, then enter a, α and d of every row: "
+    "<code>pi/2</code>, <code>90°</code> and <code>-425 mm</code> are fine. The arm appears as you type. "
+    "Or paste a table, open one of yours, or one of the gallery."
+)
+"""What stands in the scene of a table without rows, as HTML."""
 MOST_LOST = 6
 """What a table cannot hold, as far as it is reported."""
 
@@ -28,7 +34,7 @@ def status(session: Session, errors: int) -> tuple[str, str]:
         told = count(errors, "problem", "problems")
         return (f"{told}; the last good arm is shown" if session.arm else told), "bad"
     if not rows:
-        return "choose the number of axes", ""
+        return "choose the number of axes, or paste a table", ""
     if not session.table.convention and waiting == rows:
         return "choose the convention: standard (Denavit-Hartenberg, Spong) or modified (Craig)", ""
     if waiting:

@@ -23,6 +23,7 @@ _RULE = re.compile(r"\|?(?:\s*:?-+:?\s*\|)+\s*(?::?-+:?)?\s*")
 _DIGIT = re.compile(r"\d")
 MIN_LINES = MIN_COLUMNS = 2
 """Of a table with a header."""
+_NAME = re.compile(r"(?!pi\b)[^\W\d_][\w -]*", re.IGNORECASE)
 _WORD = re.compile(r"[^\W\d_]", re.UNICODE)
 
 
@@ -84,6 +85,11 @@ def _split(lines: Sequence[str], separator: str) -> list[list[str]]:
 def _decimal(lines: Sequence[str]) -> bool:
     """Whether each line is one number with a decimal comma."""
     return all(_DECIMAL_COMMA.fullmatch(line.strip()) for line in lines)
+
+
+def first_field(text: str) -> str:
+    """The field of the first cell of a text that is pasted into an empty table: names of joints may come first."""
+    return "joint" if _NAME.fullmatch(cells_of(text)[0][0]) else "a"
 
 
 def whole_tables(text: str, catalog: Catalog, convention: str = "") -> tuple[Opened, ...] | str:

@@ -22,7 +22,7 @@ EMPTY = (
     "<code>pi/2</code>, <code>90°</code> and <code>-425 mm</code> are fine. The arm appears as you type. "
     "Or paste a table, open one of yours, or one of the gallery."
 )
-"""What stands in the scene of a table without rows, as HTML."""
+"""What the scene of a table without rows says, as HTML."""
 MOST_LOST = 6
 """What a table cannot hold, as far as it is reported."""
 

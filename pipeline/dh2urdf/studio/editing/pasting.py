@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.studio.editing.edits import MOST_ROWS, resized, with_cells
 from dh2urdf.studio.editing.opening import Opened, tables_of
+from dh2urdf.studio.editing.typeset import typeset
 from dh2urdf.table_text import TableText
 
 if TYPE_CHECKING:
@@ -18,8 +19,8 @@ if TYPE_CHECKING:
 
 _DECIMAL_COMMA = re.compile(r"[+-]?\d+,\d+")
 _DECIMAL_POINT = re.compile(r"\d\.\d")
-_RULE = re.compile(r"\|?(?:\s*:?-+:?\s*\|)+\s*(?::?-+:?)?\s*")
-"""The line below the header of a Markdown table."""
+_KEY = re.compile(r"[A-Za-z_]\w*:(?:\s|$)")
+"""How a YAML table begins."""
 _DIGIT = re.compile(r"\d")
 MIN_LINES = MIN_COLUMNS = 2
 """Of a table with a header."""
@@ -41,16 +42,16 @@ class Put:
 
 
 def cells_of(text: str) -> list[list[str]]:
-    """The cells of a pasted text, line by line: with tabs, semicolons, bars or commas between them.
+    """The cells of a pasted text, line by line: of LaTeX or Markdown, or with tabs, semicolons or commas between them.
 
     Decimal commas become points where no number has a point. A comma is a separator only where nothing else is, and
     where every line has as many of them.
     """
-    lines = [line for line in text.replace("\r\n", "\n").rstrip("\n").split("\n") if not _RULE.fullmatch(line.strip())]
+    lines = text.replace("\r\n", "\n").rstrip("\n").split("\n")
     if any("\t" in line for line in lines):
         rows = _split(lines, "\t")
-    elif any(line.strip().startswith("|") for line in lines):
-        rows = [line.strip().removeprefix("|").removesuffix("|").split("|") for line in lines]
+    elif found := typeset(text):
+        rows = found.rows
     elif any(";" in line for line in lines):
         rows = _split(lines, ";")
     elif (commas := {line.count(",") for line in lines}) != {0} and len(commas) == 1 and not _decimal(lines):
@@ -93,7 +94,7 @@ def first_field(text: str) -> str:
 
 
 def whole_tables(text: str, catalog: Catalog, convention: str = "") -> tuple[Opened, ...] | str:
-    """The tables of a pasted text that begins with comments or a header, as the reader of CSV files reads them.
+    """The tables of a pasted text, as the readers read them: a YAML file, or a table that has comments or a header.
 
     Args:
         text: the text.
@@ -103,11 +104,14 @@ def whole_tables(text: str, catalog: Catalog, convention: str = "") -> tuple[Ope
     Returns:
         The tables; none where the text has no header, and so is cells. A message where it has one and cannot be read.
     """
-    if not has_header(text):
+    first = next((line for line in text.splitlines() if line.strip() and not line.lstrip().startswith("#")), "")
+    is_yaml = _KEY.match(first) is not None
+    shown = None if is_yaml else typeset(text)
+    if not is_yaml and not has_header(text):
         return ()
-    if any(line.lstrip().startswith("|") for line in text.splitlines()):
-        text = "\n".join("\t".join(row) for row in cells_of(text)) + "\n"
-    found = tables_of("clipboard.csv", text.encode(), catalog)
+    if shown:
+        text = shown.as_csv()
+    found = tables_of("clipboard.yaml" if is_yaml else "clipboard.csv", text.encode(), catalog)
     if isinstance(found, str):
         return found
     return tuple(
@@ -119,7 +123,7 @@ def whole_tables(text: str, catalog: Catalog, convention: str = "") -> tuple[Ope
 def has_header(text: str) -> bool:
     """Whether a text has comments of a table, or a first line of words with lines of numbers below."""
     lines = [line for line in text.splitlines() if line.strip()]
-    if lines and lines[0].lstrip().startswith("#"):
+    if lines and lines[0].lstrip().startswith("#") and not typeset(text):
         return True
     rows = cells_of("\n".join(lines))
     if len(rows) < MIN_LINES or len(rows[0]) < MIN_COLUMNS:

@@ -1,0 +1,125 @@
+r"""Tables as papers and pages show them: LaTeX, Markdown, and numbers with spaces between them, as cells."""
+
+from __future__ import annotations
+
+import re
+
+from dh2urdf.late_tuples import NamedTuple
+from dh2urdf.patterns import late_pattern
+
+_BODY = late_pattern(r"\\begin\{(tabular[*xy]?|longtable|array|[bpv]?matrix)\}(.*?)\\end\{\1\}", re.DOTALL)
+_ARGUMENTS = late_pattern(r"\s*(?:\[[^]]*\]|\{(?:[^{}]|\{[^{}]*\})*\})*")
+_RULES = late_pattern(r"\\(?:(?:top|mid|bottom)rule|hline|addlinespace|c(?:mid)?(?:rule|line)(?:\([^)]*\))?\{[^}]*\})")
+_COMMENT = late_pattern(r"(?<!\\)%.*")
+_NEW_ROW = late_pattern(r"(?:\\\\|\\tabularnewline)(?:\s*\[-?[\d.]+ *[a-z]+\])?")
+_CELL = late_pattern(r"(?<!\\)&")
+_BAR = late_pattern(r"(?<!\\)\|")
+_RULE = late_pattern(r"\|?(?:\s*:?-+:?\s*\|)+\s*(?::?-+:?)?\s*")
+"""The line below the header of a Markdown table."""
+_NUMBER = late_pattern(
+    r"[-+−]?(?:(?:\d+(?:[.,]\d*)?|[.,]\d+)(?<!,)(?:e[-+]?\d+)?°?|(?:\d*\*?)?(?:pi|π)(?:/\d+)?|[θq]_?\d+\*?)",
+    re.IGNORECASE,
+)
+_POSE = late_pattern(r"^\s*(base|tool):\s*(\S.*)$", re.IGNORECASE | re.MULTILINE)
+_UNIT = late_pattern(r"\[(?:(m|cm|mm)|(rad|deg|°))\]")
+_MIXED = late_pattern(r"\s*\[(?:rad|deg|°), ?(?:m|cm|mm)\]")
+"""The unit of a column that has bounds of joints of both kinds."""
+_CONVENTION = late_pattern(r"\b(standard|modified) convention\b", re.IGNORECASE)
+_FORMULAS = tuple(
+    (late_pattern(pattern), plain)
+    for pattern, plain in (
+        (r"\\multicolumn\{[^{}]*\}\{[^{}]*\}\{([^{}]*)\}", r"\1"),
+        (r"\\(?:text|mathrm|mathbf|mathit|textbf|textit|texttt|mbox)\{((?:\\.|[^{}])*)\}", r"\1"),
+        (r"\\[dt]?frac\{(-?[\w.\\]+)\}\{([\w.\\]+)\}", r"\1/\2"),
+        (r"\\[dt]?frac\{([^{}]*)\}\{([^{}]*)\}", r"(\1)/(\2)"),
+        (r"\s*(?:\^\s*\{?\s*\\circ\s*\}?|\\degree(?![a-z])|\\textdegree(?![a-z]))", "°"),
+        (r"\s*\\(?:times|cdot)\s*10\s*\^\s*\{?\s*([+-]?\d+)\s*\}?", r"e\1"),
+        (r"\\(?:times|cdot)(?![a-z])", "*"),
+        (r"\\(?:left|right)(?![a-z])", ""),
+        (r"\\[,;:! ]|~|\\q?quad(?![a-z])", " "),
+        (r"(\d)\s*(?:\\pi(?![a-z])|π)", r"\1*pi"),
+        (r"\\(pi|theta|alpha|min|max)(?![a-z])", r"\1"),
+        (r"(?<!\\)[{}$]", ""),
+        (r"\\([\\`*_{}\[\]()#+.!|&%$-])", r"\1"),
+    )
+)
+
+
+class Typeset(NamedTuple):
+    """A table of a text.
+
+    Attributes:
+        rows: its cells, as a person would type them.
+        around: the text before and after it.
+    """
+
+    rows: list[list[str]]
+    around: str = ""
+
+    def as_csv(self) -> str:
+        """The table as the reader of CSV files takes it, with tabs, and with what the text around it says of it."""
+        heads = [_MIXED.sub("", head) for head in self.rows[0]]
+        said = {word.lower() for word in _CONVENTION.findall(self.around)}
+        lines = [f"# convention: {said.pop()}"] if len(said) == 1 else []
+        poses = [f"# {name.lower()}: {_pose(pose)}" for name, pose in _POSE.findall(self.around)]
+        if poses or heads != self.rows[0]:  # which have the units of the other columns
+            units = zip(("length", "angle"), zip(*_UNIT.findall(" ".join(heads)), strict=True), strict=False)
+            named = [f"{name}: {max(found).replace('°', 'deg')}" for name, found in units if len({*found} - {""}) == 1]
+            lines += [f"# units: {{{', '.join(named)}}}"] if named else []
+        # Where axes are counted, a fixed joint has no number; rows are counted without the column.
+        first = int(heads[0] in {"i", "no."} and not all(row[0] for row in self.rows))
+        cells = ("\t".join(row[first:]) for row in (heads, *self.rows[1:]))
+        return "\n".join([*lines, *poses, *cells, ""])
+
+
+def typeset(text: str) -> Typeset | None:
+    """The table of a text; None where it is neither LaTeX nor Markdown, nor numbers with spaces between them."""
+    if _CELL.search(text) and ("\\\\" in text or "\\begin{" in text):
+        found = _latex(text)
+    elif any(line.strip().startswith("|") for line in text.splitlines()):
+        found = _markdown(text.splitlines())
+    else:
+        return _spaced([line for line in text.splitlines() if line.strip()])
+    return found if found.rows else None
+
+
+def _latex(text: str) -> Typeset:
+    bodies = [found[2] for found in _BODY.finditer(text)]
+    rows = (row for body in bodies or [text] for row in _NEW_ROW.split(_RULES.sub("", _COMMENT.sub("", _inside(body)))))
+    cells = [[_plain(cell) for cell in _CELL.split(row)] for row in rows if row.strip()]
+    return Typeset(cells, _BODY.sub("", text) if bodies else "")
+
+
+def _inside(body: str) -> str:
+    """What follows the arguments of a table: its place, its width, its columns."""
+    arguments = _ARGUMENTS.match(body)
+    return body[arguments.end() :] if arguments else body
+
+
+def _markdown(lines: list[str]) -> Typeset:
+    table = [line.strip() for line in lines if line.strip().startswith("|")]
+    cells = (_BAR.split(line.removeprefix("|").removesuffix("|")) for line in table if not _RULE.fullmatch(line))
+    around = "\n".join(line for line in lines if not line.strip().startswith("|"))
+    return Typeset([[_plain(cell) for cell in row] for row in cells], around)
+
+
+def _spaced(lines: list[str]) -> Typeset | None:
+    """Of a table with a header of words, too; None where a line has another number of words than the others."""
+    rows = [line.split() for line in lines]
+    counts = {len(row) for row in rows}
+    numbers = rows[1:] or rows
+    if len(counts) != 1 or counts == {1} or not all(_NUMBER.fullmatch(cell) for row in numbers for cell in row):
+        return None
+    is_header = not any(_NUMBER.fullmatch(cell) for cell in rows[0])
+    return Typeset(rows) if is_header or all(_NUMBER.fullmatch(cell) for cell in rows[0]) else None
+
+
+def _plain(cell: str) -> str:
+    """A cell without the signs of LaTeX and of Markdown; what is not known stays, and the reader names it."""
+    for pattern, plain in _FORMULAS if any(sign in cell for sign in "\\$π") else ():
+        cell = pattern.sub(plain, cell)
+    return " ".join(cell.split())
+
+
+def _pose(text: str) -> str:
+    return text.strip("` ") if text.startswith("`") else _plain(text)

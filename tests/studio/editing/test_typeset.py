@@ -1,0 +1,127 @@
+"""Pasted tables of papers, pages and YAML files are the arms that they show."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import pytest
+
+from dh2urdf.studio.editing.opening import tables_of
+from dh2urdf.studio.editing.pasting import cells_of, whole_tables
+from dh2urdf.studio.editing.reading import read_whole
+from dh2urdf.studio.editing.typeset import typeset
+from dh2urdf_plugins.emitters.table.latex import latex_file
+from dh2urdf_plugins.emitters.table.markdown import markdown_file
+from dh2urdf_plugins.emitters.table.options import TableOptions
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from dh2urdf.manipulator import Manipulator
+    from dh2urdf.plugin_system import Catalog
+
+TABLES = sorted((Path(__file__).parents[3] / "configs" / "tables").glob("*.[cy]*"))
+IN_A_PLACE = """# convention: standard
+# base: {xyz: [0, 0, 0.3], rpy: [0, 0, pi]}
+# tool: {xyz: [0, 0.1, 0]}
+joint,type,a,alpha,d,theta,lower,upper
+waist_1,R,0.1,pi/2,0.2,-q + pi/4,-3*pi/4,1
+slide,P,0.3,-1.1,0.4 - q,0.7,0,0.75
+last,fixed,0,pi,0.05,pi/3,,
+"""
+
+
+def arm_of(found: Any, catalog: Catalog) -> Manipulator:
+    assert isinstance(found, tuple), found
+    ((table, *_),) = found
+    arm = read_whole(table, catalog).manipulator
+    assert arm is not None
+    return arm
+
+
+@pytest.mark.parametrize("form", [latex_file, markdown_file])
+@pytest.mark.parametrize("units", [("m", "rad"), ("mm", "deg")])
+@pytest.mark.parametrize("table", [*TABLES, IN_A_PLACE], ids=lambda table: getattr(table, "name", "in_a_place.csv"))
+def test_what_is_written_for_papers_is_read(
+    table: Path | str, units: tuple[str, str], form: Callable[..., bytes], catalog: Catalog
+) -> None:
+    """The arm is the same, with its names, types, bounds, base and tool, and with the convention of the caption."""
+    name, text = (table.name, table.read_text()) if isinstance(table, Path) else ("arm.csv", table)
+    arm = arm_of(tables_of(name, text.encode(), catalog), catalog)
+    length, angle = units
+    typed = form([arm], TableOptions(length_unit=length, angle_unit=angle)).decode()
+    again = arm_of(whole_tables(typed, catalog), catalog)
+    assert again.convention == arm.convention
+    assert [row.joint for row in again.rows] == [row.joint for row in arm.rows]
+    for new, old in zip(again.rows, arm.rows, strict=True):
+        assert (new.type, new.sign) == (old.type, old.sign)
+        numbers = [(row.a, row.alpha, row.d, row.theta, row.offset) for row in (new, old)]
+        assert numbers[0] == pytest.approx(numbers[1], abs=1e-12)
+        if old.limits is not None:
+            assert new.limits is not None
+            bounds = [(row.lower, row.upper) for row in (new.limits, old.limits)]
+            assert bounds[0] == pytest.approx(bounds[1], abs=1e-12)
+    for place, old_place in ((again.base, arm.base), (again.tool, arm.tool)):
+        assert place.translation == pytest.approx(old_place.translation, abs=1e-12)
+        assert place.rpy == pytest.approx(old_place.rpy, abs=1e-12)
+
+
+PAPER = r"""
+\begin{table}[h]
+\caption{D-H parameters of the arm}  % and no word of the convention
+\begin{tabular}{|c|c|c|c|c|} \hline
+$i$ & $\alpha_i$ (deg) & $a_i$ (mm) & $d_i$ (mm) & $\theta_i$ \\ [0.5ex] \hline\hline
+1 & $-90^{\circ}$ & $0$ & \textbf{105.5} & $\theta_1$ \\ \cline{1-2}
+2 & $90$ & $4.25 \times 10^{2}$ & 0 & $\theta_2 - \frac{\pi}{2}$ \\
+\end{tabular}
+\end{table}
+"""
+
+
+def test_a_table_of_a_paper(catalog: Catalog) -> None:
+    """Rules, formulas and bold type; what the text does not say is not guessed."""
+    found = typeset(PAPER)
+    assert found is not None
+    assert found.rows == [
+        ["i", "alpha_i (deg)", "a_i (mm)", "d_i (mm)", "theta_i"],
+        ["1", "-90°", "0", "105.5", "theta_1"],
+        ["2", "90", "4.25e2", "0", "theta_2 - pi/2"],
+    ]
+    opened = whole_tables(PAPER, catalog)
+    assert isinstance(opened, tuple)
+    assert opened[0].table.convention == ""
+    arm = arm_of(whole_tables(PAPER, catalog, "standard"), catalog)
+    assert [row.a for row in arm.rows] == [0.0, 0.425]
+    assert arm.rows[1].theta == pytest.approx(-1.5707963267948966, abs=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("text", "cells"),
+    [
+        ("1 0 90 0.1\n2 0.3 -90 0\n", [["1", "0", "90", "0.1"], ["2", "0.3", "-90", "0"]]),
+        ("0,1   -π/2  .5 θ1", [["0.1", "-π/2", ".5", "θ1"]]),
+        (r"0.1 & $\dfrac{\pi}{2}$ & $-2\pi$ \\", [["0.1", "pi/2", "-2*pi"]]),
+        (r"1 & \unknown{2} \\", [["1", r"\unknown2"]]),  # the reader names what it does not know
+        ("-425 mm", [["-425 mm"]]),
+        ("0.1 + 0.2\n0.3 + 0.4", [["0.1 + 0.2"], ["0.3 + 0.4"]]),
+        ("0.1 0.2\n0.3", [["0.1 0.2"], ["0.3"]]),
+    ],
+)
+def test_cells_without_a_header(text: str, cells: list[list[str]], catalog: Catalog) -> None:
+    """Spaces are between cells only where nothing but numbers is there, and as many in every line."""
+    assert cells_of(text) == cells
+    assert whole_tables(text, catalog) == ()
+
+
+def test_a_header_of_words(catalog: Catalog) -> None:
+    arm = arm_of(whole_tables("i a alpha d\n1 0.1 pi/2 0.2\n2 0.3 0 0\n", catalog, "modified"), catalog)
+    assert [(row.a, row.d) for row in arm.rows] == [(0.1, 0.2), (0.3, 0.0)]
+
+
+@pytest.mark.parametrize("table", [table for table in TABLES if table.suffix == ".yaml"], ids=lambda table: table.name)
+def test_a_yaml_table(table: Path, catalog: Catalog) -> None:
+    assert arm_of(whole_tables(table.read_text(), catalog), catalog).rows == (
+        arm_of(tables_of(table.name, table.read_bytes(), catalog), catalog).rows
+    )
+    assert "clipboard.yaml" in str(whole_tables("convention: standard\njoints: [{a: x}]\n", catalog))

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 from dh2urdf.conversion.one_manipulator import read_items
 from dh2urdf.errors import Dh2UrdfError, InputError
 from dh2urdf.late_tuples import NamedTuple
-from dh2urdf.manipulator import Manipulator
+from dh2urdf.manipulator import Convention, Manipulator
 from dh2urdf.plugin_system.calls import blaming, default_call
 from dh2urdf.plugin_system.stage_answers import whole_records
 from dh2urdf.run_file.config import RUN_SUFFIXES, is_run_file
@@ -23,7 +23,7 @@ from dh2urdf.studio.editing.reading import read_whole
 from dh2urdf.table_text import FIELDS, TableText, table_text
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
+    from collections.abc import Iterable, Iterator, Sequence
 
     from dh2urdf.plugin_system.calls import Call
     from dh2urdf.plugin_system.catalog import Catalog
@@ -75,6 +75,8 @@ def open_tables(path: Path, catalog: Catalog, most: int | None = None) -> tuple[
     rejected = [item for item in items if isinstance(item, Rejected)]
     if unsaid := [table for item in rejected if (table := _unsaid(item, typed.get(item.name), catalog))]:
         return tuple(map(Opened, unsaid))
+    if of_any := list(islice(_of_any_convention(path, default_call(catalog, reader), rejected), most)):
+        return tuple(_without_convention(_opened(arm, None, catalog)) for arm in of_any)
     raise InputError(
         [problem for item in rejected for problem in item.problems],
         [notice for item in rejected for notice in item.notices],
@@ -157,6 +159,21 @@ def _unsaid(rejected: Rejected, typed: TableText | None, catalog: Catalog) -> Ta
         return None
     table = _completed(typed, [f"joint_{number}" for number in range(1, len(typed.rows) + 1)])
     return table if len(read_whole(table, catalog).errors) == len(rejected.problems) else None
+
+
+def _of_any_convention(path: Path, call: Call[Reader[Any]], rejected: Sequence[Rejected]) -> Iterator[Manipulator]:
+    """The manipulators of a file that names no convention, where no table can hold its texts.
+
+    Lengths of two units are an example. The numbers of a row are the same in both conventions.
+    """
+    is_missing = any(problem.field == "convention" for item in rejected for problem in item.problems)
+    if is_missing and hasattr(call.options, "convention"):
+        read = _items(path, replace(call, options=replace(call.options, convention=Convention.STANDARD.value)))
+        yield from (item for item in read if isinstance(item, Manipulator))
+
+
+def _without_convention(opened: Opened) -> Opened:
+    return opened._replace(table=replace(opened.table, convention=""))
 
 
 def _completed(typed: TableText, joints: Iterable[str]) -> TableText:

@@ -57,7 +57,7 @@ class Typeset(NamedTuple):
     around: str = ""
 
     def as_csv(self) -> str:
-        """The table as the reader of CSV files takes it, with tabs, and with what the text around it says of it."""
+        """The table as the reader of CSV files takes it, with tabs, and with what the text around it declares."""
         heads = [_MIXED.sub("", head) for head in self.rows[0]]
         said = {word.lower() for word in _CONVENTION.findall(self.around)}
         lines = [f"# convention: {said.pop()}"] if len(said) == 1 else []

@@ -90,6 +90,15 @@ MESHES = """<?xml version="1.0"?>
 """
 
 
+COLOURS = """() => {
+    const found = [];
+    document.querySelector('.arm-view').scene.traverse(part => {
+        if (part.isMesh && part.geometry.attributes.normal?.itemSize === 4) found.push(`#${part.material.color.getHexString()}`);
+    });
+    return found;
+}"""
+
+
 def test_meshes_are_drawn(new_tab: Callable[..., Any], serving: Callable[..., Any], tmp_path: Path) -> None:
     """The files that a description names, from its package or beside it, and nothing else; what is missing is named."""
     package = tmp_path / "arm_description"
@@ -164,6 +173,13 @@ def test_meshes_are_drawn(new_tab: Callable[..., Any], serving: Callable[..., An
             " 'textures/'].map(path => fetch(path).then(a => a.status)))"
         )
         assert answers == [404] * 6
+        page.get_by_role("button", name="opacity, and the colour of links without one").click()
+        field = page.get_by_label("links without a colour")
+        assert field.input_value() == "#b8bdc4"
+        field.fill("#ff8800")
+        page.wait_for_function(f"({COLOURS})().includes('#ff8800')")
+        painted_ones = {"#0000ff", "#ff8800", "#ffffff", "#00ff00", "#d93373"}
+        assert set(page.evaluate(COLOURS)) == painted_ones, "those that have a colour keep it"
         assert tab.foreign() == []
         page.close()
 

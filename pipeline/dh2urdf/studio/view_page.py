@@ -20,6 +20,7 @@ from dh2urdf.studio.widgets import ArmView, JointSliders, LiveHtml
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
 
+    from dh2urdf.studio.drawing.colours import Colour
     from dh2urdf.studio.driving.live_joints import LiveJoints
     from dh2urdf.studio.viewing import View
     from dh2urdf.studio.widgets import ShownScene
@@ -85,7 +86,7 @@ class ViewPage:
                 lay_views(lambda: self._scene)
                 lay_grasp(lambda: self._scene)
                 titles = {figure.name: figure.title or figure.robot.name for figure in self.view.figures}
-                lay_opacity(titles, self.view.opacities, self._fade)
+                lay_opacity(titles, self.view.opacities, self._fade, self.view.plain, self._paint)
         if unseen := self.view.drawing.unseen:
             told = words.count(len(unseen), "mesh file was not found", "mesh files were not found")
             _remark(f"{told}: {words.some_of(unseen)}", unseen)
@@ -117,6 +118,10 @@ class ViewPage:
     def _fade(self, robot: str, opacity: float) -> None:
         self.view.opacities[robot] = opacity
         self._scene.fade(self.view.opacities)
+
+    def _paint(self, colour: Colour) -> None:
+        self.view.place(plain=colour)
+        self._show()
 
     async def start(self) -> None:
         """Shows the view for the first time."""

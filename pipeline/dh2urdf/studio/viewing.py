@@ -24,6 +24,7 @@ from dh2urdf.run_file.records import StageCall
 from dh2urdf.source import Mark, Problem, shown
 from dh2urdf.stages import Expansion, Rejected
 from dh2urdf.studio import joints
+from dh2urdf.studio.drawing.colours import GREY
 from dh2urdf.studio.drawing.grips import Grasp
 from dh2urdf.studio.drawing.scene import Drawing, Figure, extent, meshes_of
 from dh2urdf.tasks.batch import items
@@ -36,6 +37,7 @@ if TYPE_CHECKING:
 
     from dh2urdf.manipulator import Manipulator
     from dh2urdf.plugin_system.catalog import Catalog
+    from dh2urdf.studio.drawing.colours import Colour
     from dh2urdf.studio.drawing.mesh_files import DrawnMesh
     from dh2urdf.studio.joints import Slider
 
@@ -186,6 +188,7 @@ class View:
         layers: what is shown.
         apart: whether the robots stand side by side, or all at one place.
         as_in_ros: whether the axis up of COLLADA files is not followed: see `dh2urdf.meshes.read_parts`.
+        plain: the colour of links that have none.
         sliders: the joints of all robots.
         followers: the joints that follow others, by name: they have no slider.
         q: the values of all joints by name [rad or m].
@@ -198,7 +201,7 @@ class View:
     def __init__(self, figures: Sequence[Figure]) -> None:
         self.figures = tuple(figures)
         self.layers: frozenset[str] = frozenset(("links", "axes", "outlines"))
-        self.apart, self.as_in_ros = True, True
+        self.apart, self.as_in_ros, self.plain = True, True, GREY
         self.followers = {
             figure.name + name: follower._replace(leader=figure.name + follower.leader)
             for figure in figures
@@ -231,11 +234,12 @@ class View:
         other.q = self.q
         return other
 
-    def place(self, *, apart: bool | None = None, as_in_ros: bool | None = None) -> None:
-        """Puts the robots side by side or all at one place, and their meshes as ROS or as their files have them."""
+    def place(self, *, apart: bool | None = None, as_in_ros: bool | None = None, plain: Colour | None = None) -> None:
+        """Puts the robots side by side or all at one place, their meshes as ROS or as their files have them."""
         self.apart = self.apart if apart is None else apart
         self.as_in_ros = self.as_in_ros if as_in_ros is None else as_in_ros
-        figures = [replace(figure, as_in_ros=self.as_in_ros) for figure in self.figures]
+        self.plain = plain or self.plain
+        figures = [replace(figure, as_in_ros=self.as_in_ros, plain=self.plain) for figure in self.figures]
         self.drawing = Drawing.of(list(_placed(figures)) if self.apart else figures)
 
     @property

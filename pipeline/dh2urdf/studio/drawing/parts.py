@@ -19,17 +19,17 @@ class ScenePart:
         size: its sizes [m].
         pose: where it is in the node.
         layer: with what it is shown, one of `LAYERS`.
-        colour: its colour; None for those of a mesh file.
+        colour: its colour.
         opacity: 1 for what cannot be looked through.
         mesh: the mesh file.
-        own_colours: whether the colours of the mesh file come before `colour`, as RViz has it of descriptions.
+        own_colours: whether the colours of the mesh file come before `colour`: those of a description do, as in RViz.
     """
 
     shape: str
     size: tuple[float, ...]
     pose: RigidTransform = IDENTITY
     layer: str = "links"
-    colour: Colour | None = GREY
+    colour: Colour = GREY
     opacity: float = 1.0
     mesh: DrawnMesh | None = None
     own_colours: bool = False

@@ -32,7 +32,7 @@ from dh2urdf.table_text import TableText
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
-    from dh2urdf.robot import Geometry, Link, Material
+    from dh2urdf.robot import Geometry, Link
 
 LAYERS = {
     "links": "links",
@@ -68,6 +68,7 @@ class Figure:
         name: what stands before the names of its nodes.
         place: where its root is.
         tint: a colour in place of its own ones.
+        plain: the colour of links that have none.
         opacity: less than 1 for a robot that is looked through, to see another one at its place.
         typed: the table as it was typed, whose texts and units are at its parameters.
         title: a text that is at its root.
@@ -85,6 +86,7 @@ class Figure:
     name: str = ""
     place: RigidTransform = IDENTITY
     tint: Colour | None = None
+    plain: Colour = GREY
     opacity: float = 1.0
     title: str = ""
     link_frames: bool = True
@@ -305,12 +307,11 @@ def _bodies(link: Link, figure: Figure) -> Iterator[ScenePart]:
     for visual in link.visuals:
         part = _part(visual.geometry, figure)
         if part is not None:
-            colour, opacity = _colour(visual.material, figure.tint)
-            plain = GREY if part.mesh is None else None
-            opacity *= figure.opacity
-            own = isinstance(visual.geometry, Mesh) and visual.geometry.file is None and figure.tint is None
-            pose = visual.origin.transform
-            yield replace(part, pose=pose, colour=colour or plain, opacity=opacity, own_colours=own)
+            red, green, blue, opacity = visual.material.rgba if visual.material else (*figure.plain, 1.0)
+            colour, pose = figure.tint or (red, green, blue), visual.origin.transform
+            is_foreign = isinstance(visual.geometry, Mesh) and visual.geometry.file is None
+            own = figure.tint is None and (is_foreign or visual.material is None)
+            yield replace(part, pose=pose, colour=colour, opacity=opacity * figure.opacity, own_colours=own)
     for collision in link.collisions:
         part = _part(collision.geometry, figure)
         if part is not None:
@@ -320,7 +321,7 @@ def _bodies(link: Link, figure: Figure) -> Iterator[ScenePart]:
 
 def _sticks(link: Link, figure: Figure, radius: float) -> Iterator[ScenePart]:
     """The skeleton of a link that has nothing to draw: from its own origin to those of the joints that it holds."""
-    colour, opacity = figure.tint or GREY, figure.opacity
+    colour, opacity = figure.tint or figure.plain, figure.opacity
     for joint in figure.robot.joints:
         length = norm(joint.origin.xyz)
         stands_there = joint.parent == WORLD and joint.type is JointType.FIXED  # Nothing holds it in the world.
@@ -340,13 +341,6 @@ def _file_of(mesh: Mesh, figure: Figure) -> DrawnMesh | None:
     return drawn_mesh(mesh, figure.files.get(mesh.filename), as_in_ros=figure.as_in_ros)
 
 
-def _colour(material: Material | None, tint: Colour | None) -> tuple[Colour | None, float]:
-    if material is None:
-        return tint, 1.0
-    red, green, blue, opacity = material.rgba
-    return tint or (red, green, blue), opacity
-
-
 def _part(geometry: Geometry, figure: Figure) -> ScenePart | None:
     """A shape in its own frame; None for a mesh that cannot be drawn."""
     match geometry:
@@ -363,7 +357,7 @@ def _part(geometry: Geometry, figure: Figure) -> ScenePart | None:
 
 def _axis(joint: Joint, size: float, near: Sequence[ScenePart]) -> Iterator[ScenePart]:
     """The axis of a joint in its child's frame, among the bodies that it joins."""
-    colour = axis_colour(joint.type, [part.colour for part in near if part.layer == "links" and part.colour])
+    colour = axis_colour(joint.type, [part.colour for part in near if part.layer == "links"])
     if colour is not None and norm(joint.axis) > 0.0:
         pose = RigidTransform(towards(joint.axis), (0.0, 0.0, 0.0))
         yield ScenePart(

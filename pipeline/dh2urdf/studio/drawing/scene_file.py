@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from dh2urdf.kinematics.chain import as_matrices
 from dh2urdf.rotations import IDENTITY
-from dh2urdf.studio.drawing.colours import GREY, WHITE
+from dh2urdf.studio.drawing.colours import WHITE
 from dh2urdf.studio.drawing.glb_file import GlbFile
 from dh2urdf.studio.drawing.mesh_files import surfaces
 from dh2urdf.studio.drawing.solids import ARROW, CYLINDER, SPHERE, Surface, box, turned
@@ -105,10 +105,10 @@ class _PartMeshes:
             pieces = []
             for number, (own, surface) in enumerate(self._of_files[part.mesh]):
                 key = part.mesh, number
-                if part.colour and not ((own or surface.texture) and part.own_colours):
+                if not (part.own_colours and (own or surface.texture)):
                     pieces.append((key, surface._replace(uv=None, texture=None), (*part.colour, opacity)))
                     continue
-                red, green, blue, alpha = own or (*(WHITE if surface.texture else GREY), 1.0)
+                red, green, blue, alpha = own or (*WHITE, 1.0)
                 pieces.append((key, surface, (red, green, blue, alpha * opacity)))
             yield file.mesh(pieces), matrix
             return
@@ -122,4 +122,4 @@ class _PartMeshes:
         radius = part.size[0]
         sides = (radius, radius, part.size[1]) if part.shape == "cylinder" else part.size
         matrix[:3, :3] *= sides if len(sides) > 1 else radius
-        yield file.mesh([(part.shape, surface, (*(part.colour or GREY), opacity))]), matrix
+        yield file.mesh([(part.shape, surface, (*part.colour, opacity))]), matrix

@@ -8,12 +8,14 @@ from typing import TYPE_CHECKING
 
 from nicegui import ui
 
+from dh2urdf.studio.drawing.colours import GREY
 from dh2urdf.studio.drawing.scene import LAYERS
 from dh2urdf.studio.widgets import lay_menu_item
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping
 
+    from dh2urdf.studio.drawing.colours import Colour
     from dh2urdf.studio.widgets import ArmView
 
 LEAST_OPACITY = 0.1
@@ -28,6 +30,7 @@ VIEWS = {
     "corner": "corner (9)",
 }
 """The standard views, with the keys that choose them where the scene has the focus."""
+WITHOUT_COLOUR = "links without a colour"
 USUAL_LAYERS = ("links", "axes", "frames", "parameters")
 """Layers with a box in the bar; the others are in a menu, so that the bar takes two rows beside a table."""
 
@@ -103,19 +106,26 @@ def lay_grasp(scene: Callable[[], ArmView]) -> None:
 
 
 def lay_opacity(
-    robots: Mapping[str, str], opacities: Mapping[str, float], on_fade: Callable[[str, float], None]
+    robots: Mapping[str, str],
+    opacities: Mapping[str, float],
+    on_fade: Callable[[str, float], None],
+    plain: Colour = GREY,
+    on_paint: Callable[[Colour], None] | None = None,
 ) -> None:
-    """Lay out the menu with which bodies are looked through, where the page is being laid out.
+    """Lay out the menu with which bodies are looked through and painted, where the page is being laid out.
 
     Args:
         robots: what robots are called, by their names in the scene.
         opacities: how opaque they are, by the same names; 1 for those that are left out.
         on_fade: takes a robot's name and how opaque it is to be.
+        plain: the colour of links that have none.
+        on_paint: takes another colour for them, where there may be such links.
     """
-    with ui.button(icon="opacity").props('flat dense round size=sm aria-label="opacity"') as button:
-        button.tooltip("opacity")
+    told = "opacity, and the colour of links without one" if on_paint else "opacity"
+    with ui.button(icon="opacity").props(f'flat dense round size=sm aria-label="{told}"') as button:
+        button.tooltip(told)
         with (
-            ui.menu().props('role=dialog aria-label="opacity of the robots"'),
+            ui.menu().props(f'role=dialog aria-label="{told}"'),
             ui.element("div").classes("studio-opacity"),
         ):
             for name, told in robots.items():
@@ -124,6 +134,24 @@ def lay_opacity(
                 slider.props(f'value={opacities.get(name, 1.0)} aria-label="opacity of {escape(told)}"')
                 taken = "(event) => emit(event.target.valueAsNumber)"
                 slider.on("input", lambda event, name=name: on_fade(name, float(event.args)), js_handler=taken)
+            if on_paint is not None:
+                ui.label(WITHOUT_COLOUR)
+                paint = ui.element("input").props(
+                    f'type=color value="{_hexadecimal(plain)}" aria-label="{WITHOUT_COLOUR}"'
+                )
+                taken = "(event) => emit(event.target.value)"
+                paint.on("change", lambda event: on_paint(_colour(str(event.args))), js_handler=taken)
+
+
+def _hexadecimal(colour: Colour) -> str:
+    """A colour as a page writes it: ``#b8bdc4``."""
+    return f"#{bytes(round(255 * part) for part in colour).hex()}"
+
+
+def _colour(text: str) -> Colour:
+    """A colour that a page has written."""
+    red, green, blue = bytes.fromhex(text.removeprefix("#"))
+    return red / 255, green / 255, blue / 255
 
 
 def _switched(element: ui.element, state: str) -> bool:

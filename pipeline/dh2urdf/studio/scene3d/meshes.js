@@ -2,7 +2,6 @@
 import { THREE } from "nicegui-scene";
 import { matrixOf } from "dh2urdf-scene/shapes.js";
 
-const GREY = [0.72, 0.74, 0.77]; // of a mesh without a colour
 const WHITE = [1, 1, 1]; // what a texture is multiplied by
 const PACE = 1000; // between pictures while meshes are on their way [ms]
 
@@ -47,8 +46,8 @@ export const meshes = {
       this.waiting += 1;
       this.meshes.get(key).then((parts) => {
         for (const { rgba, geometry, map } of parts) {
-          const painted = colour && !(ownColours && (rgba || map)); // else it has the colour of its file
-          const [own, clear] = [painted ? colour : (rgba?.slice(0, 3) ?? (map ? WHITE : GREY)), opacity * (painted ? 1 : (rgba?.[3] ?? 1))];
+          const painted = !(ownColours && (rgba || map)); // else it has the colour of its file
+          const [own, clear] = [painted ? colour : (rgba?.slice(0, 3) ?? WHITE), opacity * (painted ? 1 : (rgba?.[3] ?? 1))];
           const mesh = new THREE.Mesh(geometry, this.material("mesh", layer, own, clear, number));
           if (!painted && layer === "links") mesh.material.map = map ?? null;
           mesh.userData = { layer, shared: true };

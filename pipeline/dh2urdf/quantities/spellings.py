@@ -12,8 +12,14 @@ import re
 from dh2urdf.patterns import late_pattern
 
 # What typesetting and PDF copies make of the signs. The raised dot is missing: it is a decimal point to some.
-SIGNS = str.maketrans({"−": "-", "–": "-", "‐": "-", "‑": "-", "×": "*", "∗": "*", "÷": "/", "⁄": "/", "∕": "/"})
-"""The signs of arithmetic, by the characters that are written in their place."""
+DEGREES = "°º˚◦∘"
+"""What is written for the degree sign: keyboards have ordinals beside it, and LaTeX makes it of a ring or a bullet."""
+_DEGREE = str.maketrans(dict.fromkeys(DEGREES, "°"))
+SIGNS = {
+    **str.maketrans({"−": "-", "–": "-", "‐": "-", "‑": "-", "×": "*", "∗": "*", "÷": "/", "⁄": "/", "∕": "/"}),
+    **_DEGREE,
+}
+"""The signs of numbers, by the code points of the characters that are written in their place."""
 
 _MONTHS = (
     r"jan|jän|janv|ene|gen|feb|fév|févr|mar|mär|mrz|mars|apr|avr|abr|may|mai|mag|jun|juin|giu|jul|juil|lug|aug|août|aou|"
@@ -38,7 +44,7 @@ _DATE_ADVICE = (
     "a spreadsheet makes dates of fractions: format the column as text; for a difference or a quotient, put spaces "
     "around its signs"
 )
-_WORD = r"[^\W\d_]{1,3}|[°º˚]"
+_WORD = r"[^\W\d_]{1,3}|°"
 _IN_BRACKETS = late_pattern(rf"\s*\(\s*([0-9.,]+(?:e[+-]?[0-9]+)?)\s*({_WORD})?\s*\)\s*({_WORD})?\s*", re.IGNORECASE)
 _NO_DIGIT_BUT_0 = late_pattern(r"[0.,]+(?:e[+-]?[0-9]+)?", re.IGNORECASE)
 
@@ -73,9 +79,14 @@ _ADVICE = (
         "take out the mark at the end, of a footnote or of a product that is cut off",
     ),
     (late_pattern(r"\s*(±|\+/-|\+-|-\+)"), "write the two numbers, lower and upper, each with its own sign"),
-    (late_pattern(r".*[0-9]\s*[°º˚]\s*[0-9]"), "write decimal degrees: 12.5° for 12°30'"),
+    (late_pattern(rf".*[0-9]\s*[{DEGREES}]\s*[0-9]"), "write decimal degrees: 12.5° for 12°30'"),
     (late_pattern(r"\s*(#[A-Z]|=|')"), "write the number itself, without what the spreadsheet puts before it"),
 )
+
+
+def with_degree_signs(text: str) -> str:
+    """A text in which every character that is written for the degree sign is one."""
+    return text.translate(_DEGREE)
 
 
 def misreading(text: str) -> tuple[str, str] | None:

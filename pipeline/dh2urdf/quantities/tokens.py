@@ -65,7 +65,7 @@ TOKEN = late_pattern(
     r"""
       | (?P<number>(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]{1,18}(?![0-9]))?)
       | (?P<word>\\?[^\W\d]\w*(?:_?\{\w+\})?(?:\.[^\W\d]\w*)*)
-      | (?P<degree>[°º˚])
+      | (?P<degree>°)
       | (?P<sign>.)""",
     re.VERBOSE | re.DOTALL,
 )

@@ -16,6 +16,7 @@ from itertools import accumulate
 from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.patterns import late_pattern
 from dh2urdf.quantities.exact_numbers import ONE, Decimal, Ratio
+from dh2urdf.quantities.spellings import with_degree_signs
 from dh2urdf.rotations import HALF_PI
 from dh2urdf.source import did_you_mean, shown
 
@@ -233,7 +234,7 @@ def _factors(text: str) -> list[str]:
     """The factors of a unit as they are written, without case: ``kg m^2`` is kg and m2, ``kgm²`` is one word."""
     if text.isascii() and text.isalnum() and "sec" not in (word := text.lower()) and "min" not in word:
         return [word]
-    word = unicodedata.normalize("NFKC", text.replace("º", "°").replace("˚", "°")).casefold().strip()
+    word = unicodedata.normalize("NFKC", with_degree_signs(text)).casefold().strip()
     word = re.sub(r"sec(?:onds?)?", "s", re.sub(r"\s*\bper\s+", "/", word)).replace("minute", "min")
     if word.isalpha():
         return [word]

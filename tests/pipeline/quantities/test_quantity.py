@@ -26,6 +26,8 @@ DEGREES, MILLIMETRES = find_unit("deg", ANGLE), find_unit("mm", LENGTH)
         ("8.23 cm", LENGTH, None, 0.0823),
         ("90", ANGLE, DEGREES, math.pi / 2),
         ("90°", ANGLE, None, math.pi / 2),
+        ("90\N{WHITE BULLET}", ANGLE, None, math.pi / 2),
+        ("−90 \N{RING OPERATOR}", ANGLE, None, -math.pi / 2),
         ("-90 deg", ANGLE, None, -math.pi / 2),
         ("pi/2", ANGLE, None, math.pi / 2),
         ("−π/2", ANGLE, None, -math.pi / 2),  # U+2212

@@ -136,6 +136,9 @@ QUARTERS = {
         ("\N{GREEK SMALL LETTER MU}m", Dimension.LENGTH, "µm"),
         ("°", Dimension.ANGLE, "deg"),
         ("º", Dimension.ANGLE, "deg"),
+        ("˚", Dimension.ANGLE, "deg"),
+        ("\N{WHITE BULLET}", Dimension.ANGLE, "deg"),  # of LaTeX, as PDF viewers copy it
+        ("\N{RING OPERATOR}/s", Dimension.TURN_RATE, "deg/s"),
         ("Degrees", Dimension.ANGLE, "deg"),
         ("°/s", Dimension.TURN_RATE, "deg/s"),
         ("rad/sec", Dimension.TURN_RATE, "rad/s"),

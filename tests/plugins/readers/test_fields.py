@@ -40,6 +40,7 @@ from dh2urdf_plugins.readers.words.fields import convention_of, joint_type
         ("𝛼", "alpha", None, None),
         ("α°", "alpha", "°", None),
         ("α [º]", "alpha", "°", None),
+        ("α [\N{WHITE BULLET}]", "alpha", "°", None),
         (r"\alpha_{i-1}", "alpha", None, "i-1"),
         ("alpha_deg", "alpha", "deg", None),
         ("ALPHA (DEG)", "alpha", "DEG", None),

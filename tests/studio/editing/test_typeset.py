@@ -101,6 +101,7 @@ def test_a_table_of_a_paper(catalog: Catalog) -> None:
     [
         ("1 0 90 0.1\n2 0.3 -90 0\n", [["1", "0", "90", "0.1"], ["2", "0.3", "-90", "0"]]),
         ("0,1   -π/2  .5 θ1", [["0.1", "-π/2", ".5", "θ1"]]),
+        ("0 –90\N{WHITE BULLET} 1", [["0", "–90\N{WHITE BULLET}", "1"]]),
         (r"0.1 & $\dfrac{\pi}{2}$ & $-2\pi$ \\", [["0.1", "pi/2", "-2*pi"]]),
         (r"1 & \unknown{2} \\", [["1", r"\unknown2"]]),  # the reader names what it does not know
         ("-425 mm", [["-425 mm"]]),

@@ -6,6 +6,7 @@ import re
 
 from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.patterns import late_pattern
+from dh2urdf.quantities.spellings import DEGREES
 
 _BODY = late_pattern(r"\\begin\{(tabular[*xy]?|longtable|array|[bpv]?matrix)\}(.*?)\\end\{\1\}", re.DOTALL)
 _ARGUMENTS = late_pattern(r"\s*(?:\[[^]]*\]|\{(?:[^{}]|\{[^{}]*\})*\})*")
@@ -17,7 +18,8 @@ _BAR = late_pattern(r"(?<!\\)\|")
 _RULE = late_pattern(r"\|?(?:\s*:?-+:?\s*\|)+\s*(?::?-+:?)?\s*")
 """The line below the header of a Markdown table."""
 _NUMBER = late_pattern(
-    r"[-+−]?(?:(?:\d+(?:[.,]\d*)?|[.,]\d+)(?<!,)(?:e[-+]?\d+)?°?|(?:\d*\*?)?(?:pi|π)(?:/\d+)?|[θq]_?\d+\*?)",
+    rf"[-+−–‐‑]?(?:(?:\d+(?:[.,]\d*)?|[.,]\d+)(?<!,)(?:e[-+]?\d+)?[{DEGREES}]?"
+    r"|(?:\d*\*?)?(?:pi|π)(?:/\d+)?|[θq]_?\d+\*?)",
     re.IGNORECASE,
 )
 _POSE = late_pattern(r"^\s*(base|tool):\s*(\S.*)$", re.IGNORECASE | re.MULTILINE)

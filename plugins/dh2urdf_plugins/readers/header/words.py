@@ -9,6 +9,7 @@ from functools import cache, lru_cache
 from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.patterns import late_pattern
 from dh2urdf.quantities import UNITS, is_unit, unit_word
+from dh2urdf.quantities.spellings import with_degree_signs
 from dh2urdf_plugins.readers.words.fields import FIELDS, GROUPS, WORDS, Field
 from dh2urdf_plugins.readers.words.unheld import IGNORED, PROSE, SUSPECTS, UNHELD
 from dh2urdf_plugins.readers.words.word_keys import key_of, keys_of
@@ -88,7 +89,7 @@ def _as_written(text: str) -> Header:
 
 
 def _written(text: str) -> str:
-    written = unicodedata.normalize("NFKC", text.replace("º", "°").replace("˚", "°"))
+    written = unicodedata.normalize("NFKC", with_degree_signs(text))
     plain = _LATEX.sub("", written) if "\\" in written or "$" in written else written
     return plain.replace("−", "-").strip()
 

@@ -11,13 +11,12 @@ import re
 
 from dh2urdf.patterns import late_pattern
 
-# What typesetting and PDF copies make of the signs. The raised dot is missing: it is a decimal point to some.
-DEGREES = "°º˚◦∘"
+DEGREE_SIGNS = "°º˚◦∘"
 """What is written for the degree sign: keyboards have ordinals beside it, and LaTeX makes it of a ring or a bullet."""
-_DEGREE = str.maketrans(dict.fromkeys(DEGREES, "°"))
+# What typesetting and PDF copies make of the signs. The raised dot is missing: it is a decimal point to some.
 SIGNS = {
     **str.maketrans({"−": "-", "–": "-", "‐": "-", "‑": "-", "×": "*", "∗": "*", "÷": "/", "⁄": "/", "∕": "/"}),
-    **_DEGREE,
+    **str.maketrans(dict.fromkeys(DEGREE_SIGNS, "°")),
 }
 """The signs of numbers, by the code points of the characters that are written in their place."""
 
@@ -79,14 +78,9 @@ _ADVICE = (
         "take out the mark at the end, of a footnote or of a product that is cut off",
     ),
     (late_pattern(r"\s*(±|\+/-|\+-|-\+)"), "write the two numbers, lower and upper, each with its own sign"),
-    (late_pattern(rf".*[0-9]\s*[{DEGREES}]\s*[0-9]"), "write decimal degrees: 12.5° for 12°30'"),
+    (late_pattern(rf".*[0-9]\s*[{DEGREE_SIGNS}]\s*[0-9]"), "write decimal degrees: 12.5° for 12°30'"),
     (late_pattern(r"\s*(#[A-Z]|=|')"), "write the number itself, without what the spreadsheet puts before it"),
 )
-
-
-def with_degree_signs(text: str) -> str:
-    """A text in which every character that is written for the degree sign is one."""
-    return text.translate(_DEGREE)
 
 
 def misreading(text: str) -> tuple[str, str] | None:

@@ -6,7 +6,7 @@ import re
 
 from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.patterns import late_pattern
-from dh2urdf.quantities.spellings import DEGREES
+from dh2urdf.quantities.spellings import DEGREE_SIGNS
 
 _BODY = late_pattern(r"\\begin\{(tabular[*xy]?|longtable|array|[bpv]?matrix)\}(.*?)\\end\{\1\}", re.DOTALL)
 _ARGUMENTS = late_pattern(r"\s*(?:\[[^]]*\]|\{(?:[^{}]|\{[^{}]*\})*\})*")
@@ -18,7 +18,7 @@ _BAR = late_pattern(r"(?<!\\)\|")
 _RULE = late_pattern(r"\|?(?:\s*:?-+:?\s*\|)+\s*(?::?-+:?)?\s*")
 """The line below the header of a Markdown table."""
 _NUMBER = late_pattern(
-    rf"[-+−–‐‑]?(?:(?:\d+(?:[.,]\d*)?|[.,]\d+)(?<!,)(?:e[-+]?\d+)?[{DEGREES}]?"
+    rf"[-+−–‐‑]?(?:(?:\d+(?:[.,]\d*)?|[.,]\d+)(?<!,)(?:e[-+]?\d+)?[{DEGREE_SIGNS}]?"
     r"|(?:\d*\*?)?(?:pi|π)(?:/\d+)?|[θq]_?\d+\*?)",
     re.IGNORECASE,
 )

@@ -8,8 +8,7 @@ from functools import cache, lru_cache
 
 from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.patterns import late_pattern
-from dh2urdf.quantities import UNITS, is_unit, unit_word
-from dh2urdf.quantities.spellings import with_degree_signs
+from dh2urdf.quantities import DEGREE_SIGNS, UNITS, is_unit, unit_word
 from dh2urdf_plugins.readers.words.fields import FIELDS, GROUPS, WORDS, Field
 from dh2urdf_plugins.readers.words.unheld import IGNORED, PROSE, SUSPECTS, UNHELD
 from dh2urdf_plugins.readers.words.word_keys import key_of, keys_of
@@ -22,6 +21,7 @@ _LETTERS, _BEHIND = frozenset("ijkn"), "]})* "
 _CLOSING = ("]", ")", "}", ">")
 _OTHER_LINK = late_pattern(r"[a-z]{0,3}\s*[-+]+\s*[a-z0-9]{0,3}|[ijkn][ijkn0-9]{1,2}")
 _PREFIX = late_pattern(r"(?:dh|denavit\W?hartenberg)(?:\W*param(?:eter)?s?)?[\s_.:-]+(.+)")
+_DEGREE = late_pattern(f"[{DEGREE_SIGNS}]")
 _LATEX = late_pattern(r"\\(?:mathrm|mathit|mathbf|text|rm)(?![a-z])|[\\$]")
 _FOOTNOTE = late_pattern(r"(?<=[^\W\d_])\s*[¹²³⁰⁴-⁹†‡§]+(?=\s*[\[({]|$)|(?<=[\])}])\s*[¹²³⁰⁴-⁹†‡§*]+$")
 _BRACKETED = late_pattern(r"(.*[^\s])\s*[\[({<]([^\[\](){}<>]*)[\])}>]")
@@ -89,7 +89,7 @@ def _as_written(text: str) -> Header:
 
 
 def _written(text: str) -> str:
-    written = unicodedata.normalize("NFKC", with_degree_signs(text))
+    written = unicodedata.normalize("NFKC", _DEGREE.sub("°", text))
     plain = _LATEX.sub("", written) if "\\" in written or "$" in written else written
     return plain.replace("−", "-").strip()
 

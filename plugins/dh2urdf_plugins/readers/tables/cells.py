@@ -5,8 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from dh2urdf.patterns import late_pattern
-from dh2urdf.quantities import is_unit, is_zero
-from dh2urdf.quantities.spellings import DEGREES
+from dh2urdf.quantities import DEGREE_SIGNS, is_unit, is_zero
 from dh2urdf.source import Mark, Problem, shown
 from dh2urdf_plugins.readers.header.unknown_columns import (
     how_to_leave_out,
@@ -31,7 +30,7 @@ if TYPE_CHECKING:
     from dh2urdf_plugins.readers.rows.rows import RowReader
     from dh2urdf_plugins.readers.words.cells import Units, Value
 
-_DECIMAL_COMMA = late_pattern(rf"[-+−]?[0-9]*,[0-9]+(?:[eE][-+]?[0-9]+)?\s*[^\W\d_]{{0,3}}[{DEGREES}]?")
+_DECIMAL_COMMA = late_pattern(rf"[-+−]?[0-9]*,[0-9]+(?:[eE][-+]?[0-9]+)?\s*[^\W\d_]{{0,3}}[{DEGREE_SIGNS}]?")
 
 
 class TableCells:

@@ -10,8 +10,7 @@ import re
 import unicodedata
 from typing import TYPE_CHECKING, Any
 
-from dh2urdf.quantities import UNITS
-from dh2urdf.quantities.spellings import DEGREES
+from dh2urdf.quantities import DEGREE_SIGNS, UNITS
 from dh2urdf.row_fields import COM, INERTIA
 from dh2urdf_plugins.readers.header.units import UNIT_KEYS
 from dh2urdf_plugins.readers.header.words import SHORTEST_CORE, spellings
@@ -33,7 +32,7 @@ _IN_A_GROUP = (*_LIMITS, *COM, *INERTIA, *GROUPS)
 
 _BETWEEN_FACTORS = r"[\s·⋅*^.-]*"
 """What the reader overlooks in a unit."""
-_OTHER_FORMS = {"2": "[2²]", "3": "[3³]", "°": f"[{DEGREES}]", "μ": "[μµ]", "/": "/"}
+_OTHER_FORMS = {"2": "[2²]", "3": "[3³]", "°": f"[{DEGREE_SIGNS}]", "μ": "[μµ]", "/": "/"}
 
 _NUMBER = {"type": ["number", "string"]}
 _NUMBER_OR_NONE = {"type": ["number", "string", "null"]}

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import os
+import threading
+import time
 from typing import TYPE_CHECKING
 
 import pytest
@@ -57,3 +59,28 @@ def test_a_reader_that_crashes_costs_one_file(tmp_path: Path, monkeypatch: pytes
     assert store.triangles("good").result() == triangles(meshes["good"])
     store.close()
     assert [reader.is_alive() for reader in readers] == [False, False]
+
+
+def test_what_is_being_read_at_the_end_is_ended_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Two that end one reader at once would close what the other one reads: `view` ended with a false message then."""
+    os.mkfifo(tmp_path / "pipe.stl")  # nobody writes to it, so its reader waits
+    ends: list[Interpreter] = []
+    is_there = threading.Event()
+
+    def watched() -> Interpreter:
+        child = started()
+        end = child.end
+        monkeypatch.setattr(child, "end", lambda: (ends.append(child), end())[1])
+        is_there.set()
+        return child
+
+    monkeypatch.setattr(mesh_store, "started", watched)
+    store = MeshStore({"pipe": DrawnMesh(path=tmp_path / "pipe.stl")})
+    reading = store.triangles("pipe")
+    assert is_there.wait(60)
+    while not store.is_reading:
+        time.sleep(0.01)
+    store.close()
+    with pytest.raises(OutputError, match=r"the reader of 'pipe\.stl' crashed \(killed\)"):
+        reading.result(60)
+    assert len(ends) == 1

@@ -70,6 +70,11 @@ class MeshStore:
         """Whether there is a file with this key."""
         return key in self._meshes
 
+    @property
+    def is_reading(self) -> bool:
+        """Whether a file is being read."""
+        return bool(self._busy)
+
     def picture(self, key: str) -> Picture | None:
         """The texture with a key, which the triangles of a file have named; None if none has."""
         return self._pictures.get(key)
@@ -115,5 +120,7 @@ class MeshStore:
     def close(self) -> None:
         """Read nothing more, also of the files that are being read."""
         self._pool.shutdown(wait=False, cancel_futures=True)
-        for child in (*self._busy, *self._idle):
-            child.end()
+        for child in tuple(self._busy):
+            child.kill()  # its thread ends it: two at once would close what the other one reads
+        while self._idle:
+            self._idle.pop().end()

@@ -203,7 +203,7 @@ def exit_status_of(words: list[str], *, debug: bool = False) -> int:
             text = f"{trace}\n{text}"
         return _failed(words, error, error.exit_status, text)
     except Exception as error:
-        if isinstance(error, OSError) and error.filename is None:  # what has a name was reported where it was met
+        if isinstance(error, OSError) and _is_of_an_answer(error):
             text = f"error: cannot write to standard output: {error.strerror}"
             return _failed(words, error, OutputError.exit_status, text, "output")
         if invocation.debug:
@@ -214,6 +214,18 @@ def exit_status_of(words: list[str], *, debug: bool = False) -> int:
         )
         return _failed(words, error, INTERNAL_ERROR, text, "internal")
     return result if isinstance(result, int) else 0
+
+
+def _is_of_an_answer(error: OSError) -> bool:
+    """Whether standard output has raised an error: what wrote to it is a module of the command line, or of a library.
+
+    Files have names, and what cannot be read or written by its name was reported where it was met.
+    """
+    place = error.__traceback__
+    while place is not None and place.tb_next is not None:
+        place = place.tb_next
+    writer = str(place.tb_frame.f_globals.get("__name__")) if place is not None else ""
+    return error.filename is None and f"{writer}.".startswith((f"{__name__}.", "click.", "rich."))
 
 
 def _usage(error: click.ClickException) -> str:

@@ -102,6 +102,13 @@ class TestWords:
         assert "\x1b" not in cli("\x1b[31mred", status=2).stderr
 
 
+def _a_closed_file() -> None:
+    reading, writing = os.pipe()
+    os.close(reading)
+    os.close(writing)
+    os.read(reading, 1)
+
+
 class TestDebug:
     def test_an_error_is_one_sentence_without_it(self, cli: Callable[..., Answer]) -> None:
         """A person gets no traceback."""
@@ -135,6 +142,14 @@ class TestDebug:
         )
         with pytest.raises(LookupError):
             exit_status_of(["--debug", "plugins"])
+
+    def test_an_error_of_the_system_is_none_of_standard_output(
+        self, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+    ) -> None:
+        """One that names no file was said to be one of writing the answer, wherever it came from."""
+        monkeypatch.setattr(dh2urdf.cli.plugins, "catalog", _a_closed_file)
+        assert exit_status_of(["plugins"], debug=False) == cli.INTERNAL_ERROR
+        assert capfd.readouterr().err.startswith("dh2urdf: internal error: OSError: [Errno 9] Bad file descriptor\n")
 
     def test_it_is_heeded_wherever_it_stands_before_the_command(self, capfd: pytest.CaptureFixture[str]) -> None:
         """Other options of the program may stand before it."""

@@ -115,6 +115,35 @@ def test_cells_without_a_header(text: str, cells: list[list[str]], catalog: Cata
     assert whole_tables(text, catalog) == ()
 
 
+COMMENTS = "# convention: modified\n# units: {length: mm, angle: deg}\n# tool: {xyz: [0, 0, 50]}\n"
+
+
+@pytest.mark.parametrize(
+    "table",
+    [
+        "| a | alpha | d |\n|---|---|---|\n| 100 | 90 | 200 |\n| 300 | 0 | 0 |\n",
+        "a alpha d\n100 90 200\n300 0 0\n",
+        "a & alpha & d \\\\\n100 & $90^\\circ$ & 200 \\\\\n300 & 0 & 0 \\\\\n",
+        "a,alpha,d\n100,90,200\n300,0,0\n",
+    ],
+    ids=["Markdown", "spaces", "LaTeX", "CSV"],
+)
+def test_comments_above_a_table_are_kept(table: str, catalog: Catalog) -> None:
+    """Without them lengths would be metres."""
+    arm = arm_of(whole_tables(COMMENTS + table, catalog), catalog)
+    assert arm.convention == "modified"
+    assert [(row.a, row.d) for row in arm.rows] == [(0.1, 0.2), (0.3, 0.0)]
+    assert arm.rows[0].alpha == pytest.approx(1.5707963267948966, abs=1e-15)
+    assert arm.tool.translation == (0.0, 0.0, 0.05)
+
+
+def test_comments_above_cells_are_not_lost(catalog: Catalog) -> None:
+    """Cells have no place for them, so the text is a table, whose header is missing."""
+    found = whole_tables("# units: {length: mm}\n100 90 200\n300 0 0\n", catalog)
+    assert isinstance(found, str)
+    assert "no header" in found
+
+
 def test_a_header_of_words(catalog: Catalog) -> None:
     arm = arm_of(whole_tables("i a alpha d\n1 0.1 pi/2 0.2\n2 0.3 0 0\n", catalog, "modified"), catalog)
     assert [(row.a, row.d) for row in arm.rows] == [(0.1, 0.2), (0.3, 0.0)]

@@ -123,7 +123,7 @@ def whole_tables(text: str, catalog: Catalog, convention: str = "") -> tuple[Ope
 def has_header(text: str) -> bool:
     """Whether a text has comments of a table, or a first line of words with lines of numbers below."""
     lines = [line for line in text.splitlines() if line.strip()]
-    if lines and lines[0].lstrip().startswith("#") and not typeset(text):
+    if lines and lines[0].lstrip().startswith("#"):
         return True
     rows = cells_of("\n".join(lines))
     if len(rows) < MIN_LINES or len(rows[0]) < MIN_COLUMNS:

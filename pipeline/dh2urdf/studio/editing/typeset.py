@@ -61,8 +61,9 @@ class Typeset(NamedTuple):
     def as_csv(self) -> str:
         """The table as the reader of CSV files takes it, with tabs, and with what the text around it declares."""
         heads = [_MIXED.sub("", head) for head in self.rows[0]]
+        lines = [line.strip() for line in self.around.splitlines() if line.lstrip().startswith("#")]
         said = {word.lower() for word in _CONVENTION.findall(self.around)}
-        lines = [f"# convention: {said.pop()}"] if len(said) == 1 else []
+        lines += [f"# convention: {said.pop()}"] if len(said) == 1 else []
         poses = [f"# {name.lower()}: {_pose(pose)}" for name, pose in _POSE.findall(self.around)]
         if poses or heads != self.rows[0]:  # which have the units of the other columns
             units = zip(("length", "angle"), zip(*_UNIT.findall(" ".join(heads)), strict=True), strict=False)
@@ -76,13 +77,15 @@ class Typeset(NamedTuple):
 
 def typeset(text: str) -> Typeset | None:
     """The table of a text; None where it is neither LaTeX nor Markdown, nor numbers with spaces between them."""
-    if _CELL.search(text) and ("\\\\" in text or "\\begin{" in text):
-        found = _latex(text)
-    elif any(line.strip().startswith("|") for line in text.splitlines()):
-        found = _markdown(text.splitlines())
+    comments = [line for line in text.splitlines() if line.lstrip().startswith("#")]  # or headings of Markdown
+    lines = [line for line in text.splitlines() if not line.lstrip().startswith("#")]
+    if any(map(_CELL.search, lines)) and ("\\\\" in text or "\\begin{" in text):
+        found = _latex("\n".join(lines))
+    elif any(line.strip().startswith("|") for line in lines):
+        found = _markdown(lines)
     else:
-        return _spaced([line for line in text.splitlines() if line.strip()])
-    return found if found.rows else None
+        found = Typeset(_spaced([line.split() for line in lines if line.strip()]))
+    return found._replace(around="\n".join([*comments, found.around])) if found.rows else None
 
 
 def _latex(text: str) -> Typeset:
@@ -105,15 +108,12 @@ def _markdown(lines: list[str]) -> Typeset:
     return Typeset([[_plain(cell) for cell in row] for row in cells], around)
 
 
-def _spaced(lines: list[str]) -> Typeset | None:
-    """Of a table with a header of words, too; None where a line has another number of words than the others."""
-    rows = [line.split() for line in lines]
-    counts = {len(row) for row in rows}
-    numbers = rows[1:] or rows
-    if len(counts) != 1 or counts == {1} or not all(_NUMBER.fullmatch(cell) for row in numbers for cell in row):
-        return None
-    is_header = not any(_NUMBER.fullmatch(cell) for cell in rows[0])
-    return Typeset(rows) if is_header or all(_NUMBER.fullmatch(cell) for cell in rows[0]) else None
+def _spaced(rows: list[list[str]]) -> list[list[str]]:
+    """The rows, where all have as many cells, and only a header has other cells than numbers; else none."""
+    of_numbers = [all(map(_NUMBER.fullmatch, row)) for row in rows]
+    has_header = len(rows) > 1 and not any(map(_NUMBER.fullmatch, rows[0]))
+    is_table = len({len(row) for row in rows}) == 1 and len(rows[0]) > 1
+    return rows if is_table and all(of_numbers[has_header:]) else []
 
 
 def _plain(cell: str) -> str:

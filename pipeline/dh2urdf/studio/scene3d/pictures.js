@@ -7,7 +7,9 @@ export const pictures = {
   savePicture(name, transparent) {
     const fine = 2;
     this.arrive();
-    this.renderer.setPixelRatio(this.isSmooth ? fine : 2 * fine); // what is drawn finer is smooth when it gets smaller
+    // What is drawn finer is smooth when it gets smaller; a canvas that is larger than the browser allows would be cut.
+    const most = this.renderer.capabilities.maxTextureSize / Math.max(this.$el.clientWidth, this.$el.clientHeight);
+    this.renderer.setPixelRatio(Math.min(this.isSmooth ? fine : 2 * fine, most));
     const sheet = this.pictured(fine, transparent);
     this.renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
     this.draw();

@@ -125,6 +125,16 @@ def test_pictures(studio_address: str, new_tab: Callable[..., Any]) -> None:
     assert same.mean() > 0.99
 
 
+def test_a_picture_of_a_very_wide_screen_is_whole(studio_address: str, new_tab: Callable[..., Any]) -> None:
+    """It is drawn no larger than the browser can; else the arm was cut off at the top."""
+    tab = new_tab(studio_address, width=3840, height=1600)
+    tab.open("panda")
+    _, content = tab.save("Picture with a transparent ground")
+    opacity = np.asarray(Image.open(io.BytesIO(content)).convert("RGBA"))[..., 3]
+    assert opacity.any()
+    assert not any(edge.any() for edge in (opacity[0], opacity[-1], opacity[:, 0], opacity[:, -1]))
+
+
 def test_a_turntable_and_the_scene(studio_address: str, new_tab: Callable[..., Any], catalog: Catalog) -> None:
     """A GIF of a whole turn, all of the arm in every frame, and the camera is back; a GLB of the pose on the screen."""
     tab = new_tab(studio_address)

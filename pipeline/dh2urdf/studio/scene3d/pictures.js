@@ -7,9 +7,11 @@ export const pictures = {
   savePicture(name, transparent) {
     const fine = 2;
     this.arrive();
-    // What is drawn finer is smooth when it gets smaller; a canvas that is larger than the browser allows would be cut.
-    const most = this.renderer.capabilities.maxTextureSize / Math.max(this.$el.clientWidth, this.$el.clientHeight);
-    this.renderer.setPixelRatio(Math.min(this.isSmooth ? fine : 2 * fine, most));
+    const sharp = this.isSmooth ? fine : 2 * fine; // what is drawn finer is smooth when it gets smaller
+    this.renderer.setPixelRatio(sharp);
+    const { drawingBufferWidth, drawingBufferHeight } = this.renderer.getContext(), { width, height } = this.renderer.domElement;
+    const given = Math.min(drawingBufferWidth / width, drawingBufferHeight / height); // browsers give less than is too much
+    if (given < 1) this.renderer.setPixelRatio(sharp * given);
     const sheet = this.pictured(fine, transparent);
     this.renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
     this.draw();

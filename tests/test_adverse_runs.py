@@ -164,6 +164,7 @@ def ordinary(folder: Path, *words: str) -> subprocess.CompletedProcess[str]:
 pytest_linux = pytest.mark.skipif(sys.platform != "linux", reason="permissions are those of Linux")
 
 
+@pytest.mark.long
 @pytest_linux
 def test_a_folder_without_permission_is_told(folder: Path) -> None:
     """Of inputs: a notice where others were found, an error where none was; of the output: an error that names it."""

@@ -404,6 +404,7 @@ def test_the_host_names_no_stage() -> None:
     assert found == STAGES_NAMED.keys()
 
 
+@pytest.mark.long
 def test_no_class_name_means_two_things() -> None:
     """A class or an alias of a type has a name in the host that no other has."""
     where: dict[str, set[str]] = {}

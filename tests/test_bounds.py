@@ -261,6 +261,7 @@ def test_lengths_and_angles_are_such_as_can_be_computed_with(
         read(f"a,alpha,d,theta\n{outside}\n".replace("1e9,0,1\n", "1e9,0,1,0\n"))
 
 
+@pytest.mark.long
 def test_a_million_short_lines_that_say_nothing(read: Callable[..., Manipulator]) -> None:
     """Blank lines and comments cost no memory, above the header and below it."""
     assert read("\n" * 500_000 + "# x\n" * 100_000 + "a,alpha,d\n" + "\n" * 500_000 + "1,0,0\n" + "#\n" * 100_000).rows
@@ -270,7 +271,7 @@ def test_a_million_short_lines_that_say_nothing(read: Callable[..., Manipulator]
 
 
 @pytest.mark.parametrize("form", ["csv", "yaml"])
-@pytest.mark.scale
+@pytest.mark.long
 def test_a_thousand_axes_go_all_the_way(cli: Any, tmp_path: Path, tool0_of: Any, form: str) -> None:
     """A snake of a thousand joints becomes URDF and xacro, both proved, and the URDF's tool0 is the table's."""
     expected = next(

@@ -78,9 +78,7 @@ def test_ci_runs_the_tests_of_scale_that_others_leave_out(tmp_path: Path) -> Non
     (tmp_path / "pyproject.toml").write_text(
         f"[tool.pytest.ini_options]\naddopts = {json.dumps(addopts)}\nmarkers = {json.dumps(settings['markers'])}\n"
     )
-    (tmp_path / "test_it.py").write_text(
-        "import pytest\ndef test_it(): ...\n@pytest.mark.scale\ndef test_long(): ...\n"
-    )
+    (tmp_path / "test_it.py").write_text("import pytest\ndef test_it(): ...\n@pytest.mark.long\ndef test_long(): ...\n")
     ci = re.search(r'PYTEST_ADDOPTS="([^"]*)" run_block 2', (ROOT / ".ci" / "run").read_text("utf-8"))
     assert ci is not None
     for more, ends in (("", "1 passed, 1 deselected in"), (ci[1], "2 passed in")):

@@ -19,6 +19,7 @@ def bench() -> descriptions.Bench:
         yield descriptions.Bench(stack)
 
 
+@pytest.mark.long
 def test_nearly_all_refusals_are_predicted(bench: descriptions.Bench) -> None:
     """Of a few files, none that a reader refuses is missed by more than one rule; `.ci/run` tries more."""
     figures = descriptions.examine(bench, sources(), SEED, range(FILES))
@@ -26,6 +27,7 @@ def test_nearly_all_refusals_are_predicted(bench: descriptions.Bench) -> None:
     assert sum(map(len, figures.wrong.values())) <= 1, figures.wrong
 
 
+@pytest.mark.long
 def test_a_wrong_rule_is_found_and_its_file_made_small(
     bench: descriptions.Bench, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -81,7 +81,7 @@ def first(folder: Path, frames: str, begin: str) -> dict[str, bytes]:
 
 
 @pytest.mark.parametrize(("seed", "workers"), [("1", 1), ("random", 2)])
-@pytest.mark.scale
+@pytest.mark.long
 def test_every_run_writes_the_same_bytes(
     *,
     folder: Path,

@@ -8,6 +8,8 @@ import sys
 import textwrap
 from pathlib import Path
 
+import pytest
+
 ROOT = Path(__file__).parents[1]
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
 BLOCK = re.compile(r'^ *```python(?: title="(?P<title>[^"]+)")?[^\n]*\n(?P<body>.*?)^ *```$', re.MULTILINE | re.DOTALL)
@@ -27,6 +29,7 @@ def blocks() -> dict[str, str]:
     return found
 
 
+@pytest.mark.long
 def test_the_python_of_the_docs_is_typed(tmp_path: Path, types_cache: Path) -> None:
     """No block needs a cast, an ignored line or a name that is not there."""
     places = {}

@@ -309,6 +309,7 @@ READ: dict[str, Callable[[Folder, Block], None]] = {
 # --- The tests --------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("page", [page for page in PAGES if BLOCKS[page]])
 def test_its_blocks_do_what_it_says(page: str, tmp_path: Path, types_cache: Path) -> None:
     """Every block is run or read, files that it shows are used, and what it says is printed is printed."""

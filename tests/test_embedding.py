@@ -15,14 +15,13 @@ from itertools import count
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import pytest
+
 import dh2urdf
 from dh2urdf.plugin_system import discovery
 
 if TYPE_CHECKING:
     from collections.abc import Callable
-
-    import pytest
-
 TABLES = Path(__file__).parents[1] / "configs" / "tables"
 NAMES = ("ur5", "stanford", "scara")
 
@@ -66,6 +65,7 @@ def test_what_other_threads_print_arrives(tmp_path: Path) -> None:
     assert len(list(tmp_path.glob("*/*.urdf.xacro"))) == 18
 
 
+@pytest.mark.long
 def test_threads_give_what_one_after_the_other_gives(tmp_path: Path) -> None:
     """Conversions, runs, proofs of xacros and checks in eight threads: the same bytes and the same answers."""
 

@@ -123,6 +123,7 @@ def test_without_it_its_stages_are_unknown(dh2urdf: Command, table: Path) -> Non
     assert "no reader is known for the file 'scara.dh.toml'" in refused
 
 
+@pytest.mark.long
 def test_it_keeps_the_contracts(site: Path, tmp_path: Path) -> None:
     """Its own tests, three lines for each stage, hold it to all that the pipeline relies on."""
     tested = subprocess.run(

@@ -33,6 +33,7 @@ def run_cases(folder: Path) -> Figures:
     return figures
 
 
+@pytest.mark.long
 def test_every_known_table_is_read_as_the_arm_that_it_is(tmp_path: Path) -> None:
     """Through CSV, YAML, JSON, Parquet, workbooks and Python, alone and among others, fast and with care; `fuzz/tables.py` reads more."""
     figures = run_cases(tmp_path)
@@ -41,6 +42,7 @@ def test_every_known_table_is_read_as_the_arm_that_it_is(tmp_path: Path) -> None
     assert min(figures.by_reader[name] for name in ("csv", "yaml", "json", "parquet", "xlsx")) > 100
 
 
+@pytest.mark.long
 def test_the_figures_do_not_depend_on_the_workers(monkeypatch: pytest.MonkeyPatch) -> None:
     """Each case has its own chance, whichever process reads it."""
     monkeypatch.setattr("tables.PART", 2)

@@ -55,6 +55,7 @@ def manipulator(output: Path) -> dict[str, Any]:
     return dict(entry)
 
 
+@pytest.mark.long
 def test_all_files_are_there_and_nothing_else(output: Path, reports: frozenset[str]) -> None:
     """URDF, macro, top file, picture, and what tells of the run; no temporary file, no journal."""
     assert {path.name for path in output.iterdir()} == FILES | reports
@@ -175,6 +176,7 @@ def test_the_picture_shows_an_arm(output: Path, manipulator: dict[str, Any]) -> 
     assert 0.02 < colourful.mean() < 0.8
 
 
+@pytest.mark.long
 def test_again_it_is_the_same_bytes(checkout: Path, output: Path, reports: frozenset[str]) -> None:
     """A second run into the same folder changes timing.json at most, and not a byte of anything else."""
     first = {path.name: path.read_bytes() for path in output.iterdir()}

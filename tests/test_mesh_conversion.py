@@ -146,6 +146,7 @@ def test_a_surface_stays(name: str, scale: Any, how: MeshConversion, folder: Pat
         )
 
 
+@pytest.mark.long
 def test_masses_stay(folder: Path) -> None:
     """A description has them to the last digit with and without conversion; they are those of the converted files."""
     given = dict(zip(NAMES, SCALES, strict=True))
@@ -184,6 +185,7 @@ class TestParts:
             folder / "arm.yaml", folder / "out", formats=formats, convert_meshes="decomposition"
         )
 
+    @pytest.mark.long
     def test_they_are_convex_and_together_the_mesh(self, made: tuple[Path, dh2urdf.Conversion]) -> None:
         """Nearly: no point of the legs is outside all, and the corner between the legs is outside each."""
         folder, conversion = made
@@ -288,6 +290,7 @@ LOADERS = ("pybullet", "mujoco", "pinocchio", "drake", "gazebo")
 ROOT = Path(__file__).parents[1]
 
 
+@pytest.mark.long
 def test_every_simulator_takes_three_arms_with_meshes_in_every_format(folder: Path, cli: Callable[..., Answer]) -> None:
     """Each is the arm of its table there; Pinocchio and Drake, which look at collision meshes, have them all."""
     import pinocchio
@@ -344,6 +347,7 @@ report: {html: false}
 CSV = "# convention: standard\njoint,a,alpha,d\njoint_1,0,pi/2,0.2\njoint_2,0.3,0,0\n"
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("layout", ["files", "shards"])
 def test_copies_of_converted_meshes_are_copies(layout: str, folder: Path, cli: Callable[..., Answer]) -> None:
     """Shared, the same bytes in every run, made again where they are lost, and removed where nobody needs them."""
@@ -428,6 +432,7 @@ class TestRefusals:
             self.convert("bad.obj")
         assert not list(Path("out").rglob("*.*"))
 
+    @pytest.mark.long
     def test_a_scene_of_scenes_of_scenes_ends_in_time(self, monkeypatch: pytest.MonkeyPatch) -> None:
         """Thirty nodes, each of which is the next one twice: a thousand million meshes."""
         nodes = "".join(

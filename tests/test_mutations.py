@@ -401,6 +401,7 @@ def damaged(text: str, slips: Iterable[tuple[int, str, str]]) -> str:
     return text
 
 
+@pytest.mark.long
 @given(tables(), st.data())
 @settings(max_examples=400)
 def test_characters_lost_doubled_swapped_or_replaced(table: Table, data: st.DataObject) -> None:
@@ -451,6 +452,7 @@ SLIPS: dict[str, Slip] = {
 }
 
 
+@pytest.mark.long
 @given(tables(), st.sampled_from(sorted(SLIPS)), st.data())
 @settings(max_examples=300)
 def test_cells_rows_and_columns_lost_doubled_or_swapped(table: Table, slip: str, data: st.DataObject) -> None:
@@ -465,6 +467,7 @@ def test_cells_rows_and_columns_lost_doubled_or_swapped(table: Table, slip: str,
     check(table.coded(text), text)
 
 
+@pytest.mark.long
 @given(tables(), st.data())
 @settings(max_examples=150)
 def test_a_file_that_ends_too_early(table: Table, data: st.DataObject) -> None:
@@ -480,6 +483,7 @@ def test_a_file_that_ends_too_early(table: Table, data: st.DataObject) -> None:
         check(cut, text)
 
 
+@pytest.mark.long
 @given(
     tables(), st.sampled_from(["utf-8", "utf-8-sig", "utf-16", "utf-16-le", "utf-16-be", "utf-32", "latin-1", "utf-7"])
 )
@@ -503,6 +507,7 @@ def test_a_file_in_another_encoding(table: Table, encoding: str) -> None:
         assert encoding in ("utf-16-le", "utf-16-be"), "only UTF-16 without its mark may be too little to know"
 
 
+@pytest.mark.long
 @given(tables(), st.data())
 @settings(max_examples=150)
 def test_separators_of_thousands_are_never_decimal_points(table: Table, data: st.DataObject) -> None:
@@ -531,6 +536,7 @@ def test_separators_of_thousands_are_never_decimal_points(table: Table, data: st
     same(arm, oracle(written))
 
 
+@pytest.mark.long
 @given(tables(), st.data())
 @settings(max_examples=150)
 def test_another_unit_in_the_header_is_another_arm(table: Table, data: st.DataObject) -> None:

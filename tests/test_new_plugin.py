@@ -108,6 +108,7 @@ def leaves_ruff_nothing_to_say(folder: Path) -> None:
         assert checked.returncode == 0, checked.stdout
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("kind", KINDS)
 def test_what_an_author_types(
     dh2urdf: Callable[..., object], author: Callable[[Path], Callable[..., str]], tmp_path: Path, kind: Kind
@@ -136,6 +137,7 @@ def test_what_an_author_types(
     assert set(trial.written) <= {path.name for path in (folder / "build").iterdir()}
 
 
+@pytest.mark.long
 def test_the_smallest_plugins_work_at_once(
     dh2urdf: Callable[..., object], author: Callable[[Path], Callable[..., str]], tmp_path: Path
 ) -> None:

@@ -766,6 +766,7 @@ def many(count: int) -> list[list[str]]:
     return rows
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("reader", "place"), [("csv", 0), ("csv", 179), ("parquet", 179)])
 def test_a_cell_has_its_effect_at_every_place_of_a_file(reader: str, place: int, tmp_path: Path) -> None:
     """Of 180 arms, which are more than one batch, the one changes whose cell is changed, in that field, fast or with care; or it is refused."""

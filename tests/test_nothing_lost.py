@@ -68,7 +68,7 @@ def many(tmp_path: Path) -> Path:
     ("layout", "workers", "to_all"),
     [("files", 1, False), ("folders", 2, False), ("shards", 2, True)],
 )
-@pytest.mark.scale
+@pytest.mark.long
 def test_a_killed_run_goes_on_where_it_was(
     many: Path, dh2urdf: Callable[..., CompletedProcess[str]], *, layout: str, workers: int, to_all: bool
 ) -> None:
@@ -97,7 +97,7 @@ def test_a_killed_run_goes_on_where_it_was(
     assert not [path for path in (many / "out").rglob("*") if path.name.startswith(".")]
 
 
-@pytest.mark.scale
+@pytest.mark.long
 def test_what_is_finished_is_not_made_again(many: Path, dh2urdf: Callable[..., CompletedProcess[str]]) -> None:
     """A second run touches no file, with a message; without --resume everything is made anew."""
     out = many / "out"
@@ -222,6 +222,7 @@ def misfits(tmp_path: Path) -> Path:
     return tmp_path
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("stage", "layout"), [("emitter", "shards"), ("loader", "files")])
 def test_a_stage_that_misbehaves_costs_one_manipulator(
     misfits: Path, dh2urdf: Callable[..., CompletedProcess[str]], stage: str, layout: str
@@ -256,7 +257,7 @@ def test_a_stage_that_misbehaves_costs_one_manipulator(
 
 
 @pytest.mark.parametrize("workers", [1, 2])
-@pytest.mark.scale
+@pytest.mark.long
 def test_an_interrupt_ends_a_run_in_a_second_and_it_can_be_resumed(
     many: Path, dh2urdf: Callable[..., CompletedProcess[str]], workers: int
 ) -> None:

@@ -344,6 +344,7 @@ def test_an_interrupted_run_keeps_what_an_earlier_one_wrote(tmp_path: Path) -> N
     assert len(made(out)) == ARMS
 
 
+@pytest.mark.long
 def test_a_run_that_was_interrupted_can_be_done_again(dh2urdf: Any, tmp_path: Path) -> None:
     """The next run writes the same bytes as if nothing had happened."""
     (tmp_path / "arms.csv").write_text(table(f"arm{number}" for number in range(30)))

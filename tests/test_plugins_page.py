@@ -200,6 +200,7 @@ def test_the_reader_of_another_container_refuses_other_files(ods: Reader[Any], t
         list(ods.read(tmp_path / "arm.ods", ods.options()))
 
 
+@pytest.mark.long
 def test_the_gripper_keeps_the_contract_and_works_in_a_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Under sixty lines; every clause passes in a process of its own, and each arm of a run has the gripper at tool0."""
     (block,) = re.findall(

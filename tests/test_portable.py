@@ -129,6 +129,7 @@ def case(request: pytest.FixtureRequest, cases: dict[str, Case]) -> Case:
     return cases[request.param]
 
 
+@pytest.mark.long
 def test_every_case_is_there(cases: dict[str, Case], form: str) -> None:
     """What the run wrote is what is tested, in both forms."""
     assert sorted(cases) == sorted(names())

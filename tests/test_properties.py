@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+import pytest
 from any_tables import SEEN_LENGTHS, manipulators
 from hypothesis import given, settings, strategies as st
 
@@ -55,6 +56,7 @@ def dh_product(manipulator: Manipulator, q: Sequence[float]) -> np.ndarray:
     return T @ homogeneous(manipulator.tool.rotation, manipulator.tool.translation)
 
 
+@pytest.mark.long
 @given(
     manipulator=manipulators(lengths=SEEN_LENGTHS, limits=True),
     form=st.sampled_from(["csv", "yaml"]),

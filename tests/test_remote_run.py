@@ -38,6 +38,7 @@ def contents(store: Store) -> dict[str, str]:
     return {name: hashlib.sha256(store.read(name)).hexdigest() for name in store.names() if name not in DURATIONS}
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("layout", "emitters"), [("files", "[urdf, xacro]"), ("shards", "urdf")])
 def test_an_object_store_holds_what_a_folder_would(
     arms: Path, bucket: str, dh2urdf: Callable[..., CompletedProcess[str]], layout: str, emitters: str
@@ -58,6 +59,7 @@ def test_an_object_store_holds_what_a_folder_would(
     assert contents(far) == contents(near)
 
 
+@pytest.mark.long
 def test_the_manifest_finds_the_bytes_in_a_shard(
     arms: Path, bucket: str, dh2urdf: Callable[..., CompletedProcess[str]]
 ) -> None:
@@ -76,6 +78,7 @@ def test_the_manifest_finds_the_bytes_in_a_shard(
         assert hashlib.sha256(content).hexdigest() == file["sha256"]
 
 
+@pytest.mark.long
 def test_a_bucket_that_is_not_there_is_one_line(
     arms: Path, s3_server: str, dh2urdf: Callable[..., CompletedProcess[str]]
 ) -> None:

@@ -140,6 +140,7 @@ def written_mass(urdf: Path) -> float:
     return math.fsum(float(mass.get("value")) for mass in etree.parse(urdf).iter("mass"))
 
 
+@pytest.mark.long
 def test_the_run_makes_every_robot(matrix: Matrix, reference_robots: Sequence[ReferenceRobot]) -> None:
     """In four formats, each of which is proved, and without an error."""
     assert sorted(matrix) == sorted(robot.id for robot in reference_robots)

@@ -67,6 +67,7 @@ def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
+@pytest.mark.long
 def test_a_broken_link_fails_the_build(tmp_path: Path) -> None:
     """A link to a page that is not there, one to a heading that is not there, and a page that the menu lacks."""
     for name in ("pipeline", "plugins", "mkdocs.yml", *root_pages.PAGES):
@@ -103,6 +104,7 @@ def pages(site: Path) -> list[Path]:
 # --- Nothing is missing -----------------------------------------------------------------------------------------------
 
 
+@pytest.mark.long
 def test_every_page_is_in_the_site(site: Path) -> None:
     """Each Markdown file of docs/ is a page; nothing of what makes the site is published with it."""
     wanted = {path.relative_to(DOCS).with_suffix("") for path in DOCS.rglob("*.md")}
@@ -328,6 +330,7 @@ def test_a_mark_without_a_generator_ends_the_build() -> None:
         site_hook.on_page_markdown("<!-- generated: nothing -->\n")
 
 
+@pytest.mark.long
 def test_a_browser_asks_nobody_else(site: Path, tmp_path: Path) -> None:
     """Chromium, shown the front page by a server of its own, asks that server for all that the page starts."""
     chromium = shutil.which("chromium")

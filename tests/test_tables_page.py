@@ -329,6 +329,7 @@ def test_no_block_and_no_table_goes_untested() -> None:
     assert len(re.findall(r"^\|[-|]+\|$", TEXT, re.MULTILINE)) == len(TABLES) + 2
 
 
+@pytest.mark.long
 def test_accepted_yaml_is_valid_by_the_schema() -> None:
     """What the page shows as accepted YAML, an editor with the project's schema accepts too."""
     import yaml as pyyaml

@@ -63,6 +63,7 @@ class TestNames:
         exec("from dh2urdf import *", names)  # noqa: S102 - that is how it is said
         assert set(dh2urdf.__all__) <= set(names)
 
+    @pytest.mark.long
     def test_they_are_typed(self, tmp_path: Path, types_cache: Path) -> None:
         """mypy --strict knows what each function takes and gives, and no name that is not there."""
         (tmp_path / "use.py").write_text(
@@ -233,6 +234,7 @@ class TestRun:
         assert report == json.loads(cli("run", "run.yaml", "--json", "-o", "cli", status=1).stdout)
         assert Path("cli/ur5.urdf").read_bytes() == written
 
+    @pytest.mark.long
     def test_it_can_be_changed(self) -> None:
         """Settings, another place and a dry run, as the command has them."""
         looked = dh2urdf.run("run.yaml", dry_run=True)

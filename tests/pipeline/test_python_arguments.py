@@ -226,6 +226,7 @@ def test_shapes_and_densities_that_nothing_shows_are_said(
         assert dh2urdf.convert(bare, meshes="file", **how).text == made.text
 
 
+@pytest.mark.long
 def test_every_field_of_every_record_has_an_effect(tmp_path: Path) -> None:
     """One is changed, and a file, a notice or an error is another; and a table in YAML says it."""
     arm, other = arm_in(tmp_path), mesh(tmp_path, "other.stl")

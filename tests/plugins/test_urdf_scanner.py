@@ -314,6 +314,7 @@ class TestWhatIsLeftOut:
         noted = with_changes((b"<joint", b"<!-- no quotes & no joint --><joint"), (b"<link", b"<![CDATA[<]]><link"))
         assert scanned([noted, ARM]) == {0: as_read(noted), 1: as_read(ARM)}
 
+    @pytest.mark.long
     @settings(max_examples=750)
     @given(data=st.data())
     def test_a_damaged_file_is_left_out_or_read_as_it_is(self, data: st.DataObject) -> None:

@@ -114,6 +114,7 @@ def found(tab: Any, folder: Path, look: str, size: str) -> dict[str, list[Any]]:
     return {name: serious for name, where in parts(tab, folder, look, size) if (serious := tab.serious(where))}
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("look", "size", "width"),
     [("light", "usual", 1280), ("dark", "usual", 390), ("dark", "large", 1280), ("light", "large", 390)],

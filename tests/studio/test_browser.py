@@ -32,6 +32,7 @@ def arm_of(table: TableText, catalog: Catalog) -> Manipulator:
     return arm
 
 
+@pytest.mark.long
 def test_a_wrong_cell(studio_address: str, new_tab: Callable[..., Any], catalog: Catalog) -> None:
     """It is marked, the reader's message stands below the table, and the last good arm stays; fixed, the arm follows."""
     tab = new_tab(studio_address)
@@ -53,6 +54,7 @@ def test_a_wrong_cell(studio_address: str, new_tab: Callable[..., Any], catalog:
     assert tab.pose("tool0") != before
 
 
+@pytest.mark.long
 def test_the_arm_moves_as_one_types(studio_address: str, new_tab: Callable[..., Any], catalog: Catalog) -> None:
     """While a cell is being typed the arm is already there; Escape takes it back."""
     tab = new_tab(studio_address)
@@ -66,6 +68,7 @@ def test_the_arm_moves_as_one_types(studio_address: str, new_tab: Callable[..., 
     tab.wait_for_cells(1, a="-0.425")
 
 
+@pytest.mark.long
 def test_letters_are_not_queued(studio_address: str, new_tab: Callable[..., Any], catalog: Catalog) -> None:
     """Of many letters that are typed at once few arms are made, and the last of them is that of all letters."""
     tab = new_tab(studio_address)
@@ -85,6 +88,7 @@ def test_letters_are_not_queued(studio_address: str, new_tab: Callable[..., Any]
     assert page.evaluate("document.querySelector('.arm-view').shown") <= shown + 3
 
 
+@pytest.mark.long
 def test_undo_and_redo(studio_address: str, new_tab: Callable[..., Any], catalog: Catalog) -> None:
     """By key and by button, in the cells and in the scene."""
     tab = new_tab(studio_address)
@@ -105,6 +109,7 @@ def test_undo_and_redo(studio_address: str, new_tab: Callable[..., Any], catalog
         tab.wait_for_cell(1, "a", "-0.9")
 
 
+@pytest.mark.long
 def test_undo_from_a_button(studio_address: str, new_tab: Callable[..., Any]) -> None:
     """Who has come to a button by Tab can undo from there: only text fields have an undo of their own."""
     tab = new_tab(studio_address)
@@ -117,6 +122,7 @@ def test_undo_from_a_button(studio_address: str, new_tab: Callable[..., Any]) ->
     tab.wait_for_cell(1, "a", "-0.425")
 
 
+@pytest.mark.long
 def test_a_cell_is_shown_as_it_was_taken(studio_address: str, new_tab: Callable[..., Any]) -> None:
     """The screen says what the table has, and not what was typed, where these differ."""
     tab = new_tab(studio_address)
@@ -125,6 +131,7 @@ def test_a_cell_is_shown_as_it_was_taken(studio_address: str, new_tab: Callable[
     page.wait_for_function("cell => cell.textContent === '-0.9'", arg=tab.cell(1, "a").element_handle())
 
 
+@pytest.mark.long
 def test_a_row_that_is_gone(studio_address: str, new_tab: Callable[..., Any]) -> None:
     """A cell that was typed while its row went away is no fault: the screen follows the table."""
     tab = new_tab(studio_address)
@@ -140,6 +147,7 @@ def test_a_row_that_is_gone(studio_address: str, new_tab: Callable[..., Any]) ->
     assert page.get_by_text("The studio failed at this").count() == 0
 
 
+@pytest.mark.long
 def test_no_number_of_axes_takes_no_rows(studio_address: str, new_tab: Callable[..., Any]) -> None:
     """An emptied field is no answer, nor is -3: the rows stay, and the field says again how many there are."""
     tab = new_tab(studio_address)
@@ -159,6 +167,7 @@ SHOWS_INERTIAS = """() => {
 }"""
 
 
+@pytest.mark.long
 def test_a_reload_and_another_tab(studio_address: str, new_tab: Callable[..., Any], catalog: Catalog) -> None:
     """A reload finds table, pose, past and what is shown again; another tab has its own."""
     tab = new_tab(studio_address)
@@ -194,6 +203,7 @@ def test_a_reload_and_another_tab(studio_address: str, new_tab: Callable[..., An
     assert other.cells(1, "a") == ["-0.425"]
 
 
+@pytest.mark.long
 def test_sliders_move_the_arm(studio_address: str, new_tab: Callable[..., Any], catalog: Catalog) -> None:
     """Seven joints of a modified table: after a random pose, zero and a key, the scene is the DH product of the sliders."""
     tab = new_tab(studio_address)
@@ -210,6 +220,7 @@ def test_sliders_move_the_arm(studio_address: str, new_tab: Callable[..., Any], 
     assert "0.9249" in page.locator(".studio-matrix").inner_text()
 
 
+@pytest.mark.long
 def test_a_picked_row_stands_out(studio_address: str, new_tab: Callable[..., Any]) -> None:
     """The link of the row under the cursor is outlined and keeps its colour, its frame stands out, and no others."""
     tab = new_tab(studio_address)
@@ -227,6 +238,7 @@ def test_a_picked_row_stands_out(studio_address: str, new_tab: Callable[..., Any
     )
 
 
+@pytest.mark.long
 def test_parameters_are_drawn_on_request(studio_address: str, new_tab: Callable[..., Any]) -> None:
     """a, α, d and θ stand as segments and arcs in the scene, with their symbols, once they are asked for."""
     tab = new_tab(studio_address)
@@ -238,6 +250,7 @@ def test_parameters_are_drawn_on_request(studio_address: str, new_tab: Callable[
     assert {"d₁ = 0.089159 m", "α₁ = pi/2", "α₅ = -pi/2"} <= set(texts)
 
 
+@pytest.mark.long
 def test_labels_keep_clear(studio_address: str, new_tab: Callable[..., Any]) -> None:
     """No label lies on another; frames at one point share a label, and a line leads from one that is pushed away."""
     tab = new_tab(studio_address)
@@ -262,6 +275,7 @@ def test_labels_keep_clear(studio_address: str, new_tab: Callable[..., Any]) -> 
     page.wait_for_function(f"({script})().some(([text]) => text === '{{3}} {{4}} {{6}} flange tool0')")
 
 
+@pytest.mark.long
 def test_the_camera_sees_all(studio_address: str, new_tab: Callable[..., Any]) -> None:
     """All corners of the links of an arm that was opened are inside the picture, and reach over half of it."""
     tab = new_tab(studio_address)
@@ -284,6 +298,7 @@ def test_the_camera_sees_all(studio_address: str, new_tab: Callable[..., Any]) -
         page.wait_for_function(f"({script})()")
 
 
+@pytest.mark.long
 def test_the_paper_stands_side_by_side(studio_address: str, new_tab: Callable[..., Any]) -> None:
     """Both variants are in the scene, and the page says how far the straight line is from the arm."""
     tab = new_tab(studio_address)
@@ -293,6 +308,7 @@ def test_the_paper_stands_side_by_side(studio_address: str, new_tab: Callable[..
     tab.wait_for_nodes("tool0", "paper/tool0")
 
 
+@pytest.mark.long
 def test_convention_and_units_are_converted_or_reinterpreted(
     studio_address: str, new_tab: Callable[..., Any], catalog: Catalog
 ) -> None:
@@ -325,6 +341,7 @@ def test_convention_and_units_are_converted_or_reinterpreted(
     tab.wait_for_cells(2, a="-425", alpha="0")
 
 
+@pytest.mark.long
 def test_a_wrong_table_is_not_reinterpreted_unasked(studio_address: str, new_tab: Callable[..., Any]) -> None:
     """Numbers that cannot be converted, as one of them is wrong, mean something else only when a person says so."""
     tab = new_tab(studio_address)
@@ -339,6 +356,7 @@ def test_a_wrong_table_is_not_reinterpreted_unasked(studio_address: str, new_tab
     page.locator("button.bg-primary", has_text="standard").wait_for()
 
 
+@pytest.mark.long
 def test_too_large_a_file_is_not_read(studio_address: str, new_tab: Callable[..., Any], tmp_path: Path) -> None:
     """The dialog refuses what has more than 64 MB: the page sends none of it, and the server takes none past the page."""
     page = new_tab(studio_address).open()
@@ -362,6 +380,7 @@ def test_too_large_a_file_is_not_read(studio_address: str, new_tab: Callable[...
     assert dialog.get_by_text("reading huge.csv").count() == 0
 
 
+@pytest.mark.long
 def test_a_file_is_opened(studio_address: str, new_tab: Callable[..., Any], tmp_path: Path) -> None:
     """A table of one's own is uploaded; one that cannot be read says why; of several robots one is chosen."""
     tab = new_tab(studio_address)
@@ -384,6 +403,7 @@ def test_a_file_is_opened(studio_address: str, new_tab: Callable[..., Any], tmp_
     tab.wait_for_cells(0, a="2")
 
 
+@pytest.mark.long
 def test_everything_is_saved(studio_address: str, new_tab: Callable[..., Any], catalog: Catalog) -> None:
     """Every entry of the menu hands over the bytes that the command line would write."""
     tab = new_tab(studio_address)
@@ -400,6 +420,7 @@ def test_everything_is_saved(studio_address: str, new_tab: Callable[..., Any], c
     assert tab.save("Everything, as a zip") == ("stanford.zip", save.zipped(save.all_files(table, "exact", catalog)))
 
 
+@pytest.mark.long
 def test_rows_are_added_removed_and_moved(studio_address: str, new_tab: Callable[..., Any]) -> None:
     """By key: a row more below, one up, one away; a spreadsheet's cells are pasted."""
     tab = new_tab(studio_address)
@@ -422,6 +443,7 @@ def test_rows_are_added_removed_and_moved(studio_address: str, new_tab: Callable
     tab.wait_for_cells(1, a="0.1", alpha="pi/2", d="0.2")
 
 
+@pytest.mark.long
 def test_a_hundred_axes(studio_address: str, new_tab: Callable[..., Any], catalog: Catalog, tmp_path: Path) -> None:
     """A table of a hundred rows is opened, edited and moved; the scene is the DH product of its sliders."""
     table = edits.resized(TableText(name="long", convention="standard"), 100)
@@ -441,6 +463,7 @@ def test_a_hundred_axes(studio_address: str, new_tab: Callable[..., Any], catalo
     tab.wait_for_tool0(session.arm.manipulator)
 
 
+@pytest.mark.long
 def test_faults_of_the_server_are_told(studio_address: str, new_tab: Callable[..., Any]) -> None:
     """What the server cannot do is said on the page, and the studio goes on."""
     tab = new_tab(studio_address)

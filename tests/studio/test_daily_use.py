@@ -54,6 +54,7 @@ def wait_until_empty(tab: Any, row: int, field: str) -> None:
 # --- Undo -------------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("how", ["New", "undo"])
 def test_no_ghosts_of_rows(tab: Any, how: str) -> None:
     """After New, and after undo back to the start, no row of the old table is on the screen."""
@@ -63,6 +64,7 @@ def test_no_ghosts_of_rows(tab: Any, how: str) -> None:
     tab.wait_for_status("choose the number of axes, or paste a table")
 
 
+@pytest.mark.long
 def test_undo_is_the_studios(tab: Any) -> None:
     """A name is typed, then a cell: Ctrl+Z takes back the cell, then the name, whole, and no letter of it before."""
     tab.open("ur5")
@@ -82,6 +84,7 @@ def test_undo_is_the_studios(tab: Any) -> None:
     tab.page.wait_for_function("document.querySelector('.studio-name input').value === 'ur5_left'")
 
 
+@pytest.mark.long
 def test_a_field_that_is_being_typed_has_its_own_undo(tab: Any) -> None:
     """Ctrl+Z in the middle of a name takes back letters; once the name is taken, it takes back the name."""
     tab.open("ur5")
@@ -98,6 +101,7 @@ def test_a_field_that_is_being_typed_has_its_own_undo(tab: Any) -> None:
     tab.page.wait_for_function("document.querySelector('.studio-name input').value === 'ur5'")
 
 
+@pytest.mark.long
 def test_undo_in_a_cell_is_that_of_its_text(tab: Any) -> None:
     """More Ctrl+Z than there are letters: no edit of the table goes behind the back of the cell that is being typed."""
     tab.open("ur5")
@@ -114,6 +118,7 @@ def test_undo_in_a_cell_is_that_of_its_text(tab: Any) -> None:
     tab.wait_for_cells(1, a="-0.5")
 
 
+@pytest.mark.long
 def test_every_field_of_the_table_is_in_the_past(tab: Any) -> None:
     """Base, tool and the number of axes are typed; Ctrl+Z takes them back one by one, whole, from whatever field."""
     tab.open("ur5")
@@ -136,6 +141,7 @@ def test_every_field_of_the_table_is_in_the_past(tab: Any) -> None:
     tab.wait_for_status("6 axes; the arm is the table's")
 
 
+@pytest.mark.long
 def test_the_shape_of_links_is_typed(tab: Any, tmp_path: Path) -> None:
     """With `shape: arm` the links get housings, on the screen and in the file, as `convert` makes them of such a table."""
     tab.open("ur5")
@@ -158,6 +164,7 @@ def test_the_shape_of_links_is_typed(tab: Any, tmp_path: Path) -> None:
 # --- The clipboard ----------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.long
 def test_a_range_is_copied_cut_and_put_elsewhere(tab: Any) -> None:
     """Shift and arrows choose cells; Ctrl+C has them as a spreadsheet does, Ctrl+X empties them, Ctrl+V puts them in."""
     tab.open("ur5")
@@ -178,6 +185,7 @@ def test_a_range_is_copied_cut_and_put_elsewhere(tab: Any) -> None:
     tab.wait_for_status("the arm is the table's")
 
 
+@pytest.mark.long
 def test_a_click_with_shift_and_delete(tab: Any) -> None:
     """The cells from one click to the next are chosen; Delete empties them, and undo brings all of them back."""
     tab.open("ur5")
@@ -190,6 +198,7 @@ def test_a_click_with_shift_and_delete(tab: Any) -> None:
     tab.wait_for_cell(5, "d", "0.0823")
 
 
+@pytest.mark.long
 def test_all_cells_are_copied(tab: Any) -> None:
     """With Ctrl+A, or by drawing the mouse over them with its button held."""
     tab.open("scara")
@@ -210,6 +219,7 @@ def test_all_cells_are_copied(tab: Any) -> None:
     assert tab.page.evaluate("navigator.clipboard.readText()").startswith("shoulder\t")
 
 
+@pytest.mark.long
 def test_a_header_is_understood(tab: Any) -> None:
     """A pasted table with header, units and decimal commas is what the CSV reader makes of it; the page asks once."""
     tab.open()
@@ -234,6 +244,7 @@ TEXTS = {
 }
 
 
+@pytest.mark.long
 def test_cells_of_a_text(tab: Any) -> None:
     """Cells of CSV files, of Markdown and with decimal commas go to cells of their own, and nobody is asked."""
     tab.open()
@@ -245,6 +256,7 @@ def test_cells_of_a_text(tab: Any) -> None:
         tab.wait_for_cells(1, a="0.3", alpha="0", d="0")
 
 
+@pytest.mark.long
 def test_an_empty_table_takes_what_is_pasted(tab: Any) -> None:
     """Wherever the cursor is: a whole table is there at once, cells begin where they belong, and a number is a number."""
     page = tab.open()
@@ -276,6 +288,7 @@ def test_an_empty_table_takes_what_is_pasted(tab: Any) -> None:
     page.wait_for_function(f"{ROWS} === 3")
 
 
+@pytest.mark.long
 def test_cells_without_a_place_are_told(tab: Any) -> None:
     """What is wider than the table is put in as far as it goes, and the page says what is left."""
     tab.open("ur5")
@@ -317,6 +330,7 @@ WIDTHS = """() => {
 }"""
 
 
+@pytest.mark.long
 def test_the_camera_follows_what_is_typed(tab: Any) -> None:
     """An arm that grows tenfold in a cell, and one of which a window shows less, stay in the picture, arrows included."""
     tab.open("ur5")
@@ -329,6 +343,7 @@ def test_the_camera_follows_what_is_typed(tab: Any) -> None:
     tab.page.wait_for_function(ALL_IN_VIEW)
 
 
+@pytest.mark.long
 def test_the_camera_stays_where_a_person_looks(tab: Any) -> None:
     """Who has come near a part of the arm goes on looking at it while cells change."""
     tab.open("ur5")
@@ -365,6 +380,7 @@ def test_the_reach_holds_where_joints_slide(tab: Any) -> None:
 # --- The connection ---------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.long
 def test_the_server_goes_and_another_comes(
     serving: Callable[..., Any], new_tab: Callable[..., Any], free_port: int
 ) -> None:
@@ -411,6 +427,7 @@ def test_the_server_goes_and_another_comes(
 # --- A telephone ------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.long
 def test_a_telephone(studio_address: str, new_tab: Callable[..., Any]) -> None:
     """At 390 px every button of the head can be reached, Generate too, and nothing hangs over at the side."""
     tab = new_tab(studio_address, width=390, height=844)
@@ -428,6 +445,7 @@ def test_a_telephone(studio_address: str, new_tab: Callable[..., Any]) -> None:
 # --- The way through the page by keyboard -----------------------------------------------------------------------------
 
 
+@pytest.mark.long
 def test_the_table_is_one_stop(tab: Any) -> None:
     """Tab goes into the table and out of it at once; arrows lead from cell to cell, and while a cell is typed, Tab does."""
     tab.open("ur5")
@@ -475,6 +493,7 @@ def test_the_table_is_one_stop(tab: Any) -> None:
     assert ringless == []
 
 
+@pytest.mark.long
 def test_row_numbers_are_whole(tab: Any) -> None:
     """Of a hundred rows, the number of the last is not cut."""
     tab.open()
@@ -488,6 +507,7 @@ def test_row_numbers_are_whole(tab: Any) -> None:
     assert number.evaluate("cell => cell.scrollWidth <= cell.clientWidth")
 
 
+@pytest.mark.long
 def test_a_pi_of_a_mac_begins_a_cell(tab: Any) -> None:
     """Option+P is a letter and no command. A cell whose text may be cut has it as its tooltip."""
     tab.open("ur5")
@@ -504,6 +524,7 @@ def test_a_pi_of_a_mac_begins_a_cell(tab: Any) -> None:
     assert tab.cell(0, "joint").get_attribute("title") == "shoulder_pan_joint"
 
 
+@pytest.mark.long
 def test_the_first_key_pays_for_nothing_else(tab: Any) -> None:
     """Once the page rests, the first letter in a cell compiles no shader, and no letter has all of the page laid out."""
     tab.open("ur5")
@@ -525,6 +546,7 @@ def test_the_first_key_pays_for_nothing_else(tab: Any) -> None:
 # --- What is said and shown -------------------------------------------------------------------------------------------
 
 
+@pytest.mark.long
 def test_the_page_speaks_of_its_switches(tab: Any) -> None:
     """Where a file would need a line or the command line an option, the page has a button, and the message names it."""
     tab.open("ur5")
@@ -535,6 +557,7 @@ def test_the_page_speaks_of_its_switches(tab: Any) -> None:
     tab.page.get_by_text("if its lengths are in mm, press mm above the table").wait_for()
 
 
+@pytest.mark.long
 def test_a_joint_box_takes_what_a_cell_takes(tab: Any) -> None:
     """An expression, degrees, a number; what is none is marked with the reason and stays, and the arm stays too."""
     tab.open("ur5")
@@ -559,6 +582,7 @@ def test_a_joint_box_takes_what_a_cell_takes(tab: Any) -> None:
     assert tab.sliders()[0] == 0.0
 
 
+@pytest.mark.long
 def test_the_camera_by_keyboard(tab: Any) -> None:
     """Arrows turn it, plus brings it nearer, 0 sees all again."""
     tab.open("ur5")
@@ -576,6 +600,7 @@ def test_the_camera_by_keyboard(tab: Any) -> None:
     tab.page.wait_for_function(ALL_IN_VIEW)
 
 
+@pytest.mark.long
 def test_more_axes_than_there_may_be(tab: Any) -> None:
     tab.open()
     tab.page.get_by_label("number of axes").fill("1001")
@@ -584,6 +609,7 @@ def test_more_axes_than_there_may_be(tab: Any) -> None:
     assert tab.page.get_by_label("number of axes").evaluate("field => field.scrollWidth <= field.clientWidth")
 
 
+@pytest.mark.long
 def test_arms_of_any_size_are_seen(tab: Any) -> None:
     """Of 1 mm, of 50 m and of none: the picture holds the arm, and its links are wider than a pixel."""
     tab.open()
@@ -596,6 +622,7 @@ def test_arms_of_any_size_are_seen(tab: Any) -> None:
         assert min(widths) > 1.5, (a, d)
 
 
+@pytest.mark.long
 def test_a_large_file_is_read_in_sight(tab: Any, tmp_path: Path) -> None:
     """While a large file is read the page says so; a person who goes on without it is not disturbed."""
     tab.open()
@@ -612,6 +639,7 @@ def test_a_large_file_is_read_in_sight(tab: Any, tmp_path: Path) -> None:
     assert tab.status == "6 axes; the arm is the table's"
 
 
+@pytest.mark.long
 def test_a_tab_that_is_closed_during_a_dialog(
     serving: Callable[..., Any], new_tab: Callable[..., Any], tmp_path: Path
 ) -> None:
@@ -631,6 +659,7 @@ def test_a_tab_that_is_closed_during_a_dialog(
     assert errors.read_text("utf-8") == ""
 
 
+@pytest.mark.long
 def test_what_the_reader_noticed_is_shown(tab: Any, tmp_path: Path) -> None:
     """A column that means nothing is not in the table on the page; the page says that it was ignored."""
     tab.open()

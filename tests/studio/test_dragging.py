@@ -80,6 +80,7 @@ def drag_with_parallel_rays(tab: Any, hand: Hand) -> None:
     hand.look("5")
 
 
+@pytest.mark.long
 def test_a_link_follows_the_pointer(new_tab: Callable[..., Any], serving: Callable[..., Any], tmp_path: Path) -> None:
     """It turns and slides below the pointer, inside its limits; elsewhere and without the hand the camera turns."""
     path = tmp_path / "r.urdf"
@@ -142,6 +143,7 @@ def test_a_link_follows_the_pointer(new_tab: Callable[..., Any], serving: Callab
         page.close()
 
 
+@pytest.mark.long
 def test_bodies_are_looked_through(new_tab: Callable[..., Any], serving: Callable[..., Any], tmp_path: Path) -> None:
     """Those of one robot of two, in the scene and in the file that is made of it."""
     for name in "ab":
@@ -170,6 +172,7 @@ def test_bodies_are_looked_through(new_tab: Callable[..., Any], serving: Callabl
         page.close()
 
 
+@pytest.mark.long
 def test_the_camera_goes_after_the_arm(
     new_tab: Callable[..., Any], serving: Callable[..., Any], tmp_path: Path
 ) -> None:

@@ -6,6 +6,8 @@ import csv
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import pytest
+
 from dh2urdf.kinematics import forward_kinematics
 from dh2urdf.manipulator import Manipulator
 
@@ -24,6 +26,7 @@ def ur5_cells() -> list[list[str]]:
     return [[row[key].strip() for key in ("a", "alpha", "d")] for row in csv.DictReader(lines, skipinitialspace=True)]
 
 
+@pytest.mark.long
 def test_the_ur5_by_keyboard(
     studio_address: str, new_tab: Callable[..., Any], cli: Callable[..., Any], tmp_path: Path, catalog: Catalog
 ) -> None:

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+import pytest
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -49,6 +50,7 @@ def choose(page: Any, entry: str) -> None:
     page.locator(".q-menu").wait_for(state="detached")
 
 
+@pytest.mark.long
 def test_light_dark_and_projector(
     studio_address: str, new_tab: Callable[..., Any], serving: Callable[..., Any]
 ) -> None:
@@ -105,6 +107,7 @@ def test_light_dark_and_projector(
         other.close()
 
 
+@pytest.mark.long
 def test_edges_are_quick_where_the_browser_draws_in_software(studio_address: str, new_tab: Callable[..., Any]) -> None:
     """The scene says so, and a click makes them smooth: it is kept over a reload with what is on the page."""
     tab = new_tab(studio_address)
@@ -134,6 +137,7 @@ def test_edges_are_quick_where_the_browser_draws_in_software(studio_address: str
     page.close()  # what it notes is for this test only
 
 
+@pytest.mark.long
 def test_every_width_of_screen(studio_address: str, new_tab: Callable[..., Any]) -> None:
     """Nothing is beside the screen from 390 to 2560 px, and a wide one gives the scene its whole height.
 
@@ -183,6 +187,7 @@ def test_every_width_of_screen(studio_address: str, new_tab: Callable[..., Any])
     assert joints["x"] >= box["x"] + box["width"] - 1
 
 
+@pytest.mark.long
 def test_a_shadow_on_the_ground(studio_address: str, new_tab: Callable[..., Any]) -> None:
     """The ground where the sun does not shine, behind the raised forearm, is darker than without links."""
     from PIL import Image

@@ -5,6 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import pytest
+
 if TYPE_CHECKING:
     from collections.abc import Callable
 
@@ -95,6 +97,7 @@ def outlined_and_followed(tab: Any) -> None:
         assert check(moved(0.01))
 
 
+@pytest.mark.long
 def test_links_are_picked_hidden_and_unfolded(
     new_tab: Callable[..., Any], serving: Callable[..., Any], tmp_path: Path
 ) -> None:

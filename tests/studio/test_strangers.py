@@ -109,6 +109,7 @@ def hostile_page(studio_address: str) -> Iterator[str]:
         yield address
 
 
+@pytest.mark.long
 def test_a_hostile_page(studio_address: str, hostile_page: str, chromium: Browser, new_tab: Callable[..., Any]) -> None:
     """A page that a person has open beside the studio opens no socket, reads nothing, and moves nothing."""
     tab = new_tab(studio_address)

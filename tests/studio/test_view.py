@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+import pytest
 import trimesh
 from PIL import Image
 
@@ -21,6 +22,7 @@ if TYPE_CHECKING:
 CONFIGS = Path(__file__).parents[2] / "configs"
 
 
+@pytest.mark.long
 def test_a_cell_and_an_arm_in_one_scene(
     new_tab: Callable[..., Any], serving: Callable[..., Any], catalog: Catalog
 ) -> None:
@@ -99,6 +101,7 @@ COLOURS = """() => {
 }"""
 
 
+@pytest.mark.long
 def test_meshes_are_drawn(new_tab: Callable[..., Any], serving: Callable[..., Any], tmp_path: Path) -> None:
     """The files that a description names, from its package or beside it, and nothing else; what is missing is named."""
     package = tmp_path / "arm_description"
@@ -184,6 +187,7 @@ def test_meshes_are_drawn(new_tab: Callable[..., Any], serving: Callable[..., An
         page.close()
 
 
+@pytest.mark.long
 def test_makers_meshes_look_like_their_robot(
     new_tab: Callable[..., Any], serving: Callable[..., Any], example_robots: Path
 ) -> None:

@@ -36,6 +36,7 @@ DIRECTION = """() => {
 }"""
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("by_key", [False, True])
 def test_each_looks_from_its_side(studio_address: str, new_tab: Callable[..., Any], by_key: bool) -> None:  # noqa: FBT001 - a parameter
     """And sees all of the arm, whatever the camera saw before."""
@@ -60,6 +61,7 @@ def test_each_looks_from_its_side(studio_address: str, new_tab: Callable[..., An
         assert np.abs(np.array(nodes)[:, :2]).max() <= 1.0
 
 
+@pytest.mark.long
 def test_the_cube(studio_address: str, new_tab: Callable[..., Any]) -> None:
     """It turns with the camera; a click on a side looks from there, with the side upright in the middle of the cube."""
     tab = new_tab(studio_address)
@@ -164,6 +166,7 @@ class Eye:
         assert self.page.evaluate(COVERED) == []
 
 
+@pytest.mark.long
 def test_orthographic(studio_address: str, new_tab: Callable[..., Any]) -> None:
     """With parallel rays what is farther is no smaller; views, picks, labels and pictures are right in both ways."""
     tab = new_tab(studio_address)
@@ -217,6 +220,7 @@ def test_orthographic(studio_address: str, new_tab: Callable[..., Any]) -> None:
     assert tab.serious(ARM) == []
 
 
+@pytest.mark.long
 def test_the_projection_is_kept(studio_address: str, new_tab: Callable[..., Any]) -> None:
     """The browser keeps the projection over a reload, beside the scheme, until the other one is chosen."""
     tab = new_tab(studio_address)

@@ -516,6 +516,7 @@ def report(folder: Path) -> dict[str, Any]:
     return {entry["name"]: entry for entry in entries}
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("config", "tips"),
     [

@@ -148,6 +148,7 @@ def test_module_missing_in_the_child_is_named(tmp_path: Path, monkeypatch: pytes
         run_in_child(fleeting.function, timeout=LONG)
 
 
+@pytest.mark.long
 def test_time_limit_ends_the_whole_group(
     functions: ModuleType, tmp_path: Path, soon: Callable[..., bool], is_running: Callable[[int], bool]
 ) -> None:

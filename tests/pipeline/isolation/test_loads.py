@@ -81,6 +81,7 @@ class TestOneLoad:
         assert finding == "toy: WARNING: a screw is loose"
         assert not isinstance(caught.value, TimeLimitError)
 
+    @pytest.mark.long
     def test_a_loader_that_hangs_is_over_its_time_limit(
         self, functions: ModuleType, request_for: Callable[[str], LoadRequest]
     ) -> None:
@@ -200,6 +201,7 @@ class TestKeptChild:
         assert caught.value.problems[0].message == f"the loader 'toy' {message}; it printed last: {words}"
         assert kept("good").version not in pids
 
+    @pytest.mark.long
     def test_that_hangs_is_ended_with_what_it_started(
         self,
         kept: Callable[..., LoadReport],

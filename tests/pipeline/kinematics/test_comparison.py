@@ -104,6 +104,7 @@ def tables(draw: st.DrawFn) -> Manipulator:
     return Manipulator(name="any", convention=draw(st.sampled_from(Convention)), rows=tuple(rows))
 
 
+@pytest.mark.long
 @settings(max_examples=200)
 @given(tables(), st.integers(0, 1000))
 def test_any_table_of_the_same_arm_is_corrected(manipulator: Manipulator, seed: int) -> None:

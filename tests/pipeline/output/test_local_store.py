@@ -156,7 +156,7 @@ class TestAppending:
             store.append(f"{WORKING}/journal/1", line)
         assert store.read(f"{WORKING}/journal/1") == b"one\ntwo\n"
 
-    @pytest.mark.scale
+    @pytest.mark.long
     def test_lines_of_many_processes_are_whole(self, store: LocalStore, tmp_path: Path) -> None:
         """Lines that are written at the same time by several processes stand one after the other."""
         code = (
@@ -229,7 +229,7 @@ with store.lock():
 """
 
     @pytest.mark.parametrize("wait", [0.0, 0.003, 0.007, 0.012, 0.02])
-    @pytest.mark.scale
+    @pytest.mark.long
     def test_a_killed_writer_leaves_whole_files(self, store: LocalStore, tmp_path: Path, wait: float) -> None:
         """After SIGKILL every file is whole; what is left besides goes when the next run begins."""
         out = tmp_path / "out"
@@ -355,7 +355,7 @@ with LocalStore(Path(sys.argv[1])).lock():
         with store.lock(), LocalStore(tmp_path / "out2").lock(), LocalStore(tmp_path / "out" / "inner").lock():
             pass
 
-    @pytest.mark.scale
+    @pytest.mark.long
     def test_many_runs_want_one_lock(self, tmp_path: Path) -> None:
         """Of processes that take and leave a lock in turns, no two have it at once, though its file comes and goes."""
         code = """

@@ -37,7 +37,7 @@ def test_names_are_told_apart_to_the_last_letter() -> None:
             seen.add([name])
 
 
-@pytest.mark.scale
+@pytest.mark.long
 def test_memory_does_not_grow_with_the_names() -> None:
     """Twenty times as many names take no more than the few that are held."""
 

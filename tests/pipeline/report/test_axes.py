@@ -46,6 +46,7 @@ def test_a_cell(tmp_path: Path) -> None:
     assert (axes["name"], axes["arms"]) == ("pair", ["left", "right"])
 
 
+@pytest.mark.long
 def test_a_long_run(tmp_path: Path) -> None:
     """The first thousand manipulators have an entry, as they are in the report; a table that is refused has none."""
     plan = plan_of(

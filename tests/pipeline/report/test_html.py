@@ -213,6 +213,7 @@ class TestOneManipulator:
         assert b"var(--ink)" in content
         assert b"#01020" not in content
 
+    @pytest.mark.long
     def test_again_it_is_the_same_bytes(self, ur5: Path, tmp_path: Path) -> None:
         """Another run in another folder, resumed or not, has the same page; nothing in it is a date or a place."""
         first = (ur5 / "report.html").read_bytes()
@@ -330,7 +331,7 @@ class TestManyManipulators:
         (errors,) = sections[3].xpath(".//div[contains(@class, 'problems error')]")
         assert report(tmp_path / "out")["manipulators"][3]["errors"][0]["message"] in text(errors)
 
-    @pytest.mark.scale
+    @pytest.mark.long
     def test_a_hundred_thousand_take_no_more_memory_than_thirty_thousand(self, tmp_path: Path) -> None:
         """The table of all is cut, failures first, with a message; the page is no longer than that of thirty thousand."""
         proof = Proof(position_error=1e-16, angle_error=0.0, q=(0.0,), tolerance=1e-9, poses=3)
@@ -377,6 +378,7 @@ def _file(folder: Path, name: str, content: str, **tables: str) -> Path:
 
 
 class TestNames:
+    @pytest.mark.long
     def test_names_are_text(self, tmp_path: Path) -> None:
         """Whatever robots and joints are called, no element, attribute or script comes of it, and no template runs."""
         (tmp_path / "arms.csv").write_text(table(HOSTILE), "utf-8")
@@ -418,6 +420,7 @@ class TestRuns:
         tips = [text(extent).split(":")[0] for extent in cell.xpath(".//span[@class='extent']")]
         assert tips == ["left_tool0", "right_tool0", "up_tool0"]
 
+    @pytest.mark.long
     @pytest.mark.usefixtures("same_drawings")
     @pytest.mark.parametrize("layout", ["folders", "shards"])
     def test_pictures_are_found_in_every_layout(self, tmp_path: Path, layout: str) -> None:
@@ -534,6 +537,7 @@ class TestBrowser:
         assert "CONSOLE" not in done.stderr
         assert "</html>" in done.stdout
 
+    @pytest.mark.long
     def test_a_click_sorts_and_a_filter_filters(self, variants: Path, tmp_path: Path) -> None:
         """A click on a header sorts by its column, what is empty last; the radio buttons choose a status."""
         content = (variants / "report.html").read_text("utf-8")
@@ -553,6 +557,7 @@ class TestBrowser:
         assert hidden == ["failed"] * len(failed)
         assert text(tree.xpath("//output")[0]) == f"{41 - len(failed)} shown"
 
+    @pytest.mark.long
     def test_the_screenshot_of_the_docs(self, ur5: Path, tmp_path: Path, *, renew: bool) -> None:
         """docs/report.png is the top of the page of the UR5, which shows something, and so does the page as it is."""
         chromium(f"--screenshot={tmp_path / 'page.png'}", "--window-size=1240,1500", (ur5 / "report.html").as_uri())

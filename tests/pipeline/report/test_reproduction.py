@@ -4,6 +4,8 @@ import hashlib
 import re
 from typing import TYPE_CHECKING, Any
 
+import pytest
+
 from dh2urdf.plugin_system import load
 from dh2urdf.running.run import execute, load_plan
 
@@ -37,6 +39,7 @@ def test_a_run_says_how_to_do_it_again(tmp_path: Path) -> None:
     assert f"dh2urdf {told['versions']['dh2urdf']}" in told["citation"]
 
 
+@pytest.mark.long
 def test_who_works_makes_no_difference(tmp_path: Path) -> None:
     """A run on two workers tells the same, and its page has the same bytes."""
     first = report(tmp_path)

@@ -43,6 +43,7 @@ def errors(schema: dict[str, Any], data: Any) -> list[str]:
     return [error.message for error in Draft202012Validator(schema).iter_errors(data)]
 
 
+@pytest.mark.long
 def test_they_are_schemas(cli: Callable[..., Answer]) -> None:
     """All that the command prints are valid themselves, and every reference in them leads to a definition."""
     for name in SCHEMAS:

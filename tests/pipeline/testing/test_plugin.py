@@ -78,6 +78,7 @@ class TestCatalogs:
         assert (run.folder / "arm.urdf").is_file()
 
 
+@pytest.mark.long
 def test_the_fixtures_are_there_for_every_test(tmp_path: Path) -> None:
     """pytest takes them from the plugin, also in the tests of a project that knows nothing of this one."""
     (tmp_path / "test_it.py").write_text(

@@ -438,7 +438,7 @@ def test_a_run_makes_proves_and_reports_variants(
     assert {entry["status"] for entry in variants} == {"ok", "failed"}
 
 
-@pytest.mark.scale
+@pytest.mark.long
 def test_any_hash_seed_and_any_number_of_workers_give_the_same_bytes(run_file: Path, undrawn: str) -> None:
     """All files of the run, the report included; `test_determinism` has one with drawings."""
     written = []

@@ -39,6 +39,7 @@ def files() -> dict[str, list[Path]]:
     return found
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("package", ["example_robot_data", "pybullet_data", "pydrake"])
 def test_each_is_a_table_or_says_why_not(package: str) -> None:
     paths = files()[package]

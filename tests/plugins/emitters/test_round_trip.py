@@ -103,6 +103,7 @@ def joints(name: str, parent: str, child: str) -> st.SearchStrategy[Joint]:
     )
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("emitter", [URDF, XACRO], ids=lambda emitter: emitter.name)
 @given(robot=robots())
 @settings(max_examples=60, deadline=None)

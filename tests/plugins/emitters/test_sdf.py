@@ -255,6 +255,7 @@ def test_a_cell_is_one_model(cli: Callable[..., Any], sdformat: Callable[..., st
         assert np.abs(T.rotation().matrix().ravel() - pose.rotation).max() < 1e-12
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("fixed", [True, False])
 def test_the_loaders_take_it(cli: Callable[..., Any], tmp_path: Path, *, fixed: bool) -> None:
     """Where a run writes SDF, Gazebo's loader takes it, and finds no lost frame; so does Drake's where there is no URDF."""

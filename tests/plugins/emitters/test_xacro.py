@@ -375,6 +375,7 @@ def test_the_text_of_an_angle_is_the_angle(angle: float) -> None:
     assert eval(angle_text(angle).strip("${}"), {"pi": math.pi}) == angle  # noqa: S307 - our own text
 
 
+@pytest.mark.long
 def test_a_thousand_joints_expand(arm: Robot, tmp_path: Path) -> None:
     """Nothing recurses over the chain."""
     turn, link = arm.joints[2], arm.links[2]

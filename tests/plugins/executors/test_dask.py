@@ -123,6 +123,7 @@ def cluster(two_machines: Cluster, soon: Callable[..., bool]) -> Cluster:
 
 
 class TestACluster:
+    @pytest.mark.long
     def test_results_come_in_the_order_of_the_tasks(self, functions: ModuleType, cluster: Cluster) -> None:
         """Every task has its result, in order, and tasks are taken as they are needed."""
         taken = 0
@@ -160,6 +161,7 @@ class TestACluster:
         alone = list(map_on_dask(partial(functions.is_alone_in, tmp_path), range(40), cluster.options))
         assert alone == [True] * 40
 
+    @pytest.mark.long
     def test_a_worker_that_is_killed_costs_nothing(
         self, functions: ModuleType, cluster: Cluster, tmp_path: Path
     ) -> None:
@@ -174,6 +176,7 @@ class TestACluster:
         assert len(list(tmp_path.iterdir())) == 40
         assert 40 <= sum(done) <= 40 + 2 * 2 * dask.AHEAD
 
+    @pytest.mark.long
     def test_a_run_of_1500_survives_a_worker(
         self, cluster: Cluster, soon: Callable[..., bool], tmp_path: Path, undrawn: str
     ) -> None:
@@ -198,6 +201,7 @@ class TestACluster:
         assert len(rows) == len(set(rows)) == 1501
         assert contents(tmp_path / "far") == contents(tmp_path / "near")
 
+    @pytest.mark.long
     @pytest.mark.parametrize("death", ["segmentation fault", "leave"])
     def test_a_task_that_kills_every_worker_is_lost_alone(
         self, functions: ModuleType, cluster: Cluster, death: str
@@ -209,6 +213,7 @@ class TestACluster:
         assert isinstance(lost, Lost)
         assert lost.reason.startswith("2 Dask workers died at it, the last at tcp://127.0.0.1:")
 
+    @pytest.mark.long
     def test_other_versions_are_refused(self, functions: ModuleType, cluster: Cluster, tmp_path: Path) -> None:
         """A worker that would make other bytes is named with both versions, whether it comes late or early."""
         old = tmp_path / "dh2urdf-0.0.1.dist-info"
@@ -278,6 +283,7 @@ class TestNobody:
             list(map_on_dask(abs, [1], DaskOptions(scheduler=address)))
         assert "`dask scheduler` starts one, and `dask worker ADDRESS`" in str(found.value)
 
+    @pytest.mark.long
     def test_to_work_or_to_ask(
         self,
         functions: ModuleType,
@@ -312,6 +318,7 @@ class TestNobody:
 
 
 class TestAClusterOfItsOwn:
+    @pytest.mark.long
     def test_works_and_goes(
         self,
         functions: ModuleType,
@@ -328,6 +335,7 @@ class TestAClusterOfItsOwn:
         assert soon(lambda: not any(map(is_running, workers)))
         assert capfd.readouterr() == ("", "")
 
+    @pytest.mark.long
     def test_survives_its_tasks(self, functions: ModuleType, capfd: pytest.CaptureFixture[str]) -> None:
         """A task that kills workers is lost; another one that prints is not heard."""
         tasks = [1, 2, "segmentation fault", 3, 4]
@@ -343,6 +351,7 @@ class TestAClusterOfItsOwn:
         with pytest.raises(ExecutorError, match=r"can be started on this machine: RuntimeError: Nanny failed to start"):
             list(map_on_dask(abs, [1], DaskOptions(workers=1)))
 
+    @pytest.mark.long
     @pytest.mark.parametrize("end", [signal.SIGINT, signal.SIGTERM, signal.SIGKILL], ids=lambda end: end.name)
     @pytest.mark.usefixtures("functions")
     def test_ends_with_the_run(

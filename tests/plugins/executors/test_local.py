@@ -217,6 +217,7 @@ class TestDeaths:
         tasks = [(tmp_path / f"{number % 5}", number) for number in range(20)]
         assert list(map_locally(functions.die_once, tasks, TWO)) == list(range(20))
 
+    @pytest.mark.long
     def test_workers_that_are_killed_from_outside(self, functions: ModuleType, tmp_path: Path) -> None:
         """Whenever it happens, at work or idle, every task has its one result; only what was under way is done twice."""
         killed = 0

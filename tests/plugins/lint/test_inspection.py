@@ -218,6 +218,7 @@ def test_what_xacro_cannot_expand_is_a_finding(tmp_path: Path, body: str, said: 
     assert re.search(said, finding.message)
 
 
+@pytest.mark.long
 def test_a_xacro_that_does_not_end_is_given_up(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """It computes what the file asks for; that may be anything."""
     monkeypatch.setattr(expansion, "EXPANSION", 2.0)

@@ -106,6 +106,7 @@ IGNORED = {
 """Alterations that leave no trace in what is asked of a consumer."""
 
 
+@pytest.mark.long
 def test_the_table_says_what_happens(measured: tuple[str, str, dict[str, dict[str, Any]]]) -> None:
     """A consumer refuses, crashes or loads as the table has it, and what it alters is other than of the sound file."""
     name, consumer, found = measured

@@ -224,6 +224,7 @@ def test_a_file_of_no_package_is_refused(tmp_path: Path) -> None:
         inspect_package(tmp_path / "robot.urdf", Expansion())
 
 
+@pytest.mark.long
 def test_the_command_checks_folders_of_packages(cli: Cli, source: Path) -> None:
     """Packages and descriptions together; those of one package know the others of the folder."""
     broken(source, next(fault for fault in FAULTS if fault.rule == "package-srdf-robot"))
@@ -242,6 +243,7 @@ def test_the_command_checks_folders_of_packages(cli: Cli, source: Path) -> None:
     assert "package-srdf-robot" in with_other
 
 
+@pytest.mark.long
 def test_a_cell_has_no_finding(cli: Cli, tmp_path: Path) -> None:
     """The files of its macros have names without the prefix of an arm."""
     run_file = Path(__file__).parents[3] / "configs" / "ros2_cell.yaml"

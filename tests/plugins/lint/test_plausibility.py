@@ -124,6 +124,7 @@ TRUE = {
 """Descriptions of real robots of which each finding was looked at by hand."""
 
 
+@pytest.mark.long
 def test_real_robots_are_plausible_but_for_what_was_looked_at() -> None:
     """No arm of a maker has limits, angles or lengths that are taken for other units."""
     by_rule: dict[str, set[str]] = {}

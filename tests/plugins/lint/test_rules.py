@@ -145,6 +145,7 @@ def measured(request: pytest.FixtureRequest, files: dict[str, Path]) -> tuple[st
     return consumer, dict(zip(files, behaviours(consumer, list(files.values())), strict=True))
 
 
+@pytest.mark.long
 def test_the_table_says_what_happens(measured: tuple[str, dict[str, Behaviour]], files: dict[str, Path]) -> None:
     """A consumer refuses, crashes or loads as the table has it; what it loads otherwise is measured; it says what it says."""
     consumer, found = measured
@@ -344,6 +345,7 @@ def foreign_files() -> list[Path]:
     return [path for path in descriptions() if "alex" not in path.name]
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("consumer", ["pybullet", "mujoco", "pinocchio", "drake", "ros"])
 def test_what_is_said_of_real_robots_is_true(consumer: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """Of each of some sixty descriptions a consumer loads those, and only those, of which no finding says that it does not."""
@@ -361,6 +363,7 @@ def test_what_is_said_of_real_robots_is_true(consumer: str, monkeypatch: pytest.
     assert _mispredicted(consumer, paths, told) == []
 
 
+@pytest.mark.long
 def test_what_is_said_of_real_robots_is_true_of_gazebo() -> None:
     """The same, of a few: sdformat starts slowly."""
     if not SDFORMAT:

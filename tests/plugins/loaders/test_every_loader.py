@@ -347,6 +347,7 @@ def test_published_arms_are_confirmed(
         assert [each for each in surprises(report) if "overlap" not in each.message] == []
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("config", "tips", "joints"), [("pair", 2, 12), ("ur5_on_track", 2, 7)])
 def test_a_cell_is_confirmed(cli: Callable[..., Answer], tmp_path: Path, config: str, tips: int, joints: int) -> None:
     """Every tool0 of every arm of a cell is where the run file has it, in every simulator; all arms hold their weight.

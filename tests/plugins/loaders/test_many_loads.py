@@ -79,7 +79,7 @@ def children_started(monkeypatch: pytest.MonkeyPatch) -> list[Interpreter]:
 
 
 @pytest.mark.parametrize("loader", MANY, indirect=True)
-@pytest.mark.scale
+@pytest.mark.long
 def test_the_last_load_reports_what_the_first_does(
     loader: Loader[Any], tmp_path: Path, children_started: list[Interpreter]
 ) -> None:
@@ -96,6 +96,7 @@ def test_the_last_load_reports_what_the_first_does(
     assert len(children_started) == 1
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("loader", MANY, indirect=True)
 def test_a_file_is_read_anew(loader: Loader[Any], tmp_path: Path, children_started: list[Interpreter]) -> None:
     """A file that has changed under its name is loaded as it is; a bad one is refused, and the good one passes again."""
@@ -113,7 +114,7 @@ def test_a_file_is_read_anew(loader: Loader[Any], tmp_path: Path, children_start
 
 
 @pytest.mark.parametrize("loader", ["pybullet", "mujoco"], indirect=True)
-@pytest.mark.scale
+@pytest.mark.long
 def test_pictures_are_the_same(loader: Loader[Any], tmp_path: Path) -> None:
     """Pixel by pixel, whichever load of a child took them."""
     pytest.importorskip("PIL.Image")

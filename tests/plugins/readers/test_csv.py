@@ -30,6 +30,7 @@ def lengths(arm: Manipulator | Rejected) -> list[tuple[float, float]]:
     return [(row.a, row.d) for row in arm.rows]
 
 
+@pytest.mark.long
 def test_each_manipulator_of_a_file_is_yielded_as_it_is_read(tmp_path: Path) -> None:
     """The first of many comes before the file has been read to its end: here it ends in a broken quote."""
     path = tmp_path / "arms.csv"

@@ -10,6 +10,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
 
+import pytest
 from hypothesis import given, settings, strategies as st
 
 from dh2urdf.manipulator import Convention, DHRow, JointType, Limits, Manipulator
@@ -209,6 +210,7 @@ def same(arm: Manipulator | Rejected, rows: Sequence[Row], convention: Conventio
     assert arm.rows == tuple(meaning(row, number) for number, row in enumerate(rows, start=1))
 
 
+@pytest.mark.long
 @given(dialects())
 @settings(max_examples=200)
 def test_a_csv_table_means_the_same_in_every_dialect(table: tuple[tuple[Row, ...], Convention, bytes]) -> None:

@@ -167,6 +167,7 @@ def lines_of(items: Iterable[Manipulator | Rejected]) -> list[int | None]:
     return [mark.line for mark in marks if mark]
 
 
+@pytest.mark.long
 @given(tables())
 @settings(max_examples=300, deadline=None)
 def test_numbers_are_read_as_their_texts_are(columns: dict[str, Column]) -> None:
@@ -451,6 +452,7 @@ ONE_GROUP_OF_SMALL_PAGES = {"row_group_size": 300_000, "data_page_size": 2**16, 
 STEPS = (("a", 613), ("alpha", 127), ("d", 991))
 
 
+@pytest.mark.long
 def test_rows_are_read_as_they_are_asked_for(large: Path) -> None:
     """Of a row group of several megabytes, a fraction is in memory at any time."""
     before, most, count = pa.total_allocated_bytes(), 0, 0
@@ -462,6 +464,7 @@ def test_rows_are_read_as_they_are_asked_for(large: Path) -> None:
     assert 0 < most < large.stat().st_size / 4
 
 
+@pytest.mark.long
 def test_what_stands_before_a_fault_is_read(large: Path, tmp_path: Path) -> None:
     """Manipulators come before the file has been read to its end; the fault is an error that names the row."""
     content = bytearray(large.read_bytes())

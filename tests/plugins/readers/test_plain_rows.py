@@ -236,6 +236,7 @@ def test_a_row_of_spaces_is_none_wherever_it_stands(spaces: str, tmp_path: Path)
     assert "Rejected" not in alone[0]
 
 
+@pytest.mark.long
 @given(large_tables())
 @settings(max_examples=800)
 def test_the_fast_way_reads_what_the_careful_one_reads(tmp_path_factory: pytest.TempPathFactory, content: str) -> None:

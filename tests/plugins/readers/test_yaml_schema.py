@@ -31,6 +31,7 @@ def valid(text: str) -> bool:
     return bool(SCHEMA.is_valid(load_yaml(text, "f").plain()))
 
 
+@pytest.mark.long
 def test_the_schema_is_a_schema() -> None:
     """It keeps the rules of its dialect and can be written as JSON."""
     Draft202012Validator.check_schema(table_schema())

@@ -172,6 +172,7 @@ def alone(table: Manipulator, how: AlphaSwapOptions) -> tuple[Robot, bytes]:
 
 
 class TestWhatIsMadeSideBySide:
+    @pytest.mark.long
     @settings(max_examples=250)
     @given(families(), options())
     def test_is_what_is_made_alone_byte_for_byte(self, tables: list[Manipulator], how: AlphaSwapOptions) -> None:
@@ -183,6 +184,7 @@ class TestWhatIsMadeSideBySide:
                 assert robot == expected
                 assert robot.comment == expected.comment
 
+    @pytest.mark.long
     @given(families(), options(), st.randoms())
     def test_does_not_depend_on_its_neighbours(
         self, tables: list[Manipulator], how: AlphaSwapOptions, random: Random
@@ -217,6 +219,7 @@ class TestWhatIsMadeSideBySide:
 
 
 class TestWhatIsSure:
+    @pytest.mark.long
     @settings(max_examples=250)
     @given(families(), options(), st.data())
     def test_has_nothing_said_about_it(

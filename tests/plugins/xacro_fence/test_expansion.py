@@ -187,6 +187,7 @@ def test_a_fenced_process_can_only_read_inside(functions: ModuleType, package: P
     assert (package / "inside.txt").read_text() == "kept"
 
 
+@pytest.mark.long
 @pytest.mark.skipif(sys.platform == "win32", reason="the limits are those of POSIX")
 def test_a_fenced_process_ends_when_its_time_is_over(functions: ModuleType, package: Path) -> None:
     with pytest.raises(CrashError, match=r"crashed \((CPU time limit exceeded|cputime limit exceeded|killed)"):

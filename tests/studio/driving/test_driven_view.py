@@ -104,6 +104,7 @@ def poses_a_second(page: Any, program: Program) -> float:
     return sent[0]
 
 
+@pytest.mark.long
 def test_a_program_drives_the_robots(address: str, new_tab: Callable[..., Any], catalog: Catalog) -> None:
     """Scene and sliders of every tab follow, 20 times a second and more; a person's joints are read by the program."""
     program = Program(address)

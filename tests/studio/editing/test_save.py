@@ -47,6 +47,7 @@ def test_the_gallery_is_converted_alike(file: str, catalog: Catalog, cli: Callab
     assert made.content == cli("convert", saved.name).stdout.encode()
 
 
+@pytest.mark.long
 def test_a_zip_of_all_runs(catalog: Catalog, cli: Callable[..., Any], tmp_path: Path) -> None:
     """The run file of the zip makes the robot descriptions of the zip, byte by byte; a zip is always the same bytes."""
     table = replace(gallery.table("ur5.csv", catalog), name="my arm: 1")

@@ -6,6 +6,7 @@ import shutil
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import pytest
 import trimesh
 
 import dh2urdf
@@ -32,6 +33,7 @@ def with_meshes(folder: Path, text: str) -> Path:
     return folder
 
 
+@pytest.mark.long
 def test_a_description_lies_upon_the_arm(studio_address: str, new_tab: Callable[..., Any], tmp_path: Path) -> None:
     """The arm's own URDF with an elbow that stands 3 mm off: the table of differences, and the two arms in one place."""
     text = dh2urdf.convert(UR5).text

@@ -97,6 +97,7 @@ def test_the_symbols_are_those_of_the_conventions(catalog: Catalog) -> None:
         assert products == (expected if convention is Convention.STANDARD else expected[::-1])
 
 
+@pytest.mark.long
 def test_a_row_in_the_browser(studio_address: str, new_tab: Callable[..., Any], catalog: Catalog) -> None:
     """Opened, it asks for a row; a picked row is explained; a motion is played; closed, its strokes are gone."""
     tab = new_tab(studio_address)

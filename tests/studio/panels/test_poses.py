@@ -52,6 +52,7 @@ def test_a_joint_that_a_pose_does_not_have_stays() -> None:
     assert between([{"a": 1.0, "b": 2.0}, {"a": 3.0}], 0.5) == {"a": 2.0, "b": 2.0}
 
 
+@pytest.mark.long
 def test_poses_are_stored_and_played(studio_address: str, new_tab: Callable[..., Any], catalog: Catalog) -> None:
     """The arm goes through them in order and stops at the last; one can be chosen, and forgotten."""
     tab, arm = new_tab(studio_address), arm_of("ur5.csv", catalog)
@@ -81,6 +82,7 @@ def test_poses_are_stored_and_played(studio_address: str, new_tab: Callable[...,
     page.get_by_role("button", name="pose 1", exact=True).wait_for(state="hidden")
 
 
+@pytest.mark.long
 def test_two_frames_are_measured(studio_address: str, new_tab: Callable[..., Any], catalog: Catalog) -> None:
     """Distance, xyz and rpy are those of the DH frames, also in millimetres; a line joins the two."""
     tab, arm = new_tab(studio_address), arm_of("ur5.csv", catalog)
@@ -118,6 +120,7 @@ def test_two_frames_are_measured(studio_address: str, new_tab: Callable[..., Any
     expect(frames[2], forward_kinematics(arm, q))
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name", ["ur5", "stanford"])
 def test_the_workspace_is_where_tool0_can_be(
     studio_address: str, new_tab: Callable[..., Any], catalog: Catalog, name: str

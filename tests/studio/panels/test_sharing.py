@@ -45,6 +45,7 @@ def word_of(text: str) -> str:
     return base64.urlsafe_b64encode(squeezed.compress(text.encode()) + squeezed.flush()).decode().rstrip("=")
 
 
+@pytest.mark.long
 def test_a_link_holds_the_table(studio_address: str, new_tab: Callable[..., Any], catalog: Catalog) -> None:
     """Python reads the fragment too; another tab opens it, and nothing of it is asked of the server."""
     tab = new_tab(studio_address)
@@ -70,6 +71,7 @@ def test_a_link_holds_the_table(studio_address: str, new_tab: Callable[..., Any]
     other.wait_for_status("7 axes and 1 fixed joint; the arm is the table's")
 
 
+@pytest.mark.long
 def test_a_link_in_a_tab_that_is_open(studio_address: str, new_tab: Callable[..., Any]) -> None:
     """Its table takes the place of what is there, which undo brings back."""
     tab = new_tab(studio_address)
@@ -91,6 +93,7 @@ BROKEN = {
 }
 
 
+@pytest.mark.long
 def test_links_that_are_broken(studio_address: str, new_tab: Callable[..., Any]) -> None:
     """The page reports each, in a new tab and in one that is open, and then works."""
     tab = new_tab(f"{studio_address}#table=")
@@ -103,6 +106,7 @@ def test_links_that_are_broken(studio_address: str, new_tab: Callable[..., Any])
     tab.open_from_gallery("ur5")
 
 
+@pytest.mark.long
 def test_pictures(studio_address: str, new_tab: Callable[..., Any]) -> None:
     """Twice as fine as the screen; the arm's colours are in both, the ground in one, and labels are written."""
     tab = new_tab(studio_address)
@@ -125,6 +129,7 @@ def test_pictures(studio_address: str, new_tab: Callable[..., Any]) -> None:
     assert same.mean() > 0.99
 
 
+@pytest.mark.long
 def test_a_picture_of_a_very_wide_screen_is_whole(studio_address: str, new_tab: Callable[..., Any]) -> None:
     """It is drawn no larger than the browser can; else the arm was cut off at the top."""
     tab = new_tab(studio_address, width=3840, height=1600)
@@ -135,6 +140,7 @@ def test_a_picture_of_a_very_wide_screen_is_whole(studio_address: str, new_tab: 
     assert not any(edge.any() for edge in (opacity[0], opacity[-1], opacity[:, 0], opacity[:, -1]))
 
 
+@pytest.mark.long
 def test_a_turntable_and_the_scene(studio_address: str, new_tab: Callable[..., Any], catalog: Catalog) -> None:
     """A GIF of a whole turn, all of the arm in every frame, and the camera is back; a GLB of the pose on the screen."""
     tab = new_tab(studio_address)

@@ -65,6 +65,7 @@ def matrix_of(tab: Any, arm: Manipulator) -> Any:
     return as_matrices(forward_kinematics(arm, tab.sliders()))
 
 
+@pytest.mark.long
 def test_a_pose_is_typed(opened: Callable[[str], Any], catalog: Catalog) -> None:
     """The boxes show tool0 of the sliders; what is typed there moves the arm, or is answered with how far it is off."""
     tab, arm = opened("ur5"), arm_of("ur5.csv", catalog)
@@ -83,6 +84,7 @@ def test_a_pose_is_typed(opened: Callable[[str], Any], catalog: Catalog) -> None
     assert np.abs(matrix_of(tab, arm)[:3, 3] - (0.35, -0.2, 0.4)).max() < 5e-4  # sliders have four digits
 
 
+@pytest.mark.long
 def test_what_is_no_pose_or_out_of_reach(opened: Callable[[str], Any], catalog: Catalog) -> None:
     """A message, and the arm as near as it comes, which the message measures."""
     tab, arm = opened("ur5"), arm_of("ur5.csv", catalog)
@@ -96,6 +98,7 @@ def test_what_is_no_pose_or_out_of_reach(opened: Callable[[str], Any], catalog: 
     tab.page.get_by_text("smallest singular value").wait_for()
 
 
+@pytest.mark.long
 def test_a_long_search_is_told(studio_address: str, new_tab: Callable[..., Any]) -> None:
     """The best of sixty axes is not found at once: the page says that it searches, and then what it found."""
     table = edits.resized(TableText(name="long", convention="standard"), 60)
@@ -118,6 +121,7 @@ def test_a_long_search_is_told(studio_address: str, new_tab: Callable[..., Any])
     assert tab.page.evaluate("answers[0]") == "searching …"
 
 
+@pytest.mark.long
 def test_a_quaternion_is_typed(opened: Callable[[str], Any], catalog: Catalog) -> None:
     """In place of the angles; one of any length is taken, one of length 0 is not."""
     tab, arm = opened("ur5"), arm_of("ur5.csv", catalog)
@@ -135,6 +139,7 @@ def test_a_quaternion_is_typed(opened: Callable[[str], Any], catalog: Catalog) -
     tab.page.locator(".studio-target-answer", has_text="tool0 is").wait_for()
 
 
+@pytest.mark.long
 def test_tool0_is_dragged(opened: Callable[[str], Any], catalog: Catalog) -> None:
     """The handle leads tool0 in the plane that faces the camera, and its orientation stays."""
     tab, arm = opened("ur5"), arm_of("ur5.csv", catalog)

@@ -57,6 +57,7 @@ def modules(tmp_path: Path) -> Path:
     return folder
 
 
+@pytest.mark.long
 @needs_ament
 def test_colcon_builds_and_tests_the_packages(cli: Cli, tmp_path: Path, modules: Path) -> None:
     """A UR5, a Panda in the modified convention, a SCARA and a cell: built, installed, found, and their tests pass."""

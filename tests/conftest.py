@@ -23,7 +23,9 @@ import pytest
 from lxml import etree
 
 from dh2urdf.cli import exit_status_of
+from dh2urdf.errors import PluginError
 from dh2urdf.manipulator import JointType, Manipulator
+from dh2urdf.plugin_system import load
 from dh2urdf.robot import Material
 from dh2urdf.rotations import IDENTITY
 from dh2urdf.unchecked_records import replace_unchecked
@@ -47,6 +49,31 @@ hypothesis.settings.register_profile(
     "dh2urdf", derandomize=True, deadline=None, database=None, print_blob=True, max_examples=60
 )
 hypothesis.settings.load_profile("dh2urdf")
+
+
+WITH_LIBRARIES = ("pydrake",)
+"""Packages that cannot be imported where some libraries of the system are missing."""
+_UNUSABLE = "DH2URDF_UNUSABLE"
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    """A package that lacks a library of the system counts as not installed, so that its tests are skipped."""
+    if not hasattr(config, "workerinput"):
+        os.environ[_UNUSABLE] = ",".join([name for name in WITH_LIBRARIES if find_spec(name) and _why_not(name)])
+    for name in filter(None, os.environ.get(_UNUSABLE, "").split(",")):
+        sys.modules[name] = None  # type: ignore[assignment] - so Python has a module that must not be imported
+
+
+def pytest_report_header() -> list[str]:
+    """Names these packages, and what they lack."""
+    names = filter(None, os.environ.get(_UNUSABLE, "").split(","))
+    return [f"{name} is installed and cannot be imported, so its tests are skipped: {_why_not(name)}" for name in names]
+
+
+def _why_not(name: str) -> str:
+    """The last line of what an import prints that fails; empty where it does not fail."""
+    tried = subprocess.run([sys.executable, "-c", f"import {name}"], capture_output=True, text=True, check=False)
+    return tried.stderr.strip().rpartition("\n")[2] if tried.returncode else ""
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
@@ -91,6 +118,20 @@ def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
     if "reference_robot" in metafunc.fixturenames:
         robots = load_reference_robots()
         metafunc.parametrize("reference_robot", robots, ids=[robot.id for robot in robots])
+
+
+@pytest.fixture(scope="session")
+def require_loaders() -> Callable[..., None]:
+    """Skips a test where one of the loaders that it names lacks what it needs, with the loader's own words."""
+
+    def require(*names: str) -> None:
+        for stage in (load().get("loader", name) for name in names):
+            try:
+                stage.require(stage.options())
+            except PluginError as error:
+                pytest.skip(str(error))
+
+    return require
 
 
 @pytest.fixture(scope="session")

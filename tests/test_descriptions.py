@@ -6,6 +6,7 @@ from contextlib import ExitStack
 
 import descriptions
 import pytest
+from consumers import require
 from description_sources import sources
 from description_tree import read
 from faulty_files import SOUND
@@ -15,6 +16,7 @@ SEED, FILES = 3, 12
 
 @pytest.fixture(scope="module")
 def bench() -> descriptions.Bench:
+    require(*descriptions.READERS)
     with ExitStack() as stack:
         yield descriptions.Bench(stack)
 

@@ -58,15 +58,15 @@ NEEDED_MODULES = {
     "coming-from.md": "roboticstoolbox",
     "first-conversion.md": "pybullet",
     "index.md": "pybullet",
-    "simulators/pybullet.md": "pybullet",
-    "simulators/mujoco.md": "mujoco",
     "collisions.md": "pinocchio",
     "plugin-programs.md": "yourdfpy",
-    "simulators/pinocchio.md": "pinocchio",
-    "simulators/drake.md": "pydrake",
     "tables/other-files.md": "pyarrow",
 }
-NEEDED_PROGRAMS = {"simulators/gazebo.md": "ign", "simulators/ros.md": "check_urdf"}
+NEEDED_PROGRAMS = {"simulators/ros.md": "check_urdf"}
+NEEDED_LOADERS = {
+    "simulators.md": ("pybullet", "mujoco", "pinocchio", "drake", "gazebo"),
+    **{f"simulators/{name}.md": (name,) for name in ("pybullet", "mujoco", "pinocchio", "drake", "gazebo")},
+}
 
 
 @dataclass(frozen=True)
@@ -311,12 +311,15 @@ READ: dict[str, Callable[[Folder, Block], None]] = {
 
 @pytest.mark.long
 @pytest.mark.parametrize("page", [page for page in PAGES if BLOCKS[page]])
-def test_its_blocks_do_what_it_says(page: str, tmp_path: Path, types_cache: Path) -> None:
+def test_its_blocks_do_what_it_says(
+    page: str, tmp_path: Path, types_cache: Path, require_loaders: Callable[..., None]
+) -> None:
     """Every block is run or read, files that it shows are used, and what it says is printed is printed."""
     if module := NEEDED_MODULES.get(page):
         pytest.importorskip(module)
     if (name := NEEDED_PROGRAMS.get(page)) and shutil.which(name) is None:
         pytest.skip(f"{name} is not installed")
+    require_loaders(*NEEDED_LOADERS.get(page, ()))
     folder = Folder(tmp_path, types_cache)
     blocks = [block for block in BLOCKS[page] if "example" not in block.marks]
     for block, after in zip_longest(blocks, blocks[1:]):

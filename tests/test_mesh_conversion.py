@@ -206,8 +206,11 @@ class TestParts:
         assert all(((notch - part.triangles_center) * part.face_normals).sum(axis=1).max() > 0.05 for part in parts)
         assert len(list(shapes(conversion.text, "visual"))) == 1
 
-    def test_every_format_has_them(self, made: tuple[Path, dh2urdf.Conversion]) -> None:
+    def test_every_format_has_them(
+        self, made: tuple[Path, dh2urdf.Conversion], require_loaders: Callable[..., None]
+    ) -> None:
         """And MuJoCo and Drake collide with as many."""
+        require_loaders("mujoco", "drake")
         import mujoco
         from pydrake.multibody.parsing import Parser
         from pydrake.multibody.plant import AddMultibodyPlantSceneGraph
@@ -291,8 +294,11 @@ ROOT = Path(__file__).parents[1]
 
 
 @pytest.mark.long
-def test_every_simulator_takes_three_arms_with_meshes_in_every_format(folder: Path, cli: Callable[..., Answer]) -> None:
+def test_every_simulator_takes_three_arms_with_meshes_in_every_format(
+    folder: Path, cli: Callable[..., Answer], require_loaders: Callable[..., None]
+) -> None:
     """Each is the arm of its table there; Pinocchio and Drake, which look at collision meshes, have them all."""
+    require_loaders(*LOADERS)
     import pinocchio
     from pydrake.multibody.parsing import Parser
     from pydrake.multibody.plant import AddMultibodyPlantSceneGraph

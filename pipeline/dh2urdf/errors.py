@@ -93,6 +93,9 @@ def _several(error: Exception, problems: Iterable[Problem]) -> tuple[Problem, ..
     return found
 
 
+_LONGEST_REASON = 200
+
+
 def _texts(error: Exception, *words: str) -> None:
     """Raises a TypeError where the words of an error are none."""
     for word in words:
@@ -302,20 +305,33 @@ class StageConflictError(PluginError):
 
 
 class MissingDependencyError(PluginError):
-    """A stage needs an optional package that is not installed.
+    """A stage needs an optional package that is not installed, or that lacks a library of the system.
 
-    Attributes:
+    Args:
         stage: kind and name, such as ``loader 'pybullet'``.
         package: what is missing.
         extra: the extra of this distribution that installs it, such as ``dh2urdf[pybullet]``.
+        reason: why the package is of no use where it is installed, or what an attempt to import it raised.
+
+    Attributes:
+        stage, package, extra: as given.
+        reason: why the package is of no use; empty where it is not installed.
     """
 
-    def __init__(self, stage: str, package: str, extra: str) -> None:
+    def __init__(self, stage: str, package: str, extra: str, reason: str | ImportError = "") -> None:
         _texts(self, stage, package, extra)
+        if isinstance(reason, ModuleNotFoundError):
+            reason = ""
         self.stage, self.package, self.extra = stage, package, extra
-        super().__init__(stage, package, extra)
+        self.reason = " ".join(str(reason).split())[:_LONGEST_REASON]
+        super().__init__(stage, package, extra, self.reason)
 
     def _message(self) -> str:
+        if self.reason:
+            return (
+                f"{self.stage} needs {self.package}, which is installed and cannot be imported: {self.reason}\n"
+                "    what it needs of the system is installed by the system's package manager"
+            )
         return f"{self.stage} needs {self.package}: pip install '{self.extra}'"
 
 

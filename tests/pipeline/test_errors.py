@@ -162,6 +162,23 @@ class TestMessages:
         error = MissingDependencyError("loader 'pybullet'", "pybullet", "dh2urdf[pybullet]")
         assert str(error) == "loader 'pybullet' needs pybullet: pip install 'dh2urdf[pybullet]'"
 
+    def test_of_a_dependency_that_lacks_a_library(self) -> None:
+        """It is installed, so that installing it again would change nothing; where it is not, nothing else is said."""
+        lacks = ImportError("libglib-2.0.so.0: cannot open\nshared object file")
+        error = MissingDependencyError("loader 'drake'", "drake", "dh2urdf[drake]", lacks)
+        told, advice = str(error).splitlines()
+        assert told == (
+            "loader 'drake' needs drake, which is installed and cannot be imported: "
+            "libglib-2.0.so.0: cannot open shared object file"
+        )
+        assert "package manager" in advice
+        assert "pip install" not in str(error)
+        assert str(pickle.loads(pickle.dumps(error))) == str(error)  # noqa: S301 - made here
+        absent = ModuleNotFoundError("No module named 'pydrake'")
+        assert str(MissingDependencyError("loader 'drake'", "drake", "dh2urdf[drake]", absent)).endswith(
+            "needs drake: pip install 'dh2urdf[drake]'"
+        )
+
     def test_of_a_missing_program(self) -> None:
         """It says what is missing and what to do."""
         error = MissingProgramError("loader 'gazebo'", "the command gz", "apt-get install gz")

@@ -9,17 +9,20 @@ offset and a sign: the angle of the model is sign·q − offset.
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from itertools import repeat
+from typing import TYPE_CHECKING, Any
 
-from dh2urdf.kinematics.chain import forward_kinematics, row_transform
+from dh2urdf.elementwise import is_column
+from dh2urdf.kinematics.chain import dh_transform_of, forward_kinematics, joint_variables
 from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.manipulator import Convention, JointType
-from dh2urdf.rotations import RigidTransform, Vec3, cos_sin, cross, norm, rotation_x, subtract
+from dh2urdf.rotations import RigidTransform, Vec3, cross, exact_cos_sin, norm, rotation_x, subtract
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from dh2urdf.columns import ManipulatorColumns
     from dh2urdf.manipulator import Manipulator
 
 ZERO_LENGTH, ZERO_ANGLE = 1e-9, 1e-9
@@ -95,8 +98,24 @@ class KinematicFacts:
 
 def kinematic_facts(arm: Manipulator) -> KinematicFacts:
     """The facts of an arm."""
+    return _facts(arm, axes_at(arm, (0.0,) * len(arm.moving_rows)))
+
+
+def kinematic_facts_of_columns(arms: ManipulatorColumns) -> list[KinematicFacts]:
+    """The facts of each of many arms, as `kinematic_facts` finds them."""
+    lines = axes_at(arms.table, (0.0,) * len(arms.table.moving_rows))
+    numbers: list[Any] = [number for line in lines for vector in line for number in vector]
+    columns = [number.tolist() if is_column(number) else [number] * len(arms) for number in numbers]
+    told = []
+    for arm, row in zip(arms.tables(), zip(*columns, strict=True) if columns else repeat(()), strict=False):
+        vectors = zip(*[iter(row)] * 3, strict=True)
+        told.append(_facts(arm, [Line(*both) for both in zip(*[vectors] * 2, strict=True)]))
+    return told
+
+
+def _facts(arm: Manipulator, lines: Sequence[Line]) -> KinematicFacts:
+    """The facts of an arm whose axes are these where all joints are at 0."""
     moving = arm.moving_rows
-    lines = axes_at(arm, (0.0,) * len(moving))
     names = [row.joint for row in moving]
     runs: list[list[str]] = [[names[0]]] if names else []
     for before, line, name in zip(lines, lines[1:], names[1:], strict=False):
@@ -113,18 +132,20 @@ def kinematic_facts(arm: Manipulator) -> KinematicFacts:
 
 
 def axes_at(arm: Manipulator, q: Sequence[float]) -> list[Line]:
-    """The axes of the moving joints in base_link at a joint vector [rad or m]."""
+    """The axes of the moving joints in base_link at a joint vector [rad or m]; takes columns."""
     frame, values, lines = arm.base, iter(q), list[Line]()
     for row in arm.rows:
         at = frame
         if arm.convention is Convention.MODIFIED:
-            at = frame @ RigidTransform(rotation_x(*cos_sin(row.alpha)), (row.a, 0.0, 0.0))
+            at = frame @ RigidTransform(rotation_x(*exact_cos_sin(row.alpha)), (row.a, 0.0, 0.0))
         value = 0.0
         if row.type is not JointType.FIXED:
             value = next(values)
             r = at.rotation
             lines.append(Line(at.translation, (row.sign * r[2], row.sign * r[5], row.sign * r[8])))
-        frame = frame @ row_transform(arm.convention, row, value)
+        theta, d = joint_variables(row, value)
+        twist, turn = exact_cos_sin(row.alpha), exact_cos_sin(theta)
+        frame = frame @ dh_transform_of(arm.convention, a=row.a, d=d, twist=twist, turn=turn)
     return lines
 
 

@@ -153,7 +153,7 @@ def _converted_file(
     except ImportError as error:
         package = {"collada": "pycollada"}.get(error.name or "", error.name or str(error))
         conversion = f"`output: {{meshes: {{convert: {how}}}}}`"
-        raise MissingDependencyError(conversion, package, "dh2urdf[meshes]") from error
+        raise MissingDependencyError(conversion, package, "dh2urdf[meshes]", error) from error
     except MemoryError:
         raise _refusal(name, "it needs too much memory") from None
     except ValueError as error:

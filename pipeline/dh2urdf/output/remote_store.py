@@ -152,7 +152,7 @@ class RemoteStore(Store):
         try:
             from fsspec.core import url_to_fs
         except ImportError as error:
-            raise self._lacks("fsspec") from error
+            raise self._lacks("fsspec", error) from error
         limits = {"config_kwargs": _S3_LIMITS} if self._scheme in _S3 else {}
         with self._reporting("", "reach"):
             try:
@@ -188,9 +188,9 @@ class RemoteStore(Store):
     def _scheme(self) -> str:
         return self.address.partition("://")[0].casefold()
 
-    def _lacks(self, package: str) -> MissingDependencyError:
+    def _lacks(self, package: str, reason: str | ImportError = "") -> MissingDependencyError:
         extra = "dh2urdf[remote]" if package in ("fsspec", "s3fs") else package
-        return MissingDependencyError(f"output to {self._scheme}://", package, extra)
+        return MissingDependencyError(f"output to {self._scheme}://", package, extra, reason)
 
     @contextmanager
     def _reporting(self, name: str, doing: str) -> Iterator[None]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from dh2urdf.kinematics.facts import kinematic_facts
+from dh2urdf.kinematics.facts import KinematicFacts, kinematic_facts, kinematic_facts_of_columns
 from dh2urdf.report.first_manipulators import tables_of
 
 if TYPE_CHECKING:
@@ -31,15 +31,26 @@ class AxesOfRun:
 
     def see(self, batch: Batch) -> None:
         """Take notice of a batch; batches come in the order of the run."""
-        for name, what in zip(batch.names, batch.begin(self._left), strict=False):
-            for arms, table in tables_of(what):
-                self.entries.append({"name": name, "arms": list(arms), **axes_entry(table)})
+        if not self._left:
+            return
+        groups, singles = batch.first_groups(self._left)
+        found: dict[int, list[tuple[tuple[str, ...], AxesEntry]]] = {
+            place: [(arms, axes_entry(table)) for arms, table in tables_of(what)] for place, what in singles.items()
+        }
+        for places, tables in groups:
+            for place, facts in zip(places, kinematic_facts_of_columns(tables), strict=True):
+                found[place] = [((), _entry(facts))]
+        for place in sorted(found):
+            self.entries += [{"name": batch.names[place], "arms": list(arms), **entry} for arms, entry in found[place]]
         self._left = max(0, self._left - len(batch))
 
 
 def axes_entry(manipulator: Manipulator) -> AxesEntry:
     """The facts of a table's axes [m, rad]."""
-    facts = kinematic_facts(manipulator)
+    return _entry(kinematic_facts(manipulator))
+
+
+def _entry(facts: KinematicFacts) -> AxesEntry:
     opw: OpwEntry | None = None
     if (found := facts.opw) is not None:
         opw = {

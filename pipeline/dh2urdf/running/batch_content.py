@@ -11,19 +11,15 @@ from typing import TYPE_CHECKING, Any
 
 import orjson
 
-from dh2urdf.columns import in_columns
 from dh2urdf.conversion.keys import column_keys, key_of
 from dh2urdf.conversion.one_manipulator import Recipe
-from dh2urdf.errors import ManipulatorError
 from dh2urdf.isolation.loads import KeptChildren
 from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.output.layouts import Layout
 from dh2urdf.output.store import Store
 from dh2urdf.running.earlier_files import EarlierFiles
 from dh2urdf.running.mesh_copies import MeshCopies
-from dh2urdf.tasks.batch import Batch, Doomed, Single
-from dh2urdf.variations.columns import variant_columns
-from dh2urdf.variations.variation import Variant
+from dh2urdf.tasks.batch import Batch, Single, variants_from
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -96,24 +92,12 @@ class BatchContent:
 
     def _draw(self, start: int, variation: Variation, numbers: range) -> None:
         """The tables of variants."""
-        variants = [Variant(variation=variation, number=number) for number in numbers]
         drawn = variation.drawn(numbers)
         for place, values in enumerate(drawn, start):
             self.drawn[place], self.marks[place] = values, variation.mark
-        found = variant_columns(variation, [variant.name for variant in variants], drawn)
-        done = [start + member for member in found[0]] if found else []
-        if found and done:
-            self.groups.append((tuple(done), found[1]))
-        places, tables = [], []
-        for place in sorted(set(range(start, start + len(variants))).difference(done)):
-            variant = variants[place - start]
-            try:
-                tables.append(variant.manipulator(self.drawn[place]))
-                places.append(place)
-            except ManipulatorError as error:
-                self.singles[place] = Doomed(variant.name, error, variant.mark)
-        for members, columns in in_columns(tables):
-            self.groups.append((tuple([places[member] for member in members]), columns))
+        groups, doomed = variants_from(start, variation, numbers, drawn)
+        self.groups += groups
+        self.singles.update(doomed)
 
     def _keys(self) -> dict[int, str]:
         """What the files of each depend on: its table, the recipe, and where they go."""

@@ -27,6 +27,7 @@ from dh2urdf.stages import Rejected
 from dh2urdf.tasks.run_item import RunItem, RunItems
 from dh2urdf.validation.coercion import replace_unchecked
 from dh2urdf.variations.binding import bind
+from dh2urdf.variations.columns import made_variants
 from dh2urdf.variations.variation import Variant, Variation, VariationCall
 
 if TYPE_CHECKING:
@@ -57,6 +58,8 @@ class Doomed(NamedTuple):
 
 
 Single: TypeAlias = Manipulator | Cell | Rejected | Doomed
+TablesAtPlaces: TypeAlias = tuple[tuple[int, ...], ManipulatorColumns]
+"""Tables that differ in numbers only, with their places in a batch."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -81,7 +84,7 @@ class Batch:
     names: tuple[str, ...]
     stems: tuple[str, ...]
     sources: tuple[str, ...]
-    columns: tuple[tuple[tuple[int, ...], ManipulatorColumns], ...] = ()
+    columns: tuple[TablesAtPlaces, ...] = ()
     variants: tuple[tuple[int, Variation, range], ...] = ()
     singles: Mapping[int, Single] = field(default_factory=dict)
     notices: Mapping[int, tuple[Problem, ...]] = field(default_factory=dict)
@@ -94,16 +97,26 @@ class Batch:
 
     def begin(self, count: int) -> list[Single]:
         """What is to be made at so many places from the first one on."""
-        found: dict[int, Single] = dict(self.singles)
+        groups, found = self.first_groups(count)
+        for places, some in groups:
+            for place, table in zip(places, some.tables(), strict=True):
+                found[place] = self.with_notices(place, table)
+        return [found[place] for place in range(min(count, len(self)))]
+
+    def first_groups(self, count: int) -> tuple[list[TablesAtPlaces], dict[int, Single]]:
+        """The same as groups of tables that differ in numbers only, and the others by their places."""
+        groups: list[TablesAtPlaces] = []
+        singles = {place: what for place, what in self.singles.items() if place < count}
         for first, variation, numbers in self.variants:
             wanted = numbers[: max(0, count - first)]
-            for place, (number, drawn) in enumerate(zip(wanted, variation.drawn(wanted), strict=True), start=first):
-                found[place] = _made(Variant(variation=variation, number=number), drawn)
+            made, doomed = variants_from(first, variation, wanted, variation.drawn(wanted))
+            groups += made
+            singles.update(doomed)
         for places, some in self.columns:
             members = [member for member, place in enumerate(places) if place < count]
-            for member, table in zip(members, some.tables(members), strict=True):
-                found[places[member]] = self.with_notices(places[member], table)
-        return [found[place] for place in range(min(count, len(self)))]
+            if members:
+                groups.append((tuple([places[member] for member in members]), some.take(members)))
+        return groups, singles
 
     def with_notices(self, place: int, table: Manipulator) -> Manipulator:
         """A table of the columns with the notices of its reader."""
@@ -136,12 +149,23 @@ class Batch:
         return replace(self, singles={**self.singles, **doomed}, rows={})
 
 
-def _made(variant: Variant, drawn: Mapping[str, DrawnValue]) -> Single:
-    """The table of a variant; why there is none, where no arm has its values."""
-    try:
-        return variant.manipulator(drawn)
-    except ManipulatorError as error:
-        return Doomed(variant.name, error, variant.mark)
+def variants_from(
+    first: int, variation: Variation, numbers: range, drawn: Sequence[dict[str, DrawnValue]]
+) -> tuple[list[TablesAtPlaces], dict[int, Single]]:
+    """The tables of variants that follow each other, and why some have none, by their places in a batch.
+
+    Args:
+        first: the place of the first one.
+        variation: what they are variants of.
+        numbers: their numbers.
+        drawn: what was drawn for each.
+    """
+    variants = [Variant(variation=variation, number=number) for number in numbers]
+    groups, errors = made_variants(variants, drawn)
+    doomed: dict[int, Single] = {
+        first + place: Doomed(variants[place].name, error, variation.mark) for place, error in errors.items()
+    }
+    return [(tuple([first + place for place in places]), columns) for places, columns in groups], doomed
 
 
 def batches(plan: Plan, expected: Expected) -> Iterator[Batch]:
@@ -251,7 +275,7 @@ def _batch(first: int, some: Sequence[RunItem | RunItems], stems: Stems) -> Batc
 def _groups(
     plain: Sequence[tuple[Sequence[int], Manipulator | ManipulatorColumns]],
     of_readers: dict[int, tuple[Problem, ...]],
-) -> tuple[tuple[tuple[int, ...], ManipulatorColumns], ...]:
+) -> tuple[TablesAtPlaces, ...]:
     """Manipulators that differ in numbers only, with their places.
 
     Args:

@@ -4,15 +4,49 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from dh2urdf.columns import ManipulatorColumns, row_places
+from dh2urdf.columns import ManipulatorColumns, in_columns, row_places
+from dh2urdf.errors import ManipulatorError
+from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.validation.coercion import replace_unchecked
-from dh2urdf.variations.variation import FIELDS, Variation, changed, drawn_notices
+from dh2urdf.variations.variation import FIELDS, Variant, Variation, changed, drawn_notices
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from dh2urdf.manipulator import DHRow
     from dh2urdf.variations.laws import DrawnValue
+
+
+class MadeVariants(NamedTuple):
+    """The tables of some variants.
+
+    Attributes:
+        groups: those that differ in numbers only, each group with the places of its members.
+        errors: why there is none, by the place of the variant: no arm has these values.
+    """
+
+    groups: list[tuple[list[int], ManipulatorColumns]]
+    errors: dict[int, ManipulatorError]
+
+
+def made_variants(variants: Sequence[Variant], drawn: Sequence[dict[str, DrawnValue]]) -> MadeVariants:
+    """The tables of variants of one variation, for which this was drawn."""
+    if not variants:
+        return MadeVariants([], {})
+    made = MadeVariants([], {})
+    found = variant_columns(variants[0].variation, [variant.name for variant in variants], drawn)
+    if found and found[0]:
+        made.groups.append(found)
+    places, tables = [], []
+    for place in sorted(set(range(len(variants))).difference(found[0] if found else ())):
+        try:
+            tables.append(variants[place].manipulator(drawn[place]))
+            places.append(place)
+        except ManipulatorError as error:
+            made.errors[place] = error
+    for members, columns in in_columns(tables):
+        made.groups.append(([places[member] for member in members], columns))
+    return made
 
 
 def variant_columns(

@@ -203,5 +203,5 @@ def _sobol_engine(dimensions: int):  # type: ignore[no-untyped-def]  # noqa: ANN
     try:
         from scipy.stats import qmc
     except ImportError as error:
-        raise MissingDependencyError("sampling 'sobol'", "scipy", "dh2urdf[sampling]") from error
+        raise MissingDependencyError("sampling 'sobol'", "scipy", "dh2urdf[sampling]", error) from error
     return qmc.Sobol(dimensions, scramble=False, bits=_SOBOL_BITS)

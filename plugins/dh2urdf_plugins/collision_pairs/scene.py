@@ -153,7 +153,8 @@ class Scene:
             parts = read_parts(content, suffix, mesh.scale)
         except ImportError as error:
             package = "pycollada" if error.name == "collada" else "trimesh"
-            raise MissingDependencyError("a collision shape that is a mesh", package, "dh2urdf[meshes]") from error
+            user, extra = "a collision shape that is a mesh", "dh2urdf[meshes]"
+            raise MissingDependencyError(user, package, extra, error) from error
         except Exception as error:
             message = f"the mesh {shown(mesh.filename)} of the link {shown(link)} cannot be read: {error}"
             accepted = "a mesh that has triangles, as STL, OBJ or DAE"
@@ -171,7 +172,8 @@ def _package(module: str, package: str) -> Any:  # noqa: ANN401 - a module witho
     try:
         return importlib.import_module(module)
     except ImportError as error:
-        raise MissingDependencyError("the search for collision pairs", package, "dh2urdf[pinocchio]") from error
+        user, extra = "the search for collision pairs", "dh2urdf[pinocchio]"
+        raise MissingDependencyError(user, package, extra, error) from error
 
 
 def shaped_neighbours(mechanism: Mechanism) -> Iterator[Pair]:

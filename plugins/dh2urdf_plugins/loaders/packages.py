@@ -36,12 +36,13 @@ class Packages:
         """Import a module.
 
         Raises:
-            MissingDependencyError: its package is not installed.
+            MissingDependencyError: its package is not installed, or lacks a library of the system.
         """
         try:
             return importlib.import_module(module)
         except ImportError as error:
-            raise self._missing(module) from error
+            raise self._missing(module, error) from error
 
-    def _missing(self, module: str) -> MissingDependencyError:
-        return MissingDependencyError(f"loader {self.loader!r}", self.names[module], f"dh2urdf[{self.loader}]")
+    def _missing(self, module: str, reason: str | ImportError = "") -> MissingDependencyError:
+        extra = f"dh2urdf[{self.loader}]"
+        return MissingDependencyError(f"loader {self.loader!r}", self.names[module], extra, reason)

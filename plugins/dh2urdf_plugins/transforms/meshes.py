@@ -132,7 +132,7 @@ def _read(file: MeshFile) -> Any:  # noqa: ANN401 - a module without type inform
     try:
         import trimesh  # noqa: F401 - `load_scene` does; here it is known what is missing
     except ImportError as error:
-        raise _missing("trimesh") from error
+        raise _missing("trimesh", error) from error
     content = read_mesh(file)
     try:
         mesh = load_scene(content, suffix, process=True).to_mesh()
@@ -141,7 +141,7 @@ def _read(file: MeshFile) -> Any:  # noqa: ANN401 - a module without type inform
         if (asset := asset_of(content, suffix)) != Asset():
             mesh.apply_transform(to_metres(asset))
     except ImportError as error:
-        raise _missing("pycollada") from error
+        raise _missing("pycollada", error) from error
     except (MissingDependencyError, MemoryError):
         raise
     except Exception as error:  # what readers of other people's files raise is anything
@@ -151,8 +151,9 @@ def _read(file: MeshFile) -> Any:  # noqa: ANN401 - a module without type inform
     return mesh
 
 
-def _missing(package: str) -> MissingDependencyError:
-    return MissingDependencyError("transform 'alpha-swap', for the mass of a mesh,", package, "dh2urdf[meshes]")
+def _missing(package: str, error: ImportError) -> MissingDependencyError:
+    user = "transform 'alpha-swap', for the mass of a mesh,"
+    return MissingDependencyError(user, package, "dh2urdf[meshes]", error)
 
 
 def _hull(mesh: Any, size: float) -> Inertial | None:  # noqa: ANN401 - see `_read`
@@ -160,7 +161,7 @@ def _hull(mesh: Any, size: float) -> Inertial | None:  # noqa: ANN401 - see `_re
     try:
         from scipy.spatial import QhullError
     except ImportError as error:
-        raise _missing("scipy") from error
+        raise _missing("scipy", error) from error
     try:
         hull = mesh.convex_hull
     except (QhullError, ValueError):

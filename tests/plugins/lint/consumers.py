@@ -18,6 +18,7 @@ import subprocess
 import sys
 import tempfile
 from dataclasses import dataclass, field
+from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
@@ -96,6 +97,17 @@ class Reader:
     ) -> None:
         self._process.communicate()
         self._folder.cleanup()
+
+
+def require(*consumers: str) -> None:
+    """Skips a test where one of the consumers that it asks is not here."""
+    import pytest
+
+    for consumer in consumers:
+        name = {"ros": "check_urdf", "gazebo": "sdformat", "drake": "pydrake"}.get(consumer, consumer)
+        system = {"ros": CHECK_URDF, "gazebo": SDFORMAT}
+        if not (system[consumer] if consumer in system else find_spec(name)):
+            pytest.skip(f"{name} is not installed")
 
 
 def behaviours(consumer: str, paths: Sequence[Path]) -> list[Behaviour]:

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import re
-from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import pytest
-from consumers import SDFORMAT
+from consumers import require
 from faulty_models import MJCF, MJCF_FAULTS, SDF, SDF_FAULTS, write_models
 from model_consumers import outcomes
 
@@ -78,10 +77,7 @@ MEASURED = [(name, consumer) for name in CONSUMERS for consumer in CONSUMERS[nam
 def measured(request: pytest.FixtureRequest, files: dict[str, Path]) -> tuple[str, str, dict[str, dict[str, Any]]]:
     """A format, a consumer, and what it does with every file of the format."""
     name, consumer = request.param
-    if consumer == "gazebo" and not SDFORMAT:
-        pytest.skip("sdformat is not installed")
-    if consumer != "gazebo" and find_spec({"drake": "pydrake"}.get(consumer, consumer)) is None:
-        pytest.skip(f"{consumer} is not installed")
+    require(consumer)
     mine = {rule: path for rule, path in files.items() if rule.startswith(name)}
     return name, consumer, dict(zip(mine, outcomes(consumer, list(mine.values())), strict=True))
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import pytest
-from consumers import behaviours
+from consumers import behaviours, require
 from faulty_files import CYLINDER, ELBOW_AXIS, ELBOW_LIMIT, END, IMPLAUSIBLE, LINK_1_BODY, SOUND
 from real_robots import descriptions, findings_of
 
@@ -66,6 +66,7 @@ def test_the_probable_attribute_is_told(tmp_path: Path) -> None:
 
 def test_an_effort_of_0_is_no_limit_to_mujoco_and_takes_drakes_actuator(tmp_path: Path) -> None:
     """Drake reads efforts where a transmission makes an actuator, and nothing is said of it elsewhere."""
+    require("drake", "mujoco")
     drive = (
         '<transmission name="t"><type>transmission_interface/SimpleTransmission</type><joint name="elbow"/>'
         f'<actuator name="motor"/></transmission>{END}'
@@ -107,6 +108,7 @@ def test_an_inertia_of_negative_moments_is_no_larger_body(tmp_path: Path) -> Non
 @pytest.mark.parametrize("consumer", ["pybullet", "mujoco", "pinocchio", "drake", "ros", "gazebo"])
 def test_the_table_says_what_happens(tmp_path: Path, consumer: str) -> None:
     """Each consumer loads or refuses the files as the table has it."""
+    require(consumer)
     rules = plausibility_rules()
     paths = {rule: write(tmp_path, rule, *IMPLAUSIBLE[rule]) for rule in rules}
     ends = {rule: each.end for rule, each in zip(paths, behaviours(consumer, list(paths.values())), strict=True)}

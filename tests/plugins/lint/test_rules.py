@@ -6,11 +6,10 @@ import math
 import os
 import re
 import shutil
-from importlib.util import find_spec
 from typing import TYPE_CHECKING, Any
 
 import pytest
-from consumers import CHECK_URDF, SDFORMAT, Behaviour, behaviours
+from consumers import Behaviour, behaviours, require
 from faulty_files import BOX, FAULTS, SOUND, TOOL0, TOOL0_JOINT, WEIGHTLESS as ZEROS, write_all
 from real_robots import descriptions, findings_of
 
@@ -30,12 +29,6 @@ WITHOUT_A_FAULT = {"root-without-inertial", "named-colour", "xacro-fails"}
 """Rules that the sound file has, or that no URDF can break."""
 IN_THE_TEXT = {"not-xml", "not-strict-xml", "nul-byte", "wrong-encoding", "bad-character-reference"}
 """Rules whose findings are at a letter, and not at an element."""
-INSTALLED = {
-    "pybullet": "pybullet",
-    "mujoco": "mujoco",
-    "pinocchio": "pinocchio",
-    "drake": "pydrake",
-}
 
 
 @pytest.fixture(scope="module")
@@ -136,12 +129,7 @@ def _printed(behaviour: Behaviour, sound: Behaviour) -> list[str]:
 def measured(request: pytest.FixtureRequest, files: dict[str, Path]) -> tuple[str, dict[str, Behaviour]]:
     """A consumer, and what it does with every file."""
     consumer = str(request.param)
-    if consumer in INSTALLED and find_spec(INSTALLED[consumer]) is None:
-        pytest.skip(f"{consumer} is not installed")
-    if consumer == "ros" and not CHECK_URDF:
-        pytest.skip("check_urdf is not installed")
-    if consumer == "gazebo" and not SDFORMAT:
-        pytest.skip("sdformat is not installed")
+    require(consumer)
     return consumer, dict(zip(files, behaviours(consumer, list(files.values())), strict=True))
 
 
@@ -300,8 +288,7 @@ IN_SDF = {
 @pytest.mark.parametrize("name", IN_SDF)
 def test_what_sdformat_merges_is_refused_as_it_is_said(tmp_path: Path, name: str) -> None:
     """And the sound file, and its reserved name for the root, are taken."""
-    if not SDFORMAT:
-        pytest.skip("sdformat is not installed")
+    require("gazebo")
     rule, text = IN_SDF[name]
     paths = [tmp_path / "wrong.urdf", tmp_path / "sound.urdf"]
     paths[0].write_text(text)
@@ -317,8 +304,7 @@ def _of_gazebo(finding: Finding) -> bool:
 
 @pytest.mark.parametrize(("moment", "loads"), [("9e-15", False), ("1.1e-14", True)])
 def test_mujoco_takes_a_moment_below_1e_14_for_0(tmp_path: Path, moment: str, *, loads: bool) -> None:
-    if find_spec("mujoco") is None:
-        pytest.skip("mujoco is not installed")
+    require("mujoco")
     path = tmp_path / "arm.urdf"
     path.write_text(SOUND.replace('ixx="0.005"', f'ixx="{moment}"').replace('iyy="0.006"', 'iyy="0.007"'))
     assert ("inertia-semidefinite" not in by_rule(path)) == loads
@@ -350,10 +336,9 @@ def foreign_files() -> list[Path]:
 def test_what_is_said_of_real_robots_is_true(consumer: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """Of each of some sixty descriptions a consumer loads those, and only those, of which no finding says that it does not."""
     paths = foreign_files()
-    if not paths or (consumer in INSTALLED and find_spec(INSTALLED[consumer]) is None):
-        pytest.skip("example-robot-data or the consumer is not installed")
-    if consumer == "ros" and not CHECK_URDF:
-        pytest.skip("check_urdf is not installed")
+    require(consumer)
+    if not paths:
+        pytest.skip("example-robot-data is not installed")
     assert len(paths) > 50
     if consumer == "pybullet":  # It reads all meshes, and takes its time.
         paths = paths[::4]
@@ -366,8 +351,7 @@ def test_what_is_said_of_real_robots_is_true(consumer: str, monkeypatch: pytest.
 @pytest.mark.long
 def test_what_is_said_of_real_robots_is_true_of_gazebo() -> None:
     """The same, of a few: sdformat starts slowly."""
-    if not SDFORMAT:
-        pytest.skip("sdformat is not installed")
+    require("gazebo")
     names = {
         "ur5_robot",
         "panda",
@@ -436,8 +420,7 @@ def test_a_package_has_the_name_that_it_gives_itself(tmp_path: Path, folder: str
     named = inspect_urdf(apart, Expansion(package_paths=(tmp_path / "src",))).findings
     assert not {finding.rule for finding in named} & {"unresolved-package", "missing-mesh"}
     assert not {*by_rule(inside)} & {"unresolved-package", "missing-mesh"}
-    if find_spec("pybullet") is None:
-        pytest.skip("pybullet is not installed")
+    require("pybullet")
     for path, findings, loads in ((inside, by_rule(inside).values(), is_above), (apart, named, False)):
         (finding,) = [finding for finding in findings if finding.rule == "package-address"]
         assert ("pybullet" not in {effect.consumer for effect in finding.effects}) == loads

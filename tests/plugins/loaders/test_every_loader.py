@@ -52,7 +52,12 @@ class Subject(NamedTuple):
 
 
 @pytest.fixture
-def subject(request: pytest.FixtureRequest, planar: Any, monkeypatch: pytest.MonkeyPatch) -> Iterator[Subject]:
+def subject(
+    request: pytest.FixtureRequest,
+    planar: Any,
+    monkeypatch: pytest.MonkeyPatch,
+    require_loaders: Callable[..., None],
+) -> Iterator[Subject]:
     """A loader that is installed; CoppeliaSim is the one for tests."""
     loader, urdf = CATALOG.get("loader", request.param), planar.urdf
     if request.param == "mujoco":
@@ -69,10 +74,7 @@ def subject(request: pytest.FixtureRequest, planar: Any, monkeypatch: pytest.Mon
         with Peer() as peer:
             yield Subject(loader, loader.options(host="127.0.0.1", port=peer.port), urdf)
         return
-    try:
-        loader.require(loader.options())
-    except PluginError as error:
-        pytest.skip(str(error))
+    require_loaders(loader.name)
     yield Subject(loader, loader.options(), urdf)
 
 

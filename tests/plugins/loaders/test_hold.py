@@ -19,7 +19,7 @@ from dh2urdf_plugins.emitters import urdf
 from dh2urdf_plugins.loaders.measures import gravity_loads
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
     from pathlib import Path
 
     from dh2urdf.stages import LoadReport
@@ -90,9 +90,14 @@ def pairs_of_shapes(gap: float) -> Robot:
 @pytest.mark.parametrize("loader", LOADERS)
 @pytest.mark.parametrize(("gap", "overlaps"), [(0.0, []), (-1e-4, [(f"{n} a", f"{n} b") for n in range(5)])])
 def test_touching_is_not_overlapping(
-    tmp_path: Path, loader: str, gap: float, overlaps: Sequence[tuple[str, str]]
+    tmp_path: Path,
+    require_loaders: Callable[..., None],
+    loader: str,
+    gap: float,
+    overlaps: Sequence[tuple[str, str]],
 ) -> None:
     """Shapes that just touch are no finding in any simulator; those that overlap by a tenth of a millimetre are."""
+    require_loaders(loader)
     report = loaded(loader, pairs_of_shapes(gap), tmp_path)
     assert report.hold["contacts"] == list(overlaps)
     assert any("overlap at the start" in finding.message for finding in report.findings) == bool(overlaps)

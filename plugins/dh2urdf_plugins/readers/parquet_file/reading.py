@@ -104,8 +104,8 @@ def _items(
 ) -> Iterator[Manipulator | ManipulatorGroups | Rejected]:
     try:
         from pyarrow.parquet import ParquetFile
-    except ImportError:
-        raise MissingDependencyError("reader 'parquet'", "pyarrow", "dh2urdf[parquet]") from None
+    except ImportError as error:
+        raise MissingDependencyError("reader 'parquet'", "pyarrow", "dh2urdf[parquet]", error) from None
     check_file(path, TableError)
     with path.open("rb") as binary:
         with _reporting_errors(Mark(file=str(path)), "this is no Parquet file that can be read"):

@@ -45,8 +45,8 @@ def read_workbook(path: Path, options: XlsxOptions, trace: Trace | None = None) 
     """
     try:
         from openpyxl import load_workbook
-    except ImportError:
-        raise MissingDependencyError("reader 'xlsx'", "openpyxl", "dh2urdf[xlsx]") from None
+    except ImportError as error:
+        raise MissingDependencyError("reader 'xlsx'", "openpyxl", "dh2urdf[xlsx]", error) from None
     from dh2urdf_plugins.readers.xlsx_file.workbook import check_workbook
 
     check_workbook(path)

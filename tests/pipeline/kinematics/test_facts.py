@@ -4,13 +4,21 @@ from __future__ import annotations
 
 import math
 import random
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 import dh2urdf
-from dh2urdf.kinematics.facts import OpwParameters, axes_at, kinematic_facts
-from dh2urdf.manipulator import Convention, DHRow, Manipulator
+from dh2urdf.columns import in_columns
+from dh2urdf.kinematics.facts import (
+    KinematicFacts,
+    OpwParameters,
+    axes_at,
+    kinematic_facts,
+    kinematic_facts_of_columns,
+)
+from dh2urdf.manipulator import Convention, DHRow, JointType, Manipulator
 
 HALF_PI, PI = math.pi / 2, math.pi
 
@@ -126,3 +134,28 @@ def test_they_are_sentences() -> None:
     assert sentences[0] == "the axes of j2, j3 are parallel"
     assert sentences[2].startswith("OPW arm: a1 = 0.1, a2 = -0.135, b = 0, c1 = 0.615")
     assert dh2urdf.Manipulator is Manipulator
+
+
+@pytest.mark.parametrize("convention", list(Convention))
+def test_many_arms_have_the_facts_of_each(convention: Convention) -> None:
+    """Side by side, of lengths of their own: some with a wrist, some bent, some with a sliding joint, some with none."""
+    draw = random.Random("facts")  # noqa: S311 - reproducible on purpose
+
+    def like(model: Manipulator, name: str, bend: float, *rows: DHRow) -> Manipulator:
+        """An arm with other lengths, whose last row but one may be bent."""
+        made = [replace(row, a=row.a * draw.uniform(0.5, 2), d=row.d * draw.uniform(0.5, 2)) for row in model.rows]
+        made[-2] = replace(made[-2], a=bend)
+        return replace(model, name=name, convention=convention, rows=(*made, *rows))
+
+    slide = DHRow(joint="slide", link="slider", type=JointType.PRISMATIC, a=0.0, alpha=0.0, d=0.1)
+    arms = [like(model, f"{k}", k % 3 * 1e-3, *[slide] * (k % 2)) for model in (IRB_2400, UR5) for k in range(12)]
+    still = [DHRow(joint=f"j{n}", link=f"l{n}", type=JointType.FIXED, a=0.0, alpha=0.0, d=float(n)) for n in (1, 2)]
+    arms += [Manipulator(name=f"still {row.d}", convention=convention, rows=(row,)) for row in still]
+    found: dict[int, KinematicFacts] = {}
+    for members, tables in in_columns(arms):
+        found.update(zip(members, kinematic_facts_of_columns(tables), strict=True))
+    assert [found[place] for place in range(len(arms))] == list(map(kinematic_facts, arms))
+    wrists = {bool(facts.spherical_wrist) for facts in found.values()}
+    if convention is Convention.STANDARD:  # The rows are those of another arm in the other one.
+        assert wrists == {True, False}
+        assert any(facts.opw for facts in found.values())

@@ -183,6 +183,18 @@ class TestParts:
             facts = getattr(batch, name)
             assert getattr(part, name) == {place - start: facts[place] for place in places if place in facts}
 
+    @given(st.integers(-1, 20))
+    def test_its_beginning_is_what_is_made_one_by_one(self, batch: Batch, count: int) -> None:
+        """Tables and variants by their names, what is bad in its place."""
+        begun = batch.begin(count)
+        assert [what.name for what in begun] == list(batch.names[: max(0, count)])
+        made = {place: what for place, what in batch.singles.items() if place < count}
+        for start, variation, numbers in batch.variants:
+            for place, number in enumerate(numbers[: max(0, count - start)], start):
+                variant = Variant(variation=variation, number=number)
+                made[place] = variant.manipulator(variant.drawn())
+        assert {place: begun[place] for place in made} == made
+
     @given(st.integers(0, 16))
     def test_two_halves_are_the_whole(self, batch: Batch, middle: int) -> None:
         """Nothing is lost and nothing is made twice."""

@@ -402,7 +402,7 @@ def test_without_trimesh_the_message_says_what_to_install(
     folder: Path, dh2urdf: Callable[..., subprocess.CompletedProcess[str]]
 ) -> None:
     """In one line, with the exit status of what is not installed; where all masses are given it is not missed."""
-    (folder / "trimesh.py").write_text("raise ImportError('not here')\n")
+    (folder / "trimesh.py").write_text("raise ModuleNotFoundError('not here')\n")
     (folder / "arm.yaml").write_text(table("standard", "link.stl"))
     told = dh2urdf("convert", "arm.yaml", "-o", "out/arm.urdf", path=[folder], status=3).stderr
     assert told.strip().endswith("needs trimesh: pip install 'dh2urdf[meshes]'")

@@ -60,7 +60,7 @@ def test_a_fault_is_found(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> No
     """What the loop is for: a stage that raises, and a run that does."""
     section = {"name": "v", "of": "ur5", "vary": [{"field": "a", "joints": 2, "scale": [0.9, 1.1]}], "count": 3}
     with monkeypatch.context() as patch:
-        patch.setattr("dh2urdf.running.batch_content.variant_columns", lambda *_: {}["nothing"])
+        patch.setattr("dh2urdf.tasks.batch.made_variants", lambda *_: {}["nothing"])
         with pytest.raises(WrongRunError, match="the run raised KeyError"):
             try_sections([section], tmp_path, "files", Figures())
     with monkeypatch.context() as patch:

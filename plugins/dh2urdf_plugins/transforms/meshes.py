@@ -152,8 +152,7 @@ def _read(file: MeshFile) -> Any:  # noqa: ANN401 - a module without type inform
 
 
 def _missing(package: str, error: ImportError) -> MissingDependencyError:
-    user = "transform 'alpha-swap', for the mass of a mesh,"
-    return MissingDependencyError(user, package, "dh2urdf[meshes]", error)
+    return MissingDependencyError("transform 'alpha-swap', for the mass of a mesh,", package, "dh2urdf[meshes]", error)
 
 
 def _hull(mesh: Any, size: float) -> Inertial | None:  # noqa: ANN401 - see `_read`

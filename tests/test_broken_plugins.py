@@ -289,6 +289,7 @@ CASES = [
 ]  # fmt: skip
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("case", CASES, ids=[case.id for case in CASES])
 def test_the_right_one_is_blamed(
     cli: Cli, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, install: Callable[..., None], case: Broken

@@ -21,6 +21,8 @@ from lxml import etree
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
+pytestmark = pytest.mark.long
+
 ROOT = Path(__file__).parents[1]
 EXAMPLES = {
     "cisst": {("reader", "cisst")},
@@ -97,7 +99,6 @@ def test_it_is_listed(lab: Lab, name: str) -> None:
     assert all(option["help"] for stage in stages for option in stage["options"])
 
 
-@pytest.mark.long
 @pytest.mark.parametrize("name", EXAMPLES)
 def test_its_own_tests_pass(lab: Lab, name: str) -> None:
     """The contract of its kind and what it declares itself, from its own folder."""
@@ -113,7 +114,6 @@ def test_it_is_typed(lab: Lab, name: str) -> None:
     lab.types("python", "-m", "mypy", *options, "src", "tests", where=name)
 
 
-@pytest.mark.long
 @pytest.mark.parametrize("name", EXAMPLES)
 def test_its_readme_keeps_its_word(lab: Lab, name: str) -> None:
     """What is to be typed after the installation works in its folder, word for word, and its run file has no failure."""

@@ -65,8 +65,13 @@ def check_file(path: Path, error: type[InputError] = ConfigError) -> None:
                 return
     except (OSError, ValueError) as reason:  # ValueError: a null character in the path
         raise error(_unreadable(path, reason)) from None
-    message = "this is a folder, not a file" if stat.S_ISDIR(mode) else "this is a pipe or a device, not a file"
-    raise error(Problem(message=message, mark=Mark(file=str(path)), accepted="a file"))
+    mark = Mark(file=str(path))
+    if stat.S_ISDIR(mode):
+        raise error(Problem(message="this is a folder, not a file", mark=mark, accepted="a file"))
+    advice = "write what comes out of it into a file; standard input is named -, where a command takes it"
+    raise error(
+        Problem(message="this is a pipe or a device, not a file", mark=mark, accepted="a file", suggestion=advice)
+    )
 
 
 def _unreadable(path: Path, reason: OSError | ValueError) -> Problem:

@@ -56,6 +56,7 @@ def test_a_pipe_is_refused_without_waiting_for_it(tmp_path: Path) -> None:
     pipe = tmp_path / "pipe"
     os.mkfifo(pipe)
     assert "this is a pipe or a device, not a file" in refusal(pipe)
+    assert "write what comes out of it into a file" in refusal(pipe)
 
 
 def test_the_reason_of_the_system_is_passed_on(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

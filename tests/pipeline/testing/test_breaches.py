@@ -148,6 +148,7 @@ def failures(tmp_path_factory: pytest.TempPathFactory) -> dict[tuple[str, str], 
     }
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("plugin", "clause", "found"), BREACHES, ids=[plugin for plugin, _, _ in BREACHES])
 def test_a_breach_is_told(failures: dict[tuple[str, str], str], plugin: str, clause: str, found: str) -> None:
     """The message names the stage and the clause, and says what was found, what is accepted and what to do."""

@@ -159,6 +159,7 @@ def test_the_table_says_what_happens(measured: tuple[str, dict[str, Behaviour]],
     assert wrong == []
 
 
+@pytest.mark.long
 def test_an_empty_cell_was_seen(measured: tuple[str, dict[str, Behaviour]]) -> None:
     """Where a rule does not name a reader, the reader loaded the faulty file, or another fault in it is to blame."""
     consumer, found = measured
@@ -252,6 +253,7 @@ SAID: dict[tuple[str, str], Callable[[Behaviour], bool]] = {
 """What a sentence says in numbers."""
 
 
+@pytest.mark.long
 def test_the_numbers_of_the_table_are_measured(measured: tuple[str, dict[str, Behaviour]]) -> None:
     """Masses, limits, coordinates and axes are those that the sentences speak of."""
     consumer, found = measured
@@ -259,6 +261,7 @@ def test_the_numbers_of_the_table_are_measured(measured: tuple[str, dict[str, Be
     assert wrong == [], [found[rule] for rule in wrong]
 
 
+@pytest.mark.long
 def test_the_root_frame_is_noted_by_pybullet(measured: tuple[str, dict[str, Behaviour]]) -> None:
     """Of the sound file PyBullet prints that the root has no inertial, and nobody else prints anything."""
     consumer, found = measured

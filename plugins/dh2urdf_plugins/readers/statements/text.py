@@ -16,8 +16,8 @@ if TYPE_CHECKING:
 
 MAX_LINE = 2**20
 """Length of a line: a file without line ends must not be held as one."""
-_BLOCK = 2**14
-"""Characters read at once: the rows of a block are gone before Python's collector has to look at them twice."""
+_BLOCK = 2**16
+"""Characters read at once: fewer cost calls for every block, more are out of the processor's cache."""
 _SAMPLE = 4096
 
 _OTHER_FILES = (

@@ -329,8 +329,8 @@ class MissingDependencyError(PluginError):
     def _message(self) -> str:
         if self.reason:
             return (
-                f"{self.stage} needs {self.package}, which is installed and cannot be imported: {self.reason}\n"
-                "    what it needs of the system is installed by the system's package manager"
+                f"{self.stage} needs {self.package}, which is installed and cannot be imported: {self.reason}; "
+                "a library of the system is installed with the system's package manager"
             )
         return f"{self.stage} needs {self.package}: pip install '{self.extra}'"
 

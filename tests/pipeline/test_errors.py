@@ -166,13 +166,10 @@ class TestMessages:
         """It is installed, so that installing it again would change nothing; where it is not, nothing else is said."""
         lacks = ImportError("libglib-2.0.so.0: cannot open\nshared object file")
         error = MissingDependencyError("loader 'drake'", "drake", "dh2urdf[drake]", lacks)
-        told, advice = str(error).splitlines()
-        assert told == (
-            "loader 'drake' needs drake, which is installed and cannot be imported: "
-            "libglib-2.0.so.0: cannot open shared object file"
+        assert str(error) == (
+            "loader 'drake' needs drake, which is installed and cannot be imported: libglib-2.0.so.0: cannot open "
+            "shared object file; a library of the system is installed with the system's package manager"
         )
-        assert "package manager" in advice
-        assert "pip install" not in str(error)
         assert str(pickle.loads(pickle.dumps(error))) == str(error)  # noqa: S301 - made here
         absent = ModuleNotFoundError("No module named 'pydrake'")
         assert str(MissingDependencyError("loader 'drake'", "drake", "dh2urdf[drake]", absent)).endswith(

@@ -70,6 +70,8 @@ CHANGES: dict[str, Callable[[Path], Any]] = {
     "written": lambda path: path.write_text(many_arms(0.5)),
     "replaced": replaced,
     "cut off": lambda path: os.truncate(path, path.stat().st_size // 2),
+    "cut off in a row": lambda path: os.truncate(path, path.read_bytes().index(b"pi", path.stat().st_size // 2)),
+    "cut off behind what was read": lambda path: os.truncate(path, path.read_bytes().rindex(b"pi")),
     "removed": lambda path: path.unlink(),
 }
 

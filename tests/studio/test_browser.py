@@ -51,7 +51,7 @@ def test_a_wrong_cell(studio_address: str, new_tab: Callable[..., Any], catalog:
     tab.type_into(1, "alpha", "30°")
     tab.wait_for_status("the arm is the table's")
     assert page.locator(".studio-problem.error").count() == 0
-    assert tab.pose("tool0") != before
+    tab.wait_for_tool0(arm_of(edits.with_cell(gallery.table("ur5.csv", catalog), 1, "alpha", "30°"), catalog))
 
 
 @pytest.mark.long

@@ -317,7 +317,10 @@ def read_items(
                 items = items_of(reader.read(path, call.options), Manipulator)
             else:
                 items = items_of(reader.trace(path, call.options, trace), Manipulator)
-        yield from checked_items(items, call, columns=columns)
+        for item in checked_items(items, call, columns=columns):
+            if isinstance(item, Rejected) and _state_of(path) != before:
+                raise TableError(item.problems)  # A row that was cut off is no fault of the table.
+            yield item
     except TableError as error:
         if _state_of(path) != before:
             raise TableError([_changed(path), *error.problems], error.notices) from error

@@ -24,6 +24,7 @@ from collections import Counter
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from functools import partial
+from itertools import repeat
 from pathlib import Path
 from statistics import median
 from typing import TYPE_CHECKING, Any, TypeAlias
@@ -309,7 +310,7 @@ def _apart(run_files: Sequence[Path], folder: Path) -> Child:
     folders = [folder / str(number) for number, _ in enumerate(run_files)]
     started = time.perf_counter()
     with ThreadPoolExecutor(len(run_files)) as threads:
-        children = list(threads.map(lambda *one: _command(one[0], 1, one[1]), run_files, folders))
+        children = list(threads.map(_command, run_files, repeat(1), folders))
     return Child(time.perf_counter() - started, sum(child.memory for child in children))
 
 

@@ -25,7 +25,6 @@ if TYPE_CHECKING:
 KEPT_OUTPUT = 64 * 1024
 """Bytes of the output of a call that are kept, half from its beginning and half from its end."""
 
-_WIDTH = 2**20  # bytes: as much as Linux gives to users
 _SCRIPT = Path(__file__).with_name("_child.py")
 _LEAVING = 5.0  # [s] to end after the last answer, and to empty a pipe after the end
 
@@ -66,8 +65,6 @@ class Interpreter:
         self._calls = cast("IO[bytes]", self._process.stdin)
         self._answers = cast("IO[bytes]", self._process.stdout)
         self._printed = cast("IO[bytes]", self._process.stderr)
-        for stream in (self._calls, self._answers):
-            _widen(stream)
         self._messages: list[Any] = [sys.path]
         self._talk: threading.Thread | None = None
         self._has_ended = False
@@ -163,18 +160,6 @@ class Interpreter:
         while chunk := os.read(self._printed.fileno(), KEPT_OUTPUT):
             self.output.add(chunk)
         self.output.finish()
-
-
-def _widen(pipe: IO[bytes]) -> None:
-    """Has a pipe hold a whole batch, where the system has such pipes and as much is left of what a user may have.
-
-    A thread that empties a pipe by parts waits for the lock of its interpreter before each of them, and the process at
-    the other end waits too.
-    """
-    with contextlib.suppress(ImportError, AttributeError, OSError):
-        import fcntl
-
-        fcntl.fcntl(pipe.fileno(), fcntl.F_SETPIPE_SZ, _WIDTH)
 
 
 class Output:

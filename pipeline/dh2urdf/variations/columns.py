@@ -31,9 +31,9 @@ class MadeVariants(NamedTuple):
 
 def made_variants(variants: Sequence[Variant], drawn: Sequence[dict[str, DrawnValue]]) -> MadeVariants:
     """The tables of variants of one variation, for which this was drawn."""
-    if not variants:
-        return MadeVariants([], {})
     made = MadeVariants([], {})
+    if not variants:
+        return made
     found = variant_columns(variants[0].variation, [variant.name for variant in variants], drawn)
     if found and found[0]:
         made.groups.append(found)

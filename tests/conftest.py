@@ -44,6 +44,10 @@ collect_ignore = ["example_plugin"]
 if signal.getsignal(signal.SIGINT) == signal.SIG_IGN:
     signal.signal(signal.SIGINT, signal.default_int_handler)
 
+# With this variable, each of the many processes of the tests, and pytest itself, would compile all sources again.
+os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+sys.dont_write_bytecode = False
+
 # The same examples on every machine and in every run; a failure prints how to repeat it.
 hypothesis.settings.register_profile(
     "dh2urdf", derandomize=True, deadline=None, database=None, print_blob=True, max_examples=60

@@ -49,7 +49,7 @@ _NO_DIGIT_BUT_0 = late_pattern(r"[0.,]+(?:e[+-]?[0-9]+)?", re.IGNORECASE)
 
 _SPACES = "'’ʼ \u00a0\u2007\u2009\u202f"
 _ADVICE = (
-    (late_pattern(r"\s*[+-]?(nan|inf|infinity)\s*", re.IGNORECASE), "write a finite number"),
+    (late_pattern(r"\s*[+-]?(nan|inf|infinity|∞)\s*", re.IGNORECASE), "write a finite number"),
     (
         late_pattern(r"\s*\$[^$]+\$\s*$|.*\\(?:[dt]?frac|over|circ|degree|textdegree|ang|SI|qty)(?![a-z])"),
         "write the number without LaTeX: -pi/2, -90 deg",
@@ -72,7 +72,7 @@ _ADVICE = (
     (late_pattern(r"\s*[+-]?[0-9.]+[dD][+-]?[0-9]+\s*"), "write the exponent with e: 1e-3"),
     (late_pattern(r".*[0-9](pi|π)"), "write the product with its sign: 2*pi"),
     (late_pattern(r"\s*[0-9][0-9.,]*\s*[^\W\d]{0,3}\s*-\s*$"), "write the minus before the number: -5"),
-    (late_pattern(r"\s*[-–—−]+\s*$"), "write 0 if that is meant"),
+    (late_pattern(r"\s*([-–—−]+|/|n\.?/?a\.?|none|null)\s*$", re.IGNORECASE), "write 0 if that is meant"),
     (
         late_pattern(r"\s*[^*†‡]*[0-9°a-zπ]\s*[*†‡]+\s*$", re.IGNORECASE),
         "take out the mark at the end, of a footnote or of a product that is cut off",

@@ -139,6 +139,8 @@ READ: list[tuple[dict[str, str], dict[str, Any]]] = [
     *(
         ({low: "-1", high: "2"}, {"lower": -1.0, "upper": 2.0})
         for low, high in (
+            *(("θ_i min", "θ_i max"), ("θi_min", "θi_max"), ("q_i,min", "q_{i,max}"), ("q_{min,i}", "q_{max,i}")),
+            ("q⁻", "q⁺"),
             *(("theta_min", "theta_max"), ("min", "max"), ("lo", "hi"), ("low", "high"), ("minimum", "maximum")),
             *(("min_angle", "max_angle"), ("θmin", "θmax"), ("Min. Position", "Max. Position"), ("q_{min}", "q_{max}")),
             *(("untere Grenze", "obere Grenze"), ("limite inférieure", "limite supérieure"), ("mínimo", "máximo")),
@@ -396,6 +398,10 @@ def test_known_headers_and_notes_go_the_fast_way(tmp_path: Path, monkeypatch: py
         ),
         *((text, "alpha", None) for text in ("twist α", "α (twist)", "DH alpha", r"$\alpha_i$", "αᵢ")),
         ("d¹", "d", None),
+        *((f"{name}/({unit})", field, unit) for name, field, unit in (("θ", "theta", "°"), ("di", "d", "mm"))),
+        ("ω/(°/s)", "velocity", "°/s"),
+        ("α/ [deg]", "alpha", "deg"),
+        ("⍺ⱼ", "alpha", None),
         ("CoG (x, y, z) [mm]", "com", "mm"),
         ("Inertia Tensor (3x3) [kg m²]", "inertia", "kg m2"),
         ("Torque (Nm)", "effort", "Nm"),

@@ -381,3 +381,95 @@ def test_decimal_numbers_as_names_are_spoken_of(arms: int) -> None:
     assert all("holds decimal numbers, which are kept as names" in str(arm.notices) for arm in found)
     one = dh2urdf.read("joint,a,alpha,d\n1.0,0.3,0,0\n2.0,0.3,0,0", reader="csv", convention="standard")
     assert [row.joint for row in one.rows] == ["joint_1", "joint_2"]
+
+
+# --- Legends, footnotes and cells that say that there is nothing ------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    "table",
+    [
+        "joint type (1 = revolute; 0 = prismatic),a,alpha,d\n1,0.3,0,0\n0,0,0,0.1\n",
+        "Type (R=1 P=0),a,alpha,d\n1,0.3,0,0\n0,0,0,0.1\n",
+        "# type: 0 = prismatic, 1 = revolute\ntype,a,alpha,d\n1,0.3,0,0\n0,0,0,0.1\n",
+        "type,a,alpha,d\n1,0.3,0,0\n0,0,0,0.1\n\n1: revolute; 0: prismatic\n",
+    ],
+)
+def test_a_legend_that_exchanges_the_numbers_of_types_is_refused(table: str, read: Read) -> None:
+    """The joints would slide where they turn, and the other way round."""
+    (problem,) = problems_of(read, f"{STANDARD}{table}")
+    assert "in a column of types 0 is revolute and 1 is prismatic" in problem.message
+
+
+def test_a_legend_in_a_comment_of_yaml_is_refused(read: Read) -> None:
+    joint = "  - {type: 0, a: 0.3, alpha: 0, d: 0}\n"
+    text = f"convention: standard\njoints:\n  # 0 for prismatic, 1 for revolute\n{joint}"
+    (problem,) = problems_of(read, text, ".yaml")
+    assert "in a column of types 0 is revolute" in problem.message
+
+
+@pytest.mark.parametrize(
+    ("above", "header"),
+    [
+        ("", "Type (R=0 P=1)"),
+        ("", "type (0: revolute; 1: prismatic)"),
+        ("# joint 0: prismatic, joint 1: revolute\n", "type"),
+        ("# 1 revolute joint and 1 prismatic joint\n", "type"),
+    ],
+)
+def test_a_legend_that_agrees_and_joints_that_are_counted_change_nothing(
+    above: str, header: str, read_one: ReadOne
+) -> None:
+    arm = read_one(f"{above}{header},a,alpha,d\n1,0.3,0,0\n0,0,0,0.1\n")
+    assert [row.type.value for row in arm.rows] == ["prismatic", "revolute"]
+
+
+@pytest.mark.parametrize(
+    "note", ["* measured", "1) without backlash", "a) of the maker", "¹ with brake", "† see fig. 3", "2. of 2024"]
+)
+def test_a_footnote_below_the_table_is_a_note(note: str, read: Read, read_one: ReadOne) -> None:
+    """Behind an empty row it gets a notice; without one the message says what to do; its units are not lost."""
+    table = "joint,a,alpha,d\nj1,0.3,0,0\n"
+    assert f"after an empty row: '{note}'" in notices_of(read_one(f"{table}\n{note}\n"))
+    (problem,) = problems_of(read, f"{STANDARD}{table}{note}\n")
+    assert "put an empty row before it" in str(problem)
+    (problem,) = problems_of(read, f"{STANDARD}{table}\n{note}, all lengths in mm\n")
+    assert "mm" in problem.message
+
+
+@pytest.mark.parametrize("row", ["90 deg", "2 shoulder", "-pi/2", "2"])
+def test_a_row_that_is_cut_off_is_no_footnote(row: str, read: Read) -> None:
+    (problem,) = problems_of(read, f"{STANDARD}joint,a,alpha,d\nj1,0.3,0,0\n\n{row}\n")
+    assert "has 1 cells, and the header has 4 columns" in problem.message
+    assert problem.suggestion is None
+
+
+@pytest.mark.parametrize("cell", ["-", "–", "—", "/", "n/a", "N.A.", "none", "?", "tbd"])
+@pytest.mark.parametrize(("name", "advice"), [("mass", "leave the cell empty"), ("limits", "leave the cell empty")])
+def test_a_cell_that_says_that_there_is_nothing_gets_the_advice_for_it(
+    cell: str, name: str, advice: str, read: Read
+) -> None:
+    """A mass of 0, which was the advice for a dash, is none."""
+    (problem,) = problems_of(read, f"{STANDARD}a,alpha,d,{name}\n0.3,0,0,{cell}\n")
+    assert problem.suggestion is not None
+    assert advice in problem.suggestion
+    (problem,) = problems_of(read, f"{STANDARD}a,alpha,d\n{cell},0,0\n")
+    assert "leave" not in str(problem)
+
+
+@pytest.mark.parametrize("cell", ["inf", "∞", "unlimited", "infinite"])
+def test_a_bound_without_end_gets_the_advice_for_it(cell: str, read: Read) -> None:
+    below = f"-{cell}" if len(cell) < len("unlimited") - 1 else cell
+    for header, cells in (("lower,upper", f"{below},{cell}"), ("limits", cell)):
+        for problem in problems_of(read, f"{STANDARD}a,alpha,d,{header}\n0.3,0,0,{cells}\n"):
+            assert "give it the type continuous" in str(problem)
+
+
+@pytest.mark.parametrize(
+    ("cell", "said"), [("0-360", "'0 to 360'"), ("0 – 90", "'0 to 90'"), ("-170-170", "'-170 to 170'")]
+)
+def test_a_dash_between_bounds_is_no_sign_that_is_sure(cell: str, said: str, read: Read) -> None:
+    """The advice was to write ±0-360."""
+    (problem,) = problems_of(read, f"{STANDARD}a,alpha,d,limits [deg]\n0.3,0,0,{cell}\n")
+    assert said in str(problem.suggestion)
+    assert "±" not in str(problem.suggestion)

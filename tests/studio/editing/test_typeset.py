@@ -115,6 +115,90 @@ def test_cells_without_a_header(text: str, cells: list[list[str]], catalog: Cata
     assert whole_tables(text, catalog) == ()
 
 
+GITHUB = """&alpha;   | a      | d    | &theta;
+:--------:|:------:|:----:|:-------:
+0         | 0      | 0.75 | q&#8321;
+-&pi;/2   | 0.35   | 0    | q&#8322;-&pi;/2
+"""
+BOLD = """| **i** | **&alpha;<sub>i-1</sub> (°)** | *a<sub>i-1</sub>* (mm) | `d` (mm) | __θ__ (°) |
+|:--:|--|--|--|--|
+| **1** | 0 | 0 | `750` | θ<sub>1</sub><sup>*</sup> |
+| 2 | −90° | 350 | 0 | θ<sub>2</sub> − 90° |
+"""
+FORMULAS = r"""| $i$ | $\alpha_{i-1}$ | $a_{i-1}$ | $d_{i}$ | $\theta_{i}$ |
+|:---:|---|---|---|---|
+| 1 | $0$ | $0$ | $0.75$ | $\theta_{1}^{*}$ |
+| 2 | $-\frac{\pi}{2}$ | $0.35$ | $0$ | $\theta_{2}^\ast-\frac{\pi}{2}$ |
+"""
+UNRULED = "i | alpha | a | d | theta |\n1 | 0 | 0 | 0.75 | q1 |\n2 | -pi/2 | 0.35 | 0 | q2-pi/2 |\n"
+TITLED = f"| KR 210 | | | |\n|--|--|--|--|\n| alpha | a | d | theta |\n{GITHUB.split(chr(10), 2)[2]}"
+BOX = """DHRobot: KR210, 2 joints (RR), modified DH parameters
+┌───────┬────────┬──────────────┬───────┐
+│ aⱼ₋₁  │  ⍺ⱼ₋₁  │      θⱼ      │  dⱼ   │
+├───────┼────────┼──────────────┼───────┤
+│   0.0 │   0.0° │           q1 │  0.75 │
+│  0.35 │ -90.0° │     q2 - 90° │   0.0 │
+└───────┴────────┴──────────────┴───────┘
+"""
+RULES = "=====  ====  ====  =======\nalpha  a     d     theta\n=====  ====  ====  =======\n"
+RULES += "0      0     0.75  q1\n-pi/2  0.35  0     q2-pi/2\n=====  ====  ====  =======\n"
+ALIGNED = "alpha (°)   a (mm)   d (mm)   theta (°)\n0      0     750  q1\n-90  350  0     θ2−90\n"
+UNITS_BELOW = "α\ta\td\tθ\n[°]\t[mm]\t[mm]\t[°]\n0\t0\t750\tq1\n-90\t350\t0\tq2-90\n"
+
+
+@pytest.mark.parametrize(
+    "text",
+    [GITHUB, BOLD, FORMULAS, UNRULED, TITLED, BOX, RULES, ALIGNED, UNITS_BELOW],
+    ids=["GitHub", "bold", "formulas", "no rule", "title", "box", "reStructuredText", "aligned", "units below"],
+)
+def test_tables_as_pages_and_programs_show_them(text: str, catalog: Catalog) -> None:
+    """Two rows of a KR 210: as cells of one column each, the lines would not be an arm."""
+    arm = arm_of(whole_tables(text, catalog, "modified"), catalog)
+    rows = [(row.a, row.alpha, row.d, row.theta + row.offset) for row in arm.rows]
+    quarter = 1.5707963267948966
+    assert rows == [
+        pytest.approx((0.0, 0.0, 0.75, 0.0), abs=1e-15),
+        pytest.approx((0.35, -quarter, 0.0, -quarter), abs=1e-15),
+    ]
+
+
+@pytest.mark.parametrize("model", ["Puma560", "Panda"])
+def test_what_the_robotics_toolbox_prints(model: str, catalog: Catalog) -> None:
+    """Its convention, rows and limits, as it has them itself; it prints angles to a tenth of a degree."""
+    toolbox = pytest.importorskip("roboticstoolbox")
+    robot = getattr(toolbox.models.DH, model)()
+    arm = arm_of(whole_tables(str(robot).split("\n\n")[0], catalog), catalog)
+    assert arm.convention == ("modified" if robot.mdh else "standard")
+    for row, link in zip(arm.rows, robot.links, strict=True):
+        assert (row.a, row.d) == pytest.approx((link.a, link.d), abs=5e-5)
+        assert row.alpha == pytest.approx(link.alpha, abs=1e-3)
+        assert (row.limits.lower, row.limits.upper) == pytest.approx(tuple(link.qlim), abs=1e-2)
+
+
+@pytest.mark.parametrize(
+    ("before", "behind", "said"),
+    [
+        ("DH parameters of the arm (lengths in mm, angles in degrees):", "", "mentions mm"),
+        ("", "Note: joint 2 is prismatic.", "speaks of a prismatic joint"),
+        (r"\begin{table}\caption{DH parameters in mm}", r"\end{table}", "mentions mm"),
+    ],
+)
+def test_what_the_text_around_a_table_says_is_not_lost(before: str, behind: str, said: str, catalog: Catalog) -> None:
+    """Lengths were read in metres, and joints that slide as joints that turn."""
+    table = "| i | a | alpha | d |\n|---|---|---|---|\n| 1 | 0 | 0 | 100 |\n| 2 | 0 | 0 | 100 |"
+    found = whole_tables(f"{before}\n\n{table}\n\n{behind}\n", catalog, "standard")
+    assert isinstance(found, str)
+    assert said in found
+
+
+@pytest.mark.parametrize("first", ["pi/2\tpi/2", "q1\tpi", "θ1-90°\t2*pi"])
+def test_cells_whose_first_line_has_expressions_have_no_header(first: str, catalog: Catalog) -> None:
+    """They were taken for a header that nobody knows, and refused."""
+    text = f"{first}\n0.1\t0.2\n"
+    assert whole_tables(text, catalog, "standard") == ()
+    assert cells_of(text) == [first.split("\t"), ["0.1", "0.2"]]
+
+
 COMMENTS = "# convention: modified\n# units: {length: mm, angle: deg}\n# tool: {xyz: [0, 0, 50]}\n"
 
 

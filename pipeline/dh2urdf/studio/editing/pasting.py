@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import re
 from dataclasses import replace
+from itertools import pairwise
 from typing import TYPE_CHECKING
 
 from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.studio.editing.edits import MOST_ROWS, resized, with_cells
 from dh2urdf.studio.editing.opening import Opened, tables_of
-from dh2urdf.studio.editing.typeset import typeset
+from dh2urdf.studio.editing.typeset import is_value, typeset
 from dh2urdf.table_text import TableText
 
 if TYPE_CHECKING:
@@ -22,10 +23,12 @@ _DECIMAL_POINT = re.compile(r"\d\.\d")
 _KEY = re.compile(r"[A-Za-z_]\w*:(?:\s|$)")
 """How a YAML table begins."""
 _DIGIT = re.compile(r"\d")
-MIN_LINES = MIN_COLUMNS = 2
+MIN_COLUMNS = 2
 """Of a table with a header."""
 _NAME = re.compile(r"(?!pi\b)[^\W\d_][\w -]*", re.IGNORECASE)
-_WORD = re.compile(r"[^\W\d_]", re.UNICODE)
+_WORD = re.compile(r"\\?[\[(]*(?:[^\W\d_]|°)")
+MOST_HEADERS = 4
+"""Lines above the numbers: titles, names, units."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -105,8 +108,8 @@ def whole_tables(text: str, catalog: Catalog, convention: str = "") -> tuple[Ope
         The tables; none where the text has no header, and so is cells. A message where it has one and cannot be read.
     """
     first = next((line for line in text.splitlines() if line.strip() and not line.lstrip().startswith("#")), "")
-    is_yaml = _KEY.match(first) is not None
-    shown = None if is_yaml else typeset(text)
+    shown = typeset(text)
+    is_yaml = not shown and _KEY.match(first) is not None
     if not is_yaml and not has_header(text):
         return ()
     if shown:
@@ -121,15 +124,24 @@ def whole_tables(text: str, catalog: Catalog, convention: str = "") -> tuple[Ope
 
 
 def has_header(text: str) -> bool:
-    """Whether a text has comments of a table, or a first line of words with lines of numbers below."""
+    """Whether a text has comments of a table, or lines of words with lines of numbers below."""
     lines = [line for line in text.splitlines() if line.strip()]
     if lines and lines[0].lstrip().startswith("#"):
         return True
     rows = cells_of("\n".join(lines))
-    if len(rows) < MIN_LINES or len(rows[0]) < MIN_COLUMNS:
-        return False
-    words = all(_WORD.match(cell) or not cell for cell in rows[0])
-    return words and sum(bool(_DIGIT.search(cell)) for cell in rows[1]) >= MIN_COLUMNS
+    widest = 0
+    for row, below in pairwise(rows[: MOST_HEADERS + 1]):
+        if not all(_is_word(cell) or not cell for cell in row):
+            return False
+        widest = max(widest, sum(map(bool, row)))
+        if widest >= MIN_COLUMNS and sum(bool(_DIGIT.search(cell)) for cell in below) >= MIN_COLUMNS:
+            return True
+    return False
+
+
+def _is_word(cell: str) -> bool:
+    """Whether a cell is a word of a header or a unit, and no value such as ``pi/2`` or ``q1``."""
+    return _WORD.match(cell) is not None and not is_value(cell)
 
 
 def pasted(table: TableText, row: int, field: str, text: str, columns: Sequence[str]) -> Put:

@@ -1,8 +1,10 @@
-r"""Tables as papers and pages show them: LaTeX, Markdown, and numbers with spaces between them, as cells."""
+r"""Tables as papers, pages and programs show them: LaTeX, Markdown, boxes, and numbers with spaces, as cells."""
 
 from __future__ import annotations
 
+import html
 import re
+from itertools import takewhile
 
 from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.patterns import late_pattern
@@ -17,16 +19,32 @@ _CELL = late_pattern(r"(?<!\\)&")
 _BAR = late_pattern(r"(?<!\\)\|")
 _RULE = late_pattern(r"\|?(?:\s*:?-+:?\s*\|)+\s*(?::?-+:?)?\s*")
 """The line below the header of a Markdown table."""
-_NUMBER = late_pattern(
-    rf"[-+−–‐‑]?(?:(?:\d+(?:[.,]\d*)?|[.,]\d+)(?<!,)(?:e[-+]?\d+)?[{DEGREE_SIGNS}]?"
-    r"|(?:\d*\*?)?(?:pi|π)(?:/\d+)?|[θq]_?\d+\*?)",
-    re.IGNORECASE,
+_TERM = (
+    rf"(?:(?:\d+(?:[.,]\d*)?|[.,]\d+)(?<!,)(?:e[-+]?\d+)?[{DEGREE_SIGNS}]?"
+    r"|(?:\d*\*?)?(?:pi|π)(?:/\d+)?|(?:[θqd]|theta|th)_?\d+\*?)"
 )
+_NUMBER = late_pattern(rf"[-+−–‐‑±]?{_TERM}(?:[-+−–]{_TERM})*", re.IGNORECASE)
+_BOX = str.maketrans(dict.fromkeys("│┃║┌┬┐├┼┤└┴┘╔╦╗╠╬╣╚╩╝╒╤╕╞╪╡╘╧╛╭╮╰╯", "|") | dict.fromkeys("─━═", "-") | {"⍺": "α"})
+"""The lines of a table in a terminal, as those of Markdown; the Robotics Toolbox writes the α of APL."""
+_LINES = late_pattern(r"[=\-+ ]*[=\-]{3}[=\-+ ]*")
+"""A line that rules a table off, as reStructuredText and others have it."""
+_GAP = late_pattern(r"\s{2,}")
+_UNIT_APART = late_pattern(r"\s+(?=[\[(][^\s\])]*[\])](?:\s|$))")
+"""The space before a unit: ``a (mm)`` is one header."""
 _POSE = late_pattern(r"^\s*(base|tool):\s*(\S.*)$", re.IGNORECASE | re.MULTILINE)
 _UNIT = late_pattern(r"\[(?:(m|cm|mm)|(rad|deg|°))\]")
 _MIXED = late_pattern(r"\s*\[(?:rad|deg|°), ?(?:m|cm|mm)\]")
 """The unit of a column that has bounds of joints of both kinds."""
-_CONVENTION = late_pattern(r"\b(standard|modified) convention\b", re.IGNORECASE)
+_CONVENTION = late_pattern(r"\b(standard|modified) (?:convention|dh parameters)\b", re.IGNORECASE)
+_MARKS = tuple(
+    (late_pattern(pattern, re.IGNORECASE), plain)
+    for pattern, plain in (
+        (r"</?(?:sub|sup|b|i|em|strong|code|var|span|br)(?: [^<>]*)?/?>", ""),
+        (r"(\*\*|__|`)(.+?)\1", r"\2"),
+        (r"(?<![\w*])([*_])([^*_\s][^*_]*)\1(?![\w*])", r"\2"),
+    )
+)
+"""Bold, slanted and lowered text in a cell of Markdown."""
 _FORMULAS = tuple(
     (late_pattern(pattern), plain)
     for pattern, plain in (
@@ -39,6 +57,7 @@ _FORMULAS = tuple(
         (r"\\(?:times|cdot)(?![a-z])", "*"),
         (r"\\(?:left|right)(?![a-z])", ""),
         (r"\\[,;:! ]|~|\\q?quad(?![a-z])", " "),
+        (r"\s*\^\s*\{?\s*(?:\*|\\(?:ast|star)(?![a-z]))\s*\}?", "*"),
         (r"(\d)\s*(?:\\pi(?![a-z])|π)", r"\1*pi"),
         (r"\\(pi|theta|alpha|min|max)(?![a-z])", r"\1"),
         (r"(?<!\\)[{}$]", ""),
@@ -60,32 +79,43 @@ class Typeset(NamedTuple):
 
     def as_csv(self) -> str:
         """The table as the reader of CSV files takes it, with tabs, and with what the text around it declares."""
-        heads = [_MIXED.sub("", head) for head in self.rows[0]]
-        lines = [line.strip() for line in self.around.splitlines() if line.lstrip().startswith("#")]
+        titles = list(takewhile(lambda row: sum(map(bool, row)) == 1 < len(row), self.rows[:-1]))
+        named, *rows = self.rows[len(titles) :]
+        heads = [_MIXED.sub("", head) for head in named]
+        around = [line.strip() for line in self.around.splitlines() if line.strip()]
+        lines = [line if line.startswith("#") else f"# {line}" for line in around if not _POSE.match(line)]
         said = {word.lower() for word in _CONVENTION.findall(self.around)}
         lines += [f"# convention: {said.pop()}"] if len(said) == 1 else []
         poses = [f"# {name.lower()}: {_pose(pose)}" for name, pose in _POSE.findall(self.around)]
-        if poses or heads != self.rows[0]:  # which have the units of the other columns
+        if poses or heads != named:  # which have the units of the other columns
             units = zip(("length", "angle"), zip(*_UNIT.findall(" ".join(heads)), strict=True), strict=False)
-            named = [f"{name}: {max(found).replace('°', 'deg')}" for name, found in units if len({*found} - {""}) == 1]
-            lines += [f"# units: {{{', '.join(named)}}}"] if named else []
+            said_units = [
+                f"{name}: {max(found).replace('°', 'deg')}" for name, found in units if len({*found} - {""}) == 1
+            ]
+            lines += [f"# units: {{{', '.join(said_units)}}}"] if said_units else []
         # Where axes are counted, a fixed joint has no number; rows are counted without the column.
-        first = int(heads[0] in {"i", "no."} and not all(row[0] for row in self.rows))
-        cells = ("\t".join(row[first:]) for row in (heads, *self.rows[1:]))
-        return "\n".join([*lines, *poses, *cells, ""])
+        first = int(heads[0] in {"i", "no."} and not all(row[0] for row in rows))
+        cells = ("\t".join(row[first:]) for row in (heads, *rows))
+        return "\n".join([*lines, *poses, *("".join(row) for row in titles), *cells, ""])
 
 
 def typeset(text: str) -> Typeset | None:
     """The table of a text; None where it is neither LaTeX nor Markdown, nor numbers with spaces between them."""
-    comments = [line for line in text.splitlines() if line.lstrip().startswith("#")]  # or headings of Markdown
-    lines = [line for line in text.splitlines() if not line.lstrip().startswith("#")]
+    every = text.translate(_BOX).splitlines()
+    comments = [line for line in every if line.lstrip().startswith("#")]  # or headings of Markdown
+    lines = [line for line in every if not line.lstrip().startswith("#")]
     if any(map(_CELL.search, lines)) and ("\\\\" in text or "\\begin{" in text):
         found = _latex("\n".join(lines))
-    elif any(line.strip().startswith("|") for line in lines):
+    elif any(line.strip().startswith("|") for line in lines) or _ruled(lines):
         found = _markdown(lines)
     else:
-        found = Typeset(_spaced([line.split() for line in lines if line.strip()]))
+        found = Typeset(_spaced([line.strip() for line in lines if line.strip() and not _LINES.fullmatch(line)]))
     return found._replace(around="\n".join([*comments, found.around])) if found.rows else None
+
+
+def is_value(cell: str) -> bool:
+    """Whether a cell is a number or an expression of numbers and variables: ``0.1``, ``pi/2``, ``q2-90°``."""
+    return _NUMBER.fullmatch("".join(cell.split())) is not None
 
 
 def _latex(text: str) -> Typeset:
@@ -102,18 +132,41 @@ def _inside(body: str) -> str:
 
 
 def _markdown(lines: list[str]) -> Typeset:
-    table = [line.strip() for line in lines if line.strip().startswith("|")]
+    """The table of Markdown; bars at both ends of its lines may be left out."""
+    ruled = _ruled(lines)
+    table = [line.strip() for line in lines if line.strip().startswith("|") or (ruled and _BAR.search(line))]
     cells = (_BAR.split(line.removeprefix("|").removesuffix("|")) for line in table if not _RULE.fullmatch(line))
-    around = "\n".join(line for line in lines if not line.strip().startswith("|"))
-    return Typeset([[_plain(cell) for cell in row] for row in cells], around)
+    around = "\n".join(line for line in lines if line.strip() not in table)
+    rows = [[_plain(_unmarked(cell)) for cell in row] for row in cells]
+    width = len(rows[0]) if rows else 0
+    return Typeset([row + [""] * (width - len(row)) for row in rows], around)
 
 
-def _spaced(rows: list[list[str]]) -> list[list[str]]:
-    """The rows, where all have as many cells, and only a header has other cells than numbers; else none."""
-    of_numbers = [all(map(_NUMBER.fullmatch, row)) for row in rows]
-    has_header = len(rows) > 1 and not any(map(_NUMBER.fullmatch, rows[0]))
-    is_table = len({len(row) for row in rows}) == 1 and len(rows[0]) > 1
-    return rows if is_table and all(of_numbers[has_header:]) else []
+def _ruled(lines: list[str]) -> bool:
+    """Whether bars are between cells: there is a line of Markdown below the header, or every line has as many bars."""
+    bars = {len(_BAR.findall(line)) for line in lines if line.strip()}
+    return any("|" in line and _RULE.fullmatch(line.strip()) for line in lines) or (len(bars) == 1 and max(bars) > 1)
+
+
+def _unmarked(cell: str) -> str:
+    """A cell of Markdown without bold type, tags and codes of HTML."""
+    cell = html.unescape(cell).strip()
+    for pattern, plain in _MARKS if any(sign in cell for sign in "<*_`") else ():
+        cell = pattern.sub(plain, cell)
+    return cell
+
+
+def _spaced(lines: list[str]) -> list[list[str]]:
+    """The cells of lines with spaces between them; none where they are no table, or its cells could be others.
+
+    They are where all have as many cells, and only a header has other cells than numbers.
+    """
+    for rows in ([_UNIT_APART.sub("", line).split() for line in lines], [_GAP.split(line) for line in lines]):
+        of_numbers = [all(map(_NUMBER.fullmatch, row)) for row in rows]
+        has_header = len(rows) > 1 and not any(map(_NUMBER.fullmatch, rows[0]))
+        if len({len(row) for row in rows}) == 1 and len(rows[0]) > 1 and all(of_numbers[has_header:]):
+            return rows
+    return []
 
 
 def _plain(cell: str) -> str:

@@ -12,7 +12,7 @@ from dh2urdf_plugins.readers.csv_file.header import DELIMITERS, row_below, top_r
 from dh2urdf_plugins.readers.csv_file.lines import CsvLines
 from dh2urdf_plugins.readers.header.header_rows import completed
 from dh2urdf_plugins.readers.rows.names import is_plain_label
-from dh2urdf_plugins.readers.tables.cell_rows import BELOW, is_note, unread_notes
+from dh2urdf_plugins.readers.tables.cell_rows import BELOW, NOTE_HINT, is_note, unread_notes
 from dh2urdf_plugins.readers.words.cells import text_of
 from dh2urdf_plugins.readers.words.comment_lines import Comment, joined, marks_a_comment
 from dh2urdf_plugins.readers.words.fields import REQUIRED
@@ -136,11 +136,14 @@ class CsvRows:
         more = next((text for text in texts[self.width :] if text.strip()), None)
         if len(texts) >= self.needed and (more is None or marks_a_comment(more)):
             return
-        comma = self.delimiter == "," and len(texts) > self.width
+        mark = Mark(file=self.lines.file, line=key)
+        suggestion = NOTE_HINT if is_note(CellRow(texts, mark), self.lines.required, self.needed) else None
+        if self.delimiter == "," and len(texts) > self.width:
+            suggestion = "is there a decimal comma in it, or a comma in a text without quotes?"
         yield Problem(
             message=f"row {number} has {len(texts)} cells, and the header has {self.width} columns",
-            mark=Mark(file=self.lines.file, line=key),
+            mark=mark,
             joint=f"joint_{number}",
             accepted=f"one cell for each column, with a {DELIMITERS[self.delimiter]} between them",
-            suggestion="is there a decimal comma in it, or a comma in a text without quotes?" if comma else None,
+            suggestion=suggestion,
         )

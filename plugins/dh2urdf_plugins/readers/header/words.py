@@ -17,6 +17,11 @@ _INDEXED = ("a", "r", "alpha", "α", "d", "theta", "θ", "b", "beta", "β", "gam
 _BEFORE = r"\s*(-\s*1|m1)?\s*[\]})*]*"
 _INDEX = late_pattern(rf"({'|'.join(_INDEXED)})[\s_]*[\[{{(]*[\s]*[ijkn]{_BEFORE}")
 _INDEX_BEHIND = late_pattern(rf"(.+?)(?:[\s_]+[\[{{(]*|[\[{{(]+)\s*[ijk]{_BEFORE}")  # `effort [N]` has a unit
+_INDEXED_BOUND = late_pattern(
+    r"(q|theta|θ)[\W_]*(?:[ijk][\W_]*(min|max|lower|upper)|(min|max|lower|upper)[\W_]+[ijk])\W*"
+)
+_SIGNED = {"q-": "q min", "q+": "q max"}
+"""How the Robotics Toolbox prints limits: ``q⁻``, ``q⁺``."""
 _LETTERS, _BEHIND = frozenset("ijkn"), "]})* "
 _CLOSING = ("]", ")", "}", ">")
 _OTHER_LINK = late_pattern(r"[a-z]{0,3}\s*[-+]+\s*[a-z0-9]{0,3}|[ijkn][ijkn0-9]{1,2}")
@@ -91,7 +96,7 @@ def _as_written(text: str) -> Header:
 def _written(text: str) -> str:
     written = unicodedata.normalize("NFKC", _DEGREE.sub("°", text))
     plain = _LATEX.sub("", written) if "\\" in written or "$" in written else written
-    return plain.replace("−", "-").strip()
+    return plain.replace("−", "-").replace("⍺", "α").strip()  # the α of APL, as the Robotics Toolbox prints it
 
 
 def _read(plain: str) -> Header:
@@ -114,7 +119,7 @@ def _read(plain: str) -> Header:
 
 def _with_brackets(front_text: str, inner: str) -> Header:
     """A header with brackets at its end: a unit, a form, or more words for the same."""
-    front = _read(front_text)
+    front = _read(front_text.rstrip(" /"))  # `α/(°)`, as ISO 80000 writes a unit with a sign in it
     name = front.field
     if is_unit(inner) and name and not name.dimension:
         return Header(None, front.key, unit=inner)  # `I [kg·m²]` is no index
@@ -152,6 +157,10 @@ def _named(plain: str) -> Header:
     if plain.startswith(_INDEXED) and not _LETTERS.isdisjoint(plain) and (match := _INDEX.fullmatch(plain)):
         key = key_of(match[1])
         return Header(WORDS.get(key) if key not in UNHELD else None, key, link="i-1" if match[2] else "i")
+    if plain in _SIGNED:
+        plain = _SIGNED[plain]
+    elif plain.startswith(("q", "theta", "θ")) and (match := _INDEXED_BOUND.fullmatch(plain)):
+        plain = f"{match[1]} {match[2] or match[3]}"  # `q_{i,max}`
     key = key_of(plain)
     if (found := field_of(key)) or key in UNHELD:
         return Header(found, key)

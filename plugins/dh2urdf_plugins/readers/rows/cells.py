@@ -10,6 +10,7 @@ from dh2urdf.source import Mark, Problem, shown
 from dh2urdf_plugins.readers.header.units import unit_advice
 from dh2urdf_plugins.readers.words.fields import FIELDS, Field
 from dh2urdf_plugins.readers.words.names import name_fault
+from dh2urdf_plugins.readers.words.no_numbers import advice_for
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -127,7 +128,8 @@ class RowCells:
                 angle=self._angle,
             )
         except QuantityError as error:
-            self._error(error.message, name, accepted=error.accepted, suggestion=error.suggestion)
+            suggestion = advice_for(name, text) or error.suggestion
+            self._error(error.message, name, accepted=error.accepted, suggestion=suggestion)
             return Quantity(0.0)
         if not quantity.has_unit:
             self._read_in[name] = unit.symbol if unit else ""

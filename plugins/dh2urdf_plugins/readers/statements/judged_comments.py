@@ -26,6 +26,7 @@ from dh2urdf_plugins.readers.statements.csv_comments import (
 from dh2urdf_plugins.readers.statements.statements import Statements
 from dh2urdf_plugins.readers.words.comment_lines import Comment, is_comment
 from dh2urdf_plugins.readers.words.fields import convention_of, joint_type
+from dh2urdf_plugins.readers.words.type_codes import exchanged, exchanged_codes
 
 if TYPE_CHECKING:
     from dh2urdf.documents import Node
@@ -83,14 +84,15 @@ def _holds(key: str, node: Node, statements: Statements, columns: Columns) -> bo
 
 
 def types_elsewhere(comment: Comment, *, typed: bool) -> list[Problem]:
-    """What is wrong with a comment that speaks of joints that slide, in a table without types.
+    """What is wrong with a comment that speaks of joints that slide, in a table without types, or exchanges 0 and 1.
 
     Args:
         comment: the comment, or a note.
         typed: whether the table has types.
     """
     if typed:
-        return []
+        codes = exchanged_codes(comment.text)
+        return [exchanged(comment.line, codes, comment.whole)] if len(codes) > 1 else []
     kinds = {joint_type(word) for word in words_under_key(comment, ("sigma", "σ"))}
     kinds |= {None if word.isdigit() else joint_type(word) for word in words_under_key(comment, _TYPE_KEYS)}
     slides = JointType.PRISMATIC in kinds and None not in kinds

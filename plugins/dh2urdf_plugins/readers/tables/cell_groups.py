@@ -14,6 +14,7 @@ from dh2urdf.patterns import late_pattern
 from dh2urdf.quantities import MAX_CHARACTERS, is_unit
 from dh2urdf.row_fields import COM, INERTIA
 from dh2urdf.source import shown
+from dh2urdf_plugins.readers.words.no_numbers import advice_for
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -37,12 +38,12 @@ _TO = late_pattern(r"\s*(?:…|\.{2,}|~|〜)\s*|\s+(?:to|bis|up to|jusqu'à|à|a
 _DECIMAL_COMMA = r"(?<=[0-9]),(?=(?:[0-9]{1,2}|[0-9]{4,})(?![0-9]))"
 _NUMBER = r"[+-]?\s*[0-9]+(?:[.,][0-9]+)?(?:e[+-]?[0-9]+)?"
 _PAIR = late_pattern(rf"({_NUMBER}[^0-9/+,;-]*?)\s*([/÷]|\s(?=[+0-9.]))\s*({_NUMBER}[^0-9/,;]*)", re.IGNORECASE)
+_DASHED = late_pattern(r"([+-]?\s*[0-9][^+–—-]*)[–—-]\s*([0-9][^+–—-]*)")
 _NAMED_PART = late_pattern(r"([a-z_]+)\s*[:=]\s*((?:[^,;=:]|,(?=[0-9]))+)", re.IGNORECASE)
 _BEFORE_NAME = late_pattern(r",(?=\s*[a-z_]+\s*[:=])", re.IGNORECASE)
 """A comma between parts that are named; any other one is a decimal sign."""
 _DIAGONAL = late_pattern(r"diag\s*[(\[]([^()\[\]]*)[)\]]", re.IGNORECASE)
 _UNIT_AT_END = late_pattern(r"[\d.)\]}iIπ]\s*([^\W\d]+[\w·/²*^]*|°)\s*$")
-_ENDLESS = ("unlimited", "endless", "infinite", "continuous", "∞", "±∞", "unbegrenzt", "endlos", "illimité")
 _PARTS = {"min": "lower", "max": "upper", "lower": "lower", "upper": "upper", "x": "com_x", "y": "com_y", "z": "com_z"}
 _ORDERS = "ixx, ixy, ixz, iyy, iyz, izz (URDF), ixx, iyy, izz, ixy, iyz, ixz (the toolboxes)"
 
@@ -96,8 +97,8 @@ def _named_parts(field: Field, text: str) -> dict[str, str] | None:
 
 
 def _bounds(text: str, *, decimal_comma: bool) -> dict[str, str] | GroupError:
-    if text.casefold() in _ENDLESS:
-        return GroupError(f"{shown(text)} has no bounds", "if the joint turns without end, give it the type continuous")
+    if advice := advice_for("limits", text):
+        return GroupError(f"{shown(text)} has no bounds", advice)
     inner, unit = _without_brackets(text)
     if match := _PLUS_MINUS.fullmatch(inner):
         # Between commas a cell in quotes may have one, too; there three digits behind it may be thousands.
@@ -144,10 +145,15 @@ def _both(lower: str, upper: str, unit: str | None) -> dict[str, str]:
 
 
 def _not_two(text: str) -> GroupError:
-    one = re.fullmatch(r"[0-9]+(?:[.,][0-9]+)?.{0,4}", text)
+    if re.fullmatch(r"[0-9]+(?:[.,][0-9]+)?[^0-9]{0,4}", text):
+        return GroupError(
+            f"{shown(text)} is one number, and a range has two",
+            f"write '±{text}' if the joint moves so far to both sides, or '0..{text}' if it starts at 0",
+        )
+    dash = _DASHED.fullmatch(text)
     return GroupError(
-        f"{shown(text)} is one number, and a range has two" if one else f"{shown(text)} cannot be read as two bounds",
-        f"write '±{text}' if the joint moves so far to both sides, or '0..{text}' if it starts at 0" if one else None,
+        f"{shown(text)} cannot be read as two bounds",
+        f"a dash may be a minus: write '{dash[1].strip()} to {dash[2].strip()}' if it means that" if dash else None,
     )
 
 

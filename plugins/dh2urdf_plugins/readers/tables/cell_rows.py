@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 from itertools import chain, islice
 from typing import TYPE_CHECKING
@@ -32,8 +33,12 @@ _BATCH = 200
 """Rows that are handed on at once."""
 _FEW = 5
 BELOW = "what is below the table, after an empty row"
-_PROSE = late_pattern(r"[^\W\d_]{3,}(?:[\s:,.]|$)")
-"""How a note begins, and no number, expression or symbol: with a word."""
+NOTE_HINT = "if this is a note, put an empty row before it, or a # at its beginning"
+_PROSE = late_pattern(
+    r"(?:(?:[*†‡§•¹²³⁰⁴-⁹]+\s*|[\[(]?(?:[0-9]{1,2}|[a-z])[)\]:]\s*|[0-9]\.\s+)[^\W\d_]{2,}|[^\W\d_]{3,})(?:[\s:;,.]|$)",
+    re.IGNORECASE,
+)
+"""How a note begins, and no number, expression or symbol: with a word, perhaps behind the mark of a footnote."""
 
 
 class CellRows:
@@ -216,7 +221,7 @@ def is_note(row: CellRow, geometry: Iterable[int], width: int) -> bool:
     if len(filled) == 1:
         return True
     says = len(texts) >= width and any(texts[index] for index in geometry)
-    return not (says or any(map(is_number, filled)) or is_header(row))
+    return not (says or any(map(is_number, filled[1:])) or is_header(row))
 
 
 def unread_notes(what: str, notes: Sequence[tuple[str, Mark]]) -> list[Problem]:

@@ -1,0 +1,31 @@
+"""What people write where a joint has no such number: a dash, ``n/a``, ``none``; or no bound: ``∞``, ``unlimited``."""
+
+from __future__ import annotations
+
+import re
+
+from dh2urdf.patterns import late_pattern
+from dh2urdf_plugins.readers.words.fields import REQUIRED
+
+_NONE = late_pattern(r"[-–—−]+|[/?.…]|n\.?/?a\.?|none|null|nil|nan|tbd|k\.?\s?a\.?", re.IGNORECASE)
+_ENDLESS = late_pattern(
+    r"[+-]?\s*(?:±|\+/-)?\s*(?:inf(?:init[ey]|inity)?|∞)|unlimited|endless|continuous|unbegrenzt|endlos|illimité|ilimitado"
+    r"|illimitato|no limits?",
+    re.IGNORECASE,
+)
+_BOUNDS = ("limits", "lower", "upper")
+_GEOMETRY = (*REQUIRED, "theta")
+
+
+def advice_for(name: str, text: str) -> str | None:
+    """What to do about a cell that says that there is no number; None for any other cell.
+
+    Args:
+        name: the field of the cell.
+        text: the cell.
+    """
+    if name in _BOUNDS and _ENDLESS.fullmatch(text.strip()):
+        return "if the joint turns without end, give it the type continuous, and leave its bounds empty"
+    if name not in _GEOMETRY and _NONE.fullmatch(text.strip()):
+        return "leave the cell empty if there is none"
+    return None

@@ -1,0 +1,45 @@
+"""Legends of joint types: ``0 = prismatic, 1 = revolute`` turns round what the numbers of a column mean here."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from dh2urdf.patterns import late_pattern
+from dh2urdf.source import Mark, Problem, shown
+from dh2urdf_plugins.readers.words.fields import joint_type
+
+if TYPE_CHECKING:
+    from dh2urdf.manipulator import JointType
+
+_PAIR = late_pattern(
+    r"(?<![\w.,+-])(?=([01]|[^\W\d_]+)\s*(?:[=:→]|[-=]>|\s[-–—]\s|\bfor\b|\bis\b|\bmeans\b)\s*"
+    r"([01]|[^\W\d_]+)(?![\w.]))"
+)
+"""A code and its meaning, in either order: ``1 = revolute``, ``R: 1``, ``0 for prismatic``."""
+_COUNTED = late_pattern(r"\b(?:joints?|axis|axes|links?|rows?|gelenke?|achsen?|articulation|eje|giunto)\s*$")
+"""What a number behind it counts: ``joint 1: revolute`` is no legend."""
+
+
+def exchanged_codes(text: str) -> dict[str, JointType]:
+    """The other meanings that a legend gives to the numbers 0 and 1 of a column of types; empty where it agrees."""
+    plain = text.casefold()
+    said: dict[str, JointType] = {}
+    for match in _PAIR.finditer(plain):
+        code, word = match.groups() if match[1] in ("0", "1") else match.groups()[::-1]
+        kind = joint_type(word)
+        if code in ("0", "1") and kind and not word.isdigit() and not _COUNTED.search(plain[: match.start()]):
+            said[code] = kind
+    return {code: kind for code, kind in said.items() if joint_type(code) is not kind}
+
+
+def exchanged(text: str, codes: dict[str, JointType], mark: Mark) -> Problem:
+    """The fault of a legend that gives the numbers of types another meaning than they have here."""
+    theirs = " and ".join(f"{code} {kind}" for code, kind in codes.items())
+    return Problem(
+        message=f"{shown(text)} calls {theirs}, and in a column of types 0 is revolute and 1 is prismatic",
+        mark=mark,
+        field="type",
+        found=text,
+        accepted="0 for revolute and 1 for prismatic, or the words revolute and prismatic, or R and P",
+        suggestion="write R and P in the cells, and take out the legend",
+    )

@@ -14,7 +14,6 @@ from dh2urdf.source import Mark, Problem, shown
 from dh2urdf_plugins.readers.header.unknown_columns import Refusal, ignored, refusal
 from dh2urdf_plugins.readers.header.words import Header, bounds_theta, misspelt, parts_of, read_header
 from dh2urdf_plugins.readers.words.fields import FIELDS, REQUIRED
-from dh2urdf_plugins.readers.words.type_codes import exchanged, exchanged_codes
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -100,8 +99,8 @@ def name_columns(headers: Sequence[str], marks: Sequence[Mark], mark: Mark) -> C
             _unknown(columns, header, index, place, problems)
             continue
         name = header.field.name
-        if name == "type" and (codes := exchanged_codes(text)):
-            problems.append(exchanged(text, codes, place))
+        if name == "type" and not text.isalpha():
+            problems += _legend(text, place)
         _measure(columns, header, text, place, problems)
         keys = ("sign",) if name == "flip" else parts_of(header.field)
         twins = [key for key in keys if first.setdefault(key, index) != index]
@@ -124,6 +123,14 @@ def name_columns(headers: Sequence[str], marks: Sequence[Mark], mark: Mark) -> C
     if problems:
         raise TableError(problems, columns.notices)
     return columns
+
+
+def _legend(text: str, mark: Mark) -> list[Problem]:
+    """What is wrong with a header of types that says what their numbers mean."""
+    from dh2urdf_plugins.readers.words.type_codes import exchanged, exchanged_codes
+
+    codes = exchanged_codes(text)
+    return [exchanged(text, codes, mark)] if codes else []
 
 
 def _of_link_before(text: str, name: str, mark: Mark) -> Problem:

@@ -10,7 +10,6 @@ from dh2urdf.source import Mark, Problem, shown
 from dh2urdf_plugins.readers.header.units import unit_advice
 from dh2urdf_plugins.readers.words.fields import FIELDS, Field
 from dh2urdf_plugins.readers.words.names import name_fault
-from dh2urdf_plugins.readers.words.no_numbers import advice_for
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -128,6 +127,8 @@ class RowCells:
                 angle=self._angle,
             )
         except QuantityError as error:
+            from dh2urdf_plugins.readers.words.no_numbers import advice_for
+
             suggestion = advice_for(name, text) or error.suggestion
             self._error(error.message, name, accepted=error.accepted, suggestion=suggestion)
             return Quantity(0.0)

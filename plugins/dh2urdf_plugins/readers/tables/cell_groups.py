@@ -14,7 +14,6 @@ from dh2urdf.patterns import late_pattern
 from dh2urdf.quantities import MAX_CHARACTERS, is_unit
 from dh2urdf.row_fields import COM, INERTIA
 from dh2urdf.source import shown
-from dh2urdf_plugins.readers.words.no_numbers import advice_for
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -97,13 +96,11 @@ def _named_parts(field: Field, text: str) -> dict[str, str] | None:
 
 
 def _bounds(text: str, *, decimal_comma: bool) -> dict[str, str] | GroupError:
-    if advice := advice_for("limits", text):
-        return GroupError(f"{shown(text)} has no bounds", advice)
     inner, unit = _without_brackets(text)
     if match := _PLUS_MINUS.fullmatch(inner):
         # Between commas a cell in quotes may have one, too; there three digits behind it may be thousands.
         size = re.sub("(?<=[0-9]),(?=[0-9])" if decimal_comma else _DECIMAL_COMMA, ".", match[1])
-        if re.search(r"[+±,;…~]|-|\.\.", size):
+        if re.search(r"[+±,;…~]|-|\.\.", size) or not re.search(r"[\w(]", size):  # `±∞`
             return _not_two(text)
         return _both(f"-{match[1]}", match[1], unit)
     pair = _TO.split(inner)
@@ -145,6 +142,10 @@ def _both(lower: str, upper: str, unit: str | None) -> dict[str, str]:
 
 
 def _not_two(text: str) -> GroupError:
+    from dh2urdf_plugins.readers.words.no_numbers import advice_for
+
+    if advice := advice_for("limits", text):
+        return GroupError(f"{shown(text)} has no bounds", advice)
     if re.fullmatch(r"[0-9]+(?:[.,][0-9]+)?[^0-9]{0,4}", text):
         return GroupError(
             f"{shown(text)} is one number, and a range has two",

@@ -98,6 +98,10 @@ class _LazyGroup(click.Group):
             near = did_you_mean(args[0], COMMANDS)
             advice = f"; {near}" if near else ""
             ctx.fail(f"no command {shown(args[0])}; the commands are {', '.join(COMMANDS)}{advice}")
+        for before, word in pairwise(args):
+            if not word.strip() or (word.startswith("--") and word.endswith("=") and "=" not in word[:-1]):
+                name = word[:-1] or before
+                ctx.fail(f"the word behind {name} is empty; is a variable of the shell not set?")
         return super().resolve_command(ctx, args)
 
     def invoke(self, ctx: click.Context) -> Any:  # noqa: ANN401 - click's signature

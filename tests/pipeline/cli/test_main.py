@@ -223,3 +223,29 @@ def test_python_runs_the_package_as_the_command() -> None:
         [sys.executable, "-m", "dh2urdf", "--help"], capture_output=True, text=True, check=True
     ).stdout
     assert shown.startswith("Usage: dh2urdf [OPTIONS] COMMAND")
+
+
+class TestEmptyWords:
+    """What an unset variable of the shell leaves of a path would be the current folder."""
+
+    @pytest.mark.parametrize(
+        ("words", "behind"),
+        [
+            (["run", "run.yaml", "-o", ""], "-o"),
+            (["convert", "arm.csv", "--output="], "--output"),
+            (["convert", "arm.csv", "-o", " "], "-o"),
+            (["check", ""], "check"),
+            (["convert", "", "-o", "arm.urdf"], "convert"),
+        ],
+    )
+    def test_they_are_refused(
+        self, cli: Callable[..., Answer], words: list[str], behind: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    ) -> None:
+        """A run with `-o "$OUT"` wrote into the current folder, and its next run removed from there."""
+        monkeypatch.chdir(tmp_path)
+        (tmp_path / "arm.csv").write_text("# convention: standard\na,alpha,d\n0.3,0,0\n")
+        (tmp_path / "run.yaml").write_text("inputs: arm.csv\n")
+        answer = cli(*words)
+        assert answer.status == 2
+        assert f"the word behind {behind} is empty; is a variable of the shell not set?" in answer.stderr
+        assert sorted(path.name for path in tmp_path.iterdir()) == ["arm.csv", "run.yaml"]

@@ -245,7 +245,6 @@ class TestEmptyWords:
         monkeypatch.chdir(tmp_path)
         (tmp_path / "arm.csv").write_text("# convention: standard\na,alpha,d\n0.3,0,0\n")
         (tmp_path / "run.yaml").write_text("inputs: arm.csv\n")
-        answer = cli(*words)
-        assert answer.status == 2
+        answer = cli(*words, status=2)
         assert f"the word behind {behind} is empty; is a variable of the shell not set?" in answer.stderr
         assert sorted(path.name for path in tmp_path.iterdir()) == ["arm.csv", "run.yaml"]

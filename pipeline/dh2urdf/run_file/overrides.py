@@ -60,7 +60,8 @@ def with_setting(root: Node, setting: str, sections: Sequence[str], asked: Asked
             setting,
             f"begins with {shown(keys[0])}, which is no section of a run file",
             accepted=f"a key that begins with {', '.join(sections)}",
-            suggestion=did_you_mean(keys[0], sections),
+            suggestion=did_you_mean(keys[0], sections)
+            or f"an option of a stage is below its section: {shown(f'transform.options.{setting}')}",
         )
     if len(keys) > MAX_KEYS:
         raise _error(asked, setting, f"has a key of {len(keys)} names", accepted=f"at most {MAX_KEYS}")

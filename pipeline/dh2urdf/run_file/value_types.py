@@ -45,6 +45,7 @@ def plain(
     subject: str = "{key}",
     null_is_absent: bool = True,
     words: tuple[str, ...] = (),
+    meant: Callable[[str], str | None] = lambda _text: None,
 ) -> ValueType[T]:
     """A value that needs no look at anything else.
 
@@ -55,12 +56,13 @@ def plain(
         subject: what messages call it.
         null_is_absent: whether an empty value is the same as none.
         words: what may have been meant.
+        meant: what to write in place of a text that is not accepted.
     """
 
     def read(node: Node, field: str, to: Validator) -> T | None:
         if (value := take(node)) is None:
             message = f"{subject.format(key=field.rpartition('.')[2].replace('_', ' '))} cannot be {node.describe()}"
-            near = did_you_mean(node.text or "", words) if words else None
+            near = did_you_mean(node.text or "", words) if words else meant(node.text or "")
             to.add_problem(message, node, field, accepted=accepted, suggestion=near)
         return value
 
@@ -119,8 +121,15 @@ def whole(least: int, most: int) -> ValueType[int]:
         value = node.value
         return value if isinstance(value, int) and not isinstance(value, bool) and least <= value <= most else None
 
+    def meant(text: str) -> str | None:
+        try:
+            number = float(text)  # which reads 1e6, 1_000 and 10.0
+        except ValueError:
+            return None
+        return f"write {number:.0f}" if number.is_integer() and least <= number <= most else None
+
     schema = {"type": "integer", "minimum": least, "maximum": most}
-    return plain(take, f"a whole number from {least} to {most}", schema)
+    return plain(take, f"a whole number from {least} to {most}", schema, meant=meant)
 
 
 def seconds(what: str) -> ValueType[float]:
@@ -179,7 +188,12 @@ def _files(path: str, node: Node, field: str, to: Validator) -> FoundFiles:
             check_file(file)
         except ConfigError as error:
             why = error.problems[0]
-            to.add_problem(f"{shown(str(file), LONG_PATH)}: {why.message}", node, field, suggestion=why.suggestion)
+            advice = why.suggestion
+            if file.is_dir():
+                advice = f"name the tables in it, such as {os.path.join(path, '*.csv')}"  # noqa: PTH118 - as it is written
+            elif "{" in path and not advice:
+                advice = "no pattern has braces: write a list of paths, or a pattern such as *.csv"
+            to.add_problem(f"{shown(str(file), LONG_PATH)}: {why.message}", node, field, suggestion=advice)
         else:
             files.append(file)
     return FoundFiles(tuple(files), tuple(notices))

@@ -214,7 +214,8 @@ def test_two_dots_are_resolved_unless_a_link_stands_before_them(folder: Path) ->
     ("path", "message"),
     [
         ("tables/ur55.csv", "'work/tables/ur55.csv': there is no such file\n    did you mean 'ur5.csv'?"),
-        ("tables", "'work/tables': this is a folder, not a file"),
+        ("tables", "'work/tables': this is a folder, not a file\n    name the tables in it, such as tables/*.csv"),
+        ("'tables/{ur5,ur10}.csv'", "there is no such file\n    no pattern has braces: write a list of paths"),
         ("nowhere/a.csv", "'work/nowhere/a.csv': there is no folder 'work/nowhere'"),
         ('"a\\0b"', "a path cannot hold the character U+0000"),
         ("''", "this cannot be the text ''"),
@@ -227,6 +228,17 @@ def test_a_path_that_cannot_be_read_is_told_at_its_place(folder: Path, path: str
     (found,) = problems(folder, text)
     assert found.startswith("work/run.yaml:2:11: error: field 'inputs.0.path': ")
     assert message in found
+
+
+@pytest.mark.parametrize(
+    ("written", "advice"),
+    [("1e6", "write 1000000"), ("1_000", "write 1000"), ("10.0", "write 10"), ("'10'", "write 10"), ("1e12", None)],
+)
+def test_a_whole_number_in_another_form_is_told_how_to_write(folder: Path, written: str, advice: str | None) -> None:
+    vary = "{joints: all, field: mass, uniform: [1, 5]}"
+    (found,) = problems(folder, f"{TABLE}variations: [{{of: ur5, count: {written}, vary: {vary}}}]\n")
+    assert "accepted: a whole number from 1 to 1000000000" in found
+    assert found.splitlines()[2:] == ([f"    {advice}"] if advice else [])
 
 
 # --- Settings ---------------------------------------------------------------------------------------------------------
@@ -279,6 +291,7 @@ def test_a_setting_does_not_leak_through_an_alias(folder: Path) -> None:
     [
         ("transfrom.options.x=1", "'transfrom', which is no section of a run file"),
         ("transfrom.options.x=1", "did you mean 'transform'?"),
+        ("frames=dh", "an option of a stage is below its section: 'transform.options.frames=dh'"),
         ("x", "--set 'x' has no value"),
         ("=1", "begins with ''"),
         ("emitters.1.stage=x", "names the entry '1' of a list that has 1"),

@@ -121,6 +121,9 @@ OTHERS = {
     "placed by a frame": f'<sdf version="1.9"><model name="m" placement_frame="b"><pose>1 2 3 0.1 0.2 0.3</pose><link name="a"/>'
     f'<link name="b">{TURNED}</link><joint name="w" type="fixed"><parent>world</parent><child>a</child></joint>'
     f'<joint name="j" type="revolute"><parent>a</parent><child>b</child>{ABOUT_Z}</model></sdf>',
+    "a prefix that nothing declares": f'<sdf version="1.9"><model name="m"><link name="a"/><link name="b">{TURNED}</link>'
+    '<plugin filename="p" name="p"><gz:link gz:of="b">other</gz:link></plugin>'
+    f'<joint name="j" type="revolute"><parent>a</parent><child>b</child>{ABOUT_Z}</model></sdf>',
 }
 
 

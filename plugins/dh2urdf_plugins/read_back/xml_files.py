@@ -44,18 +44,33 @@ def tree_of(content: bytes, file: str, *, is_deep: bool = False) -> etree._Eleme
     Raises:
         ProofError: the text is not XML.
     """
-    parser = etree.XMLParser(
-        resolve_entities=False, no_network=True, load_dtd=False, remove_comments=True, huge_tree=is_deep
-    )
     if b"0.0" in content.partition(b">")[0] and (declared := re.match(_VERSION, content)):
         content = declared[1] + b"1.0" + content[declared.end() :]
+    parser = _parser(is_deep=is_deep)
     try:
-        return etree.fromstring(content, parser)
+        try:
+            return etree.fromstring(content, parser)
+        except etree.XMLSyntaxError:
+            if any(fault.domain != etree.ErrorDomains.NAMESPACE for fault in parser.error_log):
+                raise
+            # Prefixes such as gz: that are declared nowhere; readers of robots know no namespaces, and take them.
+            return etree.fromstring(content, _parser(is_deep=is_deep, recover=True))
     except etree.XMLSyntaxError as error:
         line, column = error.position
         reason = error.msg.removesuffix(f", line {line}, column {column}").partition("\n")[0].strip()
         mark = Mark(file=file, line=line, column=column)
         raise ProofError(Problem(message=f"this is not XML: {reason}", mark=mark)) from error
+
+
+def _parser(*, is_deep: bool, recover: bool = False) -> etree.XMLParser:
+    return etree.XMLParser(
+        resolve_entities=False,
+        no_network=True,
+        load_dtd=False,
+        remove_comments=True,
+        huge_tree=is_deep,
+        recover=recover,
+    )
 
 
 def mark_of(element: etree._Element, file: str = "") -> Mark:

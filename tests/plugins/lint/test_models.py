@@ -174,6 +174,33 @@ def test_what_is_included_is_part_of_the_model(tmp_path: Path, monkeypatch: pyte
     assert str(finding.mark) == f"{relative / 'assets.xml'}:3"
 
 
+WORLD = f"""<?xml version="1.0"?>
+<sdf version="1.7">
+  <world name="w">
+    {SDF[SDF.index("<model") : SDF.index("</sdf>")]}
+    <model name="marker"><static>true</static><pose>0 0 1 0 0 0</pose></model>
+    <model name="floor"><static>1</static><link name="floor">
+      <sensor name="touch" type="contact"><contact><collision>shape</collision></contact></sensor>
+      <collision name="shape"><geometry><plane><normal>0 0 1</normal></plane></geometry></collision></link></model>
+    <plugin filename="p" name="p"><gz:topic gz:of="a">t</gz:topic><model><link>a</link></model><visual>b</visual></plugin>
+    <state world_name="w"><model name="arm"><link name="base"><velocity>0 0 0 0 0 0</velocity></link></model></state>
+  </world>
+</sdf>
+"""
+
+
+def test_what_is_no_part_of_a_model_is_no_fault(tmp_path: Path) -> None:
+    """Plugins, sensors and states have words of models; a prefix may be declared nowhere; static models need no link."""
+    path = tmp_path / "w.sdf"
+    path.write_text(WORLD)
+    assert [finding.message for finding in inspect_sdf(path).findings] == []
+    require("gazebo")
+    (found,) = outcomes("gazebo", [path])
+    assert found["end"] == "loads"
+    path.write_text(WORLD.replace("</plugin>", ""))
+    assert [finding.rule for finding in inspect_sdf(path).findings] == ["sdf-not-xml"]
+
+
 @pytest.mark.parametrize("bomb", ["sdf", "mujoco"])
 def test_entities_are_not_expanded(tmp_path: Path, bomb: str) -> None:
     """A thousand million of one letter are no memory."""

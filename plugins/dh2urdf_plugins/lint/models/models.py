@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -9,7 +10,7 @@ from typing import TYPE_CHECKING
 from lxml import etree
 
 from dh2urdf.documents import read_bytes
-from dh2urdf.errors import Dh2UrdfError, InputError
+from dh2urdf.errors import Dh2UrdfError, InputError, ProofError
 from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.manipulator import Inertia
@@ -18,7 +19,7 @@ from dh2urdf.source import Mark
 from dh2urdf.stages import Finding, Inspection
 from dh2urdf_plugins.lint.document.tree import numbers_of
 from dh2urdf_plugins.lint.rules import Rule, rules_of
-from dh2urdf_plugins.read_back.xml_files import FILE, mark_of
+from dh2urdf_plugins.read_back.xml_files import FILE, mark_of, tree_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Sequence
@@ -84,11 +85,13 @@ def inspect_model(
     """
     content = read_bytes(path, InputError, limit=LONGEST)
     try:
-        root = parsed(content, path)
-    except etree.XMLSyntaxError as error:
-        line, column = error.position
-        mark = Mark(file=str(path), line=max(line, 1), column=max(column, 1))
-        return _inspection(name, [_finding(name, "not-xml", f"this is not XML: {error.msg}", mark)])
+        root = tree_of(content, str(path), is_deep=name == "mjcf")
+    except ProofError as error:
+        (problem,) = error.problems
+        mark = problem.mark or Mark(file=str(path))
+        mark = replace(mark, line=max(mark.line or 1, 1), column=max(mark.column or 1, 1))
+        return _inspection(name, [_finding(name, "not-xml", problem.message, mark)])
+    root.set(FILE, str(path))
     if root.tag != tag:
         message = f"the outermost element is {root.tag}, not {tag}"
         return _inspection(name, [_finding(name, f"not-{tag}", message, mark_of(root))])
@@ -102,7 +105,7 @@ def inspect_model(
 
 
 def parsed(content: bytes, path: Path) -> etree._Element:
-    """The outermost element of a text; entities are not expanded, and nothing is fetched.
+    """The outermost element of a text whose reader knows namespaces; entities are not expanded, and nothing is fetched.
 
     Raises:
         etree.XMLSyntaxError: it is not well-formed XML.

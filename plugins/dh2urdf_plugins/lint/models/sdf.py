@@ -7,16 +7,16 @@ from functools import partial
 from typing import TYPE_CHECKING
 from urllib.parse import unquote
 
+from lxml import etree
+
 from dh2urdf.rotations import norm
 from dh2urdf.source import did_you_mean, shown
-from dh2urdf_plugins.lint.models.models import Hit, Model, elements_of, fault_of_inertia, inspect_model, numbers
+from dh2urdf_plugins.lint.models.models import Hit, Model, fault_of_inertia, inspect_model, numbers
 from dh2urdf_plugins.read_back.sdf.reader import read_model
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
     from pathlib import Path
-
-    from lxml import etree
 
     from dh2urdf.stages import Inspection
 
@@ -34,6 +34,8 @@ CHILDREN = {
     "inertia": "ixx ixy ixz iyy iyz izz",
 }
 """The elements in those of which a misspelt one changes how the model moves, old and new versions together."""
+_OF_OTHERS = ("actor", "gripper", "plugin", "sensor", "state")
+"""Elements whose content is no part of a model, although it may be called so: a contact sensor names a `collision`."""
 _SCALARS = ("mass", "lower", "upper", "effort", "velocity", "radius", "length")
 _MOMENTS = ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
 _VALUES = {**dict.fromkeys(_SCALARS + _MOMENTS, 1), "xyz": 3, "size": 3, "pose": 6}
@@ -60,7 +62,8 @@ def hits(model: Model) -> Iterator[Hit]:
         yield Hit("no-version", root, "sdf has no version")
     elif version not in VERSIONS:
         yield Hit("unknown-version", root, f"the version is {shown(version)}")
-    models = list(elements_of(root, "model"))
+    parts = list(_parts(root))
+    models = [element for element in parts if element.tag == "model"]
     if not models and root.find("world") is None and root.find("actor") is None and root.find("light") is None:
         yield Hit("no-model", root, "there is no model")
     for element in models:
@@ -73,8 +76,17 @@ def hits(model: Model) -> Iterator[Hit]:
         (("visual", "collision"), partial(_shape, path=model.path)),
         (("include",), partial(_include, path=model.path)),
     ):
-        for element in elements_of(root, *tags):
-            yield from rule(element)
+        for element in parts:
+            if element.tag in tags:
+                yield from rule(element)
+
+
+def _parts(element: etree._Element) -> Iterator[etree._Element]:
+    """The elements of models and worlds, in the order of the file."""
+    yield element
+    for child in element.iterchildren(etree.Element):
+        if child.tag not in _OF_OTHERS and not {":", "{"} & set(child.tag):
+            yield from _parts(child)
 
 
 def _name(element: etree._Element) -> str:
@@ -85,13 +97,17 @@ def _text(element: etree._Element, path: str) -> str:
     return (element.findtext(path) or "").strip()
 
 
+def _is_static(model: etree._Element | None) -> bool:
+    return model is not None and _text(model, "static").lower() in {"1", "true"}
+
+
 def _model(model: etree._Element) -> Iterator[Hit]:
     """Names, and what the joints and frames of a model declare about each other."""
     if not model.get("name"):
         yield Hit("missing-name", model, "a model has no name")
     parts = [child for child in model if child.tag in _NAMED]
     has_more = any(child.tag in {"include", "model"} for child in model)
-    if not has_more and model.find("link") is None:
+    if not has_more and model.find("link") is None and not _is_static(model):
         yield Hit("no-link", model, f"{_name(model)} has no link")
     kinds: dict[str, str] = {}
     for part in parts:
@@ -210,7 +226,8 @@ def _axes(joint: etree._Element) -> Iterator[Hit]:
 def _body(link: etree._Element) -> Iterator[Hit]:
     inertial = link.find("inertial")
     if inertial is None:
-        yield Hit("missing-inertial", link, f"{_name(link)} has no inertial")
+        if not _is_static(link.getparent()):
+            yield Hit("missing-inertial", link, f"{_name(link)} has no inertial")
         return
     mass = numbers(_text(inertial, "mass"), 1)
     if mass and mass[0] <= 0.0:

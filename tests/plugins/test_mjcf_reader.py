@@ -118,6 +118,7 @@ BODY = '<mujoco><worldbody><body name="a">{}</body></worldbody></mujoco>'
         ("<robot/>", "outermost element is 'robot'"),
         ("<mujoco/>", "no worldbody"),
         ('<mujoco><include file="other.xml"/><worldbody/></mujoco>', "include is not read"),
+        (BODY.format("").replace("<w", '<compiler coordinate="global"/><w', 1), "poses are not given in the bodies"),
         (BODY.format('<freejoint name="f"/>'), "'floating' is not one of a manipulator"),
         (BODY.format('<joint type="ball"/>'), "'ball' is not one of a manipulator"),
         (BODY.format('<joint type="screw"/>'), "no joint type 'screw'"),

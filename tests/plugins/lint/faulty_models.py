@@ -214,6 +214,26 @@ MJCF_FAULTS: dict[str, Change] = {
         'diaginertia="0.005 0.006 0.007"', 'fullinertia="0.005 0.006 0.007 0.5 0 0"', "fullinertia"
     ),
     "mjcf-missing-mass": Change(' mass="0.5"', "", '<inertial pos="0 0 0" dia'),
+    "mjcf-missing-inertial-pos": Change('pos="0 0 0" mass="0.5" dia', 'mass="0.5" dia', '<inertial mass="0.5"'),
+    "mjcf-weightless-body": Change(
+        f"""          <inertial pos="0 0 0" mass="0.5" diaginertia="0.001 0.001 0.001"/>
+          {LAST_JOINT}
+          <geom type="sphere" size="0.02"/>
+""",
+        f"{LAST_JOINT}\n",
+        '<body name="arm_2"',
+    ),
+    "mjcf-global-coordinates": Change('angle="radian"', 'angle="radian" coordinate="global"', "global"),
+    "mjcf-missing-asset-file": Change(
+        "  </asset>", '    <texture name="wood" type="2d" file="nowhere.png"/>\n  </asset>', "nowhere"
+    ),
+    "mjcf-undefined-asset": Change('rgba="0.5 0.5 0.5 1"', 'texture="wood"', "wood"),
+    "mjcf-long-keyframe": Change(
+        "</mujoco>", '<keyframe>\n<key name="home" qpos="0 0 0"/>\n</keyframe>\n</mujoco>', "home"
+    ),
+    "mjcf-short-keyframe": Change(
+        "</mujoco>", '<keyframe>\n<key name="home" qpos="0"/>\n</keyframe>\n</mujoco>', "home"
+    ),
     "mjcf-missing-size": Change(' size="0.02"', "", 'type="sphere"'),
     "mjcf-missing-mesh": Change('file="part.obj"', 'file="nowhere.obj"', "nowhere"),
     "mjcf-undefined-mesh": Change('mesh="part"', 'mesh="parts"', "parts"),

@@ -97,6 +97,8 @@ IGNORED = {
     "mjcf-repeated-element": "the first is the one that was there",
     "mjcf-invalid-number": "the number is the one that was there",
     "mjcf-missing-include": "what is ignored has no trace",
+    "mjcf-short-keyframe": "keyframes are not asked for",
+    "mjcf-global-coordinates": "poses are not asked for",
     "mjcf-undefined-mesh": "shapes are not asked for",
 }
 """Alterations that leave no trace in what is asked of a consumer."""
@@ -199,6 +201,83 @@ def test_what_is_no_part_of_a_model_is_no_fault(tmp_path: Path) -> None:
     assert found["end"] == "loads"
     path.write_text(WORLD.replace("</plugin>", ""))
     assert [finding.rule for finding in inspect_sdf(path).findings] == ["sdf-not-xml"]
+
+
+NAMED = """<mujoco>
+  <compiler angle="radian"/><include file="parts/rest.xml"/>
+  <default><default class="unused"><geom material="nowhere" mesh="nowhere"/></default>
+    <default class="shell"><geom material="red" mass="0" group="2"/></default></default>
+  <worldbody>
+    <body name="a"><freejoint/><geom class="shell" size="1"/><body name="tip"><geom size="0.1"/></body>
+      <frame pos="0 0 1"><body name="b"><joint name="j"/><site name="s"/><geom name="g" size="0.1" material="red"/></body></frame>
+    </body>
+  </worldbody>
+  <tendon><spatial name="t"><site site="s"/><geom geom="g"/><site site="end"/></spatial></tendon>
+  <sensor><framepos objtype="xbody" objname="b" reftype="site" refname="s"/><contact subtree1="a" geom2="g"/><tendonpos
+    tendon="t"/></sensor>
+  <keyframe><key qpos="0 0 1 1 0 0 0 0.5" qvel="0 0 0 0 0 0 1" ctrl="2"/></keyframe>
+</mujoco>"""
+REST = """<mujoco><compiler meshdir="meshes"/><asset><mesh file="part.obj"/><material name="red"/></asset><worldbody><site name="end"
+  pos="1 0 0"/></worldbody><actuator><motor tendon="t" class="main"/></actuator></mujoco>"""
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "rule"),
+    [
+        ("", "", None),
+        ('objname="b"', 'objname="c"', "mjcf-undefined-name"),
+        ('refname="s"', 'refname="b"', "mjcf-undefined-name"),
+        ('geom2="g"', 'geom2="a"', "mjcf-undefined-name"),
+        ('tendon="t"/></s', 'tendon="s"/></s', "mjcf-undefined-name"),
+        ('geom geom="g"', 'geom geom="s"', "mjcf-undefined-name"),
+        ('<geom material="red" mass', '<geom material="blue" mass', "mjcf-undefined-material"),
+        ('<site name="s"/>', '<site name="s" material="blue"/>', "mjcf-undefined-material"),
+        ('<geom size="0.1"/>', '<joint/><geom size="0.1" mass="0"/>', "mjcf-weightless-body"),
+        ('<geom size="0.1"/>', "", "mjcf-weightless-body"),
+        ("0 0.5", "0 0.5 0.6", "mjcf-long-keyframe"),
+        ('ctrl="2"', 'ctrl="2 3"', "mjcf-long-keyframe"),
+        ("0 0 0 0 0 0 1", "0 0 0 0 0 0 1 2", "mjcf-long-keyframe"),
+    ],
+)
+def test_what_is_named_carried_and_kept_is_what_mujoco_finds(
+    tmp_path: Path, old: str, new: str, rule: str | None
+) -> None:
+    """Sensors and tendons of any kind of thing, defaults that nothing takes, masses of fixed bodies, several files."""
+    mujoco = pytest.importorskip("mujoco")
+    write_models(tmp_path)
+    for folder in ("parts", "meshes"):
+        (tmp_path / folder).mkdir()
+    (tmp_path / "part.obj").rename(tmp_path / "meshes" / "part.obj")
+    (tmp_path / "parts" / "rest.xml").write_text(REST)
+    path = tmp_path / "named.xml"
+    path.write_text(NAMED.replace(old, new, 1))
+    found = [finding.rule for finding in inspect_mjcf(path).findings if finding.severity == "error"]
+    assert {*found} == ({rule} if rule else set())
+    if rule is None:
+        mujoco.MjModel.from_xml_path(str(path))
+    else:
+        with pytest.raises(ValueError, match="Error"):
+            mujoco.MjModel.from_xml_path(str(path))
+
+
+@pytest.mark.parametrize("beside", [True, False])
+def test_a_mesh_may_be_beside_the_file_that_names_it(tmp_path: Path, *, beside: bool) -> None:
+    """Else it is in `meshdir` of the main file; MuJoCo looks nowhere else."""
+    mujoco = pytest.importorskip("mujoco")
+    write_models(tmp_path)
+    (tmp_path / "parts" / "meshes").mkdir(parents=True)
+    (tmp_path / "part.obj").rename(tmp_path / "parts" / ("part.obj" if beside else "meshes/part.obj"))
+    (tmp_path / "parts" / "rest.xml").write_text(REST)
+    path = tmp_path / "named.xml"
+    path.write_text(NAMED)
+    rules = [finding.rule for finding in inspect_mjcf(path).findings if finding.severity == "error"]
+    if beside:
+        assert rules == []
+        mujoco.MjModel.from_xml_path(str(path))
+    else:
+        assert rules == ["mjcf-missing-mesh"]
+        with pytest.raises(ValueError, match=r"part\.obj"):
+            mujoco.MjModel.from_xml_path(str(path))
 
 
 @pytest.mark.parametrize("bomb", ["sdf", "mujoco"])

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 
 from dh2urdf.rotations import norm
 from dh2urdf.source import did_you_mean, shown
+from dh2urdf_plugins.lint.models.mjcf_compiled import CHANGES_MASSES, hits as hits_of_compiled
 from dh2urdf_plugins.lint.models.mjcf_names import hits as hits_of_names
 from dh2urdf_plugins.lint.models.models import (
     Hit,
@@ -20,6 +21,7 @@ from dh2urdf_plugins.lint.models.models import (
     inspect_model,
     numbers,
 )
+from dh2urdf_plugins.read_back.mjcf.elements import compiler_of
 from dh2urdf_plugins.read_back.mjcf.includes import include_files
 from dh2urdf_plugins.read_back.mjcf.reader import read_model
 
@@ -65,12 +67,13 @@ def hits(model: Model) -> Iterator[Hit]:
     yield from (Hit("missing-include", each.include, each.message) for each in missing)
     yield from _schema(model.root)
     yield from hits_of_names(model, complete=not missing)
+    yield from hits_of_compiled(model, complete=not missing)
     for element in elements_of(model.root, *_COUNT):
         yield from _values(element)
     yield from _joints(model.root)
     for element in elements_of(model.root, "inertial"):
         yield from _inertial(element, model.root)
-    yield from _geoms(model)
+    yield from _geoms(model.root)
 
 
 # --- The schema
@@ -178,8 +181,8 @@ def _joints(root: etree._Element) -> Iterator[Hit]:
 
 
 def _range(joint: etree._Element, root: etree._Element) -> Iterator[Hit]:
-    compiler, about = root.find("compiler"), _about(joint)
-    by_range = compiler is None or compiler.get("autolimits") != "false"
+    about = _about(joint)
+    by_range = compiler_of(root).get("autolimits") != "false"
     ends = numbers(joint.get("range"), 2)
     if ends and ends[0] > ends[1] and by_range and joint.get("limited") in {None, "auto"}:
         yield Hit("swapped-range", joint, f"the range of {about} is {shown(joint.get('range') or '')}")
@@ -203,11 +206,14 @@ def _inertial(inertial: etree._Element, root: etree._Element) -> Iterator[Hit]:
     body = inertial.getparent()
     if body is None or body.tag != "body":
         return
-    about, compiler = _about(body), root.find("compiler")
+    about = _about(body)
     mass = numbers(inertial.get("mass"), 1)
     if inertial.get("mass") is None:
         yield Hit("missing-mass", inertial, f"the inertial of {about} has no mass")
-    if compiler is not None and any(compiler.get(name) for name in ("boundmass", "boundinertia", "balanceinertia")):
+    if inertial.get("pos") is None:
+        yield Hit("missing-inertial-pos", inertial, f"the inertial of {about} has no pos")
+    compiler = compiler_of(root)
+    if any(compiler.get(name) for name in CHANGES_MASSES):
         return
     moves = any(child.tag in {"joint", "freejoint"} for child in body)
     if mass and mass[0] <= 0.0 and moves:
@@ -223,8 +229,7 @@ def _inertial(inertial: etree._Element, root: etree._Element) -> Iterator[Hit]:
         yield Hit(rule, inertial, f"the inertia of {about} {what}")
 
 
-def _geoms(model: Model) -> Iterator[Hit]:
-    root = model.root
+def _geoms(root: etree._Element) -> Iterator[Hit]:
     for geom in elements_of(root, "geom"):
         if _holder(geom) not in {*BODIES, "default"}:
             continue
@@ -235,13 +240,3 @@ def _geoms(model: Model) -> Iterator[Hit]:
             yield Hit("unknown-geom-type", geom, f"{message}: {near}" if near else message)
         elif kind in _SIZED and not geom.get("size") and not geom.get("mesh") and not _may_inherit(geom, "size", root):
             yield Hit("missing-size", geom, f"{_about(geom)} of type {kind} has no size")
-    compiler = root.find("compiler")
-    folder = (compiler.get("meshdir") or compiler.get("assetdir") or "") if compiler is not None else ""
-    strip = compiler is not None and compiler.get("strippath") == "true"
-    for mesh in elements_of(root, "mesh"):
-        file = mesh.get("file")
-        if not file or _holder(mesh) != "asset":
-            continue
-        path = model.path.parent / folder / (Path(file).name if strip else file)
-        if not path.is_file():
-            yield Hit("missing-mesh", mesh, f"the mesh file {shown(str(Path(folder) / file))} is not there")

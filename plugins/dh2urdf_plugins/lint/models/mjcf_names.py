@@ -4,8 +4,11 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from dh2urdf.errors import ProofError
 from dh2urdf.source import did_you_mean, shown
+from dh2urdf_plugins.lint.models.mjcf_compiled import MAKERS
 from dh2urdf_plugins.lint.models.models import Hit, Model, elements_of
+from dh2urdf_plugins.read_back.mjcf.elements import Elements
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -15,14 +18,29 @@ if TYPE_CHECKING:
 _BODIES = {"worldbody", "body", "frame", "replicate"}
 _IN_BODIES = ("body", "joint", "freejoint", "geom", "site", "camera", "light")
 _IN_ASSETS = ("mesh", "material", "texture", "hfield")
-_MAKERS = ("composite", "flexcomp", "replicate", "attach", "plugin", "model")
-"""Elements that make others, whose names no file has."""
 _SECTIONS = {"actuator": "actuator", "sensor": "sensor", "equality": "equality"}
-_JOINT_ATTRIBUTES = {"joint": "joint", "jointinparent": "joint", "joint1": "joint", "joint2": "joint"}
-_BODY_ATTRIBUTES = {"body": "body", "body1": "body", "body2": "body"}
-_SITE_ATTRIBUTES = {"site": "site", "site1": "site", "site2": "site", "refsite": "site", "cranksite": "site"}
-_ASSETS = {"mesh": "mesh", "material": "material"}
-_RULES = {"actuator": "actuator-of-nothing", "contact": "exclude-of-nothing"}
+_OF_KINDS = {
+    "joint": ("joint", "jointinparent", "joint1", "joint2"),
+    "body": ("body", "body1", "body2", "subtree1", "subtree2"),
+    "site": ("site", "site1", "site2", "refsite", "cranksite", "slidersite", "sidesite"),
+    "geom": ("geom", "geom1", "geom2"),
+    "tendon": ("tendon", "tendon1", "tendon2"),
+    "actuator": ("actuator",),
+    "camera": ("camera",),
+}
+_KINDS = {attribute: kind for kind, attributes in _OF_KINDS.items() for attribute in attributes}
+"""What the attributes of constraints, actuators, sensors and tendons name."""
+_OBJECTS = {"objname": "objtype", "refname": "reftype"}
+"""Attributes that name a thing, and those that give its kind."""
+_ASSETS = {
+    "geom": {"mesh": "mesh", "material": "material", "hfield": "hfield"},
+    "site": {"material": "material"},
+    "material": {"texture": "texture"},
+    "layer": {"texture": "texture"},
+}
+"""The assets that the attributes of elements name."""
+_RULES = {("actuator", "joint"): "actuator-of-nothing", ("contact", "body"): "exclude-of-nothing"}
+_OF_ASSETS = {"mesh": "undefined-mesh", "material": "undefined-material"}
 
 
 def hits(model: Model, *, complete: bool) -> Iterator[Hit]:
@@ -42,8 +60,9 @@ def hits(model: Model, *, complete: bool) -> Iterator[Hit]:
             rule = f"duplicate-{kind}" if kind in {"body", "joint"} else "duplicate-name"
             yield Hit(rule, element, f"another {kind} has the name {shown(name)}")
         known.add(name)
-    if complete and not any(True for _ in elements_of(root, *_MAKERS)):
+    if complete and not any(True for _ in elements_of(root, *MAKERS)):
         yield from _references(root, names)
+        yield from _of_assets(Elements(root, str(model.path)), names)
 
 
 def _kind(element: etree._Element, parent: etree._Element | None) -> str | None:
@@ -71,16 +90,43 @@ def _references(root: etree._Element, names: dict[str, set[str]]) -> Iterator[Hi
             continue
         for attribute in ("class", "childclass") if element.tag != "default" else ():
             yield from _missing(element, attribute, "class", names, "undefined-class")
-        if element.tag == "geom":
-            for attribute, kind in _ASSETS.items():
-                yield from _missing(element, attribute, kind, names, f"undefined-{kind}")
         section = _section(element)
         if section is None:
             continue
-        for attribute, kind in {**_JOINT_ATTRIBUTES, **_BODY_ATTRIBUTES, **_SITE_ATTRIBUTES}.items():
-            if attribute == "body" and section == "actuator":
-                continue
-            yield from _missing(element, attribute, kind, names, _RULES.get(section, "undefined-name"))
+        for attribute, kind in _KINDS.items():
+            yield from _missing(element, attribute, kind, names, _RULES.get((section, kind), "undefined-name"))
+        for attribute, by in _OBJECTS.items():
+            kind = (element.get(by) or "").removeprefix(
+                "x"
+            )  # A body's frame of inertia is called by body, its own xbody.
+            if kind in {"body", "joint", "geom", "site", "camera", "tendon", "actuator"}:
+                yield from _missing(element, attribute, kind, names, "undefined-name")
+
+
+def _of_assets(elements: Elements, names: dict[str, set[str]]) -> Iterator[Hit]:
+    """Assets that are not there; a default class may name one that no element of its takes."""
+    wanted: set[tuple[str, str | None]] = set()
+    named: list[tuple[etree._Element, str, str]] = []
+    for element in elements_of(elements.root, *_ASSETS):
+        parent = element.getparent()
+        is_default = parent is not None and parent.tag == "default"
+        for attribute, kind in _ASSETS[str(element.tag)].items():
+            named.append((element, attribute, kind))
+            if not is_default:
+                wanted.add((kind, _taken(element, attribute, elements)))
+    for element, attribute, kind in named:
+        if (kind, element.get(attribute)) in wanted:
+            yield from _missing(element, attribute, kind, names, _OF_ASSETS.get(kind, "undefined-asset"))
+
+
+def _taken(element: etree._Element, attribute: str, elements: Elements) -> str | None:
+    """What an attribute is, that of its class included."""
+    if element.get(attribute) is not None:
+        return element.get(attribute)
+    try:
+        return elements.attributes(element).get(attribute)
+    except ProofError:  # a class that is not there, of which another rule speaks
+        return None
 
 
 def _section(element: etree._Element) -> str | None:

@@ -140,6 +140,16 @@ class _Reader:
                 "mujoco.mj_saveLastXML writes a model without it",
             )
             raise ProofError(Problem(message=message, suggestion=how, mark=self._elements.mark(element)))
+        if self._elements.compiler.get("coordinate", "local") != "local":
+            raise ProofError(
+                Problem(
+                    message="poses are not given in the bodies that hold them",
+                    found=f"coordinate={self._elements.compiler['coordinate']}",
+                    accepted="coordinate=local",
+                    suggestion="MuJoCo 2.3.3 and older load such a model and save it so",
+                    mark=self._elements.mark(root.findall("compiler")[-1]),
+                )
+            )
         self._shapes = Shapes(self._elements)
         self._loose: dict[str, str] = {}
         self._references: dict[str, float] = {}

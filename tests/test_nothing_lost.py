@@ -204,7 +204,7 @@ def dh2urdf_emitters():
 @hookimpl
 def dh2urdf_loaders():
     return [Loader(name="misfit", summary="misbehaves", load=load, options=NoOptions, poses=lambda _: 1,
-                   picture=lambda _: False, time_limit=lambda _: 6.0)]
+                   picture=lambda _: False, time_limit=lambda _: 4.0)]
 """
 NAMES = ["a", "segfault", "b", "hang", "c", "raise", *(f"arm{number}" for number in range(40))]
 
@@ -231,7 +231,7 @@ def test_a_stage_that_misbehaves_costs_one_manipulator(
     stages = {"emitter": "emitters: [urdf, misfit]", "loader": "loaders: misfit"}[stage]
     (misfits / "run.yaml").write_text(
         f"inputs: arms.csv\n{stages}\noutput: {{directory: out, layout: {layout}}}\n"
-        "execution: {stage: local, options: {workers: 2}, time_limit: 6}\nreport: {html: false}\n"
+        "execution: {stage: local, options: {workers: 2}, time_limit: 4}\nreport: {html: false}\n"
     )
     answer = dh2urdf("run", "run.yaml", path=[misfits / "site"], status=1)
     rows = {row["name"]: row for row in manifest(misfits / "out")}
@@ -241,7 +241,7 @@ def test_a_stage_that_misbehaves_costs_one_manipulator(
     assert failed["segfault"][0] == "crash"
     assert "crashed (segmentation fault)" in failed["segfault"][1]
     assert failed["hang"][0] == "time limit"
-    assert "did not finish within 6 s" in failed["hang"][1]
+    assert "did not finish within 4 s" in failed["hang"][1]
     assert failed["raise"][0] == "stage"
     assert "ZeroDivisionError: division by nothing" in failed["raise"][1]
     written = {file["path"] for name, row in rows.items() if row["status"] == "ok" for file in row["files"]}

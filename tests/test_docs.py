@@ -31,6 +31,7 @@ from typing import TYPE_CHECKING
 
 import click
 import pytest
+from child_pytest import ADDOPTS
 from lxml import etree
 
 from dh2urdf.cli import COMMANDS, dh2urdf as program
@@ -175,7 +176,7 @@ class Folder:
                 **os.environ,
                 "COLUMNS": "120",
                 "MYPY_CACHE_DIR": str(self.types),
-                "PYTEST_ADDOPTS": "",
+                "PYTEST_ADDOPTS": ADDOPTS,
                 "PATH": f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}",
                 "PYTHONPATH": os.pathsep.join(paths),
             },

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pytest
+from child_pytest import ADDOPTS
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -138,7 +139,7 @@ def test_it_keeps_the_contracts(site: Path, tmp_path: Path) -> None:
             site.with_name("source"),
         ],
         env={**os.environ, "PYTHONPATH": os.pathsep.join([str(site), os.environ.get("PYTHONPATH", "")])}
-        | {"PYTEST_ADDOPTS": ""},
+        | {"PYTEST_ADDOPTS": ADDOPTS},
         cwd=tmp_path,
         capture_output=True,
         text=True,

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 import pytest
+from child_pytest import ADDOPTS
 from lxml import etree
 
 if TYPE_CHECKING:
@@ -48,7 +49,11 @@ class Lab(NamedTuple):
         inherited = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
         result = subprocess.run(
             words,
-            env={**inherited, "PATH": f"{self.commands}{os.pathsep}{os.environ['PATH']}"},
+            env={
+                **inherited,
+                "PATH": f"{self.commands}{os.pathsep}{os.environ['PATH']}",
+                "PYTEST_ADDOPTS": ADDOPTS,
+            },
             cwd=self.folder / where,
             capture_output=True,
             encoding="utf-8",

@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 import pytest
+from child_pytest import ADDOPTS
 
 from dh2urdf.plugin_system import KINDS
 from dh2urdf.scaffold import LONGEST
@@ -82,7 +83,7 @@ def author(environment: Path, types_cache: Path, undrawn: str) -> Callable[[Path
             result = subprocess.run(
                 [python, *calling, *options],
                 cwd=folder,
-                env={**os.environ, "PYTEST_ADDOPTS": "", "MYPY_CACHE_DIR": str(types_cache), "NO_COLOR": "1"},
+                env={**os.environ, "PYTEST_ADDOPTS": ADDOPTS, "MYPY_CACHE_DIR": str(types_cache), "NO_COLOR": "1"},
                 capture_output=True,
                 text=True,
                 encoding="utf-8",

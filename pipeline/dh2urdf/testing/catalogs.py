@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
@@ -57,7 +58,8 @@ def do_run(folder: Path, run_file: str, tables: Mapping[str, str | bytes], catal
 
     Args:
         folder: where the run file and the tables are written, and the output goes, under ``build``.
-        run_file: the text of the run file, without a section `output`.
+        run_file: the text of the run file, without a section `output`; without a section `report`, no report.html is
+            written, which takes a second.
         tables: the files that it names, and what is in them.
         catalog: the stages; by default all that are installed.
 
@@ -72,7 +74,8 @@ def do_run(folder: Path, run_file: str, tables: Mapping[str, str | bytes], catal
     for name, content in tables.items():
         (folder / name).write_bytes(content.encode() if isinstance(content, str) else content)
     path = folder / "run.yaml"
-    path.write_text(f"{run_file}\noutput: {{directory: build}}\n", "utf-8")
+    page = "" if re.search(r"^report:", run_file, re.MULTILINE) else "report: {html: false}\n"
+    path.write_text(f"{run_file}\noutput: {{directory: build}}\n{page}", "utf-8")
     result, _ = execute(make_plan(load_config(path), catalog or load()))
     build = folder / "build"
     return RunOutput(

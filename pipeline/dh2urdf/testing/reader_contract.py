@@ -199,7 +199,9 @@ class ReaderContract(StageContract):
 
     def test_reads_columns_as_tables(self, tmp_path: Path) -> None:
         """What it reads in columns is to the last bit what it reads one by one, with marks, notices and errors."""
-        clause, reads = self.test_reads_columns_as_tables, (self.stage.read, self.stage.read_columns or self.stage.read)
+        clause, reads = self.test_reads_columns_as_tables, (self.stage.read, self.stage.read_columns)
+        if reads[1] is None:
+            return
         for content in (_bytes(self.example), *self._broken().values(), _bytes(self.many(MANY) or self.example)):
             path = self._file(tmp_path, content)
             self.same(clause, *[outcome(_read_all, read, path, self.given()) for read in reads])

@@ -9,6 +9,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from child_pytest import ADDOPTS
 from lxml import etree
 
 from dh2urdf.testing import (
@@ -136,7 +137,7 @@ def failures(tmp_path_factory: pytest.TempPathFactory) -> dict[tuple[str, str], 
     path = os.pathsep.join(filter(None, [str(HERE), os.environ.get("PYTHONPATH")]))
     subprocess.run(
         [sys.executable, "-m", "pytest", "-p", "no:cacheprovider", "--noconftest", f"--junit-xml={report}", *tests],
-        env={**os.environ, "PYTHONPATH": path, "PYTEST_ADDOPTS": ""},
+        env={**os.environ, "PYTHONPATH": path, "PYTEST_ADDOPTS": ADDOPTS},
         cwd=report.parent,
         capture_output=True,
         check=False,

@@ -77,6 +77,17 @@ class TestCatalogs:
         assert run.report["manipulators"][0]["name"] == "arm"
         assert (run.folder / "arm.urdf").is_file()
 
+    def test_a_run_has_a_page_where_it_is_asked_for(self, tmp_path: Path) -> None:
+        """A section `report` is that of the run; without one there is no report.html, the slowest part of a short run."""
+        pytest.importorskip("jinja2")
+        pytest.importorskip("matplotlib")
+        for name, section in (("without", ""), ("with", "report: {html: true}\n")):
+            (folder := tmp_path / name).mkdir()
+            run = do_run(
+                folder, f"inputs: arm.csv\n{section}", {"arm.csv": CSV}, catalog_of(plugins=(dh2urdf_plugins,))
+            )
+            assert (run.folder / "report.html").is_file() == bool(section)
+
 
 @pytest.mark.long
 def test_the_fixtures_are_there_for_every_test(tmp_path: Path) -> None:

@@ -88,7 +88,7 @@ def manipulator_of(description: Description, tree: Tree, tip: str, asked: Asked)
             base_visual=base.visual,
             base_collision=base.collision,
             mark=Mark(file=description.file),
-            notices=(*description.notices, *notices, *row_notices, *lost),
+            notices=(*description.notices, *notices, *row_notices, *lost, *description.unheld),
         )
     except TableError as error:
         raise TableError(problem.about(mark=Mark(file=description.file)) for problem in error.problems) from error

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from copy import deepcopy
-from dataclasses import field
+from dataclasses import field, replace
 from functools import partial
 from math import comb, nan
 from pathlib import Path
@@ -17,10 +17,11 @@ from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.robot import Robot
 from dh2urdf.source import Mark, Problem
+from dh2urdf_plugins.descriptions import unheld
 from dh2urdf_plugins.descriptions.rounded_pi import Rounded, repaired
 from dh2urdf_plugins.read_back import urdf_reader
 from dh2urdf_plugins.read_back.mjcf import reader as mjcf_reader
-from dh2urdf_plugins.read_back.mjcf.elements import compiler_of
+from dh2urdf_plugins.read_back.mjcf.elements import Elements, compiler_of
 from dh2urdf_plugins.read_back.sdf import reader as sdf_reader
 from dh2urdf_plugins.read_back.xml_files import mark_of, tree_of
 
@@ -52,6 +53,7 @@ class Description:
         repaired: the robot with these numbers read as they were meant; None where there are none. Where it is asked
             for, it is `robot`, and this is the robot as it is written.
         notices: what a careful person would want to know about how the file was read.
+        unheld: what is in the file besides, and neither the robot nor a table has a place for.
     """
 
     robot: Robot
@@ -62,6 +64,7 @@ class Description:
     rounded: tuple[Rounded, ...] = ()
     repaired: Robot | None = None
     notices: tuple[Problem, ...] = ()
+    unheld: tuple[Problem, ...] = ()
 
 
 def urdf_description(path: Path, *, colours: bool = False) -> Description:
@@ -133,6 +136,14 @@ class _Extras:
     loose: dict[str, str] = field(default_factory=dict)
     rounded: list[Rounded] = field(default_factory=list)
     notices: list[Problem] = field(default_factory=list)
+    unheld: list[Problem] = field(default_factory=list)
+
+    def note(self, found: Iterable[tuple[str, etree._Element]]) -> None:
+        """Keeps what is in a file besides its robot."""
+        places: dict[str, list[Mark]] = {}
+        for what, element in found:
+            places.setdefault(what, []).append(mark_of(element, self.file))
+        self.unheld += [_left_out(what, marks) for what, marks in places.items()]
 
 
 class _Format(NamedTuple):
@@ -165,6 +176,7 @@ def _described(content: bytes, path: Path, file: str, form: _Format) -> Descript
             rounded=tuple(extras.rounded),
             repaired=form.read(meant, _Extras(folder, file)) if extras.rounded else None,
             notices=tuple(extras.notices),
+            unheld=tuple(extras.unheld),
         )
     except ProofError as error:
         raise TableError(error.problems) from error
@@ -176,6 +188,7 @@ def _described(content: bytes, path: Path, file: str, form: _Format) -> Descript
 def _read_urdf(root: etree._Element, extras: _Extras, *, colours: bool) -> Robot:
     """Takes from a URDF what no table has a place for."""
     root.set("name", root.get("name", ""))
+    extras.note(unheld.of_urdf(root))
     for joint in root.iterchildren("joint"):
         name = joint.get("name", "")
         if (mimic := joint.find("mimic")) is not None:
@@ -214,6 +227,7 @@ def _number(text: str) -> float:
 
 def _read_sdf(root: etree._Element, extras: _Extras) -> Robot:
     model = sdf_reader.model_of(root, extras.file)
+    extras.note(unheld.of_sdf(root))
     extras.loose.update(model.loose)
     extras.notices += [_left_out(what, marks) for what, marks in model.unread.items()]
     extras.followers.update({name: _sdf_follower(mimic) for name, mimic in model.mimics.items()})
@@ -253,7 +267,16 @@ def _read_mjcf(root: etree._Element, extras: _Extras) -> Robot:
     for joint in root.iterfind("equality/joint"):
         if joint.get("active") != "false":
             extras.followers[joint.get("joint1", "")] = _mjcf_follower(joint, model.references)
-    return model.robot
+    elements = Elements(root, extras.file)
+    extras.note(unheld.of_mjcf(elements))
+    efforts = unheld.efforts_of_mjcf(elements)
+    joints = tuple(
+        replace(joint, limits=replace(joint.limits, effort=efforts[joint.name]))
+        if joint.name in efforts and joint.limits.effort is None
+        else joint
+        for joint in model.robot.joints
+    )
+    return replace(model.robot, joints=joints)
 
 
 def _meant_mjcf(root: etree._Element, extras: _Extras) -> etree._Element:

@@ -15,6 +15,8 @@ if TYPE_CHECKING:
 
 _VERSION = rb"""(\s*<\?xml\s+version\s*=\s*["'])0\.0"""
 """A version of XML that does not exist; 26 of PyBullet's own files have it, and PyBullet and check_urdf read them."""
+_LATE = re.compile(rb"(\s+)(<\?xml\s[^>]*\?>)")
+"""A declaration of XML after blanks; simulators take it, and XML does not."""
 FILE = "{urn:dh2urdf}file"
 """An attribute of an element that is in another file than the element around it: its path."""
 
@@ -44,22 +46,41 @@ def tree_of(content: bytes, file: str, *, is_deep: bool = False) -> etree._Eleme
     Raises:
         ProofError: the text is not XML.
     """
-    if b"0.0" in content.partition(b">")[0] and (declared := re.match(_VERSION, content)):
-        content = declared[1] + b"1.0" + content[declared.end() :]
-    parser = _parser(is_deep=is_deep)
     try:
-        try:
-            return etree.fromstring(content, parser)
-        except etree.XMLSyntaxError:
-            if any(fault.domain != etree.ErrorDomains.NAMESPACE for fault in parser.error_log):
-                raise
-            # Prefixes such as gz: that are declared nowhere; readers of robots know no namespaces, and take them.
-            return etree.fromstring(content, _parser(is_deep=is_deep, recover=True))
+        return _without_namespace(_root_of(_with_declaration(content), is_deep=is_deep))
     except etree.XMLSyntaxError as error:
         line, column = error.position
         reason = error.msg.removesuffix(f", line {line}, column {column}").partition("\n")[0].strip()
         mark = Mark(file=file, line=line, column=column)
         raise ProofError(Problem(message=f"this is not XML: {reason}", mark=mark)) from error
+
+
+def _with_declaration(content: bytes) -> bytes:
+    """A text whose declaration is one: of a version that exists, and at the beginning."""
+    if b"0.0" in content.partition(b">")[0] and (declared := re.match(_VERSION, content)):
+        return declared[1] + b"1.0" + content[declared.end() :]
+    if late := _LATE.match(content):
+        return late[2] + late[1] + content[late.end() :]
+    return content
+
+
+def _root_of(content: bytes, *, is_deep: bool) -> etree._Element:
+    parser = _parser(is_deep=is_deep)
+    try:
+        return etree.fromstring(content, parser)
+    except etree.XMLSyntaxError:
+        if any(fault.domain != etree.ErrorDomains.NAMESPACE for fault in parser.error_log):
+            raise
+        # Prefixes such as gz: that are declared nowhere; readers of robots know no namespaces, and take them.
+        return etree.fromstring(content, _parser(is_deep=is_deep, recover=True))
+
+
+def _without_namespace(root: etree._Element) -> etree._Element:
+    """The elements without the namespace of all of them, as of Drake's files; readers of robots know none."""
+    if (namespace := root.nsmap.get(None)) is not None:
+        for element in root.iter(f"{{{namespace}}}*"):
+            element.tag = etree.QName(element).localname
+    return root
 
 
 def _parser(*, is_deep: bool, recover: bool = False) -> etree.XMLParser:

@@ -42,10 +42,26 @@ def test_a_urdf_that_no_table_holds(tmp_path: Path, suffix: str) -> None:
     assert one.visuals[0].material is None
 
 
-def test_an_xml_version_that_pybullets_files_have(tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    ("start", "attributes"),
+    [
+        ('<?xml version="0.0" ?>\n', ""),
+        ('\n\n<?xml version="1.0" encoding="utf-8"?>\n', ""),
+        ("", 'xmlns="http://drake.mit.edu" xmlns:xsi="http://www.w3.org/2001/XMLSchema-instance"'),
+    ],
+    ids=["version", "late declaration", "namespace"],
+)
+def test_xml_that_only_readers_of_robots_take(tmp_path: Path, start: str, attributes: str) -> None:
+    """As in files of PyBullet and of Drake; it was refused, and Pinocchio takes it."""
+    pinocchio = pytest.importorskip("pinocchio")
     path = tmp_path / "gripper.urdf"
-    path.write_text('<?xml version="0.0" ?>\n' + GRIPPER.format(attributes="name='gripper'"))
-    assert foreign_urdf(path).robot.name == "gripper"
+    path.write_text(start + GRIPPER.format(attributes=f"name='gripper' {attributes}"))
+    found = foreign_urdf(path).robot
+    assert (found.name, len(found.links)) == ("gripper", 4)
+    assert found.joints[0].mark is not None
+    assert found.joints[0].mark.line == 6 + start.count("\n")
+    if "0.0" not in start:  # Pinocchio 4 has no such version of XML.
+        assert pinocchio.buildModelFromUrdf(str(path)).existJointName("a")
 
 
 def test_a_mimic_joint_is_where_pinocchio_has_it(tmp_path: Path) -> None:

@@ -79,15 +79,24 @@ class Elements:
             found[name] = given
         return found
 
-    def attributes(self, element: etree._Element) -> dict[str, str]:
-        """The attributes of an element, those of its class included."""
+    def attributes(self, element: etree._Element, *kin: str) -> dict[str, str]:
+        """The attributes of an element, those of its class included.
+
+        Args:
+            element: the element.
+            kin: the names of elements that share their defaults with it, as those of all actuators do.
+        """
         name = element.get("class")
         above = element.getparent() if self._gives_classes else None
         while name is None and above is not None:
             name, above = above.get("childclass"), above.getparent()
         if (name := name or "main") not in self._defaults:
             raise self.error(element, f"there is no class {shown(name)}")
-        return _over(self._defaults[name].get(str(element.tag), {}), _attributes(element))
+        defaults = self._defaults[name]
+        given = defaults.get(str(element.tag), {})
+        for tag in kin:
+            given = _over(given, defaults.get(tag, {}))
+        return _over(given, _attributes(element))
 
     # Frames
 

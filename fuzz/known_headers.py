@@ -1,4 +1,4 @@
-"""Headers of known tables: words in five languages, symbols, words around, and units in every form of the page."""
+"""Headers of known tables: words in seven languages, symbols, words around, and units in every form of the page."""
 
 from __future__ import annotations
 

@@ -51,7 +51,7 @@ def unit_words(dimension: str, unit: str) -> tuple[str, ...]:
 
 # --- Headers ----------------------------------------------------------------------------------------------------------
 
-LANGUAGES = ("English", "German", "French", "Spanish", "Italian")
+LANGUAGES = ("English", "German", "French", "Spanish", "Italian", "Portuguese", "Chinese")
 """The languages of headers."""
 
 

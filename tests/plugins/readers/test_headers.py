@@ -402,6 +402,8 @@ def test_known_headers_and_notes_go_the_fast_way(tmp_path: Path, monkeypatch: py
         ("ω/(°/s)", "velocity", "°/s"),
         ("α/ [deg]", "alpha", "deg"),
         ("⍺ⱼ", "alpha", None),
+        ("Link length a_i/mm", "a", "mm"),
+        ("连杆长度ai/mm", "a", "mm"),
         ("CoG (x, y, z) [mm]", "com", "mm"),
         ("Inertia Tensor (3x3) [kg m²]", "inertia", "kg m2"),
         ("Torque (Nm)", "effort", "Nm"),

@@ -304,6 +304,10 @@ def test_a_comment_that_names_no_convention_says_none(comment: str, read: Read) 
         ("prismatique", "prismatic"),
         ("prismático", "prismatic"),
         ("fijo", "fixed"),
+        *((word, "revolute") for word in ("Rotationsgelenk", "rotatif", "giratoria", "revoluta", "转动", "旋转关节")),
+        *((word, "prismatic") for word in ("prismática", "glissière", "Linearachse", "lineal", "移动", "移动副")),
+        *((f"{word} joint", word) for word in ("prismatic", "revolute", "fixed")),
+        ("rotary joint", "revolute"),
     ],
 )
 def test_types_of_other_languages_are_read(word: str, letter: str, read_one: ReadOne) -> None:
@@ -318,6 +322,9 @@ def test_types_of_other_languages_are_read(word: str, letter: str, read_one: Rea
         "Giunto;a [mm];alfa [°];d [mm];Limite inferiore [°];Limite superiore [°];Coppia [Nm]\nx;0;90;340;-170;170;176\n",
         "Gelenk;a [mm];α [°];d [mm];Grenze unten [°];Grenze oben [°];Drehmoment [Nm]\nx;0;90;340;-170;170;176\n",
         "Articulation;a (mm);alpha (°);d (mm);Butée min (°);Butée max (°);Couple (N.m)\nx;0;90;340;-170;170;176\n",
+        "Junta;Comprimento a (mm);Torção α (°);Deslocamento d (mm);Faixa (°);Torque máximo (Nm)\nx;0;90;340;±170;176\n",
+        "关节;连杆长度a/(mm);连杆扭转角α/(°);连杆偏距d/(mm);关节范围/(°);最大力矩(N·m)\nx;0;90;340;-170～170;176\n",
+        "关节,连杆长度ai/mm,扭转角αi/(°),偏距di/mm,角度下限/(°),角度上限/(°),力矩/(N·m)\nx,0,90,340,-170,170,176\n",
     ],
 )
 def test_tables_of_other_languages_are_read(text: str, read_one: ReadOne) -> None:
@@ -326,6 +333,25 @@ def test_tables_of_other_languages_are_read(text: str, read_one: ReadOne) -> Non
     assert (row.joint, row.a, row.alpha, row.d) == ("x", 0, math.pi / 2, 0.34)
     assert (row.limits.lower, row.limits.upper) == pytest.approx((-17 / 18 * math.pi, 17 / 18 * math.pi), abs=1e-15)
     assert row.limits.effort == 176
+
+
+@pytest.mark.parametrize(
+    ("table", "said"),
+    [
+        ("动作,a,alpha,d\n直线运动,0.3,0,0\n", "seems to be a type"),
+        ("关节,a,alpha,d\n移动关节,0.3,0,0\n", "by its name it hardly is a revolute joint"),
+        ("# 第三关节为移动副\na,alpha,d\n0.3,0,0\n", "speaks of a prismatic joint"),
+        ("a,alpha,d,额定速度\n0.3,0,0,3\n", "may not be the largest"),
+        ("a,alpha,d,关节速率\n0.3,0,0,3\n", "seems to be velocity"),
+        ("a,alpha,d,减速比\n0.3,0,0,100\n", "the ratio of a gear"),
+        ("a,alpha,d,theta,初始角\n0.3,0,0,q1,1.2\n", "seems to be offset"),
+        ("a,alpha,d,amortecimento estrutural\n0.3,0,0,3\n", "seems to be damping"),
+    ],
+)
+def test_what_tables_of_more_languages_say_is_not_left_out(table: str, said: str, read: Read) -> None:
+    """Joints that slide were revolute, with a notice of a column that is left out."""
+    (problem,) = problems_of(read, f"{STANDARD}{table}")
+    assert said in problem.message
 
 
 @pytest.mark.parametrize("cells", [("1", "2"), ("J1", "J2"), ("j1", "j2")])

@@ -27,6 +27,7 @@ _CLOSING = ("]", ")", "}", ">")
 _OTHER_LINK = late_pattern(r"[a-z]{0,3}\s*[-+]+\s*[a-z0-9]{0,3}|[ijkn][ijkn0-9]{1,2}")
 _PREFIX = late_pattern(r"(?:dh|denavit\W?hartenberg)(?:\W*param(?:eter)?s?)?[\s_.:-]+(.+)")
 _DEGREE = late_pattern(f"[{DEGREE_SIGNS}]")
+_AFTER_CHINESE = late_pattern(r"(?<=[\u4e00-\u9fff])(?=[a-zA-Zα-ωΑ-Ω])")
 _LATEX = late_pattern(r"\\(?:mathrm|mathit|mathbf|text|rm)(?![a-z])|[\\$]")
 _FOOTNOTE = late_pattern(r"(?<=[^\W\d_])\s*[¹²³⁰⁴-⁹†‡§]+(?=\s*[\[({]|$)|(?<=[\])}])\s*[¹²³⁰⁴-⁹†‡§*]+$")
 _BRACKETED = late_pattern(r"(.*[^\s])\s*[\[({<]([^\[\](){}<>]*)[\])}>]")
@@ -42,7 +43,23 @@ _SURE = 4
 _LONG = 5
 SHORTEST_CORE = 3
 _OTHER_WORDS = frozenset(
-    ("power", "tower", "height", "eight", "orange", "point", "gravel", "fraction", "fiction", "mode", "modal", "forge")
+    (
+        "power",
+        "tower",
+        "height",
+        "eight",
+        "orange",
+        "point",
+        "gravel",
+        "fraction",
+        "fiction",
+        "mode",
+        "modal",
+        "forge",
+        "signal",
+        "final",
+        "cursor",
+    )
 )
 """Words that miss a header by one letter and mean something else."""
 
@@ -96,7 +113,8 @@ def _as_written(text: str) -> Header:
 def _written(text: str) -> str:
     written = unicodedata.normalize("NFKC", _DEGREE.sub("°", text))
     plain = _LATEX.sub("", written) if "\\" in written or "$" in written else written
-    return plain.replace("−", "-").replace("⍺", "α").strip()  # the α of APL, as the Robotics Toolbox prints it
+    plain = plain.replace("−", "-").replace("⍺", "α").strip()  # the α of APL, as the Robotics Toolbox prints it
+    return plain if written.isascii() else _AFTER_CHINESE.sub(" ", plain)
 
 
 def _read(plain: str) -> Header:
@@ -113,6 +131,8 @@ def _read(plain: str) -> Header:
     if match and is_unit(match[2]) and (front := _named(match[1].strip())).key:
         if front.field or front.key in UNHELD:
             return front._replace(unit=match[2].strip()) if not front.field or front.field.dimension else header
+        if both := _twice(match[1].strip()):
+            return both._replace(unit=match[2].strip())  # `link length a_i/mm`
         return header._replace(key=front.key, unit=None if match[2] in _WORDS_AT_END else match[2])
     return _twice(plain) or header
 
@@ -230,7 +250,11 @@ def _cores(key: str, name: str) -> list[str]:
     """What is left of a key without one of the words around a field."""
     around = _AROUND.get(name, ()) if len(key) <= _LONGEST else ()
     rests = {rest for word in around for rest in (key.removeprefix(word), key.removesuffix(word))}
-    return [rest for rest in rests if SHORTEST_CORE <= len(rest) < len(key) and rest not in _OTHER_WORDS]
+    return [
+        rest
+        for rest in rests
+        if (1 if not rest.isascii() else SHORTEST_CORE) <= len(rest) < len(key) and rest not in _OTHER_WORDS
+    ]
 
 
 def _is_shuffled(key: str, word: str) -> bool:

@@ -51,15 +51,15 @@ _OF_FRAMES = _words("""
 _SLIDES = _words("""
     prismatic prismatical prism prismatisch prismatique prismatico linear linearly lineal lineaire lineare sliding slide
     slider translation translational translatory translatorisch traslacional traslacion traslazione schub schubgelenk
-    schubachse linearachse glissiere deslizante corredera
+    schubachse linearachse glissiere deslizante corredera prismatica deslizamento 移动 平移 直线 滑动
 """)
 _OF_SLIDES = _words("""
     joint jnt axis rail guide motion drive unit stage actuator module gelenk achse liaison articulation axe articulacion
-    eje giunto asse
+    eje giunto asse junta articulacao eixo 关节 轴 副 运动
 """)
 _SLIDE_SYMBOL = late_pattern(r"[pd][0-9]{0,3}")
 """``P2`` between ``R1`` and ``R3``, and the variable ``d2`` between ``θ1`` and ``θ3``."""
-_SLIDE_IN_PROSE = late_pattern(r"\bprism[aá]ti|\bschubgelenk", re.IGNORECASE)
+_SLIDE_IN_PROSE = late_pattern(r"\bprism[aá]ti|\bschubgelenk|移动副|移动关节", re.IGNORECASE)
 _HINT = late_pattern("|".join(_TOTALS | _FRAMES | _SLIDES))
 _NO_LETTERS = late_pattern(r"[\W_]+")
 _LONGEST = 60

@@ -33,7 +33,7 @@ ACCEPTED = {
 
 _BRACKETS = "[](){}<>"
 _PLUS_MINUS = late_pattern(r"(?:±|\+\s*/?\s*-|-\s*/\s*\+)\s*(.+)")
-_TO = late_pattern(r"\s*(?:…|\.{2,}|~|〜)\s*|\s+(?:to|bis|up to|jusqu'à|à|a|hasta|fino a)\s+")
+_TO = late_pattern(r"\s*(?:…|\.{2,}|[~〜～至到])\s*|\s+(?:to|bis|up to|jusqu'à|à|a|hasta|fino a|até)\s+")
 _DECIMAL_COMMA = r"(?<=[0-9]),(?=(?:[0-9]{1,2}|[0-9]{4,})(?![0-9]))"
 _NUMBER = r"[+-]?\s*[0-9]+(?:[.,][0-9]+)?(?:e[+-]?[0-9]+)?"
 _PAIR = late_pattern(rf"({_NUMBER}[^0-9/+,;-]*?)\s*([/÷]|\s(?=[+0-9.]))\s*({_NUMBER}[^0-9/,;]*)", re.IGNORECASE)

@@ -40,24 +40,49 @@ class Field:
         return (*self.headers, *(word for words in self.others.values() for word in words))
 
 
-LANGUAGES = {"de": "German", "fr": "French", "es": "Spanish", "it": "Italian"}
+LANGUAGES = {"de": "German", "fr": "French", "es": "Spanish", "it": "Italian", "pt": "Portuguese", "zh": "Chinese"}
 REQUIRED = ("a", "alpha", "d")
 
-_OF = "of, the, de, du, des, la, le, del, della, dell, di"
+_OF = "of, the, de, du, des, la, le, del, della, dell, di, da, do, 的"
 _JOINT = "joint, axis, gelenk, achse, achs, achsen, axe, articulation, articulaire"
-_JOINT += ", eje, articulación, articular, asse, giunto"
-_LINK = "link, body, glied, corps, segment, eslabón, cuerpo, membro, corpo"
+_JOINT += ", eje, articulación, articular, asse, giunto, junta, articulação, eixo, 关节, 轴"
+_LINK = "link, body, glied, corps, segment, eslabón, cuerpo, membro, corpo, elo, 连杆, 杆件"
 _MOST = "max, maximum, limit, maximal, maximale, maximales, maximaler, maxi"
-_MOST += ", máximo, máxima, massimo, massima, limite, límite"
+_MOST += ", máximo, máxima, massimo, massima, limite, límite, 最大"
 _BOUND = "limit, limits, bound, position, pos, angle, value, q, theta, travel"
 _BOUND += ", grenze, grenzwert, gelenkgrenze, winkel, anschlag, limite, borne, butée, angle articulaire"
-_BOUND += ", límite, ángulo, valor, angolo, finecorsa"
+_BOUND += ", límite, ángulo, valor, angolo, finecorsa, ângulo, 限位, 角度"
 _CENTRES = "com, cog, center of mass, centre of mass, center of gravity, centre of gravity"
 _TENSORS = "inertia, inertia tensor, inertia matrix, tensor of inertia, moment of inertia, moments of inertia"
 
 
+_PORTUGUESE = """robot: robô, manipulador, modelo, nome do robô; convention: convenção; index: número, índice;
+joint: junta, articulação, eixo, nome, nome da junta; link: elo, nome do elo; sign: sinal, sentido, sentido de rotação;
+type: tipo, tipo de junta, tipo de articulação; a: comprimento, comprimento do elo; flip: invertido;
+alpha: alfa, torção, torção do elo, ângulo de torção; d: deslocamento, deslocamento do elo, deslocamento da junta;
+theta: ângulo da junta, ângulo de junta, ângulo articular, ângulo de articulação; radius: raio; mass: massa, peso;
+limits: limites, faixa, faixa de movimento, curso; lower: inferior, mínimo, mínima; upper: superior, máximo, máxima;
+velocity: velocidade, velocidade angular; effort: torque máximo, força; com: centro de massa, centro de gravidade;
+inertia: inércia, matriz de inércia, tensor de inércia, momento de inércia; damping: amortecimento, atrito viscoso;
+friction: atrito, atrito seco"""
+_CHINESE = """robot: 机器人, 机械臂; index: 序号, 编号, 关节序号, 关节编号, 轴号; joint: 关节, 关节名称, 轴, 名称;
+link: 连杆, 杆件, 连杆名称; type: 类型, 关节类型, 运动副, 运动副类型; sign: 方向, 旋转方向; a: 连杆长度, 杆长, 杆件长度;
+alpha: 连杆扭转, 连杆扭角, 连杆扭转角, 连杆转角, 扭转角; d: 连杆偏移, 连杆偏距, 连杆偏置, 偏距, 关节偏距;
+theta: 关节角, 关节角度, 关节转角, 转角; limits: 关节范围, 运动范围, 活动范围, 角度范围, 工作范围, 范围;
+lower: 下限, 最小, 最小值; upper: 上限, 最大, 最大值; velocity: 速度, 角速度, 最大速度, 最大角速度;
+effort: 力矩, 扭矩, 转矩, 最大力矩, 最大扭矩; mass: 质量; com: 质心, 质心位置, 重心; radius: 半径;
+inertia: 惯性张量, 惯量, 惯性矩阵, 惯量矩阵, 转动惯量; damping: 阻尼, 粘性摩擦; friction: 摩擦, 库仑摩擦"""
+
+
 def _words(text: str) -> tuple[str, ...]:
     return tuple(text.split(", ")) if text else ()
+
+
+_MORE = {
+    language: dict(entry.strip().split(": ") for entry in text.split(";"))
+    for language, text in (("pt", _PORTUGUESE), ("zh", _CHINESE))
+}
+"""What tables of two more languages call the fields."""
 
 
 def _field(
@@ -70,6 +95,7 @@ def _field(
     **others: str,
 ) -> Field:
     """A field; what it measures is that of the number in `ROW_FIELDS`, or of its first part."""
+    others |= {language: words[name] for language, words in _MORE.items() if name in words}
     languages = {language: _words(words) for language, words in others.items()}
     number = ROW_FIELDS.get(parts[0] if parts else name, RowField(dimension))
     dimension, linear = number.dimension, number.linear
@@ -83,7 +109,9 @@ def _com(axis: str) -> Field:
     french = f"centre de masse {axis}, centre de gravité {axis}"
     spanish = f"centro de masa {axis}, centro de masas {axis}, centro de gravedad {axis}"
     italian = f"centro di massa {axis}, baricentro {axis}"
-    return _field(f"com_{axis}", headers, around=_LINK, de=german, fr=french, es=spanish, it=italian)
+    portuguese, chinese = f"centro de massa {axis}, centro de gravidade {axis}", f"质心 {axis}, 重心 {axis}"
+    words = {"de": german, "fr": french, "es": spanish, "it": italian, "pt": portuguese, "zh": chinese}
+    return _field(f"com_{axis}", headers, dimension=None, around=_LINK, parts=(), **words)
 
 
 def _moment(name: str) -> Field:
@@ -99,6 +127,8 @@ def _moment(name: str) -> Field:
         fr=f"inertie {axes}",
         es=f"inercia {axes}",
         it=f"inerzia {axes}",
+        pt=f"inércia {axes}",
+        zh=f"惯量 {axes}",
     )
 
 
@@ -155,7 +185,7 @@ def _fields() -> dict[str, Field]:
             es="alfa, torsión, ángulo de torsión",
             it="alfa, torsione, angolo di torsione",
         ),
-        _field("d", "d, link offset"),
+        _field("d", "d, link offset, joint distance", de="gelenkabstand"),
         _field(
             "theta",
             "theta, θ, th, joint angle",
@@ -315,6 +345,9 @@ _FLIP_WORDS = {
     **dict.fromkeys(_words("false, no, 0, falsch, nein, faux, non, falso"), False),
 }
 
+_NOUNS = ("joint", "关节")
+"""What may stand behind a type: ``prismatic joint``."""
+
 ACCEPTED_TYPES = "; ".join(", ".join(words) for words in _TYPES.values())
 ACCEPTED_CONVENTIONS = (
     f"{', '.join(_CONVENTIONS[Convention.STANDARD])} for A = Rz(theta) Tz(d) Tx(a) Rx(alpha); "
@@ -329,6 +362,7 @@ def joint_type(text: str) -> JointType | None:
     """The joint type that a word means."""
     word = text.strip().casefold()
     key = key_of(word) if any(map(str.isalpha, word)) else word  # `-1` is not 1
+    key = next((key.removesuffix(noun) for noun in _NOUNS if key.endswith(noun)), key)
     if key in _TYPE_WORDS:
         return _TYPE_WORDS[key]
     from dh2urdf_plugins.readers.words.other_words import OTHER_TYPES

@@ -6,9 +6,11 @@ from dh2urdf.manipulator import Convention, JointType
 from dh2urdf_plugins.readers.words.word_keys import keys_of
 
 _TYPES = {
-    JointType.REVOLUTE: "drehgelenk, rotatorisch, rotoïde, rotacional, rotoidale",
-    JointType.PRISMATIC: "schubgelenk, prismatisch, prismatique, prismático, prismatico",
-    JointType.FIXED: "fest, fixe, fijo, fisso",
+    JointType.REVOLUTE: "drehgelenk, rotationsgelenk, drehachse, rotatorisch, rotoïde, rotatif, rotacional, rotatoria, "
+    "rotatorio, rotativa, rotativo, giratoria, giratorio, revoluta, rotoidale, 转动, 旋转, 回转, 转动副, 旋转副",
+    JointType.PRISMATIC: "schubgelenk, linearachse, lineargelenk, prismatisch, translatorisch, prismatique, glissière, "
+    "linéaire, prismático, prismática, lineal, prismatico, prismatica, lineare, 移动, 平移, 直线, 移动副, 棱柱",
+    JointType.FIXED: "fest, fixe, fijo, fija, fisso, fissa, fixo, fixa, 固定",
 }
 _CONVENTIONS = {
     Convention.STANDARD: "estándar",

@@ -67,7 +67,7 @@ UNHELD_WORDS = {
     **dict.fromkeys(
         _words(
             "gear ratio, gear, g, reduction, reduction ratio, transmission ratio, übersetzung, rapport de réduction, "
-            "relación de transmisión, rapporto di riduzione"
+            "relación de transmisión, rapporto di riduzione, relação de transmissão, relação de redução, 减速比, 传动比"
         ),
         Unheld("the ratio of a gear", f"a column armature with the rotor's inertia behind the gear; {_AT_THE_JOINT}"),
     ),
@@ -75,12 +75,14 @@ UNHELD_WORDS = {
         _words(
             "stiffness, joint stiffness, spring stiffness, spring constant, spring rate, spring, elasticity, "
             "compliance, steifigkeit, gelenksteifigkeit, federkonstante, raideur, raideur articulaire, rigidez, "
-            "rigidezza"
+            "rigidezza, 刚度"
         ),
         Unheld("how far the joint yields under a load", _RIGID),
     ),
     **dict.fromkeys(
-        _words("backlash, gear backlash, joint backlash, lost motion, spiel, getriebespiel, jeu, juego, gioco"),
+        _words(
+            "backlash, gear backlash, joint backlash, lost motion, spiel, getriebespiel, jeu, juego, gioco, folga, 间隙"
+        ),
         Unheld("the play of a gear", _RIGID),
     ),
     **dict.fromkeys(_words("tc, tc+, tc-, fs, fv"), Unheld("a friction of the motor or of the joint", _AT_THE_JOINT)),
@@ -95,11 +97,14 @@ UNHELD_WORDS = {
         _words("lc, rc"), Unheld("the distance of a centre of mass", "com_x, com_y, com_z in the frame after the row")
     ),
     **dict.fromkeys(
-        _words("rated torque, nominal torque, continuous torque, holding torque, stall torque, nennmoment"),
+        _words(
+            "rated torque, nominal torque, continuous torque, holding torque, stall torque, nennmoment, "
+            "torque nominal, 额定力矩, 额定扭矩, 额定转矩"
+        ),
         Unheld("a torque that may not be the largest", "a column effort: the largest torque or force of the joint"),
     ),
     **dict.fromkeys(
-        _words("rated speed, nominal speed, nenndrehzahl"),
+        _words("rated speed, nominal speed, nenndrehzahl, velocidade nominal, 额定速度, 额定转速"),
         Unheld("a speed that may not be the largest", "a column velocity: the largest speed of the joint"),
     ),
     **dict.fromkeys(
@@ -110,7 +115,7 @@ UNHELD_WORDS = {
     ),
     "j": Unheld("the number of a row, or an inertia", "a column index, or ixx … iyz", counts=True),
     **dict.fromkeys(
-        _words("unit, units, einheit, einheiten, unité, unités, unidad, unidades, unità"),
+        _words("unit, units, einheit, einheiten, unité, unités, unidad, unidades, unità, unidade, 单位"),
         Unheld("the unit of a row", "units in the headers, such as `a [mm]`, in the cells, or above the header"),
     ),
     "diameter": Unheld("twice a radius", "a column radius"),
@@ -126,34 +131,39 @@ UNHELD = {key: meaning for word, meaning in UNHELD_WORDS.items() for key in keys
 # --- Headers that look like fields ------------------------------------------------------------------------------------
 
 SUSPECTS = {
-    "acceleration": "accel*, acceler*, aceler*, *beschleunigung*, qdd, ddq",
+    "acceleration": "accel*, acceler*, aceler*, *beschleunigung*, qdd, ddq, *加速度*",
     "jerk": "jerk, ruck, dddq*, qddd*, dtau*, taud*",
-    "inertia": "inertia*, inertial, moi, *trägheit*, inertie*, inercia*, inerzia*",
-    "com": "com, cog, centroid*, gravity, *schwerpunkt*, baricentr*, barycentr*, gravité, gravedad",
-    "velocity": "speed*, veloc*, vel, rpm, *geschwindigkeit*, *drehzahl*, vitesse*, omega, qd, dq, qdot",
-    "effort": "torque*, effort*, force, forces, *moment*, couple*, coppi*, par, fuerza*, forza, kraft*, tau, stall",
-    "damping": "damp*, *dämpfung*, viscous, viskos*, amortiss*, amortig*, smorz*",
-    "friction": "friction*, *reibung*, frottement*, fricción*, attrito, coulomb*, stiction",
+    "inertia": "inertia*, inertial, moi, *trägheit*, inertie*, inercia*, inérc*, inerzia*, *惯*",
+    "com": "com, cog, centroid*, gravity, *schwerpunkt*, baricentr*, barycentr*, gravité, gravedad, "
+    "gravidade, *质心*, *重心*",
+    "velocity": "speed*, veloc*, vel, rpm, *geschwindigkeit*, *drehzahl*, vitesse*, omega, qd, dq, qdot, *速*",
+    "effort": "torque*, effort*, force, forces, *moment*, couple*, coppi*, par, fuerza*, forza, kraft*, "
+    "tau, stall, força*, *力矩*, *扭矩*, *转矩*",
+    "damping": "damp*, *dämpfung*, viscous, viskos*, amortiss*, amortig*, smorz*, amortec*, *阻尼*",
+    "friction": "friction*, *reibung*, frottement*, fricción*, attrito, coulomb*, stiction, atrito*, *摩擦*",
     "armature": "rotor, armature",
-    "stiffness": "stiff*, spring*, *steif*, complian*, elasti*, raideur*, rigid*, backlash*",
-    "gear": "gear*, ratio, *getriebe*, *übersetzung, reducer*, reduction*",
-    "mass": "mass, masses, weight*, *masse, masa, massa, peso, poids, *gewicht*, payload*",
-    "offset": "offset*, zero*, home*, *versatz*, décalage*, desfase*, desplazamiento*, *nullpunkt*, calibration*",
-    "sign": "sign, direction*, dir, invert*, revers*, flip*, polarity, vorzeichen, *richtung, sens, sentido, senso",
+    "stiffness": "stiff*, spring*, *steif*, complian*, elasti*, raideur*, rigid*, backlash*, *刚度*",
+    "gear": "gear*, ratio, *getriebe*, *übersetzung, reducer*, reduction*, redução*, *减速*",
+    "mass": "mass, masses, weight*, *masse, masa, massa, peso, poids, *gewicht*, payload*, *质量*, *重量*",
+    "offset": "offset*, zero*, home*, *versatz*, décalage*, desfase*, desplazamiento*, *nullpunkt*, "
+    "calibration*, deslocamento*, *偏*, *零位*, *初始*",
+    "sign": "sign, direction*, dir, invert*, revers*, flip*, polarity, vorzeichen, *richtung, sens, "
+    "sentido, senso, sinal, *方向*",
     "limits": "limit*, límit*, range, ranges, bound*, stroke, travel, *grenze*, *bereich, anschlag, plage, butée*, "
-    "borne*, rango, recorrido, corsa, escursione, débattement, lower, upper, min, max, minimum, maximum",
-    "type": "prismatic, revolute, rotary",
-    "alpha": "twist*, verdreh*, torsion*, torsión*",
-    "a": "length*, *länge*, longueur*, longitud*, lunghezza*",
-    "theta": "angle*, *winkel, ángulo*, angolo*",
-    "radius": "radius, radii, diameter*, durchmesser, thickness",
+    "borne*, rango, recorrido, corsa, escursione, débattement, lower, upper, min, max, minimum, maximum, "
+    "faixa, curso, *范围*, *限*, *行程*",
+    "type": "prismatic, revolute, rotary, *类型*, 运动副*",
+    "alpha": "twist*, verdreh*, torsion*, torsión*, torção*, *扭*",
+    "a": "length*, *länge*, longueur*, longitud*, lunghezza*, comprimento*, *长*",
+    "theta": "angle*, *winkel, ángulo*, angolo*, ângulo*, *角*",
+    "radius": "radius, radii, diameter*, durchmesser, thickness, raio*, *半径*, *直径*",
 }
 """Words in the headers of columns that probably are a field, by field; ``*`` stands for any letters."""
 PROSE = (
     "note, notes, comment, comments, remark, remarks, description, source, reference, supplier, vendor, url, "
     "datasheet, "
     "bemerkung, bemerkungen, kommentar, beschreibung, quelle, remarque, remarques, commentaire, nota, notas, "
-    "comentario, commento"
+    "comentario, commento, comentário, observação, fonte, 备注, 注, 说明, 来源"
 )
 """Words in the headers of columns that hold text for people."""
 LIKELY = {

@@ -346,7 +346,7 @@ _FLIP_WORDS = {
 }
 
 _NOUNS = ("joint", "关节")
-"""What may stand behind a type: ``prismatic joint``."""
+"""The nouns that may follow a type: ``prismatic joint``."""
 
 ACCEPTED_TYPES = "; ".join(", ".join(words) for words in _TYPES.values())
 ACCEPTED_CONVENTIONS = (

@@ -297,6 +297,12 @@ class StageConflictError(PluginError):
         return tuple(f"{name}:{self.name}" for name in names) if len(set(names)) == len(names) else ()
 
     def _message(self) -> str:
+        if len(set(self.distributions)) == 1:
+            whose = self.distributions[0]
+            return (
+                f"{self.kind} {self.name!r} is provided more than once by {whose}; "
+                f"tell the authors of {whose}, or leave it out: `--without NAME`"
+            )
         choice = f"say which is meant: {' or '.join(self.choices)}; or" if self.choices else "to choose,"
         return (
             f"{self.kind} {self.name!r} is claimed by {' and by '.join(self.distributions)}; "

@@ -499,3 +499,25 @@ def test_a_dash_between_bounds_is_no_sign_that_is_sure(cell: str, said: str, rea
     (problem,) = problems_of(read, f"{STANDARD}a,alpha,d,limits [deg]\n0.3,0,0,{cell}\n")
     assert said in str(problem.suggestion)
     assert "±" not in str(problem.suggestion)
+
+
+@pytest.mark.parametrize(
+    ("below", "row", "advice"),
+    [
+        ("Joint,Mass [kg],com_x,com_y,com_z\n1,3,0,0,0\n", 2, "put its columns beside those of the first table"),
+        ("Joint,min,max\n1,-170,170\n", 2, "put its columns beside those of the first table"),
+        ("Joint,min,max,\n1,-170,170,\n", 2, "put its columns beside those of the first table"),
+        ("Gelenk,α,a,d\n1,0,1,2\n", 2, "put each table in a file of its own"),
+    ],
+)
+@pytest.mark.parametrize("gap", ["", "\n"])
+def test_a_second_table_below_the_first_is_called_one(below: str, row: int, advice: str, gap: str, read: Read) -> None:
+    """Its header was a row with a decimal comma, or a note, and its rows were joints."""
+    problem, *_ = problems_of(read, f"{STANDARD}Joint,a [mm],alpha [deg],d [mm]\n1,0,90,89.2\n{gap}{below}")
+    assert problem.message == f"row {row} is the header of another table"
+    assert advice in str(problem.suggestion)
+
+
+def test_a_row_of_names_that_are_headers_too_is_a_row(read_one: ReadOne) -> None:
+    """Numbers are in it."""
+    assert [row.joint for row in read_one("joint,link,a,alpha,d\nmass,base plate,0.3,0,0\n").rows] == ["mass"]

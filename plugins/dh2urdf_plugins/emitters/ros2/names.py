@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import unicodedata
 from typing import TYPE_CHECKING
 
 from dh2urdf.errors import EmitterError
@@ -51,10 +52,14 @@ def robot_name(stem: str, package: str) -> str:
 
 def proposed_name(name: str) -> str:
     """The name that REP 144 allows and that is nearest to another."""
-    near = re.sub(r"[^a-z0-9]+", "_", name.lower()).strip("_")
+    near = re.sub(r"[^a-z0-9]+", "_", _without_accents(name).lower()).strip("_")
     if not near:
         return "my_arm"
     return near if near[0].isalpha() and len(near) >= _SHORTEST else f"arm_{near}"
+
+
+def _without_accents(name: str) -> str:
+    return "".join(letter for letter in unicodedata.normalize("NFKD", name) if not unicodedata.combining(letter))
 
 
 def check_names(robot: Robot) -> None:
@@ -73,7 +78,7 @@ def check_names(robot: Robot) -> None:
 def _problems(named: Iterable[tuple[str, str]]) -> Iterable[Problem]:
     for what, name in named:
         if not _NAME.fullmatch(name):
-            near = re.sub(r"[^A-Za-z0-9_-]+", "_", name).strip("_") or what
+            near = re.sub(r"[^A-Za-z0-9_-]+", "_", _without_accents(name)).strip("_") or what
             yield Problem(
                 message=f"the {what} {shown(name)} has a name that ROS cannot use everywhere",
                 found=name,

@@ -10,9 +10,9 @@ from dh2urdf.source import Mark, Problem
 from dh2urdf.table_text import CellRow
 from dh2urdf_plugins.readers.csv_file.header import DELIMITERS, row_below, top_rows
 from dh2urdf_plugins.readers.csv_file.lines import CsvLines
-from dh2urdf_plugins.readers.header.header_rows import completed
+from dh2urdf_plugins.readers.header.header_rows import completed, headers_in
 from dh2urdf_plugins.readers.rows.names import is_plain_label
-from dh2urdf_plugins.readers.tables.cell_rows import BELOW, NOTE_HINT, is_note, unread_notes
+from dh2urdf_plugins.readers.tables.cell_rows import BELOW, NOTE_HINT, is_note, other_header, unread_notes
 from dh2urdf_plugins.readers.words.cells import text_of
 from dh2urdf_plugins.readers.words.comment_lines import Comment, joined, marks_a_comment
 from dh2urdf_plugins.readers.words.fields import REQUIRED
@@ -45,6 +45,7 @@ class CsvRows:
         self.notices = self.lines.notices
         self.comments = self.lines.comments
         self.delimiter = ","
+        self.header: list[str] = []
         self.width = self.needed = 0
         self.begun = self.ended = False
         self.below: list[tuple[str, Mark]] = []
@@ -71,6 +72,7 @@ class CsvRows:
 
     def start(self, columns: Columns) -> Columns:
         """Takes the columns of the rows to come."""
+        self.header = columns.headers
         self.width = len(columns.headers)
         self.unnamed = [index for index, header in enumerate(columns.headers) if not header]
         self.needed = max(index for index, header in enumerate(columns.headers) if header) + 1
@@ -132,17 +134,20 @@ class CsvRows:
         return [Mark(file=self.lines.file, line=key, column=start) for start in starts]
 
     def row_problems(self, key: int, texts: Sequence[str], number: int) -> Iterator[Problem]:
-        """What is wrong with a row that has more or fewer cells than the header has columns."""
+        """What is wrong with a row that is another header, or has other cells than the header has columns."""
+        row = CellRow(texts, Mark(file=self.lines.file, line=key))
+        if headers_in(row) != self.header and (problem := other_header(row, number, "in a file")):
+            yield problem
+            return
         more = next((text for text in texts[self.width :] if text.strip()), None)
         if len(texts) >= self.needed and (more is None or marks_a_comment(more)):
             return
-        mark = Mark(file=self.lines.file, line=key)
-        suggestion = NOTE_HINT if is_note(CellRow(texts, mark), self.lines.required, self.needed) else None
+        suggestion = NOTE_HINT if is_note(row, self.lines.required, self.needed) else None
         if self.delimiter == "," and len(texts) > self.width:
             suggestion = "is there a decimal comma in it, or a comma in a text without quotes?"
         yield Problem(
             message=f"row {number} has {len(texts)} cells, and the header has {self.width} columns",
-            mark=mark,
+            mark=row.mark,
             joint=f"joint_{number}",
             accepted=f"one cell for each column, with a {DELIMITERS[self.delimiter]} between them",
             suggestion=suggestion,

@@ -12,6 +12,7 @@ from dh2urdf.patterns import late_pattern
 from dh2urdf.source import Problem, shown
 from dh2urdf_plugins.readers.header.header_rows import completed, headers_in, text_in
 from dh2urdf_plugins.readers.header.unknown_columns import is_beside, is_number, stray_number
+from dh2urdf_plugins.readers.header.words import read_header
 from dh2urdf_plugins.readers.plain.numbers import LINE_END
 from dh2urdf_plugins.readers.statements.csv_comments import comment_below
 from dh2urdf_plugins.readers.statements.top import comment_text, is_header
@@ -118,14 +119,8 @@ class CellRows:
     def row_problems(self, key: CellRow, texts: Sequence[str], number: int) -> Iterator[Problem]:
         """What the container declares about the row's cells, and of numbers behind the last column of the header."""
         joint = f"joint_{number}"
-        if is_header(key) and headers_in(key) != self.header:
-            yield Problem(
-                message=f"row {number} is the header of another table",
-                mark=key.mark,
-                joint=joint,
-                accepted="one table below its header",
-                suggestion="put each table on a sheet of its own, or all rows below one header with a column robot",
-            )
+        if headers_in(key) != self.header and (problem := other_header(key, number, "on a sheet")):
+            yield problem
             return
         for index, cell in enumerate(key.cells):
             field = self.fields[index] if index < len(self.fields) else None
@@ -221,7 +216,36 @@ def is_note(row: CellRow, geometry: Iterable[int], width: int) -> bool:
     if len(filled) == 1:
         return True
     says = len(texts) >= width and any(texts[index] for index in geometry)
-    return not (says or any(map(is_number, filled[1:])) or is_header(row))
+    return not (says or any(map(is_number, filled[1:])) or is_header(row) or _names_fields(row))
+
+
+def _names_fields(row: CellRow) -> bool:
+    """Whether each cell of a row is the header of a field: ``joint, min, max``."""
+    fields = [read_header(text).field for text in headers_in(row) if text]
+    return len(fields) > 1 and None not in fields and len({each.name for each in fields if each}) == len(fields)
+
+
+def other_header(row: CellRow, number: int, place: str) -> Problem | None:
+    """What is wrong with a row that is the header of another table; None where it is none.
+
+    Args:
+        row: the row.
+        number: its number.
+        place: where each table may be, by itself: `on a sheet`.
+    """
+    if is_header(row):
+        advice = f"put each table {place} of its own, or all rows below one header with a column robot"
+    elif _names_fields(row):
+        advice = "if it is of the same joints, put its columns beside those of the first table"
+    else:
+        return None
+    return Problem(
+        message=f"row {number} is the header of another table",
+        mark=row.mark,
+        joint=f"joint_{number}",
+        accepted="one table below its header",
+        suggestion=advice,
+    )
 
 
 def unread_notes(what: str, notes: Sequence[tuple[str, Mark]]) -> list[Problem]:

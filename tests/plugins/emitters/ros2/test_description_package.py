@@ -317,7 +317,8 @@ def test_aligned_frames_have_no_table_to_replace(package: Any) -> None:
 
 
 @pytest.mark.parametrize(
-    ("stem", "proposed"), [("UR5", "ur5"), ("7dof", "arm_7dof"), ("my__arm", "my_arm"), ("x", "arm_x"), ("é", "my_arm")]
+    ("stem", "proposed"),
+    [("UR5", "ur5"), ("7dof", "arm_7dof"), ("my__arm", "my_arm"), ("x", "arm_x"), ("é", "arm_e"), ("关节", "my_arm")],
 )
 def test_a_name_that_rep_144_does_not_allow_gets_a_proposal(arm: Robot, stem: str, proposed: str) -> None:
     """The error names the option and a name that is allowed; with it the package is made."""
@@ -334,6 +335,16 @@ def test_names_of_links_that_ros_cannot_use_get_proposals(package: Any) -> None:
     last = robot.links[-1]
     renamed = replace(robot, links=(*robot.links[:-1], replace(last, name="tool 0")))
     with pytest.raises(EmitterError, match=r"(?s)the link 'tool 0'.*rename it to 'tool_0'"):
+        EMITTER.emit(renamed, "ur5", Ros2Options())
+
+
+def test_a_proposed_name_keeps_the_letters_below_accents(package: Any) -> None:
+    """For `Épaule` the proposal was `paule`."""
+    from dataclasses import replace
+
+    _, robot, _ = package("ur5.csv", "aligned")
+    renamed = replace(robot, links=(*robot.links[:-1], replace(robot.links[-1], name="Épaule ü")))
+    with pytest.raises(EmitterError, match="rename it to 'Epaule_u'"):
         EMITTER.emit(renamed, "ur5", Ros2Options())
 
 

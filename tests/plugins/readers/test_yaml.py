@@ -267,3 +267,51 @@ def test_comments_of_several_manipulators(read: Callable[..., list[Manipulator |
     assert isinstance(third, Rejected)
     assert [problem.mark.line for problem in third.problems if problem.mark] == [8]
     assert all(isinstance(arm, Rejected) for arm in read(f"# all lengths in mm\n{text}", ".yaml"))
+
+
+@pytest.mark.parametrize(
+    ("limits", "com"),
+    [
+        ("{min: -170 deg, max: 90 deg}", "{x: 0, y: 0.1, z: -0.2}"),
+        ("{lower: -170 deg, max: 90 deg}", "{com_x: 0, com_y: 0.1, z: -0.2}"),
+        ('"min: -170 deg, max: 90 deg"', '"x: 0, y: 0.1, z: -0.2"'),
+    ],
+)
+def test_mappings_of_bounds_and_coordinates_have_the_words_of_cells(
+    limits: str, com: str, read_one: Callable[..., Manipulator]
+) -> None:
+    """`min` and `x` were read in a text, and refused in a mapping."""
+    text = f"joints: [{{a: 0.3, alpha: 0, d: 0, mass: 1, limits: {limits}, com: {com}}}]\n"
+    (row,) = read_one(text, ".yaml").rows
+    assert row.com == (0.0, 0.1, -0.2)
+    assert row.limits is not None
+    assert (row.limits.lower, row.limits.upper) == pytest.approx((math.radians(-170), math.radians(90)), abs=1e-12)
+
+
+def test_a_bound_under_two_words_is_refused(read: Callable[..., list[Manipulator | Rejected]]) -> None:
+    text = "convention: standard\njoints: [{a: 0.3, alpha: 0, d: 0, limits: {lower: -1, min: -2, upper: 1}}]\n"
+    (rejected,) = read(text, ".yaml")
+    assert isinstance(rejected, Rejected)
+    assert "'min' is no key of limits" in rejected.problems[0].message
+
+
+@pytest.mark.parametrize(
+    ("text", "advice"),
+    [
+        ("links: [{a: 0.3, alpha: 0, d: 0}]", "write `joints:`, a list with one mapping for each joint"),
+        ("dh_params: [[0.3, 0, 0, 0]]", "write `joints:`, a list with one mapping for each joint"),
+        ("a: [0.3]\nalpha: [0]\nd: [0]", "write `joints:`, a list with one mapping for each joint"),
+        ("joints: {elbow: {a: 0.3, alpha: 0, d: 0}}", "write each name in its entry: `- {name: elbow,"),
+        ("angle_unit: deg\njoints: [{a: 0.3, alpha: 0, d: 0}]", "write `units: {angle: deg}`"),
+        ("tcp: [0, 0, 0.1]\njoints: [{a: 0.3, alpha: 0, d: 0}]", "write `tool: {xyz: [0, 0, 0.1]}`"),
+        ("tool: {x: 0, y: 0, z: 0.1}\njoints: [{a: 0.3, alpha: 0, d: 0}]", "write `xyz: [x, y, z]`"),
+        ("tool: {quaternion: [0, 0, 0, 1]}\njoints: [{a: 0.3, alpha: 0, d: 0}]", "write `rpy: [roll, pitch, yaw]`"),
+    ],
+)
+def test_tables_in_the_words_of_other_programs_are_told_ours(
+    text: str, advice: str, read: Callable[..., list[Manipulator | Rejected]]
+) -> None:
+    """Each message had the keys that are read, and none said what to write."""
+    (rejected,) = read(f"convention: standard\n{text}\n", ".yaml")
+    assert isinstance(rejected, Rejected)
+    assert any(advice in (problem.suggestion or "") for problem in rejected.problems)

@@ -36,6 +36,10 @@ ACCEPTED = "{xyz: [0, 0, 0.3], rpy: [0, 0, pi]}, or a rigid 4x4 matrix as a list
 PLACED = ("xyz", "rpy", "matrix")
 """Keys of a mapping that say where something stands: the matrix in place of the other two."""
 
+_XYZ, _RPY = "write `xyz: [x, y, z]`", "write `rpy: [roll, pitch, yaw]`, or the whole as `matrix`"
+_MEANT = dict.fromkeys(("x", "y", "z", "translation", "position", "offset", "origin", "trans", "pos"), _XYZ)
+_MEANT |= dict.fromkeys(("rotation", "orientation", "quaternion", "quat", "euler", "roll", "pitch", "yaw", "rot"), _RPY)
+
 
 class TransformReader:
     """Reads rigid transforms and hands over what is wrong with them."""
@@ -106,7 +110,7 @@ class TransformReader:
 
     def _origin(self, node: Node, what: str, other_keys: Sequence[str]) -> RigidTransform | None:
         entries = node.value if isinstance(node.value, dict) else {}
-        refuse_unknown_keys(node, (*PLACED, *other_keys), what, self.add)
+        refuse_unknown_keys(node, (*PLACED, *other_keys), what, self.add, _MEANT)
         if (matrix := entries.get("matrix")) is not None:
             if both := [key for key in ("xyz", "rpy") if key in entries]:
                 message = f"{what} has a matrix and {both[0]}"

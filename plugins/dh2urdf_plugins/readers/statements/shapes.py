@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from types import MappingProxyType
 from typing import TYPE_CHECKING
 
 from dh2urdf.manipulator import LinkGeometry
@@ -11,7 +12,7 @@ from dh2urdf_plugins.readers.header.units import refuse_doubt
 from dh2urdf_plugins.readers.words.cells import Cell
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable
+    from collections.abc import Callable, Iterable, Mapping
 
     from dh2urdf.documents import Node
     from dh2urdf_plugins.readers.words.cells import Units
@@ -73,8 +74,22 @@ class ShapeReader:
         )
 
 
-def refuse_unknown_keys(node: Node, keys: Iterable[str], what: str, add: Callable[[Problem], None]) -> None:
-    """Notes the keys of a mapping that nothing reads."""
+def refuse_unknown_keys(
+    node: Node,
+    keys: Iterable[str],
+    what: str,
+    add: Callable[[Problem], None],
+    meant: Mapping[str, str] = MappingProxyType({}),
+) -> None:
+    """Notes the keys of a mapping that nothing reads.
+
+    Args:
+        node: the mapping.
+        keys: those that are read.
+        what: what the mapping is.
+        add: takes the problems.
+        meant: what to write in place of other words for them.
+    """
     keys = tuple(keys)
     for key in node.value if isinstance(node.value, dict) else ():
         if key not in keys:
@@ -85,6 +100,6 @@ def refuse_unknown_keys(node: Node, keys: Iterable[str], what: str, add: Callabl
                     field=key,
                     found=key,
                     accepted=", ".join(keys),
-                    suggestion=did_you_mean(key, keys),
+                    suggestion=meant.get(key.casefold()) or did_you_mean(key, keys),
                 )
             )

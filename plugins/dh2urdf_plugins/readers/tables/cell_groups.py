@@ -43,7 +43,8 @@ _BEFORE_NAME = late_pattern(r",(?=\s*[a-z_]+\s*[:=])", re.IGNORECASE)
 """A comma between parts that are named; any other one is a decimal sign."""
 _DIAGONAL = late_pattern(r"diag\s*[(\[]([^()\[\]]*)[)\]]", re.IGNORECASE)
 _UNIT_AT_END = late_pattern(r"[\d.)\]}iIπ]\s*([^\W\d]+[\w·/²*^]*|°)\s*$")
-_PARTS = {"min": "lower", "max": "upper", "lower": "lower", "upper": "upper", "x": "com_x", "y": "com_y", "z": "com_z"}
+PARTS = {"min": "lower", "max": "upper", "lower": "lower", "upper": "upper", "x": "com_x", "y": "com_y", "z": "com_z"}
+"""The fields that the parts of a cell are called by."""
 _ORDERS = "ixx, ixy, ixz, iyy, iyz, izz (URDF), ixx, iyy, izz, ixy, iyz, ixz (the toolboxes)"
 
 
@@ -86,7 +87,7 @@ def _named_parts(field: Field, text: str) -> dict[str, str] | None:
     inner = text.strip(_BRACKETS)
     texts = inner.split(";") if ";" in text else _BEFORE_NAME.split(inner)
     pairs = [match.groups() for part in texts if (match := _NAMED_PART.fullmatch(part.strip()))]
-    names = [_PARTS.get(name.lower(), name.lower()) for name, _ in pairs]
+    names = [PARTS.get(name.lower(), name.lower()) for name, _ in pairs]
     if len(pairs) < len(texts) or len(set(names)) < len(names) or not set(names) <= set(field.parts):
         return None
     return {name: value.strip() for name, (_, value) in zip(names, pairs, strict=True)}

@@ -2,15 +2,49 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from dh2urdf.source import Problem
+from dh2urdf_plugins.readers.tables.cell_groups import PARTS
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
 
     from dh2urdf.documents import Node
     from dh2urdf_plugins.readers.words.cells import Cell
+
+_JOINTS = "write `joints:`, a list with one mapping for each joint, such as {a: 0, alpha: pi/2, d: 0.1}"
+_WORDS = {
+    _JOINTS: "links, link, joint, dh, dh_params, dh_parameters, dh_table, parameters, params, rows, table, chain, "
+    "axes, axis, a, r, d, alpha, theta",
+    "write `units: {length: mm}`": "length_unit, lengths, unit_length, length",
+    "write `units: {angle: deg}`": "angle_unit, angles, unit_angle, angle, degrees, radians",
+    "write `units: {length: mm, angle: deg}`": "unit",
+    "write `name:`": "robot, robot_name, model, manipulator, arm, id, title",
+    "write `convention: standard`, or `modified`": "dh_convention, type, dh_type, notation, method, modified, mdh",
+    "write `tool: {xyz: [0, 0, 0.1]}`": "tcp, ee, end_effector, endeffector, flange, tool0, tool_frame, gripper",
+    "write `base: {xyz: [0, 0, 0.3]}`": "base_frame, origin, mount, world",
+}
+MEANT = {word: advice for advice, words in _WORDS.items() for word in words.split(", ")}
+"""What to write in place of other words for the keys of a manipulator."""
+
+
+def with_full_names(node: Node) -> Node:
+    """A mapping of bounds or coordinates with the names of their fields: ``min`` is ``lower``, ``x`` is ``com_x``."""
+    if not isinstance(node.value, dict) or PARTS.keys().isdisjoint(node.value):
+        return node
+    names = {key: name for key in node.value if (name := PARTS.get(key, key)) == key or name not in node.value}
+    value = {names.get(key, key): item for key, item in node.value.items()}
+    places = {names.get(key, key): place for key, place in node.key_places.items()}
+    return replace(node, value=value, key_places=places)
+
+
+def as_entries(joints: Node) -> str | None:
+    """How to write joints that are a mapping by their names, which has no order."""
+    entries = joints.value if isinstance(joints.value, dict) else {}
+    name = next((key for key, item in entries.items() if isinstance(item.value, dict)), None)
+    return f"write each name in its entry: `- {{name: {name}, a: 0, alpha: pi/2, d: 0.1}}`" if name else None
 
 
 def no_mapping(root: Node, keys: Iterable[str]) -> Problem:

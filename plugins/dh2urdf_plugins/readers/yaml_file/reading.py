@@ -25,8 +25,8 @@ from dh2urdf_plugins.readers.words.bounds import MAX_JOINTS
 from dh2urdf_plugins.readers.words.cells import Cell
 from dh2urdf_plugins.readers.words.fields import FIELDS, GROUPS
 from dh2urdf_plugins.readers.words.unheld import UNHELD
+from dh2urdf_plugins.readers.yaml_file import forms
 from dh2urdf_plugins.readers.yaml_file.comments import CommentLines, judge_comments
-from dh2urdf_plugins.readers.yaml_file.forms import no_mapping, no_robots, other_reader, unused_default
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
@@ -82,9 +82,9 @@ def read_documents(path: Path, options: TableOptions, trace: Trace | None = None
         return
     root = previous.node
     if not isinstance(root.value, dict):
-        raise TableError([*previous.problems, no_mapping(root, KEYS)])
+        raise TableError([*previous.problems, forms.no_mapping(root, KEYS)])
     if "robots" not in root.value:
-        if other := other_reader(root):
+        if other := forms.other_reader(root):
             raise TableError(other)
         yield _Table(previous, path.stem, options, comments.all()).manipulator(trace)
         return
@@ -92,7 +92,7 @@ def read_documents(path: Path, options: TableOptions, trace: Trace | None = None
     refuse_unknown_keys(root, ("robots",), "a file with several manipulators", problems.append)
     robots = root.value["robots"]
     if not count and not problems:
-        problems.append(no_robots(robots))
+        problems.append(forms.no_robots(robots))
     if problems:
         raise TableError(problems)
 
@@ -126,9 +126,9 @@ class _Table:
     def manipulator(self, trace: Trace | None = None) -> Manipulator | Rejected:
         """The manipulator, or everything that is wrong with it."""
         if not isinstance(self.node.value, dict):
-            problem = no_mapping(self.node, KEYS)
+            problem = forms.no_mapping(self.node, KEYS)
             return Rejected(name=self.name.text, problems=(*self.problems, problem), mark=self.node.mark)
-        refuse_unknown_keys(self.node, KEYS, "a manipulator", self.problems.append)
+        refuse_unknown_keys(self.node, KEYS, "a manipulator", self.problems.append, forms.MEANT)
         self._state()
         reader = RowReader(self.statements.units(), type_is_given=False, traced=trace is not None)
         rows = self._rows(reader)
@@ -203,6 +203,7 @@ class _Table:
                 f"joints is {joints.describe()}",
                 found=joints.text,
                 accepted="a list with one mapping for each joint, from the base outwards",
+                suggestion=forms.as_entries(joints),
             )
             return [None]
         defaults = self.entries.get("defaults")
@@ -227,7 +228,7 @@ class _Table:
             cells = self._cells(node, common, f"joint_{number}")
             unused -= {name for name in unused if name in cells and cells[name].mark == common[name].mark}
             found.append((cells, node.mark))
-        self.problems += [unused_default(name, common[name]) for name in common if name in unused and found]
+        self.problems += [forms.unused_default(name, common[name]) for name in common if name in unused and found]
         self.typed = any(cells and "type" in cells for cells, _ in found)
         rows: list[DHRow | None] = []
         for row, node in zip(read_rows(found, reader), joints.value, strict=False):
@@ -314,7 +315,7 @@ class _Table:
         if node.value is None:
             return
         if isinstance(node.value, dict):
-            self._take_mapping(cells, node, field, _KEYS[field])
+            self._take_mapping(cells, forms.with_full_names(node), field, _KEYS[field])
             return
         if isinstance(node.value, list):
             self._take_list(cells, node, field)

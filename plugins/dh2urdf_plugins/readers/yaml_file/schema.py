@@ -115,9 +115,10 @@ def _group(name: str) -> dict[str, Any]:
     """Several fields at once: as a mapping, as a list, or as the text of a cell."""
     text = {"type": ["string", "null"]}
     if name == "limits":
-        return _either(_mapping(dict.fromkeys(_LIMITS, _NUMBER_OR_NONE)), _list_of(_NUMBER_OR_NONE, 2), text)
+        bounds = _mapping(dict.fromkeys((*_LIMITS, "min", "max"), _NUMBER_OR_NONE))
+        return _either(bounds, _list_of(_NUMBER_OR_NONE, 2), text)
     if name == "com":
-        return _either(_list_of(_NUMBER, 3), text)
+        return _either(_mapping(dict.fromkeys("xyz", _NUMBER)), _list_of(_NUMBER, 3), text)
     return _either(_mapping(dict.fromkeys(INERTIA, _NUMBER)), _list_of(_list_of(_NUMBER, 3), 3), text)
 
 

@@ -521,3 +521,31 @@ def test_a_second_table_below_the_first_is_called_one(below: str, row: int, advi
 def test_a_row_of_names_that_are_headers_too_is_a_row(read_one: ReadOne) -> None:
     """Numbers are in it."""
     assert [row.joint for row in read_one("joint,link,a,alpha,d\nmass,base plate,0.3,0,0\n").rows] == ["mass"]
+
+
+@pytest.mark.parametrize(
+    "cell",
+    [
+        "±170°",
+        "-170° to +170°",
+        "340° (370°)",
+        "+165° to -165°",
+        "120 °/s (peak)",
+        "-170°～170°",
+        "0 mm – 200 mm",
+        "12.5 mm",
+    ],
+)
+def test_quantities_in_a_column_that_no_field_knows_are_not_left_out(cell: str, read: Read) -> None:
+    """`J1 axis rotation`, as data sheets have it, was left out with a notice where its cells were ranges."""
+    (problem,) = problems_of(read, f'{STANDARD}a,alpha,d,J1 axis rotation\n0.3,0,0,"{cell}"\n')
+    assert problem.message == f"'{cell}' is a quantity, but no field is called 'J1 axis rotation'"
+
+
+@pytest.mark.parametrize(
+    "cell", ["90° elbow", "2 m cable", "17 mm wrench", "M6 x 20", "1:100", "2024-12", "- pi", "3 (see 4)"]
+)
+def test_remarks_with_numbers_are_left_out_as_before(cell: str, read_one: ReadOne) -> None:
+    assert "the column 'parts of ours' is left out" in notices_of(
+        read_one(f"a,alpha,d,parts of ours\n0.3,0,0,{cell}\n")
+    )

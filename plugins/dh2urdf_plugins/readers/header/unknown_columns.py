@@ -18,6 +18,11 @@ if TYPE_CHECKING:
     from dh2urdf_plugins.readers.words.cells import Cell
 
 _WITH_UNIT = late_pattern(r"[+-]?[0-9]+(?:[.,][0-9]+)?\s*([^\s0-9].{0,15})")
+_SEVERAL = late_pattern(r"[\[(]*(?:±|\+\s*/?\s*-|[+\-−])?\s*[0-9][0-9.,]*\s*[^\W\d]*[°\s/~〜～…()+\-−.]")
+"""How a cell of several numbers begins: with a number, its unit, and what is between numbers."""
+_REMARK = late_pattern(r"[\[(][^()\[\]0-9]*[\])]")
+_WORD = late_pattern(r"(?:°|[^\W\d_]+)(?:/[^\W\d_]+)?")
+_OF_RANGES = frozenset(("to", "bis", "up", "jusqu", "à", "a", "hasta", "fino", "até", "e", "pi", "π", "至", "到"))
 _NOUNS = {
     "acceleration": "an acceleration",
     "jerk": "a jerk or the rate of a torque",
@@ -161,9 +166,18 @@ def is_beside(index: int, named: Sequence[object]) -> bool:
 
 
 def unit_of(text: str) -> str | None:
-    """The unit of a cell that is a number with a unit, and nothing else."""
-    match = _WITH_UNIT.fullmatch(text)
-    return match[1] if match and is_unit(match[1]) else None
+    """The unit of a cell that is a number with a unit, or several: ``±170°``, ``-170° to 170°``, ``340° (370°)``."""
+    if text[-1:].isdigit() and " " not in text:  # a number, in most such columns
+        return None
+    if match := _WITH_UNIT.fullmatch(text):
+        return match[1] if is_unit(match[1]) else _unit_of_several(text)
+    return _unit_of_several(text) if _SEVERAL.match(text) else None
+
+
+def _unit_of_several(text: str) -> str | None:
+    """The unit of a cell of several numbers and nothing else but signs, words for a range, and a remark in brackets."""
+    words = [word for word in _WORD.findall(_REMARK.sub("", text).casefold()) if word not in _OF_RANGES]
+    return words[0] if words and all(map(is_unit, words)) else None
 
 
 def how_to_leave_out(header: str, what: str = "column") -> str:

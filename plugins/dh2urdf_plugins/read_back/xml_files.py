@@ -46,13 +46,7 @@ def tree_of(content: bytes, file: str, *, is_deep: bool = False) -> etree._Eleme
     Raises:
         ProofError: the text is not XML.
     """
-    try:
-        return _without_namespace(_root_of(_with_declaration(content), is_deep=is_deep))
-    except etree.XMLSyntaxError as error:
-        line, column = error.position
-        reason = error.msg.removesuffix(f", line {line}, column {column}").partition("\n")[0].strip()
-        mark = Mark(file=file, line=line, column=column)
-        raise ProofError(Problem(message=f"this is not XML: {reason}", mark=mark)) from error
+    return _without_namespace(_root_of(_with_declaration(content), file, is_deep=is_deep))
 
 
 def _with_declaration(content: bytes) -> bytes:
@@ -64,15 +58,32 @@ def _with_declaration(content: bytes) -> bytes:
     return content
 
 
-def _root_of(content: bytes, *, is_deep: bool) -> etree._Element:
+def _root_of(content: bytes, file: str, *, is_deep: bool) -> etree._Element:
+    """The elements of a text that is XML, but for what readers of robots take.
+
+    That are comments with ``--``, and prefixes such as ``gz:`` that are declared nowhere: they know no namespaces.
+    """
     parser = _parser(is_deep=is_deep)
     try:
         return etree.fromstring(content, parser)
-    except etree.XMLSyntaxError:
-        if any(fault.domain != etree.ErrorDomains.NAMESPACE for fault in parser.error_log):
-            raise
-        # Prefixes such as gz: that are declared nowhere; readers of robots know no namespaces, and take them.
-        return etree.fromstring(content, _parser(is_deep=is_deep, recover=True))
+    except etree.XMLSyntaxError as error:
+        if (bare := _without_comments(content)) != content:
+            return _root_of(bare, file, is_deep=is_deep)
+        if all(fault.domain == etree.ErrorDomains.NAMESPACE for fault in parser.error_log):
+            return etree.fromstring(content, _parser(is_deep=is_deep, recover=True))
+        fault = next(fault for fault in parser.error_log if fault.domain != etree.ErrorDomains.NAMESPACE)
+        line, column, reason = fault.line, fault.column, fault.message.partition("\n")[0].strip()
+        mark = Mark(file=file, line=line, column=column)
+        raise ProofError(Problem(message=f"this is not XML: {reason}", mark=mark)) from error
+
+
+def _without_comments(content: bytes) -> bytes:
+    """A text with blanks in the place of comments, each of which ends at the first ``-->``; lines stay."""
+    parts, end = [], 0
+    while (start := content.find(b"<!--", end)) >= 0 and (close := content.find(b"-->", start + 4)) >= 0:
+        parts += [content[end:start], re.sub(rb"[^\n]", b" ", content[start : close + 3])]
+        end = close + 3
+    return b"".join([*parts, content[end:]])
 
 
 def _without_namespace(root: etree._Element) -> etree._Element:

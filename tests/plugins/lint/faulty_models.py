@@ -124,6 +124,8 @@ ELBOW_LIMIT = "<limit><lower>-1</lower><upper>2</upper><effort>20</effort><veloc
 INERTIA = "<ixx>0.005</ixx><ixy>0</ixy><ixz>0</ixz><iyy>0.006</iyy><iyz>0</iyz><izz>0.007</izz>"
 LAST_LINK = '<link name="arm_2">'
 
+SHAPE = SDF[SDF.index("<visual") : SDF.index("</visual>")] + "</visual>"
+
 SDF_FAULTS: dict[str, Change] = {
     "sdf-not-xml": Change("</model>", "", "</sdf>"),
     "sdf-not-sdf": Change(SDF, '<?xml version="1.0"?>\n<robot name="arm">\n  <link name="a"/>\n</robot>\n', "<robot"),
@@ -134,6 +136,13 @@ SDF_FAULTS: dict[str, Change] = {
     "sdf-missing-name": Change('<joint name="elbow" type="revolute">', '<joint type="revolute">', "<joint type"),
     "sdf-duplicate-name": Change(
         LAST_LINK, '<link name="arm_1">', '<link name="arm_1">', besides=("sdf-undefined-link",)
+    ),
+    "sdf-duplicate-part": Change(SHAPE, f"{SHAPE}\n{SHAPE}", '<visual name="shape">'),
+    "sdf-several-models": Change(
+        "</sdf>", f"  {SDF[SDF.index('<model') : SDF.index('</sdf>')]}</sdf>", '<model name="arm"'
+    ),
+    "sdf-colour-out-of-range": Change(
+        "</geometry>", "</geometry><material><diffuse>200 90 0 1</diffuse></material>", "<diffuse>"
     ),
     "sdf-shared-name": Change('<joint name="elbow"', '<joint name="arm_1"', '<joint name="arm_1"'),
     "sdf-reserved-name": Change(

@@ -184,6 +184,7 @@ WORLD = f"""<?xml version="1.0"?>
     <model name="floor"><static>1</static><link name="floor">
       <sensor name="touch" type="contact"><contact><collision>shape</collision></contact></sensor>
       <collision name="shape"><geometry><plane><normal>0 0 1</normal></plane></geometry></collision></link></model>
+    <!-- -- a comment, as simulators take it --->
     <plugin filename="p" name="p"><gz:topic gz:of="a">t</gz:topic><model><link>a</link></model><visual>b</visual></plugin>
     <state world_name="w"><model name="arm"><link name="base"><velocity>0 0 0 0 0 0</velocity></link></model></state>
   </world>
@@ -200,7 +201,34 @@ def test_what_is_no_part_of_a_model_is_no_fault(tmp_path: Path) -> None:
     (found,) = outcomes("gazebo", [path])
     assert found["end"] == "loads"
     path.write_text(WORLD.replace("</plugin>", ""))
-    assert [finding.rule for finding in inspect_sdf(path).findings] == ["sdf-not-xml"]
+    (finding,) = inspect_sdf(path).findings
+    assert (finding.rule, finding.message) == (
+        "sdf-not-xml",
+        f"this is not XML: Opening and ending tag mismatch: plugin line {WORLD[: WORLD.index('<plugin')].count(chr(10)) + 1} and world",
+    )
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "rule"),
+    [
+        ('type="contact">', 'type="contact"><pose>0 0 1 0 0</pose>', "sdf-invalid-vector"),
+        ('<collision name="shape">', '<collision name="shape"><pose>0 0 1</pose>', "sdf-invalid-vector"),
+        (
+            '<joint name="elbow" type="revolute">',
+            '<joint name="elbow" type="revolute"><pose>0</pose>',
+            "sdf-invalid-vector",
+        ),
+        ('<model name="marker">', '<model name="arm">', "sdf-duplicate-part"),
+    ],
+)
+def test_what_gazebo_refuses_in_a_world(tmp_path: Path, old: str, new: str, rule: str) -> None:
+    """Poses of sensors, shapes and joints, and names of models."""
+    path = tmp_path / "w.sdf"
+    path.write_text(WORLD.replace(old, new, 1))
+    assert [finding.rule for finding in inspect_sdf(path).findings] == [rule]
+    require("gazebo")
+    (found,) = outcomes("gazebo", [path])
+    assert found["end"] == "refuses"
 
 
 NAMED = """<mujoco>

@@ -15,7 +15,7 @@ from dh2urdf_plugins.lint.models.models import Hit, Model, fault_of_inertia, ins
 from dh2urdf_plugins.read_back.sdf.reader import read_model
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterator, Sequence
     from pathlib import Path
 
     from dh2urdf.stages import Inspection
@@ -37,10 +37,12 @@ CHILDREN = {
 _OF_OTHERS = ("actor", "gripper", "plugin", "sensor", "state")
 """Elements whose content is no part of a model, although it may be called so: a contact sensor names a `collision`."""
 _SCALARS = ("mass", "lower", "upper", "effort", "velocity", "radius", "length")
+_COLOURS = ("ambient", "diffuse", "specular", "emissive")
 _MOMENTS = ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
-_VALUES = {**dict.fromkeys(_SCALARS + _MOMENTS, 1), "xyz": 3, "size": 3, "pose": 6}
+_VALUES = {**dict.fromkeys(_SCALARS + _MOMENTS, 1), "xyz": 3, "size": 3, "scale": 3, "pose": 6}
 """How many numbers there are in an element."""
-_IN = ("inertial", "inertia", "limit", "axis", "axis2", "box", "cylinder", "sphere", "capsule", "link", "model")
+_IN = ("inertial", "inertia", "limit", "axis", "axis2", "box", "cylinder", "sphere", "capsule", "mesh", "link", "model")
+_POSED = ("inertial", "link", "model", "joint", "frame", "visual", "collision", "sensor", "include", "light")
 _UNIT = 1e-5
 _NAMED = ("model", "link", "joint", "frame")
 
@@ -66,6 +68,10 @@ def hits(model: Model) -> Iterator[Hit]:
     models = [element for element in parts if element.tag == "model"]
     if not models and root.find("world") is None and root.find("actor") is None and root.find("light") is None:
         yield Hit("no-model", root, "there is no model")
+    for world in (part for part in parts if part.tag == "world"):
+        yield from _same_names(world, ("model",))
+    for other in [*root.iterchildren("model")][1:]:
+        yield Hit("several-models", other, f"{_name(other)} is not the only one outside of a world")
     for element in models:
         yield from _model(element)
     for tags, rule in (
@@ -73,6 +79,8 @@ def hits(model: Model) -> Iterator[Hit]:
         (tuple(_VALUES), _value),
         (("joint",), _axes),
         (("link",), _body),
+        (("link",), partial(_same_names, tags=("visual", "collision"))),
+        (_COLOURS, _colour),
         (("visual", "collision"), partial(_shape, path=model.path)),
         (("include",), partial(_include, path=model.path)),
     ):
@@ -82,10 +90,12 @@ def hits(model: Model) -> Iterator[Hit]:
 
 
 def _parts(element: etree._Element) -> Iterator[etree._Element]:
-    """The elements of models and worlds, in the order of the file."""
+    """The elements of models and worlds, in the order of the file; of a sensor only the pose."""
     yield element
     for child in element.iterchildren(etree.Element):
-        if child.tag not in _OF_OTHERS and not {":", "{"} & set(child.tag):
+        if child.tag == "sensor":
+            yield from child.iterchildren("pose")
+        elif child.tag not in _OF_OTHERS and not {":", "{"} & set(child.tag):
             yield from _parts(child)
 
 
@@ -191,7 +201,9 @@ def _children(element: etree._Element) -> Iterator[Hit]:
 
 def _value(element: etree._Element) -> Iterator[Hit]:
     parent = element.getparent()
-    if parent is None or parent.tag not in _IN or (element.tag == "pose" and element.get("rotation_format")):
+    if parent is None or parent.tag not in (_POSED if element.tag == "pose" else _IN):
+        return
+    if element.tag == "pose" and element.get("rotation_format"):
         return
     count, text = _VALUES[element.tag], (element.text or "").strip()
     if element.tag == "pose" and not text:
@@ -247,6 +259,23 @@ def _body(link: etree._Element) -> Iterator[Hit]:
     if fault := fault_of_inertia(values):
         what = "breaks the triangle inequality" if "triangle" in fault else "is not positive definite"
         yield Hit(fault, inertia, f"the inertia of {_name(link)} {what}")
+
+
+def _same_names(holder: etree._Element, tags: Sequence[str]) -> Iterator[Hit]:
+    """Things of one kind that have one name."""
+    taken = set[tuple[str, str]]()
+    for each in holder.iterchildren(*tags):
+        known = (str(each.tag), each.get("name") or "")
+        if known in taken:
+            yield Hit("duplicate-part", each, f"{_name(each)} of {_name(holder)} has the name of another {each.tag}")
+        taken.add(known)
+
+
+def _colour(colour: etree._Element) -> Iterator[Hit]:
+    parent, text = colour.getparent(), (colour.text or "").strip()
+    found = numbers(text, 4) or numbers(text, 3)
+    if parent is not None and parent.tag == "material" and found and not all(0.0 <= part <= 1.0 for part in found):
+        yield Hit("colour-out-of-range", colour, f"{colour.tag} of material is {shown(text)}")
 
 
 def _shape(shape: etree._Element, path: Path) -> Iterator[Hit]:

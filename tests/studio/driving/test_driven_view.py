@@ -6,6 +6,7 @@ import http.client
 import json
 import math
 import threading
+import time
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 from urllib.parse import urlsplit
@@ -31,18 +32,27 @@ GRIPPER = """<robot name="gripper"><link name="palm"/><link name="left"/><link n
 PAN, LIFT, LEFT = "ur5/shoulder_pan_joint", "ur5/shoulder_lift_joint", "gripper/l"
 
 
+QUIET = 2.0
+"""How long a program goes on with a connection that is not used [s]: the server ends it after 5 s."""
+
+
 class Program:
     """A program that talks to the server, with headers of its own."""
 
     def __init__(self, address: str) -> None:
         self.here = urlsplit(address).netloc
         self.connection = http.client.HTTPConnection(self.here, timeout=20)
+        self.answered = time.monotonic()
 
     def ask(self, method: str, path: str, body: bytes = b"", **headers: str) -> tuple[int, str]:
         named = {name.replace("_", "-"): value for name, value in headers.items()}
+        if time.monotonic() > self.answered + QUIET:
+            self.connection.close()  # `request` opens another one.
         self.connection.request(method, path, body or None, named)
         answer = self.connection.getresponse()
-        return answer.status, answer.read().decode()
+        told = answer.read().decode()
+        self.answered = time.monotonic()
+        return answer.status, told
 
     def set(self, content_type: str = "application/json", /, **values: Any) -> tuple[int, Any]:
         body = json.dumps({"names": list(values), "positions": list(values.values())}).encode()

@@ -100,10 +100,10 @@ def test_what_is_no_pose_or_out_of_reach(opened: Callable[[str], Any], catalog: 
 
 @pytest.mark.long
 def test_a_long_search_is_told(studio_address: str, new_tab: Callable[..., Any]) -> None:
-    """The best of sixty axes is not found at once: the page says that it searches, and then what it found."""
-    table = edits.resized(TableText(name="long", convention="standard"), 60)
+    """The best of thirty axes is not found at once: the page says that it searches, and then what it found."""
+    table = edits.resized(TableText(name="long", convention="standard"), 30)
     cells = {
-        (row, field): text for row in range(60) for field, text in (("a", "0.1"), ("alpha", "pi/2"), ("d", "0.05"))
+        (row, field): text for row in range(30) for field, text in (("a", "0.1"), ("alpha", "pi/2"), ("d", "0.05"))
     }
     tab = new_tab(studio_address)
     tab.open_table(edits.with_cells(table, cells))

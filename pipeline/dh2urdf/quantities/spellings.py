@@ -66,6 +66,23 @@ _ADVICE = (
     ),
     (late_pattern(r".*[0-9]_[0-9]"), "write the number without underscores"),
     (late_pattern(r".*\b0[xXbBoO]"), "write a decimal number"),
+    (
+        late_pattern(r"\s*[+-]?(?:[0-9.,]+\s*[oO⁰]|(?:deg|rad)\s*\([^()]*\))\s*$"),
+        "write the unit behind the number: 90° or 90 deg, 1.57 rad",
+    ),
+    (
+        late_pattern(
+            r"\s*[+-]?\s*(?:var(?:iable)?\b|[jtφϕ]_?[0-9]+|[θqd]\w*\s*\((?:t|var\w*)\)|theta\w*\s*\()", re.IGNORECASE
+        ),
+        "write the joint variable as q1, and what is added to it behind: q1 + pi/2",
+    ),
+    (
+        late_pattern(
+            r"\s*(?:[^\W\d]\w*\s*[=:]|[adlr]_?[0-9]+\s*\()\s*[+-]?[0-9.,]+\s*(?:[^\W\d]{1,4}|°)?\s*\)?\s*$",
+            re.IGNORECASE,
+        ),
+        "write the number alone, without its symbol: 290 mm",
+    ),
     (late_pattern(r".*(\*\*|\^|[²³¹⁰⁴-⁹⁺⁻])"), "powers are not accepted: write the product, or the number, as in 1e-3"),
     (late_pattern(r".*[%‰]"), "percentages and remainders are not accepted: write the number"),
     (late_pattern(r".*([$€£¥]|\b(eur|usd|gbp|chf)\b)", re.IGNORECASE), "write the number without a currency"),

@@ -549,3 +549,21 @@ def test_remarks_with_numbers_are_left_out_as_before(cell: str, read_one: ReadOn
     assert "the column 'parts of ours' is left out" in notices_of(
         read_one(f"a,alpha,d,parts of ours\n0.3,0,0,{cell}\n")
     )
+
+
+@pytest.mark.parametrize(
+    ("cells", "advice"),
+    [
+        *(
+            (f"0.3,0,0,{cell}", "write the joint variable as q1")
+            for cell in ("variable", "var", "θ1 (variable)", "θ1(t)", "theta1 (variable)", "J1", "j1 - 90°", "t1", "φ1")
+        ),
+        *((f"{cell},0,0,0", "write the number alone") for cell in ("a1 = 290 mm", "a1: 290", "L1=0.3")),
+        ("0.3,0,d1 (290 mm),0", "write the number alone"),
+        *((f"0.3,{cell},0,0", "write the unit behind the number") for cell in ("-90o", "90⁰", "deg(90)", "rad(1.57)")),
+    ],
+)
+def test_cells_as_people_write_them_are_answered_with_what_to_write(cells: str, advice: str, read: Read) -> None:
+    """The message named the sign or the word that is not known, and no more."""
+    (problem,) = problems_of(read, f"{STANDARD}a,alpha,d,theta\n{cells}\n")
+    assert advice in (problem.suggestion or "")

@@ -306,10 +306,16 @@ def _alike(numbers: Any) -> Any:  # noqa: ANN401 - a float or an array
     return float(numbers[0]) if len(numbers) and (numbers == numbers[0]).all() else numbers
 
 
+_PLAIN = frozenset((float, int, bool, str, type(None)))
+"""Types of what is neither a column nor holds one."""
+
+
 def replaced(record: T, change: Callable[[Any], Any]) -> T:
     """A record with something else in place of each of its columns."""
     value: Any = record
     kind: Any = type(value)
+    if kind in _PLAIN:
+        return record
     if is_column(value):
         return cast("T", change(value))
     if isinstance(value, tuple):

@@ -9,20 +9,22 @@ offset and a sign: the angle of the model is sign·q − offset.
 from __future__ import annotations
 
 import math
-from itertools import repeat
-from typing import TYPE_CHECKING, Any
+from functools import lru_cache
+from itertools import pairwise
+from typing import TYPE_CHECKING
 
-from dh2urdf.elementwise import is_column
+from dh2urdf.elementwise import is_column, mapped, where
 from dh2urdf.kinematics.chain import dh_transform_of, forward_kinematics, joint_variables
 from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.manipulator import Convention, JointType
-from dh2urdf.rotations import RigidTransform, Vec3, cross, exact_cos_sin, norm, rotation_x, subtract
+from dh2urdf.rotations import RigidTransform, Vec3, add, cross, exact_cos_sin, norm, rotation_x, scale, subtract
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
 
     from dh2urdf.columns import ManipulatorColumns
+    from dh2urdf.elementwise import Condition
     from dh2urdf.manipulator import Manipulator
 
 ZERO_LENGTH, ZERO_ANGLE = 1e-9, 1e-9
@@ -98,37 +100,60 @@ class KinematicFacts:
 
 def kinematic_facts(arm: Manipulator) -> KinematicFacts:
     """The facts of an arm."""
-    return _facts(arm, axes_at(arm, (0.0,) * len(arm.moving_rows)))
+    (facts,) = _facts(arm, 1, lambda places: [arm] * len(places))
+    return facts
 
 
 def kinematic_facts_of_columns(arms: ManipulatorColumns) -> list[KinematicFacts]:
     """The facts of each of many arms, as `kinematic_facts` finds them."""
-    lines = axes_at(arms.table, (0.0,) * len(arms.table.moving_rows))
-    numbers: list[Any] = [number for line in lines for vector in line for number in vector]
-    columns = [number.tolist() if is_column(number) else [number] * len(arms) for number in numbers]
-    told = []
-    for arm, row in zip(arms.tables(), zip(*columns, strict=True) if columns else repeat(()), strict=False):
-        vectors = zip(*[iter(row)] * 3, strict=True)
-        told.append(_facts(arm, [Line(*both) for both in zip(*[vectors] * 2, strict=True)]))
-    return told
+    return _facts(arms.table, len(arms), arms.tables)
 
 
-def _facts(arm: Manipulator, lines: Sequence[Line]) -> KinematicFacts:
-    """The facts of an arm whose axes are these where all joints are at 0."""
-    moving = arm.moving_rows
-    names = [row.joint for row in moving]
-    runs: list[list[str]] = [[names[0]]] if names else []
-    for before, line, name in zip(lines, lines[1:], names[1:], strict=False):
-        if _are_parallel(before, line):
+def _facts(
+    table: Manipulator, count: int, tables_of: Callable[[Sequence[int]], Sequence[Manipulator]]
+) -> list[KinematicFacts]:
+    """The facts of some arms.
+
+    Args:
+        table: an arm, or many in columns.
+        count: how many arms there are.
+        tables_of: gives some of them by their places.
+    """
+    moving = table.moving_rows
+    lines = axes_at(table, (0.0,) * len(moving))
+    names = tuple([row.joint for row in moving])
+    turning = [row.type in (JointType.REVOLUTE, JointType.CONTINUOUS) for row in moving]
+    has_wrist: Condition = False
+    if len(lines) > 2 and all(turning[-3:]):  # noqa: PLR2004
+        has_wrist, _ = _meeting(*lines[-3:])
+    places = [place for place, has in enumerate(_entries(has_wrist, count)) if has]
+    wrists = dict.fromkeys(places, names[-3:])
+    opw: dict[int, OpwParameters | None] = {}
+    if len(lines) == _OPW_JOINTS and all(turning):
+        opw.update(zip(places, map(_opw, tables_of(places)), strict=True))
+    neighbours = [_entries(_are_parallel(*pair), count) for pair in pairwise(lines)]
+    parallel = [_runs(names, each) for each in zip(*neighbours, strict=True)] or [()] * count
+    return [
+        KinematicFacts(parallel=parallel[place], spherical_wrist=wrists.get(place, ()), opw=opw.get(place))
+        for place in range(count)
+    ]
+
+
+def _entries(condition: Condition, count: int) -> list[bool]:
+    """A condition of each of some arms."""
+    return condition.tolist() if is_column(condition) else [condition] * count
+
+
+@lru_cache
+def _runs(names: tuple[str, ...], parallel: tuple[bool, ...]) -> tuple[tuple[str, ...], ...]:
+    """Runs of joints whose axes are parallel, given for each joint and the one after it whether theirs are."""
+    runs = [[names[0]]]
+    for name, is_parallel in zip(names[1:], parallel, strict=True):
+        if is_parallel:
             runs[-1].append(name)
         else:
             runs.append([name])
-    wrist: tuple[str, ...] = ()
-    turning = [row.type in (JointType.REVOLUTE, JointType.CONTINUOUS) for row in moving]
-    if len(lines) > 2 and all(turning[-3:]) and _centre(lines[-3:]) is not None:  # noqa: PLR2004
-        wrist = tuple(names[-3:])
-    opw = _opw(arm) if wrist and len(lines) == _OPW_JOINTS and all(turning) else None
-    return KinematicFacts(parallel=tuple(tuple(run) for run in runs if len(run) > 1), spherical_wrist=wrist, opw=opw)
+    return tuple(tuple(run) for run in runs if len(run) > 1)
 
 
 def axes_at(arm: Manipulator, q: Sequence[float]) -> list[Line]:
@@ -154,31 +179,25 @@ def dot(left: Vec3, right: Vec3) -> float:
     return left[0] * right[0] + left[1] * right[1] + left[2] * right[2]
 
 
-def _are_parallel(one: Line, other: Line) -> bool:
+def _are_parallel(one: Line, other: Line) -> Condition:
+    """Whether two lines are parallel; takes columns."""
     return norm(cross(one.direction, other.direction)) <= ZERO_ANGLE
 
 
-def _meeting(one: Line, other: Line) -> Vec3 | None:
-    """The point where two lines meet; None where they do not, or are parallel."""
+def _crossing(one: Line, other: Line) -> tuple[Condition, Vec3]:
+    """Whether two lines meet and are not parallel, and the point of the first where they do; takes columns."""
     normal = cross(one.direction, other.direction)
     square = dot(normal, normal)
-    if square <= ZERO_ANGLE**2:
-        return None
     between = subtract(other.point, one.point)
-    if abs(dot(between, normal)) > ZERO_LENGTH * math.sqrt(square):
-        return None
-    along = dot(cross(between, other.direction), normal) / square
-    x, y, z = one.point
-    u, v, w = one.direction
-    return (x + along * u, y + along * v, z + along * w)
+    meet = (square > ZERO_ANGLE**2) & (abs(dot(between, normal)) <= ZERO_LENGTH * mapped(math.sqrt, square))
+    along = dot(cross(between, other.direction), normal) / where(meet, square, 1.0)
+    return meet, add(one.point, scale(along, one.direction))
 
 
-def _centre(lines: Sequence[Line]) -> Vec3 | None:
-    """The point where three axes meet, neighbours at an angle."""
-    first, second = _meeting(lines[0], lines[1]), _meeting(lines[1], lines[2])
-    if first is None or second is None or norm(subtract(first, second)) > ZERO_LENGTH:
-        return None
-    return first
+def _meeting(first: Line, second: Line, third: Line) -> tuple[Condition, Vec3]:
+    """Whether three lines meet in one point, neighbours at an angle, and the point; takes columns."""
+    (one_meets, point), (other_meets, other) = _crossing(first, second), _crossing(second, third)
+    return one_meets & other_meets & (norm(subtract(point, other)) <= ZERO_LENGTH), point
 
 
 class _OtherKindError(Exception):
@@ -273,9 +292,8 @@ class _AtZero:
         return axes_at(self._arm, self._q)[joint - 1]
 
     def _centre(self) -> Vec3:
-        centre = _centre(axes_at(self._arm, self._q)[3:])
-        if centre is None:
-            raise _OtherKindError
+        meet, centre = _meeting(*axes_at(self._arm, self._q)[3:])
+        _require(meet)
         return centre
 
     def _turn(self, joint: int, angle: float) -> None:

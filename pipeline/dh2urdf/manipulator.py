@@ -35,6 +35,13 @@ if TYPE_CHECKING:
     """Joint vectors as an array, or by the names of the joints."""
 
 __all__ = [
+    "BASE",
+    "ENDS",
+    "FLANGE",
+    "JOINT_TYPES",
+    "ROOT",
+    "TOOL",
+    "WORLD",
     "Convention",
     "DHRow",
     "Inertia",
@@ -47,6 +54,17 @@ __all__ = [
     "Payload",
 ]
 
+WORLD = "world"
+"""The link that stands still: the root of a cell, and a name that simulators keep for themselves."""
+ROOT = "base_link"
+"""The root of an arm."""
+BASE = "base_link_inertia"
+"""The body of its base: a root that has an inertial itself is one that KDL does not take."""
+FLANGE = "flange"
+"""The frame after the last row."""
+TOOL = "tool0"
+"""The frame at the tip."""
+ENDS = (FLANGE, TOOL)
 _SHOWN_TYPES = 24
 """Types of joints that the text of a manipulator shows."""
 
@@ -67,6 +85,10 @@ class JointType(StrEnum):
     CONTINUOUS = "continuous"
     PRISMATIC = "prismatic"
     FIXED = "fixed"
+
+
+JOINT_TYPES = {kind.value: kind for kind in JointType}
+"""The types of joints by their words."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

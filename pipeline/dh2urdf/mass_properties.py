@@ -25,6 +25,8 @@ if TYPE_CHECKING:
     from dh2urdf.robot import Geometry
     from dh2urdf.rotations import RigidTransform, Rotation
 
+GRAVITY = 9.81
+"""Acceleration of gravity [m/s²]: of the loads of joints, and of the tests that simulators hold."""
 _ROUNDING = 1e-12  # relative to the largest moment: a flat plate has A + B = C, and rounding may break it
 _SWEEPS = 30  # Jacobi's method converges quadratically; a 3x3 matrix needs about five
 

@@ -44,6 +44,7 @@ if TYPE_CHECKING:
     from dh2urdf.manipulator import JointVectors
 
 __all__ = [
+    "WEIGHTLESS",
     "Arm",
     "Box",
     "Collision",
@@ -79,6 +80,10 @@ class Inertial:
 
     def __post_init__(self) -> None:
         take_fields(self)
+
+
+WEIGHTLESS = Inertial(mass=0.0)
+"""The mass properties of a mere frame, said explicitly: PyBullet takes silence for 1 kg."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -171,6 +171,11 @@ def cross(left: Vec3, right: Vec3) -> Vec3:
     return (b * z - c * y, c * x - a * z, a * y - b * x)
 
 
+def dot(left: Vec3, right: Vec3) -> float:
+    """The scalar product of two vectors; takes columns."""
+    return left[0] * right[0] + left[1] * right[1] + left[2] * right[2]
+
+
 def norm(vector: Vec3) -> float:
     """The length of a vector, without overflow; takes columns."""
     length: float = hypot(*vector)

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Literal
 from dh2urdf.late_dataclasses import dataclass
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Iterable, Sequence
 
     from dh2urdf.results import ProblemEntry
 
@@ -137,6 +137,17 @@ def printable(text: str) -> str:
     if text.isprintable():
         return text
     return "".join(c if c.isprintable() else c.encode("unicode_escape").decode("ascii") for c in text)
+
+
+def listed(texts: Sequence[str], most: int = 5) -> str:
+    """Texts in one line, and how many more there are: ``a, b, c and 4 more``.
+
+    Args:
+        texts: all of them.
+        most: how many are repeated.
+    """
+    more = len(texts) - most
+    return ", ".join(texts[:most]) + (f" and {more} more" if more > 0 else "")
 
 
 def did_you_mean(word: str, choices: Iterable[str]) -> str | None:

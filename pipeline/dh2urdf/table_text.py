@@ -25,15 +25,25 @@ if TYPE_CHECKING:
     from dh2urdf.manipulator import DHRow, LinkGeometry, Manipulator, MeshShape, Payload
     from dh2urdf.source import Mark, Problem
 
-_GEOMETRY = ("a", "alpha", "d", "theta", "offset")
+NAMES = ("joint", "link", "type")
+PARAMETERS = ("a", "alpha", "d", "theta")
+GEOMETRY = (*PARAMETERS, "offset")
+REQUIRED = ("a", "alpha", "d")
 FIELDS = (
-    *("joint", "link", "type", *_GEOMETRY, "sign", *LIMITS, "mass", *COM, *INERTIA),
-    *(name for name in NUMBERS if name not in {*_GEOMETRY, "mass"}),
+    *(*NAMES, *GEOMETRY, "sign", *LIMITS, "mass", *COM, *INERTIA),
+    *(name for name in NUMBERS if name not in {*GEOMETRY, "mass"}),
 )
 """The fields of a row, in the order of their columns."""
+STATEMENTS = ("name", "convention", "units", "base", "tool", "payload", "defaults")
+"""What a table may declare of itself."""
+METADATA = "dh2urdf."
+"""What the keys of these begin with among the metadata of a data frame or a Parquet file."""
+LENGTH_UNITS = ("m", "cm", "mm")
+"""The units that lengths of a table on the screen may be in."""
+ANGLE_UNITS = ("rad", "deg")
+"""Those of angles."""
 MESHES = ("visual", "collision")
 """What a row may say besides, as YAML."""
-REQUIRED = ("a", "alpha", "d")
 _FOLLOWING = (Dimension.LENGTH, Dimension.ANGLE, Dimension.SPEED, Dimension.TURN_RATE)
 """What the units of lengths and angles hold for."""
 _PARTS_OF_PI = (1, 2, 3, 4, 6, 12)

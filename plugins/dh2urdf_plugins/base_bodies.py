@@ -5,14 +5,13 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from dh2urdf.manipulator import Inertia, JointType
+from dh2urdf.manipulator import BASE, ROOT, Inertia, JointType
 from dh2urdf.robot import Inertial
 from dh2urdf.source import Problem
 
 if TYPE_CHECKING:
     from dh2urdf.robot import Robot
 
-ROOT, BASE = "base_link", "base_link_inertia"
 STILL = Inertial(mass=1.0, inertia=Inertia(ixx=0.01, iyy=0.01, izz=0.01))
 """What a base without a mass weighs where a format needs one: it stands still, and so its mass moves nothing."""
 

@@ -11,7 +11,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from dh2urdf.errors import EmitterError
-from dh2urdf.source import Problem, shown
+from dh2urdf.source import Problem, listed, shown
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -97,6 +97,6 @@ def _notice_of_limits(joint: Joint) -> Problem:
     )
 
 
-def _pairs(names: Iterable[str], most: int = 5) -> str:
+def _pairs(names: Iterable[str]) -> str:
     pairs = [f"`{alias(name)}` for {shown(name)}" for name in names]
-    return ", ".join(pairs[:most]) + (f" and {len(pairs) - most} more" if len(pairs) > most else "")
+    return listed(pairs)

@@ -11,11 +11,11 @@ from typing import TYPE_CHECKING
 
 from dh2urdf.cells.wanted_tables import cannot_be_made
 from dh2urdf.errors import RobotError
-from dh2urdf.kinematics.chain import TOOL, KinematicChain, forward_kinematics
+from dh2urdf.kinematics.chain import KinematicChain, forward_kinematics
 from dh2urdf.kinematics.expected_poses import ExpectedPoses, Stretch, Tip
 from dh2urdf.late_dataclasses import dataclass
-from dh2urdf.manipulator import JointType, Manipulator
-from dh2urdf.robot import Arm, Box, Collision, Cylinder, Inertial, Joint, Link, Origin, Robot, Visual
+from dh2urdf.manipulator import TOOL, WORLD, JointType, Manipulator
+from dh2urdf.robot import WEIGHTLESS, Arm, Box, Collision, Cylinder, Joint, Link, Origin, Robot, Visual
 from dh2urdf.rotations import IDENTITY
 from dh2urdf.source import Mark, Problem, did_you_mean, shown
 from dh2urdf.stages import Rejected
@@ -26,10 +26,6 @@ if TYPE_CHECKING:
 
     from dh2urdf.cells.wanted_tables import WantedTables
     from dh2urdf.robot import Geometry
-
-WORLD = "world"
-"""The root link of a cell."""
-WEIGHTLESS = Inertial(mass=0.0)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

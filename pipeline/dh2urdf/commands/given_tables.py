@@ -19,7 +19,7 @@ from dh2urdf.errors import ConfigError, RecordTypeError, RecordValueError
 from dh2urdf.output.spooled import STEM, spooled
 from dh2urdf.patterns import late_pattern
 from dh2urdf.source import Mark, Problem, shown
-from dh2urdf.table_text import CellRow
+from dh2urdf.table_text import METADATA, PARAMETERS, STATEMENTS, CellRow
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -33,12 +33,9 @@ CellValue: TypeAlias = "str | float | Problem | None"
 
 TEXT = "the text"
 """What messages call a table that is in no file."""
-_COUNT = ("a", "alpha", "d", "theta")
-_PREFIX = "dh2urdf."
 """What the keys begin with of a data frame's attributes that say something of all rows."""
 _ALMOST = late_pattern(r"^dh2urdf[\W_]*", re.IGNORECASE)
 _UNITS = ("unit", "length_unit", "angle_unit", "length unit", "angle unit")
-_SAID = ("convention", "units", "base", "tool", "payload", "defaults")
 
 
 # --- Files, texts and streams -----------------------------------------------------------------------------------------
@@ -146,7 +143,7 @@ class GivenRows:
                 message = f"row {number} has {len(row)} cells, and there are {len(self.headers)} columns"
                 raise self._wrong(message, accepted=f"one cell for each of {', '.join(map(str, self.headers))}")
         if not all(isinstance(header, str) for header in self.headers):
-            accepted = f"names, such as {', '.join(_COUNT)}"
+            accepted = f"names, such as {', '.join(PARAMETERS)}"
             raise self._wrong(f"the columns are named {self.headers}", accepted=accepted)
 
     def _said(self, attributes: Any) -> dict[str, object]:  # noqa: ANN401 - whatever a table has
@@ -158,14 +155,14 @@ class GivenRows:
         said: dict[str, object] = {}
         for key, value in attributes.items() if isinstance(attributes, Mapping) else ():
             word = str(key)
-            if word.startswith(_PREFIX):
-                said[word.removeprefix(_PREFIX)] = value
-            elif (meant := _ALMOST.sub("", word).casefold()) in (*_SAID, *_UNITS):
-                message = f"the attributes say {shown(word)}, and only keys that begin with {_PREFIX} are read"
-                raise self._wrong(message, accepted=f"the key {_PREFIX}{'units' if meant in _UNITS else meant}")
-        if unknown := said.keys() - {*_SAID, "name"}:
-            message = f"the attributes say {shown(_PREFIX + min(unknown))}, which nothing is called"
-            raise self._wrong(message, accepted=", ".join(f"{_PREFIX}{key}" for key in ("name", *_SAID)))
+            if word.startswith(METADATA):
+                said[word.removeprefix(METADATA)] = value
+            elif (meant := _ALMOST.sub("", word).casefold()) in (*STATEMENTS[1:], *_UNITS):
+                message = f"the attributes say {shown(word)}, and only keys that begin with {METADATA} are read"
+                raise self._wrong(message, accepted=f"the key {METADATA}{'units' if meant in _UNITS else meant}")
+        if unknown := said.keys() - {*STATEMENTS}:
+            message = f"the attributes say {shown(METADATA + min(unknown))}, which nothing is called"
+            raise self._wrong(message, accepted=", ".join(f"{METADATA}{key}" for key in STATEMENTS))
         return said
 
     def add_column(self, header: str, cells: Iterable[str], argument: str) -> None:

@@ -9,7 +9,12 @@ if TYPE_CHECKING:
     from dh2urdf.documents.archives import BROKEN_ARCHIVE as BROKEN_ARCHIVE
     from dh2urdf.documents.document import load_yaml as load_yaml, stream_yaml as stream_yaml
     from dh2urdf.documents.nodes import Item as Item, Node as Node
-    from dh2urdf.documents.text_files import check_file as check_file, decoded as decoded, read_bytes as read_bytes
+    from dh2urdf.documents.text_files import (
+        LONG_PATH as LONG_PATH,
+        check_file as check_file,
+        decoded as decoded,
+        read_bytes as read_bytes,
+    )
 else:
     __all__, __getattr__, __dir__ = face(
         __name__,
@@ -17,6 +22,6 @@ else:
             "archives": "BROKEN_ARCHIVE",
             "document": "load_yaml stream_yaml",
             "nodes": "Item Node",
-            "text_files": "check_file decoded read_bytes",
+            "text_files": "LONG_PATH check_file decoded read_bytes",
         },
     )

@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 from dh2urdf.errors import RecordValueError
 from dh2urdf.kinematics.walk import CompiledChain, JointValue, values_of
 from dh2urdf.late_tuples import NamedTuple
-from dh2urdf.manipulator import Convention, DHRow, JointType, Manipulator
+from dh2urdf.manipulator import ROOT, TOOL, Convention, DHRow, JointType, Manipulator
 from dh2urdf.rotations import (
     IDENTITY,
     IDENTITY_ROTATION,
@@ -44,10 +44,6 @@ if TYPE_CHECKING:
 
 JointVector: TypeAlias = Sequence[Any]
 """One value per moving joint, each a float or an array [rad or m]."""
-
-ROOT = "base_link"
-TOOL = "tool0"
-FLANGE = "flange"
 
 
 def dh_transform(convention: Convention, *, a: Any, alpha: Any, d: Any, theta: Any) -> RigidTransform:  # noqa: ANN401 - floats and arrays alike

@@ -8,10 +8,10 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from dh2urdf.errors import ConfigError
-from dh2urdf.kinematics.chain import TOOL, KinematicChain, angle_error, forward_kinematics, position_error
+from dh2urdf.kinematics.chain import KinematicChain, angle_error, forward_kinematics, position_error
 from dh2urdf.kinematics.screws import Mismatch, align, screws_of_chain, screws_of_table
 from dh2urdf.late_dataclasses import dataclass
-from dh2urdf.manipulator import JointType, Manipulator
+from dh2urdf.manipulator import FLANGE, TOOL, JointType, Manipulator
 from dh2urdf.rotations import HALF_PI, IDENTITY, RigidTransform, Vec3
 from dh2urdf.source import Mark, Problem, did_you_mean, shown
 
@@ -28,7 +28,7 @@ NEAR = 5e-3
 """What the axes of two arms may differ that are nearly the same [m] and [rad]."""
 POSES = 32
 """Random joint vectors at which poses are compared, besides zero."""
-USUAL_TIPS = (TOOL, "tcp", "flange", "ee_link")
+USUAL_TIPS = (TOOL, "tcp", FLANGE, "ee_link")
 """Links that are the tip of an arm where a description has them, the likeliest first."""
 
 DECIMALS = 12

@@ -18,7 +18,7 @@ from dh2urdf.kinematics.chain import dh_transform_of, forward_kinematics, joint_
 from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.manipulator import Convention, JointType
-from dh2urdf.rotations import RigidTransform, Vec3, add, cross, exact_cos_sin, norm, rotation_x, scale, subtract
+from dh2urdf.rotations import RigidTransform, Vec3, add, cross, dot, exact_cos_sin, norm, rotation_x, scale, subtract
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -172,11 +172,6 @@ def axes_at(arm: Manipulator, q: Sequence[float]) -> list[Line]:
         twist, turn = exact_cos_sin(row.alpha), exact_cos_sin(theta)
         frame = frame @ dh_transform_of(arm.convention, a=row.a, d=d, twist=twist, turn=turn)
     return lines
-
-
-def dot(left: Vec3, right: Vec3) -> float:
-    """The scalar product of two vectors."""
-    return left[0] * right[0] + left[1] * right[1] + left[2] * right[2]
 
 
 def _are_parallel(one: Line, other: Line) -> Condition:

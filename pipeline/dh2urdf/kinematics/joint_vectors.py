@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from dh2urdf.errors import RecordTypeError, RecordValueError
 from dh2urdf.late_tuples import NamedTuple
-from dh2urdf.source import Mark, Problem, did_you_mean, shown
+from dh2urdf.source import Mark, Problem, did_you_mean, listed, shown
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -176,8 +176,7 @@ def _check_finite(value: Values, name: str, names: JointNames) -> None:
 
 
 def _listed(names: Sequence[str]) -> str:
-    few = ", ".join(names[:12])
-    return f"{few} and {len(names) - 12} more" if len(names) > 12 else few or "none"  # noqa: PLR2004 - a line of them
+    return listed(names, 12) or "none"
 
 
 def _refused(

@@ -12,19 +12,10 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from dh2urdf.errors import RecordTypeError, RecordValueError
-from dh2urdf.kinematics.chain import (
-    ROOT,
-    TOOL,
-    KinematicChain,
-    as_matrices,
-    compile_joints,
-    dh_frames,
-    joints_between,
-    link_poses,
-)
+from dh2urdf.kinematics.chain import KinematicChain, as_matrices, compile_joints, dh_frames, joints_between, link_poses
 from dh2urdf.kinematics.joint_vectors import JointNames, joint_values
 from dh2urdf.kinematics.walk import CompiledChain, values_of
-from dh2urdf.manipulator import Convention, JointType
+from dh2urdf.manipulator import ROOT, TOOL, Convention, JointType
 from dh2urdf.rotations import IDENTITY, cross, rotate, scale, subtract
 from dh2urdf.source import Mark, Problem, shown
 

@@ -19,14 +19,14 @@ from typing import TYPE_CHECKING
 
 from dh2urdf.elementwise import is_column
 from dh2urdf.errors import ProofError
-from dh2urdf.kinematics.chain import TOOL, compile_joints, joints_between, reach
+from dh2urdf.kinematics.chain import compile_joints, joints_between, reach
 from dh2urdf.kinematics.expected_poses import ExpectedPoses
 from dh2urdf.kinematics.proof_vectors import joint_columns
 from dh2urdf.kinematics.walk import STACKS, CompiledChain, Frame, values_of
 from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.late_tuples import NamedTuple
-from dh2urdf.manipulator import JointType
-from dh2urdf.source import Problem
+from dh2urdf.manipulator import TOOL, JointType
+from dh2urdf.source import Problem, listed
 from dh2urdf.validation.coercion import many_unchecked, replace_unchecked
 
 if TYPE_CHECKING:
@@ -127,7 +127,8 @@ def joints_to(expected: ExpectedPoses, tip: Tip, written: Robot) -> tuple[Joint,
     if moving != list(tip.joints):
         raise ProofError(
             Problem(
-                message=f"the written chain moves the joints {_few(moving)}, the table {_few(tip.joints)}",
+                message=f"the written chain moves the joints {listed(moving, 8) or 'none'}, the table "
+                f"{listed(tip.joints, 8) or 'none'}",
                 robot=expected.name,
             )
         )
@@ -221,10 +222,6 @@ def _angle(chord: float) -> float:
     """
     half_sine = chord / math.sqrt(8.0)
     return 2.0 * math.asin(half_sine) if half_sine <= 1.0 else max(math.pi, half_sine)
-
-
-def _few(names: Sequence[str], most: int = 8) -> str:
-    return ", ".join(names[:most]) + (f" and {len(names) - most} more" if len(names) > most else "") or "none"
 
 
 # --- Many at once

@@ -33,6 +33,8 @@ from dh2urdf.rotations import (
     Rotation,
     Vec3,
     add,
+    cross,
+    dot,
     multiply,
     norm,
     rotate,
@@ -209,7 +211,7 @@ def _next(
             turn, used = _shortest_turn(direction, target.direction), False
         elif axis is None:
             turn, used = IDENTITY_ROTATION, False
-        elif norm(_cross(axis, target.direction)) > tolerance:
+        elif norm(cross(axis, target.direction)) > tolerance:
             turn, used = axis_rotation(axis, _angle_about(axis, direction, target.direction)), True
         else:
             turn, used = _turn_of_parallel(wanted, given, state, tolerance)
@@ -294,45 +296,35 @@ def _position(wanted: Sequence[Screw], given: Sequence[Screw], state: _State) ->
 # Vectors.
 
 
-def _dot(left: Vec3, right: Vec3) -> float:
-    return left[0] * right[0] + left[1] * right[1] + left[2] * right[2]
-
-
-def _cross(left: Vec3, right: Vec3) -> Vec3:
-    a, b, c = left
-    x, y, z = right
-    return (b * z - c * y, c * x - a * z, a * y - b * x)
-
-
 def _across(axis: Vec3, vector: Vec3) -> Vec3:
     """The part of a vector that is perpendicular to an axis."""
-    return subtract(vector, scale(_dot(axis, vector), axis))
+    return subtract(vector, scale(dot(axis, vector), axis))
 
 
 def _angle(left: Vec3, right: Vec3) -> float:
     """The angle between two unit vectors [rad]."""
-    return math.atan2(norm(_cross(left, right)), _dot(left, right))
+    return math.atan2(norm(cross(left, right)), dot(left, right))
 
 
 def _angle_about(axis: Vec3, start: Vec3, end: Vec3) -> float:
     """The turn about an axis that brings one vector nearest to another [rad]."""
     here, there = _across(axis, start), _across(axis, end)
-    return math.atan2(_dot(axis, _cross(here, there)), _dot(here, there))
+    return math.atan2(dot(axis, cross(here, there)), dot(here, there))
 
 
 def _angle_of(axis: Vec3, turn: Rotation) -> float:
     """The angle of a rotation about an axis [rad]."""
-    twice_sine = _dot(axis, (turn[7] - turn[5], turn[2] - turn[6], turn[3] - turn[1]))
+    twice_sine = dot(axis, (turn[7] - turn[5], turn[2] - turn[6], turn[3] - turn[1]))
     return math.atan2(twice_sine, turn[0] + turn[4] + turn[8] - 1.0)
 
 
 def _shortest_turn(start: Vec3, end: Vec3) -> Rotation:
     """The rotation by the smallest angle that brings one unit vector to another."""
-    axis = _cross(start, end)
+    axis = cross(start, end)
     sine = norm(axis)
     if sine > 0.0:
-        return axis_rotation(scale(1.0 / sine, axis), math.atan2(sine, _dot(start, end)))
-    if _dot(start, end) > 0.0:
+        return axis_rotation(scale(1.0 / sine, axis), math.atan2(sine, dot(start, end)))
+    if dot(start, end) > 0.0:
         return IDENTITY_ROTATION
     beside = _across(start, X_AXIS)
     if norm(beside) < 0.5:  # noqa: PLR2004 - x is nearly the axis: y is not

@@ -7,6 +7,8 @@ from dh2urdf._faces import face
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from dh2urdf.meshes.addresses import (
+        FILE as FILE,
+        PACKAGE as PACKAGE,
         file_address as file_address,
         mesh_finder as mesh_finder,
         own_folder as own_folder,
@@ -34,7 +36,7 @@ else:
     __all__, __getattr__, __dir__ = face(
         __name__,
         {
-            "addresses": "file_address mesh_finder own_folder packages_in path_of_address with_its_own",
+            "addresses": "FILE PACKAGE file_address mesh_finder own_folder packages_in path_of_address with_its_own",
             "files": "REMEDY copy_name find_mesh has_meshes read_mesh",
             "triangles": "Asset FORMATS asset_of enclosed load_scene read_parts to_metres",
         },

@@ -14,13 +14,13 @@ from dh2urdf.stages import PACKAGE_FILE
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Mapping
 
-FILE = "file://"
+FILE, PACKAGE = "file://", "package://"
 DEEPEST = 4
 """How many folders below the one that a user names a package may be."""
 _DRIVE = re.compile(r"^/?(?=[A-Za-z]:[\\/])")
 """Before a drive of Windows: a slash in an address, nothing in a path."""
 _NAME = re.compile(rb"<name>\s*([^<\s]+)\s*</name>")
-_LARGEST = 2**26
+_LARGEST_MANIFEST = 2**26
 """Size of a package.xml that is read [B]."""
 
 
@@ -70,7 +70,7 @@ def packages_in(paths: Iterable[Path]) -> dict[str, Path]:
 
 def _packages(folder: Path, depth: int) -> Iterator[tuple[str, Path]]:
     if (description := folder / PACKAGE_FILE).is_file():
-        match = _NAME.search(description.read_bytes()[:_LARGEST])
+        match = _NAME.search(description.read_bytes()[:_LARGEST_MANIFEST])
         yield (match[1].decode("utf-8", "replace") if match else folder.name), folder
     elif depth:
         for inner in sorted(folder.iterdir(), reverse=True):  # the first of a name comes last, and stays

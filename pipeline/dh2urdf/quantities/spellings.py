@@ -8,6 +8,7 @@ another meaning, and `advice` says what to write where the grammar refuses a tex
 from __future__ import annotations
 
 import re
+import unicodedata
 
 from dh2urdf.patterns import late_pattern
 
@@ -120,3 +121,11 @@ def misreading(text: str) -> tuple[str, str] | None:
 def advice(text: str) -> str | None:
     """What to write in place of a text that cannot be read, where its kind is known."""
     return next((suggestion for pattern, suggestion in _ADVICE if pattern.match(text)), None)
+
+
+_DEGREE = late_pattern(f"[{DEGREE_SIGNS}]")
+
+
+def composed(text: str) -> str:
+    """A text in Unicode's form NFKC, with one sign for the degree."""
+    return unicodedata.normalize("NFKC", _DEGREE.sub("°", text))

@@ -16,7 +16,7 @@ from itertools import accumulate
 from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.patterns import late_pattern
 from dh2urdf.quantities.exact_numbers import ONE, Decimal, Ratio
-from dh2urdf.quantities.spellings import DEGREE_SIGNS
+from dh2urdf.quantities.spellings import composed
 from dh2urdf.rotations import HALF_PI
 from dh2urdf.source import did_you_mean, shown
 
@@ -234,7 +234,7 @@ def _factors(text: str) -> list[str]:
     """The factors of a unit as they are written, without case: ``kg m^2`` is kg and m2, ``kgm²`` is one word."""
     if text.isascii() and text.isalnum() and "sec" not in (word := text.lower()) and "min" not in word:
         return [word]
-    word = unicodedata.normalize("NFKC", _DEGREE.sub("°", text)).casefold().strip()
+    word = composed(text).casefold().strip()
     word = re.sub(r"sec(?:onds?)?", "s", re.sub(r"\s*\bper\s+", "/", word)).replace("minute", "min")
     if word.isalpha():
         return [word]
@@ -245,7 +245,6 @@ def _factors(text: str) -> list[str]:
 
 
 _TIMES = late_pattern(r"(?<=\w)-(?=\w)|[\s·⋅∙•*^.]+")
-_DEGREE = late_pattern(f"[{DEGREE_SIGNS}]")
 _NO_FACTOR = late_pattern(r"[\s·⋅∙•*^.]+(?=[\d/])|(?<=/)\s+")
 """What is between a unit and its power, or beside a sign of division."""
 

@@ -36,7 +36,7 @@ if TYPE_CHECKING:
 
 SAMPLES = 5000
 """Joint vectors at which the workspace is looked at."""
-LARGEST = 1e9
+FARTHEST_DRAWN = 1e9
 """How far from its root an arm may reach and be drawn [m]: beyond it is a mistake, and matplotlib's arithmetic ends."""
 _MOST_VALUES = 500_000  # joint values of such a sample: arms of more than a hundred axes get fewer vectors
 _MOST_LABELS = 40  # numbered joints of a drawing

@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING, Any
 from dh2urdf._version import __version__
 from dh2urdf.output.layouts import Form
 from dh2urdf.quantities.number_text import format_number
-from dh2urdf.report.figures import ARMS, LARGEST, Workspace, arm_figure, bars_figure, without_warnings
+from dh2urdf.report.figures import ARMS, FARTHEST_DRAWN, Workspace, arm_figure, bars_figure, without_warnings
 from dh2urdf.report.first_manipulators import DetailedManipulator
 from dh2urdf.report.overview import MOST_DRAWN, checks
 from dh2urdf.report.reproduction import plain_options
@@ -239,7 +239,7 @@ def _figures(detailed: DetailedManipulator) -> dict[str, Any] | None:
         return None
     workspace = Workspace(detailed.expected, detailed.robot)
     extents = {tip: workspace.extent(tip) for tip in workspace.points}
-    if not all(0.0 <= extent["distance"] < LARGEST for extent in extents.values()):
+    if not all(0.0 <= extent["distance"] < FARTHEST_DRAWN for extent in extents.values()):
         return None
     return {
         "arm": Markup(arm_figure(detailed.expected, f"{detailed.key}-arm")),  # noqa: S704 - drawn by matplotlib

@@ -168,7 +168,7 @@ def _drawing(what: Manipulator | Robot) -> str:
     """The arm or robot as SVG; nothing where matplotlib is not installed, or where there is nothing to be drawn."""
     if find_spec("matplotlib") is None:
         return ""
-    from dh2urdf.report.figures import LARGEST, skeleton_figure, without_warnings
+    from dh2urdf.report.figures import FARTHEST_DRAWN, skeleton_figure, without_warnings
     from dh2urdf.report.skeletons import arm_skeleton, robot_skeleton
 
     try:
@@ -179,7 +179,7 @@ def _drawing(what: Manipulator | Robot) -> str:
     except (ValueError, OverflowError):  # no tree, or an angle that is no number or endless
         return ""
     places = [*bones.tips, *(frame.translation for frame in bones.frames)]
-    if not all(abs(number) < LARGEST for place in places for number in place):
+    if not all(abs(number) < FARTHEST_DRAWN for place in places for number in place):
         return ""
     # The parts of a drawing have names on the page: those of the same drawing may be the same.
     key = f"dh2urdf-{sha256(repr(bones).encode()).hexdigest()[:12]}"

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from dh2urdf.cells.cell import WORLD, ArmCall, CellCall
+from dh2urdf.cells.cell import ArmCall, CellCall
 from dh2urdf.errors import ConfigError
+from dh2urdf.manipulator import WORLD
 from dh2urdf.quantities.quantity import Dimension
 from dh2urdf.robot import Origin
 from dh2urdf.rotations import ZERO, Vec3

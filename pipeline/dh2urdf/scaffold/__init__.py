@@ -22,7 +22,8 @@ from dh2urdf._version import __version__
 from dh2urdf.errors import ConfigError
 from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.output.whole_files import reporting_os_errors, safe_stem
-from dh2urdf.source import Mark, Problem, shown
+from dh2urdf.plugin_system.options import COMMAND_LINE
+from dh2urdf.source import Problem, shown
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -35,7 +36,6 @@ LONGEST = 40
 """Characters of a name: it is that of a folder, a distribution, a package and a stage."""
 _ENDING = ".template"
 _NAME = re.compile(r"[a-z][a-z0-9]*(-[a-z0-9]+)*")
-_MARK = Mark(file="command line")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -129,7 +129,7 @@ def _problems(name: str, kind: Kind, place: Path, catalog: Catalog) -> Iterator[
     if not _NAME.fullmatch(name) or len(name) > LONGEST:
         yield Problem(
             message=f"a plugin cannot be named {shown(name)}",
-            mark=_MARK,
+            mark=COMMAND_LINE,
             field="NAME",
             found=name,
             accepted=f"lower-case letters, digits and single dashes, from a letter on, at most {LONGEST} characters",
@@ -139,7 +139,7 @@ def _problems(name: str, kind: Kind, place: Path, catalog: Catalog) -> Iterator[
     if reason := _taken(_package(name)):
         yield Problem(
             message=f"{_package(name)!r} {reason}",
-            mark=_MARK,
+            mark=COMMAND_LINE,
             field="NAME",
             found=name,
             accepted="a name that no package has",
@@ -151,7 +151,7 @@ def _problems(name: str, kind: Kind, place: Path, catalog: Catalog) -> Iterator[
             taken = ", ".join(other.stage.name for other in catalog.provided(kind))
             yield Problem(
                 message=f"the {kind} {stage!r} is provided by {item.plugin.distribution}",
-                mark=_MARK,
+                mark=COMMAND_LINE,
                 field="NAME",
                 found=name,
                 accepted=f"a name besides {taken}",
@@ -159,14 +159,14 @@ def _problems(name: str, kind: Kind, place: Path, catalog: Catalog) -> Iterator[
     if place.exists() or place.is_symlink():
         yield Problem(
             message=f"{shown(str(place))} is there already",
-            mark=_MARK,
+            mark=COMMAND_LINE,
             accepted="a folder that is not there yet",
             suggestion="choose another name or another folder with `--dir`; nothing is overwritten",
         )
     elif not place.parent.is_dir():
         yield Problem(
             message=f"there is no folder {shown(str(place.parent))}",
-            mark=_MARK,
+            mark=COMMAND_LINE,
             field="--dir",
             accepted="a folder that is there",
         )

@@ -13,6 +13,7 @@ from dh2urdf.documents.text_files import check_file
 from dh2urdf.errors import InputError, ManipulatorError
 from dh2urdf.foreign_robot import ForeignRobot, following, with_followers
 from dh2urdf.kinematics.chain import link_poses
+from dh2urdf.manipulator import TOOL
 from dh2urdf.meshes import mesh_finder, packages_in, with_its_own
 from dh2urdf.plugin_system.calls import blaming, default_call
 from dh2urdf.plugin_system.stage_answers import a_whole_record
@@ -21,7 +22,7 @@ from dh2urdf.rotations import IDENTITY, RigidTransform, norm, scale
 from dh2urdf.run_file.config import RUN_SUFFIXES, is_run_file, load_config
 from dh2urdf.run_file.plan import make_plan
 from dh2urdf.run_file.records import StageCall
-from dh2urdf.source import Mark, Problem, shown
+from dh2urdf.source import Mark, Problem, listed, shown
 from dh2urdf.stages import Expansion, Rejected
 from dh2urdf.studio import joints
 from dh2urdf.studio.drawing.colours import GREY
@@ -277,7 +278,7 @@ def ends(robot: Robot) -> tuple[str, ...]:
     """The links that stand for the ends of arms: those called tool0, or else those that hold no other."""
     holding = {joint.parent for joint in robot.joints}
     last = [link.name for link in robot.links if link.name not in holding]
-    tools = [link.name for link in robot.links if link.name.endswith("tool0")]
+    tools = [link.name for link in robot.links if link.name.endswith(TOOL)]
     return tuple(tools or last)
 
 
@@ -294,5 +295,4 @@ def _placed(figures: Sequence[Figure]) -> Iterator[Figure]:
 def told(figures: Sequence[Figure]) -> str:
     """The robots in a line."""
     names = [shown(figure.title or figure.robot.name)[1:-1] for figure in figures]
-    more = len(names) - TOLD_NAMES
-    return ", ".join(names[:TOLD_NAMES]) + (f" and {more} more" if more > 0 else "")
+    return listed(names, TOLD_NAMES)

@@ -6,6 +6,7 @@ import math
 from typing import TYPE_CHECKING
 
 from dh2urdf.quantities.units import UNITS
+from dh2urdf.source import listed
 from dh2urdf.table_text import number_in
 
 if TYPE_CHECKING:
@@ -64,8 +65,7 @@ def without(lost: Sequence[str]) -> str:
 
 def some_of(things: Sequence[str]) -> str:
     """The first of some things, and how many more there are."""
-    more = len(things) - MOST_LOST
-    return ", ".join(things[:MOST_LOST]) + (f" and {more} more" if more > 0 else "")
+    return listed(things, MOST_LOST)
 
 
 def left_out(number: int) -> str:

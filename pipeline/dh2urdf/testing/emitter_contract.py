@@ -14,6 +14,7 @@ from dh2urdf.errors import Dh2UrdfError, EmitterError, InputError, PluginError
 from dh2urdf.kinematics.expected_poses import ExpectedPoses
 from dh2urdf.kinematics.proof import TOLERANCE
 from dh2urdf.kinematics.proof_vectors import proof_vectors
+from dh2urdf.manipulator import ROOT, TOOL
 from dh2urdf.robot import Box, Link, Sphere, Visual
 from dh2urdf.stages import EmittedFile, Emitter, Expansion
 from dh2urdf.testing.oracle import difference, robot_pose
@@ -198,7 +199,7 @@ class EmitterContract(StageContract):
                     remedy="let read_back read what emit writes",
                 )
             for q in proof_vectors(expected, robot, 8):
-                poses = [robot_pose(each, q, "base_link", "tool0") for each in (robot, found)]
+                poses = [robot_pose(each, q, ROOT, TOOL) for each in (robot, found)]
                 distance, angle = difference(*poses)
                 if not (distance <= 3 * TOLERANCE and angle <= 3 * TOLERANCE):
                     self.breach(

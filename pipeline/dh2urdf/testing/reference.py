@@ -8,14 +8,12 @@ from __future__ import annotations
 
 import math
 
-from dh2urdf.kinematics.chain import ROOT, TOOL, row_transform
-from dh2urdf.manipulator import Convention, DHRow, Inertia, JointType, Limits, Manipulator
+from dh2urdf.kinematics.chain import row_transform
+from dh2urdf.manipulator import BASE, ROOT, TOOL, Convention, DHRow, Inertia, JointType, Limits, Manipulator
 from dh2urdf.robot import Collision, Cylinder, Inertial, Joint, Link, Origin, Robot, Visual
 from dh2urdf.rotations import IDENTITY, RigidTransform
 
 HALF = math.pi / 2
-BASE = "base_link_inertia"
-"""The body of the base: a root that has an inertial itself is one that KDL does not take."""
 
 
 def reference_manipulators() -> tuple[Manipulator, ...]:

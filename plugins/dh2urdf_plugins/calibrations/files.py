@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import fields, replace
 from typing import TYPE_CHECKING, Any
 
-from dh2urdf.documents import check_file
+from dh2urdf.documents import LONG_PATH, check_file
 from dh2urdf.errors import InputError, TableError
 from dh2urdf.manipulator import DHRow, Manipulator
 from dh2urdf.plugin_system import load
@@ -24,7 +24,6 @@ if TYPE_CHECKING:
     from dh2urdf.provenance import Said
 
 CONF = ".conf"
-_LONG_PATH = 200
 _ALLOWED = {"joint", "link", "type", "mark", *FIELDS}
 
 
@@ -33,7 +32,7 @@ def unreadable(path: Path, field: str) -> list[Problem]:
     try:
         check_file(path)
     except InputError as error:
-        name = shown(str(path), _LONG_PATH)
+        name = shown(str(path), LONG_PATH)
         return [replace(each, message=f"{name}: {each.message}", field=field) for each in error.problems]
     return []
 

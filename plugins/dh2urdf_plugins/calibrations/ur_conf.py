@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 LISTS = {"delta_a": "a", "delta_alpha": "alpha", "delta_d": "d", "delta_theta": "theta"}
 """The lists that are read, and the numbers of a row that they belong to."""
-LARGEST = 2**20
+LARGEST_CALIBRATION = 2**20
 """Size of the largest file that is read [B]: a real one has 2 kB."""
 _LINEARISED = 2.0
 _EXAMPLE = "[0.0001, -0.2, 0, 0, 0, 0]"
@@ -48,7 +48,7 @@ def read_ur_conf(path: Path, convention: Convention) -> Calibration:
                 accepted="a table of the standard convention, such as that of the data sheet",
             )
         )
-    entries = dict(_entries(decoded(read_bytes(path, TableError, limit=LARGEST), file, TableError), file))
+    entries = dict(_entries(decoded(read_bytes(path, TableError, limit=LARGEST_CALIBRATION), file, TableError), file))
     if missing := [name for name in LISTS if name not in entries]:
         raise TableError(
             Problem(

@@ -11,8 +11,9 @@ from dh2urdf.errors import TableError
 from dh2urdf.kinematics import dh_frames
 from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.manipulator import DHRow, JointType, Limits, Manipulator
+from dh2urdf.robot_check import UNIT
 from dh2urdf.rotations import norm, scale
-from dh2urdf.source import Mark, Problem, shown
+from dh2urdf.source import Mark, Problem, listed, shown
 from dh2urdf_plugins.descriptions.bodies import Body, Carried
 from dh2urdf_plugins.extraction.measuring import RANDOM_VECTORS, chain_difference
 from dh2urdf_plugins.extraction.numbers import Precision
@@ -28,8 +29,6 @@ if TYPE_CHECKING:
     from dh2urdf_plugins.extraction.splitting import NearlyParallel
 
 _FEW = 6
-_UNIT = 1e-9
-"""How far the length of an axis may be from 1 without a word."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -194,7 +193,7 @@ class _Names:
         """What was renamed."""
         if self._renamed:
             pairs = [f"{shown(old)} is {shown(new)}" for old, new in self._renamed.items()]
-            message = f"names that joints, links or every written description have already: {_few(pairs)}"
+            message = f"names that joints, links or every written description have already: {listed(pairs, _FEW)}"
             yield about.notice(message)
 
 
@@ -249,7 +248,7 @@ class _About:
         first = description.rounded[0]
         lines = list(dict.fromkeys(str(each.line) for each in description.rounded if each.line))
         places = len(description.rounded)
-        where = f" (line{'s' if len(lines) > 1 else ''} {_few(lines)})" if lines else ""
+        where = f" (line{'s' if len(lines) > 1 else ''} {listed(lines, _FEW)})" if lines else ""
         count = f"{places} place{'s' if places > 1 else ''}{where}"
         others = "" if all(each.text == first.text for each in description.rounded) else " and the like"
         if repaired:
@@ -282,27 +281,31 @@ class _About:
     def left_out(self, carried: Carried, description: Description) -> Iterator[Problem]:
         """Joints that are no part of the chain."""
         if carried.left_out:
-            names = _few([shown(name) for name in carried.left_out])
+            names = listed([shown(name) for name in carried.left_out], _FEW)
             yield self.notice(f"joints that leave the chain are left out, their links as they are at 0: {names}")
         followers = [name for name in description.followers if name in carried.left_out]
         if followers:
-            yield self.notice(f"joints that mimic others are among them: {_few([shown(name) for name in followers])}")
+            yield self.notice(
+                f"joints that mimic others are among them: {listed([shown(name) for name in followers], _FEW)}"
+            )
 
     def axes(self, chain: Sequence[Joint]) -> Iterator[Problem]:
         """Axes that are no unit vectors."""
         names = [
             shown(joint.name)
             for joint in chain
-            if joint.type is not JointType.FIXED and abs(norm(joint.axis) - 1.0) > _UNIT
+            if joint.type is not JointType.FIXED and abs(norm(joint.axis) - 1.0) > UNIT
         ]
         if names:
-            yield self.notice(f"the axes of {_few(names)} have another length than 1: their directions are taken")
+            yield self.notice(
+                f"the axes of {listed(names, _FEW)} have another length than 1: their directions are taken"
+            )
 
     def values(self, left_out: dict[str, list[str]]) -> Iterator[Problem]:
         """Limits that no joint can have."""
         for text, names in left_out.items():
             yield self.notice(
-                f"{text} stands for an unknown one and is left out: {_few([shown(name) for name in names])}",
+                f"{text} stands for an unknown one and is left out: {listed([shown(name) for name in names], _FEW)}",
                 field=f"limits.{text.partition(' ')[0]}",
             )
 
@@ -324,8 +327,3 @@ class _About:
             yield self.notice("the base keeps its mass, and not its centre of mass and inertia", field="base.mass")
         for sentence in carried.lost:
             yield self.notice(f"the table leaves out {sentence}")
-
-
-def _few(words: Sequence[str]) -> str:
-    more = f" and {len(words) - _FEW} more" if len(words) > _FEW else ""
-    return ", ".join(words[:_FEW]) + more

@@ -16,14 +16,14 @@ from dh2urdf.foreign_robot import Follower
 from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.robot import Robot
-from dh2urdf.source import Mark, Problem
+from dh2urdf.source import Mark, Problem, listed
 from dh2urdf_plugins.descriptions import unheld
 from dh2urdf_plugins.descriptions.rounded_pi import Rounded, repaired
 from dh2urdf_plugins.read_back import urdf_reader
 from dh2urdf_plugins.read_back.mjcf import reader as mjcf_reader
 from dh2urdf_plugins.read_back.mjcf.elements import Elements, compiler_of
 from dh2urdf_plugins.read_back.sdf import reader as sdf_reader
-from dh2urdf_plugins.read_back.xml_files import mark_of, tree_of
+from dh2urdf_plugins.read_back.xml_files import LARGEST, mark_of, tree_of
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -32,9 +32,6 @@ if TYPE_CHECKING:
 
     from dh2urdf.stages import Expansion
 
-LARGEST = 2**26
-"""Size of a description [B]."""
-_FEW = 5
 _LOOSE = ("floating", "planar")
 """Joints of URDF that no table has."""
 
@@ -293,9 +290,8 @@ def _meant_mjcf(root: etree._Element, extras: _Extras) -> etree._Element:
 
 def _left_out(what: str, marks: Sequence[Mark]) -> Problem:
     """A notice of something that could not be read."""
-    lines = [f"{mark.line}" for mark in marks[:_FEW]]
-    more = f" and {len(marks) - _FEW} more" if len(marks) > _FEW else ""
-    places = f", in {len(marks)} places (lines {', '.join(lines)}{more})" if len(marks) > 1 else ""
+    lines = listed([f"{mark.line}" for mark in marks])
+    places = f", in {len(marks)} places (lines {lines})" if len(marks) > 1 else ""
     return Problem(message=f"{what} is left out{places}", severity="notice", mark=marks[0])
 
 

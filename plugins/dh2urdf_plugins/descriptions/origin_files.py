@@ -15,11 +15,12 @@ from dh2urdf.documents import load_yaml, read_bytes
 from dh2urdf.errors import TableError
 from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.late_tuples import NamedTuple
-from dh2urdf.manipulator import JointType
+from dh2urdf.manipulator import TOOL, JointType
 from dh2urdf.robot import Joint, Link, Origin, Robot
 from dh2urdf.rotations import Z_AXIS
 from dh2urdf.source import Problem, did_you_mean
-from dh2urdf_plugins.descriptions.description import LARGEST, Description
+from dh2urdf_plugins.descriptions.description import Description
+from dh2urdf_plugins.read_back.xml_files import LARGEST
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -74,7 +75,7 @@ UR = OriginFile(
         "wrist_2": Entry("wrist_2_joint", "wrist_2_link"),
         "wrist_3": Entry("wrist_3_joint", "wrist_3_link"),
     },
-    ending=Entry("tool0_joint", "tool0", JointType.FIXED),
+    ending=Entry(f"{TOOL}_joint", TOOL, JointType.FIXED),
     above="kinematics",
     others=("hash",),
     suffix="_calibration",

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 # What reads and what computes is imported where a description is read: a run of tables pays for none of it.
 
-_SMALLEST, _LARGEST = 1e-14, 1e-2
+_FINEST, _COARSEST = 1e-14, 1e-2
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -78,13 +78,13 @@ class DescriptionOptions:
         Raises:
             TableError: it is not a small number greater than 0.
         """
-        if not _SMALLEST <= self.tolerance <= _LARGEST:
+        if not _FINEST <= self.tolerance <= _COARSEST:
             raise TableError(
                 Problem(
                     message="tolerance must be a small number greater than 0",
                     field="tolerance",
                     found=f"{self.tolerance:.9g}",
-                    accepted=f"{_SMALLEST:g} to {_LARGEST:g} [m, rad]",
+                    accepted=f"{_FINEST:g} to {_COARSEST:g} [m, rad]",
                 )
             )
 

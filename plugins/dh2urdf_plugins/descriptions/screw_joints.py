@@ -9,6 +9,7 @@ from dh2urdf.documents import Item
 from dh2urdf.manipulator import JointType
 from dh2urdf.source import Problem, shown
 from dh2urdf.stages import Rejected
+from dh2urdf.table_text import REQUIRED
 from dh2urdf_plugins.readers.statements.shapes import refuse_unknown_keys
 from dh2urdf_plugins.readers.words.fields import joint_type
 from dh2urdf_plugins.readers.yaml_file.reading import read_table
@@ -21,7 +22,6 @@ if TYPE_CHECKING:
 
 KEYS = ("name", "link", "type", "limits", "damping", "friction", "armature")
 """Keys of a joint: those of a joint in a table that do not depend on its frame."""
-_NUMBERS = ("a", "alpha", "d")
 _STATED = ("name", "units")
 
 
@@ -83,7 +83,7 @@ def _row(node: Node, add: Callable[[Problem], None], *, is_sliding: bool) -> Nod
     refuse_unknown_keys(replace(node, value=entries), KEYS, "a joint of screw axes", add)
     zero = replace(node, value=0, text="0")
     word = "prismatic" if is_sliding else "revolute"
-    given = {"type": replace(node, value=word, text=word), **dict.fromkeys(_NUMBERS, zero), **entries}
+    given = {"type": replace(node, value=word, text=word), **dict.fromkeys(REQUIRED, zero), **entries}
     return replace(node, value=given, text=None)
 
 

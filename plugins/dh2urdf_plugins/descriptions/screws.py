@@ -19,13 +19,14 @@ from dh2urdf.documents import load_yaml, read_bytes
 from dh2urdf.errors import TableError
 from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.late_tuples import NamedTuple
-from dh2urdf.manipulator import JointType
+from dh2urdf.manipulator import ROOT, TOOL, JointType
 from dh2urdf.quantities import Dimension
 from dh2urdf.robot import Joint, Link, Origin, Robot
 from dh2urdf.rotations import IDENTITY, ZERO, RigidTransform, Vec3, cross, norm, scale, subtract
 from dh2urdf.source import Problem
-from dh2urdf_plugins.descriptions.description import LARGEST, Description
+from dh2urdf_plugins.descriptions.description import Description
 from dh2urdf_plugins.descriptions.screw_joints import is_said_to_slide, read_joints
+from dh2urdf_plugins.read_back.xml_files import LARGEST
 from dh2urdf_plugins.readers.statements.placements import NEARLY_ORTHONORMAL, ORTHONORMAL, TransformReader
 from dh2urdf_plugins.readers.statements.shapes import refuse_unknown_keys
 from dh2urdf_plugins.readers.statements.statements import Statements
@@ -37,7 +38,6 @@ if TYPE_CHECKING:
     from dh2urdf.documents import Node
 
 
-BASE, TIP = "base_link", "tool0"
 FORMS = {"Slist": ("Slist", "M"), "Blist": ("Blist", "M"), "H": ("H", "P", "R")}
 """The keys of each form, by the one that it is known by."""
 _STATED = ("name", "units", "joints")
@@ -129,7 +129,7 @@ class _File:
         )
         if axes is None or self._has_errors():
             raise self._refused()
-        links = [BASE, *(row.link for row in rows), TIP]
+        links = [ROOT, *(row.link for row in rows), TOOL]
         origins = [axes.first, *(RigidTransform(IDENTITY.rotation, shift) for shift in axes.shifts)]
         joints = [
             Joint(
@@ -148,7 +148,7 @@ class _File:
             for parent, row, origin, direction in zip(links, rows, origins, axes.directions, strict=False)
         ]
         tip = Origin(xyz=axes.last.translation, rpy=axes.last.rpy)
-        joints.append(Joint(name=f"{TIP}_joint", type=JointType.FIXED, parent=links[-2], child=TIP, origin=tip))
+        joints.append(Joint(name=f"{TOOL}_joint", type=JointType.FIXED, parent=links[-2], child=TOOL, origin=tip))
         return Description(
             robot=Robot(name=name, links=tuple(Link(name=link) for link in links), joints=tuple(joints)),
             file=str(self.path),

@@ -5,11 +5,12 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from dh2urdf.errors import TableError
+from dh2urdf.kinematics import USUAL_TIPS
 from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.manipulator import JointType
 from dh2urdf.robot import Joint
 from dh2urdf.rotations import norm
-from dh2urdf.source import Mark, Problem, did_you_mean, shown
+from dh2urdf.source import Mark, Problem, did_you_mean, listed, shown
 from dh2urdf_plugins.descriptions.description import Description
 from dh2urdf_plugins.readers.words.bounds import MEASURABLE_ARM
 
@@ -18,8 +19,6 @@ if TYPE_CHECKING:
 
     from dh2urdf.robot import Robot
 
-USUAL_TIPS = ("tool0", "tcp", "flange", "ee_link")
-"""Links that are the tip of an arm where a description has them, the likeliest first."""
 EVERY = "*"
 """As a tip link: every leaf that a joint moves."""
 _SHOWN = 20
@@ -102,9 +101,8 @@ class Tree:
         leaves = {name: count for name, count in self.leaves().items() if count}
         if len(leaves) > 1:
             named = [f"{name} ({count} moving joint{'s' if count > 1 else ''})" for name, count in leaves.items()]
-            more = f" and {len(named) - _SHOWN} more" if len(named) > _SHOWN else ""
             raise self._error(
-                f"the description has {len(leaves)} leaves: {', '.join(named[:_SHOWN])}{more}",
+                f"the description has {len(leaves)} leaves: {listed(named, _SHOWN)}",
                 "tip_link",
                 accepted="the name of a link, or * for every leaf",
                 suggestion="the option tip_link chooses one",
@@ -198,14 +196,13 @@ def _names(description: Description) -> list[str]:
 def _link(description: Description, name: str, option: str) -> str:
     names = _names(description)
     if name not in names:
-        more = f" and {len(names) - _SHOWN} more" if len(names) > _SHOWN else ""
         raise TableError(
             Problem(
                 message=f"the description has no link {shown(name)}",
                 mark=Mark(file=description.file),
                 field=option,
                 found=name,
-                accepted=", ".join(names[:_SHOWN]) + more,
+                accepted=listed(names, _SHOWN),
                 suggestion=did_you_mean(name, names),
             )
         )
@@ -217,7 +214,7 @@ def _root(description: Description, above: dict[str, Joint]) -> str:
     if len(roots) == 1:
         return roots[0]
     if len(roots) > 1:
-        message = f"{len(roots)} links have no parent: {', '.join(map(shown, roots[:_SHOWN]))}"
+        message = f"{len(roots)} links have no parent: {listed([shown(root) for root in roots], _SHOWN)}"
         suggestion = "the option base_link chooses one"
     elif description.robot.links:
         message, suggestion = (

@@ -13,7 +13,6 @@ if TYPE_CHECKING:
     from dh2urdf.manipulator import Inertia
 
 _BODIES = ("inertia", "size", "radius")
-_ELEMENTS = ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -56,5 +55,6 @@ class PayloadOptions:
         if self.inertia is None:
             return None
         from dh2urdf.manipulator import Inertia
+        from dh2urdf.row_fields import INERTIA
 
-        return Inertia(**dict(zip(_ELEMENTS, self.inertia, strict=True)))
+        return Inertia(**dict(zip(INERTIA, self.inertia, strict=True)))

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 from lxml import etree
 
 from dh2urdf.errors import EmitterError
-from dh2urdf.manipulator import JointType
+from dh2urdf.manipulator import WORLD, JointType
 from dh2urdf.quantities import format_numbers
 from dh2urdf.robot import Box, Cylinder, Mesh, Sphere
 from dh2urdf.rotations import ZERO
@@ -24,7 +24,6 @@ if TYPE_CHECKING:
 
     from dh2urdf.robot import Collision, Geometry, Inertial, Joint, Link, Origin, Robot, Visual
 
-WORLD = "world"
 DEEPEST = 490
 """Bodies, one within the other, that MuJoCo reads: its XML parser takes 500 elements, the outermost included."""
 SAG = 0.005

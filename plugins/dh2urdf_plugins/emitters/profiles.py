@@ -13,8 +13,8 @@ from lxml import etree
 
 from dh2urdf.errors import EmitterError
 from dh2urdf.late_dataclasses import dataclass
-from dh2urdf.manipulator import JointType
-from dh2urdf.robot import Arm, Collision, Inertial, Joint, Link, Origin, Robot
+from dh2urdf.manipulator import WORLD, JointType
+from dh2urdf.robot import WEIGHTLESS, Arm, Collision, Joint, Link, Origin, Robot
 from dh2urdf.source import Problem
 from dh2urdf_plugins.base_bodies import links_at_rest, notices_for_gazebo, notices_of_riders, with_base_bodies
 
@@ -23,9 +23,6 @@ if TYPE_CHECKING:
 
     from dh2urdf_plugins.emitters.profile_names import ProfileName
     from dh2urdf_plugins.emitters.urdf_tree import Notation
-
-WORLD = "world"
-WEIGHTLESS = Inertial(mass=0.0)
 
 
 def _decision(*, default: bool, portable: str, otherwise: str, why: str) -> bool:

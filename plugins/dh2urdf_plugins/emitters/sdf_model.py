@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 from lxml import etree
 
 from dh2urdf.errors import EmitterError
-from dh2urdf.manipulator import JointType
+from dh2urdf.manipulator import WORLD, JointType
 from dh2urdf.robot import Box, Cylinder, Mesh, Sphere
 from dh2urdf.rotations import ZERO
 from dh2urdf.source import Problem, shown
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from dh2urdf.robot import Collision, Geometry, Inertial, Joint, Link, Origin, Robot, Visual
 
 VERSION = "1.7"
-WORLD, MODEL = "world", "__model__"
+MODEL = "__model__"
 
 # Names that mean something to sdformat, and the separator of nested models.
 _NOT_A_NAME = re.compile(r"world|__.*__|.*::.*", re.DOTALL)

@@ -15,6 +15,7 @@ from dh2urdf.elementwise import is_column
 from dh2urdf.errors import EmitterError
 from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.quantities import format_number, format_rows
+from dh2urdf.robot_check import LONGEST_NAME
 from dh2urdf.source import Problem
 from dh2urdf_plugins.emitters.urdf_tree import LONGEST_COMMENT, Notation, check_lines, serialise, urdf_tree
 
@@ -23,8 +24,6 @@ if TYPE_CHECKING:
 
     from dh2urdf.columns import Mask, RobotColumns
 
-LONGEST_NAME = 1000
-"""Characters of a robot's name; a line with a longer one may be too long for readers."""
 
 _OPEN, _CLOSE = "\ue000", "\ue001"  # for private use: nothing means them, and XML takes them
 _SLOT = re.compile(f"{_OPEN}([a-z0-9]+){_CLOSE}")

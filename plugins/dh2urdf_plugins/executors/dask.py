@@ -30,11 +30,11 @@ from dh2urdf_plugins.executors.local import processors
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator
 
-AHEAD = 3
+AHEAD_OF_THREADS = 3
 """Tasks per thread of the cluster that wait or are under way: the next one is there before the last result has left."""
 CONNECTING = 5.0
 """How long a scheduler may take to answer [s]."""
-PATIENCE = 300.0
+WORKERS_WITHIN = 300.0
 """How long a run waits for workers where there are none [s]: a queue may have to start others."""
 KILLS = 1
 """Workers of an own cluster that may die at a task and it is still given to another one."""
@@ -180,7 +180,7 @@ class _Cluster:
         """How many tasks the workers should have, as many workers as there are by now."""
         if time.monotonic() - self._looked > _LOOK:
             self._look()
-        return AHEAD * max(1, self._threads)
+        return AHEAD_OF_THREADS * max(1, self._threads)
 
     def hand_over(self, task: Any) -> tuple[Any, Any]:  # noqa: ANN401 - a task is the caller's
         """A task and Dask's promise of its result."""
@@ -249,12 +249,12 @@ class _Cluster:
         began, told = time.monotonic(), False
         while not self._threads:
             if not told and time.monotonic() > began + _UNTOLD:
-                _LOGGER.warning("no Dask worker is there; waiting for one, up to %g s", PATIENCE)
+                _LOGGER.warning("no Dask worker is there; waiting for one, up to %g s", WORKERS_WITHIN)
                 told = True
-            if time.monotonic() > began + PATIENCE:
+            if time.monotonic() > began + WORKERS_WITHIN:
                 raise ExecutorError(
                     Problem(
-                        message=f"no Dask worker came within {PATIENCE:g} s",
+                        message=f"no Dask worker came within {WORKERS_WITHIN:g} s",
                         suggestion=f"`dask worker {self._client.scheduler.address}` starts one; the same run with "
                         "`--resume` goes on where this one ended",
                     )

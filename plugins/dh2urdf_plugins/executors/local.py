@@ -30,12 +30,12 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator
     from concurrent.futures import Future
 
+MOST_PRINTED = 100
+"""Lines of what C code and other programs print during a task that are passed on."""
 AHEAD = 4
 """Tasks per process that wait or are under way, so that the tasks of a long run are never all held."""
 TRIES = 2
 """Workers that a task may cost before it is lost: the first may have been killed for the sake of others."""
-MOST_LINES = 100
-"""Lines of what C code and other programs print during a task that are passed on."""
 
 _CLEARING_UP = 0.6  # [s] for workers to take away what they were writing
 _LAST_WORDS = 300  # characters of what a worker printed that a reason repeats
@@ -221,8 +221,8 @@ class _Worker:
         output = self._interpreter.output
         if output.size > 0:
             lines = unmarked(output.last())
-            if output.is_cut or len(lines) > MOST_LINES:
-                lines = [f"[the last {MOST_LINES} lines of {output.size:,} bytes]", *lines[-MOST_LINES:]]
+            if output.is_cut or len(lines) > MOST_PRINTED:
+                lines = [f"[the last {MOST_PRINTED} lines of {output.size:,} bytes]", *lines[-MOST_PRINTED:]]
             name = f"a stage of {whose}" if whose else "a worker"
             sys.stderr.write("".join(f"{name} prints: {printable(line)}\n" for line in lines))
 

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from dh2urdf.manipulator import Inertia
 from dh2urdf.mass_properties import inertia_problem, principal_moments
+from dh2urdf.robot import WEIGHTLESS
+from dh2urdf.row_fields import INERTIA
 from dh2urdf.source import shown
-from dh2urdf_plugins.lint.document.description import MOVING, Hit, few
+from dh2urdf_plugins.lint.document.description import ALL, MOVING, Hit, few
 from dh2urdf_plugins.lint.gazebo import kept, mass_of, merged as merged_by_gazebo, without_centre
-from dh2urdf_plugins.lint.merged import ELEMENTS, head_of, inertial_of, merged_inertial
+from dh2urdf_plugins.lint.merged import head_of, inertial_of, merged_inertial
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -18,11 +19,9 @@ if TYPE_CHECKING:
     from dh2urdf_plugins.lint.document.description import Description, LinkNode
     from dh2urdf_plugins.lint.document.tree import Element
 
-_ROUNDING = 1e-9
-_SMALLEST = 1e-14
+_ROUNDED = 1e-9
+_SMALLEST_MOMENT = 1e-14
 """Principal moment that MuJoCo takes for 0 [kg·m²]."""
-_NO_INERTIA = Inertia(ixx=0.0, iyy=0.0, izz=0.0)
-_ALL = frozenset({"pybullet", "mujoco", "pinocchio", "drake", "ros", "gazebo", "coppeliasim"})
 
 
 def hits(description: Description) -> Iterator[Hit]:
@@ -63,7 +62,7 @@ def _without_inertial(description: Description, link: LinkNode) -> Iterator[Hit]
         of_frame = {"pybullet", "mujoco"} if in_mujoco else {"pybullet"}
         yield Hit("frame-without-inertial", link.element, message, of_frame)
         return
-    of = set(_ALL)
+    of = set(ALL)
     if not description.is_body_weightless(link):  # What is fixed to a link is merged into it first.
         of -= {"gazebo"}
     elif not any(_collides(node) for node in description.body(link)):
@@ -84,12 +83,12 @@ def _mass(description: Description, link: LinkNode, inertial: Element) -> Iterat
         return
     value = mass.number("value")
     if value is not None and value < 0.0:
-        of = set(_ALL) if _moves(description, link) else _ALL - {"mujoco"}
+        of = set(ALL) if _moves(description, link) else ALL - {"mujoco"}
         yield Hit("negative-mass", mass, f"{about} has the mass {value:g}", of - _gazebo_takes(description, link))
     elif value == 0.0 and _moves(description, link):
-        of = _ALL if description.is_body_weightless(link) else {"drake"}
+        of = ALL if description.is_body_weightless(link) else {"drake"}
         yield Hit("zero-mass", mass, f"{about} moves and has the mass 0", of)
-    elif value == 0.0 and (body := inertial_of(inertial)) and body.inertia != _NO_INERTIA:
+    elif value == 0.0 and (body := inertial_of(inertial)) and body.inertia != WEIGHTLESS.inertia:
         yield Hit("zero-mass", mass, f"{about} has the mass 0, and an inertia", {"drake"})
 
 
@@ -99,8 +98,8 @@ def _inertia(description: Description, link: LinkNode, inertial: Element) -> Ite
         if inertial.first("mass") is not None:
             yield Hit("mass-without-inertia", inertial, f"{about} has a mass and no inertia")
         return
-    if missing := [name for name in ELEMENTS if inertia.get(name) is None]:
-        of = _ALL - {"drake"}  # It takes 0 for what is missing, and PyBullet for products of inertia.
+    if missing := [name for name in INERTIA if inertia.get(name) is None]:
+        of = ALL - {"drake"}  # It takes 0 for what is missing, and PyBullet for products of inertia.
         if not {"ixx", "iyy", "izz"} & set(missing):
             of -= {"pybullet"}
         yield Hit("mass-without-inertia", inertia, f"the inertia of {about} has no {', '.join(missing)}", of)
@@ -108,9 +107,14 @@ def _inertia(description: Description, link: LinkNode, inertial: Element) -> Ite
     body = inertial_of(inertial)
     if body is None:
         return
-    if body.inertia == _NO_INERTIA:
+    if body.inertia == WEIGHTLESS.inertia:
         merged = merged_inertial(description, head := head_of(description, link))
-        if body.mass > 0.0 and _moves(description, head) and merged is not None and merged.inertia == _NO_INERTIA:
+        if (
+            body.mass > 0.0
+            and _moves(description, head)
+            and merged is not None
+            and merged.inertia == WEIGHTLESS.inertia
+        ):
             yield Hit("zero-inertia", inertia, f"{about} has a mass and the inertia 0")
     else:
         yield from _moments(description, link, inertia, body)
@@ -120,12 +124,12 @@ def _moments(description: Description, link: LinkNode, inertia: Element, body: I
     about, (low, middle, high) = f"link {shown(link.name)}", principal_moments(body.inertia)
     what = f"the principal moments of its inertia are {low:.6g}, {middle:.6g} and {high:.6g} kg·m²"
     moments = f"{about}: {inertia_problem(body.inertia) or what}"
-    minding = _ALL if body.mass > 0.0 else frozenset({"mujoco", "gazebo"})
-    if low < -_ROUNDING * high:
+    minding = ALL if body.mass > 0.0 else frozenset({"mujoco", "gazebo"})
+    if low < -_ROUNDED * high:
         yield Hit("inertia-not-positive-definite", inertia, moments, minding - _gazebo_takes(description, link))
-    elif low + middle < high * (1.0 - _ROUNDING):
+    elif low + middle < high * (1.0 - _ROUNDED):
         yield Hit("inertia-triangle-inequality", inertia, moments, minding - _gazebo_takes(description, link))
-    elif low < _SMALLEST:
+    elif low < _SMALLEST_MOMENT:
         yield Hit("inertia-semidefinite", inertia, moments)
 
 
@@ -137,7 +141,7 @@ def _gazebo_takes(description: Description, link: LinkNode) -> set[str]:
             if merged is None:
                 return set()
             low, middle, high = principal_moments(merged.inertia)
-            wrong = merged.mass < 0.0 or low < -_ROUNDING * high or low + middle < high * (1.0 - _ROUNDING)
+            wrong = merged.mass < 0.0 or low < -_ROUNDED * high or low + middle < high * (1.0 - _ROUNDED)
             return set() if wrong else {"gazebo"}
     return {"gazebo"}
 

@@ -15,8 +15,8 @@ from dh2urdf.rotations import norm
 from dh2urdf.source import Mark, Problem, shown
 from dh2urdf.stages import Repair
 from dh2urdf_plugins.lint.document.tree import numbers_of
-from dh2urdf_plugins.lint.inspection import LONGEST
 from dh2urdf_plugins.lint.joints import UNIT
+from dh2urdf_plugins.read_back.xml_files import LARGEST
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -63,7 +63,7 @@ def fixed(path: Path) -> Repair:
     Raises:
         InputError: the file cannot be read, is no XML, or is not in UTF-8.
     """
-    content = read_bytes(path, InputError, limit=LONGEST)
+    content = read_bytes(path, InputError, limit=LARGEST)
     tags = _tags(content, path)
     edits = [*_axes(tags), *_limits(tags), *_inertias(tags), *_names(tags)]
     pieces, end = list[bytes](), 0

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from dh2urdf.manipulator import Inertia
+from dh2urdf.manipulator import WORLD, Inertia
 from dh2urdf.mass_properties import compound, placed
-from dh2urdf.robot import Inertial
+from dh2urdf.robot import WEIGHTLESS, Inertial
 from dh2urdf.rotations import IDENTITY
-from dh2urdf_plugins.lint.merged import ELEMENTS, pose_of
+from dh2urdf.row_fields import INERTIA
+from dh2urdf_plugins.lint.merged import pose_of
 from dh2urdf_plugins.lint.numbers import urdfdom_numbers
 
 if TYPE_CHECKING:
@@ -18,7 +19,6 @@ if TYPE_CHECKING:
     from dh2urdf_plugins.lint.document.description import Description, JointNode, LinkNode
     from dh2urdf_plugins.lint.document.tree import Element
 
-WORLD = "world"
 _NOTHING = 1e-6
 """Mass that sdformat takes for 0 [kg]."""
 
@@ -113,13 +113,10 @@ def _inertial(inertial: Element) -> Inertial | None:
     pose, mass, inertia = pose_of(inertial.first("origin")), inertial.first("mass"), inertial.first("inertia")
     if pose is None or mass is None or urdfdom_numbers(mass.get("value") or "", 1) is None:
         return None
-    read = [urdfdom_numbers(inertia.get(name) or "", 1) for name in ELEMENTS] if inertia else [None]
-    ixx, ixy, ixz, iyy, iyz, izz = (
-        numbers[0] if numbers else 0.0 for numbers in (6 * [None] if None in read else read)
-    )
-    return placed(
-        Inertial(mass=mass_of(inertial), inertia=Inertia(ixx=ixx, iyy=iyy, izz=izz, ixy=ixy, ixz=ixz, iyz=iyz)), pose
-    )
+    read = [urdfdom_numbers(inertia.get(name) or "", 1) for name in INERTIA] if inertia else [None]
+    elements = [0.0 if None in read or not numbers else numbers[0] for numbers in read]
+    tensor = Inertia(**dict(zip(INERTIA, elements, strict=True))) if inertia else WEIGHTLESS.inertia
+    return placed(Inertial(mass=mass_of(inertial), inertia=tensor), pose)
 
 
 def _has_wrong_origin(inertial: Element) -> bool:

@@ -27,6 +27,7 @@ from dh2urdf_plugins.lint.document.parsing import NotXmlError, parse
 from dh2urdf_plugins.lint.document.reading import robot_of
 from dh2urdf_plugins.lint.document.tree import Element
 from dh2urdf_plugins.lint.rules import CONSUMERS, rules
+from dh2urdf_plugins.read_back.xml_files import LARGEST
 from dh2urdf_plugins.xacro_fence.expansion import expand_foreign, mark_of
 
 if TYPE_CHECKING:
@@ -36,8 +37,6 @@ if TYPE_CHECKING:
     from dh2urdf.robot import Robot
     from dh2urdf_plugins.xacro_fence.places import Place
 
-LONGEST = 2**26
-"""Size of a description that is inspected [B]."""
 _PROLOGUE = b'<?xml version="1.0" encoding="utf-8"?>' + 5 * b"\n"
 """As many lines as the command `xacro` writes before the robot: a line without an element is one of its output."""
 
@@ -55,7 +54,7 @@ def inspect_urdf(path: Path, expansion: Expansion | None = None) -> Inspection:
     Raises:
         InputError: the file cannot be read, or a folder of packages is none.
     """
-    return _inspection(path, read_bytes(path, InputError, limit=LONGEST), expansion)
+    return _inspection(path, read_bytes(path, InputError, limit=LARGEST), expansion)
 
 
 def inspect_xacro(path: Path, expansion: Expansion | None = None) -> Inspection:
@@ -68,7 +67,7 @@ def inspect_xacro(path: Path, expansion: Expansion | None = None) -> Inspection:
     Raises:
         InputError: the file cannot be read, or a folder of packages is none.
     """
-    read_bytes(path, InputError, limit=LONGEST)
+    read_bytes(path, InputError, limit=LARGEST)
     try:
         expanded = expand_foreign(path, expansion)
     except ProofError as error:

@@ -8,12 +8,11 @@ from dh2urdf.manipulator import Inertia
 from dh2urdf.mass_properties import compound, placed
 from dh2urdf.robot import Inertial
 from dh2urdf.rotations import IDENTITY, ZERO, RigidTransform
+from dh2urdf.row_fields import INERTIA
 
 if TYPE_CHECKING:
     from dh2urdf_plugins.lint.document.description import Description, LinkNode
     from dh2urdf_plugins.lint.document.tree import Element
-
-ELEMENTS = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
 
 
 def head_of(description: Description, link: LinkNode) -> LinkNode:
@@ -30,11 +29,11 @@ def inertial_of(element: Element) -> Inertial | None:
     mass, inertia = element.first("mass"), element.first("inertia")
     pose = pose_of(element.first("origin"))
     value = mass.number("value") if mass else None
-    elements = [inertia.number(name) for name in ELEMENTS] if inertia else [None]
+    elements = [inertia.number(name) for name in INERTIA] if inertia else [None]
     if value is None or pose is None or None in elements:
         return None
-    ixx, ixy, ixz, iyy, iyz, izz = (number or 0.0 for number in elements)
-    return placed(Inertial(mass=value, inertia=Inertia(ixx=ixx, iyy=iyy, izz=izz, ixy=ixy, ixz=ixz, iyz=iyz)), pose)
+    tensor = Inertia(**dict(zip(INERTIA, [number or 0.0 for number in elements], strict=True)))
+    return placed(Inertial(mass=value, inertia=tensor), pose)
 
 
 def merged_inertial(description: Description, head: LinkNode) -> Inertial | None:

@@ -7,9 +7,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from dh2urdf.late_tuples import NamedTuple
-from dh2urdf.meshes import path_of_address
+from dh2urdf.meshes import FILE, PACKAGE, path_of_address
 from dh2urdf.source import did_you_mean, shown
 from dh2urdf_plugins.lint.document.description import ALL, SHAPES, Hit
+from dh2urdf_plugins.lint.document.mesh_sizes import STL_HEADER, STL_TRIANGLE
 from dh2urdf_plugins.lint.document.tree import numbers_of
 from dh2urdf_plugins.lint.numbers import drake_numbers, mujoco_numbers
 from dh2urdf_plugins.lint.rules import rules
@@ -39,9 +40,7 @@ CONTACTS = (
     "damping",
 )
 """Elements of a contact whose value PyBullet needs."""
-_PACKAGE, _MODEL, _FILE = "package://", "model://", "file://"
-_STL_HEADER = 84  # bytes: 80 of any text, then the number of triangles in 4
-_STL_TRIANGLE = 50
+_MODEL = "model://"
 
 
 class _Use(NamedTuple):
@@ -191,7 +190,7 @@ def _meshes(description: Description, uses: list[_Use], *, draws: bool) -> Itera
                 formats.setdefault((Path(use.address).suffix.lower(), ("pybullet",)), []).append(use)
             continue
         forms.setdefault(_form(use.address), []).append(use)
-        if not in_pybullet and not use.address.startswith(_PACKAGE):
+        if not in_pybullet and not use.address.startswith(PACKAGE):
             message = f"there is no mesh file {shown(use.address)} in the folders above the description"
             yield Hit("missing-mesh", use.element, message, {"pybullet"})
             continue
@@ -222,9 +221,9 @@ def _count_of(uses: list[_Use], one: str, many: str) -> str:
 
 def _form(address: str) -> str:
     """The rule about addresses of a form; empty for absolute paths, of which there is none."""
-    if address.startswith(_PACKAGE):
+    if address.startswith(PACKAGE):
         return "package-address"
-    if address.startswith(_FILE):
+    if address.startswith(FILE):
         return "file-address"
     return "" if os.path.isabs(address) else "relative-mesh"  # noqa: PTH117 - a text that may be no path
 
@@ -232,14 +231,14 @@ def _form(address: str) -> str:
 def resolved(address: str, description: Description) -> Path | None:
     """The file that an address means, whether there is one or not; None where its package is not found."""
     folder = Path(os.path.abspath(description.path)).parent  # noqa: PTH100 - links in the path stay
-    if not address.startswith(_PACKAGE):
+    if not address.startswith(PACKAGE):
         return folder / path_of_address(address)
-    package, _, rest = address.removeprefix(_PACKAGE).partition("/")
+    package, _, rest = address.removeprefix(PACKAGE).partition("/")
     if not package:
         return None
     searched = [
         *(place for inner in (folder, *folder.parents) for place in (inner, inner.parent / package)),
-        *(Path(entry) / package for entry in _entries("ROS_PACKAGE_PATH")),
+        *(Path(entry) / package for entry in _entries("ROSPACKAGE_PATH")),
         *(Path(entry) / "share" / package for entry in _entries("AMENT_PREFIX_PATH")),
     ]
     found = [place / rest for place in searched if place.name == package and is_there(place, is_file=False)]
@@ -250,9 +249,9 @@ def resolved(address: str, description: Description) -> Path | None:
 
 def _is_found_by_pybullet(address: str, description: Path) -> bool:
     """PyBullet knows no packages: it looks for the path behind `package://` in the folder and in all above it."""
-    if address.startswith(_FILE):
+    if address.startswith(FILE):
         return is_there(Path(path_of_address(address)), is_file=True)
-    rest = address.removeprefix(_PACKAGE).removeprefix(_MODEL).lstrip("/")
+    rest = address.removeprefix(PACKAGE).removeprefix(_MODEL).lstrip("/")
     folder = Path(os.path.abspath(description)).parent  # noqa: PTH100 - links in the path stay
     places = [above / rest for above in (folder, *folder.parents)]
     return is_there(Path(address), is_file=True) or any(is_there(place, is_file=True) for place in places)
@@ -284,6 +283,6 @@ def _strangers(path: Path, use: _Use, *, read_by_mujoco: bool) -> set[str]:
 def _is_binary_stl(path: Path) -> bool:
     """Whether a file has the size that its number of triangles asks for."""
     with path.open("rb") as file:
-        header = file.read(_STL_HEADER)
+        header = file.read(STL_HEADER)
     triangles = int.from_bytes(header[80:], "little")
-    return len(header) == _STL_HEADER and path.stat().st_size >= _STL_HEADER + _STL_TRIANGLE * triangles
+    return len(header) == STL_HEADER and path.stat().st_size >= STL_HEADER + STL_TRIANGLE * triangles

@@ -5,6 +5,8 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING
 
+from dh2urdf.manipulator import WORLD
+from dh2urdf.robot_check import LONGEST_NAME
 from dh2urdf.source import did_you_mean, shown
 from dh2urdf_plugins.lint.document.description import ALL, MOVING, TYPES, Hit, few
 from dh2urdf_plugins.lint.gazebo import kept
@@ -15,9 +17,6 @@ if TYPE_CHECKING:
     from dh2urdf_plugins.lint.document.description import Description, JointNode
     from dh2urdf_plugins.lint.document.tree import Element
 
-WORLD = "world"
-LONGEST_NAME = 1000
-"""Characters of a name."""
 MOST_MOVING, MOST_JOINTS = 121, 127
 """Moving joints, and joints of any type, that PyBullet tells the state of."""
 

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
     from pathlib import Path
 
-_LONGEST = 2**24
+_LONGEST_SEARCHED = 2**24
 """Size of a file that is searched for what it includes [B]."""
 _XACRO_INCLUDE = re.compile(rb"<xacro:include\s[^>]*?filename\s*=\s*[\"']([^\"']+)[\"']")
 _MJCF_INCLUDE = re.compile(rb"<include\s[^>]*?file\s*=\s*[\"']([^\"']+)[\"']")
@@ -63,7 +63,7 @@ def _is_xacro(path: Path) -> bool:
 
 def _content(path: Path) -> bytes:
     try:
-        return read_bytes(path, InputError, limit=_LONGEST)
+        return read_bytes(path, InputError, limit=_LONGEST_SEARCHED)
     except InputError:  # The inspection of the file reports it.
         return b"<robot name=''/>"
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from dh2urdf.kinematics import link_poses
 from dh2urdf.manipulator import JointType
-from dh2urdf.mass_properties import compound, placed
+from dh2urdf.mass_properties import GRAVITY, compound, placed
 from dh2urdf.robot import Inertial
 from dh2urdf.rotations import IDENTITY, ZERO, Rotation, Vec3, add, rotate, scale, subtract
 
@@ -21,10 +21,10 @@ SINGLE_PRECISION = 2.0**-23
 
 HOLD_SECONDS = 2.0
 """How long the hold test lasts [s]."""
+TIME_STEP = 1 / 240
+"""Time step of the hold test, where a simulator needs none that is shorter [s]: PyBullet's usual one."""
 HOLD_STAYS = 0.01
 """Joint displacement up to which the arm has stayed where it was [rad or m]."""
-GRAVITY = 9.81
-"""Acceleration of the hold test, along −z of the base [m/s²]."""
 
 OVERLAP = 1e-5
 """How far collision shapes overlap at least to be a finding [m]: shapes that just touch do not.

@@ -26,6 +26,10 @@ FIELD_OF_VIEW = math.radians(30.0)
 """Vertical [rad]; a long lens keeps parallel links parallel."""
 AZIMUTH, ELEVATION = math.radians(-55.0), math.radians(20.0)
 """Where the camera stands, seen from the arm [rad]."""
+SUPERSAMPLING = 2
+"""How much larger a picture is rendered, and then averaged: the renderers' edges are stairs."""
+FLOOR = (0.86, 0.88, 0.91, 1.0)
+"""Its colour."""
 _BORDER = 1.1  # how much farther than a tight fit
 _BENDS = (0.5, 1.0)  # of the joints [rad]
 _BENT_JOINTS = 4  # whose bends are tried both ways

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from dh2urdf.errors import InputError, ProofError
 from dh2urdf.kinematics import row_transform
-from dh2urdf.manipulator import Convention, JointType, Manipulator
+from dh2urdf.manipulator import ROOT, TOOL, Convention, JointType, Manipulator
 from dh2urdf.robot import Joint, Link, Origin, Robot
 from dh2urdf.rotations import IDENTITY, Z_AXIS, RigidTransform
 from dh2urdf.source import Mark, Problem
@@ -48,7 +48,7 @@ def robot_of(arm: Manipulator) -> Robot:
     A row at q is its transform at 0 and the joint's motion about z: the motion comes first in the standard convention,
     and last in the modified one.
     """
-    links, joints = [Link(name="base_link")], list[Joint]()
+    links, joints = [Link(name=ROOT)], list[Joint]()
     so_far = arm.base
     for row in arm.rows:
         step = row_transform(arm.convention, row)
@@ -66,8 +66,8 @@ def robot_of(arm: Manipulator) -> Robot:
         )
         links.append(Link(name=row.link))
     last = _origin(so_far @ arm.tool)
-    joints.append(Joint(name="tool0_joint", type=JointType.FIXED, parent=links[-1].name, child="tool0", origin=last))
-    return Robot(name=arm.name, links=(*links, Link(name="tool0")), joints=tuple(joints))
+    joints.append(Joint(name=f"{TOOL}_joint", type=JointType.FIXED, parent=links[-1].name, child=TOOL, origin=last))
+    return Robot(name=arm.name, links=(*links, Link(name=TOOL)), joints=tuple(joints))
 
 
 def _origin(transform: RigidTransform) -> Origin:

@@ -15,7 +15,7 @@ from lxml import etree
 
 from dh2urdf import unchecked_records as own
 from dh2urdf.errors import ProofError
-from dh2urdf.manipulator import JointType
+from dh2urdf.manipulator import JOINT_TYPES, JointType
 from dh2urdf.robot import (
     Box,
     Cylinder,
@@ -37,8 +37,6 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from dh2urdf.robot import Geometry
-
-_JOINT_TYPES = {kind.value: kind for kind in JointType}
 
 
 def read_urdf(path: Path) -> Robot:
@@ -108,9 +106,9 @@ class _UrdfReader:
 
     def _joint(self, element: etree._Element) -> Joint:
         word = self._text(element, "type")
-        kind = _JOINT_TYPES.get(word)
+        kind = JOINT_TYPES.get(word)
         if kind is None:
-            raise self._error(element, f"joint type {shown(word)} is not one of a manipulator", ", ".join(_JOINT_TYPES))
+            raise self._error(element, f"joint type {shown(word)} is not one of a manipulator", ", ".join(JOINT_TYPES))
         axis, limit, dynamics = element.find("axis"), element.find("limit"), element.find("dynamics")
         direction = Z_AXIS  # What the field holds of a fixed joint, which has none.
         if kind is not JointType.FIXED:

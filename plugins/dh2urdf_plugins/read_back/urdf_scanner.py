@@ -76,7 +76,7 @@ _NUMBERS: tuple[Attribute, ...] = (
 )
 _OF_JOINTS = _NUMBERS[:9]
 
-_AT_ONCE = 64
+_FILES_AT_ONCE = 64
 """Files whose numbers are read in one call: so many that their texts stay in the processor's cache."""
 _MOST_REMEMBERED = 1000
 """Layouts and skeletons that are remembered from call to call, some kilobytes each."""
@@ -151,7 +151,7 @@ class _Scanner:
                 if (text := form.numbers(content, head.end())) is not None:
                     files = waiting.setdefault(form, [])
                     files.append((index, head[1].decode(), text))
-                    if len(files) == _AT_ONCE:
+                    if len(files) == _FILES_AT_ONCE:
                         yield from _together(form, waiting.pop(form))
                     self._last = [form]
                     break

@@ -13,6 +13,8 @@ from dh2urdf.source import Mark, Problem
 if TYPE_CHECKING:
     from pathlib import Path
 
+LARGEST = 2**26
+"""Size of a robot description that is read, and of each file that it includes [B]."""
 _VERSION = rb"""(\s*<\?xml\s+version\s*=\s*["'])0\.0"""
 """A version of XML that does not exist; 26 of PyBullet's own files have it, and PyBullet and check_urdf read them."""
 _LATE = re.compile(rb"(\s+)(<\?xml\s[^>]*\?>)")

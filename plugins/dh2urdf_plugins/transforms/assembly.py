@@ -15,10 +15,10 @@ from dh2urdf import unchecked_records as own
 from dh2urdf.elementwise import greater_of, is_column
 from dh2urdf.errors import TransformError
 from dh2urdf.late_dataclasses import dataclass
-from dh2urdf.manipulator import DHRow, JointType, Limits
-from dh2urdf.mass_properties import compound, placed, rotated, scaled, solid
-from dh2urdf.robot import Collision, Inertial, Joint, Link, Mesh, Origin, Parameter, Robot, Sphere, Visual
-from dh2urdf.rotations import RigidTransform, Vec3, add, norm, rotate, subtract
+from dh2urdf.manipulator import BASE, FLANGE, ROOT, TOOL, DHRow, JointType, Limits
+from dh2urdf.mass_properties import GRAVITY, compound, placed, rotated, scaled, solid
+from dh2urdf.robot import WEIGHTLESS, Collision, Inertial, Joint, Link, Mesh, Origin, Parameter, Robot, Sphere, Visual
+from dh2urdf.rotations import RigidTransform, Vec3, add, cross, norm, rotate, subtract
 from dh2urdf.row_fields import DYNAMICS
 from dh2urdf.source import Problem
 from dh2urdf_plugins.transforms.checks import PAYLOAD, is_frame, is_weighed
@@ -30,8 +30,6 @@ if TYPE_CHECKING:
     from dh2urdf.manipulator import Manipulator
     from dh2urdf_plugins.transforms.alpha_swap_options import AlphaSwapOptions
 
-GRAVITY = 9.81
-"""Acceleration of gravity [m/s²]."""
 
 SAFETY = 2.0
 """Default effort over the worst static load."""
@@ -40,7 +38,6 @@ LEAST_EFFORT = 10.0
 """Smallest default effort [N·m or N]."""
 _DOUBT = 1e-9  # of a logarithm: so near to a power of ten, rounding may make another one
 
-WEIGHTLESS = own.inertial(mass=0.0, inertia=own.inertia(ixx=0.0, iyy=0.0, izz=0.0))
 """What a frame weighs; said explicitly, because PyBullet takes silence for 1 kg."""
 
 
@@ -160,10 +157,10 @@ def assemble(
     efforts = static_efforts(parts, [*bodies[:-1], compound([bodies[-1], *carried])] if carried else bodies)
     base_body = base_of(manipulator, base, density)
     links = [
-        own.link(name="base_link"),
-        _link("base_link_inertia", base_body, base.visuals if seen else (), base.collisions if touching else ()),
+        own.link(name=ROOT),
+        _link(BASE, base_body, base.visuals if seen else (), base.collisions if touching else ()),
     ]
-    joints = [fixed_joint("base_link", "base_link_inertia", base.origin)]
+    joints = [fixed_joint(ROOT, BASE, base.origin)]
     for part, body, effort in zip(parts, bodies, efforts, strict=True):
         row, limits = part.row, part.limits
         if row.type is not JointType.FIXED and limits.effort is None:
@@ -183,10 +180,10 @@ def assemble(
         )
         links.append(_link(row.link, body, part.visuals if seen else (), part.collisions if touching else ()))
     last = links[-1].name
-    joints += [fixed_joint(last, "flange", flange), fixed_joint(last, "tool0", tool0)]
-    links += [own.link(name="flange", inertial=WEIGHTLESS), own.link(name="tool0", inertial=WEIGHTLESS)]
+    joints += [fixed_joint(last, FLANGE, flange), fixed_joint(last, TOOL, tool0)]
+    links += [own.link(name=FLANGE, inertial=WEIGHTLESS), own.link(name=TOOL, inertial=WEIGHTLESS)]
     if options.base_frame:  # On the body of the base: a chain of frames without mass is lost in sdformat.
-        joints.append(fixed_joint("base_link_inertia", "base", base.dh_frame))
+        joints.append(fixed_joint(BASE, "base", base.dh_frame))
         links.append(own.link(name="base", inertial=WEIGHTLESS))
     if payload:
         joints.append(fixed_joint(last, PAYLOAD, tool0))
@@ -318,7 +315,7 @@ def static_efforts(parts: Sequence[Part], bodies: Sequence[Inertial]) -> list[fl
     weight = moment = 0.0  # of all links further out, moment about the joint that carries them
     for part, body in zip(reversed(parts), reversed(bodies), strict=True):
         from_foot = subtract(body.com, part.foot)
-        across = norm(_cross(from_foot, part.axis))
+        across = norm(cross(from_foot, part.axis))
         if part.row.type is JointType.PRISMATIC:
             load = weight + body.mass
         else:
@@ -328,11 +325,6 @@ def static_efforts(parts: Sequence[Part], bodies: Sequence[Inertial]) -> list[fl
         weight += body.mass
         efforts.append(_default_efforts(SAFETY * GRAVITY * load))
     return efforts[::-1]
-
-
-def _cross(left: Vec3, right: Vec3) -> Vec3:
-    (a, b, c), (x, y, z) = left, right
-    return (b * z - c * y, c * x - a * z, a * y - b * x)
 
 
 def _default_efforts(needed: Number) -> Number:

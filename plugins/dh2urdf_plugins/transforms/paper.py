@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 
 from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.robot import Box, Collision, Origin, Visual
-from dh2urdf.rotations import ZERO, Vec3
+from dh2urdf.rotations import Y_AXIS, Z_AXIS, ZERO, Vec3
 from dh2urdf_plugins.transforms.assembly import Base, Part, assemble, complete_limits, parameters, travel
 from dh2urdf_plugins.transforms.checks import nearest_paper_angle
 from dh2urdf_plugins.transforms.formulas import (
@@ -40,8 +40,6 @@ THICKNESS = 0.01
 """Thickness of the paper's boxes [m] (section IV)."""
 
 _LEAST = 1e-5  # shortest side of a box [m]
-_Y: Vec3 = (0.0, 1.0, 0.0)
-_Z: Vec3 = (0.0, 0.0, 1.0)
 
 
 class PaperRow(NamedTuple):
@@ -93,7 +91,7 @@ def paper(manipulator: Manipulator, options: AlphaSwapOptions) -> Robot:
     style = Style(shape="box", radius=0.5 * THICKNESS, material=BASE_COLOUR)
     return assemble(
         manipulator,
-        base=Base(origin=Origin(), visuals=(pedestal(NO_VECTOR, constants(_Z), NO_VECTOR, style),), collisions=()),
+        base=Base(origin=Origin(), visuals=(pedestal(NO_VECTOR, constants(Z_AXIS), NO_VECTOR, style),), collisions=()),
         parts=parts,
         flange=origin(here),
         tool0=origin(here),
@@ -112,8 +110,8 @@ def swapped_rows(rows: Iterable[DHRow]) -> Iterator[PaperRow]:
     for number, row in enumerate(rows, start=1):
         a, d = Quantity.parameter(f"a_{number}", row.a), Quantity.parameter(f"d_{number}", row.d)
         yield PaperRow(
-            axis=_Y if turned else _Z,
-            direction=_Y if turned_origins else _Z,
+            axis=Y_AXIS if turned else Z_AXIS,
+            direction=Y_AXIS if turned_origins else Z_AXIS,
             along_y=d if turned else a,
             along_z=a if turned else d,
         )

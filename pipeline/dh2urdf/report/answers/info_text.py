@@ -24,7 +24,6 @@ _KINDS = {"turn_rate": "angular speed", "linear_damping": "linear damping"}
 """Kinds of quantities, as a sentence names them."""
 _STATED = {"geometry": "shape of the links", "base_mass": "mass of the base", "base_geometry": "shape of the base"}
 _STATED_UNITS = {"density": "kg/m³", "base_mass": "kg", "com": "m"}
-_WORDS = ("joint", "link", "type")
 _ANGULAR = ("rad", "rad/s")
 
 

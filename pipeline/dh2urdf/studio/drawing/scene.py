@@ -12,11 +12,10 @@ from dataclasses import field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from dh2urdf.cells.cell import WORLD
 from dh2urdf.foreign_robot import Follower
-from dh2urdf.kinematics.chain import FLANGE, TOOL, dh_frames, link_poses
+from dh2urdf.kinematics.chain import dh_frames, link_poses
 from dh2urdf.late_dataclasses import dataclass
-from dh2urdf.manipulator import JointType, Manipulator
+from dh2urdf.manipulator import FLANGE, TOOL, WORLD, JointType, Manipulator
 from dh2urdf.robot import Box, Cylinder, Joint, Mesh, Robot, Sphere
 from dh2urdf.rotations import IDENTITY, RigidTransform, norm, scale
 from dh2urdf.source import Problem

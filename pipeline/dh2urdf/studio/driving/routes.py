@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from dh2urdf.studio.viewing import View
     from dh2urdf.studio.widgets import ArmView
 
-LARGEST = 2**20
+LARGEST_REQUEST = 2**20
 """Size of a request [B]."""
 GET, SET = "/get_joint_positions", "/set_joint_positions"
 """The routes, called as in urdf-viz."""
@@ -42,8 +42,8 @@ def serve_joints(live: LiveJoints, views: Callable[[], Iterable[View]]) -> None:
     async def set_positions(request: Request) -> JSONResponse:
         if request.headers.get("content-type", "").partition(";")[0].strip().lower() != "application/json":
             return _refusal("the header Content-Type has to be application/json", 415)
-        if int(request.headers.get("content-length", "0")) > LARGEST:
-            return _refusal(f"the request has more than {LARGEST // 2**20} MB", 413)
+        if int(request.headers.get("content-length", "0")) > LARGEST_REQUEST:
+            return _refusal(f"the request has more than {LARGEST_REQUEST // 2**20} MB", 413)
         try:
             limited = live.take(await request.body(), views())
         except InputError as error:

@@ -20,15 +20,20 @@ from dh2urdf.quantities.number_text import format_number
 from dh2urdf.quantities.quantity import QuantityError, evaluate
 from dh2urdf.quantities.units import UNITS, Unit
 from dh2urdf.rotations import IDENTITY, RigidTransform, cos_sin, multiply, rotation_x, transpose
-from dh2urdf.table_text import TableText, dimension_of, number_in, table_text, transform_text, unit_of
+from dh2urdf.table_text import (
+    TableText,
+    dimension_of,
+    number_in,
+    table_text,
+    transform_text,
+    unit_of,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from dh2urdf.manipulator import Manipulator
 
-LENGTH_UNITS = ("m", "cm", "mm")
-ANGLE_UNITS = ("rad", "deg")
 _MASS_FIELDS = ("com_x", "com_y", "com_z", "ixx", "iyy", "izz", "ixy", "ixz", "iyz")
 
 

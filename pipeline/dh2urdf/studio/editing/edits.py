@@ -6,7 +6,7 @@ import re
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from dh2urdf.table_text import FIELDS, TableText
+from dh2urdf.table_text import FIELDS, NAMES, TableText
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -17,7 +17,6 @@ LONGEST_TEXT = 1000
 """Characters of one cell; what is longer is cut, and the reader will say what it thinks of it."""
 NEW_JOINT = re.compile(r"joint_\d+")
 """A name that the studio itself has given."""
-NOT_GEOMETRY = ("joint", "link", "type")
 """Fields that do not begin a row: names and types are filled in before a person begins."""
 
 _UNWRITABLE = re.compile(r"[^\t\x20-\x7e\xa0-\u2027\u202a-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]+|\t")
@@ -91,9 +90,7 @@ def cleared(table: TableText, first: int, last: int, fields: Sequence[str]) -> T
 
 def begun(table: TableText) -> int:
     """How many rows there are up to the last one in which anything but names and type stands."""
-    return max(
-        (number for number, row in enumerate(table.rows, start=1) if not set(row) <= set(NOT_GEOMETRY)), default=0
-    )
+    return max((number for number, row in enumerate(table.rows, start=1) if not set(row) <= set(NAMES)), default=0)
 
 
 def _new_row(rows: Sequence[Mapping[str, str]]) -> dict[str, str]:

@@ -8,9 +8,8 @@ from dataclasses import asdict, fields
 from typing import TYPE_CHECKING
 
 from dh2urdf.manipulator import Convention
-from dh2urdf.studio.editing.conversions import ANGLE_UNITS, LENGTH_UNITS
 from dh2urdf.studio.editing.edits import MOST_ROWS, clean
-from dh2urdf.table_text import FIELDS, TableText
+from dh2urdf.table_text import ANGLE_UNITS, FIELDS, LENGTH_UNITS, TableText
 
 if TYPE_CHECKING:
     from dh2urdf.studio.editing.session import Session

@@ -25,14 +25,13 @@ from dh2urdf.robot import Robot
 from dh2urdf.source import Mark, Problem, in_file_order
 from dh2urdf.stages import Rejected, Transform
 from dh2urdf.studio.editing.edits import begun
-from dh2urdf.table_text import FIELDS, TableText, WrittenTable
+from dh2urdf.table_text import FIELDS, STATEMENTS, TableText, WrittenTable
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
     from dh2urdf.plugin_system.catalog import Catalog
 
-_OF_THE_TABLE = ("name", "convention", "units", "base", "tool", "payload", "defaults")
 _TEXTS = ("message", "accepted", "suggestion")
 
 
@@ -127,7 +126,7 @@ def located(problems: Iterable[Problem], written: WrittenTable, table: TableText
 def _located(problem: Problem, written: WrittenTable, table: TableText) -> CellProblem:
     row, field = written.at(problem.mark)
     whole, _, part = (problem.field or "").partition(".")
-    if whole in _OF_THE_TABLE:
+    if whole in STATEMENTS:
         return CellProblem(problem=problem, field=whole)
     if row is None and problem.joint is not None:
         row = next((index for index, texts in enumerate(table.rows) if texts.get("joint") == problem.joint), None)

@@ -10,8 +10,6 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from dh2urdf.kinematics.chain import (
-    ROOT,
-    TOOL,
     KinematicChain,
     angle_error,
     dh_frames,
@@ -21,7 +19,7 @@ from dh2urdf.kinematics.chain import (
     reach,
 )
 from dh2urdf.late_dataclasses import dataclass
-from dh2urdf.manipulator import Convention, JointType, Manipulator
+from dh2urdf.manipulator import ROOT, TOOL, Convention, JointType, Manipulator
 from dh2urdf.robot import Robot
 from dh2urdf.rotations import IDENTITY, RigidTransform
 from dh2urdf.studio import joints

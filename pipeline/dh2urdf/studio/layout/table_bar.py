@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 from nicegui import ui
 
 from dh2urdf.manipulator import Convention
-from dh2urdf.studio.editing.conversions import ANGLE_UNITS, LENGTH_UNITS
+from dh2urdf.table_text import ANGLE_UNITS, LENGTH_UNITS
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Mapping

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from nicegui import ui
 
-from dh2urdf.kinematics.chain import ROOT, TOOL
+from dh2urdf.manipulator import ROOT, TOOL
 from dh2urdf.quantities.units import UNITS
 from dh2urdf.rotations import norm
 from dh2urdf.studio import joints

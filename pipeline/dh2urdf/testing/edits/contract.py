@@ -11,6 +11,7 @@ from dh2urdf.errors import EditError, PluginError
 from dh2urdf.kinematics.expected_poses import ExpectedPoses
 from dh2urdf.kinematics.proof import TOLERANCE
 from dh2urdf.kinematics.proof_vectors import proof_vectors
+from dh2urdf.manipulator import ROOT, TOOL
 from dh2urdf.robot_check import check_robot
 from dh2urdf.testing.oracle import difference, robot_pose, table_pose
 from dh2urdf.testing.reference import plain_robot, reference_manipulators
@@ -174,7 +175,7 @@ class EditContract(StageContract):
     def _distance(self, table: Manipulator, robot: Robot, q: Sequence[float]) -> tuple[float, float]:
         """How far tool0 of a robot is from where its table has it [m, rad]."""
         try:
-            found = robot_pose(robot, q, "base_link", "tool0")
+            found = robot_pose(robot, q, ROOT, TOOL)
         except (ValueError, StopIteration):
             return self.breach(
                 self.test_keeps_the_kinematics,

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 from lxml import etree
 
 from dh2urdf.errors import EmitterError
+from dh2urdf.manipulator import WORLD
 from dh2urdf.source import Problem
 from dh2urdf_plugins.emitters.ros2.description_xacro import arms_of, positions_argument
 from dh2urdf_plugins.emitters.ros2.moveit_yaml import (
@@ -33,7 +34,7 @@ from dh2urdf_plugins.emitters.ros2.package_files import (
 from dh2urdf_plugins.emitters.ros2.viewing import planning_view
 from dh2urdf_plugins.emitters.ros2.yaml_files import arm_joints, controllers, initial_positions
 from dh2urdf_plugins.emitters.srdf.emitter import srdf
-from dh2urdf_plugins.emitters.srdf.semantics import WORLD, groups
+from dh2urdf_plugins.emitters.srdf.semantics import groups
 from dh2urdf_plugins.emitters.urdf_tree import serialise
 from dh2urdf_plugins.emitters.xacro_files import NAMESPACE, XacroNotation, append_element
 

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from dh2urdf_plugins.emitters.ros2.options import NO_EMAIL, NO_MAINTAINER
 from dh2urdf_plugins.emitters.ros2.yaml_files import controller_name, yaml_file
+from dh2urdf_plugins.ros_conventions import CONTROLLER_MANAGER
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -25,7 +26,6 @@ _SCALING = 0.1
 _RESOLUTION, _TIMEOUT = 0.005, 0.05
 _CARTESIAN = {"max_trans_vel": 1.0, "max_trans_acc": 2.25, "max_trans_dec": -5.0, "max_rot_vel": 1.57}
 """The limits of the tool that MoveIt's setup assistant writes [m/s, m/s², m/s², rad/s]."""
-_MANAGER = "moveit_simple_controller_manager"
 
 
 def reaches_positions_only(group: Group) -> bool:
@@ -82,7 +82,10 @@ def moveit_controllers(arms: Sequence[ArmJoints]) -> bytes:
             "default": True,
             "joints": [f"{prefix}{joint.name}" for joint in joints],
         }
-    content = {"moveit_controller_manager": f"{_MANAGER}/MoveItSimpleControllerManager", _MANAGER: manager}
+    content = {
+        "moveit_controller_manager": f"{CONTROLLER_MANAGER}/MoveItSimpleControllerManager",
+        CONTROLLER_MANAGER: manager,
+    }
     return yaml_file(
         content, "The controllers that execute what MoveIt plans; they are those of ros2_controllers.yaml."
     )

@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING
 
 from dh2urdf.errors import EmitterError
 from dh2urdf.source import Problem, shown
+from dh2urdf_plugins.ros_conventions import PACKAGE_NAME
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
     from dh2urdf.robot import Robot
 
-_PACKAGE = re.compile(r"[a-z][a-z0-9]*(?:_[a-z0-9]+)*")
 _NAME = re.compile(r"[A-Za-z0-9_-]+")
 _SHORTEST = 2
 _SUFFIX = "_description"
@@ -36,7 +36,7 @@ def robot_name(stem: str, package: str) -> str:
         EmitterError: REP 144 does not allow the name; the error proposes another.
     """
     name = package_stem(stem, package)
-    if _PACKAGE.fullmatch(name) and len(name) >= _SHORTEST:
+    if PACKAGE_NAME.fullmatch(name) and len(name) >= _SHORTEST:
         return name
     message = f"a ROS package cannot be named {shown(f'{name}{_SUFFIX}')}"
     raise EmitterError(

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from dataclasses import replace
 from pathlib import PurePosixPath
 from typing import TYPE_CHECKING
@@ -45,6 +44,7 @@ from dh2urdf_plugins.emitters.ros2.yaml_files import (
     physical_parameters,
 )
 from dh2urdf_plugins.emitters.urdf_tree import check_lines
+from dh2urdf_plugins.ros_conventions import VERSION
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -53,7 +53,6 @@ if TYPE_CHECKING:
     from dh2urdf_plugins.emitters.ros2.options import Ros2Options
 
 BASE = "base"
-_VERSION = re.compile(r"[0-9]+\.[0-9]+\.[0-9]+")
 
 
 def packages_of(robot: Robot, stem: str, options: Ros2Options) -> tuple[EmittedFile, ...]:
@@ -63,7 +62,7 @@ def packages_of(robot: Robot, stem: str, options: Ros2Options) -> tuple[EmittedF
         EmitterError: ROS cannot use a name, an option is wrong, or the robot lacks what URDF or MoveIt requires.
         MissingDependencyError: what finds collision pairs for MoveIt is not installed.
     """
-    if not _VERSION.fullmatch(options.version):
+    if not VERSION.fullmatch(options.version):
         accepted = "three numbers with dots between them, such as 1.2.0 (REP 149)"
         message = "this is not the version of a ROS package"
         raise EmitterError(Problem(message=message, field="version", found=options.version, accepted=accepted))

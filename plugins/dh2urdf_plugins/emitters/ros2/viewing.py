@@ -6,10 +6,10 @@ import pprint
 from typing import TYPE_CHECKING
 
 from dh2urdf.kinematics import link_poses
-from dh2urdf.manipulator import JointType
+from dh2urdf.manipulator import TOOL, JointType
 from dh2urdf.rotations import norm
 from dh2urdf_plugins.emitters.ros2.package_files import filled
-from dh2urdf_plugins.emitters.srdf.semantics import TOOL, initial_position
+from dh2urdf_plugins.emitters.srdf.semantics import initial_position
 
 if TYPE_CHECKING:
     from dh2urdf.robot import Joint, Robot

@@ -69,8 +69,9 @@ def annotate(path: Path, expansion: Expansion, earlier: Path | None, options: Sr
     from dh2urdf.stages import Annotation
     from dh2urdf_plugins.collision_pairs.mechanism import Mechanism
     from dh2urdf_plugins.collision_pairs.search import collision_pairs
-    from dh2urdf_plugins.descriptions.description import LARGEST, urdf_description, xacro_description
+    from dh2urdf_plugins.descriptions.description import urdf_description, xacro_description
     from dh2urdf_plugins.emitters.srdf.pairs_text import new_file, updated
+    from dh2urdf_plugins.read_back.xml_files import LARGEST
 
     has_macros = path.name.lower().endswith(_MACROS)
     if expansion.arguments and not has_macros:

@@ -12,7 +12,7 @@ from lxml import etree
 from dh2urdf.errors import EmitterError
 from dh2urdf.kinematics import KinematicChain
 from dh2urdf.late_tuples import NamedTuple
-from dh2urdf.manipulator import JointType
+from dh2urdf.manipulator import ENDS, TOOL, WORLD, JointType
 from dh2urdf.quantities import format_numbers
 from dh2urdf.source import Problem
 from dh2urdf_plugins.emitters.urdf_tree import Notation
@@ -23,9 +23,6 @@ if TYPE_CHECKING:
     from dh2urdf.robot import Joint, Robot
     from dh2urdf_plugins.collision_pairs.search import CollisionPairs
 
-TOOL = "tool0"
-ENDS = ("flange", TOOL)
-WORLD = "world"
 EVERY_ARM = "all"
 """The group of all arms of a cell."""
 

@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING
 
 from dh2urdf.commands import left_out_of, table_content
 from dh2urdf.errors import EmitterError, InputError, RecordValueError
-from dh2urdf.source import Problem, shown
+from dh2urdf.manipulator import BASE, FLANGE, ROOT, TOOL, WORLD
+from dh2urdf.source import Problem, listed, shown
 from dh2urdf.stages import EmittedFile
 from dh2urdf_plugins.emitters.table.json_file import json_file
 from dh2urdf_plugins.emitters.table.latex import latex_file
@@ -28,7 +29,7 @@ if TYPE_CHECKING:
     from dh2urdf_plugins.emitters.table.options import Format, TableOptions
 
 _READ_BACK = ("yaml", "csv", "json")
-_LINKS = {"world", "base_link", "base_link_inertia", "base", "flange", "tool0", "payload"}
+_LINKS = {WORLD, ROOT, BASE, "base", FLANGE, TOOL, "payload"}
 """Links beside those of the rows that a table says by itself, or that every robot has."""
 _MOST_LINKS = 6
 
@@ -137,9 +138,7 @@ def _of_other_links(robot: Robot, arms: Sequence[Manipulator]) -> Iterator[Probl
         return
     known = {*_LINKS, *(row.link for row in arms[0].rows)}
     if others := [link.name for link in robot.links if link.name not in known]:
-        message = f"a table has no place for {', '.join(map(shown, others[:_MOST_LINKS]))}"
-        if (more := len(others) - _MOST_LINKS) > 0:
-            message += f" and {more} more links"
+        message = f"a table has no place for {listed([shown(name) for name in others], _MOST_LINKS)}"
         yield Problem(message=message, severity="notice", suggestion="a URDF, SDF or MJCF describes the whole robot")
 
 

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from dh2urdf.manipulator import Convention, JointType
+from dh2urdf.manipulator import ROOT, TOOL, Convention, JointType
 from dh2urdf.quantities import format_number
 from dh2urdf.rotations import IDENTITY
 from dh2urdf_plugins.emitters.table.code import angle_code, matrix_rows, unsaid, variables
@@ -49,18 +49,18 @@ class _Tree:
 
     def __init__(self, variable: str, arm: Manipulator) -> None:
         self._variable, self._arm = variable, arm
-        self._parent = "base_link"
-        self._taken = {"base_link", "tool0", *(row.link for row in arm.rows), *(row.joint for row in arm.rows)}
+        self._parent = ROOT
+        self._taken = {ROOT, TOOL, *(row.link for row in arm.rows), *(row.joint for row in arm.rows)}
 
     def lines(self) -> Iterator[str]:
         """The statements that make the tree."""
         yield f"{self._variable} = rigidBodyTree('DataFormat', 'row');"
-        yield f"{self._variable}.BaseName = 'base_link';"
+        yield f"{self._variable}.BaseName = '{ROOT}';"
         if self._arm.base != IDENTITY:
             yield from self._placed(self._free("base_frame"), self._free("base_frame_joint"), self._matrix("base"))
         for row in self._arm.rows:
             yield from self._row(row)
-        yield from self._placed("tool0", self._free("tool0_joint"), self._matrix("tool"))
+        yield from self._placed(TOOL, self._free(f"{TOOL}_joint"), self._matrix("tool"))
 
     def _row(self, row: DHRow) -> Iterator[str]:
         """The body of a row, and the fixed body of a constant that the joint has no place for."""

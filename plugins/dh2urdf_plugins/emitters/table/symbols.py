@@ -8,15 +8,13 @@ from typing import TYPE_CHECKING
 from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.manipulator import JointType
 from dh2urdf.quantities import UNITS
-from dh2urdf.table_text import number_in, transform_text
+from dh2urdf.table_text import PARAMETERS, number_in, transform_text
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from dh2urdf.manipulator import DHRow, Manipulator
     from dh2urdf_plugins.emitters.table.options import TableOptions
-
-PARAMETERS = ("a", "alpha", "d", "theta")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.late_tuples import NamedTuple
-from dh2urdf.source import shown
+from dh2urdf.source import listed, shown
 from dh2urdf_plugins.lint.document.tree import Element
 
 if TYPE_CHECKING:
@@ -179,9 +179,7 @@ class Description:
 
 def few(names: Iterable[str]) -> str:
     """The first of some names, as a message says them, and how many more there are."""
-    different = list(dict.fromkeys(names))
-    more = len(different) - _FEW
-    return ", ".join(map(shown, different[:_FEW])) + (f" and {more} more" if more > 0 else "")
+    return listed([shown(name) for name in dict.fromkeys(names)], _FEW)
 
 
 def _joint(element: Element) -> JointNode:

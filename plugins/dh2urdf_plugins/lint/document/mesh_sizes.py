@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 LARGEST = 2**25
 """Size of a mesh file that is read [B]."""
-_STL_HEADER, _STL_TRIANGLE = 84, 50  # bytes: 80 of any text, then the number of triangles in 4
+STL_HEADER, STL_TRIANGLE = 84, 50  # bytes: 80 of any text, then the number of triangles in 4
 _CORNER = {
     ".stl": re.compile(rb"^[ \t]*vertex[ \t]+(\S+)[ \t]+(\S+)[ \t]+(\S+)", re.MULTILINE),
     ".obj": re.compile(rb"^v[ \t]+(\S+)[ \t]+(\S+)[ \t]+(\S+)", re.MULTILINE),
@@ -73,11 +73,11 @@ def _of_binary_stl(content: bytes) -> NDArray[Any] | None:
     """The corners of all triangles; None where the file is an STL of text."""
     import numpy as np
 
-    count = int.from_bytes(content[80:_STL_HEADER], "little")
-    if len(content) < _STL_HEADER or len(content) < _STL_HEADER + count * _STL_TRIANGLE:
+    count = int.from_bytes(content[80:STL_HEADER], "little")
+    if len(content) < STL_HEADER or len(content) < STL_HEADER + count * STL_TRIANGLE:
         return None
     triangle = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("colour", "<u2")])
-    return np.frombuffer(content, triangle, count, _STL_HEADER)["corners"].reshape(-1, 3).astype(float)
+    return np.frombuffer(content, triangle, count, STL_HEADER)["corners"].reshape(-1, 3).astype(float)
 
 
 def _around(corners: NDArray[Any]) -> NDArray[Any] | None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from dh2urdf.manipulator import JointType, Limits
+from dh2urdf.manipulator import JOINT_TYPES, JointType, Limits
 from dh2urdf.robot import Joint, Link, Origin, Robot
 from dh2urdf.rotations import X_AXIS, Z_AXIS, ZERO, norm, scale
 from dh2urdf.source import Mark
@@ -13,8 +13,6 @@ if TYPE_CHECKING:
     from dh2urdf.rotations import Vec3
     from dh2urdf_plugins.lint.document.description import Description, JointNode
     from dh2urdf_plugins.lint.document.tree import Element
-
-_TYPES = {kind.value: kind for kind in JointType}
 
 
 def robot_of(description: Description) -> Robot | None:
@@ -39,7 +37,7 @@ def robot_of(description: Description) -> Robot | None:
 
 
 def _joint(node: JointNode, description: Description) -> Joint | None:
-    kind = _TYPES.get(node.kind)
+    kind = JOINT_TYPES.get(node.kind)
     origin = _origin(node.element.first("origin"))
     axis = Z_AXIS if kind is JointType.FIXED else _direction(node.element.first("axis"))
     if kind is None or origin is None or axis is None or not {node.parent, node.child} <= description.link.keys():

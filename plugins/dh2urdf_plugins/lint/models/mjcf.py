@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 
 from dh2urdf.rotations import norm
 from dh2urdf.source import did_you_mean, shown
+from dh2urdf_plugins.lint.joints import UNIT
 from dh2urdf_plugins.lint.models.mjcf_compiled import CHANGES_MASSES, hits as hits_of_compiled
 from dh2urdf_plugins.lint.models.mjcf_names import hits as hits_of_names
 from dh2urdf_plugins.lint.models.models import (
@@ -42,7 +43,6 @@ _OF_BODIES = {
     "replicate": "count offset euler sep",
     "worldbody": "",
 }
-_UNIT = 1e-5
 _COUNT = {
     "joint": {"axis": 3, "pos": 3, "range": 2, "damping": 0, "armature": 1, "frictionloss": 1},
     "inertial": {"mass": 1, "pos": 3, "quat": 4, "diaginertia": 3, "fullinertia": 6},
@@ -173,9 +173,9 @@ def _joints(root: etree._Element) -> Iterator[Hit]:
             yield Hit("nameless-joint", joint, "a joint has no name")
         if axis := numbers(joint.get("axis"), 3):
             length = norm((axis[0], axis[1], axis[2]))
-            if length < _UNIT:
+            if length < UNIT:
                 yield Hit("axis-zero", joint, f"the axis of {about} has the length 0")
-            elif abs(length - 1.0) > _UNIT:
+            elif abs(length - 1.0) > UNIT:
                 yield Hit("axis-not-unit", joint, f"the axis of {about} has the length {length:.6g}")
         yield from _range(joint, root)
 

@@ -19,15 +19,13 @@ from dh2urdf.source import Mark
 from dh2urdf.stages import Finding, Inspection
 from dh2urdf_plugins.lint.document.tree import numbers_of
 from dh2urdf_plugins.lint.rules import Rule, rules_of
-from dh2urdf_plugins.read_back.xml_files import FILE, mark_of, tree_of
+from dh2urdf_plugins.read_back.xml_files import FILE, LARGEST, mark_of, tree_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Sequence
 
     from dh2urdf.robot import Robot
 
-LONGEST = 2**26
-"""Size of a model that is inspected [B]."""
 CONSUMERS = {
     "sdf": {"gazebo": "Gazebo: sdformat", "drake": "Drake", "pybullet": "PyBullet"},
     "mjcf": {"mujoco": "MuJoCo", "drake": "Drake", "pybullet": "PyBullet"},
@@ -83,7 +81,7 @@ def inspect_model(
     Raises:
         InputError: the file cannot be read.
     """
-    content = read_bytes(path, InputError, limit=LONGEST)
+    content = read_bytes(path, InputError, limit=LARGEST)
     try:
         root = tree_of(content, str(path), is_deep=name == "mjcf")
     except ProofError as error:

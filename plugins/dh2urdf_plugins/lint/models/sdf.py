@@ -10,7 +10,9 @@ from urllib.parse import unquote
 from lxml import etree
 
 from dh2urdf.rotations import norm
+from dh2urdf.row_fields import INERTIA
 from dh2urdf.source import did_you_mean, shown
+from dh2urdf_plugins.lint.joints import UNIT
 from dh2urdf_plugins.lint.models.models import Hit, Model, fault_of_inertia, inspect_model, numbers
 from dh2urdf_plugins.read_back.sdf.reader import read_model
 
@@ -38,12 +40,10 @@ _OF_OTHERS = ("actor", "gripper", "plugin", "sensor", "state")
 """Elements whose content is no part of a model, although it may be called so: a contact sensor names a `collision`."""
 _SCALARS = ("mass", "lower", "upper", "effort", "velocity", "radius", "length")
 _COLOURS = ("ambient", "diffuse", "specular", "emissive")
-_MOMENTS = ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
-_VALUES = {**dict.fromkeys(_SCALARS + _MOMENTS, 1), "xyz": 3, "size": 3, "scale": 3, "pose": 6}
+_VALUES = {**dict.fromkeys(_SCALARS + INERTIA, 1), "xyz": 3, "size": 3, "scale": 3, "pose": 6}
 """How many numbers there are in an element."""
 _IN = ("inertial", "inertia", "limit", "axis", "axis2", "box", "cylinder", "sphere", "capsule", "mesh", "link", "model")
 _POSED = ("inertial", "link", "model", "joint", "frame", "visual", "collision", "sensor", "include", "light")
-_UNIT = 1e-5
 _NAMED = ("model", "link", "joint", "frame")
 
 
@@ -224,9 +224,9 @@ def _axes(joint: etree._Element) -> Iterator[Hit]:
             yield Hit("missing-axis-direction", axis, f"the axis of {about} has no xyz")
         elif direction := numbers(xyz.text, 3):
             length = norm((direction[0], direction[1], direction[2]))
-            if length < _UNIT:
+            if length < UNIT:
                 yield Hit("axis-zero", xyz, f"the axis of {about} has the length 0")
-            elif abs(length - 1.0) > _UNIT:
+            elif abs(length - 1.0) > UNIT:
                 yield Hit("axis-not-unit", xyz, f"the axis of {about} has the length {length:.6g}")
         if kind in {"revolute", "prismatic"} and axis.find("limit") is None:
             yield Hit("missing-limit", axis, f"{about} is {kind} and has no limit")

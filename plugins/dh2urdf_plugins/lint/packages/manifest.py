@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from dh2urdf.source import Mark, shown
 from dh2urdf_plugins.lint.packages.package import Hit
+from dh2urdf_plugins.ros_conventions import PACKAGE_NAME, VERSION
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -14,8 +15,6 @@ if TYPE_CHECKING:
     from dh2urdf_plugins.lint.packages.package import Package
 
 _NAME = re.compile(r"[a-zA-Z0-9][a-zA-Z0-9_-]*")
-_STYLE = re.compile(r"[a-z][a-z0-9]*(?:_[a-z0-9]+)*")
-_VERSION = re.compile(r"[0-9]+\.[0-9]+\.[0-9]+")
 _PROJECT = re.compile(r"^[ \t]*project\s*\(\s*([^\s)]+)", re.IGNORECASE | re.MULTILINE)
 _REQUIRED = ("name", "version", "description", "maintainer", "license")
 
@@ -43,10 +42,10 @@ def _missing(package: Package) -> Iterator[Hit]:
 
 def _words(package: Package) -> Iterator[Hit]:
     version = (package.root.findtext("version") or "").strip()
-    if version and not _VERSION.fullmatch(version):
+    if version and not VERSION.fullmatch(version):
         yield Hit("package-version", _at(package, "version"), f"the version is {shown(version)}")
     name = package.name
-    if name and not _STYLE.fullmatch(name):
+    if name and not PACKAGE_NAME.fullmatch(name):
         rule = "package-name-style" if _NAME.fullmatch(name) else "package-name"
         yield Hit(rule, _at(package, "name"), f"the package is called {shown(name)}")
     for tag in ("license", "maintainer"):

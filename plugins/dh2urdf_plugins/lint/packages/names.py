@@ -13,6 +13,7 @@ from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.source import Mark, did_you_mean, shown
 from dh2urdf_plugins.lint.models.models import parsed
 from dh2urdf_plugins.lint.packages.package import Hit
+from dh2urdf_plugins.ros_conventions import CONTROLLER_MANAGER
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
@@ -25,7 +26,6 @@ if TYPE_CHECKING:
 _TAG = re.compile(rb"(?:^|[\s\[{,:])![A-Za-z!<]")
 """A tag, such as xacro's `!degrees`, whose file is for xacro alone."""
 _ROS = "ros__parameters"
-_MANAGER = "moveit_simple_controller_manager"
 _PLANNING = ("has_velocity_limits", "has_acceleration_limits", "max_acceleration")
 _REALS = ("max_velocity", "max_acceleration", "max_jerk", "min_position", "max_position")
 _NEAR = 1e-6
@@ -86,7 +86,7 @@ def _controllers(node: Node, package: Package, known: set[str]) -> Iterator[Hit]
     if "controller_manager" in _entries(node):
         for name in _ros2_controllers(node):
             yield from _controller_joints(_entries(node, name, _ROS).get("joints"), name, package)
-    manager = _entries(node, _MANAGER)
+    manager = _entries(node, CONTROLLER_MANAGER)
     for each in _words(manager.get("controller_names")):
         name = str(each.value)
         if known and name not in known:

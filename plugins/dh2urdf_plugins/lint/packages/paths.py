@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 from lxml import etree
 
 from dh2urdf.late_tuples import NamedTuple
+from dh2urdf.meshes import PACKAGE
 from dh2urdf.source import Mark, shown
 from dh2urdf_plugins.lint.models.models import parsed
 from dh2urdf_plugins.lint.packages.package import Hit
@@ -32,7 +33,6 @@ _INSTALL = re.compile(
     r"install\s*\(\s*(?:DIRECTORY|FILES|PROGRAMS)\s+([^)]*?)\s+DESTINATION\b|INSTALL_TO_SHARE\s+([^)]*)\)",
     re.IGNORECASE,
 )
-_MESH = "package://"
 
 
 class Use(NamedTuple):
@@ -90,7 +90,7 @@ def _in_markup(path: Path, content: bytes) -> Iterator[Use]:
         mark = Mark(file=str(path), line=element.sourceline)  # type: ignore[arg-type]  # the stubs of lxml
         for text in (*map(str, element.attrib.values()), element.text or ""):
             for match in _IN_XML.finditer(text):
-                yield Use(match[1], match[2].strip("/"), mark, is_mesh=match[0].startswith(_MESH))
+                yield Use(match[1], match[2].strip("/"), mark, is_mesh=match[0].startswith(PACKAGE))
 
 
 def _in_launch(path: Path, content: bytes) -> Iterator[Use]:

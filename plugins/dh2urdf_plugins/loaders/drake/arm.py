@@ -14,16 +14,17 @@ from importlib.metadata import version
 from typing import TYPE_CHECKING, Any
 
 from dh2urdf.errors import LoaderError
+from dh2urdf.mass_properties import GRAVITY
 from dh2urdf.measuring import DOUBLE, Body
 from dh2urdf.rotations import RigidTransform
 from dh2urdf.source import shown
 from dh2urdf.stages import LoadReport
 from dh2urdf_plugins.loaders.comparison import Comparison
 from dh2urdf_plugins.loaders.measures import (
-    GRAVITY,
     HOLD_SECONDS,
     HOLD_STAYS,
     OVERLAP,
+    TIME_STEP,
     hold_start,
     rotation,
     touching_pairs,
@@ -36,8 +37,6 @@ if TYPE_CHECKING:
     from dh2urdf.source import Problem
     from dh2urdf.stages import LoadRequest
 
-TIME_STEP = 1 / 240
-"""Time step of the hold test [s]."""
 YIELD = HOLD_STAYS / 10
 """Displacement at which a motor of the hold test gives its full effort [rad or m]: it acts as a stiff spring."""
 

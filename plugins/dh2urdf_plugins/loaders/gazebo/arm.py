@@ -13,7 +13,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from dh2urdf.errors import LoaderError
-from dh2urdf.manipulator import JointType
+from dh2urdf.manipulator import WORLD, JointType
 from dh2urdf.mass_properties import compound, placed
 from dh2urdf.measuring import DOUBLE
 from dh2urdf.robot import Inertial
@@ -21,7 +21,6 @@ from dh2urdf.rotations import IDENTITY, RigidTransform, quarter_turns
 from dh2urdf.source import shown
 from dh2urdf.stages import LoadReport
 from dh2urdf_plugins.base_bodies import with_base_bodies
-from dh2urdf_plugins.loaders.gazebo.sdf_model import WORLD
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

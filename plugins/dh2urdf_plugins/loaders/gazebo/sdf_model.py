@@ -15,7 +15,7 @@ from lxml import etree
 from dh2urdf.kinematics import axis_rotation
 from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.late_tuples import NamedTuple
-from dh2urdf.manipulator import Inertia
+from dh2urdf.manipulator import WORLD, Inertia
 from dh2urdf.mass_properties import placed
 from dh2urdf.measuring import Body, tensor
 from dh2urdf.robot import Inertial
@@ -25,7 +25,6 @@ if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
 MODEL = "__model__"
-WORLD = "world"
 ENDLESS = 1e16
 """A limit from which on sdformat means that there is none [rad or m]."""
 

@@ -16,13 +16,13 @@ from importlib.metadata import version
 from typing import TYPE_CHECKING, Any
 
 from dh2urdf.errors import LoaderError
+from dh2urdf.mass_properties import GRAVITY
 from dh2urdf.measuring import Body
 from dh2urdf.rotations import ZERO, RigidTransform, multiply, transpose
 from dh2urdf.source import shown
 from dh2urdf.stages import LoadReport
 from dh2urdf_plugins.loaders.comparison import Comparison
 from dh2urdf_plugins.loaders.measures import (
-    GRAVITY,
     HOLD_SECONDS,
     HOLD_STAYS,
     OVERLAP,
@@ -43,7 +43,7 @@ TIME_STEP = 0.001
 """Time step of the hold test [s]."""
 YIELD = HOLD_STAYS / 4
 """Displacement at which a motor of the hold test gives its full effort [rad or m]."""
-SETTLING = 0.05
+MOTOR_SETTLING = 0.05
 """Time constant with which such a motor settles [s]."""
 WEIGHT_RISES = HOLD_SECONDS / 2
 """Time in which the weight comes on [s]; all at once, it would fall into the motors and ask for twice the effort."""
@@ -208,7 +208,7 @@ class Arm:
             servo.trntype = mujoco.mjtTrn.mjTRN_JOINT
             servo.gaintype, servo.biastype = mujoco.mjtGain.mjGAIN_FIXED, mujoco.mjtBias.mjBIAS_AFFINE
             servo.gainprm[0] = stiffness
-            servo.biasprm[1], servo.biasprm[2] = -stiffness, -stiffness * SETTLING
+            servo.biasprm[1], servo.biasprm[2] = -stiffness, -stiffness * MOTOR_SETTLING
             servo.ctrllimited = mujoco.mjtLimited.mjLIMITED_FALSE
         return spec.compile()
 

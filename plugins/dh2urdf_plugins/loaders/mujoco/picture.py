@@ -10,17 +10,25 @@ from io import BytesIO
 from typing import TYPE_CHECKING, Any
 
 from dh2urdf.output import write_whole
-from dh2urdf_plugins.loaders.viewpoint import AZIMUTH, ELEVATION, FIELD_OF_VIEW, HEIGHT, WIDTH, View, best_view
+from dh2urdf_plugins.loaders.viewpoint import (
+    AZIMUTH,
+    ELEVATION,
+    FIELD_OF_VIEW,
+    FLOOR,
+    HEIGHT,
+    SUPERSAMPLING,
+    WIDTH,
+    View,
+    best_view,
+)
 
 if TYPE_CHECKING:
     from pathlib import Path
 
     from dh2urdf_plugins.loaders.mujoco.arm import Arm
 
-_SUPERSAMPLING = 2  # rendered larger, then averaged, in place of the samples of OpenGL, which take a third of the time
 _SHADOW_MAP = 4096  # [pixels]; with more, the processor that renders is busy with the shadow map most of the time
 _LIBRARIES = {"egl": "EGL", "osmesa": "OSMesa"}  # MuJoCo's name of a way to render, and the library that it needs
-_FLOOR = (0.86, 0.88, 0.91, 1.0)
 _SKY = ((0.97, 0.98, 1.0), (0.90, 0.92, 0.95))  # above and below
 _THICKER = 0.003  # by what share a link is drawn thicker than the one before: more than its facets are flat
 _VISUALS, _FLOORS = 1, 2  # groups of shapes; MuJoCo puts what a URDF says to collide into group 0
@@ -68,7 +76,7 @@ def _lit_model(mujoco: Any, file: Path, view: View) -> Any:  # noqa: ANN401 - a 
     spec = mujoco.MjSpec.from_file(str(file.resolve()))
     spec.stat.center, spec.stat.extent = view.target, view.distance / 4
     spec.visual.global_.fovy = math.degrees(FIELD_OF_VIEW)
-    spec.visual.global_.offwidth, spec.visual.global_.offheight = WIDTH * _SUPERSAMPLING, HEIGHT * _SUPERSAMPLING
+    spec.visual.global_.offwidth, spec.visual.global_.offheight = WIDTH * SUPERSAMPLING, HEIGHT * SUPERSAMPLING
     spec.visual.quality.shadowsize, spec.visual.quality.offsamples = _SHADOW_MAP, 0
     spec.visual.quality.numslices = 96
     spec.visual.headlight.ambient = (0.45, 0.45, 0.45)
@@ -79,7 +87,7 @@ def _lit_model(mujoco: Any, file: Path, view: View) -> Any:  # noqa: ANN401 - a 
     sky.rgb1, sky.rgb2 = _SKY
     middle, half = view.floor
     floor = spec.worldbody.add_geom(type=mujoco.mjtGeom.mjGEOM_BOX, pos=(middle[0], middle[1], middle[2] - half / 100))
-    floor.size, floor.rgba, floor.group = (half, half, half / 100), _FLOOR, _FLOORS
+    floor.size, floor.rgba, floor.group = (half, half, half / 100), FLOOR, _FLOORS
     away = (0.6, -0.5, 1.2)
     lamp = spec.worldbody.add_light(pos=[at + 2 * view.distance * to for at, to in zip(view.target, away, strict=True)])
     lamp.dir = [-to for to in away]
@@ -101,7 +109,7 @@ def _render(mujoco: Any, model: Any, data: Any, view: View) -> Any:  # noqa: ANN
     if not hasattr(mujoco, "GLContext"):
         raise NoGraphicsError("there is no library that renders without a display")
     try:
-        renderer = mujoco.Renderer(model, HEIGHT * _SUPERSAMPLING, WIDTH * _SUPERSAMPLING)
+        renderer = mujoco.Renderer(model, HEIGHT * SUPERSAMPLING, WIDTH * SUPERSAMPLING)
     except Exception as error:  # A library that is there and does not work raises errors of its own.
         raise NoGraphicsError(" ".join(str(error).split()) or type(error).__name__) from error
     try:

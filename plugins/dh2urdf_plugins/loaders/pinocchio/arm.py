@@ -16,12 +16,13 @@ from typing import TYPE_CHECKING, Any
 from dh2urdf.errors import LoaderError
 from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.manipulator import JointType
+from dh2urdf.mass_properties import GRAVITY
 from dh2urdf.measuring import Body
 from dh2urdf.rotations import RigidTransform
 from dh2urdf.source import Problem, shown
 from dh2urdf.stages import LoadReport
 from dh2urdf_plugins.loaders.comparison import Comparison
-from dh2urdf_plugins.loaders.measures import GRAVITY, hold_start, lumped_bodies, rotation, vector
+from dh2urdf_plugins.loaders.measures import hold_start, lumped_bodies, rotation, vector
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence

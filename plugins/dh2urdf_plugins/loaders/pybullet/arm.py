@@ -18,16 +18,17 @@ from importlib.metadata import version
 from typing import TYPE_CHECKING, Any
 
 from dh2urdf.errors import LoaderError
+from dh2urdf.mass_properties import GRAVITY
 from dh2urdf.measuring import Body, Precision
 from dh2urdf.robot import Box, Inertial, Sphere
 from dh2urdf.rotations import IDENTITY, RigidTransform, multiply, rotate, rotation_from_quaternion, transpose
 from dh2urdf.stages import LoadReport
 from dh2urdf_plugins.loaders.comparison import Comparison
 from dh2urdf_plugins.loaders.measures import (
-    GRAVITY,
     HOLD_SECONDS,
     OVERLAP,
     SINGLE_PRECISION,
+    TIME_STEP,
     hold_start,
     touching_pairs,
 )
@@ -40,8 +41,6 @@ if TYPE_CHECKING:
     from dh2urdf.source import Problem
     from dh2urdf.stages import LoadRequest
 
-TIME_STEP = 1 / 240
-"""PyBullet's usual time step [s]."""
 SOFTNESS = 1e-9
 """Added to the diagonal of the direct solver's matrix, which is singular for joints that move no mass."""
 MARGIN = 0.001

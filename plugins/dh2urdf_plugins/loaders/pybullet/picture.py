@@ -7,7 +7,17 @@ from io import BytesIO
 from typing import TYPE_CHECKING, Any
 
 from dh2urdf.output import write_whole
-from dh2urdf_plugins.loaders.viewpoint import FIELD_OF_VIEW, HEIGHT, WIDTH, Frames, JointVector, View, best_view
+from dh2urdf_plugins.loaders.viewpoint import (
+    FIELD_OF_VIEW,
+    FLOOR,
+    HEIGHT,
+    SUPERSAMPLING,
+    WIDTH,
+    Frames,
+    JointVector,
+    View,
+    best_view,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -15,9 +25,7 @@ if TYPE_CHECKING:
 
     from dh2urdf.robot import Robot
 
-_SUPERSAMPLING = 2  # rendered larger, then averaged: the renderer's edges are stairs
 _SHADOWS_UP_TO = 5.0  # [m] from the camera: beyond, the renderer's fixed bias lets every surface shade itself
-_FLOOR = (0.86, 0.88, 0.91, 1.0)
 
 
 def write_picture(bullet: Any, robot: Robot, frames_at: Callable[[JointVector], Frames], path: Path) -> None:  # noqa: ANN401 - a module without type information
@@ -34,7 +42,7 @@ def write_picture(bullet: Any, robot: Robot, frames_at: Callable[[JointVector], 
     view = best_view(robot, frames_at)
     frames_at(view.q)
     _lay_floor(bullet, view)
-    width, height = WIDTH * _SUPERSAMPLING, HEIGHT * _SUPERSAMPLING
+    width, height = WIDTH * SUPERSAMPLING, HEIGHT * SUPERSAMPLING
     pixels = bullet.getCameraImage(
         width,
         height,
@@ -61,7 +69,7 @@ def _lay_floor(bullet: Any, view: View) -> None:  # noqa: ANN401 - a module with
     (x, y, z), half = view.floor
     thickness = half / 100
     shape = bullet.createVisualShape(
-        bullet.GEOM_BOX, halfExtents=(half, half, thickness), rgbaColor=_FLOOR, specularColor=(0, 0, 0)
+        bullet.GEOM_BOX, halfExtents=(half, half, thickness), rgbaColor=FLOOR, specularColor=(0, 0, 0)
     )
     bullet.createMultiBody(
         baseVisualShapeIndex=shape,

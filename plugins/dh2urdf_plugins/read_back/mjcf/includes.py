@@ -9,13 +9,11 @@ from dh2urdf.documents import read_bytes
 from dh2urdf.errors import InputError, ProofError
 from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.source import Problem, shown
-from dh2urdf_plugins.read_back.xml_files import FILE, mark_of, tree_of
+from dh2urdf_plugins.read_back.xml_files import FILE, LARGEST, mark_of, tree_of
 
 if TYPE_CHECKING:
     from lxml import etree
 
-LARGEST = 2**26
-"""Size of an included file [B]."""
 _MOST = 1000
 
 

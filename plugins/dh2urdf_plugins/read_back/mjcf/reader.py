@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 from dh2urdf.errors import ProofError
 from dh2urdf.kinematics import axis_rotation
 from dh2urdf.late_tuples import NamedTuple
-from dh2urdf.manipulator import Inertia, JointType, Limits
+from dh2urdf.manipulator import WORLD, Inertia, JointType, Limits
 from dh2urdf.robot import Inertial, Joint, Link, Origin, Robot
 from dh2urdf.rotations import (
     IDENTITY,
@@ -45,7 +45,6 @@ if TYPE_CHECKING:
 
     from lxml import etree
 
-WORLD = "world"
 
 _NOT_READ = ("include", "replicate", "composite", "flexcomp", "attach")
 _CHANGING_MASSES = frozenset(("balanceinertia", "boundinertia", "boundmass", "settotalmass"))

@@ -10,10 +10,12 @@ from typing import TYPE_CHECKING
 
 from lxml import etree
 
+from dh2urdf.manipulator import WORLD
+
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-MODEL, WORLD = "__model__", "world"
+MODEL = "__model__"
 _NAMED = ("link", "joint", "frame")
 
 

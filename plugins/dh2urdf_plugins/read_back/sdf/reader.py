@@ -18,7 +18,7 @@ from lxml import etree
 
 from dh2urdf.errors import ProofError
 from dh2urdf.late_tuples import NamedTuple
-from dh2urdf.manipulator import Inertia, JointType, Limits
+from dh2urdf.manipulator import JOINT_TYPES, WORLD, Inertia, JointType, Limits
 from dh2urdf.robot import Box, Collision, Cylinder, Inertial, Joint, Link, Material, Mesh, Origin, Robot, Sphere, Visual
 from dh2urdf.rotations import (
     IDENTITY,
@@ -32,7 +32,7 @@ from dh2urdf.rotations import (
 from dh2urdf.source import Mark, Problem, shown
 from dh2urdf_plugins.read_back.capsules import Placed, capsule
 from dh2urdf_plugins.read_back.sdf.elements import SdfElements, origin_of
-from dh2urdf_plugins.read_back.sdf.nesting import MODEL, WORLD, flatten
+from dh2urdf_plugins.read_back.sdf.nesting import MODEL, flatten
 from dh2urdf_plugins.read_back.whole_robots import not_of_a_manipulator, whole
 from dh2urdf_plugins.read_back.xml_files import content_of, tree_of
 
@@ -45,8 +45,7 @@ if TYPE_CHECKING:
 UNLIMITED = 1e16
 """A limit from which on SDF means that there is none [rad or m]."""
 
-_JOINT_TYPES = {kind.value: kind for kind in JointType}
-_ACCEPTED = ", ".join(_JOINT_TYPES)
+_ACCEPTED = ", ".join(JOINT_TYPES)
 _LOOSE = ("ball", "gearbox", "revolute2", "screw", "universal")
 """Joints that no table has."""
 _NOT_READ = ("cone", "ellipsoid", "heightmap", "image", "plane", "polyline")
@@ -256,7 +255,7 @@ class _Reader(SdfElements):
 
     def _joint(self, element: etree._Element, child: str, parent: str, pose: RigidTransform) -> Joint:
         word = element.get("type", "")
-        kind = JointType.FIXED if word in _LOOSE else _JOINT_TYPES.get(word)
+        kind = JointType.FIXED if word in _LOOSE else JOINT_TYPES.get(word)
         if kind is None:
             raise ProofError(not_of_a_manipulator(word, _ACCEPTED, self.mark(element)))
         if word in _LOOSE:

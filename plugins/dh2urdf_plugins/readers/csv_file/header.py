@@ -11,14 +11,12 @@ from dh2urdf.errors import TableError
 from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.patterns import late_pattern
 from dh2urdf.source import Mark, Problem, shown
-from dh2urdf.table_text import CellRow
+from dh2urdf.table_text import REQUIRED, STATEMENTS, CellRow
 from dh2urdf_plugins.readers.header.columns import TURN_ROUND, are_joints
 from dh2urdf_plugins.readers.header.words import read_header
-from dh2urdf_plugins.readers.statements.csv_comments import STATEMENTS
 from dh2urdf_plugins.readers.statements.top import MAX_TITLES, is_header
 from dh2urdf_plugins.readers.words.cells import SPACES
 from dh2urdf_plugins.readers.words.comment_lines import as_typed, is_comment, is_open, without_marker
-from dh2urdf_plugins.readers.words.fields import REQUIRED
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence

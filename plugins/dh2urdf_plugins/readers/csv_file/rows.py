@@ -7,7 +7,7 @@ from operator import itemgetter
 from typing import TYPE_CHECKING
 
 from dh2urdf.source import Mark, Problem
-from dh2urdf.table_text import CellRow
+from dh2urdf.table_text import REQUIRED, CellRow
 from dh2urdf_plugins.readers.csv_file.header import DELIMITERS, row_below, top_rows
 from dh2urdf_plugins.readers.csv_file.lines import CsvLines
 from dh2urdf_plugins.readers.header.header_rows import completed, headers_in
@@ -15,7 +15,6 @@ from dh2urdf_plugins.readers.rows.names import is_plain_label
 from dh2urdf_plugins.readers.tables.cell_rows import BELOW, NOTE_HINT, is_note, other_header, unread_notes
 from dh2urdf_plugins.readers.words.cells import text_of
 from dh2urdf_plugins.readers.words.comment_lines import Comment, joined, marks_a_comment
-from dh2urdf_plugins.readers.words.fields import REQUIRED
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence

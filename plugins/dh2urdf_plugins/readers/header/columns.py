@@ -10,15 +10,15 @@ from dh2urdf.errors import TableError
 from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.patterns import late_pattern
 from dh2urdf.quantities import Dimension, QuantityError, Unit, find_unit, is_unit
-from dh2urdf.source import Mark, Problem, shown
+from dh2urdf.source import Mark, Problem, listed, shown
+from dh2urdf.table_text import REQUIRED
 from dh2urdf_plugins.readers.header.unknown_columns import Refusal, ignored, refusal
 from dh2urdf_plugins.readers.header.words import Header, bounds_theta, misspelt, parts_of, read_header
-from dh2urdf_plugins.readers.words.fields import FIELDS, REQUIRED
+from dh2urdf_plugins.readers.words.fields import FIELDS
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-_FEW = 5
 _INDEX_J = late_pattern(r"[jⱼ][\s)}\]]*(?:[\[(].*)?$", re.IGNORECASE)
 """The index of Khalil and Kleinfinger."""
 _KHALIL = ("sigma", "gamma", "mu", "b")
@@ -238,7 +238,7 @@ def _declare_unit(columns: Columns, header: Header, name: str, mark: Mark, probl
 def _missing(name: str, columns: Columns) -> Problem:
     words = ", ".join(FIELDS[name].headers)
     others = [text for text, field_ in zip(columns.headers, columns.fields, strict=True) if text and field_ is None]
-    suggestion = f"no field is called {', '.join(map(shown, others[:_FEW]))}" if others else None
+    suggestion = f"no field is called {listed([shown(text) for text in others])}" if others else None
     if are_joints(columns.headers):
         suggestion = TURN_ROUND
     return Problem(

@@ -32,7 +32,6 @@ _NOUNS = {
 """What has no field, as the end of a sentence."""
 _NUMBER = late_pattern(r"[+\-−]?[.,]?[0-9]")
 _STRAY = late_pattern(r"[^\w\\$]*(.*?[\])}]|.*?\w)(?:[\W_]+\w?[\W_]*|(?<=[\])}])\w)?")
-_FEW = 5
 _FEW_WORDS = 4
 
 

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import re
-import unicodedata
 from functools import cache, lru_cache
 
 from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.patterns import late_pattern
-from dh2urdf.quantities import DEGREE_SIGNS, UNITS, is_unit, unit_word
+from dh2urdf.quantities import UNITS, composed, is_unit, unit_word
 from dh2urdf_plugins.readers.words.fields import FIELDS, GROUPS, WORDS, Field
 from dh2urdf_plugins.readers.words.unheld import IGNORED, PROSE, SUSPECTS, UNHELD
 from dh2urdf_plugins.readers.words.word_keys import key_of, keys_of
@@ -26,7 +25,6 @@ _LETTERS, _BEHIND = frozenset("ijkn"), "]})* "
 _CLOSING = ("]", ")", "}", ">")
 _OTHER_LINK = late_pattern(r"[a-z]{0,3}\s*[-+]+\s*[a-z0-9]{0,3}|[ijkn][ijkn0-9]{1,2}")
 _PREFIX = late_pattern(r"(?:dh|denavit\W?hartenberg)(?:\W*param(?:eter)?s?)?[\s_.:-]+(.+)")
-_DEGREE = late_pattern(f"[{DEGREE_SIGNS}]")
 _AFTER_CHINESE = late_pattern(r"(?<=[\u4e00-\u9fff])(?=[a-zA-Zα-ωΑ-Ω])")
 _LATEX = late_pattern(r"\\(?:mathrm|mathit|mathbf|text|rm)(?![a-z])|[\\$]")
 _FOOTNOTE = late_pattern(r"(?<=[^\W\d_])\s*[¹²³⁰⁴-⁹†‡§]+(?=\s*[\[({]|$)|(?<=[\])}])\s*[¹²³⁰⁴-⁹†‡§*]+$")
@@ -111,7 +109,7 @@ def _as_written(text: str) -> Header:
 
 
 def _written(text: str) -> str:
-    written = unicodedata.normalize("NFKC", _DEGREE.sub("°", text))
+    written = composed(text)
     plain = _LATEX.sub("", written) if "\\" in written or "$" in written else written
     plain = plain.replace("−", "-").replace("⍺", "α").strip()  # the α of APL, as the Robotics Toolbox prints it
     return plain if written.isascii() else _AFTER_CHINESE.sub(" ", plain)

@@ -19,7 +19,7 @@ from dh2urdf.documents import check_file, load_yaml
 from dh2urdf.errors import MissingDependencyError, TableError
 from dh2urdf.patterns import late_pattern
 from dh2urdf.source import Mark, Problem, did_you_mean, shown
-from dh2urdf.table_text import CellRow
+from dh2urdf.table_text import METADATA, STATEMENTS, CellRow
 from dh2urdf_plugins.readers.header.header_rows import completed
 from dh2urdf_plugins.readers.header.words import read_header
 from dh2urdf_plugins.readers.parquet_file.columns import (
@@ -35,7 +35,7 @@ from dh2urdf_plugins.readers.parquet_file.columns import (
     with_unit,
 )
 from dh2urdf_plugins.readers.statements.comment_phrases import unit_of_measure
-from dh2urdf_plugins.readers.statements.csv_comments import MAX_STATEMENT, STATEMENTS
+from dh2urdf_plugins.readers.statements.csv_comments import MAX_STATEMENT
 from dh2urdf_plugins.readers.table import TableOptions, read_table_columns
 
 if TYPE_CHECKING:
@@ -57,7 +57,6 @@ _INDEX = "__index_level_0__"
 _ATTRIBUTES = "PANDAS_ATTRS"
 """The metadata that pandas writes for the attributes of a data frame."""
 _ALMOST = late_pattern(r"dh2urdf[\W_]*", re.IGNORECASE)
-METADATA = "dh2urdf."
 """What the keys begin with of metadata that say something of all rows."""
 _BATCH = 3000
 """Rows that pyarrow reads at once."""

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 from dh2urdf import unchecked_records as own
 from dh2urdf.manipulator import JointType, Limits
 from dh2urdf.quantities import Dimension
+from dh2urdf.row_fields import LIMITS
 from dh2urdf_plugins.readers.plain.numbers import REMEMBERED, PlainNumbers, names_foreign_unit, plain_quantity
 from dh2urdf_plugins.readers.rows.rows import NO_LIMITS, REMARKABLE_LIMIT
 from dh2urdf_plugins.readers.words.bounds import (
@@ -28,7 +29,6 @@ if TYPE_CHECKING:
 
     from dh2urdf_plugins.readers.words.cells import Units, Value
 
-LIMITS = ("lower", "upper", "velocity", "effort")
 _FEW = 20
 """New limits among some rows that are read one by one; of more, all are read by column."""
 

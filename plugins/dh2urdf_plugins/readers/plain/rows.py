@@ -18,8 +18,10 @@ from dh2urdf import unchecked_records as own
 from dh2urdf.columns import column
 from dh2urdf.manipulator import JointType, Limits
 from dh2urdf.rotations import HALF_PI, quarter_turns
+from dh2urdf.row_fields import LIMITS
+from dh2urdf.table_text import GEOMETRY
 from dh2urdf_plugins.readers.header.unknown_columns import is_beside, is_number, unit_of
-from dh2urdf_plugins.readers.plain.limits import LIMITS, PlainLimits
+from dh2urdf_plugins.readers.plain.limits import PlainLimits
 from dh2urdf_plugins.readers.plain.numbers import LINE_END, REMEMBERED, PlainNumbers, foreign_unit, names_foreign_unit
 from dh2urdf_plugins.readers.rows.cells import FULL_TURN, LARGEST_ANGLE
 from dh2urdf_plugins.readers.rows.joint_rows import DECIMAL, NUMBER
@@ -43,7 +45,6 @@ T = TypeVar("T")
 Rows: TypeAlias = slice | list[int]
 """Where the same row of many manipulators is among the rows of all."""
 
-_GEOMETRY = ("a", "alpha", "d", "theta", "offset")
 _WORDS = ("robot", "convention", "index", "joint", "link", "type")
 _HASH = methodcaller("startswith", "#")
 
@@ -71,8 +72,8 @@ class PlainRows:
         # Without a column of types, one that no field knows may hold them.
         known = "type" in self.column or not any(columns.headers[index] for index in self.others)
         turned = columns.of_theta and {"theta", "offset"} & self.column.keys()
-        plain = known and not (turned or columns.unheld) and not set(self.column) - {*_WORDS, *_GEOMETRY, *LIMITS}
-        self.numbers = {name: PlainNumbers(name, units) for name in _GEOMETRY if name in self.column}
+        plain = known and not (turned or columns.unheld) and not set(self.column) - {*_WORDS, *GEOMETRY, *LIMITS}
+        self.numbers = {name: PlainNumbers(name, units) for name in GEOMETRY if name in self.column}
         # A column that is an angle in one row and a length in the next is read as one only where both are in SI units,
         # and as angles only where its header does not say otherwise.
         mixed = [name for name in self.column if FIELDS[name].linear]

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Literal
 from dh2urdf.manipulator import JointType
 from dh2urdf.patterns import late_pattern
 from dh2urdf_plugins.readers.words.fields import joint_type
+from dh2urdf_plugins.readers.words.word_keys import NOT_LETTERS
 
 if TYPE_CHECKING:
     from collections.abc import Collection
@@ -61,7 +62,6 @@ _SLIDE_SYMBOL = late_pattern(r"[pd][0-9]{0,3}")
 """``P2`` between ``R1`` and ``R3``, and the variable ``d2`` between ``θ1`` and ``θ3``."""
 _SLIDE_IN_PROSE = late_pattern(r"\bprism[aá]ti|\bschubgelenk|移动副|移动关节", re.IGNORECASE)
 _HINT = late_pattern("|".join(_TOTALS | _FRAMES | _SLIDES))
-_NO_LETTERS = late_pattern(r"[\W_]+")
 _LONGEST = 60
 
 
@@ -116,7 +116,7 @@ def are_joints(names: Collection[str], *, typed: bool) -> bool:
         names: in lower case.
         typed: whether each row has a type, which decides for all but totals.
     """
-    text = _NO_LETTERS.sub("", "".join(names))  # a name that has a word has it here, too
+    text = NOT_LETTERS.sub("", "".join(names))  # a name that has a word has it here, too
     doubtful = _HINT.search(text) or not all(map(_key, names)) or any(map(_SLIDE_SYMBOL.fullmatch, map(_key, names)))
     kinds = set(map(kind_of, names)) if doubtful else set()
     return "total" not in kinds and (typed or kinds <= {None})
@@ -125,9 +125,9 @@ def are_joints(names: Collection[str], *, typed: bool) -> bool:
 def _key(name: str) -> str:
     """A name without case, accents and separators."""
     if name.isascii():
-        return _NO_LETTERS.sub("", name.lower())
+        return NOT_LETTERS.sub("", name.lower())
     letters = unicodedata.normalize("NFKD", name).casefold()
-    return _NO_LETTERS.sub("", "".join(letter for letter in letters if not unicodedata.combining(letter)))
+    return NOT_LETTERS.sub("", "".join(letter for letter in letters if not unicodedata.combining(letter)))
 
 
 def _consists_of(key: str, words: frozenset[str], others: frozenset[str]) -> bool:

@@ -6,26 +6,20 @@ import math
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
-from dh2urdf.manipulator import DHRow, Inertia, JointType, Limits
+from dh2urdf.manipulator import ENDS, DHRow, Inertia, JointType, Limits
 from dh2urdf.mass_properties import inertia_problem
 from dh2urdf.provenance import Said
 from dh2urdf.quantities import Dimension, accepted_units
 from dh2urdf.rotations import HALF_PI, rounded_quarter_turn
 from dh2urdf.row_fields import COM, INERTIA, NUMBERS, ROW_FIELDS
 from dh2urdf.source import Mark, did_you_mean, shown
+from dh2urdf.table_text import REQUIRED
 from dh2urdf_plugins.readers.header.units import SI
 from dh2urdf_plugins.readers.rows.cells import FULL_TURN, RowCells
 from dh2urdf_plugins.readers.rows.six_parameters import Extra
 from dh2urdf_plugins.readers.words.bounds import MEASURABLE_ARM
-from dh2urdf_plugins.readers.words.fields import (
-    ACCEPTED_FLIPS,
-    ACCEPTED_TYPES,
-    REQUIRED,
-    TYPE_CHOICES,
-    flip_of,
-    joint_type,
-)
-from dh2urdf_plugins.readers.words.names import TIP_FRAMES, RowNames
+from dh2urdf_plugins.readers.words.fields import ACCEPTED_FLIPS, ACCEPTED_TYPES, TYPE_CHOICES, flip_of, joint_type
+from dh2urdf_plugins.readers.words.names import RowNames
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -80,7 +74,7 @@ class RowReader(RowCells):
         self._joint = self._name("joint", self._joint)
         link = self._name("link", f"link_{number}")
         kind = self._type()
-        if kind is JointType.FIXED and self._joint in TIP_FRAMES:
+        if kind is JointType.FIXED and self._joint in ENDS:
             self._joint = self._beside_tip_frame(self._joint)
         self.names.append(RowNames(self._joint, link, self._place("joint"), self._place("link")))
         for name in REQUIRED:

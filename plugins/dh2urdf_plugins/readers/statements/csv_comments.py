@@ -12,6 +12,7 @@ from dh2urdf.errors import TableError
 from dh2urdf.patterns import late_pattern
 from dh2urdf.quantities import Dimension, QuantityError, evaluate
 from dh2urdf.source import Problem, shown
+from dh2urdf.table_text import STATEMENTS
 from dh2urdf_plugins.readers.header.words import one_slip, read_header
 from dh2urdf_plugins.readers.statements.comment_phrases import (
     convention_in_prose,
@@ -22,6 +23,7 @@ from dh2urdf_plugins.readers.statements.comment_phrases import (
 )
 from dh2urdf_plugins.readers.words.comment_lines import Comment, within
 from dh2urdf_plugins.readers.words.fields import convention_of
+from dh2urdf_plugins.readers.words.word_keys import NOT_LETTERS
 
 if TYPE_CHECKING:
     from collections.abc import Collection
@@ -29,8 +31,6 @@ if TYPE_CHECKING:
 
     from dh2urdf.source import Mark
 
-STATEMENTS = ("name", "convention", "units", "base", "tool", "payload", "defaults")
-"""What comment lines before the header may say, as YAML."""
 EXAMPLES = {
     "name": "# name: ur5",
     "convention": "# convention: standard, or modified",
@@ -59,7 +59,6 @@ _OF_THE_FILE = frozenset(
 )
 """What comments number that is no quantity of the arm."""
 _STRUCTURED = late_pattern(r"\{.*:.*|\[\s*(?:\[|[+-]?[0-9.])", re.DOTALL)
-_NOT_LETTERS = late_pattern(r"[\W_]+")
 _WORD = late_pattern(r"[^\W_]+")
 _CONVENTION_KEYS = frozenset(
     "dh dhparameters dhparameter dhnotation notation dhtype dhvariant dhtable dhform conventions konvention "  # noqa: SIM905
@@ -304,7 +303,7 @@ def unread_values(comment: Comment) -> list[Problem]:
 
 def _plain(key: str) -> str:
     letters = "".join(c for c in unicodedata.normalize("NFKD", key) if not unicodedata.combining(c))
-    return _NOT_LETTERS.sub("", letters).casefold()
+    return NOT_LETTERS.sub("", letters).casefold()
 
 
 def _are_numbers(text: str) -> bool:

@@ -11,11 +11,12 @@ from dh2urdf.documents import Node
 from dh2urdf.errors import TableError
 from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.patterns import late_pattern
-from dh2urdf.source import Mark, Problem, shown
+from dh2urdf.source import Mark, Problem, listed, shown
+from dh2urdf.table_text import STATEMENTS
 from dh2urdf_plugins.readers.header.columns import TURN_ROUND, Columns, are_joints, name_columns
 from dh2urdf_plugins.readers.header.header_rows import headers_in, join_headers, text_in
 from dh2urdf_plugins.readers.header.words import read_header
-from dh2urdf_plugins.readers.statements.csv_comments import STATEMENTS, is_statement_key, name_said, statement
+from dh2urdf_plugins.readers.statements.csv_comments import is_statement_key, name_said, statement
 from dh2urdf_plugins.readers.words.cells import SPACES
 from dh2urdf_plugins.readers.words.comment_lines import Comment, is_comment, joined
 from dh2urdf_plugins.readers.words.fields import convention_of
@@ -31,7 +32,6 @@ SURE = 2
 """Fields of geometry that make a row a header beyond doubt."""
 MAX_TITLES = 1000
 """Rows that may be above the header."""
-_FEW = 5
 _OTHER_COMMENT = late_pattern(r"\s*(?:--|[!;*]|/\*|<!--|rem\b)", re.IGNORECASE)
 """What a comment of another language begins with."""
 
@@ -219,11 +219,10 @@ def _title_notices(titles: Sequence[CellRow]) -> list[Problem]:
     """A notice of the rows above the header that are neither comments nor statements."""
     if not titles:
         return []
-    texts = [shown(comment_text(row)) for row in titles[:_FEW]]
-    more = f" and {len(titles) - _FEW} more" if len(titles) > _FEW else ""
+    texts = listed([shown(comment_text(row)) for row in titles])
     return [
         Problem(
-            message=f"nothing is read from what is above the header: {', '.join(texts)}{more}",
+            message=f"nothing is read from what is above the header: {texts}",
             severity="notice",
             mark=titles[0].mark,
             accepted=f"above the header: {', '.join(STATEMENTS)}, as in `units: {{length: mm, angle: deg}}`; and "

@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING
 
 from dh2urdf.errors import SCREENFUL
 from dh2urdf.patterns import late_pattern
-from dh2urdf.source import Problem, shown
+from dh2urdf.source import Problem, listed, shown
+from dh2urdf.table_text import REQUIRED
 from dh2urdf_plugins.readers.header.header_rows import completed, headers_in, text_in
 from dh2urdf_plugins.readers.header.unknown_columns import is_beside, is_number, stray_number
 from dh2urdf_plugins.readers.header.words import read_header
@@ -18,7 +19,7 @@ from dh2urdf_plugins.readers.statements.csv_comments import comment_below
 from dh2urdf_plugins.readers.statements.top import comment_text, is_header
 from dh2urdf_plugins.readers.words.cells import SPACES
 from dh2urdf_plugins.readers.words.comment_lines import Comment, is_comment, sign_of
-from dh2urdf_plugins.readers.words.fields import FIELDS, REQUIRED
+from dh2urdf_plugins.readers.words.fields import FIELDS
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
@@ -32,7 +33,6 @@ if TYPE_CHECKING:
 
 _BATCH = 200
 """Rows that are handed on at once."""
-_FEW = 5
 BELOW = "what is below the table, after an empty row"
 NOTE_HINT = "if this is a note, put an empty row before it, or a # at its beginning"
 _PROSE = late_pattern(
@@ -252,6 +252,5 @@ def unread_notes(what: str, notes: Sequence[tuple[str, Mark]]) -> list[Problem]:
     """The one notice of notes that nothing is read from; none where there are none."""
     if not notes:
         return []
-    texts = ", ".join(shown(text) for text, _ in notes[:_FEW])
-    more = f" and {len(notes) - _FEW} more" if len(notes) > _FEW else ""
-    return [Problem(message=f"nothing is read from {what}: {texts}{more}", severity="notice", mark=notes[0][1])]
+    texts = listed([shown(text) for text, _ in notes])
+    return [Problem(message=f"nothing is read from {what}: {texts}", severity="notice", mark=notes[0][1])]

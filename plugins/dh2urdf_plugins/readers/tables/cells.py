@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from dh2urdf.patterns import late_pattern
 from dh2urdf.quantities import DEGREE_SIGNS, is_unit, is_zero
 from dh2urdf.source import Mark, Problem, shown
+from dh2urdf.table_text import REQUIRED
 from dh2urdf_plugins.readers.header.unknown_columns import (
     how_to_leave_out,
     is_beside,
@@ -21,7 +22,7 @@ from dh2urdf_plugins.readers.rows.names import holds_type, kind_of
 from dh2urdf_plugins.readers.words.cells import SPACES, Cell, text_of
 from dh2urdf_plugins.readers.words.comment_lines import SPREADSHEET_ERROR
 from dh2urdf_plugins.readers.words.decimal_signs import DecimalSigns, turns
-from dh2urdf_plugins.readers.words.fields import FIELDS, GROUPS, REQUIRED
+from dh2urdf_plugins.readers.words.fields import FIELDS, GROUPS
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

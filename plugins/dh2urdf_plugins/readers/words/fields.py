@@ -41,7 +41,6 @@ class Field:
 
 
 LANGUAGES = {"de": "German", "fr": "French", "es": "Spanish", "it": "Italian", "pt": "Portuguese", "zh": "Chinese"}
-REQUIRED = ("a", "alpha", "d")
 
 _OF = "of, the, de, du, des, la, le, del, della, dell, di, da, do, 的"
 _JOINT = "joint, axis, gelenk, achse, achs, achsen, axe, articulation, articulaire"

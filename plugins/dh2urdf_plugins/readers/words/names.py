@@ -9,6 +9,7 @@ from itertools import chain, count, pairwise
 from typing import TYPE_CHECKING
 
 from dh2urdf.late_tuples import NamedTuple
+from dh2urdf.manipulator import BASE, ENDS, ROOT, WORLD
 from dh2urdf.patterns import late_pattern
 from dh2urdf.source import Mark, Problem, shown
 
@@ -17,9 +18,7 @@ if TYPE_CHECKING:
 
 MAX_NAME = 200
 """Length of a name; readers of robot descriptions cut names of a thousand characters, or crash."""
-TIP_FRAMES = ("flange", "tool0")
-"""Links of ours at the end of the arm."""
-RESERVED = ("world", "base_link", "base_link_inertia", *TIP_FRAMES)
+RESERVED = (WORLD, ROOT, BASE, *ENDS)
 """Links that every robot description of ours has; `world` is the simulators' own."""
 _NUMBERED = late_pattern(r"(.*?)([0-9]{1,9})", re.DOTALL)
 _JOINERS = "\u200c\u200d"  # invisible, but part of how Persian, Hindi and composed emoji are written

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from dh2urdf.quantities import Dimension
 from dh2urdf.row_fields import ROW_FIELDS
-from dh2urdf.table_text import yaml_word
+from dh2urdf.table_text import ANGLE_UNITS, LENGTH_UNITS, yaml_word
 from dh2urdf_plugins.readers.words.fields import convention_of
 
 if TYPE_CHECKING:
@@ -15,8 +15,7 @@ if TYPE_CHECKING:
     from dh2urdf.documents import Node
     from dh2urdf.table_text import TableText
 
-_LENGTHS = ("m", "cm", "mm", "µm")
-_ANGLES = ("rad", "deg")
+_LENGTHS = (*LENGTH_UNITS, "µm")
 _CHOSEN = ("length", "angle")
 """Keys of `units` that a `TableText` has a choice of."""
 _WITHOUT_CHOICE = {"inertia": "kg·m²", "effort": "[Nm, N]", "damping": "[N·m·s/rad, N·s/m]"}
@@ -62,7 +61,7 @@ def units_of(words: Iterable[str]) -> dict[str, str] | None:
     """Units by attribute of `TableText`; None where they are not at most one of lengths and one of angles."""
     found: dict[str, str] = {}
     for word in words:
-        key = "length_unit" if word in _LENGTHS else "angle_unit" if word in _ANGLES else None
+        key = "length_unit" if word in _LENGTHS else "angle_unit" if word in ANGLE_UNITS else None
         if key is None or found.setdefault(key, word) != word:
             return None
     return found

@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import unicodedata
 
+from dh2urdf.patterns import late_pattern
+
+NOT_LETTERS = late_pattern(r"[\W_]+")
 _SPACES = "\t\n\v\f\r\x1c\x1d\x1e\x1f \x85\xa0\u1680\u2028\u2029\u202f\u205f\u3000"
 _SEPARATORS = f"{_SPACES}_.*{{}}'’-"
 _DOT_WORDS = {"\u0307": "dot", "\u0308": "ddot"}

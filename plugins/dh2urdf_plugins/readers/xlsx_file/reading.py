@@ -11,7 +11,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from dh2urdf.errors import MissingDependencyError, TableError
-from dh2urdf.source import Mark, Problem, did_you_mean, shown
+from dh2urdf.source import Mark, Problem, did_you_mean, listed, shown
 from dh2urdf.stages import Rejected
 from dh2urdf_plugins.readers.statements.top import find_header
 from dh2urdf_plugins.readers.table import read_table
@@ -222,10 +222,9 @@ def _comments(table: SheetRows) -> list[Problem]:
 
 
 def _struck(places: Sequence[Mark]) -> Problem:
-    cells = ", ".join(mark.in_file.rpartition("!")[2] for mark in places[:_FEW])
-    more = f" and {len(places) - _FEW} more" if len(places) > _FEW else ""
+    cells = listed([mark.in_file.rpartition("!")[2] for mark in places], _FEW)
     return Problem(
-        message=f"what is struck through is read too: {cells}{more}",
+        message=f"what is struck through is read too: {cells}",
         severity="notice",
         mark=places[0],
         suggestion="delete what does not belong to the table",
@@ -233,7 +232,7 @@ def _struck(places: Sequence[Mark]) -> Problem:
 
 
 def _listed(titles: Sequence[str]) -> str:
-    return ", ".join(map(shown, titles[:_FEW])) + (f" and {len(titles) - _FEW} more" if len(titles) > _FEW else "")
+    return listed([shown(title) for title in titles], _FEW)
 
 
 @contextmanager

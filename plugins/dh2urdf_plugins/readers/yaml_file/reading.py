@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from dh2urdf.documents import decoded, read_bytes, stream_yaml
 from dh2urdf.errors import TableError
 from dh2urdf.manipulator import Convention, Manipulator
-from dh2urdf.row_fields import COM, INERTIA
+from dh2urdf.row_fields import COM, INERTIA, LIMITS
 from dh2urdf.source import Problem, shown
 from dh2urdf.stages import Rejected
 from dh2urdf_plugins.readers.header.units import effort_notice
@@ -40,16 +40,15 @@ if TYPE_CHECKING:
 KEYS = ("name", "convention", "units", "base", "tool", "payload", "defaults", "visuals", "collisions", "joints")
 """Keys of a manipulator."""
 
-_LIMITS = ("lower", "upper", "velocity", "effort")
 _NOT_IN_A_JOINT = ("robot", "convention", "index")
 _JOINT_KEYS = (
     "name",
-    *(name for name in FIELDS if name not in (*_NOT_IN_A_JOINT, *_LIMITS, *COM, *INERTIA, *GROUPS, "joint")),
+    *(name for name in FIELDS if name not in (*_NOT_IN_A_JOINT, *LIMITS, *COM, *INERTIA, *GROUPS, "joint")),
     *GROUPS,
     *MESH_KEYS,
 )
 _NAMES = ("joint", "link")
-_KEYS = {"limits": _LIMITS, "com": COM, "inertia": INERTIA}
+_KEYS = {"limits": LIMITS, "com": COM, "inertia": INERTIA}
 """Keys of the mappings of several fields."""
 
 

@@ -11,12 +11,13 @@ import unicodedata
 from typing import TYPE_CHECKING, Any
 
 from dh2urdf.quantities import DEGREE_SIGNS, UNITS
-from dh2urdf.row_fields import COM, INERTIA
+from dh2urdf.row_fields import COM, INERTIA, LIMITS
+from dh2urdf.table_text import REQUIRED
 from dh2urdf_plugins.readers.header.units import UNIT_KEYS
 from dh2urdf_plugins.readers.header.words import SHORTEST_CORE, spellings
 from dh2urdf_plugins.readers.statements.meshes import MESH_KEYS
 from dh2urdf_plugins.readers.statements.shapes import SHAPES
-from dh2urdf_plugins.readers.words.fields import CONVENTION_CHOICES, FIELDS, GROUPS, REQUIRED, TYPE_CHOICES
+from dh2urdf_plugins.readers.words.fields import CONVENTION_CHOICES, FIELDS, GROUPS, TYPE_CHOICES
 from dh2urdf_plugins.readers.words.unheld import IGNORED
 from dh2urdf_plugins.readers.words.word_keys import key_of
 
@@ -25,9 +26,8 @@ if TYPE_CHECKING:
 
     from dh2urdf_plugins.readers.words.fields import Field
 
-_LIMITS = ("lower", "upper", "velocity", "effort")
 _OF_A_JOINT = tuple(name for name in FIELDS if name not in ("robot", "convention", "index"))
-_IN_A_GROUP = (*_LIMITS, *COM, *INERTIA, *GROUPS)
+_IN_A_GROUP = (*LIMITS, *COM, *INERTIA, *GROUPS)
 """Fields that an editor offers in `limits`, `com` and `inertia`; the reader takes them in the joint itself too."""
 
 _BETWEEN_FACTORS = r"[\s·⋅*^.-]*"
@@ -115,7 +115,7 @@ def _group(name: str) -> dict[str, Any]:
     """Several fields at once: as a mapping, as a list, or as the text of a cell."""
     text = {"type": ["string", "null"]}
     if name == "limits":
-        bounds = _mapping(dict.fromkeys((*_LIMITS, "min", "max"), _NUMBER_OR_NONE))
+        bounds = _mapping(dict.fromkeys((*LIMITS, "min", "max"), _NUMBER_OR_NONE))
         return _either(bounds, _list_of(_NUMBER_OR_NONE, 2), text)
     if name == "com":
         return _either(_mapping(dict.fromkeys("xyz", _NUMBER)), _list_of(_NUMBER, 3), text)

@@ -488,6 +488,40 @@ def test_every_constant_is_defined_once() -> None:
     assert twice.keys() >= ALIKE.keys()
 
 
+LEAST_NODES = 25
+"""Nodes of the syntax tree of a function from which on it says something."""
+
+
+class _Renamed(ast.NodeTransformer):
+    """Gives the own names of a function other ones, in the order in which it has them."""
+
+    def __init__(self, own: list[str]) -> None:
+        self._names = {name: f"_{number}" for number, name in enumerate(dict.fromkeys(own))}
+
+    def visit_Name(self, node: ast.Name) -> ast.Name:
+        return ast.Name(id=self._names.get(node.id, node.id), ctx=node.ctx)
+
+
+def test_no_function_is_written_twice() -> None:
+    """No two functions do the same by other names, but sums of vectors and of quantities that keep their formulas."""
+    where: dict[str, set[str]] = {}
+    for path in (*modules(HOST), *modules(PLUGINS)):
+        for node in ast.walk(ast.parse(path.read_text("utf-8"))):
+            if not isinstance(node, ast.FunctionDef):
+                continue
+            lines = node.body[1:] if ast.get_docstring(node) else node.body
+            if sum(1 for line in lines for _ in ast.walk(line)) < LEAST_NODES:
+                continue
+            given = [argument.arg for argument in (*node.args.posonlyargs, *node.args.args, *node.args.kwonlyargs)]
+            names = [each for line in lines for each in ast.walk(line) if isinstance(each, ast.Name)]
+            renamed = _Renamed([*given, *(name.id for name in names if isinstance(name.ctx, ast.Store))])
+            text = "\n".join(ast.unparse(renamed.visit(line)) for line in lines)
+            where.setdefault(text, set()).add(f"{relative(path)}: {node.name}")
+    twice = sorted(sorted(places) for places in where.values() if len(places) > 1)
+    rotations, formulas = "pipeline/dh2urdf/rotations.py", "plugins/dh2urdf_plugins/transforms/formulas.py"
+    assert twice == [[f"{rotations}: add", f"{formulas}: plus"], [f"{rotations}: scale", f"{formulas}: times"]]
+
+
 BY_TEXT = {
     "pipeline/dh2urdf/_faces.py": "public names, and the functions that methods of records call",
     "pipeline/dh2urdf/cli/__init__.py": "the commands, by their names",

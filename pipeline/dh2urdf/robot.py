@@ -32,7 +32,7 @@ from dh2urdf.shapes import (
     Sphere,
     Visual,
 )
-from dh2urdf.source import Mark, Problem
+from dh2urdf.source import Mark, Problem, free_name
 from dh2urdf.validation.coercion import take_fields
 
 if TYPE_CHECKING:
@@ -194,10 +194,7 @@ class Robot:
         A ``_`` follows for as long as the robot has a joint or link of that name.
         """
         taken = {joint.name for joint in self.joints} | {link.name for link in self.links}
-        name = "base_joint"
-        while name in taken:
-            name += "_"
-        return name
+        return free_name("base_joint", taken)
 
     @property
     def moving_joints(self) -> tuple[Joint, ...]:

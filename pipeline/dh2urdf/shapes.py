@@ -52,6 +52,11 @@ class Origin:
     def __post_init__(self) -> None:
         take_fields(self)
 
+    @classmethod
+    def of(cls, transform: RigidTransform) -> Origin:
+        """The frame that a rigid transform leads to."""
+        return cls(xyz=transform.translation, rpy=transform.rpy)
+
     @property
     def transform(self) -> RigidTransform:
         """The rigid transform from the parent frame to this one."""

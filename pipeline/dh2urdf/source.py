@@ -139,6 +139,14 @@ def printable(text: str) -> str:
     return "".join(c if c.isprintable() else c.encode("unicode_escape").decode("ascii") for c in text)
 
 
+def free_name(name: str, taken: set[str]) -> str:
+    """A name that is not taken, with a ``_`` behind it for as long as it is; the set has it then."""
+    while name in taken:
+        name += "_"
+    taken.add(name)
+    return name
+
+
 def listed(texts: Sequence[str], most: int = 5) -> str:
     """Texts in one line, and how many more there are: ``a, b, c and 4 more``.
 

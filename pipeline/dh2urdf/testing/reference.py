@@ -7,11 +7,16 @@ is no quarter turn. Their robots have a frame at every joint as the table has it
 from __future__ import annotations
 
 import math
+from copy import deepcopy
+from typing import TYPE_CHECKING
 
 from dh2urdf.kinematics.chain import row_transform
 from dh2urdf.manipulator import BASE, ROOT, TOOL, Convention, DHRow, Inertia, JointType, Limits, Manipulator
 from dh2urdf.robot import Collision, Cylinder, Inertial, Joint, Link, Origin, Robot, Visual
 from dh2urdf.rotations import IDENTITY, RigidTransform
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
 
 HALF = math.pi / 2
 
@@ -19,6 +24,11 @@ HALF = math.pi / 2
 def reference_manipulators() -> tuple[Manipulator, ...]:
     """Arms with everything that a table may declare about kinematics."""
     return (_ur5(), _panda(), _scara(), _odd())
+
+
+def copies_of(manipulators: Iterable[Manipulator] | None) -> tuple[Manipulator, ...]:
+    """Copies of some arms, of the ones above where none are given: a stage may change what it is given."""
+    return tuple(deepcopy(reference_manipulators() if manipulators is None else manipulators))
 
 
 def _ur5() -> Manipulator:
@@ -105,7 +115,7 @@ def plain_robot(manipulator: Manipulator) -> Robot:
                 type=row.type,
                 parent=parent,
                 child=row.link,
-                origin=_origin(pending @ before),
+                origin=Origin.of(pending @ before),
                 axis=(0.0, 0.0, float(row.sign)),
                 limits=row.limits,
             )
@@ -119,11 +129,7 @@ def plain_robot(manipulator: Manipulator) -> Robot:
 
 def _weld(parent: str, child: str, frame: RigidTransform = IDENTITY) -> Joint:
     name = f"{parent}-{child}"
-    return Joint(name=name, type=JointType.FIXED, parent=parent, child=child, origin=_origin(frame))
-
-
-def _origin(frame: RigidTransform) -> Origin:
-    return Origin(xyz=frame.translation, rpy=frame.rpy)
+    return Joint(name=name, type=JointType.FIXED, parent=parent, child=child, origin=Origin.of(frame))
 
 
 def _body(name: str) -> Link:

@@ -15,7 +15,7 @@ from dh2urdf.manipulator import DHRow, JointType, Limits, Manipulator
 from dh2urdf.robot import Robot
 from dh2urdf.robot_check import check_robot
 from dh2urdf.testing.oracle import difference, robot_pose, table_pose
-from dh2urdf.testing.reference import reference_manipulators
+from dh2urdf.testing.reference import copies_of, reference_manipulators
 from dh2urdf.testing.stage_contract import StageContract, each, each_outcome
 
 if TYPE_CHECKING:
@@ -43,7 +43,7 @@ class TransformContract(StageContract):
     def test_makes_robots_that_readers_take(self) -> None:
         """It makes a Robot of every arm, and the robot breaks no rule that readers of descriptions rely on."""
         clause = self.test_makes_robots_that_readers_take
-        for manipulator in self._manipulators():
+        for manipulator in copies_of(self.manipulators):
             robot = self._transform(manipulator)
             if not isinstance(robot, Robot):
                 self.breach(
@@ -66,7 +66,7 @@ class TransformContract(StageContract):
             return  # The proof reports the difference, and fails nothing.
         clause = self.test_keeps_the_kinematics
         remedy = "fix the transform; or, where another arm is meant, let keeps_kinematics say False with these options"
-        for manipulator in self._manipulators():
+        for manipulator in copies_of(self.manipulators):
             robot, expected = self._transform(manipulator), ExpectedPoses.of(manipulator)
             poses = proof_vectors(expected, robot, POSES)
             try:
@@ -93,13 +93,13 @@ class TransformContract(StageContract):
 
     def test_is_deterministic(self) -> None:
         """The same arm gives the same robot, or the same refusal, in every process."""
-        arms = (*self._manipulators(), *impossible())
+        arms = (*copies_of(self.manipulators), *impossible())
         self.same_in_every_process(self.test_is_deterministic, each_outcome, self.stage.transform, arms, self.given())
 
     def test_does_nothing_else(self) -> None:
         """It writes no file, starts no process and leaves nothing running."""
         clause = self.test_does_nothing_else
-        seen = self.in_child(clause, each, self.stage.transform, self._manipulators(), self.given())
+        seen = self.in_child(clause, each, self.stage.transform, copies_of(self.manipulators), self.given())
         if seen.traces:
             self.breach(
                 clause,
@@ -110,7 +110,7 @@ class TransformContract(StageContract):
 
     def test_keeps_its_input(self) -> None:
         """The manipulator is after the call as it was before."""
-        for manipulator in self._manipulators():
+        for manipulator in copies_of(self.manipulators):
             before = deepcopy(manipulator)
             self._transform(manipulator)
             self.unchanged(self.test_keeps_its_input, before, manipulator)
@@ -135,7 +135,7 @@ class TransformContract(StageContract):
         if self.stage.transform_columns is None:
             return  # It makes them one by one.
         clause = self.test_many_at_once_are_the_same
-        for manipulator in self._manipulators():
+        for manipulator in copies_of(self.manipulators):
             arms = [stretched(manipulator, factor) for factor in (1.0, 1.1, 4 / 3)]
             ((_, columns),) = in_columns(arms)
             for places, robots in self.stage.transform_columns(columns, self.given()) or ():
@@ -145,11 +145,6 @@ class TransformContract(StageContract):
                         self.same(clause, robots.pick(number), alone, whole=False)
 
     # --- What the clauses use
-
-    @classmethod
-    def _manipulators(cls) -> tuple[Manipulator, ...]:
-        # Copies: a transform that changes its input would be given what it has changed before.
-        return tuple(deepcopy(cls.manipulators) if cls.manipulators is not None else reference_manipulators())
 
     def _transform(self, manipulator: Manipulator) -> Robot:
         return self.stage.transform(manipulator, self.given())

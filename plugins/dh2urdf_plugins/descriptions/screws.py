@@ -137,7 +137,7 @@ class _File:
                 type=row.type,
                 parent=parent,
                 child=row.link,
-                origin=Origin(xyz=origin.translation, rpy=origin.rpy),
+                origin=Origin.of(origin),
                 axis=direction,
                 limits=row.limits,
                 damping=row.damping,
@@ -147,7 +147,7 @@ class _File:
             )
             for parent, row, origin, direction in zip(links, rows, origins, axes.directions, strict=False)
         ]
-        tip = Origin(xyz=axes.last.translation, rpy=axes.last.rpy)
+        tip = Origin.of(axes.last)
         joints.append(Joint(name=f"{TOOL}_joint", type=JointType.FIXED, parent=links[-2], child=TOOL, origin=tip))
         return Description(
             robot=Robot(name=name, links=tuple(Link(name=link) for link in links), joints=tuple(joints)),

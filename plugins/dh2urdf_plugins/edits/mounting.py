@@ -55,7 +55,7 @@ def _with(robot: Robot, link: Link, parent: str, origin: Origin) -> Robot:
         if joint is None or joint.type is not JointType.FIXED:
             break
         parent, pose = joint.parent, joint.origin.transform @ pose
-    at = origin if _same(pose, given) else Origin(xyz=pose.translation, rpy=pose.rpy)
+    at = origin if _same(pose, given) else Origin.of(pose)
     fixed = Joint(name=f"{link.name}_joint", type=JointType.FIXED, parent=parent, child=link.name, origin=at)
     return replace(robot, links=(*robot.links, link), joints=(*robot.joints, fixed))
 

@@ -13,7 +13,7 @@ from dh2urdf.kinematics import dh_frames, row_transform
 from dh2urdf.manipulator import Convention, DHRow, JointType
 from dh2urdf.mass_properties import rotated
 from dh2urdf.rotations import IDENTITY, ZERO, RigidTransform, add, rotate, rotation_x
-from dh2urdf.source import Problem, shown
+from dh2urdf.source import Problem, free_name, shown
 from dh2urdf_plugins.extraction.chain import Axis, Chain
 from dh2urdf_plugins.extraction.gluing import glue
 from dh2urdf_plugins.extraction.numbers import Precision
@@ -71,7 +71,7 @@ def _rows(manipulator: Manipulator, chain: Chain, glued: Glued) -> Iterator[DHRo
     row: DHRow | None = None
     for axis, (a, alpha, d, theta) in zip(chain.axes, glued.rows, strict=True):
         if row is not None and axis.joint == row.joint:
-            joint, link = (_fresh(f"{name}_split", taken) for name in (row.joint, row.link))
+            joint, link = (free_name(f"{name}_split", taken) for name in (row.joint, row.link))
             yield DHRow(
                 joint=joint,
                 link=link,
@@ -86,13 +86,6 @@ def _rows(manipulator: Manipulator, chain: Chain, glued: Glued) -> Iterator[DHRo
         else:
             row = next(given)
             yield replace(row, a=a, alpha=alpha, d=d, theta=theta, offset=0.0, sign=1)
-
-
-def _fresh(name: str, taken: set[str]) -> str:
-    while name in taken:
-        name += "_"
-    taken.add(name)
-    return name
 
 
 def _with_bodies(given: Manipulator, table: Manipulator) -> Manipulator:

@@ -12,7 +12,7 @@ from dh2urdf.errors import InputError
 from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.quantities import format_numbers
 from dh2urdf.rotations import norm
-from dh2urdf.source import Mark, Problem, shown
+from dh2urdf.source import Mark, Problem, free_name, shown
 from dh2urdf.stages import Repair
 from dh2urdf_plugins.lint.document.tree import numbers_of
 from dh2urdf_plugins.lint.joints import UNIT
@@ -166,13 +166,11 @@ def _inertias(tags: list[_Tag]) -> Iterator[_Edit]:
 def _names(tags: list[_Tag]) -> Iterator[_Edit]:
     named = (tag for tag in tags if _of_robot(tag) and tag.name in {"link", "joint"})
     names = {tag.values["name"] for tag in named if "name" in tag.values}
-    renamed: dict[str, str] = {}
+    taken, renamed = set(names), dict[str, str]()
     for name in sorted(names):
         if _TROUBLESOME.search(name):
             new = _TROUBLESOME.sub("_", name).strip("_") or "unnamed"
-            while new in names or new in renamed.values():
-                new += "_"
-            renamed[name] = new
+            renamed[name] = free_name(new, taken)
     for tag in tags:
         for attribute in _NAMING.get(tag.name, ()):
             old = tag.values.get(attribute, "")

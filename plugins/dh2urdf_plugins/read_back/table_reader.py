@@ -8,7 +8,7 @@ from dh2urdf.errors import InputError, ProofError
 from dh2urdf.kinematics import row_transform
 from dh2urdf.manipulator import ROOT, TOOL, Convention, JointType, Manipulator
 from dh2urdf.robot import Joint, Link, Origin, Robot
-from dh2urdf.rotations import IDENTITY, Z_AXIS, RigidTransform
+from dh2urdf.rotations import IDENTITY, Z_AXIS
 from dh2urdf.source import Mark, Problem
 
 if TYPE_CHECKING:
@@ -59,16 +59,12 @@ def robot_of(arm: Manipulator) -> Robot:
                 type=row.type,
                 parent=links[-1].name,
                 child=row.link,
-                origin=_origin(origin),
+                origin=Origin.of(origin),
                 axis=Z_AXIS if row.sign > 0 else (0.0, 0.0, -1.0),
                 limits=row.limits,
             )
         )
         links.append(Link(name=row.link))
-    last = _origin(so_far @ arm.tool)
+    last = Origin.of(so_far @ arm.tool)
     joints.append(Joint(name=f"{TOOL}_joint", type=JointType.FIXED, parent=links[-1].name, child=TOOL, origin=last))
     return Robot(name=arm.name, links=(*links, Link(name=TOOL)), joints=tuple(joints))
-
-
-def _origin(transform: RigidTransform) -> Origin:
-    return Origin(xyz=transform.translation, rpy=transform.rpy)

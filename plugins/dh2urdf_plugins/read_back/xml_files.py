@@ -116,3 +116,28 @@ def mark_of(element: etree._Element, file: str = "") -> Mark:
             return Mark(file=str(own), line=line)
         at = at.getparent()
     return Mark(file=file, line=line)
+
+
+class FileElements:
+    """The elements of a file.
+
+    Attributes:
+        file: what messages call the file.
+        unread: what is in the file and could not be read, by the words for it: the places.
+    """
+
+    def __init__(self, file: str) -> None:
+        self.file = file
+        self.unread: dict[str, list[Mark]] = {}
+
+    def mark(self, element: etree._Element) -> Mark:
+        """Where an element is."""
+        return mark_of(element, self.file)
+
+    def error(self, element: etree._Element, message: str, accepted: str | None = None) -> ProofError:
+        """What is wrong with an element."""
+        return ProofError(Problem(message=message, accepted=accepted, mark=self.mark(element)))
+
+    def not_read(self, element: etree._Element, what: str) -> None:
+        """Notes that an element cannot be read."""
+        self.unread.setdefault(what, []).append(self.mark(element))

@@ -124,6 +124,11 @@ def plus(left: Quantities, right: Quantities) -> Quantities:
     return (left[0] + right[0], left[1] + right[1], left[2] + right[2])
 
 
+def signed(sign: int, axis: Vec3) -> Vec3:
+    """A joint's axis, turned round where it counts the other way, without -0.0."""
+    return (sign * axis[0] + 0.0, sign * axis[1] + 0.0, sign * axis[2] + 0.0)
+
+
 def times(factor: Quantity, vector: Quantities) -> Quantities:
     """A vector times a number."""
     return (factor * vector[0], factor * vector[1], factor * vector[2])

@@ -43,6 +43,7 @@ from dh2urdf_plugins.transforms.formulas import (
     cos_sin_of,
     plus,
     rpy_of,
+    signed,
     times,
     values,
 )
@@ -178,7 +179,7 @@ def aligned_frames(manipulator: Manipulator, symbol: Symbol) -> Frames:
         links.append(
             LinkFrame(
                 joint=Pose(joint, NO_VECTOR),
-                axis=_signed(row.sign, z),
+                axis=signed(row.sign, z),
                 rail=rail,
                 foot=NO_VECTOR,
                 corner=corner,
@@ -214,7 +215,7 @@ def standard_frames(manipulator: Manipulator, symbol: Symbol) -> Frames:
         links.append(
             LinkFrame(
                 joint=place,
-                axis=_signed(row.sign, Z_AXIS),
+                axis=signed(row.sign, Z_AXIS),
                 rail=Line(place.xyz, axis, place.rpy),
                 foot=NO_VECTOR,
                 corner=corner,
@@ -259,7 +260,7 @@ def modified_frames(manipulator: Manipulator, symbol: Symbol) -> Frames:
         links.append(
             LinkFrame(
                 joint=Pose(plus(pivot, times(delta, along)), rpy_of(turn)),
-                axis=_signed(row.sign, Z_AXIS),
+                axis=signed(row.sign, Z_AXIS),
                 rail=Line(pivot, along, (alpha, NOTHING, NOTHING)),
                 foot=(NOTHING, NOTHING, -delta),
                 corner=NO_VECTOR,
@@ -342,8 +343,3 @@ def _angles(number: int, row: DHRow, symbol: Symbol) -> Angles:
 def _line(at: Quantities, along: Vec3) -> Line:
     """A line in a direction that no parameter changes."""
     return Line(at, constants(along), constants(direction_rpy(along)))
-
-
-def _signed(sign: int, axis: Vec3) -> Vec3:
-    """A joint's axis, turned round where it counts the other way, without -0.0."""
-    return (sign * axis[0] + 0.0, sign * axis[1] + 0.0, sign * axis[2] + 0.0)

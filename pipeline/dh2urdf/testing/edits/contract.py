@@ -14,7 +14,7 @@ from dh2urdf.kinematics.proof_vectors import proof_vectors
 from dh2urdf.manipulator import ROOT, TOOL
 from dh2urdf.robot_check import check_robot
 from dh2urdf.testing.oracle import difference, robot_pose, table_pose
-from dh2urdf.testing.reference import plain_robot, reference_manipulators
+from dh2urdf.testing.reference import copies_of, plain_robot
 from dh2urdf.testing.stage_contract import StageContract, each, each_outcome
 from dh2urdf.testing.transform_contract import POSES, impossible, stretched
 from dh2urdf.validation.coercion import replace_unchecked
@@ -59,7 +59,7 @@ class EditContract(StageContract):
 
     def test_robots_stay_what_readers_take(self) -> None:
         """A robot that breaks no rule breaks none after the edit."""
-        for robot in map(self._edited_robot, self._manipulators()):
+        for robot in map(self._edited_robot, copies_of(self.manipulators)):
             if errors := [str(problem) for problem in check_robot(robot) if problem.severity == "error"]:
                 self.breach(
                     self.test_robots_stay_what_readers_take,
@@ -73,7 +73,7 @@ class EditContract(StageContract):
         # Of an edit that also changes the table, it is the table after that change.
         if self.stage.edit_robot is None or not self.stage.keeps_kinematics(self.given()):
             return  # The edited table is the truth; or the proof reports the difference, and fails nothing.
-        for manipulator in self._manipulators():
+        for manipulator in copies_of(self.manipulators):
             table, robot = self._edited_table(manipulator), self._edited_robot(manipulator)
             expected = ExpectedPoses.of(table)
             for q in proof_vectors(expected, plain_robot(table), POSES):
@@ -135,7 +135,7 @@ class EditContract(StageContract):
         if not self.stage.accepts_columns:
             return  # A run edits its arms one by one.
         clause = self.test_many_at_once_are_the_same
-        for manipulator in self._manipulators():
+        for manipulator in copies_of(self.manipulators):
             for function, arms in self._work_of([stretched(manipulator, factor) for factor in (1.0, 1.1, 4 / 3)]):
                 try:
                     many = function(stacked(arms), self.given())
@@ -148,14 +148,9 @@ class EditContract(StageContract):
 
     # --- What the clauses use
 
-    @classmethod
-    def _manipulators(cls) -> tuple[Manipulator, ...]:
-        # Copies: an edit that changes its input would be given what it has changed before.
-        return tuple(deepcopy(cls.manipulators) if cls.manipulators is not None else reference_manipulators())
-
     def _work(self, *others: Manipulator) -> Iterator[tuple[Callable[[Any, Any], Any], list[Any]]]:
         """The functions of the edit, each with what it is tested with; other tables go to that of tables."""
-        yield from self._work_of(self._manipulators(), others)
+        yield from self._work_of(copies_of(self.manipulators), others)
 
     def _work_of(
         self, manipulators: Sequence[Manipulator], others: Sequence[Manipulator] = ()

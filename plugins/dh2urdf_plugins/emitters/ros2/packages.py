@@ -144,7 +144,7 @@ def _with_base(robot: Robot) -> Robot:
         joint, child, parent = (prefix + name for name in (f"{kind.root}-{BASE}", BASE, kind.root))
         taken = {each.name for each in links} | {each.name for each in joints}
         if table is not None and table.base != IDENTITY and taken.isdisjoint((joint, child)):
-            origin = Origin(xyz=table.base.translation, rpy=table.base.rpy)
+            origin = Origin.of(table.base)
             joints.append(Joint(name=joint, type=JointType.FIXED, parent=parent, child=child, origin=origin))
             links.append(Link(name=child))
     arms = tuple(replace(arm, kind=kinds[id(arm.kind)]) for arm in robot.arms)

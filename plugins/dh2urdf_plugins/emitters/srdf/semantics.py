@@ -14,7 +14,7 @@ from dh2urdf.kinematics import KinematicChain
 from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.manipulator import ENDS, TOOL, WORLD, JointType
 from dh2urdf.quantities import format_numbers
-from dh2urdf.source import Problem
+from dh2urdf.source import Problem, free_name
 from dh2urdf_plugins.emitters.urdf_tree import Notation
 
 if TYPE_CHECKING:
@@ -81,7 +81,8 @@ def semantics(robot: Robot, pairs: CollisionPairs, group_name: str) -> etree._El
     notation = Notation()
     root = etree.Element("robot", name=notation.text(robot.name))
     if robot.root != WORLD:
-        held = {"name": _free_name(robot), "type": "fixed", "parent_frame": WORLD, "child_link": robot.root}
+        name = free_name("virtual_joint", {joint.name for joint in robot.joints})
+        held = {"name": name, "type": "fixed", "parent_frame": WORLD, "child_link": robot.root}
         _append(root, "virtual_joint", held, notation)
     found = groups(robot, group_name)
     for group in found:
@@ -118,11 +119,3 @@ def _end_effectors(robot: Robot, group_name: str) -> Iterator[dict[str, str]]:
 
 def _append(parent: etree._Element, tag: str, words: dict[str, str], notation: Notation) -> etree._Element:
     return etree.SubElement(parent, tag, {name: notation.text(word) for name, word in words.items()})
-
-
-def _free_name(robot: Robot) -> str:
-    """A name for the joint to the world that no joint of the robot has."""
-    taken, name = {joint.name for joint in robot.joints}, "virtual_joint"
-    while name in taken:
-        name += "_"
-    return name

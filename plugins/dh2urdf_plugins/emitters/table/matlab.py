@@ -9,11 +9,13 @@ Source: reference pages of `rigidBodyJoint`, `rigidBodyJoint.setFixedTransform` 
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING
 
 from dh2urdf.manipulator import ROOT, TOOL, Convention, JointType
 from dh2urdf.quantities import format_number
 from dh2urdf.rotations import IDENTITY
+from dh2urdf.source import free_name
 from dh2urdf_plugins.emitters.table.code import angle_code, matrix_rows, unsaid, variables
 
 if TYPE_CHECKING:
@@ -50,7 +52,8 @@ class _Tree:
     def __init__(self, variable: str, arm: Manipulator) -> None:
         self._variable, self._arm = variable, arm
         self._parent = ROOT
-        self._taken = {ROOT, TOOL, *(row.link for row in arm.rows), *(row.joint for row in arm.rows)}
+        taken = {ROOT, TOOL, *(row.link for row in arm.rows), *(row.joint for row in arm.rows)}
+        self._free = partial(free_name, taken=taken)
 
     def lines(self) -> Iterator[str]:
         """The statements that make the tree."""
@@ -68,7 +71,12 @@ class _Tree:
         notation = "'dh'" if is_standard else "'mdh'"
         constant = _constant(row)
         if constant and is_standard:
-            yield from self._placed(self._free(f"{row.link}_zero"), self._free(f"{row.joint}_zero"), constant, notation)
+            yield from self._placed(
+                self._free(f"{row.link}_zero"),
+                self._free(f"{row.joint}_zero"),
+                constant,
+                notation,
+            )
         body = self._free(f"{row.link}_zero") if constant and not is_standard else row.link
         yield ""
         yield f"body = rigidBody({_text(body)});"
@@ -101,13 +109,6 @@ class _Tree:
     def _matrix(self, name: str) -> str:
         rows = matrix_rows(getattr(self._arm, name))
         return f"[{'; '.join(' '.join(row) for row in rows)}]"
-
-    def _free(self, name: str) -> str:
-        """A name that no link and no joint has."""
-        while name in self._taken:
-            name += "_"
-        self._taken.add(name)
-        return name
 
 
 def _parameters(row: DHRow) -> tuple[str, str, str, str]:

@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING
 
 from lxml import etree
 
-from dh2urdf.errors import ProofError
 from dh2urdf.kinematics import axis_rotation
 from dh2urdf.rotations import (
     IDENTITY_ROTATION,
@@ -28,8 +27,8 @@ from dh2urdf.rotations import (
     scale,
     subtract,
 )
-from dh2urdf.source import Mark, Problem, shown
-from dh2urdf_plugins.read_back.xml_files import mark_of
+from dh2urdf.source import shown
+from dh2urdf_plugins.read_back.xml_files import FileElements
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -40,15 +39,13 @@ _DEEPEST = 100
 _ORIENTATIONS = frozenset(("quat", "euler", "axisangle", "xyaxes", "zaxis"))
 
 
-class Elements:
+class Elements(FileElements):
     """The elements of a model.
 
     Attributes:
         root: the outermost one.
-        file: what messages call the file.
         compiler: the attributes of the compiler.
         angle: an angle as it is written, times this, is in rad.
-        unread: what is in the file and could not be read, by the words for it: the places.
     """
 
     def __init__(self, root: etree._Element, file: str) -> None:
@@ -57,10 +54,10 @@ class Elements:
         Raises:
             ProofError: they cannot be read.
         """
-        self.root, self.file = root, file
+        super().__init__(file)
+        self.root = root
         self.compiler = compiler_of(root)
         self.angle = 1.0 if self.compiler.get("angle") == "radian" else math.pi / 180.0
-        self.unread: dict[str, list[Mark]] = {}
         self._has_frames = root.find(".//frame") is not None
         self._gives_classes = root.find(".//*[@childclass]") is not None
         self._defaults = self._read_defaults()
@@ -199,20 +196,6 @@ class Elements:
             wanted = "one finite number" if count == 1 else f"{count} finite numbers with spaces between them"
             raise self.error(element, f"{name} of {element.tag} is {shown(text)}", accepted=wanted)
         return numbers if len(numbers) == count else numbers[:count]
-
-    # Places
-
-    def mark(self, element: etree._Element) -> Mark:
-        """Where an element is."""
-        return mark_of(element, self.file)
-
-    def error(self, element: etree._Element, message: str, accepted: str | None = None) -> ProofError:
-        """What is wrong with an element."""
-        return ProofError(Problem(message=message, accepted=accepted, mark=self.mark(element)))
-
-    def not_read(self, element: etree._Element, what: str) -> None:
-        """Notes that an element cannot be read."""
-        self.unread.setdefault(what, []).append(self.mark(element))
 
 
 def z_rotation(axis: Vec3) -> Rotation:

@@ -285,7 +285,7 @@ class _Reader:
             type=kind,
             parent=parent,
             child=child,
-            origin=_origin(origin),
+            origin=Origin.of(origin),
             axis=axis,
             limits=Limits(lower=lower, upper=upper, effort=effort),
             damping=damping,
@@ -332,11 +332,7 @@ def _type(element: etree._Element, attributes: dict[str, str]) -> str:
 
 
 def _fixed(name: str, holder: str, pose: RigidTransform) -> Joint:
-    return Joint(name=f"{holder} holds {name}", type=JointType.FIXED, parent=holder, child=name, origin=_origin(pose))
-
-
-def _origin(pose: RigidTransform) -> Origin:
-    return Origin(xyz=pose.translation, rpy=pose.rpy)
+    return Joint(name=f"{holder} holds {name}", type=JointType.FIXED, parent=holder, child=name, origin=Origin.of(pose))
 
 
 def _moved(kind: JointType, axis: Vec3, value: float) -> RigidTransform:

@@ -90,7 +90,7 @@ class Shapes:
             touches = _touches(geom)
             for geometry, pose in self._mesh(geom) if "mesh" in geom.attributes else self._parts(geom):
                 placed = geom.pose if pose is IDENTITY else geom.pose @ pose
-                origin = Origin(xyz=placed.translation, rpy=placed.rpy)
+                origin = Origin.of(placed)
                 if touches:
                     collisions.append(Collision(geometry=geometry, origin=origin))
                 if not touches or not (has_own_look or geom.attributes.get("group", "0") in _HIDDEN):

@@ -5,10 +5,10 @@ from __future__ import annotations
 from math import isfinite, isnan, radians
 from typing import TYPE_CHECKING
 
-from dh2urdf.errors import ProofError
 from dh2urdf.robot import Origin
 from dh2urdf.rotations import IDENTITY, RigidTransform, rotation_from_quaternion
-from dh2urdf.source import Mark, Problem, shown
+from dh2urdf.source import shown
+from dh2urdf_plugins.read_back.xml_files import FileElements
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -19,17 +19,8 @@ if TYPE_CHECKING:
 _HERE = Origin()
 
 
-class SdfElements:
-    """Reads the elements of one file.
-
-    Attributes:
-        file: what messages call the file.
-        unread: what is in the file and could not be read, by the words for it: the places.
-    """
-
-    def __init__(self, file: str) -> None:
-        self.file = file
-        self.unread: dict[str, list[Mark]] = {}
+class SdfElements(FileElements):
+    """Reads the elements of one file."""
 
     def name(self, element: etree._Element) -> str:
         """The name of an element."""
@@ -57,7 +48,7 @@ class SdfElements:
             return _HERE
         if pose.get("rotation_format") == "quat_xyzw":
             x, y, z, *quaternion = self._read(element, "pose", text, 7)
-            return origin_of(RigidTransform(rotation_from_quaternion(quaternion), (x, y, z)))
+            return Origin.of(RigidTransform(rotation_from_quaternion(quaternion), (x, y, z)))
         x, y, z, roll, pitch, yaw = self._read(element, "pose", text, 6)
         if pose.get("degrees") in {"1", "true"}:
             roll, pitch, yaw = radians(roll), radians(pitch), radians(yaw)
@@ -87,20 +78,3 @@ class SdfElements:
             wanted = "one number" if count == 1 else f"{count} numbers with spaces between them"
             raise self.error(element, f"{path} of {element.tag} is {shown(text)}", accepted=wanted)
         return numbers
-
-    def not_read(self, element: etree._Element, what: str) -> None:
-        """Notes that an element cannot be read."""
-        self.unread.setdefault(what, []).append(self.mark(element))
-
-    def mark(self, element: etree._Element) -> Mark:
-        """Where an element is."""
-        return Mark(file=self.file, line=element.sourceline)  # type: ignore[arg-type]  # wrong in the stubs
-
-    def error(self, element: etree._Element, message: str, accepted: str | None = None) -> ProofError:
-        """What is wrong with an element."""
-        return ProofError(Problem(message=message, accepted=accepted, mark=self.mark(element)))
-
-
-def origin_of(pose: RigidTransform) -> Origin:
-    """A rigid transform as an origin."""
-    return Origin(xyz=pose.translation, rpy=pose.rpy)

@@ -31,7 +31,7 @@ from dh2urdf.rotations import (
 )
 from dh2urdf.source import Mark, Problem, shown
 from dh2urdf_plugins.read_back.capsules import Placed, capsule
-from dh2urdf_plugins.read_back.sdf.elements import SdfElements, origin_of
+from dh2urdf_plugins.read_back.sdf.elements import SdfElements
 from dh2urdf_plugins.read_back.sdf.nesting import MODEL, flatten
 from dh2urdf_plugins.read_back.whole_robots import not_of_a_manipulator, whole
 from dh2urdf_plugins.read_back.xml_files import content_of, tree_of
@@ -201,7 +201,7 @@ class _Reader(SdfElements):
         return [self._joint(joint, moved, holder, self._between(holder, joint_name)), self._fixed(name, moved, to_link)]
 
     def _fixed(self, name: str, holder: str, pose: RigidTransform | None = None) -> Joint:
-        origin = origin_of(pose or self._between(holder, name))
+        origin = Origin.of(pose or self._between(holder, name))
         return Joint(name=f"{holder} holds {name}", type=JointType.FIXED, parent=holder, child=name, origin=origin)
 
     def _holder(self, place: _Place, body: str) -> str:
@@ -274,7 +274,7 @@ class _Reader(SdfElements):
             type=kind,
             parent=parent,
             child=child,
-            origin=origin_of(pose),
+            origin=Origin.of(pose),
             axis=axis,
             limits=Limits(**limits),
             damping=self.optional(element, "axis/dynamics/damping"),
@@ -337,7 +337,7 @@ class _Reader(SdfElements):
         link = self.name(element.getparent())  # type: ignore[arg-type]  # it has one
         if reference is None or reference == link:
             return self.origin(element)
-        return origin_of(self._between(link, reference) @ self.pose(element))
+        return Origin.of(self._between(link, reference) @ self.pose(element))
 
     def _material(self, element: etree._Element) -> Material | None:
         """The colour of a shape; colours have no names in SDF."""
@@ -350,7 +350,7 @@ class _Reader(SdfElements):
         """The parts of a shape, and where they are in the link."""
         origin = self._shape_origin(element)
         for geometry, pose in self._parts(element):
-            yield geometry, origin if pose is IDENTITY else origin_of(origin.transform @ pose)
+            yield geometry, origin if pose is IDENTITY else Origin.of(origin.transform @ pose)
 
     def _parts(self, element: etree._Element) -> list[Placed]:
         geometry = element.find("geometry")

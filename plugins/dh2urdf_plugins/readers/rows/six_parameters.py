@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.manipulator import Convention, DHRow, JointType
 from dh2urdf.rotations import HALF_PI, ZERO, RigidTransform, cos_sin, multiply, rotation_x, rotation_y, rotation_z
-from dh2urdf.source import Problem, shown
+from dh2urdf.source import Problem, free_name, shown
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
@@ -152,18 +152,12 @@ class _Table:
 
     def _fixed(self, row: DHRow, what: str, *, theta: float, d: float = 0.0, alpha: float = 0.0) -> DHRow:
         """Adds a fixed row without a body of its own."""
-        joint, link = (self._fresh(f"{name}_{what}") for name in (row.joint, row.link))
+        joint, link = (free_name(f"{name}_{what}", self._taken) for name in (row.joint, row.link))
         fixed = JointType.FIXED
         made = DHRow(joint=joint, link=link, type=fixed, a=0.0, alpha=alpha, d=d, theta=theta, mass=0.0, mark=row.mark)
         self.rows.append(made)
         self.places.append(f"the fixed row {shown(joint)}")
         return made
-
-    def _fresh(self, name: str) -> str:
-        while name in self._taken:
-            name += "_"
-        self._taken.add(name)
-        return name
 
 
 def _with_body(row: DHRow, behind: RigidTransform) -> DHRow:

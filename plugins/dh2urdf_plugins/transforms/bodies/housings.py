@@ -13,7 +13,7 @@ from dh2urdf import unchecked_records as own
 from dh2urdf.elementwise import where
 from dh2urdf.manipulator import JointType
 from dh2urdf.robot import Cylinder
-from dh2urdf_plugins.transforms.formulas import Quantity, constants, origin, plus, times
+from dh2urdf_plugins.transforms.formulas import Quantity, constants, origin, plus, signed, times
 from dh2urdf_plugins.transforms.shapes import BASE_COLOUR, Style, caps, visuals
 
 if TYPE_CHECKING:
@@ -60,7 +60,7 @@ def arm_visuals(row: DHRow, frame: LinkFrame, style: Style, *, is_first: bool) -
         seen += caps([frame.corner], tube)
     if row.type is JointType.FIXED and seen:
         return seen
-    along = _times(row.sign, frame.axis)
+    along = signed(row.sign, frame.axis)
     if not has_offset:
         return housing_of(frame.corner, along, 0.0, frame.offset.rpy, style) + seen
     way = where(frame.offset.length.value < 0.0, -1.0, 1.0)
@@ -92,7 +92,3 @@ def housing_of(at: Quantities, along: Vec3, ahead: Number, rpy: Quantities, styl
         body(cap, ahead - half, BASE_COLOUR),
         body(cap, ahead + half, BASE_COLOUR),
     )
-
-
-def _times(factor: int, vector: Vec3) -> Vec3:
-    return (factor * vector[0] + 0.0, factor * vector[1] + 0.0, factor * vector[2] + 0.0)

@@ -238,7 +238,7 @@ def resolved(address: str, description: Description) -> Path | None:
         return None
     searched = [
         *(place for inner in (folder, *folder.parents) for place in (inner, inner.parent / package)),
-        *(Path(entry) / package for entry in _entries("ROSPACKAGE_PATH")),
+        *(Path(entry) / package for entry in _entries("ROS_PACKAGE_PATH")),
         *(Path(entry) / "share" / package for entry in _entries("AMENT_PREFIX_PATH")),
     ]
     found = [place / rest for place in searched if place.name == package and is_there(place, is_file=False)]

@@ -29,7 +29,7 @@ AZIMUTH, ELEVATION = math.radians(-55.0), math.radians(20.0)
 SUPERSAMPLING = 2
 """How much larger a picture is rendered, and then averaged: the renderers' edges are stairs."""
 FLOOR = (0.86, 0.88, 0.91, 1.0)
-"""Its colour."""
+"""Colour of the floor that an arm stands on."""
 _BORDER = 1.1  # how much farther than a tight fit
 _BENDS = (0.5, 1.0)  # of the joints [rad]
 _BENT_JOINTS = 4  # whose bends are tried both ways

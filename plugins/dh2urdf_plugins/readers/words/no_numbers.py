@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 
 from dh2urdf.patterns import late_pattern
-from dh2urdf_plugins.readers.words.fields import REQUIRED
+from dh2urdf.table_text import REQUIRED
 
 _NONE = late_pattern(r"[-–—−]+|[/?.…]|n\.?/?a\.?|none|null|nil|nan|tbd|k\.?\s?a\.?", re.IGNORECASE)
 _ENDLESS = late_pattern(

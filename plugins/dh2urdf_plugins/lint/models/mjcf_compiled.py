@@ -9,6 +9,7 @@ from dh2urdf.errors import ProofError
 from dh2urdf.source import shown
 from dh2urdf_plugins.lint.models.models import Hit, Model, elements_of, numbers
 from dh2urdf_plugins.read_back.mjcf.elements import Elements, compiler_of
+from dh2urdf_plugins.read_back.mjcf.masses import WITHOUT_MASS
 from dh2urdf_plugins.read_back.xml_files import mark_of
 
 if TYPE_CHECKING:
@@ -27,7 +28,6 @@ _FILES = {
 }
 _SIZES = {"free": (7, 6), "ball": (4, 3)}
 """Positions and velocities of joints that have several."""
-_WITHOUT_MASS = ("plane", "hfield")
 
 
 def hits(model: Model, *, complete: bool) -> Iterator[Hit]:
@@ -123,7 +123,7 @@ def _has_mass(body: etree._Element, own: list[etree._Element], elements: Element
             continue
         given = elements.attributes(geom)
         mass, density, group = (numbers(given.get(name), 1) for name in ("mass", "density", "group"))
-        nothing = mass == (0.0,) or (mass is None and density == (0.0,)) or given.get("type") in _WITHOUT_MASS
+        nothing = mass == (0.0,) or (mass is None and density == (0.0,)) or given.get("type") in WITHOUT_MASS
         if not nothing and first <= (group or (0.0,))[0] <= last:
             return True
     return False

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 _WATER = 1000.0
 """The density of a shape that has none [kg/m³]."""
-_WITHOUT = ("plane", "hfield")
+WITHOUT_MASS = ("plane", "hfield")
 """Shapes that have no mass."""
 
 
@@ -37,7 +37,7 @@ def mass_of_shapes(geoms: Iterable[Geom], elements: Elements) -> Inertial | None
             elements.numbers(geom.element, geom.attributes, name, (default,))[0]
             for name, default in (("mass", -1.0), ("density", _WATER))
         )
-        if geom.kind in _WITHOUT or mass == 0.0 or (mass < 0.0 and density == 0.0):
+        if geom.kind in WITHOUT_MASS or mass == 0.0 or (mass < 0.0 and density == 0.0):
             continue
         body = None if "mesh" in geom.attributes else _solid(geom)
         if body is None or not body.mass or geom.attributes.get("shellinertia") == "true":

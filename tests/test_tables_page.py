@@ -665,7 +665,7 @@ def test_every_statement_is_in_the_page(read: Callable[..., Outcome]) -> None:
 def test_every_key_of_yaml_is_in_the_page() -> None:
     """Those of a manipulator, of its base and defaults, and of a joint."""
     keys = set(re.findall(r"(\w+):", EXAMPLES["every key"].body))
-    joint = {*yaml_reading._JOINT_KEYS, *yaml_reading._LIMITS, *fields.INERTIA, "sign", "flip"}
+    joint = {*yaml_reading._JOINT_KEYS, *yaml_reading.LIMITS, *fields.INERTIA, "sign", "flip"}
     assert keys == {
         *yaml_reading.KEYS,
         *joint,

@@ -17,7 +17,7 @@ import signal
 import sys
 import warnings
 from importlib import import_module
-from itertools import pairwise
+from itertools import pairwise, takewhile
 from typing import IO, TYPE_CHECKING, Any, NoReturn
 
 import click
@@ -98,7 +98,7 @@ class _LazyGroup(click.Group):
             near = did_you_mean(args[0], COMMANDS)
             advice = f"; {near}" if near else ""
             ctx.fail(f"no command {shown(args[0])}; the commands are {', '.join(COMMANDS)}{advice}")
-        for before, word in pairwise(args):
+        for before, word in pairwise(takewhile("--".__ne__, args)):
             if not word.strip() or (word.startswith("--") and word.endswith("=") and "=" not in word[:-1]):
                 name = word[:-1] or before
                 ctx.fail(f"the word behind {name} is empty; is a variable of the shell not set?")

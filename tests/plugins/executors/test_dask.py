@@ -174,7 +174,7 @@ class TestACluster:
         assert results == [2 * number for number in range(40)]
         done = [len((tmp_path / f"{number}").read_text().splitlines()) for number in range(40)]
         assert len(list(tmp_path.iterdir())) == 40
-        assert 40 <= sum(done) <= 40 + 2 * 2 * dask.AHEAD
+        assert 40 <= sum(done) <= 40 + 2 * 2 * dask.AHEAD_OF_THREADS
 
     @pytest.mark.long
     def test_a_run_of_1500_survives_a_worker(
@@ -263,7 +263,7 @@ class TestACluster:
             return before == begun
 
         assert soon(is_over)
-        assert begun <= 2 * 2 * dask.AHEAD
+        assert begun <= 2 * 2 * dask.AHEAD_OF_THREADS
 
 
 class TestNobody:

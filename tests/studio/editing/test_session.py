@@ -12,7 +12,7 @@ from dh2urdf.manipulator import Convention
 from dh2urdf.studio import gallery
 from dh2urdf.studio.editing import edits
 from dh2urdf.studio.editing.session import Session
-from dh2urdf.table_text import TableText
+from dh2urdf.table_text import NAMES, TableText
 
 if TYPE_CHECKING:
     from dh2urdf.plugin_system import Catalog
@@ -51,12 +51,12 @@ def test_the_last_good_arm_stays(session: Session) -> None:
 def test_no_arm_is_left_of_another_table(session: Session) -> None:
     """Rows in which nothing stands yet are nobody's arm: the last good one is not shown for them."""
     for row in range(6):
-        for field in set(session.table.rows[row]) - set(edits.NOT_GEOMETRY):
+        for field in set(session.table.rows[row]) - set(NAMES):
             session.edit(row, field, "")
     assert session.arm is None
     assert session.drawing.nodes == ()
     session.undo()
-    assert session.table.rows[5].keys() - set(edits.NOT_GEOMETRY)
+    assert session.table.rows[5].keys() - set(NAMES)
 
 
 def test_a_table_without_a_convention_is_opened_without_an_arm(session: Session) -> None:

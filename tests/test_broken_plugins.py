@@ -238,6 +238,8 @@ CASES = [
     Broken("edit.edit_table", "None", f"{BROKEN}ValueError: the edit 'bad' has to give edit_table, edit_robot, or both", ALL),
     # --- Readers
     Broken(READ, "lambda *_: iter([arm('left', row(a='1'))])", f"{R}RecordTypeError: DHRow(): error: ", ALL),
+    Broken(READ, "lambda *_: iter([arm('left', row(a=float('nan')))])",
+           "nan is not a finite number: the reader 'bad' of lab 1.0 made such a record of it", ALL),
     Broken(READ, "lambda *_: (each for each in (arm('left'), Rejected(name='right', problems=[Problem(message='no')])))",
            f"{R}TypeError: it gave a Rejected whose problems is [Problem(", ("arm",)),
     Broken(READ, "lambda *_: (each for each in (arm('left'), Rejected(name='right', problems=())))",

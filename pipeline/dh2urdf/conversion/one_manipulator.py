@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, Literal, TypeVar, overload
 
 from dh2urdf.columns import ManipulatorGroups
 from dh2urdf.conversion.robots import a_robot, keeps_kinematics
-from dh2urdf.errors import EmitterError, ProofError, TableError
+from dh2urdf.errors import EmitterError, ProofError, RecordError, TableError
 from dh2urdf.kinematics.proof import TOLERANCE, Proof, prove
 from dh2urdf.kinematics.proof_vectors import proof_vectors
 from dh2urdf.late_dataclasses import dataclass
@@ -324,6 +324,12 @@ def read_items(
     except TableError as error:
         if _state_of(path) != before:
             raise TableError([_changed(path), *error.problems], error.notices) from error
+        if isinstance(error, RecordError):  # which names the record, and neither the file nor who made it
+            whose = f" of {call.plugin.distribution}" if call.plugin else ""
+            made = f"the {call}{whose} made such a record of it"
+            mark = Mark(file=str(path))
+            problems = [replace(each, mark=mark, message=f"{each.message}: {made}") for each in error.problems]
+            raise TableError(problems, error.notices) from error
         raise
     if _state_of(path) != before:
         raise TableError(_changed(path))

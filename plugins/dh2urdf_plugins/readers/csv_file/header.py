@@ -179,8 +179,15 @@ def starts_of(line: str, delimiter: str) -> list[int]:
     ]
 
 
+def _has_delimiter(line: str) -> bool:
+    """Whether a line has a delimiter at all: without one it is no header, and most comments have none."""
+    return any(delimiter in line for delimiter in DELIMITERS)
+
+
 def delimiter_of(line: str) -> str | None:
     """The delimiter of a header: the one that makes the most fields of it."""
+    if not _has_delimiter(line):
+        return None
 
     def score(delimiter: str) -> tuple[int, int]:
         cells = split(line, delimiter)
@@ -196,6 +203,8 @@ def commented_header(line: str) -> str | None:
 
     The first column may be called ``#``, or the header as a whole may be commented out, as numpy writes it.
     """
+    if not _has_delimiter(line):
+        return None
     found: dict[str, set[str]] = {}
     for text in (line, without_marker(line)):
         headers = map(read_header, split(text, delimiter_of(text) or ","))

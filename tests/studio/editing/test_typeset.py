@@ -103,6 +103,7 @@ def test_a_table_of_a_paper(catalog: Catalog) -> None:
         ("0,1   -π/2  .5 θ1", [["0.1", "-π/2", ".5", "θ1"]]),
         ("0 –90\N{WHITE BULLET} 1", [["0", "–90\N{WHITE BULLET}", "1"]]),
         (r"0.1 & $\dfrac{\pi}{2}$ & $-2\pi$ \\", [["0.1", "pi/2", "-2*pi"]]),
+        (r"0.1 & $\nicefrac{\pi}{2}$ & $-\sfrac{\pi}{4}$ \\", [["0.1", "pi/2", "-pi/4"]]),
         (r"1 & \unknown{2} \\", [["1", r"\unknown2"]]),  # the reader names what it does not know
         ("-425 mm", [["-425 mm"]]),
         ("0.1 + 0.2\n0.3 + 0.4", [["0.1 + 0.2"], ["0.3 + 0.4"]]),
@@ -143,13 +144,18 @@ BOX = """DHRobot: KR210, 2 joints (RR), modified DH parameters
 RULES = "=====  ====  ====  =======\nalpha  a     d     theta\n=====  ====  ====  =======\n"
 RULES += "0      0     0.75  q1\n-pi/2  0.35  0     q2-pi/2\n=====  ====  ====  =======\n"
 ALIGNED = "alpha (°)   a (mm)   d (mm)   theta (°)\n0      0     750  q1\n-90  350  0     θ2−90\n"
+SIUNITX = r"""\begin{tabular}{SSSc}
+{$\alpha_{i-1}$ [\si{\degree}]} & {$a_{i-1}$ / \si{\milli\metre}} & {$d_i$ (\unit{\mm})} & {$\theta_i$} \\
+\ang{0} & \num{0} & \SI{0.75}{\metre} & $\theta_1$ \\
+-90 & \qty{350}{\mm} & 0 & $\theta_2 - \ang{90}$ \\
+\end{tabular}"""
 UNITS_BELOW = "α\ta\td\tθ\n[°]\t[mm]\t[mm]\t[°]\n0\t0\t750\tq1\n-90\t350\t0\tq2-90\n"
 
 
 @pytest.mark.parametrize(
     "text",
-    [GITHUB, BOLD, FORMULAS, UNRULED, TITLED, BOX, RULES, ALIGNED, UNITS_BELOW],
-    ids=["GitHub", "bold", "formulas", "no rule", "title", "box", "reStructuredText", "aligned", "units below"],
+    [GITHUB, BOLD, FORMULAS, UNRULED, TITLED, BOX, RULES, ALIGNED, SIUNITX, UNITS_BELOW],
+    ids=["GitHub", "bold", "formulas", "no rule", "title", "box", "reStructuredText", "aligned", "siunitx", "units"],
 )
 def test_tables_as_pages_and_programs_show_them(text: str, catalog: Catalog) -> None:
     """Two rows of a KR 210: as cells of one column each, the lines would not be an arm."""

@@ -45,13 +45,29 @@ _MARKS = tuple(
     )
 )
 """Bold, slanted and lowered text in a cell of Markdown."""
+_SIUNITX = {
+    r"milli\s*\\met(?:re|er)|mm": "mm",
+    r"centi\s*\\met(?:re|er)|cm": "cm",
+    r"newton\s*\\met(?:re|er)": "Nm",
+    r"met(?:re|er)|m": "m",
+    r"radian|rad": "rad",
+    r"degree": "°",
+    r"kilogram|kg": "kg",
+    r"newton|N": "N",
+    r"per\s*\\s(?:econd)?": "/s",
+}
+"""Units of the package siunitx."""
 _FORMULAS = tuple(
     (late_pattern(pattern), plain)
     for pattern, plain in (
         (r"\\multicolumn\{[^{}]*\}\{[^{}]*\}\{([^{}]*)\}", r"\1"),
         (r"\\(?:text|mathrm|mathbf|mathit|textbf|textit|texttt|mbox)\{((?:\\.|[^{}])*)\}", r"\1"),
-        (r"\\[dt]?frac\{(-?[\w.\\]+)\}\{([\w.\\]+)\}", r"\1/\2"),
-        (r"\\[dt]?frac\{([^{}]*)\}\{([^{}]*)\}", r"(\1)/(\2)"),
+        (r"\\(?:[dts]|nice)?frac\{(-?[\w.\\]+)\}\{([\w.\\]+)\}", r"\1/\2"),
+        (r"\\(?:[dts]|nice)?frac\{([^{}]*)\}\{([^{}]*)\}", r"(\1)/(\2)"),
+        *((rf"\\(?:{macro})(?![a-z])", unit) for macro, unit in _SIUNITX.items()),
+        (r"\\ang\{([^{};]*)\}", r"\1°"),
+        (r"\\(?:num|si|unit)(?:\[[^]]*\])?\{([^{}]*)\}", r"\1"),
+        (r"\\(?:SI|qty)(?:\[[^]]*\])?\{([^{}]*)\}\{([^{}]*)\}", r"\1 \2"),
         (r"\s*(?:\^\s*\{?\s*\\circ\s*\}?|\\degree(?![a-z])|\\textdegree(?![a-z]))", "°"),
         (r"\s*\\(?:times|cdot)\s*10\s*\^\s*\{?\s*([+-]?\d+)\s*\}?", r"e\1"),
         (r"\\(?:times|cdot)(?![a-z])", "*"),

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pytest
 
-from dh2urdf.errors import ProofError
+from dh2urdf.errors import ProofError, TableError
 from dh2urdf.kinematics import KinematicChain, link_poses
 from dh2urdf.kinematics.chain import as_matrices
 from dh2urdf.manipulator import JointType
@@ -143,6 +143,71 @@ def test_what_versions_and_makers_write_is_where_drake_has_it(tmp_path: Path, ca
     assert [joint.name for joint in robot.moving_joints] == ["j"]
     if case == "placed by a frame":
         assert as_matrices(link_poses(robot, {"j": 0.3})["b"]) == pytest.approx(frame({"j": 0.3}, "b"), abs=1e-12)
+
+
+def test_a_joint_may_have_the_name_of_its_link(tmp_path: Path) -> None:
+    """As in PX4's rovers; sdformat took it before 1.7. A frame that was attached to itself came out."""
+    text = (
+        '<sdf version="1.6"><model name="m"><link name="a"/><link name="b">' + TURNED + '</link><joint name="{}" '
+        'type="revolute"><pose>0.1 0.2 0.3 0 0 0</pose><parent>a</parent><child>b</child><axis><xyz>0 0 1</xyz>'
+        "<use_parent_model_frame>1</use_parent_model_frame></axis></joint></model></sdf>"
+    )
+    path = tmp_path / "m.sdf"
+    path.write_text(text.format("j"))
+    frame, robot = drake_frames(path), parse_sdf(text.format("b").encode(), "m.sdf")
+    for value in (0.0, 0.4, -0.7):
+        poses = {name: as_matrices(pose) for name, pose in link_poses(robot, {"b": value}).items()}
+        theirs = np.linalg.solve(frame({"j": value}, "a"), frame({"j": value}, "b"))
+        assert np.linalg.solve(poses["a"], poses["b"]) == pytest.approx(theirs, abs=1e-12)
+
+
+def test_what_is_at_an_included_model_goes_with_it(tmp_path: Path) -> None:
+    """An arm with an included gripper, as PX4's with included sensors, is an arm; it was refused."""
+    path = tmp_path / "m.sdf"
+    path.write_text(
+        '<sdf version="1.10"><model name="m"><link name="a"/><link name="b"><pose>0 0 1 0 0 0</pose></link>\n'
+        '<joint name="j" type="revolute"><parent>a</parent><child>b</child><axis><xyz>0 0 1</xyz></axis></joint>\n'
+        '<include merge="true"><uri>model://gripper</uri><pose relative_to="b"/></include>\n'
+        '<joint name="hold" type="fixed"><parent>b</parent><child>palm</child></joint>\n'
+        '<frame name="grasp" attached_to="palm"/><frame name="point" attached_to="grasp"/></model></sdf>'
+    )
+    for _ in range(2):
+        found = foreign_sdf(path)
+        assert [(joint.name, joint.child) for joint in found.robot.moving_joints] == [("j", "b")]
+        assert [(notice.message, notice.mark and notice.mark.line) for notice in found.notices] == [
+            ("an included model is left out", 3),
+            ("a joint at an included model is left out", 4),
+            ("a frame at an included model is left out, in 2 places (lines 5, 5)", 5),
+        ]
+    path.write_text(path.read_text().replace("<include", "<of_others").replace("</include", "</of_others"))
+    with pytest.raises(TableError, match="no link, joint or frame 'palm'"):
+        foreign_sdf(path)
+
+
+def test_shapes_and_colours_as_the_specification_fills_them_in(tmp_path: Path) -> None:
+    """An opaque colour of three numbers, shapes without sizes, none, and those that robots have no place for."""
+    shapes = "".join(
+        f'<visual name="v{number}"><geometry>{shape}</geometry><material><diffuse>{colour}</diffuse></material></visual>'
+        for number, (shape, colour) in enumerate(
+            (
+                ("<box/>", "1 0 0"),
+                ("<sphere/>", "0 1 0 0.5"),
+                ("<cylinder/>", "0 0 1"),
+                ("", "0 0 1"),
+                ("<gear/>", "0 0 1"),
+            )
+        )
+    )
+    path = tmp_path / "m.sdf"
+    path.write_text(f'<sdf version="1.9"><model name="m"><link name="a">{shapes}</link></model></sdf>')
+    found = foreign_sdf(path)
+    visuals = next(link for link in found.robot.links if link.name == "a").visuals
+    assert [(shape.geometry, shape.material and shape.material.rgba) for shape in visuals] == [
+        (Box(size=(1.0, 1.0, 1.0)), (1.0, 0.0, 0.0, 1.0)),
+        (Sphere(radius=1.0), (0.0, 1.0, 0.0, 0.5)),
+        (Cylinder(radius=1.0, length=1.0), (0.0, 0.0, 1.0, 1.0)),
+    ]
+    assert [notice.message for notice in found.notices] == ["a shape 'gear' is left out"]
 
 
 def test_a_link_may_be_the_world() -> None:

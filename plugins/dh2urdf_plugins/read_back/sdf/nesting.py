@@ -48,6 +48,32 @@ def flatten(model: etree._Element, refuse: Callable[[etree._Element], None]) -> 
             model.insert(place, child)
 
 
+def leave_out_attached(model: etree._Element, not_read: Callable[[etree._Element, str], None]) -> None:
+    """Takes joints and frames out of a model that includes others, where they are at what is not in it.
+
+    Args:
+        model: the model; it is changed.
+        not_read: takes each of them, and the words for it.
+    """
+    known = {element.get("name") for element in model.iterchildren(*_NAMED)} | {MODEL, WORLD}
+    while left := [each for each in model.iterchildren("joint", "frame") if not _references(each) <= known]:
+        for each in left:
+            not_read(each, f"a {each.tag} at an included model")
+            known.discard(each.get("name"))
+            model.remove(each)
+
+
+def _references(element: etree._Element) -> set[str]:
+    """What the place of a joint or frame, and its axis, depend on."""
+    named = [
+        *((end.text or "").strip() for end in element.iterchildren("parent", "child")),
+        element.get("attached_to"),
+        *(pose.get("relative_to") for pose in element.iterchildren("pose")),
+        *(axis.get("expressed_in") for axis in element.iterfind("axis/xyz")),
+    ]
+    return {name for name in named if name}
+
+
 def _rename(element: etree._Element, name: str) -> None:
     """Makes an element of the model `name` one of the model around that."""
 

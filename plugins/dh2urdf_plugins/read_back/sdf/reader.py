@@ -32,7 +32,7 @@ from dh2urdf.rotations import (
 from dh2urdf.source import Mark, Problem, shown
 from dh2urdf_plugins.read_back.capsules import Placed, capsule
 from dh2urdf_plugins.read_back.sdf.elements import SdfElements
-from dh2urdf_plugins.read_back.sdf.nesting import MODEL, flatten
+from dh2urdf_plugins.read_back.sdf.nesting import MODEL, flatten, leave_out_attached
 from dh2urdf_plugins.read_back.whole_robots import not_of_a_manipulator, whole
 from dh2urdf_plugins.read_back.xml_files import content_of, tree_of
 
@@ -48,8 +48,6 @@ UNLIMITED = 1e16
 _ACCEPTED = ", ".join(JOINT_TYPES)
 _LOOSE = ("ball", "gearbox", "revolute2", "screw", "universal")
 """Joints that no table has."""
-_NOT_READ = ("cone", "ellipsoid", "heightmap", "image", "plane", "polyline")
-"""Shapes that a robot has no place for."""
 _OWN_AXES_SINCE = (1, 5)
 """Since this version the axis of a joint is in the joint's own frame; before, in that of the model."""
 
@@ -111,7 +109,7 @@ def model_of(root: etree._Element, file: str) -> Model:
     models = [*root.iterchildren("model"), *root.iterfind("world/model")] if root.tag == "sdf" else []
     if not models:
         raise ProofError(Problem(message="there is no model in it", mark=Mark(file=file)))
-    is_nested = any(model.find("model") is not None for model in models)
+    is_nested = any(each is not None for model in models for each in (model.find("model"), model.find("include")))
     return _Reader(deepcopy(root) if is_nested else root, file).model()
 
 
@@ -143,10 +141,13 @@ class _Reader(SdfElements):
         for include in (*self._model.iter("include"), *root.iterfind("world/include")):
             self.not_read(include, "an included model")
         flatten(self._model, lambda inner: self.not_read(inner, "a nested model that is placed by one of its frames"))
+        if self._model.find("include") is not None:
+            leave_out_attached(self._model, self.not_read)
         version = [int(word) for word in (root.get("version") or "").split(".") if word.isdecimal()]
         self._axes_in_model = bool(version) and tuple(version) < _OWN_AXES_SINCE
+        self._links = {self.name(link) for link in self._model.iterchildren("link")}
         self._places = {
-            self.name(element): self._place(element)
+            self._key(element): self._place(element)
             for tag in ("link", "joint", "frame")
             for element in self._model.iterchildren(tag)
         }
@@ -178,6 +179,11 @@ class _Reader(SdfElements):
 
     # Frames
 
+    def _key(self, element: etree._Element) -> str:
+        """The name by which an element is found; before version 1.7 a joint may have that of a link."""
+        name = self.name(element)
+        return f"joint {name}" if element.tag == "joint" and name in self._links else name
+
     def _place(self, element: etree._Element) -> _Place:
         # A link has no such attribute, and is placed in the model; so is a frame that has none.
         moves_with = self.word(element, "child") if element.tag == "joint" else element.get("attached_to") or MODEL
@@ -193,11 +199,11 @@ class _Reader(SdfElements):
             body = self._body(name) if element.tag == "frame" else WORLD
             return [self._fixed(name, self._holder(place, body))]
         holder = self._holder(place, self._body(self.word(joint, "parent")))
-        joint_name = self.name(joint)
+        joint_name = self._key(joint)
         to_link = self._between(joint_name, name)
         if to_link == IDENTITY:
             return [self._joint(joint, name, holder, self._between(holder, name))]
-        moved = f"{joint_name} frame"
+        moved = f"{self.name(joint)} frame"
         return [self._joint(joint, moved, holder, self._between(holder, joint_name)), self._fixed(name, moved, to_link)]
 
     def _fixed(self, name: str, holder: str, pose: RigidTransform | None = None) -> Joint:
@@ -268,7 +274,7 @@ class _Reader(SdfElements):
             x, y, z = self.numbers(element, "axis/xyz", 3, Z_AXIS)
             axis = (x, y, z)
             if (frame := self._frame_of_axis(element)) is not None:
-                axis = rotate(self._between(self.name(element), frame).rotation, axis)
+                axis = rotate(self._between(self._key(element), frame).rotation, axis)
         return Joint(
             name=self.name(element),
             type=kind,
@@ -343,8 +349,9 @@ class _Reader(SdfElements):
         """The colour of a shape; colours have no names in SDF."""
         if element.find("material/diffuse") is None:
             return None
-        r, g, b, a = self.numbers(element, "material/diffuse", 4)
-        return Material(name="", rgba=(r, g, b, a))
+        is_opaque = len((element.findtext("material/diffuse") or "").split()) == 3  # noqa: PLR2004 - red, green, blue
+        r, g, b, *a = self.numbers(element, "material/diffuse", 3 if is_opaque else 4)
+        return Material(name="", rgba=(r, g, b, *(a or (1.0,))))
 
     def _placed(self, element: etree._Element) -> Iterator[tuple[Geometry, Origin]]:
         """The parts of a shape, and where they are in the link."""
@@ -355,23 +362,31 @@ class _Reader(SdfElements):
     def _parts(self, element: etree._Element) -> list[Placed]:
         geometry = element.find("geometry")
         shape = None if geometry is None else next(geometry.iterchildren(etree.Element), None)
-        if shape is not None:
-            match shape.tag:
-                case "box":
-                    x, y, z = self.numbers(shape, "size", 3)
-                    return [Placed(Box(size=(x, y, z)))]
-                case "cylinder":
-                    (radius,), (length,) = self.numbers(shape, "radius", 1), self.numbers(shape, "length", 1)
-                    return [Placed(Cylinder(radius=radius, length=length))]
-                case "sphere":
-                    return [Placed(Sphere(radius=self.numbers(shape, "radius", 1)[0]))]
-                case "mesh":
-                    x, y, z = self.numbers(shape, "scale", 3, (1.0, 1.0, 1.0))
-                    return [Placed(Mesh(filename=self.word(shape, "uri"), scale=(x, y, z)))]
-                case "capsule":
-                    return capsule(self.numbers(shape, "radius", 1)[0], self.numbers(shape, "length", 1)[0])
-                case word if word in (*_NOT_READ, "empty"):
-                    if word != "empty":
-                        self.not_read(shape, f"a shape {shown(word)}")
-                    return []
-        raise self.error(element, "the geometry has no known shape", "box, cylinder, sphere, capsule, mesh")
+        if shape is None or shape.tag == "empty":
+            return []
+        # Sizes that are not there are those of http://sdformat.org/spec?elem=geometry.
+        match shape.tag:
+            case "box":
+                x, y, z = self.numbers(shape, "size", 3, (1.0, 1.0, 1.0))
+                parts = [Placed(Box(size=(x, y, z)))]
+            case "cylinder":
+                (radius,), (length,) = (
+                    self.numbers(shape, "radius", 1, (1.0,)),
+                    self.numbers(shape, "length", 1, (1.0,)),
+                )
+                parts = [Placed(Cylinder(radius=radius, length=length))]
+            case "sphere":
+                parts = [Placed(Sphere(radius=self.numbers(shape, "radius", 1, (1.0,))[0]))]
+            case "mesh":
+                x, y, z = self.numbers(shape, "scale", 3, (1.0, 1.0, 1.0))
+                parts = [Placed(Mesh(filename=self.word(shape, "uri"), scale=(x, y, z)))]
+            case "capsule":
+                (radius,), (length,) = (
+                    self.numbers(shape, "radius", 1, (0.5,)),
+                    self.numbers(shape, "length", 1, (1.0,)),
+                )
+                parts = capsule(radius, length)
+            case word:
+                self.not_read(shape, f"a shape {shown(str(word))}")
+                parts = []
+        return parts

@@ -427,6 +427,32 @@ def test_a_legend_that_exchanges_the_numbers_of_types_is_refused(table: str, rea
     assert "in a column of types 0 is revolute and 1 is prismatic" in problem.message
 
 
+@pytest.mark.parametrize(
+    ("header", "said"),
+    [
+        ("flip (0 = reversed)", "0 reversed, and in a column flip 1 turns the direction"),
+        ("flip (1: normal, 0: inverted)", None),
+        ("flip (normal = 1)", "1 normal, and in a column flip 1 turns the direction"),
+        ("direction (1 = reversed)", "1 reversed, and in a column sign -1 turns the direction"),
+    ],
+)
+def test_a_legend_that_exchanges_the_numbers_of_directions_is_refused(
+    header: str, said: str | None, read: Read
+) -> None:
+    (problem,) = problems_of(read, f'{STANDARD}"{header}",a,alpha,d\n1,0.3,0,0\n')
+    assert (said or "turns the direction") in problem.message
+
+
+@pytest.mark.parametrize(
+    ("header", "cell", "sign"),
+    [("flip (1 = reversed)", "1", -1), ("sign (-1 = reversed)", "-1", -1), ("sign (1 = normal)", "1", 1)],
+)
+def test_a_legend_of_directions_that_agrees_changes_nothing(
+    header: str, cell: str, sign: int, read_one: ReadOne
+) -> None:
+    assert read_one(f"{header},a,alpha,d\n{cell},0.3,0,0\n").rows[0].sign == sign
+
+
 def test_a_legend_in_a_comment_of_yaml_is_refused(read: Read) -> None:
     joint = "  - {type: 0, a: 0.3, alpha: 0, d: 0}\n"
     text = f"convention: standard\njoints:\n  # 0 for prismatic, 1 for revolute\n{joint}"

@@ -99,8 +99,8 @@ def name_columns(headers: Sequence[str], marks: Sequence[Mark], mark: Mark) -> C
             _unknown(columns, header, index, place, problems)
             continue
         name = header.field.name
-        if name == "type" and not text.isalpha():
-            problems += _legend(text, place)
+        if name in ("type", "flip", "sign") and not text.isalpha():
+            problems += _legend(name, text, place)
         _measure(columns, header, text, place, problems)
         keys = ("sign",) if name == "flip" else parts_of(header.field)
         twins = [key for key in keys if first.setdefault(key, index) != index]
@@ -125,12 +125,15 @@ def name_columns(headers: Sequence[str], marks: Sequence[Mark], mark: Mark) -> C
     return columns
 
 
-def _legend(text: str, mark: Mark) -> list[Problem]:
-    """What is wrong with a header of types that says what their numbers mean."""
-    from dh2urdf_plugins.readers.words.type_codes import exchanged, exchanged_codes
+def _legend(name: str, text: str, mark: Mark) -> list[Problem]:
+    """What is wrong with a header that says what the numbers below it mean."""
+    from dh2urdf_plugins.readers.words.type_codes import exchanged, exchanged_codes, exchanged_direction
 
-    codes = exchanged_codes(text)
-    return [exchanged(text, codes, mark)] if codes else []
+    if name == "type":
+        codes = exchanged_codes(text)
+        return [exchanged(text, codes, mark)] if codes else []
+    turned = exchanged_direction(name, text, mark)
+    return [turned] if turned else []
 
 
 def _of_link_before(text: str, name: str, mark: Mark) -> Problem:

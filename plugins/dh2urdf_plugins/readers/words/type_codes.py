@@ -1,4 +1,4 @@
-"""Legends of joint types: ``0 = prismatic, 1 = revolute`` turns round what the numbers of a column mean here."""
+"""Legends that turn round what the numbers of a column mean here: ``0 = prismatic, 1 = revolute``, ``0 = reversed``."""
 
 from __future__ import annotations
 
@@ -16,6 +16,8 @@ _PAIR = late_pattern(
     r"([01]|[^\W\d_]+)(?![\w.]))"
 )
 """A code and its meaning, in either order: ``1 = revolute``, ``R: 1``, ``0 for prismatic``."""
+_TURNED = frozenset(("reversed", "reverse", "inverted", "flipped", "opposite", "negative", "invertiert", "invertido"))
+_KEPT = frozenset(("normal", "regular", "unchanged", "same", "positive", "forward"))
 _COUNTED = late_pattern(r"\b(?:joints?|axis|axes|links?|rows?|gelenke?|achsen?|articulation|eje|giunto)\s*$")
 """What a number behind it counts: ``joint 1: revolute`` is no legend."""
 
@@ -30,6 +32,29 @@ def exchanged_codes(text: str) -> dict[str, JointType]:
         if code in ("0", "1") and kind and not word.isdigit() and not _COUNTED.search(plain[: match.start()]):
             said[code] = kind
     return {code: kind for code, kind in said.items() if joint_type(code) is not kind}
+
+
+def exchanged_direction(name: str, text: str, mark: Mark) -> Problem | None:
+    """The fault of a header of flip or sign whose legend turns its numbers round; None for any other.
+
+    Args:
+        name: the field: a flip of 1 turns the direction, and so does a sign of -1.
+        text: the header.
+        mark: its place.
+    """
+    turning = "0" if name == "flip" else "1"
+    for match in _PAIR.finditer(text.casefold()):
+        code, word = match.groups() if match[1] in ("0", "1") else match.groups()[::-1]
+        if (code == turning and word in _TURNED) or (name == "flip" and code == "1" and word in _KEPT):
+            return Problem(
+                message=f"{shown(text)} calls {code} {word}, and in a column {name} "
+                f"{'1' if name == 'flip' else '-1'} turns the direction",
+                mark=mark,
+                field=name,
+                found=text,
+                accepted="a column flip with true or false, or a column sign with 1 or -1",
+            )
+    return None
 
 
 def exchanged(text: str, codes: dict[str, JointType], mark: Mark) -> Problem:

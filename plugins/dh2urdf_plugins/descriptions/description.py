@@ -19,6 +19,7 @@ from dh2urdf.robot import Robot
 from dh2urdf.source import Mark, Problem, listed
 from dh2urdf_plugins.descriptions import unheld
 from dh2urdf_plugins.descriptions.rounded_pi import Rounded, repaired
+from dh2urdf_plugins.descriptions.urdf_shapes import with_known_shapes
 from dh2urdf_plugins.read_back import urdf_reader
 from dh2urdf_plugins.read_back.mjcf import reader as mjcf_reader
 from dh2urdf_plugins.read_back.mjcf.elements import Elements, compiler_of
@@ -135,12 +136,12 @@ class _Extras:
     notices: list[Problem] = field(default_factory=list)
     unheld: list[Problem] = field(default_factory=list)
 
-    def note(self, found: Iterable[tuple[str, etree._Element]]) -> None:
-        """Keeps what is in a file besides its robot."""
+    def left_out(self, found: Iterable[tuple[str, etree._Element]]) -> list[Problem]:
+        """Notices of what is left out, each kind once."""
         places: dict[str, list[Mark]] = {}
         for what, element in found:
             places.setdefault(what, []).append(mark_of(element, self.file))
-        self.unheld += [_left_out(what, marks) for what, marks in places.items()]
+        return [_left_out(what, marks) for what, marks in places.items()]
 
 
 class _Format(NamedTuple):
@@ -185,7 +186,8 @@ def _described(content: bytes, path: Path, file: str, form: _Format) -> Descript
 def _read_urdf(root: etree._Element, extras: _Extras, *, colours: bool) -> Robot:
     """Takes from a URDF what no table has a place for."""
     root.set("name", root.get("name", ""))
-    extras.note(unheld.of_urdf(root))
+    extras.unheld += extras.left_out(unheld.of_urdf(root))
+    extras.notices += extras.left_out(with_known_shapes(root))
     for joint in root.iterchildren("joint"):
         name = joint.get("name", "")
         if (mimic := joint.find("mimic")) is not None:
@@ -224,7 +226,7 @@ def _number(text: str) -> float:
 
 def _read_sdf(root: etree._Element, extras: _Extras) -> Robot:
     model = sdf_reader.model_of(root, extras.file)
-    extras.note(unheld.of_sdf(root))
+    extras.unheld += extras.left_out(unheld.of_sdf(root))
     extras.loose.update(model.loose)
     extras.notices += [_left_out(what, marks) for what, marks in model.unread.items()]
     extras.followers.update({name: _sdf_follower(mimic) for name, mimic in model.mimics.items()})
@@ -265,7 +267,7 @@ def _read_mjcf(root: etree._Element, extras: _Extras) -> Robot:
         if joint.get("active") != "false":
             extras.followers[joint.get("joint1", "")] = _mjcf_follower(joint, model.references)
     elements = Elements(root, extras.file)
-    extras.note(unheld.of_mjcf(elements))
+    extras.unheld += extras.left_out(unheld.of_mjcf(elements))
     efforts = unheld.efforts_of_mjcf(elements)
     joints = tuple(
         replace(joint, limits=replace(joint.limits, effort=efforts[joint.name]))

@@ -64,6 +64,40 @@ def test_xml_that_only_readers_of_robots_take(tmp_path: Path, start: str, attrib
         assert pinocchio.buildModelFromUrdf(str(path)).existJointName("a")
 
 
+SHAPES = """<robot name="shapes"><link name="a">
+  <visual><origin xyz="0.1 0.2 0.3" rpy="0.4 0.5 0.6"/><geometry><capsule radius="0.1" length="0.4"/></geometry>
+    <material name="red"><color rgba="1 0 0 1"/></material></visual>
+  <visual><geometry><ellipsoid a="1"/></geometry></visual><visual name="v"/><collision><geometry/></collision>
+  <collision><geometry><capsule radius="0.1" length="long"/></geometry></collision>
+  <collision><geometry><capsule radius="0.1" length="0.2"/></geometry></collision>
+</link></robot>"""
+IN_SDF = """<sdf version="1.9"><model name="m"><link name="a"><visual name="v"><pose>0.1 0.2 0.3 0.4 0.5 0.6</pose>
+  <geometry><capsule><radius>0.1</radius><length>0.4</length></capsule></geometry></visual></link></model></sdf>"""
+
+
+def test_shapes_that_urdf_has_no_word_for(tmp_path: Path) -> None:
+    """A capsule is where that of an SDF is; others are left out with a notice. The whole file was refused."""
+    path, other = tmp_path / "shapes.urdf", tmp_path / "shapes.sdf"
+    path.write_text(SHAPES)
+    other.write_text(IN_SDF)
+    found = foreign_urdf(path)
+    (link,) = found.robot.links
+    same = next(each for each in foreign_sdf(other).robot.links if each.name == "a")
+    assert [visual.geometry for visual in link.visuals] == [visual.geometry for visual in same.visuals]
+    for ours, theirs in zip(link.visuals, same.visuals, strict=True):
+        assert ours.origin.xyz == pytest.approx(theirs.origin.xyz, abs=1e-15)
+        assert ours.origin.rpy == pytest.approx(theirs.origin.rpy, abs=1e-15)
+        assert ours.material
+        assert ours.material.name == "red"
+    assert [type(collision.geometry).__name__ for collision in link.collisions] == ["Cylinder", "Sphere", "Sphere"]
+    assert [(notice.message, notice.mark and notice.mark.line) for notice in found.notices] == [
+        ("a shape 'ellipsoid' is left out", 4),
+        ("a visual without a shape is left out", 4),
+        ("a collision without a shape is left out", 4),
+        ("a shape 'capsule' is left out", 5),
+    ]
+
+
 def test_a_mimic_joint_is_where_pinocchio_has_it(tmp_path: Path) -> None:
     """Pinocchio reads the mimic element itself."""
     pinocchio = pytest.importorskip("pinocchio")

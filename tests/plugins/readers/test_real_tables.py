@@ -593,3 +593,17 @@ def test_cells_as_people_write_them_are_answered_with_what_to_write(cells: str, 
     """The message named the sign or the word that is not known, and no more."""
     (problem,) = problems_of(read, f"{STANDARD}a,alpha,d,theta\n{cells}\n")
     assert advice in (problem.suggestion or "")
+
+
+@pytest.mark.parametrize("arms", [1, 300])
+@pytest.mark.parametrize("lower", ["170", "-170", "0", "110"])
+def test_two_bounds_that_are_the_same_get_a_notice(lower: str, arms: int) -> None:
+    """A column of how far the joint moves to the other side locked it, without a word; also among many arms."""
+    upper = lower if lower == "0" else "170"
+    rows = [f"r{arm},0.3,0,0,{lower},{upper}" for arm in range(arms)]
+    text = "\n".join(["robot,a,alpha,d,lower [deg],upper [deg]", *rows])
+    found = list(dh2urdf.read_all(text, reader="csv", convention="standard"))
+    assert len(found) == arms
+    assert all(
+        ("both of its bounds are 170°, so that it cannot turn" in str(arm.notices)) is (lower == "170") for arm in found
+    )

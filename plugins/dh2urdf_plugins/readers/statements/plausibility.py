@@ -195,6 +195,8 @@ def _of_joints(rows: Sequence[DHRow], units: Units) -> Iterator[Problem]:
     )
     tiny = "if its limits are in metres, say so: '0.5 m', `lower [m]`"
     yield from _grouped(sliding, "stroke", _is_short, "the joint slides no further than {} mm", tiny)
+    sizes = "if the numbers are how far it moves to each side, write the lower one with its minus"
+    yield from _grouped(turning, "bound", _is_stuck, "both of its bounds are {}°, so that it cannot turn", sizes)
     for name in ("alpha", "theta", "offset"):
         unit = units.columns.get(name) or units.of(Dimension.ANGLE)
         if unit and unit.degrees:
@@ -226,6 +228,11 @@ def _of_degrees(turning: Sequence[DHRow], units: Units) -> Iterator[Problem]:
 def _is_short(row: DHRow) -> bool:
     """Whether a joint that slides hardly does; one that is locked is meant to be."""
     return 0.0 < _stroke(row) < SHORTEST_STROKE
+
+
+def _is_stuck(row: DHRow) -> bool:
+    """Whether a joint that turns has two bounds that are the same, other than 0, where a locked one is."""
+    return bool(row.limits.lower) and row.limits.lower == row.limits.upper
 
 
 def _stroke(row: DHRow) -> float:

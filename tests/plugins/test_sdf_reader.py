@@ -179,7 +179,18 @@ def test_what_is_at_an_included_model_goes_with_it(tmp_path: Path) -> None:
             ("a joint at an included model is left out", 4),
             ("a frame at an included model is left out, in 2 places (lines 5, 5)", 5),
         ]
-    path.write_text(path.read_text().replace("<include", "<of_others").replace("</include", "</of_others"))
+    path.write_text('<sdf version="1.9"><world name="w"><include><uri>model://arm</uri></include></world></sdf>')
+    with pytest.raises(TableError, match="it includes 'model://arm': give the file of that model"):
+        foreign_sdf(path)
+
+
+def test_what_is_at_nothing_is_refused(tmp_path: Path) -> None:
+    """Where nothing is included, a link that is not there is a fault."""
+    path = tmp_path / "m.sdf"
+    path.write_text(
+        '<sdf version="1.10"><model name="m"><link name="b"/><joint name="hold" type="fixed"><parent>b</parent>'
+        "<child>palm</child></joint></model></sdf>"
+    )
     with pytest.raises(TableError, match="no link, joint or frame 'palm'"):
         foreign_sdf(path)
 

@@ -108,7 +108,11 @@ def model_of(root: etree._Element, file: str) -> Model:
     """
     models = [*root.iterchildren("model"), *root.iterfind("world/model")] if root.tag == "sdf" else []
     if not models:
-        raise ProofError(Problem(message="there is no model in it", mark=Mark(file=file)))
+        included = next(
+            (f"it includes {shown((uri.text or '').strip())}" for uri in root.iterfind(".//include/uri")), ""
+        )
+        how = f"{included}: give the file of that model" if included else None
+        raise ProofError(Problem(message="there is no model in it", suggestion=how, mark=Mark(file=file)))
     is_nested = any(each is not None for model in models for each in (model.find("model"), model.find("include")))
     return _Reader(deepcopy(root) if is_nested else root, file).model()
 

@@ -294,21 +294,21 @@ class TestNobody:
         """A run says that it waits for workers, and ends where none comes, or where the scheduler goes."""
         monkeypatch.setattr(dask, "_UNTOLD", 0.0)
         with started_cluster(tmp_path) as cluster:
-            monkeypatch.setattr(dask, "PATIENCE", 0.5)
+            monkeypatch.setattr(dask, "WORKERS_WITHIN", 0.5)
             with pytest.raises(
                 ExecutorError, match=r"no Dask worker came within 0.5 s\n.*dask worker tcp://.*--resume"
             ):
                 list(map_on_dask(functions.double, [1], cluster.options))
             assert "no Dask worker is there; waiting for one, up to 0.5 s" in caplog.messages
-            monkeypatch.setattr(dask, "PATIENCE", 60.0)
+            monkeypatch.setattr(dask, "WORKERS_WITHIN", 60.0)
             results = map_on_dask(functions.double, count(), cluster.options)
             worker = cluster.worker()
             assert next(results) == 0  # One that comes in time is welcome.
             kill(worker)
-            monkeypatch.setattr(dask, "PATIENCE", 0.5)
+            monkeypatch.setattr(dask, "WORKERS_WITHIN", 0.5)
             with pytest.raises(ExecutorError, match=r"no Dask worker came within 0.5 s"):
                 list(results)
-            monkeypatch.setattr(dask, "PATIENCE", 60.0)
+            monkeypatch.setattr(dask, "WORKERS_WITHIN", 60.0)
             cluster.worker()
             results = map_on_dask(functions.double, count(), cluster.options)
             assert next(results) == 0

@@ -224,8 +224,9 @@ class TestDeaths:
         for number, result in enumerate(map_locally(partial(functions.double_slowly_in, tmp_path), range(40), TWO)):
             assert result == 2 * number
             if number in {5, 20}:
-                last = max(tmp_path.iterdir(), key=lambda path: int(path.name))
-                os.kill(int(last.read_text().split()[-1]), signal.SIGKILL)
+                # The file of the last task may be there before its line is.
+                begun = {int(path.name): path.read_text().split() for path in tmp_path.iterdir()}
+                os.kill(int(begun[max(task for task in begun if begun[task])][-1]), signal.SIGKILL)
                 killed += 1
         done = [len((tmp_path / f"{number}").read_text().splitlines()) for number in range(40)]
         assert killed == 2

@@ -9,6 +9,8 @@ from dh2urdf.source import Mark, Problem, shown
 from dh2urdf_plugins.readers.words.fields import joint_type
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from dh2urdf.manipulator import JointType
 
 _PAIR = late_pattern(
@@ -16,21 +18,26 @@ _PAIR = late_pattern(
     r"([01]|[^\W\d_]+)(?![\w.]))"
 )
 """A code and its meaning, in either order: ``1 = revolute``, ``R: 1``, ``0 for prismatic``."""
+_CODES = ("0", "1")
 _TURNED = frozenset(("reversed", "reverse", "inverted", "flipped", "opposite", "negative", "invertiert", "invertido"))
 _KEPT = frozenset(("normal", "regular", "unchanged", "same", "positive", "forward"))
 _COUNTED = late_pattern(r"\b(?:joints?|axis|axes|links?|rows?|gelenke?|achsen?|articulation|eje|giunto)\s*$")
 """What a number behind it counts: ``joint 1: revolute`` is no legend."""
 
 
+def _meanings(text: str) -> Iterator[tuple[str, str]]:
+    """What a legend says of the numbers 0 and 1: each with a word, in lower case."""
+    plain = text.casefold()
+    for match in _PAIR.finditer(plain):
+        one, other = match.groups()
+        code, word = (one, other) if one in _CODES else (other, one)
+        if code in _CODES and not word.isdigit() and not _COUNTED.search(plain[: match.start()]):
+            yield code, word
+
+
 def exchanged_codes(text: str) -> dict[str, JointType]:
     """The other meanings that a legend gives to the numbers 0 and 1 of a column of types; empty where it agrees."""
-    plain = text.casefold()
-    said: dict[str, JointType] = {}
-    for match in _PAIR.finditer(plain):
-        code, word = match.groups() if match[1] in ("0", "1") else match.groups()[::-1]
-        kind = joint_type(word)
-        if code in ("0", "1") and kind and not word.isdigit() and not _COUNTED.search(plain[: match.start()]):
-            said[code] = kind
+    said = {code: kind for code, word in _meanings(text) if (kind := joint_type(word))}
     return {code: kind for code, kind in said.items() if joint_type(code) is not kind}
 
 
@@ -43,8 +50,7 @@ def exchanged_direction(name: str, text: str, mark: Mark) -> Problem | None:
         mark: its place.
     """
     turning = "0" if name == "flip" else "1"
-    for match in _PAIR.finditer(text.casefold()):
-        code, word = match.groups() if match[1] in ("0", "1") else match.groups()[::-1]
+    for code, word in _meanings(text):
         if (code == turning and word in _TURNED) or (name == "flip" and code == "1" and word in _KEPT):
             return Problem(
                 message=f"{shown(text)} calls {code} {word}, and in a column {name} "

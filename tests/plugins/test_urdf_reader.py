@@ -8,9 +8,12 @@ import pytest
 from dh2urdf.errors import ProofError
 from dh2urdf.manipulator import Inertia, JointType, Limits
 from dh2urdf.robot import Box, Cylinder, Inertial, Material, Mesh, Origin, Robot, Sphere
+from dh2urdf_plugins.read_back.mjcf.reader import parse_mjcf
+from dh2urdf_plugins.read_back.sdf.reader import parse_sdf
 from dh2urdf_plugins.read_back.urdf_reader import parse_urdf, read_urdf
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
     from pathlib import Path
 
 ARM = """<?xml version="1.0"?>
@@ -155,3 +158,11 @@ def test_a_thousand_joints_are_read() -> None:
         f'<joint name="j{i}" type="fixed"><parent link="l{i}"/><child link="l{i + 1}"/></joint>' for i in range(1000)
     )
     assert len(arm(f'<robot name="long">{links}{joints}</robot>').joints) == 1000
+
+
+@pytest.mark.parametrize("fault", [b"<!-- a -- b -->", b"<gz:a/>"])
+@pytest.mark.parametrize("written", [parse_urdf, parse_sdf, parse_mjcf])
+def test_what_is_written_has_to_be_xml(written: Callable[[bytes, str], Robot], fault: bytes) -> None:
+    """Foreign files are read with faults that simulators take; a proof takes none."""
+    with pytest.raises(ProofError, match="this is not XML"):
+        written(b"<robot>" + fault + b"</robot>", "arm")

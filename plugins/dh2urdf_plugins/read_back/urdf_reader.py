@@ -31,7 +31,7 @@ from dh2urdf.robot import (
 )
 from dh2urdf.rotations import X_AXIS, Z_AXIS, ZERO, Vec3, multiply, rotation_from_rpy, transpose
 from dh2urdf.source import Mark, Problem, shown
-from dh2urdf_plugins.read_back.xml_files import content_of, tree_of
+from dh2urdf_plugins.read_back.xml_files import content_of, written_tree_of
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -58,7 +58,7 @@ def parse_urdf(content: bytes, file: str) -> Robot:
     Raises:
         ProofError: the text is not the URDF of a robot.
     """
-    return robot_of(tree_of(content, file), file)
+    return robot_of(written_tree_of(content, file), file)
 
 
 def robot_of(root: etree._Element, file: str) -> Robot:

@@ -36,8 +36,21 @@ def content_of(path: Path) -> bytes:
         raise ProofError(Problem(message=message, mark=Mark(file=str(path)))) from error
 
 
+def written_tree_of(content: bytes, file: str, *, is_deep: bool = False) -> etree._Element:
+    """The elements of a text that dh2urdf has written, without comments: it has to be XML to the letter.
+
+    Raises:
+        ProofError: the text is not XML.
+    """
+    parser = _parser(is_deep=is_deep)
+    try:
+        return etree.fromstring(content, parser)
+    except etree.XMLSyntaxError as error:
+        raise _no_xml(parser.error_log[0], file) from error
+
+
 def tree_of(content: bytes, file: str, *, is_deep: bool = False) -> etree._Element:
-    """The elements of a text, without comments.
+    """The elements of a text of any origin, without comments; what readers of robots take beside XML is read too.
 
     Args:
         content: the text, in the encoding that it declares.
@@ -74,9 +87,12 @@ def _root_of(content: bytes, file: str, *, is_deep: bool) -> etree._Element:
         if all(fault.domain == etree.ErrorDomains.NAMESPACE for fault in parser.error_log):
             return etree.fromstring(content, _parser(is_deep=is_deep, recover=True))
         fault = next(fault for fault in parser.error_log if fault.domain != etree.ErrorDomains.NAMESPACE)
-        line, column, reason = fault.line, fault.column, fault.message.partition("\n")[0].strip()
-        mark = Mark(file=file, line=line, column=column)
-        raise ProofError(Problem(message=f"this is not XML: {reason}", mark=mark)) from error
+        raise _no_xml(fault, file) from error
+
+
+def _no_xml(fault: etree._LogEntry, file: str) -> ProofError:
+    mark = Mark(file=file, line=fault.line, column=fault.column)
+    return ProofError(Problem(message=f"this is not XML: {fault.message.partition(chr(10))[0].strip()}", mark=mark))
 
 
 def _without_comments(content: bytes) -> bytes:

@@ -37,7 +37,7 @@ from dh2urdf_plugins.read_back.mjcf.includes import include_files
 from dh2urdf_plugins.read_back.mjcf.masses import mass_of_shapes
 from dh2urdf_plugins.read_back.mjcf.shapes import Shapes
 from dh2urdf_plugins.read_back.whole_robots import whole
-from dh2urdf_plugins.read_back.xml_files import content_of, mark_of, tree_of
+from dh2urdf_plugins.read_back.xml_files import content_of, mark_of, tree_of, written_tree_of
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -90,7 +90,7 @@ def parse_mjcf(content: bytes, file: str) -> Robot:
     Raises:
         ProofError: the text is not the MJCF of a manipulator, or something in it cannot be read.
     """
-    model = model_of(tree_of(content, file, is_deep=True), file)
+    model = model_of(written_tree_of(content, file, is_deep=True), file)
     return whole(model.robot, model.loose, model.unread, accepted="hinge, slide")
 
 

@@ -34,7 +34,7 @@ from dh2urdf_plugins.read_back.capsules import Placed, capsule
 from dh2urdf_plugins.read_back.sdf.elements import SdfElements
 from dh2urdf_plugins.read_back.sdf.nesting import MODEL, flatten, leave_out_attached
 from dh2urdf_plugins.read_back.whole_robots import not_of_a_manipulator, whole
-from dh2urdf_plugins.read_back.xml_files import content_of, tree_of
+from dh2urdf_plugins.read_back.xml_files import content_of, tree_of, written_tree_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
@@ -87,7 +87,7 @@ def parse_sdf(content: bytes, file: str) -> Robot:
     Raises:
         ProofError: the text holds no model of a manipulator, or something in it cannot be read.
     """
-    model = model_of(tree_of(content, file), file)
+    model = model_of(written_tree_of(content, file), file)
     return whole(model.robot, model.loose, model.unread, _ACCEPTED)
 
 

@@ -26,7 +26,7 @@ _COUNTED = late_pattern(r"\b(?:joints?|axis|axes|links?|rows?|gelenke?|achsen?|a
 
 
 def _meanings(text: str) -> Iterator[tuple[str, str]]:
-    """What a legend says of the numbers 0 and 1: each with a word, in lower case."""
+    """The meanings that a legend gives to the numbers 0 and 1, as words in lower case."""
     plain = text.casefold()
     for match in _PAIR.finditer(plain):
         one, other = match.groups()

@@ -263,7 +263,11 @@ class BrokenPluginError(PluginError):
         super().__init__(plugin, distribution, reason, traceback)
 
     def _message(self) -> str:
-        return f"plugin {self.plugin!r} of {self.distribution} is broken: {self.reason}"
+        name = self.plugin.partition(" = ")[0]
+        return (
+            f"plugin {self.plugin!r} of {self.distribution} is broken: {self.reason}; `--debug` shows where; "
+            f"tell the authors of {self.distribution}, or leave it out: `--without {name}`"
+        )
 
 
 class IncompatiblePluginError(BrokenPluginError):

@@ -180,7 +180,7 @@ class TestConvert:
             ({"out": "folder"}, ConfigError, ["out='folder' is a folder", "folder/ur5.urdf"]),
             ({"meshes": "relative"}, ConfigError, ["meshes=relative copies", "out=FILE, or meshes=file"]),
             ({"formats": "urdff"}, InputError, ["no emitter is named 'urdff'", "did you mean 'urdf'?"]),
-            ({"formats": ["urdf", "urdf"]}, EmitterError, ["both write"]),
+            ({"formats": ["urdf", "urdf"]}, EmitterError, ["'urdf' stands twice", "name it once"]),
             ({"robot": "ur10"}, TableError, ["no manipulator 'ur10'"]),
             ({"out": "ur5.csv/arm.urdf"}, OutputError, ["cannot write"]),
             ({"density": -1}, ConfigError, ["density"]),

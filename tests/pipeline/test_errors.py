@@ -153,9 +153,12 @@ class TestLists:
 
 class TestMessages:
     def test_of_a_broken_plugin(self) -> None:
-        """It names the plugin, the distribution and the reason; not the traceback."""
+        """It names the plugin, the distribution, the reason and what to do; it has no traceback."""
         error = BrokenPluginError("lab = lab.plugin", "lab 1.0", "OSError: gone", "Traceback …")
-        assert str(error) == "plugin 'lab = lab.plugin' of lab 1.0 is broken: OSError: gone"
+        assert str(error) == (
+            "plugin 'lab = lab.plugin' of lab 1.0 is broken: OSError: gone; `--debug` shows where; "
+            "tell the authors of lab 1.0, or leave it out: `--without lab`"
+        )
 
     def test_of_a_missing_dependency(self) -> None:
         """It says what to type."""

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, Literal, TypeVar, overload
 
 from dh2urdf.columns import ManipulatorGroups
 from dh2urdf.conversion.robots import a_robot, keeps_kinematics
-from dh2urdf.errors import EmitterError, ProofError, RecordError, TableError
+from dh2urdf.errors import ProofError, RecordError, TableError
 from dh2urdf.kinematics.proof import TOLERANCE, Proof, prove
 from dh2urdf.kinematics.proof_vectors import proof_vectors
 from dh2urdf.late_dataclasses import dataclass
@@ -242,7 +242,9 @@ def emit_robot(
             files[0] = replace(files[0], name=main_file)
         for file in files:
             if other := taken.get(file.name.casefold()):  # as on file systems that ignore case
-                raise EmitterError(f"the emitters {other!r} and {emitter.name!r} both write {shown(file.name)}")
+                from dh2urdf.conversion.own_folders import same_file
+
+                raise same_file(other, emitter.name, file.name)
             taken[file.name.casefold()] = emitter.name
         write_files(folder, files, place)
         looked = proved and (sampled or not emitter.costly_proof)

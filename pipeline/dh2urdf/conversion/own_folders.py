@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 from dh2urdf.errors import EmitterError
 from dh2urdf.plugin_system.calls import blaming
 from dh2urdf.plugin_system.stage_answers import items_of
-from dh2urdf.source import Problem
+from dh2urdf.source import Problem, shown
 
 if TYPE_CHECKING:
     from dh2urdf.plugin_system.calls import Call
@@ -34,3 +34,15 @@ def refuse_one_folder(call: Call[Emitter[Any]], stem: str) -> None:
                 suggestion="name the tables as their packages, or convert them one by one",
             )
         )
+
+
+def same_file(first: str, second: str, name: str) -> EmitterError:
+    """The error that two emitters of a robot, or one that stands twice, would write one file."""
+    if first == second:
+        message, suggestion = f"the emitter {first!r} stands twice and would write {shown(name)} twice", "name it once"
+    else:
+        message = f"the emitters {first!r} and {second!r} both write {shown(name)}"
+        suggestion = f"leave out {first!r} or {second!r}, or write each into a folder of its own"
+    return EmitterError(
+        Problem(message=message, accepted="files whose names differ in more than case", suggestion=suggestion)
+    )

@@ -14,7 +14,7 @@ from typing import Any, Literal, TypeVar, Union, get_args, get_origin, get_type_
 
 from dh2urdf import stages
 from dh2urdf.late_tuples import NamedTuple
-from dh2urdf.source import shown
+from dh2urdf.source import listed, shown
 from dh2urdf.stages import EmittedFile
 
 T = TypeVar("T")
@@ -88,7 +88,7 @@ def emitted_files(value: Iterable[EmittedFile] | None, *, in_folders: bool = Fal
     Raises:
         TypeError: one of them is no file, its name is no text, or its content is not bytes.
         ValueError: a name is not that of a file in the output folder itself, or, of an emitter whose files lie in
-            folders, in such a folder.
+            folders, in such a folder; or two have one name, also where only the case differs.
     """
     files = list(items_of(value, EmittedFile))
     for file in files:
@@ -99,6 +99,8 @@ def emitted_files(value: Iterable[EmittedFile] | None, *, in_folders: bool = Fal
             raise ValueError(f"{shown(file.name)} lies in no folder; accepted: the path of a file in one")
         for part in parts:
             a_plain_name(part)
+    if len(files) > 1 and len({file.name.casefold() for file in files}) < len(files):
+        raise ValueError(f"it gave two files of one name: {listed([shown(file.name) for file in files])}")
     return files
 
 

@@ -144,7 +144,7 @@ class Tree:
                     f"the chain holds {shown(joint.name)}, which is {word}",
                     joint=joint,
                     accepted="joints that turn about or slide along one axis",
-                    suggestion=f"the option base_link: {joint.child} begins behind it",
+                    suggestion=self._way_round(joints, joint),
                 )
             if (follower := self.description.followers.get(joint.name)) is not None:
                 whom = shown(follower.leader) if follower.leader else "another joint"
@@ -152,7 +152,7 @@ class Tree:
                     f"the chain holds {shown(joint.name)}, which mimics {whom}",
                     joint=joint,
                     accepted="joints that move on their own",
-                    suggestion=f"the option tip_link: {joint.parent} ends before it",
+                    suggestion=self._way_round(joints, joint),
                 )
             numbers = (*joint.origin.xyz, *joint.origin.rpy, *joint.axis)
             if not all(abs(number) <= MEASURABLE_ARM for number in numbers):
@@ -170,6 +170,21 @@ class Tree:
                 accepted="a chain with a joint that moves",
                 suggestion="the option tip_link chooses another end",
             )
+
+    def _way_round(self, joints: Sequence[Joint], joint: Joint) -> str:
+        """The ends of the parts of a chain before and behind a joint in which a joint moves on its own."""
+        unfit = self.description.loose.keys() | self.description.followers.keys()
+        at = joints.index(joint)
+        before, behind = (
+            any(each.type is not JointType.FIXED and each.name not in unfit for each in part)
+            for part in (joints[:at], joints[at + 1 :])
+        )
+        ways = [f"tip_link: {joint.parent} ends before it"] * before + [
+            f"base_link: {joint.child} begins behind it"
+        ] * behind
+        if not ways:
+            return "the option tip_link chooses the end of another chain"
+        return f"the option {', or '.join(ways)}"
 
     def _error(
         self,

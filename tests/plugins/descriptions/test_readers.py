@@ -245,6 +245,29 @@ class TestTheChain:
         assert "the chain holds 'finger_2', which mimics 'hip'" in message
         assert "the option tip_link: upper ends before it" in message
 
+    @pytest.mark.parametrize("kind", ["follower", "floating"])
+    @pytest.mark.parametrize(
+        ("place", "words"),
+        [
+            ("root", "the option base_link: foot begins behind it"),
+            ("middle", "the option tip_link: fore ends before it, or base_link: wrist begins behind it"),
+            ("end", "the option tip_link: fore ends before it"),
+            ("alone", "the option tip_link chooses the end of another chain"),
+        ],
+    )
+    def test_the_way_round_a_joint(self, tmp_path: Path, kind: str, place: str, words: str) -> None:
+        """What is advised leads to a chain that moves: before the joint, or behind it, where such a one is."""
+        more = {"follower": {"more": f'{LIMITS}<mimic joint="other"/>'}, "floating": {"type": "floating", "more": ""}}[
+            kind
+        ]
+        joints = {
+            "root": (joint("odd", "world", "foot", **more), *PLAIN, END),
+            "middle": (*PLAIN, joint("odd", "fore", "wrist", **more), joint("last", "wrist", "hand")),
+            "end": (*PLAIN, joint("odd", "fore", "wrist", **more)),
+            "alone": (joint("odd", "foot", "wrist", **more),),
+        }[place]
+        assert words in refusal(tmp_path, urdf(*joints))
+
     def test_a_follower_beside_it(self, tmp_path: Path) -> None:
         follower = joint("finger_2", "fore", "finger", more=f'{LIMITS}<mimic joint="hip"/>')
         assert "mimic others are among them: 'finger_2'" in notices(read(tmp_path, urdf(*PLAIN, END, follower)))

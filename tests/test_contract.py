@@ -95,6 +95,7 @@ class TestUrdfDescription(ReaderContract):
 
 
 @pytest.mark.skipif(not find_spec("xacro"), reason="xacro is not installed")
+@pytest.mark.long
 class TestXacroDescription(ReaderContract):
     stage = CATALOG.get("reader", "xacro")
     example = URDF.replace('name="arm"', 'name="arm" xmlns:xacro="http://ros.org/wiki/xacro"')
@@ -280,10 +281,12 @@ class TestTable(EmitterContract):
     stage = CATALOG.get("emitter", "table")
 
 
+@pytest.mark.long
 class TestPyBullet(LoaderContract):
     stage = CATALOG.get("loader", "pybullet")
 
 
+@pytest.mark.long
 class TestMujoco(LoaderContract):
     stage = CATALOG.get("loader", "mujoco")
 
@@ -292,10 +295,12 @@ class TestPinocchio(LoaderContract):
     stage = CATALOG.get("loader", "pinocchio")
 
 
+@pytest.mark.long
 class TestDrake(LoaderContract):
     stage = CATALOG.get("loader", "drake")
 
 
+@pytest.mark.long
 class TestGazebo(LoaderContract):
     stage = CATALOG.get("loader", "gazebo")
 
@@ -328,6 +333,7 @@ class TestLocalInThisProcess(ExecutorContract):
     options = LocalOptions(workers=1)
 
 
+@pytest.mark.long
 class TestDask(ExecutorContract):
     stage = CATALOG.get("executor", "dask")
     options = DaskOptions(workers=2)

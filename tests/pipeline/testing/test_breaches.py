@@ -22,6 +22,8 @@ from dh2urdf.testing import (
 )
 from dh2urdf.testing.stage_contract import StageContract
 
+pytestmark = pytest.mark.long
+
 HERE = Path(__file__).parent
 CONTRACTS = (ReaderContract, TransformContract, EditContract, EmitterContract, LoaderContract, ExecutorContract)
 
@@ -149,7 +151,6 @@ def failures(tmp_path_factory: pytest.TempPathFactory) -> dict[tuple[str, str], 
     }
 
 
-@pytest.mark.long
 @pytest.mark.parametrize(("plugin", "clause", "found"), BREACHES, ids=[plugin for plugin, _, _ in BREACHES])
 def test_a_breach_is_told(failures: dict[tuple[str, str], str], plugin: str, clause: str, found: str) -> None:
     """The message names the stage and the clause, and says what was found, what is accepted and what to do."""

@@ -33,6 +33,7 @@ if TYPE_CHECKING:
 
 PLUGIN = """
 from dataclasses import dataclass, replace
+from dh2urdf import errors
 from dh2urdf.hookspecs import hookimpl
 from dh2urdf.manipulator import Convention, DHRow, Manipulator
 from dh2urdf.stages import Edit, Executor, Loader, LoadReport, NoOptions, Reader
@@ -62,6 +63,20 @@ class Panic(BaseException):
 
 def panic(*_arguments):
     raise Panic("as extensions in Rust do")
+
+def vanish(*_arguments):
+    raise GeneratorExit
+
+def raise_the_base(*_arguments):
+    raise errors.Dh2UrdfError("no reason")
+
+def refuse(*_arguments):
+    of = {"reader": errors.TableError, "transform": errors.TransformError, "edit": errors.EditError,
+          "emitter": errors.EmitterError, "loader": errors.LoaderError}
+    raise of[KIND]("an arm on Sundays")
+
+def refuse_to_read(*_arguments):
+    raise errors.InputError("line 3 is missing")
 
 class Speechless(Exception):
     def __str__(self):
@@ -161,12 +176,16 @@ def said(answer: Answer) -> str:
             "reader.read.give_numbers",
             "reader 'bad' of lab 1.0 failed: TypeError: it gave int, not dh2urdf.manipulator.M",
         ),
+        ("reader.read.vanish", "reader 'bad' of lab 1.0 failed: GeneratorExit, without a message"),
+        ("reader.read.raise_the_base", "reader 'bad' of lab 1.0 failed: Dh2UrdfError: no reason"),
         ("reader.read_columns.fail", "reader 'bad' of lab 1.0 failed: ZeroDivisionError: at work"),
         ("reader.read_columns.leave", "reader 'bad' of lab 1.0 failed: SystemExit: 7"),
         ("reader.read_columns.give_nothing", "reader 'bad' of lab 1.0 failed: TypeError: it gave None, not"),
         ("reader.read_columns.give_numbers", "reader 'bad' of lab 1.0 failed: TypeError: it gave int, not dh2urdf"),
         ("transform.transform.fail", "transform 'bad' of lab 1.0 failed: ZeroDivisionError: at work"),
         ("transform.transform.panic", "transform 'bad' of lab 1.0 failed: Panic: as extensions in Rust do"),
+        ("emitter.emit.vanish", "emitter 'bad' of lab 1.0 failed: GeneratorExit, without a message"),
+        ("emitter.emit.raise_the_base", "emitter 'bad' of lab 1.0 failed: Dh2UrdfError: no reason"),
         ("emitter.emit.fail_without_words", "emitter 'bad' of lab 1.0 failed: Speechless: its text cannot be made"),
         (
             "transform.transform.give_nothing",
@@ -207,6 +226,36 @@ def test_at_work_on_a_manipulator(cli: Cli, lab: Callable[[str], Path], what: st
     assert message in told
     assert "tell the authors of lab 1.0 (plugin 'lab = lab_lab')" in told
     assert "Traceback" not in told
+
+
+@pytest.mark.parametrize(
+    ("what", "kind", "message"),
+    [
+        ("transform.transform.refuse", "transform", "transform 'bad' of lab 1.0: an arm on Sundays"),
+        ("edit.edit_table.refuse", "edit", "edit 'bad' of lab 1.0: an arm on Sundays"),
+        ("edit.edit_robot.refuse", "edit", "edit 'bad' of lab 1.0: an arm on Sundays"),
+        ("emitter.emit.refuse", "emitter", "emitter 'bad' of lab 1.0: an arm on Sundays"),
+        ("emitter.read_back.refuse_to_read", "input", "`read_back` of the emitter 'bad' of lab 1.0: line 3 is missing"),
+        ("loader.load.refuse", "loader", "bad: an arm on Sundays"),
+    ],
+)
+def test_who_refuses_a_manipulator_is_named(
+    cli: Cli, lab: Callable[[str], Path], what: str, kind: str, message: str
+) -> None:
+    """An error that a plugin's stage raises on purpose names it, once: the run may have five stages of the kind."""
+    folder = lab(what)
+    told = said(cli("run", "run.yaml", status=1))
+    assert f"arm.bad: error: manipulator 'left': {message} " in told
+    assert "tell the authors" not in told
+    rows = json.loads((folder / "out" / "report.json").read_bytes())["manipulators"]
+    assert [(row["kind"], row["errors"][0]["message"]) for row in rows] == [(kind, message)] * 2
+
+
+@pytest.mark.parametrize("words", [("info", "arm.bad"), ("convert", "arm.bad"), ("run", "run.yaml")], ids=" ".join)
+def test_a_refused_file_is_named(cli: Cli, lab: Callable[[str], Path], words: tuple[str, ...]) -> None:
+    """A reader need not say in which file it is: the message does, whatever asks for the table."""
+    lab("reader.read.refuse")
+    assert "arm.bad: error: an arm on Sundays" in cli(*words, status=2).stderr
 
 
 @pytest.mark.parametrize(

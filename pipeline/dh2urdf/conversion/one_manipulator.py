@@ -332,6 +332,9 @@ def read_items(
             mark = Mark(file=str(path))
             problems = [replace(each, mark=mark, message=f"{each.message}: {made}") for each in error.problems]
             raise TableError(problems, error.notices) from error
+        if any(problem.mark is None for problem in error.problems):
+            mark = Mark(file=str(path))
+            raise TableError([each.about(mark=mark) for each in error.problems], error.notices) from error
         raise
     if _state_of(path) != before:
         raise TableError(_changed(path))

@@ -1,8 +1,9 @@
 """Calls of stages, and whose fault it is when one fails: a stage's function may raise anything.
 
-What a stage refuses in an error of `dh2urdf.errors` goes on as it is. Anything else is a fault of the stage, and told
-with the plugin, its distribution and its version: as a `StageError` where it concerns one manipulator, as a
-`BrokenPluginError` where the whole run depends on it.
+What a stage refuses in an error of `dh2urdf.errors` goes on as it is, with the name of a plugin's stage in front where
+nothing else tells which stage that is. Anything else is a fault of the stage, and told with the plugin, its
+distribution and its version: as a `StageError` where it concerns one manipulator, as a `BrokenPluginError` where the
+whole run depends on it.
 """
 
 from __future__ import annotations
@@ -17,10 +18,11 @@ from dh2urdf.errors import (
     BrokenPluginError,
     Dh2UrdfError,
     ExecutorError,
+    InputError,
+    ManipulatorError,
     MissingDependencyError,
     MissingProgramError,
     OutputError,
-    PluginError,
     RecordError,
     RecordTypeError,
     StageError,
@@ -29,7 +31,7 @@ from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.plugin_system.at_work import AtWork
 from dh2urdf.plugin_system.catalog import RECORDS, Catalog, Plugin, load, load_plugin
 from dh2urdf.plugin_system.discovery import UNKNOWN
-from dh2urdf.plugin_system.faults import INTERRUPTS, reason_of, traceback_of
+from dh2urdf.plugin_system.faults import reason_of, traceback_of
 from dh2urdf.plugin_system.stage_answers import a_record
 from dh2urdf.stages import Edit, Emitter, Executor, Kind, Loader, Reader, Transform
 
@@ -123,19 +125,36 @@ def blaming(call: Call[Any], what: str = "") -> Iterator[None]:
     try:
         with call.at_work:
             yield
-    except (Dh2UrdfError, *INTERRUPTS) as error:
+    except (KeyboardInterrupt, MissingDependencyError, MissingProgramError, StageError):
+        raise
+    except (InputError, ManipulatorError) as error:
         if _is_fault(error, call):
             raise fault(call, error, what) from error
+        _name_stage(error, call, what)
         raise
     except BaseException as error:
         raise fault(call, error, what) from error
 
 
-def _is_fault(error: BaseException, call: Call[Any]) -> bool:
+def _name_stage(error: InputError | ManipulatorError, call: Call[Any], what: str) -> None:
+    """Put the stage of a plugin before what it refuses: a run may have five emitters, all with the same table.
+
+    Problems of a reader are in its file, and the errors of a loader have the loader's name already.
+    """
+    if call.plugin is None or call.plugin.is_builtin or call.kind in ("reader", "loader"):
+        return
+    stage = f"{f'`{what}` of the ' if what else ''}{call.at_work}: "
+    named = tuple(
+        [each if stage in each.message else replace(each, message=stage + each.message) for each in error.problems]
+    )
+    if error.args[:1] == (error.problems,):  # what pickle makes it of again, where its class has no way of its own
+        error.args = (named, *error.args[1:])
+    error.problems = named
+
+
+def _is_fault(error: InputError | ManipulatorError, call: Call[Any]) -> bool:
     """Whether an error of dh2urdf is nothing that a stage may refuse a manipulator with."""
-    if isinstance(error, (*INTERRUPTS, MissingDependencyError, MissingProgramError)):
-        return False
-    if isinstance(error, (PluginError, ExecutorError)) or not getattr(error, "problems", True):
+    if isinstance(error, ExecutorError) or not getattr(error, "problems", ()):
         return True
     if call.kind == "reader":
         # A reader makes the records of a table, whose values come from the file. Their types do not.
@@ -184,7 +203,7 @@ def depending_on(call: Call[Any], what: str = "") -> Iterator[None]:
     try:
         with call.at_work:
             yield
-    except (Dh2UrdfError, *INTERRUPTS):
+    except (Dh2UrdfError, KeyboardInterrupt):
         raise
     except BaseException as error:
         if _OWN in getattr(error, "__notes__", ()):

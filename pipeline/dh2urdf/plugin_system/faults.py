@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-INTERRUPTS = (KeyboardInterrupt, GeneratorExit)
-"""What comes from outside, and is nobody's fault; all else that code of a plugin raises is its own."""
-
 
 def reason_of(error: BaseException) -> str:
     """The class of an exception and its message, in one line."""

@@ -18,7 +18,7 @@ from dh2urdf.documents.document import Node, expect_mapping, load_yaml
 from dh2urdf.documents.text_files import tidy_path
 from dh2urdf.errors import BrokenPluginError, ConfigError, InputError
 from dh2urdf.plugin_system.discovery import UNKNOWN
-from dh2urdf.plugin_system.faults import INTERRUPTS, reason_of, traceback_of
+from dh2urdf.plugin_system.faults import reason_of, traceback_of
 from dh2urdf.plugin_system.option_types import choices, describe_options, members, type_hints, type_text
 from dh2urdf.source import Mark, Problem, did_you_mean, in_file_order
 
@@ -72,7 +72,7 @@ def make_options(
         place = mark or COMMAND_LINE
         words = {name: word_node(word, place.file) for name, word in (given or {}).items()}
         return _GivenOptions(options_type, Node(words, place.file, 0, 0), place, where).options()
-    except (InputError, *INTERRUPTS):
+    except (InputError, KeyboardInterrupt):
         raise
     except BaseException as error:
         told = reason_of(error).partition("; ")[0]

@@ -14,7 +14,7 @@ from dh2urdf.errors import BrokenPluginError
 from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.plugin_system.at_work import AtWork
 from dh2urdf.plugin_system.discovery import Plugin
-from dh2urdf.plugin_system.faults import INTERRUPTS, reason_of, traceback_of
+from dh2urdf.plugin_system.faults import reason_of, traceback_of
 from dh2urdf.stages import Edit, Emitter, Executor, Kind, Loader, Reader, Stage, Transform
 
 if TYPE_CHECKING:
@@ -144,7 +144,7 @@ class PluginStages:
     def _blamed(self, plugin: Plugin) -> Iterator[None]:
         try:
             yield
-        except INTERRUPTS:
+        except KeyboardInterrupt:
             raise
         except BaseException as error:  # noqa: BLE001 - an import runs anything, and may raise anything
             self.broken.append(

@@ -26,6 +26,7 @@ from dh2urdf.output.journal import Journal
 from dh2urdf.plugin_system.calls import blaming
 from dh2urdf.plugin_system.column_calls import emit_columns, read_columns, transform_columns
 from dh2urdf.running.batch_content import BatchContent, Depth, timed
+from dh2urdf.source import Mark
 from dh2urdf.stages import EmittedFile, Emitter, Rejected
 from dh2urdf.tasks.batch import Doomed
 from dh2urdf.tasks.batch_report import BatchReport, Tally
@@ -297,7 +298,8 @@ class Work(BatchContent):
         was_read = not isinstance(what, Rejected)
         # Who rejected it has said whom each problem is about: it may be a file, or a section of the run file.
         name = what.name if was_read else None
-        problems = [problem.about(robot=name, mark=self.mark(place)) for error in errors for problem in error.problems]
+        mark = self.mark(place) or (Mark(file=outcome.source) if outcome.source else None)
+        problems = [problem.about(robot=name, mark=mark) for error in errors for problem in error.problems]
         if place in self.drawn:  # Its table has no such notice, and many variants have the same joints.
             problems = [replace(problem, message=f"{what.name}: {problem.message}") for problem in problems]
         tracebacks = [text for error in errors if (text := getattr(error, "traceback", ""))]

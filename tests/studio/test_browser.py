@@ -168,6 +168,45 @@ SHOWS_INERTIAS = """() => {
 
 
 @pytest.mark.long
+def test_a_reload_in_the_table(studio_address: str, new_tab: Callable[..., Any]) -> None:
+    """The cursor is in its cell again, and a cell that was being typed has the text as far as it was typed."""
+    tab = new_tab(studio_address)
+    page = tab.open("ur5")
+    cursor = """() => {
+        const cell = document.activeElement.closest('.ag-cell');
+        return cell && [cell.closest('.ag-row').getAttribute('row-index'), cell.getAttribute('col-id')].join();
+    }"""
+    tab.cell(2, "a").click()
+    page.keyboard.press("ArrowRight")
+    page.reload()
+    page.wait_for_function(f"({cursor})() === '2,alpha'")
+    page.keyboard.press("ArrowDown")
+    page.wait_for_function(f"({cursor})() === '3,alpha'")
+    page.keyboard.type("0.25")
+    page.reload()
+    tab.wait_for_cell(3, "alpha", "0.25")
+    page.wait_for_function(f"({cursor})() === '3,alpha'")
+    page.get_by_role("button", name="undo", exact=True).click()
+    tab.wait_for_cell(3, "alpha", "pi/2")
+    page.reload()  # the cursor is no longer in the table
+    tab.wait_for_cell(3, "alpha", "pi/2")
+    assert page.evaluate(cursor) is None
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("name", ["ur5", "panda"])
+def test_a_whole_table_is_on_a_laptops_screen(studio_address: str, new_tab: Callable[..., Any], name: str) -> None:
+    """At a width of 1280 every column is there, heads and cells whole, from the names to the efforts."""
+    page = new_tab(studio_address).open(name)
+    page.locator(".ag-header-cell[col-id=effort]").wait_for()
+    page.wait_for_function("""() => {
+        const view = document.querySelector('.dh-table .ag-center-cols-viewport');
+        const texts = [...document.querySelectorAll('.dh-table .ag-header-cell-text, .dh-table .ag-cell')];
+        return view.scrollWidth <= view.clientWidth && texts.every(text => text.scrollWidth <= text.clientWidth);
+    }""")
+
+
+@pytest.mark.long
 def test_a_reload_and_another_tab(studio_address: str, new_tab: Callable[..., Any], catalog: Catalog) -> None:
     """A reload finds table, pose, past and what is shown again; another tab has its own."""
     tab = new_tab(studio_address)
@@ -248,6 +287,39 @@ def test_parameters_are_drawn_on_request(studio_address: str, new_tab: Callable[
     page.locator(".arm-view-stroke", has_text="a₂ = -0.425 m").wait_for()
     texts = page.locator(".arm-view-stroke").all_inner_texts()
     assert {"d₁ = 0.089159 m", "α₁ = pi/2", "α₅ = -pi/2"} <= set(texts)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("axes", [1, 30])
+def test_nothing_is_below_the_cross(studio_address: str, new_tab: Callable[..., Any], axes: int) -> None:
+    """The tip of an arm along x points to the corner with the cross: the arm and its last label keep clear of it."""
+    tab = new_tab(studio_address)
+    row = {"type": "revolute", "a": "1", "alpha": "0", "d": "0"}
+    rows = tuple({"joint": f"joint_{number}", **row} for number in range(1, axes + 1))
+    page = tab.open_table(TableText(name="long", convention="standard", rows=rows))
+    last = f"{{{axes}}} flange tool0"
+    script = """last => [...document.querySelectorAll('.arm-view-label')].some(label =>
+        label.textContent === last && label.style.visibility === 'visible')"""
+    page.wait_for_function(script, arg=last)
+    covered = """() => {
+        const view = document.querySelector('.arm-view'), box = selector => document.querySelector(selector).getBoundingClientRect();
+        const all = box('.arm-view'), corners = ['.arm-view-cross', '.view-cube', '.arm-view-projection'].map(box), found = [];
+        view.scene.traverse(node => {
+            if (!/^frame |^tool0$|^flange$/.test(node.name)) return;
+            const at = node.position.clone().setFromMatrixPosition(node.matrixWorld).project(view.camera);
+            const [x, y] = [all.left + (1 + at.x) / 2 * all.width, all.top + (1 - at.y) / 2 * all.height];
+            if (corners.some(one => x > one.left && x < one.right && y > one.top && y < one.bottom)) found.push(node.name);
+        });
+        for (const label of document.querySelectorAll('.arm-view-label')) {
+            const own = label.getBoundingClientRect();
+            if (label.style.visibility === 'visible' && corners.some(one =>
+                own.right > one.left && own.left < one.right && own.bottom > one.top && own.top < one.bottom)) found.push(label.textContent);
+        }
+        return found;
+    }"""
+    assert page.evaluate(covered) == []
+    page.evaluate("dhLook.magnify()")
+    page.wait_for_function(f"!({covered})().length && ({script})({last!r})")
 
 
 @pytest.mark.long

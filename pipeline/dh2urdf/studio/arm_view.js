@@ -267,7 +267,7 @@ export default {
     // The colours of the ground and the thickness of lines as the style sheet has them now.
     dress() {
       this.lines = Number(styled("lines")) || 1;
-      this.switched = null; // the page has another size of text
+      this.measured = null; // the page has another size of text
       if (this.shownNow) this.show(...this.shownNow);
       if (this.fitted) this.grid(this.fitted);
       this.draw();
@@ -296,6 +296,7 @@ export default {
       this.camera.updateProjectionMatrix();
       this.renderer?.setPixelRatio(Math.min(window.devicePixelRatio, 2));
       this.renderer?.setSize(width, height);
+      this.measured = null;
       if (!this.own) this.fit(true);
       this.draw();
     },

@@ -75,6 +75,7 @@
     window.socket.on("connect", () => away(false));
   };
   window.addEventListener("load", watch);
+  window.addEventListener("pagehide", keepUnfinished);
 
   // A link holds the table in its fragment, which no browser sends: deflated, in the letters of base64url.
   const LINK = "#table=";

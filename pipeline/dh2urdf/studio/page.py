@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from nicegui import ui
 
 from dh2urdf.studio import dialogs, joints, words
-from dh2urdf.studio.editing import edits, pasting
+from dh2urdf.studio.editing import axes, edits, pasting
 from dh2urdf.studio.editing.keeping import finish_cell, kept_table, kept_text
 from dh2urdf.studio.layout.dropping import lay_drop
 from dh2urdf.studio.layout.head import StudioHead
@@ -244,13 +244,13 @@ class StudioPage:
         if count is None or count < 0:  # an emptied field is no answer, and takes no rows away
             self._show_words()
             return
-        if int(count) == len(self.session.table.rows):
+        if int(count) == len(axes.moving_rows(self.session.table, self.session.arm)):
             return
         if count > edits.MOST_ROWS:
             dialogs.warn(
                 f"A table of the studio has at most {edits.MOST_ROWS} rows: these are the first of {int(count)}."
             )
-        self._put(edits.resized(self.session.table, int(count)))
+        self._put(axes.with_axes(self.session.table, int(count), self.session.arm))
         self._invite()
 
     def _invite(self) -> None:
@@ -379,7 +379,7 @@ class StudioPage:
         """Shows the session for the first time."""
         text, cell = await ui.run_javascript("return [dhPage.kept(), dhPage.unfinished()]", timeout=10.0)
         kept, is_new = kept_table(text), not self.session.history.can_undo
-        finish_cell(self.session, cell)
+        finish_cell(self.session, cell, kept)
         self._view.set_layers(self.session.shown_layers)
         self._view.fade(self.session.opacities)
         self.show()

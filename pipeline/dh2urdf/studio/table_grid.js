@@ -71,6 +71,12 @@
     const rows = [from.row, to.row].sort((a, b) => a - b);
     return { first: rows[0], last: rows[1], fields: fields.slice(columns[0], columns[1] + 1) };
   };
+  const CURSOR = "dh2urdf-cursor";
+  if (location.hash) sessionStorage.removeItem(CURSOR); // a link opens another table
+  window.addEventListener("pagehide", () => {
+    const left = document.activeElement?.closest(".dh-table") && grid && place(grid);
+    if (left) sessionStorage.setItem(CURSOR, JSON.stringify(left));
+  });
   let shown = null; // the range that is marked
   const mark = (api) => {
     const before = shown;
@@ -280,6 +286,7 @@
       });
       api.refreshCells({ force: true });
       this.pick(api, picked);
+      this.comeBack(api);
       if (!api.getEditingCells().length) this.widen(api);
     },
 
@@ -296,6 +303,14 @@
       api.ensureColumnVisible(field);
       api.setFocusedCell(row, field);
       if (edit) api.startEditingCell({ rowIndex: row, colKey: field });
+    },
+
+    // The cursor is where it was when the page was loaded anew, unless a person has put it elsewhere meanwhile.
+    comeBack(api) {
+      const left = JSON.parse(sessionStorage.getItem(CURSOR) ?? "null");
+      if (!left || !api.getDisplayedRowCount()) return;
+      sessionStorage.removeItem(CURSOR);
+      if (document.activeElement === document.body) this.focus(api, left.row, left.column);
     },
 
     // The letter that opens an editor is in it already: the editor gets it like those that follow.

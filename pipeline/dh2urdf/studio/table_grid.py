@@ -210,7 +210,7 @@ def _columns(session: Session) -> list[dict[str, Any]]:
         "headerName": "i",
         ":valueGetter": "params => dhGrid.number(params)",
         "editable": False,
-        ":width": "dhGrid.wide(62)",
+        ":width": "dhGrid.wide(58)",
         "pinned": "left",
         "rowDrag": True,
         "cellClass": "dh-number",

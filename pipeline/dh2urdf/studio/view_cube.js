@@ -51,6 +51,6 @@
         button.style.transform = `translate(${HALF * at.x}px,${-HALF * at.y}px)`;
       }
     };
-    return { turn, size: [cube.offsetWidth, cube.offsetHeight] };
+    return { turn };
   };
 })();

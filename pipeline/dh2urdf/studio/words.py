@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from dh2urdf.quantities.units import UNITS
 from dh2urdf.source import listed
+from dh2urdf.studio.editing.axes import moving_rows
 from dh2urdf.table_text import number_in
 
 if TYPE_CHECKING:
@@ -43,7 +44,7 @@ def status(session: Session, errors: int) -> tuple[str, str]:
         which = f"row {rows} is" if waiting == 1 else f"rows {done + 1} to {rows} are"
         shown = f"; the arm of the {'first row' if done == 1 else f'first {done} rows'} is shown" if done else ""
         return f"{which} still empty{shown}", ""
-    moving = len(session.arm.manipulator.moving_rows) if session.arm else rows
+    moving = len(moving_rows(session.table, session.arm))
     fixed = f" and {count(rows - moving, 'fixed joint', 'fixed joints')}" if rows > moving else ""
     return f"{count(moving, 'axis', 'axes')}{fixed}; the arm is the table's", "good"
 

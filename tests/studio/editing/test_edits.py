@@ -1,10 +1,17 @@
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import pytest
 from hypothesis import given, strategies as st
 
-from dh2urdf.studio.editing import edits
+from dh2urdf.studio import gallery
+from dh2urdf.studio.editing import axes, edits
+from dh2urdf.studio.editing.session import Session
 from dh2urdf.table_text import TableText
+
+if TYPE_CHECKING:
+    from dh2urdf.plugin_system import Catalog
 
 EMPTY = TableText()
 THREE = edits.with_cells(edits.resized(EMPTY, 3), {(0, "a"): "1", (1, "a"): "2", (2, "a"): "3"})
@@ -30,6 +37,19 @@ def test_any_number_of_axes(first: int, second: int) -> None:
     names = column(table, "joint")
     assert len(set(names)) == len(names) == second
     assert names[:first] == [f"joint_{number}" for number in range(1, min(first, second) + 1)]
+
+
+@pytest.mark.parametrize("word", ["fixed", "F"])
+def test_fixed_rows_are_no_axes(word: str, catalog: Catalog) -> None:
+    """A Panda has seven axes and a fixed row: to ask for eight adds a row, to ask for six takes the last two away."""
+    session = Session(catalog, edits.with_cell(gallery.table("panda.yaml", catalog), 7, "type", word))
+    table, arm = session.table, session.arm
+    assert axes.moving_rows(table, arm) == list(range(7))
+    assert column(axes.with_axes(table, 8, arm), "joint") == [*column(table, "joint"), "joint_9"]
+    assert column(axes.with_axes(table, 6, arm), "joint") == column(table, "joint")[:6]
+    assert axes.with_axes(table, 0, arm).rows == ()
+    session.edit(0, "a", "wrong")
+    assert axes.moving_rows(session.table, session.arm) == list(range(7))
 
 
 def test_there_is_a_bound() -> None:

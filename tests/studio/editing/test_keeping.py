@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from dh2urdf.studio import gallery
+from dh2urdf.studio.editing import edits
 from dh2urdf.studio.editing.keeping import finish_cell, kept_table, kept_text
 from dh2urdf.studio.editing.session import Session
 from dh2urdf.table_text import TableText
@@ -44,13 +45,36 @@ def test_a_cell_that_was_being_typed_is_finished(catalog: Catalog) -> None:
     """In the session that its page had; what is no cell, and a cell that is gone, changes nothing."""
     table = gallery.table(gallery.tables()[0].file, catalog)
     session = Session(catalog, table)
-    finish_cell(session, [0, "d", "0.5"])
-    assert session.table == table, "a new session is offered the whole table"
+    other = edits.with_cell(table, 1, "d", "7")
+    for kept in (None, table, edits.with_cell(other, 0, "d", "0.5")):
+        finish_cell(session, [0, "d", "0.5"], kept)
+        assert session.table == table, "a new session is offered the whole table"
     session.edit(0, "d", "0.25")
     for cell in (None, [], "0d1", ["0", "d", "1"], [0, "d", 1], [99, "d", "1"], {"row": 0}):
-        finish_cell(session, cell)
+        finish_cell(session, cell, None)
     assert session.table.rows[0]["d"] == "0.25"
-    finish_cell(session, [0, "d", "0.5"])
+    finish_cell(session, [0, "d", "0.5"], None)
     assert session.table.rows[0]["d"] == "0.5"
     session.undo()
     assert session.table.rows[0]["d"] == "0.25"
+
+
+def test_the_first_cell_of_an_opened_table_is_finished(catalog: Catalog) -> None:
+    """The session has no past yet, but its table is the one that the browser has kept, that cell aside."""
+    table = gallery.table("ur5.csv", catalog)
+    session = Session(catalog, table)
+    session.preview(0, "d", "0.5")
+    finish_cell(session, [0, "d", "0.5"], edits.with_cell(table, 0, "d", "0.5"))
+    assert session.table.rows[0]["d"] == "0.5"
+    assert session.history.can_undo
+
+
+def test_no_arm_of_a_text_that_is_gone(catalog: Catalog) -> None:
+    """The page was loaded anew in the middle of a cell: the arm is that of the table again."""
+    session = Session(catalog, gallery.table("ur5.csv", catalog))
+    before = session.arm
+    assert session.preview(0, "d", "0.5")
+    assert session.arm != before
+    finish_cell(session, None, None)
+    assert session.arm == before
+    assert not session.previews

@@ -97,6 +97,17 @@ def test_of_a_large_file_only_the_first_are_read(catalog: Catalog) -> None:
     assert [each.table.name for each in opened] == [f"r{number}" for number in range(7)]  # type: ignore[union-attr]
 
 
+def test_a_convention_is_not_missed_beside_another_error(catalog: Catalog) -> None:
+    """A person chooses it on the page: only what else is wrong with the file is said."""
+    told = tables_of("arm.csv", b"a [mm],alpha [deg],d\n0.1,x,2\n", catalog)
+    assert isinstance(told, str)
+    assert "convention" not in told
+    assert "'x' cannot be read" in told
+    assert "'2' has no unit" in told
+    told = tables_of("arm.csv", b"# convention: craigg\na [mm],alpha [deg],d\n0.1,x,2\n", catalog)
+    assert "'craigg' is no convention" in told
+
+
 def test_a_run_file_is_no_table(catalog: Catalog) -> None:
     """It is told what it is, and where its robots are shown."""
     with pytest.raises(InputError, match=r"ur5\.yaml: error: this is a run file, not a table\n.*`dh2urdf view`"):

@@ -8,7 +8,7 @@ from dataclasses import asdict, fields
 from typing import TYPE_CHECKING
 
 from dh2urdf.manipulator import Convention
-from dh2urdf.studio.editing.edits import MOST_ROWS, clean
+from dh2urdf.studio.editing.edits import MOST_ROWS, clean, with_cell
 from dh2urdf.table_text import ANGLE_UNITS, FIELDS, LENGTH_UNITS, TableText
 
 if TYPE_CHECKING:
@@ -41,14 +41,19 @@ def kept_table(text: str) -> TableText | None:
     return TableText(**texts, rows=cells) if cells else None
 
 
-def finish_cell(session: Session, cell: object) -> None:
-    """A session takes the text of a cell that was being typed when its page lost the connection.
+def finish_cell(session: Session, cell: object, kept: TableText | None) -> None:
+    """A session takes the text of a cell that was being typed when its page lost the connection or was loaded anew.
 
     Args:
         session: the session; one that has no table yet is offered the whole kept table instead.
         cell: row, field and text, as the browser has kept them; None where no cell was being typed.
+        kept: the table with that text, as the browser has kept it.
     """
+    if session.previews:  # nobody types on in a page that is gone
+        session.look()
     match cell:
-        case [int(row), str(field), str(text)] if session.history.can_undo:
+        case [int(row), str(field), str(text)]:
             with suppress(LookupError):  # The row is no longer there.
-                session.edit(row, field, text)
+                table = with_cell(session.table, row, field, text)
+                if session.history.can_undo or table == kept:
+                    session.put(table)

@@ -75,8 +75,11 @@ def open_tables(path: Path, catalog: Catalog, most: int | None = None) -> tuple[
     rejected = [item for item in items if isinstance(item, Rejected)]
     if unsaid := [table for item in rejected if (table := _unsaid(item, typed.get(item.name), catalog))]:
         return tuple(map(Opened, unsaid))
-    if of_any := list(islice(_of_any_convention(path, default_call(catalog, reader), rejected), most)):
-        return tuple(_without_convention(_opened(arm, None, catalog)) for arm in of_any)
+    of_any = list(islice(_of_any_convention(path, default_call(catalog, reader), rejected), most))
+    if arms := [item for item in of_any if isinstance(item, Manipulator)]:
+        return tuple(_without_convention(_opened(arm, None, catalog)) for arm in arms)
+    # A person chooses the convention on the page: where something else is wrong, its absence is not.
+    rejected = [item for item in of_any if isinstance(item, Rejected)] or rejected
     raise InputError(
         [problem for item in rejected for problem in item.problems],
         [notice for item in rejected for notice in item.notices],
@@ -161,15 +164,16 @@ def _unsaid(rejected: Rejected, typed: TableText | None, catalog: Catalog) -> Ta
     return table if len(read_whole(table, catalog).errors) == len(rejected.problems) else None
 
 
-def _of_any_convention(path: Path, call: Call[Reader[Any]], rejected: Sequence[Rejected]) -> Iterator[Manipulator]:
-    """The manipulators of a file that names no convention, where no table can hold its texts.
+def _of_any_convention(
+    path: Path, call: Call[Reader[Any]], rejected: Sequence[Rejected]
+) -> Iterator[Manipulator | Rejected]:
+    """The manipulators of a file that names no convention, where no table can hold its texts, or what else is wrong.
 
     Lengths of two units are an example. The numbers of a row are the same in both conventions.
     """
     is_missing = any(problem.field == "convention" for item in rejected for problem in item.problems)
     if is_missing and hasattr(call.options, "convention"):
-        read = _items(path, replace(call, options=replace(call.options, convention=Convention.STANDARD.value)))
-        yield from (item for item in read if isinstance(item, Manipulator))
+        yield from _items(path, replace(call, options=replace(call.options, convention=Convention.STANDARD.value)))
 
 
 def _without_convention(opened: Opened) -> Opened:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 from nicegui import ui
 
 from dh2urdf.manipulator import Convention
+from dh2urdf.studio.editing.axes import moving_rows
 from dh2urdf.table_text import ANGLE_UNITS, LENGTH_UNITS
 
 if TYPE_CHECKING:
@@ -71,7 +72,7 @@ class TableBar:
         """Show the axes, the convention and the units of the table."""
         table = self._session.table
         self._filling = True
-        self._axes.set_value(len(table.rows) or None)
+        self._axes.set_value(len(moving_rows(table, self._session.arm)) if table.rows else None)
         self._convention.set_value(table.convention or None)
         self._length.set_value(table.length_unit)
         self._angle.set_value(table.angle_unit)

@@ -5,6 +5,7 @@ import { AXES } from "dh2urdf-scene/shapes.js";
 const STEP = Math.PI / 36; // of an arrow key [rad]
 const SOFTNESS = 120; // after this time the camera has gone two thirds of its way [ms]
 const MARGIN = 34; // of the picture, for labels [px]
+const FARTHEST = 1.5; // of the nearest camera that sees all: how far it goes back for the things in the corners
 const FROM = new THREE.Vector3(0.62, -0.62, 0.5).normalize(); // where the camera stands first, seen from the arm
 const VIEWS = { front: [1, 0, 0], back: [-1, 0, 0], right: [0, -1, 0], left: [0, 1, 0], top: [0, 0, 1], bottom: [0, 0, -1], corner: FROM.toArray() }; // from where they look
 const KEYS = { 1: "front", 3: "right", 7: "top", 9: "corner" }; // where modellers have them on the number pad
@@ -69,7 +70,27 @@ export const camera = {
       return direction.clone().multiplyScalar((one - other) / 2);
     });
     const beside = sides[0].add(sides[1]);
-    return { target: beside.clone().addScaledVector(away, depth), position: beside.addScaledVector(away, distance) };
+    const found = { target: beside.clone().addScaledVector(away, depth), position: beside.addScaledVector(away, distance) };
+    return this.uncovered(found, right, up, points) ?? found;
+  },
+
+  // The same from farther away, where no point is below a thing in a corner of the picture; null if that would
+  // be too far.
+  uncovered({ target, position }, right, up, points) {
+    const { clientWidth: width, clientHeight: height } = this.$el;
+    const tall = Math.tan((this.camera.fov * Math.PI) / 360), wide = tall * this.camera.aspect, corners = this.corners();
+    const away = position.clone().sub(target), seen = new THREE.Vector3();
+    for (let farther = 1; farther <= FARTHEST; farther += 0.04) {
+      const from = target.clone().addScaledVector(away, farther), distance = from.distanceTo(target);
+      const covered = points.some((p) => {
+        const depth = this.parallel ? distance : -seen.copy(p).sub(from).dot(away) / away.length();
+        seen.copy(p).sub(from);
+        const [x, y] = [((1 + seen.dot(right) / (depth * wide)) / 2) * width, ((1 - seen.dot(up) / (depth * tall)) / 2) * height];
+        return corners.some((one) => x > one.x && x < one.x + one.w && y > one.y && y < one.y + one.h);
+      });
+      if (!covered) return { target, position: from };
+    }
+    return null;
   },
 
   // Where the joints have moved the arm out of the picture, the camera goes after it: aside and back, never nearer. It

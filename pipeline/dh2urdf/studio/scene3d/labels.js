@@ -40,8 +40,8 @@ export const labels = {
     labels.sort((one, other) => rank(one) - rank(other));
     const shown = this.joined(labels.filter((label) => label.visible && label.parent.visible && !this.aside(label.parent)));
     for (const { userData: own } of shown) own.size ??= [own.element.offsetWidth, own.element.offsetHeight]; // all at once
-    const { clientWidth, clientHeight } = this.$el, [w, h] = this.cube.size;
-    const taken = [{ x: clientWidth - w, y: 0, w, h }, { x: clientWidth - w, y: clientHeight - h, w, h }, this.switch()]; // the cube, and the cross
+    const { clientWidth, clientHeight } = this.$el;
+    const taken = [...this.corners()];
     const lines = [];
     const heads = new Set(shown), eye = this.eye();
     for (const label of labels) {
@@ -59,11 +59,12 @@ export const labels = {
     this.$el.querySelector(".arm-view-leaders path").setAttribute("d", this.leaders);
   },
 
-  // Where the switch beside the cube is; it is measured once for each size of the page.
-  switch() {
-    const button = this.$el.querySelector(".arm-view-projection"), { clientWidth } = this.$el;
-    this.switched ??= { right: clientWidth - button.offsetLeft, y: button.offsetTop, w: button.offsetWidth, h: button.offsetHeight };
-    return { x: clientWidth - this.switched.right, ...this.switched };
+  // Where the cube, the cross and the buttons in the corners are; they are measured once for each size of the page.
+  corners() {
+    const { left, top } = this.$el.getBoundingClientRect();
+    const things = () => [...this.$el.querySelectorAll(".view-cube, .arm-view-cross, .arm-view-projection, .arm-view-quick")];
+    this.measured ??= things().map((thing) => thing.getBoundingClientRect()).map(({ x, y, width, height }) => ({ x: x - left, y: y - top, w: width, h: height }));
+    return this.measured;
   },
 
   // Whether a node is none of the two frames of the row that is explained: their neighbours would bury them.

@@ -27,12 +27,13 @@ TOTALS = (
 FRAMES = (
     "base Base ground world_joint Basis Sockel tip Flansch Werkzeug Endeffektor tool_joint EE_frame TCP-offset fixed "
     "end_effector outil herramienta utensile flangia bride pinza organe_terminal bâti suelo fixed_joint hand eef_joint "
-    "ToolFlange toolTip --- ... – nan None note Einheiten"
-)
-SLIDES = "Prismatic prismatic_joint_3 P p3 P_3 d3 d₃* D1 slide Slider linear_axis Linear-rail Schubgelenk translation_2"
+    "ToolFlange toolTip --- ... – nan None note Einheiten sensor camera 6->G 6→T 末端 工具 法兰 ベース фланец схват основание "
+    "narzędzie podstawa takım taban エンドエフェクタ ベース 툴 말단"
+).replace("ベース", "베이스")
+SLIDES = "Prismatic prismatic_joint_3 P p3 P_3 d3 d₃* D1 slide Slider linear_axis Linear-rail Schubgelenk translation_2 lift torso_lift_joint rail base_rail Track Hubachse"
 JOINTS = (
     "wrist_flange_rotation base_yaw base_rotation shoulder_pan_joint elbow quill tool_roll gripper_rotation poignet "
-    "shoulder_lift PR1 dof3 pitch deflect linear_yaw slider_crank max_planck_joint J1 A1 joint_0 hip knee bend_joint meander summit_joint minion IV"
+    "shoulder_lift PR1 dof3 pitch deflect linear_yaw slider_crank max_planck_joint J1 A1 joint_0 hip knee bend_joint meander summit_joint minion IV lift_pitch tracker 0->1 6->7 stop pump A1_R"
 )
 
 
@@ -64,8 +65,45 @@ def test_joints_that_slide_are_known_by_their_names(name: str) -> None:
 
 
 @pytest.mark.parametrize(
+    "name",
+    [
+        *(
+            "J2 prismatic",
+            "q2 (prismatic)",
+            "J2_prismatic",
+            "Joint 2 (P)",
+            "axis 3 [P]",
+            "joint2_p",
+            "J2-P",
+            "Lift column",
+        ),
+        *(
+            "E1 (linear track)",
+            "guida lineare",
+            "直动关节",
+            "поступательная пара",
+            "призматический шарнир",
+            "przesuwny",
+        ),
+        *("prizmatik mafsal", "直動関節", "スライド", "직동 관절"),
+    ],
+)
+def test_a_name_that_says_that_its_joint_slides_is_refused_without_a_type(name: str, read: Read) -> None:
+    """The joint was revolute, without a word; a type decides."""
+    (arm,) = read(f"joint,a,alpha,d\nJ1,0.3,0,0\n{name},0.2,0,0\n", convention="standard")
+    assert not isinstance(arm, Manipulator)
+    assert "by its name it hardly is a revolute joint" in arm.problems[0].message
+    (arm,) = read(f"joint,type,a,alpha,d\nJ1,R,0.3,0,0\n{name},R,0.2,0,0\n", convention="standard")
+    assert isinstance(arm, Manipulator)
+    assert arm.rows[1].joint == name
+
+
+@pytest.mark.parametrize(
     ("header", "rows", "outcome"),
     [
+        ("joint,a,alpha,d,part", "one,0.1,0,0.1,lift;two,0.2,0,0.1,track", "read"),
+        ("joint,a,alpha,d,сочл", "one,0.1,0,0.1,вращательная;two,0.2,0,0.1,поступательная", "refused"),
+        ("joint,a,alpha,d,rodzina", "one,0.1,0,0.1,obrotowy;two,0.2,0,0.1,przesuwny", "refused"),
         ("joint,a,alpha,d", "R1,0.1,0,0.1;P2,0.2,0,0.1", "refused"),
         ("joint,a,alpha,d", "θ1,0.1,0,0.1;d2*,0.2,0,0.1", "refused"),
         ("joint,type,a,alpha,d", "one,R,0.1,0,0.1;Linear axis,,0.2,0,0.1", "refused"),

@@ -308,6 +308,9 @@ def test_a_comment_that_names_no_convention_says_none(comment: str, read: Read) 
         *((word, "prismatic") for word in ("prismática", "glissière", "Linearachse", "lineal", "移动", "移动副")),
         *((f"{word} joint", word) for word in ("prismatic", "revolute", "fixed")),
         ("rotary joint", "revolute"),
+        *((word, "revolute") for word in ("вращательная", "obrotowy", "döner", "DÖNEL", "回転", "회전 관절")),
+        *((word, "prismatic") for word in ("Поступательная", "przesuwny", "prizmatik", "直動関節", "직동", "병진")),
+        *((word, "fixed") for word in ("неподвижная", "sabit", "고정")),
     ],
 )
 def test_types_of_other_languages_are_read(word: str, letter: str, read_one: ReadOne) -> None:
@@ -324,6 +327,12 @@ def test_types_of_other_languages_are_read(word: str, letter: str, read_one: Rea
         "Articulation;a (mm);alpha (°);d (mm);Butée min (°);Butée max (°);Couple (N.m)\nx;0;90;340;-170;170;176\n",
         "Junta;Comprimento a (mm);Torção α (°);Deslocamento d (mm);Faixa (°);Torque máximo (Nm)\nx;0;90;340;±170;176\n",
         "关节;连杆长度a/(mm);连杆扭转角α/(°);连杆偏距d/(mm);关节范围/(°);最大力矩(N·m)\nx;0;90;340;-170～170;176\n",
+        "Przegub;Długość członu a [mm];Skręcenie członu α [°];Odsunięcie członu d [mm];Zakres ruchu [°];Moment obrotowy [Nm]\nx;0;90;340;±170;176\n",
+        "Eklem;Uzuv uzunluğu a (mm);Burulma açısı α (°);Öteleme d (mm);Hareket aralığı (°);TORK (Nm)\nx;0;90;340;±170;176\n",
+        "Eklem;UZUV UZUNLUĞU [mm];Burulma Açısı [deg];Eklem Kaçıklığı [mm];Alt sınır [deg];Üst sınır [deg];Tork [Nm]\nx;0;90;340;-170;170;176\n",
+        "Шарнир;Длина звена a [mm];Угол скручивания α [°];Смещение d [mm];Диапазон [°];Крутящий момент [Nm]\nx;0;90;340;±170;176\n",
+        "関節;リンク長a[mm];ねじれ角α[°];リンクオフセットd[mm];可動範囲[°];最大トルク[Nm]\nx;0;90;340;±170;176\n",
+        "관절;링크 길이 a [mm];비틀림 각 α [°];링크 오프셋 d [mm];하한 [°];상한 [°];토크 [Nm]\nx;0;90;340;-170;170;176\n",
         "关节,连杆长度ai/mm,扭转角αi/(°),偏距di/mm,角度下限/(°),角度上限/(°),力矩/(N·m)\nx,0,90,340,-170,170,176\n",
     ],
 )
@@ -333,6 +342,42 @@ def test_tables_of_other_languages_are_read(text: str, read_one: ReadOne) -> Non
     assert (row.joint, row.a, row.alpha, row.d) == ("x", 0, math.pi / 2, 0.34)
     assert (row.limits.lower, row.limits.upper) == pytest.approx((-17 / 18 * math.pi, 17 / 18 * math.pi), abs=1e-15)
     assert row.limits.effort == 176
+
+
+@pytest.mark.parametrize(
+    "name", ["theta offset", "θ_offset", "theta_offset_i", "offset θ", "theta const", "Joint angle offset"]
+)
+@pytest.mark.parametrize("kind", ["R", "P"])
+def test_an_offset_of_theta_is_the_constant_part_of_theta(name: str, kind: str, read_one: ReadOne) -> None:
+    """It was refused; it is an angle, also where the joint slides."""
+    arm = read_one(f"type,a,alpha,d,{name}\n{kind},0.3,0,0.1,pi/2\n")
+    expected = read_one(f"type,a,alpha,d,theta\n{kind},0.3,0,0.1,pi/2\n")
+    assert arm.fk([0.7]) == pytest.approx(expected.fk([0.7]))
+    assert read_one(f"type,a,alpha,d,{name} [deg]\n{kind},0.3,0,0.1,30\n").rows[0].theta == pytest.approx(math.pi / 6)
+
+
+@pytest.mark.parametrize(
+    ("header", "row", "count"),
+    [
+        ("theta", "q1,0", 1),
+        ("theta", "0,pi/2", 0),
+        ("theta", "q1,0.2", 0),
+        ("offset", "0.3,0", 1),
+        ("offset", "0.3,0.2", 0),
+    ],
+)
+def test_an_offset_of_theta_beside_another_is_read_where_it_is_0(header: str, row: str, count: int, read: Read) -> None:
+    """Whether both are added is not said."""
+    arms = read(f"{STANDARD}a,alpha,d,{header},theta offset\n0.3,0,0.1,{row}\n")
+    assert sum(isinstance(arm, Manipulator) for arm in arms) == count
+
+
+def test_an_offset_of_theta_is_read_in_yaml(read: Read) -> None:
+    """As a key of a joint, and where it is 0 beside theta."""
+    rows = "[{a: 0.3, alpha: 0, d: 0, theta_offset: pi/2}, {a: 0, alpha: 0, d: 0, theta: 0.2, theta_offset: 0}]"
+    (arm,) = read(f"convention: standard\njoints: {rows}", ".yaml")
+    assert isinstance(arm, Manipulator)
+    assert [row.theta for row in arm.rows] == [math.pi / 2, 0.2]
 
 
 @pytest.mark.parametrize(

@@ -15,6 +15,7 @@ from dh2urdf.table_text import REQUIRED
 from dh2urdf_plugins.readers.header.unknown_columns import Refusal, ignored, refusal
 from dh2urdf_plugins.readers.header.words import Header, bounds_theta, misspelt, parts_of, read_header
 from dh2urdf_plugins.readers.words.fields import FIELDS
+from dh2urdf_plugins.readers.words.unheld import THETA_OFFSETS
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -92,8 +93,9 @@ def name_columns(headers: Sequence[str], marks: Sequence[Mark], mark: Mark) -> C
     problems: list[Problem] = []
     first: dict[str, int] = {}
     indexed: int | None = None
+    has_angle = any(map(_is_angle, headers))
     for index, (text, place) in enumerate(zip(headers, marks, strict=True)):
-        header = read_header(text)
+        header = _beside_angle(read_header(text)) if has_angle else read_header(text)
         columns.fields.append(header.field.name if header.field else None)
         if header.field is None:
             _unknown(columns, header, index, place, problems)
@@ -123,6 +125,18 @@ def name_columns(headers: Sequence[str], marks: Sequence[Mark], mark: Mark) -> C
     if problems:
         raise TableError(problems, columns.notices)
     return columns
+
+
+def _is_angle(text: str) -> bool:
+    """Whether a header is that of theta or an offset itself, and not of the constant part of theta."""
+    header = read_header(text)
+    name = header.field.name if header.field else None
+    return name in ("theta", "offset") and header.key not in THETA_OFFSETS
+
+
+def _beside_angle(header: Header) -> Header:
+    """What a header says where theta or an offset has a column: the constant part of theta is none of them."""
+    return header._replace(field=None) if header.key in THETA_OFFSETS else header
 
 
 def _legend(name: str, text: str, mark: Mark) -> list[Problem]:

@@ -10,7 +10,7 @@ from dh2urdf.quantities import Dimension, QuantityError, find_unit, is_unit, is_
 from dh2urdf.source import Mark, Problem, did_you_mean, shown
 from dh2urdf_plugins.readers.header.words import Header, misspelt, read_header, suspected
 from dh2urdf_plugins.readers.words.fields import FIELDS
-from dh2urdf_plugins.readers.words.unheld import GEOMETRY, IGNORED, LIKELY, UNHELD
+from dh2urdf_plugins.readers.words.unheld import GEOMETRY, IGNORED, LIKELY, THETA_OFFSETS, UNHELD
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
@@ -63,8 +63,7 @@ def refusal(text: str, header: Header, what: str = "column") -> Refusal | None:
     """
     if header.ignored or not text:
         return None
-    if header.key in UNHELD:
-        meaning = UNHELD[header.key]
+    if meaning := UNHELD.get(header.key) or THETA_OFFSETS.get(header.key):
         return Refusal(
             f"is {meaning.reason}, which no {what} holds", meaning.accepted, zero=True, counts=meaning.counts
         )

@@ -25,7 +25,7 @@ _LETTERS, _BEHIND = frozenset("ijkn"), "]})* "
 _CLOSING = ("]", ")", "}", ">")
 _OTHER_LINK = late_pattern(r"[a-z]{0,3}\s*[-+]+\s*[a-z0-9]{0,3}|[ijkn][ijkn0-9]{1,2}")
 _PREFIX = late_pattern(r"(?:dh|denavit\W?hartenberg)(?:\W*param(?:eter)?s?)?[\s_.:-]+(.+)")
-_AFTER_CHINESE = late_pattern(r"(?<=[\u4e00-\u9fff])(?=[a-zA-Zα-ωΑ-Ω])")
+_AFTER_CHINESE = late_pattern(r"(?<=[\u3040-\u30ff\u4e00-\u9fff\uac00-\ud7a3])(?=[a-zA-Zα-ωΑ-Ω])")
 _LATEX = late_pattern(r"\\(?:mathrm|mathit|mathbf|text|rm)(?![a-z])|[\\$]")
 _FOOTNOTE = late_pattern(r"(?<=[^\W\d_])\s*[¹²³⁰⁴-⁹†‡§]+(?=\s*[\[({]|$)|(?<=[\])}])\s*[¹²³⁰⁴-⁹†‡§*]+$")
 _BRACKETED = late_pattern(r"(.*[^\s])\s*[\[({<]([^\[\](){}<>]*)[\])}>]")

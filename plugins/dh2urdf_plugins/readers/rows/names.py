@@ -1,7 +1,7 @@
 """Names of rows that hardly are joints that turn: totals, bases, flanges and tools, notes, and joints that slide.
 
 A word counts only where the whole name consists of such words: `tool_joint` and `EE frame` do, `wrist_flange_rotation`
-and `base_yaw` do not.
+and `base_yaw` do not. A type behind a name counts always: `J2 prismatic`, `Joint 2 (P)`.
 """
 
 from __future__ import annotations
@@ -22,8 +22,16 @@ if TYPE_CHECKING:
 RowKind = Literal["total", "frame", "slide"]
 
 
+def _key(name: str) -> str:
+    """A name without case, accents and separators."""
+    if name.isascii():
+        return NOT_LETTERS.sub("", name.lower())
+    letters = unicodedata.normalize("NFKD", name).casefold()
+    return NOT_LETTERS.sub("", "".join(letter for letter in letters if not unicodedata.combining(letter)))
+
+
 def _words(text: str) -> frozenset[str]:
-    return frozenset(text.split())
+    return frozenset(text.split() if text.isascii() else map(_key, text.split()))
 
 
 _TOTALS = _words("""
@@ -37,12 +45,15 @@ _OF_TOTALS = _words("""
 """)
 _BASES = _words("""
     base basis ground world root origin pedestal foundation mounting mount sockel fundament gestell boden welt socle
-    bati monde suelo tierra mundo raiz terra mondo basamento fixed
+    bati monde suelo tierra mundo raiz terra mondo basamento fixed 基座 底座 基坐标系 основание база стойка podstawa
+    taban zemin ベース 基台 베이스 받침
 """)
 _FRAMES = _BASES | _words("""
     flange toolflange tool tools ee eef tcp gripper hand tip end effector flansch werkzeug effektor endeffektor greifer
     spitze outil effecteur terminal pince bride herramienta pinza brida efector final utensile flangia organe organo
-    terminale punta adapter
+    terminale punta adapter sensor ftsensor camera kamera garra ferramenta 末端 末端执行器 工具 法兰 夹爪 手爪
+    фланец инструмент схват захват kołnierz narzędzie chwytak końcówka flanş takım tutucu uç
+    フランジ ツール 手先 ハンド グリッパ エンドエフェクタ 플랜지 툴 말단 그리퍼 엔드이펙터
     fix fixe fest fijo fisso starr static rigid dummy virtual none null nan nil note notes remark remarks comment
     comments source quelle hinweis anmerkung unit units einheit einheiten unite unites unidad unidades unita
 """)
@@ -52,16 +63,33 @@ _OF_FRAMES = _words("""
 _SLIDES = _words("""
     prismatic prismatical prism prismatisch prismatique prismatico linear linearly lineal lineaire lineare sliding slide
     slider translation translational translatory translatorisch traslacional traslacion traslazione schub schubgelenk
-    schubachse linearachse glissiere deslizante corredera prismatica deslizamento 移动 平移 直线 滑动
+    schubachse linearachse glissiere deslizante corredera prismatica deslizamento 移动 平移 直线 滑动 直动
+    поступательная поступательный линейная линейный liniowy liniowa dogrusal
+    призматическая призматический przesuwny przesuwna pryzmatyczny pryzmatyczna postepowy prizmatik kayar 直動 並進
+    スライド スライダ 직동 병진 직선
 """)
+_SLIDING = _words("""
+    lift hub rail railway track schiene schlitten carriage verfahrachse fahrachse hubachse elevator telescope teleskop
+    gantry portalachse
+""")
+"""What a joint that slides is called after: a name only, since a column may have such a word for a part of the arm."""
 _OF_SLIDES = _words("""
     joint jnt axis rail guide motion drive unit stage actuator module gelenk achse liaison articulation axe articulacion
-    eje giunto asse junta articulacao eixo 关节 轴 副 运动
+    eje giunto asse junta articulacao eixo guida 关节 轴 副 运动 関節 軸 관절 축 пара ось звено para os mafsal eklem
+    base torso column saeule saule boden floor external extern ext e x y z
 """)
 _SLIDE_SYMBOL = late_pattern(r"[pd][0-9]{0,3}")
 """``P2`` between ``R1`` and ``R3``, and the variable ``d2`` between ``θ1`` and ``θ3``."""
-_SLIDE_IN_PROSE = late_pattern(r"\bprism[aá]ti|\bschubgelenk|移动副|移动关节", re.IGNORECASE)
-_HINT = late_pattern("|".join(_TOTALS | _FRAMES | _SLIDES))
+_SLIDE_IN_PROSE = late_pattern(
+    r"(?<![^\W_])(?:pri[sz]m[aá]ti|schubgelenk|призматич|поступательн\w* (?:пара|кинематич|сочлен|шарнир)"
+    r"|pryzmatyczn|przesuwn)|移动副|移动关节|直动关节|直動関節|직동 ?관절|병진 ?관절",
+    re.IGNORECASE,
+)
+_TYPE_BEHIND = late_pattern(r"(?:[^\W_].*[(\[]\s*p\s*[)\]]|[a-z].*[0-9][\s_-]+p)\s*", re.IGNORECASE)
+"""``Joint 2 (P)``, ``J2-P``."""
+_TO_FRAME = late_pattern(r"[0-9]{1,3}\s*(?:-+>|[→➔⟶])\s*[a-z]", re.IGNORECASE)
+"""The last row of a table whose rows are ``0->1``, ``1->2``: ``6->G`` leads to the gripper."""
+_HINT = late_pattern("|".join(_TOTALS | _FRAMES | _SLIDES | _SLIDING))
 _LONGEST = 60
 
 
@@ -73,9 +101,10 @@ def kind_of(name: str) -> RowKind | None:
     key = _key(name)
     if _consists_of(key, _TOTALS, _OF_TOTALS):
         return "total"
-    if name and (not key or _consists_of(key, _FRAMES, _OF_FRAMES)):
+    if name and (not key or _consists_of(key, _FRAMES, _OF_FRAMES) or _TO_FRAME.fullmatch(name)):
         return "frame"
-    return "slide" if _SLIDE_SYMBOL.fullmatch(key) or _consists_of(key, _SLIDES, _OF_SLIDES) else None
+    slides = _SLIDE_SYMBOL.fullmatch(key) or _consists_of(key, _SLIDES | _SLIDING, _OF_SLIDES)
+    return "slide" if slides or _TYPE_BEHIND.fullmatch(name) or speaks_of_slide(name) else None
 
 
 def speaks_of_slide(text: str) -> bool:
@@ -95,7 +124,9 @@ def holds_type(text: str, number: int) -> bool:
     symbol = _SLIDE_SYMBOL.fullmatch(_key(text[:_LONGEST]))
     if symbol:
         return symbol[0][1:] in ("", str(number))
-    return kind_of(text) == "slide" or speaks_of_slide(text)
+    if kind_of(text) != "slide":
+        return speaks_of_slide(text)
+    return not _consists_of(_key(text), _SLIDING, _OF_SLIDES)
 
 
 def is_plain_label(text: str) -> bool:
@@ -117,17 +148,11 @@ def are_joints(names: Collection[str], *, typed: bool) -> bool:
         typed: whether each row has a type, which decides for all but totals.
     """
     text = NOT_LETTERS.sub("", "".join(names))  # a name that has a word has it here, too
-    doubtful = _HINT.search(text) or not all(map(_key, names)) or any(map(_SLIDE_SYMBOL.fullmatch, map(_key, names)))
+    keys = list(map(_key, names))
+    doubtful = _HINT.search(text) or not all(keys) or any(map(_SLIDE_SYMBOL.fullmatch, keys))
+    doubtful = doubtful or any(map(_TYPE_BEHIND.fullmatch, names)) or any(map(_TO_FRAME.fullmatch, names))
     kinds = set(map(kind_of, names)) if doubtful else set()
     return "total" not in kinds and (typed or kinds <= {None})
-
-
-def _key(name: str) -> str:
-    """A name without case, accents and separators."""
-    if name.isascii():
-        return NOT_LETTERS.sub("", name.lower())
-    letters = unicodedata.normalize("NFKD", name).casefold()
-    return NOT_LETTERS.sub("", "".join(letter for letter in letters if not unicodedata.combining(letter)))
 
 
 def _consists_of(key: str, words: frozenset[str], others: frozenset[str]) -> bool:

@@ -9,7 +9,7 @@ from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.manipulator import Convention, JointType
 from dh2urdf.quantities import Dimension
 from dh2urdf.row_fields import COM, INERTIA, ROW_FIELDS, RowField
-from dh2urdf_plugins.readers.words.word_keys import key_of, keys_of
+from dh2urdf_plugins.readers.words.word_keys import MORE, key_of, keys_of
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,8 +40,6 @@ class Field:
         return (*self.headers, *(word for words in self.others.values() for word in words))
 
 
-LANGUAGES = {"de": "German", "fr": "French", "es": "Spanish", "it": "Italian", "pt": "Portuguese", "zh": "Chinese"}
-
 _OF = "of, the, de, du, des, la, le, del, della, dell, di, da, do, 的"
 _JOINT = "joint, axis, gelenk, achse, achs, achsen, axe, articulation, articulaire"
 _JOINT += ", eje, articulación, articular, asse, giunto, junta, articulação, eixo, 关节, 轴"
@@ -55,33 +53,8 @@ _CENTRES = "com, cog, center of mass, centre of mass, center of gravity, centre 
 _TENSORS = "inertia, inertia tensor, inertia matrix, tensor of inertia, moment of inertia, moments of inertia"
 
 
-_PORTUGUESE = """robot: robô, manipulador, modelo, nome do robô; convention: convenção; index: número, índice;
-joint: junta, articulação, eixo, nome, nome da junta; link: elo, nome do elo; sign: sinal, sentido, sentido de rotação;
-type: tipo, tipo de junta, tipo de articulação; a: comprimento, comprimento do elo; flip: invertido;
-alpha: alfa, torção, torção do elo, ângulo de torção; d: deslocamento, deslocamento do elo, deslocamento da junta;
-theta: ângulo da junta, ângulo de junta, ângulo articular, ângulo de articulação; radius: raio; mass: massa, peso;
-limits: limites, faixa, faixa de movimento, curso; lower: inferior, mínimo, mínima; upper: superior, máximo, máxima;
-velocity: velocidade, velocidade angular; effort: torque máximo, força; com: centro de massa, centro de gravidade;
-inertia: inércia, matriz de inércia, tensor de inércia, momento de inércia; damping: amortecimento, atrito viscoso;
-friction: atrito, atrito seco"""
-_CHINESE = """robot: 机器人, 机械臂; index: 序号, 编号, 关节序号, 关节编号, 轴号; joint: 关节, 关节名称, 轴, 名称;
-link: 连杆, 杆件, 连杆名称; type: 类型, 关节类型, 运动副, 运动副类型; sign: 方向, 旋转方向; a: 连杆长度, 杆长, 杆件长度;
-alpha: 连杆扭转, 连杆扭角, 连杆扭转角, 连杆转角, 扭转角; d: 连杆偏移, 连杆偏距, 连杆偏置, 偏距, 关节偏距;
-theta: 关节角, 关节角度, 关节转角, 转角; limits: 关节范围, 运动范围, 活动范围, 角度范围, 工作范围, 范围;
-lower: 下限, 最小, 最小值; upper: 上限, 最大, 最大值; velocity: 速度, 角速度, 最大速度, 最大角速度;
-effort: 力矩, 扭矩, 转矩, 最大力矩, 最大扭矩; mass: 质量; com: 质心, 质心位置, 重心; radius: 半径;
-inertia: 惯性张量, 惯量, 惯性矩阵, 惯量矩阵, 转动惯量; damping: 阻尼, 粘性摩擦; friction: 摩擦, 库仑摩擦"""
-
-
 def _words(text: str) -> tuple[str, ...]:
     return tuple(text.split(", ")) if text else ()
-
-
-_MORE = {
-    language: dict(entry.strip().split(": ") for entry in text.split(";"))
-    for language, text in (("pt", _PORTUGUESE), ("zh", _CHINESE))
-}
-"""What tables of two more languages call the fields."""
 
 
 def _field(
@@ -94,7 +67,7 @@ def _field(
     **others: str,
 ) -> Field:
     """A field; what it measures is that of the number in `ROW_FIELDS`, or of its first part."""
-    others |= {language: words[name] for language, words in _MORE.items() if name in words}
+    others |= {language: words[name] for language, words in MORE.items() if name in words}
     languages = {language: _words(words) for language, words in others.items()}
     number = ROW_FIELDS.get(parts[0] if parts else name, RowField(dimension))
     dimension, linear = number.dimension, number.linear
@@ -187,7 +160,7 @@ def _fields() -> dict[str, Field]:
         _field("d", "d, link offset, joint distance", de="gelenkabstand"),
         _field(
             "theta",
-            "theta, θ, th, joint angle",
+            "theta, θ, th, joint angle, theta offset, offset theta, theta const, joint angle offset",
             de="gelenkwinkel, drehwinkel",
             fr="angle articulaire",
             es="ángulo articular, ángulo de articulación",

@@ -45,7 +45,6 @@ UNHELD_WORDS = {
         ),
         _HOME,
     ),
-    "theta offset": Unheld("an offset of theta alone"),
     "d offset": Unheld("an offset of d alone"),
     "mdh": Unheld("the convention as a number"),
     "prismatic": Unheld("the type of a joint in another form"),
@@ -124,6 +123,12 @@ UNHELD_WORDS = {
 }
 """Headers of what shapes or loads the arm and no field holds: refused where a cell is not 0."""
 _HELD = {key for name in ROW_FIELDS for key in keys_of(name)}
+THETA_OFFSETS = {
+    key: Unheld("an offset of theta alone, and the table has a theta besides")
+    for word in ("theta offset", "offset theta", "theta const", "joint angle offset")
+    for key in keys_of(word)
+}
+"""Headers of the constant part of theta, by their keys: they are theta where nothing else is."""
 UNHELD = {key: meaning for word, meaning in UNHELD_WORDS.items() for key in keys_of(word) if key not in _HELD}
 """The same by their keys."""
 

@@ -279,6 +279,8 @@ class _Table:
     def _put_cell(self, cells: dict[str, Cell], field: str, cell: Cell) -> None:
         twin = {"flip": "sign", "sign": "flip"}.get(field, field)
         if field in cells or twin in cells:
+            if field == "theta" and cell.text in ("0", "0.0"):  # `theta_offset: 0` beside theta
+                return
             other = cells.get(field) or cells[twin]
             message = f"{field} is given a second time; the first is in line {other.mark.line}"
             self._error(cell.mark, field, message, found=cell.text, accepted="each field once")

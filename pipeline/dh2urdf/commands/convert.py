@@ -17,7 +17,7 @@ from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.manipulator import Manipulator
 from dh2urdf.meshes.files import FILE, RELATIVE, mesh_files, prefix_of
 from dh2urdf.meshes.kinds import MeshConversion
-from dh2urdf.output.whole_files import safe_stem
+from dh2urdf.output.whole_files import refuse_no_file, safe_stem
 from dh2urdf.plugin_system.calls import Call, depending_on
 from dh2urdf.plugin_system.stage_answers import a_record
 from dh2urdf.provenance import Trace
@@ -242,6 +242,8 @@ def plan_conversion(
                 accepted=f"a file name, such as {target / stem}.urdf",
             )
         )
+    if target is not None and one_file:
+        refuse_no_file(target)
     if target is not None and not formats:
         stages["emitter"] = [catalog.emitter_for(target, f"`{asker.format}NAME` chooses an emitter")]
     calls = stage_calls(catalog, stages, asker, given or {}, settings)

@@ -7,6 +7,7 @@ import unicodedata
 from contextlib import contextmanager, suppress
 from errno import EISDIR
 from pathlib import Path, PurePosixPath
+from stat import S_ISDIR, S_ISLNK, S_ISREG
 from typing import TYPE_CHECKING
 
 from dh2urdf.errors import OutputError
@@ -200,14 +201,40 @@ def put_in_place(folder: Path, names: Sequence[str], directory: Path) -> None:
         OutputError: a file cannot be moved; where a folder is in the way of one, none is.
     """
     for name in names:
-        with reporting_os_errors(directory / name):
-            if (directory / name).is_dir():
-                raise IsADirectoryError(EISDIR, os.strerror(EISDIR))
+        refuse_no_file(directory / name)
     for name in names:
         with reporting_os_errors(directory / name):
             if "/" in name:
                 (directory / name).parent.mkdir(parents=True, exist_ok=True)
             (folder / name).replace(directory / name)
+
+
+def refuse_no_file(path: Path) -> None:
+    """Refuse a path at which something else than a file is, which a rename would remove: `/dev/null` is there for all.
+
+    Raises:
+        OutputError: there is a folder, a device, a pipe or a socket, a link to one, or one to an open file.
+    """
+    with reporting_os_errors(path):
+        try:
+            mode = os.lstat(path).st_mode
+            if is_open_file := S_ISLNK(mode) and os.readlink(path).startswith("/proc/"):  # noqa: PTH115 - as lstat is
+                mode = 0
+            elif S_ISLNK(mode):
+                mode = os.stat(path).st_mode  # noqa: PTH116
+        except OSError:
+            return  # Nothing is there; or a file is in the place of a folder, which whatever writes reports.
+        if S_ISDIR(mode):
+            raise IsADirectoryError(EISDIR, os.strerror(EISDIR))
+    if is_open_file or not S_ISREG(mode):
+        raise OutputError(
+            Problem(
+                message=f"cannot write {shown(str(path), 200)}: a device, a pipe or a socket is there",
+                found=str(path),
+                accepted="a file, or a path at which nothing is",
+                suggestion="leave the path out: the text is then printed, or returned, and may go anywhere",
+            )
+        )
 
 
 def write_whole(path: Path, content: bytes) -> None:
@@ -216,6 +243,7 @@ def write_whole(path: Path, content: bytes) -> None:
     Raises:
         OutputError: it cannot be written.
     """
+    refuse_no_file(path)
     with staging(path.parent) as folder, reporting_os_errors(path):
         (folder / path.name).write_bytes(content)
         (folder / path.name).replace(path)

@@ -4,10 +4,12 @@ import errno
 import os
 import unicodedata
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import pytest
 from hypothesis import given, strategies as st
 
+import dh2urdf
 from dh2urdf.errors import OutputError
 from dh2urdf.output import write_whole
 from dh2urdf.output.whole_files import (
@@ -21,6 +23,9 @@ from dh2urdf.output.whole_files import (
     write_files,
 )
 from dh2urdf.stages import EmittedFile
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
 
 LONGEST_SUFFIX = "_macro.xacro"
 any_text = st.text(st.characters(codec=None), max_size=300)
@@ -265,6 +270,56 @@ class TestPutInPlace:
         with pytest.raises(OutputError, match=os.strerror(errno.EISDIR)):
             place()
         assert tree(tmp_path) == {"a.urdf": b"old"}
+
+
+class TestNoFiles:
+    """A path at which a device, a pipe or a socket is: a rename would put a file in its place, for all that use it."""
+
+    @pytest.fixture(params=["pipe", "link to a device", "link to an open file"])
+    def path(self, request: pytest.FixtureRequest, tmp_path: Path) -> Path:
+        path = tmp_path / "arm.urdf"
+        match request.param:
+            case "pipe":
+                os.mkfifo(path)
+            case "link to a device":
+                path.symlink_to("/dev/null")
+            case _:  # as /dev/stdout is
+                path.symlink_to("/proc/self/fd/1")
+        return path
+
+    def is_refused(self, path: Path, write: Callable[[], object]) -> None:
+        before = os.lstat(path)
+        with pytest.raises(OutputError, match=r"cannot write '.*arm\.urdf': a device, a pipe or a socket is there"):
+            write()
+        assert os.lstat(path) == before
+        assert list(path.parent.iterdir()) == [path]
+
+    def test_one_file(self, path: Path) -> None:
+        """Nothing is written, and what is there stays."""
+        self.is_refused(path, lambda: write_whole(path, b"new"))
+
+    def test_files_of_a_manipulator(self, path: Path) -> None:
+        """Of several files none is put in place."""
+
+        def place() -> None:
+            with staging(path.parent) as folder:
+                write_files(folder, [EmittedFile(name=name, content=b"new") for name in ("a.xacro", "arm.urdf")])
+                put_in_place(folder, ["a.xacro", "arm.urdf"], path.parent)
+
+        self.is_refused(path, place)
+
+    def test_what_a_program_writes(self, path: Path) -> None:
+        """Every function that writes a file refuses it."""
+        arm = dh2urdf.read("# convention: standard\na, alpha, d\n0.4, 0, 0.1\n", reader="csv")
+        self.is_refused(path, lambda: dh2urdf.convert(arm, path))
+        self.is_refused(path, lambda: arm.to_csv(path))
+        self.is_refused(path, lambda: dh2urdf.convert(arm).robot.to_urdf(path))
+
+    def test_a_link_that_leads_nowhere_is_replaced(self, tmp_path: Path) -> None:
+        """There is nothing behind it that somebody needs."""
+        (tmp_path / "arm.urdf").symlink_to(tmp_path / "gone")
+        write_whole(tmp_path / "arm.urdf", b"new")
+        assert tree(tmp_path) == {"arm.urdf": b"new"}
 
 
 class TestWriteWhole:

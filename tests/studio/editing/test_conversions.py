@@ -9,8 +9,10 @@ import pytest
 from dh2urdf.kinematics import angle_error, forward_kinematics, position_error
 from dh2urdf.manipulator import Convention, DHRow, Inertia, JointType, Limits, Manipulator
 from dh2urdf.rotations import RigidTransform
+from dh2urdf.studio import gallery
 from dh2urdf.studio.editing.conversions import with_convention, with_units
 from dh2urdf.studio.editing.reading import make, read_whole
+from dh2urdf.studio.editing.session import Session
 from dh2urdf.table_text import TableText, table_text
 
 if TYPE_CHECKING:
@@ -163,3 +165,55 @@ class TestUnits:
         there = with_units(table, arm, "mm", "deg")
         back = with_units(there, arm_of(there, catalog), "m", "rad")
         assert [row["a"] for row in back.rows] == [row["a"] for row in table.rows]
+
+
+def _there_and_back(session: Session) -> None:
+    """Through all units and the other convention, and back by another way."""
+    for length, angle in (("mm", "rad"), ("mm", "deg"), ("cm", "deg"), ("m", "deg"), ("m", "rad")):
+        session.set_units(length, angle, convert=True)
+    convention = Convention(session.table.convention)
+    session.set_convention(OTHER[convention], convert=True)
+    session.set_units("mm", "deg", convert=True)
+    session.set_convention(convention, convert=True)
+    session.set_units("m", "rad", convert=True)
+
+
+@pytest.mark.parametrize("file", ["ur5.csv", "panda.yaml", "scara.csv", "stanford.csv", "track.csv"])
+def test_what_was_typed_comes_back(file: str, catalog: Catalog) -> None:
+    """`pi` as a velocity is no 3.14 after a look at the table in degrees: every text is as it was typed."""
+    session = Session(catalog, gallery.table(file, catalog))
+    table = session.table
+    _there_and_back(session)
+    assert session.table == table
+
+
+def test_expressions_come_back(catalog: Catalog) -> None:
+    """So do thirds, sums, variables, zeros that are typed, masses, the base and the tool."""
+    typed = {"joint": "one", "type": "R", "a": "1/3", "alpha": "0.37*pi", "d": "0.1 + 0.02", "theta": "-q1 + 1/7"}
+    more = {"lower": "-7/3", "upper": "0.30", "mass": "3.761", "com_x": "0", "com_y": "-0.02561", "com_z": "0.00193"}
+    slides = {"joint": "two", "type": "P", "a": "0.10", "alpha": "-pi/2", "d": "q2 + 1/3", "theta": "0"}
+    table = TableText(
+        name="arm",
+        convention="standard",
+        base="{xyz: [0, 0, 1/3], rpy: [0, 0, pi]}",
+        tool="{xyz: [0, 0.50, 0]}",
+        payload="{mass: 2, com: [0, 0, 50 mm]}",
+        rows=({**typed, **more}, slides),
+    )
+    session = Session(catalog, table)
+    assert session.convertible is not None
+    _there_and_back(session)
+    assert session.table == table
+
+
+def test_an_edit_in_between_stays(catalog: Catalog) -> None:
+    """What was typed in millimetres is not what was there before; the other cells of the row are."""
+    session = Session(catalog, gallery.table("ur5.csv", catalog))
+    session.edit(1, "d", "1/3")
+    session.set_units("mm", "rad", convert=True)
+    session.edit(1, "a", "-426")
+    session.edit(1, "joint", "upper")
+    session.edit(2, "effort", "150.0")
+    session.set_units("m", "rad", convert=True)
+    assert {"joint": "upper", "a": "-0.426", "d": "1/3"}.items() <= session.table.rows[1].items()
+    assert session.table.rows[2]["effort"] == "150.0"

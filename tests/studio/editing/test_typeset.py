@@ -108,12 +108,46 @@ def test_a_table_of_a_paper(catalog: Catalog) -> None:
         ("-425 mm", [["-425 mm"]]),
         ("0.1 + 0.2\n0.3 + 0.4", [["0.1 + 0.2"], ["0.3 + 0.4"]]),
         ("0.1 0.2\n0.3", [["0.1 0.2"], ["0.3"]]),
+        ("0 1.57 0.1\n0.4 x 0", [["0 1.57 0.1"], ["0.4 x 0"]]),  # a slip is no text below a table
+        ("shoulder 0 pi/2 0.1\nelbow 0.4 0 0", [["shoulder", "0", "pi/2", "0.1"], ["elbow", "0.4", "0", "0"]]),
+        ("[[0, 1.5708, 0.09],\n [-0.425, 0, 0]]", [["0", "1.5708", "0.09"], ["-0.425", "0", "0"]]),
+        ("dh = np.array([\n  [0, np.pi/2, 1],  # one\n  [2, 0, 0],\n])\n", [["0", "pi/2", "1"], ["2", "0", "0"]]),
+        ("DH = [0 pi/2 0.089; -0.425 0 0];  ", [["0", "pi/2", "0.089"], ["-0.425", "0", "0"]]),
+        ("[0.5]", [["[0.5]"]]),
     ],
 )
 def test_cells_without_a_header(text: str, cells: list[list[str]], catalog: Catalog) -> None:
     """Spaces are between cells only where nothing but numbers is there, and as many in every line."""
     assert cells_of(text) == cells
     assert whole_tables(text, catalog) == ()
+
+
+@pytest.mark.parametrize(
+    ("text", "told", "row"),
+    [
+        (
+            "Table 1: DH parameters of the UR5\nJoint a [m] α [rad] d [m] θ [rad]\n1 0 π/2 0.089 θ1\n2 -0.425 0 0 θ2\n",
+            ("standard", "m", "rad"),
+            {"a": "-0.425", "alpha": "0", "d": "0", "theta": "θ2"},
+        ),
+        (
+            "Modified DH parameters\ni a alpha d theta\n1 0 0 333 q1\n2 0 -90° 0 q2\nLengths in mm\n",
+            ("modified", "mm", "rad"),
+            {"joint": "joint_2", "a": "0", "alpha": "-90°", "d": "0", "theta": "q2"},
+        ),
+        (
+            "Kinematics theta [rad] a [m] d [m] alpha [rad]\nJoint 1 0 0 0.1625 π/2\nJoint 2 0 -0.425 0 0\n",
+            ("standard", "m", "rad"),
+            {"joint": "joint_2", "theta": "0", "a": "-0.425", "d": "0", "alpha": "0"},
+        ),
+    ],
+    ids=["caption", "units below", "names of two words"],
+)
+def test_a_table_of_a_pdf(text: str, told: tuple[str, ...], row: dict[str, str], catalog: Catalog) -> None:
+    """Lines of text around numbers with spaces between them are a caption, and what they say counts."""
+    ((table, *_),) = whole_tables(text, catalog, "standard")
+    assert (table.convention, table.length_unit, table.angle_unit) == told
+    assert row.items() <= table.rows[1].items()
 
 
 GITHUB = """&alpha;   | a      | d    | &theta;

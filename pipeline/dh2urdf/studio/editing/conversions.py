@@ -11,6 +11,7 @@ inertias hold in DH frame i, which is S_i further in the standard convention, an
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -20,7 +21,9 @@ from dh2urdf.quantities.number_text import format_number
 from dh2urdf.quantities.quantity import QuantityError, evaluate
 from dh2urdf.quantities.units import UNITS, Unit
 from dh2urdf.rotations import IDENTITY, RigidTransform, cos_sin, multiply, rotation_x, transpose
+from dh2urdf.studio.editing.reading import read_whole
 from dh2urdf.table_text import (
+    FIELDS,
     TableText,
     dimension_of,
     number_in,
@@ -33,7 +36,15 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from dh2urdf.manipulator import Manipulator
+    from dh2urdf.plugin_system.catalog import Catalog
+    from dh2urdf.studio.editing.history import History
 
+_VARIABLE_FIELDS = {"d", "theta", "offset", "sign"}
+"""Fields of which one cell may say several: ``-q2 + pi/2`` is an angle, an offset and a sign."""
+_TO_AND_FRO = 1e-13
+"""Relative difference of numbers that went to and fro."""
+_LEFT_OF_ZERO = 1e-16
+"""What may be left of a 0 then."""
 _MASS_FIELDS = ("com_x", "com_y", "com_z", "ixx", "iyy", "izz", "ixy", "ixz", "iyz")
 
 
@@ -205,3 +216,69 @@ def _in_unit(field: str, text: str, kind: JointType, old: tuple[Unit, Unit], new
     symbol = f"{'-' if quantity.sign < 0 else ''}{quantity.variable.text}"
     added = f" - {number[1:]}" if number.startswith("-") else f" + {number}"
     return symbol + (added if quantity.value else "")
+
+
+# --- And back ---------------------------------------------------------------------------------------------------------
+
+
+def as_typed(converted: TableText, history: History, catalog: Catalog) -> TableText:
+    """A converted table with the texts that a person has typed in its convention and units, where they are its numbers.
+
+    Args:
+        converted: the table.
+        history: what it was before; the newest table of the same convention and units is the one that was typed.
+        catalog: the installed stages.
+    """
+    old = next((each for each in history.states[history.position :: -1] if _meaning(each) == _meaning(converted)), None)
+    if old is None or len(old.rows) != len(converted.rows):
+        return converted
+    now, was = (read_whole(each, catalog).manipulator for each in (converted, old))
+    if now is None or was is None:
+        return converted
+    before = history.table
+    to_before = with_convention(old, was, Convention(before.convention))
+    if (again := read_whole(to_before, catalog).manipulator) is not None:
+        to_before = with_units(to_before, again, before.length_unit, before.angle_unit)
+    if to_before == before:  # nothing was edited since: a tool and the last row may share a screw in several ways
+        return old
+    one, other = (table_text(each, converted.length_unit, converted.angle_unit) for each in (now, was))
+    ends = {
+        name: getattr(old, name)
+        for name in ("base", "tool", "payload", "defaults")
+        if getattr(one, name) == getattr(other, name)
+    }
+    rows = zip(now.rows, converted.rows, old.rows, one.rows, other.rows, strict=True)
+    return replace(converted, **ends, rows=tuple(_typed_row(row.type, *texts) for row, *texts in rows))
+
+
+def _meaning(table: TableText) -> tuple[str, str, str]:
+    return table.convention, table.length_unit, table.angle_unit
+
+
+def _typed_row(
+    kind: JointType,
+    row: Mapping[str, str],
+    old: Mapping[str, str],
+    numbers: Mapping[str, str],
+    old_numbers: Mapping[str, str],
+) -> Mapping[str, str]:
+    """A converted row with the old text of each quantity that is the same number."""
+    quantities = {field for field in FIELDS if field in _MASS_FIELDS or dimension_of(field, kind) is not None}
+    others = {field for field in FIELDS if not _is_same(numbers.get(field), old_numbers.get(field))}
+    if others & _VARIABLE_FIELDS:
+        others |= _VARIABLE_FIELDS
+    texts = {field: (old if field in quantities - others else row).get(field, "") for field in FIELDS}
+    return {
+        **{field: text for field, text in row.items() if field not in FIELDS},
+        **{f: t for f, t in texts.items() if t},
+    }
+
+
+def _is_same(one: str | None, other: str | None) -> bool:
+    """Whether two texts are one number, rounding aside."""
+    try:
+        return one == other or math.isclose(
+            float(one or ""), float(other or ""), rel_tol=_TO_AND_FRO, abs_tol=_LEFT_OF_ZERO
+        )
+    except ValueError:  # an expression or a name
+        return False

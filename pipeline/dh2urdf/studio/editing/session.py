@@ -197,14 +197,16 @@ class Session:
     def set_convention(self, convention: Convention, *, convert: bool) -> None:
         """The other convention: the same arm with new numbers, or the same numbers with a new meaning."""
         if convert and self.convertible is not None:
-            self.put(conversions.with_convention(self.table, self.convertible, convention))
+            converted = conversions.with_convention(self.table, self.convertible, convention)
+            self.put(conversions.as_typed(converted, self.history, self.catalog))
         else:
             self.put(replace(self.table, convention=str(convention)))
 
     def set_units(self, length_unit: str, angle_unit: str, *, convert: bool) -> None:
         """Other units: the same arm with new numbers, or the same numbers with a new meaning."""
         if convert and self.convertible is not None:
-            self.put(conversions.with_units(self.table, self.convertible, length_unit, angle_unit))
+            converted = conversions.with_units(self.table, self.convertible, length_unit, angle_unit)
+            self.put(conversions.as_typed(converted, self.history, self.catalog))
         else:
             self.put(replace(self.table, length_unit=length_unit, angle_unit=angle_unit))
 

@@ -28,6 +28,13 @@ _BOX = str.maketrans(dict.fromkeys("│┃║┌┬┐├┼┤└┴┘╔╦�
 """The lines of a table in a terminal, as those of Markdown; the Robotics Toolbox writes the α of APL."""
 _LINES = late_pattern(r"[=\-+ ]*[=\-]{3}[=\-+ ]*")
 """A line that rules a table off, as reStructuredText and others have it."""
+_ARRAY = late_pattern(r"\s*(?:[\w.]+\s*=\s*)?(?:[\w.]+\()?\s*\[(.*)\]\s*\)?\s*;?\s*", re.DOTALL)
+"""An array of NumPy or a matrix of MATLAB, as code has it."""
+_NEXT = late_pattern(r"\]\s*,|;|\n")
+_REMARK = late_pattern(r"[#%].*")
+_MODULE = late_pattern(r"\b(?:np|numpy|math)\.")
+_JOINT = late_pattern(r"^(joint|link|axis)\s+(\d+)(?=\s)", re.IGNORECASE)
+"""The name of a row that is two words."""
 _GAP = late_pattern(r"\s{2,}")
 _UNIT_APART = late_pattern(r"\s+(?=[\[(][^\s\])]*[\])](?:\s|$))")
 """The space before a unit: ``a (mm)`` is one header."""
@@ -120,12 +127,14 @@ def typeset(text: str) -> Typeset | None:
     every = text.translate(_BOX).splitlines()
     comments = [line for line in every if line.lstrip().startswith("#")]  # or headings of Markdown
     lines = [line for line in every if not line.lstrip().startswith("#")]
-    if any(map(_CELL.search, lines)) and ("\\\\" in text or "\\begin{" in text):
+    if array := _ARRAY.fullmatch("\n".join(every)):
+        found = Typeset(_array(array[1]))
+    elif any(map(_CELL.search, lines)) and ("\\\\" in text or "\\begin{" in text):
         found = _latex("\n".join(lines))
     elif any(line.strip().startswith("|") for line in lines) or _ruled(lines):
         found = _markdown(lines)
     else:
-        found = Typeset(_spaced([line.strip() for line in lines if line.strip() and not _LINES.fullmatch(line)]))
+        found = _spaced([line.strip() for line in lines if line.strip() and not _LINES.fullmatch(line)])
     return found._replace(around="\n".join([*comments, found.around])) if found.rows else None
 
 
@@ -172,17 +181,40 @@ def _unmarked(cell: str) -> str:
     return cell
 
 
-def _spaced(lines: list[str]) -> list[list[str]]:
-    """The cells of lines with spaces between them; none where they are no table, or its cells could be others.
+def _spaced(lines: list[str]) -> Typeset:
+    """The table of lines with spaces between the cells; without rows where it is none, or its cells could be others.
 
-    They are where all have as many cells, and only a header has other cells than numbers.
+    It is one where all lines have as many cells, and only a header has other cells than numbers, the names of joints
+    aside. Lines of text before and after it, as a caption, have fewer than two numbers.
     """
+    lines = [_JOINT.sub(r"\1_\2", line) for line in lines]
     for rows in ([_UNIT_APART.sub("", line).split() for line in lines], [_GAP.split(line) for line in lines]):
-        of_numbers = [all(map(_NUMBER.fullmatch, row)) for row in rows]
-        has_header = len(rows) > 1 and not any(map(_NUMBER.fullmatch, rows[0]))
-        if len({len(row) for row in rows}) == 1 and len(rows[0]) > 1 and all(of_numbers[has_header:]):
-            return rows
-    return []
+        of_numbers = [number for number, row in enumerate(rows) if _are_numbers(row)]
+        if not of_numbers:
+            continue
+        first, last = of_numbers[0], of_numbers[-1] + 1
+        if first and len(rows[first - 1]) == len(rows[first]) and not any(map(_NUMBER.fullmatch, rows[first - 1])):
+            first -= 1
+        table, around = rows[first:last], [*rows[:first], *rows[last:]]
+        is_table = last - of_numbers[0] == len(of_numbers) and len({len(row) for row in table}) == 1
+        counts = [(len(row), sum(map(bool, map(_NUMBER.fullmatch, row)))) for row in around]
+        is_text = all(words != len(table[0]) and numbers < min(words, 2) for words, numbers in counts)
+        if is_table and is_text:
+            return Typeset(table, "\n".join([*lines[:first], *lines[last:]]))
+    return Typeset([])
+
+
+def _array(body: str) -> list[list[str]]:
+    """The cells of an array of NumPy, or of a matrix of MATLAB; none where its rows differ in length."""
+    texts = (_MODULE.sub("", _REMARK.sub("", row)).strip(" \t[],") for row in _NEXT.split(body))
+    rows = [[cell.strip() for cell in (row.split(",") if "," in row else row.split())] for row in texts if row]
+    return rows if len({len(row) for row in rows}) == 1 and len(rows[0]) > 1 else []
+
+
+def _are_numbers(row: list[str]) -> bool:
+    """Whether a line has numbers alone, two or more, or the name of a joint and three or more."""
+    named = len(row) > 3 and row[0].isidentifier() and _NUMBER.fullmatch(row[0]) is None  # noqa: PLR2004
+    return len(row) > 1 and all(map(_NUMBER.fullmatch, row[named:]))
 
 
 def _plain(cell: str) -> str:

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 TOTALS = (
     "Total TOTAL: Sum sum_a Mean Average avg Summe Gesamt Gesamtlänge Mittelwert max min Σ somme suma media totale moyenne "
-    "promedio Subtotal std max_reach Mediana"
+    "promedio Subtotal std max_reach Mediana Grand_Total Ergebnis Resultado 合计 平均 合計 Итого Среднее Razem Średnia Toplam 합계"
 ).replace("sum_a", "Sum_of_all")
 FRAMES = (
     "base Base ground world_joint Basis Sockel tip Flansch Werkzeug Endeffektor tool_joint EE_frame TCP-offset fixed "

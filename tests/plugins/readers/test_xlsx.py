@@ -463,6 +463,55 @@ def test_struck_cells_are_read_with_a_notice(sheet: Worksheet) -> None:
     assert "arm.xlsx:Sheet2!C3: notice: what is struck through is read too: C3\n" in notices(arm)
 
 
+FONTS = {
+    "a footnote": (
+        "<r><t>300</t></r><r><rPr><vertAlign val='superscript'/></rPr><t>1</t></r>",
+        "'300¹' cannot be read",
+    ),
+    "a correction": ("<r><rPr><strike/></rPr><t>0.2</t></r><r><t>0.3</t></r>", "a part of the cell is struck through"),
+    "degrees": ("<r><t>90</t></r><r><rPr><vertAlign val='superscript'/></rPr><t>o</t></r>", None),
+    "bold digits": ("<r><t>pi/</t></r><r><rPr><b/></rPr><t>2</t></r>", None),
+}
+
+
+def put_text(name: str, blocks: str, *, shared: bool) -> None:
+    """Puts a text with fonts into a cell, as Excel (among the texts of the workbook) or as openpyxl writes it."""
+    inline = rf'<c r="{name}" t="inlineStr"><is>.*?</is></c>'
+    if not shared:
+        edit(inline, f'<c r="{name}" t="inlineStr"><is>{blocks}</is></c>')
+        return
+    edit(inline, f'<c r="{name}" t="s"><v>0</v></c>')
+    kind = "application/vnd.openxmlformats-officedocument.spreadsheetml.sharedStrings+xml"
+    edit(
+        "</Types>", f'<Override PartName="/xl/sharedStrings.xml" ContentType="{kind}"/></Types>', "[Content_Types].xml"
+    )
+    text = f'<sst xmlns="http://schemas.openxmlformats.org/spreadsheetml/2006/main"><si>{blocks}</si></sst>'
+    with zipfile.ZipFile("arm.xlsx", "a") as archive:
+        archive.writestr("xl/sharedStrings.xml", text)
+
+
+@pytest.mark.parametrize("shared", [False, True], ids=["inline", "shared"])
+@pytest.mark.parametrize("case", FONTS)
+def test_parts_of_a_text_that_have_fonts_of_their_own(sheet: Worksheet, case: str, *, shared: bool) -> None:
+    """A raised footnote was one more digit: 3001 for 300¹."""
+    blocks, said = FONTS[case]
+    fill(sheet, ["joint", "a", "alpha", "d"], ["J1", "300" if said else 0, 0 if said else "0", 0.1])
+    put_text("B2" if said else "C2", blocks, shared=shared)
+    if said:
+        assert said in refusal()
+    else:
+        assert read_one().rows[0].alpha == QUARTER
+
+
+@pytest.mark.parametrize("shared", [False, True], ids=["inline", "shared"])
+def test_a_header_with_raised_and_lowered_letters_is_read(sheet: Worksheet, *, shared: bool) -> None:
+    """As it is seen: `d¹`, with a footnote, is d."""
+    fill(sheet, ["joint", "a [m]", "alpha", "d1 [mm]"], ["J1", 0.3, 0, 100])
+    raised = "<r><rPr><vertAlign val='superscript'/></rPr><t>1</t></r>"
+    put_text("D1", f"<r><t>d</t></r>{raised}<r><t xml:space='preserve'> [mm]</t></r>", shared=shared)
+    assert read_one().rows[0].d == 0.1
+
+
 def test_comments_on_cells_get_notices(sheet: Worksheet) -> None:
     """Each with its place and its text, which may say the unit; of many the number of the others."""
     fill(sheet, HEADER, FIRST, SECOND)

@@ -38,10 +38,12 @@ _TOTALS = _words("""
     total totals totale totali gesamt gesamtsumme sum sums summe summen somme sommes suma somma subtotal zwischensumme
     mean means average avg mittelwert mittel durchschnitt moyenne media promedio median mediana max maximum maximo
     massimo min minimum minimo std stddev stdev deviation variance varianz rms count anzahl range spannweite σ
+    result results ergebnis resultat resultado risultato overall totalt totaal
+    合计 总计 总和 平均 平均值 合計 合計値 総計 итого всего сумма среднее razem srednia toplam ortalama 합계 총계 평균
 """)
 _OF_TOTALS = _words("""
     length lengths laenge lange reach reichweite longueur portee longitud alcance lunghezza arm robot value values wert
-    werte mass weight height of all joints links rows mm cm m deg rad kg
+    werte grand mass weight height of all joints links rows mm cm m deg rad kg
 """)
 _BASES = _words("""
     base basis ground world root origin pedestal foundation mounting mount sockel fundament gestell boden welt socle

@@ -51,7 +51,7 @@ def read_workbook(path: Path, options: XlsxOptions, trace: Trace | None = None) 
 
     check_workbook(path)
     with _reporting_errors(path):
-        book = load_workbook(path, read_only=True, data_only=True, keep_links=False)
+        book = load_workbook(path, read_only=True, data_only=True, keep_links=False, rich_text=True)
     try:
         yield from _Workbook(path, book, options, trace).manipulators()
     finally:

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 
 _EXACT = 2**53
 """Whole numbers up to here are doubles."""
+_RAISED = str.maketrans("0123456789+-−oO", "⁰¹²³⁴⁵⁶⁷⁸⁹⁺⁻⁻ºº")
 _MOMENTS = {
     dt.datetime: "a date",
     dt.date: "a date",
@@ -97,6 +98,8 @@ class SheetRows:
             values = [None if cell.value is None else self._value(cell) for cell in cells]
             for column in self.layout.uncomputed.get(number, ()):
                 _put(values, column, _uncomputed(cell_mark(self.file, title, number, column)))
+            for column, blocks in self.layout.fonts.get(number, {}).items():
+                _put(values, column, self._of_fonts(blocks, cell_mark(self.file, title, number, column)))
             merged.fill(number, values)
             filled = [index for index, value in enumerate(values, start=1) if value is not None]
             if filled or not was_empty:
@@ -117,8 +120,8 @@ class SheetRows:
                 "a number or text",
                 "fix the formula, and save the workbook again",
             )
-        if isinstance(value, bool | str):
-            return value
+        if isinstance(value, bool | str | list):
+            return self._of_fonts(value, self._mark(cell)) if isinstance(value, list) else value
         for kind, what in _MOMENTS.items():
             if isinstance(value, kind):
                 return self._problem(
@@ -142,6 +145,21 @@ class SheetRows:
                 None,
             )
         return f"{text} {unit}" if unit else float(value) if abs(value) <= _EXACT else text
+
+    def _of_fonts(self, blocks: Sequence[Any], mark: Mark) -> Value:
+        """A text whose parts have fonts of their own: 300 with a raised 1 is no 3001, and m with a raised 2 is m²."""
+        fonts = [None if isinstance(block, str) else block.font for block in blocks]
+        if any(font is not None and font.strike for font in fonts):
+            return Problem(
+                message="a part of the cell is struck through",
+                mark=mark,
+                found="".join(map(str, blocks)),
+                accepted="a cell without such a part",
+                suggestion="delete that part",
+            )
+        raised = [font is not None and font.vertAlign == "superscript" for font in fonts]
+        texts = [str(block).translate(_RAISED) if up else str(block) for block, up in zip(blocks, raised, strict=True)]
+        return "".join(texts)
 
     def _mark(self, cell: Any) -> Mark:  # noqa: ANN401 - a cell of openpyxl
         return cell_mark(self.file, self.sheet.title, cell.row, cell.column)

@@ -41,6 +41,7 @@ class SheetLayout:
         hidden_columns: first and last of each run of columns that are not shown.
         uncomputed: by row, the columns of formulas without a value.
         comments: the comments on cells: row, column and text.
+        fonts: by row and column, texts of the sheet itself whose parts have fonts of their own.
     """
 
     merged: list[tuple[int, int, int, int]] = field(default_factory=list)
@@ -48,6 +49,7 @@ class SheetLayout:
     hidden_columns: list[tuple[int, int]] = field(default_factory=list)
     uncomputed: dict[int, list[int]] = field(default_factory=dict)
     comments: list[tuple[int, int, str]] = field(default_factory=list)
+    fonts: dict[int, dict[int, Any]] = field(default_factory=dict)
 
 
 def check_workbook(path: Path) -> None:
@@ -215,7 +217,12 @@ def _see_row(layout: SheetLayout, row: Any, number: int) -> None:  # noqa: ANN40
     for cell in row:
         column = _cell(cell.get("r"))[1] if cell.get("r") else column + 1
         value = cell.findtext("{*}v")
-        filled = filled or bool(value) or cell.find("{*}is") is not None
+        inline = cell.find("{*}is")
+        filled = filled or bool(value) or inline is not None
+        if inline is not None and inline.find("{*}r/{*}rPr") is not None:
+            from openpyxl.cell.rich_text import CellRichText
+
+            layout.fonts.setdefault(number, {})[column] = CellRichText.from_tree(inline)
         # A formula whose value is an empty text has the type of texts, and is an empty cell.
         if not value and cell.get("t") != "str" and cell.find("{*}f") is not None:
             layout.uncomputed.setdefault(number, []).append(column)

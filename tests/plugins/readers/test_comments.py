@@ -294,6 +294,121 @@ def test_numbers_in_a_comment_are_noticed(comment: str, said: str, read_one: Cal
 
 
 @pytest.mark.parametrize(
+    "comment",
+    [
+        *("theta2 = q2 - q1", "θ_2 = q_2 − 90°", "joint 2 is fixed", "J2 is mechanically coupled to J1"),
+        *("positive direction of joint 2 is reversed", "joint 2: inverted", "all lengths x1000", "a and d × 10⁻³"),
+        *("angles as multiples of pi", "limits: J1 ±170, J2 ±90", "masses: 3.7 kg, 1.2 kg", "base height 0.3"),
+        *("TCP 0 0 0.1", "flange offset 0.05"),
+    ],
+)
+@pytest.mark.parametrize("below", [False, True])
+def test_prose_about_joints_or_all_numbers_is_noticed(
+    comment: str, read_one: Callable[..., Manipulator], *, below: bool
+) -> None:
+    """It was lost without a word."""
+    table = "a,alpha,d\n0.3,0,0.1\n0.2,0,0\n"
+    (notice,) = read_one(f"{table}# {comment}\n" if below else f"# {comment}\n{table}").notices
+    assert "is a comment, and no" in notice.message
+
+
+@pytest.mark.parametrize(
+    "comment",
+    [
+        *(
+            "joint 2 slides",
+            "axis 2 is a linear axis",
+            "J2: prism.",
+            "the second joint translates along z",
+            "2. Achse: Schub",
+        ),
+        *("q = [θ1, d2]", "d2 is the joint variable", "joint variables: θ1, d2*", "articulation 2 = glissière"),
+    ],
+)
+def test_prose_about_a_joint_that_slides_is_refused_where_no_joint_has_a_type(
+    comment: str, read: Callable[..., list[Manipulator | Rejected]]
+) -> None:
+    """The joint was revolute, without a word."""
+    with pytest.raises(TableError, match="speaks of a prismatic joint"):
+        read(f"# {comment}\na,alpha,d\n0.3,0,0.1\n0.2,0,0\n", convention="standard")
+    (arm,) = read(f"# {comment}\nconvention: standard\njoints: [{{a: 0.3, alpha: 0, d: 0}}]\n", ".yaml")
+    assert not isinstance(arm, Manipulator)
+    assert "speaks of a prismatic joint" in arm.problems[0].message
+    (arm,) = read(f"# {comment}\ntype,a,alpha,d\nR,0.3,0,0.1\nP,0.2,0,0\n", convention="standard")
+    assert isinstance(arm, Manipulator)
+
+
+@pytest.mark.parametrize(
+    "comment",
+    [
+        *(
+            "改进DH参数",
+            "修正DHパラメータ",
+            "수정 DH",
+            "модифицированные параметры ДХ",
+            "DH modificado",
+            "DH modifiée",
+            "modified",
+        ),
+        *("T_i = Rx(α)·Tx(a)·Rz(θ)·Tz(d)", "A = Rot(x,alpha) Trans(x,a) Rot(z,theta) Trans(z,d)", "Rx Tx Rz Tz"),
+        *("zmodyfikowana notacja D-H", "değiştirilmiş DH"),
+    ],
+)
+def test_prose_about_the_modified_convention_is_noticed_in_other_words(
+    comment: str, read_one: Callable[..., Manipulator]
+) -> None:
+    """In other languages, and as the product of the moves."""
+    (notice,) = read_one(f"# {comment}\na,alpha,d\n0.3,0,0.1\n").notices
+    assert "speaks of the modified convention" in notice.message
+    assert read_one(f"# {comment}\na,alpha,d\n0.3,0,0.1\n", convention="modified").notices == ()
+
+
+@pytest.mark.parametrize(
+    ("comment", "unit"),
+    [
+        *(
+            (text, "mm")
+            for text in ("wymiary w mm", "ölçüler mm", "長さの単位はmm", "단위: mm", "Размеры в мм", "长度单位毫米")
+        ),
+        *((text, "cm") for text in ("длины в сантиметрах", "単位：センチ", "measures cm")),
+        *((text, "deg") for text in ("углы в градусах", "kąty w stopniach", "角度单位为度", "açılar derece")),
+    ],
+)
+def test_a_unit_in_the_prose_of_any_language_is_refused_where_nothing_declares_one(
+    comment: str, unit: str, read: Callable[..., list[Manipulator | Rejected]]
+) -> None:
+    """It was passed over where the words around it are not known."""
+    with pytest.raises(TableError, match=f"this comment mentions {unit}"):
+        read(f"# {comment}\na,alpha,d\n0.3,0,0.1\n", convention="standard")
+
+
+@pytest.mark.parametrize(
+    "comment",
+    [
+        *(
+            "joint 2 linear velocity 0.2",
+            "repeatability ±0.05 mm",
+            "stiffness 10 N/mm",
+            "inertia kg·mm² of joint 3",
+            "速度 3",
+        ),
+        *(
+            "see q1 in figure 2",
+            "axis 2 of the stand",
+            "last joint first",
+            "Rz and Tz, then Tx",
+            "自由度数",
+            "d6 is long",
+        ),
+        *("modified 2024-03-01 by J. Smith", "gear ratio 10", "standardised table", "limit switches at joint 3"),
+    ],
+)
+def test_other_prose_stays_without_a_word(comment: str, read_one: Callable[..., Manipulator]) -> None:
+    """It says nothing of the arm that a table could hold."""
+    assert read_one(f"# {comment}\na,alpha,d\n0.3,0,0.1\n").notices == ()
+
+
+@pytest.mark.parametrize(
     ("line", "sign"), [("#j2,0.2,0,0", "#"), ("//j2,0.2,0,0", "//"), ("% j2,0.2,0,0,", "%"), ("'#j2,0.2,pi/2,0", "#")]
 )
 def test_a_row_that_is_commented_out_is_noticed(line: str, sign: str, read_one: Callable[..., Manipulator]) -> None:

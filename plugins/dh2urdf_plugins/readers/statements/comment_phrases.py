@@ -65,7 +65,10 @@ _NO_UNIT = late_pattern(r"\bdegrees?\s+of\s+freedom\b|\brev\.?\s*(?:[a-z]|[0-9.]
 _SYSTEM = {Dimension.LENGTH: "m", Dimension.ANGLE: "rad"}
 
 _PROSE_WORD = late_pattern(r"\w+")
-_SAYS_CONVENTION = late_pattern(r"\bdh\b|denavit|convention|parameters", re.IGNORECASE)
+_SAYS_CONVENTION = late_pattern(
+    r"(?<![a-z])d-?h(?![a-z])|denavit|convention|convenci|convenz|konwenc|notac|notaz|parameters|денавит|параметр|\bдх\b",
+    re.IGNORECASE,
+)
 _CONVENTION_WORDS = late_pattern(
     r"(?:denavit|hartenberg|dh|convention|konvention|convención|convencion|convenzione|notation|the|this|table|is|in|"
     r"uses|using|parameters|parameter|s|of|follows|according|to)"
@@ -75,6 +78,24 @@ _PROSE = {
     Convention.STANDARD: (frozenset(("sdh", "distal", "spong")), frozenset(("standard", "classic", "classical"))),
 }
 """Words for the convention in a comment: those that mean nothing else, and those that may."""
+_IN_OTHER_LANGUAGES = {
+    Convention.MODIFIED: late_pattern(
+        r"modifizi|modifi[ée]|modifica|zmodyfik|değiştiril|модифицир|改进|改良|修正|수정", re.IGNORECASE
+    ),
+    Convention.STANDARD: late_pattern(
+        r"estándar|standardow|klasyczn|klasik|классич|стандартн|标准|標準|표준", re.IGNORECASE
+    ),
+}
+_MOVES = late_pattern(r"(?<![^\W_])(?:rot|trans|tr|r|t|d)[\s_({\\]*([xz])(?![a-z])", re.IGNORECASE)
+_OF_MOVES = {"xxzz": Convention.MODIFIED, "zzxx": Convention.STANDARD}
+"""The convention of a product by the axes of its moves: ``Rx(α)·Tx(a)·Rz(θ)·Tz(d)``."""
+_ALONE = late_pattern(
+    r"(?<![\d.,±²³/·*^])(?<![\d.,]\s)(?<![a-zµ])(?:(?P<mm>mm(?![a-z/·*^²³0-9])|мм\b|миллиметр|毫米|公厘|ミリ|밀리|milimet)"
+    r"|(?P<cm>cm(?![a-z/·*^²³0-9])|см\b|сантиметр|厘米|公分|センチ|센티)"
+    r"|(?P<deg>градус|stopni|derece|(?<=[为為は：:，,])\s*度(?!数)|(?<=각도는)\s*도))",
+    re.IGNORECASE,
+)
+"""Units that are no other words, in any prose: ``wymiary w mm``, ``長さの単位はmm``, ``углы в градусах``."""
 
 
 # --- Phrases that are statements --------------------------------------------------------------------------------------
@@ -171,11 +192,14 @@ def units_beside(text: str) -> list[Unit]:
 def convention_in_prose(line: str) -> Convention | None:
     """The convention that a comment speaks of; None where it speaks of none, or of both."""
     words = set(_PROSE_WORD.findall(line.casefold()))
+    about = _SAYS_CONVENTION.search(line) or len(words) == 1
     spoken = [
         convention
         for convention, (sure, likely) in _PROSE.items()
-        if words & sure or (words & likely and _SAYS_CONVENTION.search(line))
+        if words & sure or (about and (words & likely or _IN_OTHER_LANGUAGES[convention].search(line)))
     ]
+    if not spoken and (product := _OF_MOVES.get("".join(_MOVES.findall(line)).lower())):
+        return product
     return spoken[0] if len(spoken) == 1 else None
 
 
@@ -206,7 +230,7 @@ def mentioned_units(text: str) -> list[Unit]:
             if unit is None or unit.dimension not in _SYSTEM or is_rate or word[0].casefold() in _FILLERS:
                 break
             found.append(unit)
-    return found
+    return found + [UNITS[match.lastgroup] for match in _ALONE.finditer(plain) if match.lastgroup]
 
 
 def _other_units(comment: Comment, declared: Sequence[Unit], lead: str) -> list[Problem]:

@@ -51,6 +51,9 @@ _QUOTED = late_pattern(r'"(?:[^"\\]|\\.)*"|\'(?:[^\']|\'\')*\'')
 _ONE = r"[\[(]*[-+−±]?\s*(?:[0-9]+[.,]?[0-9]*|[.,][0-9]+)(?:[eE][-+]?[0-9]+)?\s*(?:°|[^\W\d_]{1,3})?[\])]*"
 _NUMBERS = late_pattern(rf"\s*{_ONE}(?:(?:\s*(?:[,;|/]|\.\.+|…|\bto\b)\s*|\s+){_ONE})*\s*")
 """One number or several with nothing else: ``[0, 90] deg``, ``±170°``, ``-170 170``."""
+_BY_JOINT = ("limits", "lower", "upper", "velocity", "effort", "mass", "offset", "sign", "flip")
+_BY_NUMBER = late_pattern(r"[0-9].*[0-9]")
+"""Numbers for one joint after the other: ``limits: J1 ±170, J2 ±90``."""
 _LIST = late_pattern(r"\s*\[\s*[+-]?[0-9.]")
 _OF_THE_FILE = frozenset(
     "version rev revision release edition date year page pages figure fig table chapter section equation eq line sheet "  # noqa: SIM905
@@ -284,9 +287,12 @@ def words_under_key(comment: Comment, keys: Collection[str]) -> list[str]:
 def unread_values(comment: Comment) -> list[Problem]:
     """A notice of a comment that gives a number to something: nothing reads it; a joint gets it from a column."""
     entry = _ENTRY.fullmatch(comment.text)
-    if entry is None or _plain(entry[1]) in _OF_THE_FILE or not _are_numbers(entry[2]):
+    if entry is None or _plain(entry[1]) in _OF_THE_FILE:
         return []
     field = read_header(entry[1]).field
+    by_joint = field is not None and field.name in _BY_JOINT and _BY_NUMBER.search(entry[2])
+    if not (by_joint or _are_numbers(entry[2])):
+        return []
     of_joints = field is not None and field.dimension is not None
     nothing = "no joint gets this value" if of_joints else "nothing is read from it"
     return [

@@ -40,6 +40,34 @@ _SEQUENCE = late_pattern(
     r"(?<![\w-])(?=[\w-]*P)(?:(?:[2-9]?[RP]-?){3,8}(?![\w-])|[2-9]?[RP]-?[2-9]?[RP](?=\s*(?:robot|arm|manipulator)\b|\s*$))"
 )
 """The joints of an arm by their letters: ``RRP``, ``R-R-P-R``, ``RP robot``."""
+_NTH = (
+    r"(?:(?:joint|axis|link|gelenk|achse|axe|articulation|eje|giunto|asse|j|q)[\s_.#-]*[0-9]{1,2}"
+    r"|(?:[0-9]{1,2}(?:st|nd|rd|th|\.|[eªº])|first|second|third|fourth|fifth|sixth|last)\s+"
+    r"(?:joint|axis|gelenk|achse|axe|articulation|eje|giunto|asse))(?![^\W_])"
+)
+"""A joint by its number, as prose names it."""
+_NTH_SLIDES = late_pattern(
+    rf"{_NTH}[^.;,]{{0,24}}?(?<![^\W_])(?:slides?|sliding|translat\w*|prism\w*\.?|schub\w*|glissi\w*"
+    r"|linear(?:achse)?(?!\s*(?:speed|veloc|accel|interpol|motion|encoder)))(?![^\W_])",
+    re.IGNORECASE,
+)
+_SLIDE_VARIABLE = late_pattern(
+    r"(?<![^\W_])d_?[0-9]{1,2}\*?\s+(?:is\s+)?(?:an?\s+|the\s+)?(?:joint\s+)?variable"
+    r"|variables?\b[^.]*?(?<![^\W_])d_?[0-9]{1,2}\b"
+    r"|(?<![^\W_])q\s*=\s*[\[({][^\])}]*(?<![^\W_])d_?[0-9]",
+    re.IGNORECASE,
+)
+"""``d3`` among the variables of an arm: ``q = [θ1, θ2, d3]``."""
+_UNREAD = late_pattern(
+    rf"{_NTH}[^.;]{{0,24}}?(?<![^\W_])(?:fixed|locked|coupled|mimic|reversed|inverted|opposite|negative)"
+    rf"|(?<![^\W_])(?:reversed|inverted|opposite|negative|positive)\s+(?:direction|sense|sign)\b[^.;]{{0,24}}{_NTH}"
+    r"|(?:θ|theta|th|q)[\s_{]*[0-9]{1,2}\W{0,3}=[^=]*(?:θ|theta|th|q)[\s_{]*[0-9]"
+    r"|10\s*(?:\^|\*\*|(?=[⁻⁺⁰¹²³⁴-⁹]))|[x×*]\s*10{1,6}\b"
+    r"|(?:multiplied|divided|scaled) by|(?:multiples|units) of (?:pi|π)",
+    re.IGNORECASE,
+)
+"""What prose adds to joints or to all numbers, and no comment can: ``θ2 = q2 - 90°``, ``all × 10⁻³``."""
+_NUMBER = late_pattern(r"(?<![^\W])[-+−]?(?:[0-9]*\.)?[0-9]+")
 _LENGTH = late_pattern(r"(?<![\w.,])[-+−]?[0-9]*[.,]?[0-9]*[1-9][0-9]*[.,]?[0-9]*\s*(?:mm|cm|m|µm|inch(?:es)?)\b")
 
 
@@ -65,7 +93,7 @@ def comment_problems(
         return [] if said[0] == "name" or _holds(*said, statements, columns) else [below_header(comment)]
     problems = [below_header(comment)] if below and prose and statement(comment) else prose
     problems = problems + types_elsewhere(comment, typed=typed)
-    return problems + (unread_values(comment) or _unread_lengths(comment, statements))
+    return problems + (unread_values(comment) or _unread_prose(comment, statements))
 
 
 def _holds(key: str, node: Node, statements: Statements, columns: Columns) -> bool:
@@ -96,7 +124,8 @@ def types_elsewhere(comment: Comment, *, typed: bool) -> list[Problem]:
     kinds = {joint_type(word) for word in words_under_key(comment, ("sigma", "σ"))}
     kinds |= {None if word.isdigit() else joint_type(word) for word in words_under_key(comment, _TYPE_KEYS)}
     slides = JointType.PRISMATIC in kinds and None not in kinds
-    if not (slides or speaks_of_slide(comment.text) or _SEQUENCE.search(comment.text)):
+    patterns = (_SEQUENCE, _NTH_SLIDES, _SLIDE_VARIABLE)
+    if not (slides or speaks_of_slide(comment.text) or any(pattern.search(comment.text) for pattern in patterns)):
         return []
     return [
         Problem(
@@ -110,12 +139,15 @@ def types_elsewhere(comment: Comment, *, typed: bool) -> list[Problem]:
     ]
 
 
-def _unread_lengths(comment: Comment, statements: Statements) -> list[Problem]:
-    """A notice of prose that gives a length of the tool or of the base, where nothing declares it."""
+def _unread_prose(comment: Comment, statements: Statements) -> list[Problem]:
+    """A notice of prose that gives a length of the tool or of the base, or says what only columns can say."""
     placed = map(placement_of, re.findall(r"[^\W\d_]+", comment.text))
     found = {kind for kind in placed if kind}
     what = found.pop() if len(found) == 1 else None
-    if what is None or what in statements.placed or not _LENGTH.search(comment.text):
+    bare = placement_of(_NUMBER.sub(" ", comment.text)) and _NUMBER.search(comment.text)
+    if what is None or what in statements.placed or not (bare or _LENGTH.search(comment.text)):
+        what = None
+    if what is None and not _UNREAD.search(comment.text):
         return []
     return [
         Problem(
@@ -124,6 +156,6 @@ def _unread_lengths(comment: Comment, statements: Statements) -> list[Problem]:
             mark=comment.whole,
             field=what,
             found=comment.line,
-            suggestion=f"if it is part of the arm, declare it: `{EXAMPLES[what]}`",
+            suggestion=f"if it is part of the arm, declare it: `{EXAMPLES[what]}`" if what else None,
         )
     ]

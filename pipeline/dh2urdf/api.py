@@ -5,10 +5,10 @@ What goes wrong is raised as one of `dh2urdf.errors`, with the text that the com
 
 from __future__ import annotations
 
-import os
 from collections.abc import Mapping
 from contextlib import ExitStack
 from dataclasses import replace
+from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -27,6 +27,7 @@ from dh2urdf.plugin_system.catalog import load
 from dh2urdf.plugin_system.stage_answers import items_of
 from dh2urdf.robot import Robot
 from dh2urdf.source import Problem, shown
+from dh2urdf.validation.arguments import a_name, a_path, check_flags, check_names, mapping, path_or_none, several
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
@@ -59,7 +60,7 @@ def read(table: Source, *, robot: str | None = None, reader: str | None = None, 
         PluginError: the reader's plugin is broken, or something it needs is not installed.
     """
     asker = _asker("read")
-    _check_name(robot, "robot", asker)
+    check_names(asker.mark, robot=robot, reader=reader)
     with as_file(table, "reader", reader, load(), "reader=NAME") as path:
         return read_manipulator(_reading(path, reader, asker, options), path, robot, asker)
 
@@ -80,9 +81,11 @@ def read_all(table: Source, *, reader: str | None = None, **options: object) -> 
         InputError: no installed reader takes the file.
         PluginError: the reader's plugin is broken, or something it needs is not installed.
     """
+    asker = _asker("read_all")
+    check_names(asker.mark, reader=reader)
     with ExitStack() as stack:
         path = stack.enter_context(as_file(table, "reader", reader, load(), "reader=NAME"))
-        call = _reading(path, reader, _asker("read_all"), options)
+        call = _reading(path, reader, asker, options)
         return _while_open(read_items(call, path), stack.pop_all())
 
 
@@ -122,10 +125,12 @@ def extract(
     from dh2urdf.commands.extract import description_reader, the_one, write_extracted
 
     asker, catalog = _asker("extract"), load()
+    check_names(asker.mark, reader=reader)
+    target = path_or_none("out", out, asker.mark)
     with as_file(description, "reader", reader, catalog, "reader=NAME") as path:
         arm = the_one(description_reader(catalog, path, asker, reader=reader, given=words_of(options)), path)
-        if out is not None:
-            write_extracted([arm], Path(out), catalog, inputs=[path])
+        if target is not None:
+            write_extracted([arm], Path(target), catalog, inputs=[path])
     return arm
 
 
@@ -142,8 +147,7 @@ def manipulator_of(
     """The manipulator of an array, a data frame, a list or a text: `Manipulator.from_dh`, which says what is what."""
     function = "Manipulator.from_dh()"
     asker = asker_of(function)
-    _check_name(robot, "robot", asker)
-    _check_name(name, "name", asker)
+    check_names(asker.mark, robot=robot, name=name)
     if isinstance(table, (str, bytes)) or hasattr(table, "read"):
         if columns is not None or types is not None or joints is not None or name is not None:
             message = "a text says its columns, types and names itself"
@@ -154,6 +158,9 @@ def manipulator_of(
             raise TableError(Problem(message=message, mark=asker.mark, suggestion=suggestion))
         source: Any = table
         return read(source, reader=load().cell_reader().name, robot=robot, **options)
+    for argument, value in (("columns", columns), ("types", types), ("joints", joints)):
+        if value is not None:
+            several(argument, value, asker.mark)
     given = GivenRows(table, columns, function)
     if types is not None:
         given.add_column("type", types, "types")
@@ -229,24 +236,26 @@ def convert(
         PluginError: a plugin that is needed is broken, or something it needs is not installed.
     """
     asker = _asker("convert")
-    _check_name(robot, "robot", asker)
+    chosen = {"reader": reader, "transform": transform, "meshes": meshes, "convert_meshes": convert_meshes}
+    check_names(asker.mark, robot=robot, **chosen)
+    target = path_or_none("out", out, asker.mark)
     catalog = _catalog(without, asker)
     with ExitStack() as stack:
         if not isinstance(table, Manipulator):
             table = stack.enter_context(as_file(table, "reader", reader, catalog, "reader=NAME"))
         planned = plan_conversion(
             table,
-            None if out is None else Path(out),
+            None if target is None else Path(target),
             asker,
             catalog,
             reader=reader,
             transform=transform,
-            formats=_names(formats),
+            formats=_names("formats", formats, asker),
             robot=robot,
             settings=settings_of(options),
             meshes=meshes,
             convert_meshes=convert_meshes,
-            edits=map(word_of, [edits] if isinstance(edits, (str, Mapping)) else edits),
+            edits=map(word_of, several("edits", edits, asker.mark, one=(str, Mapping))),
         )
         return planned.carry_out()
 
@@ -287,6 +296,10 @@ def check(
     from dh2urdf.stages import Expansion
 
     asker = _asker("check")
+    check_names(asker.mark, emitter=emitter)
+    given = several("package_paths", package_paths, asker.mark, one=(str, PathLike))
+    folders = [Path(a_path("package_paths", folder, asker.mark)) for folder in given]
+    words = mapping("arguments", arguments, asker.mark, such_as="{'prefix': 'left_'}")
     catalog = _catalog(without, asker)
     if isinstance(description, Robot):
         usual = catalog.usual("emitter")
@@ -298,8 +311,7 @@ def check(
     with as_file(description, "emitter", emitter, catalog, "emitter=NAME") as path:
         check_file(path, InputError)
         expansion = Expansion(
-            arguments={name: str(value) for name, value in (arguments or {}).items()},
-            package_paths=tuple(map(Path, package_paths)),
+            arguments={name: str(value) for name, value in words.items()}, package_paths=tuple(folders)
         )
         return inspect(catalog, path, emitter, "`emitter=NAME`", expansion)
 
@@ -346,19 +358,19 @@ def run(
     from dh2urdf.running.run import execute, load_plan
 
     asker, root = _asker("run"), None
-    for flag, value in (("resume", resume), ("dry_run", dry_run), ("keep", keep)):
-        if not isinstance(value, bool):
-            message = f"{flag}={value!r} is neither True nor False"
-            raise ConfigError(Problem(message=message, mark=asker.mark, field=flag, accepted="True or False"))
-    overrides = [setting.text for setting in settings_of(settings or {})]
+    check_flags(asker.mark, resume=resume, dry_run=dry_run, keep=keep)
+    changes = mapping("settings", settings, asker.mark, such_as="{'transform.options.frames': 'dh'}")
+    overrides = [setting.text for setting in settings_of(changes)]
+    output = path_or_none("out", out, asker.mark)
     catalog = _catalog(without, asker)
     if isinstance(config, Mapping):
         from dh2urdf.documents.document import load_yaml
 
         root = load_yaml(word_of(config), str(asker.mark), ConfigError)
         config = "run"
-    asked, output = Asked(asker.mark, "settings: "), None if out is None else os.fspath(out)
-    plan = load_plan(Path(config), catalog, overrides, output, root, asked=asked)
+    path = Path(a_path("config", config, asker.mark, also=", or a mapping"))
+    asked = Asked(asker.mark, "settings: ")
+    plan = load_plan(path, catalog, overrides, output, root, asked=asked)
     _, report = execute(plan, resume=resume, dry_run=dry_run, keep=keep)
     return report
 
@@ -371,7 +383,7 @@ def _asker(function: str) -> Asker:
 def _catalog(without: Iterable[str], asker: Asker) -> Catalog:
     """What is installed, without what is to be left out."""
     try:
-        return load(_names(without))
+        return load(_names("without", without, asker))
     except ConfigError as error:
         raise ConfigError(replace(problem, mark=asker.mark, field="without") for problem in error.problems) from None
 
@@ -381,16 +393,5 @@ def _reading(table: Path, reader: str | None, asker: Asker, options: Mapping[str
     return reader_call(load(), table, reader, asker, {"reader": words_of(options)})
 
 
-def _check_name(name: object, argument: str, asker: Asker) -> None:
-    """Refuse an argument that is no name.
-
-    Raises:
-        ConfigError: it is empty, or no text.
-    """
-    if name is not None and not (isinstance(name, str) and name.strip()):
-        message = f"{argument}={name!r} is no name"
-        raise ConfigError(Problem(message=message, mark=asker.mark, field=argument, accepted="a text, not empty"))
-
-
-def _names(names: str | Iterable[str]) -> tuple[str, ...]:
-    return (names,) if isinstance(names, str) else tuple(names)
+def _names(argument: str, given: str | Iterable[str], asker: Asker) -> tuple[str, ...]:
+    return tuple([a_name(argument, name, asker.mark) for name in several(argument, given, asker.mark)])

@@ -328,6 +328,81 @@ class TestArguments:
         assert says in str(raised.value)
 
     @pytest.mark.parametrize(
+        ("call", "says"),
+        [
+            (lambda out: dh2urdf.convert(UR5, out), "dh2urdf.convert(): error: field 'out'"),
+            (lambda out: dh2urdf.extract("arm.urdf", out), "dh2urdf.extract(): error: field 'out'"),
+            (lambda out: dh2urdf.run({"inputs": str(UR5)}, out), "dh2urdf.run(): error: field 'out'"),
+            (dh2urdf.run, "dh2urdf.run(): error: field 'config'"),
+            (lambda out: dh2urdf.read(UR5).to_csv(out), "Manipulator.to_csv(): error: field 'out'"),
+            (lambda out: dh2urdf.read(UR5).to_yaml(out), "Manipulator.to_yaml(): error: field 'out'"),
+            (lambda out: dh2urdf.convert(UR5).robot.to_urdf(out, profile="ros"), "Robot.to_urdf(): error: field 'out'"),
+            (
+                lambda out: dh2urdf.check("arm.urdf", package_paths=[out]),
+                "dh2urdf.check(): error: field 'package_paths'",
+            ),
+        ],
+    )
+    @pytest.mark.parametrize("out", ["", 3, b"arm.urdf", [], True], ids=repr)
+    def test_what_is_no_path(
+        self, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, call: Callable[[Any], Any], says: str, out: object
+    ) -> None:
+        """It is named, and nothing is written: an empty text would be the working directory."""
+        monkeypatch.chdir(tmp_path)
+        with pytest.raises(ConfigError) as raised:
+            call(out)
+        assert f"{says}: " in str(raised.value)
+        assert f"{out!r} is no path" in str(raised.value)
+        assert list(tmp_path.iterdir()) == []
+
+    @pytest.mark.parametrize(
+        ("call", "says"),
+        [
+            (lambda: dh2urdf.read(UR5, reader=3), "reader=3 is no name"),  # type: ignore[arg-type]
+            (lambda: dh2urdf.read_all(UR5, reader=3), "reader=3 is no name"),  # type: ignore[arg-type]
+            (lambda: dh2urdf.extract("arm.urdf", reader=3), "reader=3 is no name"),  # type: ignore[arg-type]
+            (lambda: dh2urdf.convert(UR5, reader=b"csv"), "reader=b'csv' is no name"),  # type: ignore[arg-type]
+            (lambda: dh2urdf.convert(UR5, transform=3), "transform=3 is no name"),  # type: ignore[arg-type]
+            (lambda: dh2urdf.convert(UR5, meshes=3), "meshes=3 is no name"),  # type: ignore[arg-type]
+            (lambda: dh2urdf.convert(UR5, convert_meshes=3), "convert_meshes=3 is no name"),  # type: ignore[arg-type]
+            (lambda: dh2urdf.convert(UR5, formats=3), "formats=3 is no list"),  # type: ignore[arg-type]
+            (lambda: dh2urdf.convert(UR5, formats=["urdf", 3]), "formats=3 is no name"),  # type: ignore[list-item]
+            (lambda: dh2urdf.convert(UR5, edits=3), "edits=3 is no list"),  # type: ignore[arg-type]
+            (lambda: dh2urdf.convert(UR5, without=3), "without=3 is no list"),  # type: ignore[arg-type]
+            (lambda: dh2urdf.check("arm.urdf", emitter=3), "emitter=3 is no name"),  # type: ignore[arg-type]
+            (lambda: dh2urdf.check("arm.urdf", arguments="a:=3"), "arguments='a:=3' is no mapping"),  # type: ignore[arg-type]
+            (lambda: dh2urdf.check("arm.urdf", package_paths=3), "package_paths=3 is no list"),  # type: ignore[arg-type]
+            (lambda: dh2urdf.run(UR5, settings=["a=3"]), "settings=['a=3'] is no mapping"),  # type: ignore[arg-type]
+            (lambda: Manipulator.from_dh([[1, 2, 3]], columns=3), "columns=3 is no list"),  # type: ignore[arg-type]
+            (lambda: Manipulator.from_dh([{"a": 1}], types=3), "types=3 is no list"),  # type: ignore[arg-type]
+            (lambda: Manipulator.from_dh([{"a": 1}], joints=3), "joints=3 is no list"),  # type: ignore[arg-type]
+            (lambda: dh2urdf.run({"inputs": {str(UR5)}}), "a set is no value of an option or of a run file"),
+            (lambda: dh2urdf.run({"inputs": [dh2urdf.read(UR5)]}), "a Manipulator is no value"),
+            (lambda: dh2urdf.run({"inputs": iter(["a.csv"])}), "a list_iterator is no value"),
+            (lambda: dh2urdf.run({("inputs",): "a.csv"}), "keys must be str"),  # type: ignore[dict-item]
+            (lambda: dh2urdf.convert(UR5, profile=b"ros"), "a bytes is no value"),
+        ],
+    )
+    def test_what_has_another_type_is_refused(self, call: Callable[[], Any], says: str) -> None:
+        """By name, as an error of dh2urdf: what a call of its own code would raise names nothing."""
+        with pytest.raises(Dh2UrdfError) as raised:
+            call()
+        assert says in str(raised.value)
+
+    def test_one_folder_of_packages_is_a_list_of_one(self, tmp_path: Path) -> None:
+        """Not a list of the letters of its name."""
+        (tmp_path / "arms" / "urdf").mkdir(parents=True)
+        (tmp_path / "arms" / "package.xml").write_text("<package><name>arms</name></package>")
+        (tmp_path / "arms" / "urdf" / "link.xacro").write_text('<robot><link name="base"/></robot>')
+        text = (
+            '<robot name="arm" xmlns:xacro="http://www.ros.org/wiki/xacro">'
+            '<xacro:include filename="$(find arms)/urdf/link.xacro"/>\n</robot>'
+        )
+        (tmp_path / "arm.xacro").write_text(text)
+        found = [dh2urdf.check(tmp_path / "arm.xacro", package_paths=given) for given in (str(tmp_path), [tmp_path])]
+        assert found[0] == found[1]
+
+    @pytest.mark.parametrize(
         ("how", "says"),
         [
             ({"name": 7}, "name=7 is no name"),

@@ -4,22 +4,34 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import fields
+from enum import Enum
+from numbers import Number
+from os import PathLike
 from typing import TYPE_CHECKING, Any
 
+from dh2urdf.errors import RecordTypeError
 from dh2urdf.manipulator import Inertia, LinkGeometry, Payload
 from dh2urdf.rotations import RigidTransform
+from dh2urdf.source import Mark, Problem
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
 
 def word_of(value: object) -> str:
-    """A value as a word of the command line: JSON is YAML."""
+    """A value as a word of the command line: JSON is YAML.
+
+    Raises:
+        RecordTypeError: it is, or holds, something that YAML has no word for.
+    """
     if isinstance(value, str):
         return value
     import json
 
-    return json.dumps(_with_units(value), default=_plain, ensure_ascii=False)
+    try:
+        return json.dumps(_with_units(value), default=_plain, ensure_ascii=False)
+    except (TypeError, ValueError, RecursionError) as error:  # such as of a key that is a tuple, or of a list in itself
+        raise error if isinstance(error, RecordTypeError) else _no_word(f"this has no words: {error}") from error
 
 
 def words_of(options: Mapping[str, object]) -> dict[str, str]:
@@ -53,5 +65,20 @@ def _in(unit: str, numbers: Iterable[float]) -> list[str]:
 
 
 def _plain(value: Any) -> object:  # noqa: ANN401 - what JSON has no word for
-    """Arrays and numbers of numpy as lists and numbers, all else as text."""
-    return value.tolist() if hasattr(value, "tolist") else str(value)
+    """Arrays and numbers of numpy as lists and numbers, fractions and paths as texts, members of enums as their values.
+
+    Raises:
+        RecordTypeError: it is something else, whose text would be taken for a word that somebody has written.
+    """
+    if hasattr(value, "tolist"):
+        return value.tolist()
+    if isinstance(value, Enum):
+        return value.value
+    if isinstance(value, (PathLike, Number)):
+        return str(value)
+    raise _no_word(f"a {type(value).__name__} is no value of an option or of a run file")
+
+
+def _no_word(message: str) -> RecordTypeError:
+    accepted = "numbers, texts, True, False, None, paths, arrays, and lists and mappings of these"
+    return RecordTypeError(Problem(message=message, mark=Mark(file="dh2urdf"), accepted=accepted))

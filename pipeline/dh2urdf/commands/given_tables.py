@@ -89,10 +89,10 @@ def _content(source: Any) -> bytes | None:  # noqa: ANN401 - whatever is given
         return found.encode() if isinstance(found, str) else bytes(found)
     raise RecordTypeError(
         Problem(
-            message=f"a {type(source).__name__} is no table in a file",
+            message=f"a {type(source).__name__} is no file",
             mark=Mark(file="dh2urdf"),
             accepted="a path, a text of several lines, bytes, or a stream",
-            suggestion="`dh2urdf.Manipulator.from_dh` takes arrays, data frames and lists",
+            suggestion="`dh2urdf.Manipulator.from_dh` makes a table of arrays, data frames and lists",
         )
     )
 

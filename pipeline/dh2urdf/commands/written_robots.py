@@ -22,6 +22,7 @@ from dh2urdf.plugin_system.stage_answers import a_whole_record, emitted_files
 from dh2urdf.robot import Robot
 from dh2urdf.robot_check import check_robot
 from dh2urdf.source import Problem
+from dh2urdf.validation.arguments import path_or_none
 
 if TYPE_CHECKING:
     import os
@@ -36,6 +37,7 @@ def write_description(
 ) -> str:
     """A robot in the format of the files with a suffix, for a function that is called so; see `Robot.to_urdf`."""
     asker = asker_of(function)
+    target = path_or_none("out", out, asker.mark)
     problems = [problem for problem in check_robot(robot) if problem.severity == "error"]
     if columns_of(robot):
         problems.append(Problem(message="a number of the robot is an array", robot=robot.name, accepted="one number"))
@@ -52,8 +54,8 @@ def write_description(
         with spooled(content, str(asker.mark), emitter.suffixes[0]) as path:
             described: Robot = a_whole_record(emitter.read_back(path), Robot)
     _compare(robot, described, asker.mark)
-    if out is not None:
-        write_whole(Path(out), content)
+    if target is not None:
+        write_whole(Path(target), content)
     return content.decode()
 
 

@@ -19,6 +19,7 @@ from dh2urdf.plugin_system.stage_answers import a_whole_record
 from dh2urdf.source import Mark, Problem
 from dh2urdf.stages import Rejected
 from dh2urdf.table_text import WrittenTable, table_text
+from dh2urdf.validation.arguments import path_or_none
 
 if TYPE_CHECKING:
     import os
@@ -172,13 +173,14 @@ def write_table(manipulator: Manipulator, suffix: str, out: str | os.PathLike[st
         RecordValueError: the format has no place for something that the manipulator says.
         OutputError: the file cannot be written.
     """
+    target = path_or_none("out", out, Mark(file=function))
     catalog = load()
     call = default_call(catalog, catalog.reader_for(Path(f"table{suffix}")))
     content = in_format([table_text(manipulator)], call).content
     if found := list(_differences([manipulator], content, call, function)):
         raise RecordValueError(_other(difference, call, function) for difference in found)
-    if out is not None:
-        write_whole(Path(out), content)
+    if target is not None:
+        write_whole(Path(target), content)
     return content.decode()
 
 

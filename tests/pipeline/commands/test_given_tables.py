@@ -60,9 +60,9 @@ class TestReading:
         [
             ("a,alpha\nd\n", ConfigError, "accepted: reader=NAME, with one of csv"),
             (b"", ConfigError, "a text has no suffix that says its format"),
-            (None, RecordError, "a NoneType is no table in a file"),
-            (1.5, RecordError, "a float is no table in a file"),
-            ([[1, 2, 3]], RecordError, "`dh2urdf.Manipulator.from_dh` takes arrays"),
+            (None, RecordError, "a NoneType is no file"),
+            (1.5, RecordError, "a float is no file"),
+            ([[1, 2, 3]], RecordError, "`dh2urdf.Manipulator.from_dh` makes a table of arrays"),
         ],
     )
     def test_what_is_no_table_in_a_file_is_refused(self, source: Any, error: type[Dh2UrdfError], says: str) -> None:

@@ -34,7 +34,10 @@ def face(package: str, modules: Mapping[str, str], wholes: tuple[str, ...] = ())
         setattr(sys.modules[package], name, value)
         return value
 
-    return known, value_of, lambda: sorted({*vars(sys.modules[package]), *known})
+    def names() -> list[str]:
+        return sorted({*known, *(name for name in vars(sys.modules[package]) if name.startswith("__"))})
+
+    return known, value_of, names
 
 
 METHODS: dict[str, str] = {}

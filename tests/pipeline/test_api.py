@@ -38,10 +38,10 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 class TestNames:
     def test_all_of_them_are_there(self) -> None:
-        """Every public name can be asked for, is listed, and is the very thing of its module."""
+        """Every public name can be asked for, is listed, no other is, and it is the very thing of its module."""
         for name in dh2urdf.__all__:
-            assert name in dir(dh2urdf)
             assert getattr(dh2urdf, name) is not None
+        assert {name for name in dir(dh2urdf) if not name.startswith("__")} == set(dh2urdf.__all__) - {"__version__"}
         assert dh2urdf.Manipulator is sys.modules["dh2urdf.manipulator"].Manipulator
         assert dh2urdf.kinematics.chain is sys.modules["dh2urdf.kinematics.chain"]
 

@@ -652,3 +652,54 @@ def test_two_bounds_that_are_the_same_get_a_notice(lower: str, arms: int) -> Non
     assert all(
         ("both of its bounds are 170°, so that it cannot turn" in str(arm.notices)) is (lower == "170") for arm in found
     )
+
+
+@pytest.mark.parametrize(
+    ("header", "cells", "said"),
+    [
+        *((text, "5;5", "seems to be ixx") for text in ("Ixx ×10^-3", "Ixx·10⁻³", "Ixx*1e3", "Ixx e-3")),
+        *(
+            (text, "0.1;0", "is another d or a part of it")
+            for text in ("Δd", "delta_d", "d correction", "calibrated d")
+        ),
+        ("true alpha", "0.1;0", "is another alpha or a part of it"),
+        ("dz", "0.1;0", "a coordinate that may be of a frame"),
+        ("phi0", "0.1;0", "may be theta or an offset"),
+        ("rotation", "ccw;cw", "'ccw' seems to be a direction, and no field is called 'rotation'"),
+        ("turns", ";Clockwise", "seems to be a direction"),
+        ("state", "normal;reversed", "seems to be a direction"),
+        ("sense", "1;-1", "seems to be sign"),
+        ("fixed", "0;1", "whether a joint moves by itself"),
+        ("mimic", ";J1", "whether a joint moves by itself"),
+        ("motion", "rot;trans", "seems to be a type"),
+        ("motion", "Rz;Tz", "seems to be a type"),
+    ],
+)
+@pytest.mark.parametrize("arms", [1, 3])
+def test_columns_that_make_another_arm_are_not_left_out(
+    header: str, cells: str, said: str, arms: int, read: Read
+) -> None:
+    """Each was left out with a notice of a column that no field knows."""
+    one, two = cells.split(";")
+    rows = "".join(f"arm{arm},0.3,0,0,{one}\narm{arm},0.2,0,0,{two}\n" for arm in range(arms))
+    found = read(f"{STANDARD}robot,a,alpha,d,{header}\n{rows}")
+    assert len(found) == arms
+    for arm in found:
+        assert not isinstance(arm, Manipulator)
+        assert said in arm.problems[0].message
+
+
+@pytest.mark.parametrize(
+    ("header", "cells"),
+    [
+        ("Δd", "0;0"),
+        ("fixed", "0;0"),
+        ("actuator", "NEMA17;lead screw"),
+        ("parent", "-1;0"),
+        ("a tolerance", "0.1;0.1"),
+    ],
+)
+def test_columns_that_say_nothing_of_the_arm_are_left_out_as_before(header: str, cells: str, read_one: ReadOne) -> None:
+    """Where they are 0, or about something else."""
+    one, two = cells.split(";")
+    assert len(read_one(f"a,alpha,d,{header}\n0.3,0,0,{one}\n0.2,0,0,{two}\n").rows) == 2

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from typing import TYPE_CHECKING
 
 from dh2urdf.late_tuples import NamedTuple
@@ -32,6 +33,21 @@ _NOUNS = {
 """What has no field, as the end of a sentence."""
 _NUMBER = late_pattern(r"[+\-−]?[.,]?[0-9]")
 _STRAY = late_pattern(r"[^\w\\$]*(.*?[\])}]|.*?\w)(?:[\W_]+\w?[\W_]*|(?<=[\])}])\w)?")
+_FACTOR = late_pattern(
+    r"(.*?\w)\s*[(\[]?\s*(?:(?:[×*·⋅]|(?<![a-z])x)\s*)?"
+    r"(?:10\s*(?:\^|\*\*)?\s*[-−⁻+]?[0-9⁰¹²³⁴-⁹]+|1?e[-+]?[0-9]+|(?<=[×x*·⋅ ])10+)\s*[)\]]?",
+    re.IGNORECASE,
+)
+"""A header with a factor: ``Ixx ×10⁻³``, ``Ixx*1e3``."""
+_OTHER_ONE = late_pattern(
+    r"(?:delta|calibrated|corrected|identified|measured|actual|true|real|correction(?: of)?|[δΔ])[\s_]*(.+)"
+    r"|(.+?)[\s_]+(?:calibrated|corrected|identified|measured|actual|true|real|correction)",
+    re.IGNORECASE,
+)
+"""A parameter beside the nominal one, or its correction: ``Δd``, ``calibrated a``."""
+_DIRECTIONS = frozenset(
+    "cw ccw clockwise counterclockwise counter-clockwise anticlockwise anti-clockwise reversed inverted -z".split()  # noqa: SIM905
+)
 _FEW_WORDS = 4
 
 
@@ -67,14 +83,30 @@ def refusal(text: str, header: Header, what: str = "column") -> Refusal | None:
         return Refusal(
             f"is {meaning.reason}, which no {what} holds", meaning.accepted, zero=True, counts=meaning.counts
         )
-    name = suspected(text) or _with_stray_signs(text)
+    name = suspected(text) or _with_stray_signs(text) or _with_factor(text)
     if name == "limits" and header.unit and not _measures(header.unit, FIELDS["limits"].dimension):
         name = None  # `Max. [°/s]` is a limit of something else, as its unit says
     if name in FIELDS:
         return Refusal(f"seems to be {name}, but no field is called so", _headers(str(name)), name)
     if name:
         return Refusal(f"seems to be {_NOUNS[name]}, which no {what} holds", "a table without it")
-    return _without_words(header)
+    return _other_geometry(text, what) or _without_words(header)
+
+
+def _other_geometry(text: str, what: str) -> Refusal | None:
+    """Why a column of a parameter is refused that is not the one which the row has, or not all of it."""
+    match = _OTHER_ONE.fullmatch(text)
+    named = read_header(match[1] or match[2]).field if match else None
+    if named is None or named.name not in ("a", "alpha", "d", "theta"):
+        return None
+    return Refusal(f"is another {named.name} or a part of it, which no {what} holds", GEOMETRY, zero=True)
+
+
+def _with_factor(text: str) -> str | None:
+    """The field of a quantity whose header has a factor: ``Ixx ×10⁻³``."""
+    match = _FACTOR.fullmatch(text)
+    named = read_header(match[1].strip()).field if match else None
+    return named.name if named and named.dimension else None
 
 
 def _with_stray_signs(text: str) -> str | None:
@@ -134,6 +166,26 @@ def with_unit(cell: Cell, header: str, joint: str) -> Problem | None:
         found=cell.text,
         accepted=_measured_in(unit),
         suggestion=how_to_leave_out(header) if header else "write a header above the column",
+    )
+
+
+def is_direction(text: str) -> bool:
+    """Whether a cell is a direction of rotation, and nothing else: ``ccw``, ``reversed``."""
+    return text.casefold() in _DIRECTIONS
+
+
+def turned_direction(cell: Cell, header: str, joint: str) -> Problem | None:
+    """What is wrong with a direction, in a column that is left out: the joint would turn the other way."""
+    if not is_direction(cell.text):
+        return None
+    return Problem(
+        message=f"{shown(cell.text)} seems to be a direction, and no field is called {shown(header)}",
+        mark=cell.mark,
+        joint=joint,
+        field="sign",
+        found=cell.text,
+        accepted="a column sign with 1 or -1, or a column flip with true or false",
+        suggestion=how_to_leave_out(header) if header else None,
     )
 
 

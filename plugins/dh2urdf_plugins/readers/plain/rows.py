@@ -20,7 +20,7 @@ from dh2urdf.manipulator import JointType, Limits
 from dh2urdf.rotations import HALF_PI, quarter_turns
 from dh2urdf.row_fields import LIMITS
 from dh2urdf.table_text import GEOMETRY
-from dh2urdf_plugins.readers.header.unknown_columns import is_beside, is_number, unit_of
+from dh2urdf_plugins.readers.header.unknown_columns import is_beside, is_direction, is_number, unit_of
 from dh2urdf_plugins.readers.plain.limits import PlainLimits
 from dh2urdf_plugins.readers.plain.numbers import LINE_END, REMEMBERED, PlainNumbers, foreign_unit, names_foreign_unit
 from dh2urdf_plugins.readers.rows.cells import FULL_TURN, LARGEST_ANGLE
@@ -144,7 +144,7 @@ class PlainRows:
             if index in self.strays and not _count(columns[index]):
                 return False
             new = set(columns[index]) - known
-            if any(unit_of(text.strip(SPACES)) for text in new):
+            if any(unit_of(text) or is_direction(text) for text in map(str.strip, new)):
                 return False
             if "type" not in self.column and not all(map(is_plain_label, map(str.strip, new))):
                 return False

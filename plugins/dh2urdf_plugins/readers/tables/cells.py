@@ -15,6 +15,7 @@ from dh2urdf_plugins.readers.header.unknown_columns import (
     left_out,
     refused,
     stray_number,
+    turned_direction,
     with_unit,
 )
 from dh2urdf_plugins.readers.rows.joint_rows import LABEL
@@ -171,7 +172,8 @@ class TableCells:
             return
         if cell.text and index in self.columns.silent:
             self.left_out.add(index)
-        self._refuse(index, with_unit(cell, self.columns.headers[index], f"joint_{number}"))
+        header, joint = self.columns.headers[index], f"joint_{number}"
+        self._refuse(index, with_unit(cell, header, joint) or turned_direction(cell, header, joint))
 
     def _counts(self, text: str, index: int, number: int) -> bool:
         """Whether a number without a header counts the rows: from 0 or 1, or through all manipulators of the table."""

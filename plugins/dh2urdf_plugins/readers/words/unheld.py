@@ -36,7 +36,11 @@ UNHELD_WORDS = {
     "q": Unheld("the joint variable"),
     "q offset": Unheld("an offset of the joint variable"),
     "q0": Unheld("an angle or a length that may be theta, d or an offset"),
-    "phi": Unheld("an angle that may be theta or an offset"),
+    **dict.fromkeys(_words("phi, phi0"), Unheld("an angle that may be theta or an offset")),
+    **dict.fromkeys(
+        _words("fixed, locked, mimic, coupling, coupled, coupled with, depends on"),
+        Unheld("whether a joint moves by itself", "a column type: fixed where nothing moves; no joint follows another"),
+    ),
     "angle": Unheld("an angle that may be theta, alpha or an offset"),
     **dict.fromkeys(
         _words(
@@ -50,7 +54,7 @@ UNHELD_WORDS = {
     "prismatic": Unheld("the type of a joint in another form"),
     "revolute": Unheld("the type of a joint in another form"),
     **dict.fromkeys(
-        _words("x, y, z, xyz"),
+        _words("x, y, z, xyz, dx, dy, dz, tx, ty, tz, px, py, pz"),
         Unheld(
             "a coordinate that may be of a frame or of a centre of mass", "com_x, com_y, com_z for a centre of mass"
         ),
@@ -152,7 +156,7 @@ SUSPECTS = {
     "mass": "mass, masses, weight*, *masse, masa, massa, peso, poids, *gewicht*, payload*, *质量*, *重量*",
     "offset": "offset*, zero*, home*, *versatz*, décalage*, desfase*, desplazamiento*, *nullpunkt*, "
     "calibration*, deslocamento*, *偏*, *零位*, *初始*",
-    "sign": "sign, direction*, dir, invert*, revers*, flip*, polarity, vorzeichen, *richtung, sens, "
+    "sign": "sign, sense, mirror*, direction*, dir, invert*, revers*, flip*, polarity, vorzeichen, *richtung, sens, "
     "sentido, senso, sinal, *方向*",
     "limits": "limit*, límit*, range, ranges, bound*, stroke, travel, *grenze*, *bereich, anschlag, plage, butée*, "
     "borne*, rango, recorrido, corsa, escursione, débattement, lower, upper, min, max, minimum, maximum, "

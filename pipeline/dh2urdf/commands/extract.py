@@ -10,14 +10,14 @@ from dh2urdf.commands.options_of_stages import stage_calls
 from dh2urdf.commands.written_tables import table_file
 from dh2urdf.conversion.one_manipulator import read_items
 from dh2urdf.documents.text_files import check_file
-from dh2urdf.errors import ConfigError, InputError, OutputError, TableError
+from dh2urdf.errors import ConfigError, InputError, TableError
 from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.manipulator import Manipulator
 from dh2urdf.output.whole_files import refuse_inputs, write_whole
 from dh2urdf.plugin_system.calls import blaming, default_call
 from dh2urdf.plugin_system.stage_answers import a_record
 from dh2urdf.quantities.units import UNITS
-from dh2urdf.source import Mark, Problem, shown
+from dh2urdf.source import Mark, Problem
 from dh2urdf.stages import Reader, Rejected
 from dh2urdf.table_text import table_text, transform_text
 
@@ -170,11 +170,6 @@ def write_extracted(
     header = b"".join(map(_header, arms))
     file = table_file(arms, call, str(out), length_unit=length_unit, angle_unit=angle_unit, header=header)
     refuse_inputs([out], inputs)
-    try:
-        out.parent.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        message = f"the folder {shown(str(out.parent))} cannot be made: {error.strerror}"
-        raise OutputError(Problem(message=message, mark=Mark(file=str(out)))) from error
     write_whole(out, file.content)
     return file.left_out
 

@@ -9,6 +9,7 @@ from codecs import BOM_UTF8, BOM_UTF16_BE, BOM_UTF16_LE
 from pathlib import Path
 
 from dh2urdf.errors import ConfigError, InputError
+from dh2urdf.patterns import late_pattern
 from dh2urdf.source import Mark, Problem, shown
 
 MAX_BYTES = 2**30
@@ -16,6 +17,9 @@ MAX_BYTES = 2**30
 
 LONG_PATH = 200
 """Characters of a path that a message repeats."""
+
+ADDRESS = late_pattern(r"[A-Za-z][A-Za-z0-9.+-]+:(?:[/\\]|$)")
+"""What a path begins with that was made of an address, such as ``s3://bucket/name``: it has one slash of two."""
 
 _ENCODINGS = ((BOM_UTF8, "utf-8"), (BOM_UTF16_LE, "utf-16-le"), (BOM_UTF16_BE, "utf-16-be"))
 _UNACCEPTABLE = r"[^\t\n\r\x20-\x7e\xa0-\u2027\u202a-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]"
@@ -82,6 +86,9 @@ def _unreadable(path: Path, reason: OSError | ValueError) -> Problem:
                 message=f"this link leads to {shown(str(path.readlink()), LONG_PATH)}, where there is no file",
                 mark=mark,
             )
+        if ADDRESS.match(str(path)):
+            advice = "copy what is there to a file of this machine"
+            return Problem(message="this is an address, and inputs are files", mark=mark, suggestion=advice)
         if not path.parent.is_dir():
             return Problem(message=f"there is no folder {shown(str(path.parent), LONG_PATH)}", mark=mark)
         from difflib import get_close_matches

@@ -10,6 +10,7 @@ from pathlib import Path, PurePosixPath
 from stat import S_ISDIR, S_ISLNK, S_ISREG
 from typing import TYPE_CHECKING
 
+from dh2urdf.documents.text_files import ADDRESS
 from dh2urdf.errors import OutputError
 from dh2urdf.output.seen_names import SeenNames
 from dh2urdf.patterns import late_pattern
@@ -101,8 +102,7 @@ def staging(directory: Path) -> Iterator[Path]:
     Raises:
         OutputError: the folder cannot be made.
     """
-    with reporting_os_errors(directory):
-        directory.mkdir(parents=True, exist_ok=True)
+    make_folder(directory)
     # The name is known before there is a folder of it, and an interrupt, which may come between any two steps and while
     # the folder is being removed, has it removed again: so nothing is left at any moment.
     folder = directory / f"{_STAGING}{os.urandom(6).hex()}"
@@ -116,6 +116,20 @@ def staging(directory: Path) -> Iterator[Path]:
     except BaseException:
         _remove(folder)
         raise
+
+
+def make_folder(directory: Path) -> None:
+    """Make a folder and those above it, where they are not there.
+
+    Raises:
+        OutputError: it cannot be made; or it is an address, for which a folder called ``s3:`` would be made here.
+    """
+    if ADDRESS.match(str(directory)) and not Path(directory.parts[0]).is_dir():
+        message = f"cannot write to {shown(str(directory), 200)}: this is an address, and only files are written here"
+        advice = "a run writes to addresses: `dh2urdf run FILE -o s3://bucket/prefix`"
+        raise OutputError(Problem(message=message, accepted="a path", suggestion=advice))
+    with reporting_os_errors(directory):
+        directory.mkdir(parents=True, exist_ok=True)
 
 
 def _remove(folder: Path) -> None:

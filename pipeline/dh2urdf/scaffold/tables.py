@@ -11,7 +11,7 @@ from dh2urdf.conversion.one_manipulator import read_items
 from dh2urdf.errors import ConfigError, OutputError, TableError
 from dh2urdf.manipulator import Convention, Manipulator
 from dh2urdf.output.spooled import spooled
-from dh2urdf.output.whole_files import reporting_os_errors
+from dh2urdf.output.whole_files import make_folder, reporting_os_errors
 from dh2urdf.plugin_system.options import COMMAND_LINE
 from dh2urdf.source import Problem, shown
 from dh2urdf.table_text import TableText, yaml_word
@@ -157,11 +157,10 @@ def write_new(files: dict[Path, bytes]) -> None:
     written: list[Path] = []
     try:
         for path, content in files.items():
-            with reporting_os_errors(path):
-                path.parent.mkdir(parents=True, exist_ok=True)
-                with path.open("xb") as file:
-                    written.append(path)
-                    file.write(content)
+            make_folder(path.parent)
+            with reporting_os_errors(path), path.open("xb") as file:
+                written.append(path)
+                file.write(content)
     except BaseException:
         for path in written:
             path.unlink(missing_ok=True)

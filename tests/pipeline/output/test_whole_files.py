@@ -27,6 +27,8 @@ from dh2urdf.stages import EmittedFile
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from conftest import Answer
+
 LONGEST_SUFFIX = "_macro.xacro"
 any_text = st.text(st.characters(codec=None), max_size=300)
 """Any text at all, lone surrogates included: a table may come from anywhere."""
@@ -272,6 +274,60 @@ class TestPutInPlace:
         assert tree(tmp_path) == {"a.urdf": b"old"}
 
 
+class TestAddresses:
+    """An address that is taken for a path: its folder ``s3:`` would be made here, and nobody would find the file."""
+
+    @pytest.mark.parametrize(
+        "words",
+        [
+            ("convert", "arm.csv", "-o", "s3://bucket/arm.urdf"),
+            ("convert", "arm.csv", "-o", "s3://arm.urdf"),
+            ("convert", "arm.csv", "--to", "ros2", "-o", "gs://bucket/arms"),
+            ("extract", "arm.urdf", "-o", "https://host/arm.yaml"),
+            ("collisions", "arm.urdf", "-o", "s3://bucket/arm.srdf"),
+            ("check", "arm.urdf", "--fix", "-o", "s3://bucket/arm.urdf"),
+            ("init", "s3://bucket/arm.csv"),
+            ("example", "ur5", "-o", "s3://bucket/arm.csv"),
+        ],
+        ids=" ".join,
+    )
+    def test_output_is_refused(self, tmp_path: Path, cli: Callable[..., Answer], words: tuple[str, ...]) -> None:
+        """With what writes there, and nothing is made."""
+        (tmp_path / "arm.csv").write_text("# convention: standard\na, alpha, d\n0.4, 0, 0.1\n")
+        dh2urdf.convert(tmp_path / "arm.csv", tmp_path / "arm.urdf")
+        before = tree(tmp_path)
+        told = cli(*words, status=2).stderr
+        assert "this is an address, and only files are written here" in told
+        assert "a run writes to addresses" in told
+        assert tree(tmp_path) == before
+        assert not list(tmp_path.glob("*:"))
+
+    def test_a_folder_of_that_name_is_a_folder(self, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+        """Who has made one may write into it."""
+        monkeypatch.chdir(tmp_path)
+        Path("s3:").mkdir()
+        write_whole(Path("s3:/arms/arm.urdf"), b"new")
+        assert tree(tmp_path) == {"s3:/arms/arm.urdf": b"new"}
+
+    @pytest.mark.parametrize(
+        "words",
+        [
+            ("convert", "s3://bucket/arm.csv"),
+            ("info", "https://host/arm.csv"),
+            ("check", "s3://bucket/arm.urdf"),
+            ("run", "s3://bucket/run.yaml"),
+            ("run", "run.yaml"),
+        ],
+        ids=" ".join,
+    )
+    def test_input_is_refused(self, tmp_path: Path, cli: Callable[..., Answer], words: tuple[str, ...]) -> None:
+        """It is named as what it is, and no folder is missed."""
+        (tmp_path / "run.yaml").write_text("inputs: s3://bucket/arm.csv\n")
+        told = cli(*words, status=2).stderr
+        assert "this is an address, and inputs are files" in told
+        assert "no folder" not in told
+
+
 class TestNoFiles:
     """A path at which a device, a pipe or a socket is: a rename would put a file in its place, for all that use it."""
 
@@ -291,7 +347,8 @@ class TestNoFiles:
         before = os.lstat(path)
         with pytest.raises(OutputError, match=r"cannot write '.*arm\.urdf': a device, a pipe or a socket is there"):
             write()
-        assert os.lstat(path) == before
+        after = os.lstat(path)
+        assert (after.st_ino, after.st_mode) == (before.st_ino, before.st_mode)
         assert list(path.parent.iterdir()) == [path]
 
     def test_one_file(self, path: Path) -> None:

@@ -318,3 +318,33 @@ def test_notes_below_the_rows_are_refused(read: Read) -> None:
         except TableError:
             continue
         assert not isinstance(arm, Manipulator)
+
+
+@pytest.mark.parametrize(
+    ("rows", "types"),
+    [
+        ("0.3,0,0.1,θ1;0.2,pi,0,q2;0,0,d3,0", "RRP"),
+        ("0.3,0,0.1,θ1*;0.2,pi,0,θ2* + pi/2;0,0,d3* + 0.05,pi/2", "RRP"),
+        ("0,pi/2,q1,0;0,pi/2,q2,0", "PP"),
+        ("0.3,0,d1,θ1;0,0,d2,0", ""),  # a length that is not said
+        ("0.3,0,0.1,θ1;0,0,d2,", ""),
+        ("0.3,0,0.1,0;0,0,d2,0", ""),
+        ("0.3,0,0.1,θ1;0,0,d3,0", ""),
+    ],
+)
+@pytest.mark.parametrize("form", ["csv", "yaml"])
+def test_a_variable_in_d_makes_a_row_without_types_prismatic(rows: str, types: str, form: str, read: Read) -> None:
+    """Where every row has one variable, as textbooks have them; it was refused."""
+    cells = [row.split(",") for row in rows.split(";")]
+    if form == "csv":
+        text = "\n".join(["a,alpha,d,theta", *(",".join(row) for row in cells)])
+    else:
+        names = ("a", "alpha", "d", "theta")
+        joints = [", ".join(f"{n}: {c}" for n, c in zip(names, row, strict=True) if c) for row in cells]
+        text = f"joints: [{', '.join(f'{{{joint}}}' for joint in joints)}]"
+    (arm,) = read(text, f".{form}", convention="standard")
+    assert isinstance(arm, Manipulator) == bool(types)
+    if isinstance(arm, Manipulator):
+        assert "".join(row.type.value[0].upper() for row in arm.rows) == types
+        slides = [notice.message for notice in arm.notices if "it is prismatic" in notice.message]
+        assert len(slides) == types.count("P")

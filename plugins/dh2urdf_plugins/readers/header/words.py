@@ -21,6 +21,18 @@ _INDEXED_BOUND = late_pattern(
 )
 _SIGNED = {"q-": "q min", "q+": "q max"}
 """How the Robotics Toolbox prints limits: ``q⁻``, ``q⁺``."""
+_ANGLES = "angle, rotation, winkel, ángulo, angolo, ângulo, kąt, угол, açı, 角, 角度, 각도"
+_LOOSE = {
+    name: frozenset(key for word in words.split(", ") for key in keys_of(word))
+    for name, words in {
+        "a": "distance, displacement",
+        "d": "joint offset, distance, displacement, joint displacement, height, versatz, abstand, décalage, "
+        "desplazamiento, spostamento, przesunięcie, odsunięcie, オフセット, 距離, 오프셋, 거리, 偏移, 距离",
+        "theta": f"{_ANGLES}, joint rotation, joint variable, rotation angle",
+        "alpha": f"{_ANGLES}, link angle",
+    }.items()
+}
+"""Words for a length or an angle of any kind, by the fields whose symbol may be beside them."""
 _LETTERS, _BEHIND = frozenset("ijkn"), "]})* "
 _CLOSING = ("]", ")", "}", ">")
 _OTHER_LINK = late_pattern(r"[a-z]{0,3}\s*[-+]+\s*[a-z0-9]{0,3}|[ijkn][ijkn0-9]{1,2}")
@@ -146,6 +158,8 @@ def _with_brackets(front_text: str, inner: str) -> Header:
     whole = _named(f"{front_text} {inner}")
     if whole.field:
         return whole
+    if (symbol := _named(inner)).field and _is_loose(front_text, symbol.field):
+        return symbol  # `joint offset (d_i)`
     said = key_of(re.sub(r"[\W_]+", "", inner))
     if name is None or not name.dimension or inner == "dh" or (name.parts and said in _FORMS):
         return front
@@ -168,7 +182,12 @@ def _twice(plain: str) -> Header | None:
     last = _named(symbol)
     if not front or not last.field:
         return None
-    return last if _named(front.strip(" ,:")).field is last.field else None
+    return last if _named(front.strip(" ,:")).field is last.field or _is_loose(front, last.field) else None
+
+
+def _is_loose(words: str, field: Field) -> bool:
+    """Whether words name no field of their own that a symbol beside them could not be: the d of ``joint offset d``."""
+    return key_of(words.strip(" ,:(")) in _LOOSE.get(field.name, ())
 
 
 def _named(plain: str) -> Header:

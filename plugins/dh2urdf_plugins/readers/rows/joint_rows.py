@@ -61,7 +61,10 @@ class _Rows:
         self.reader = reader
         self.labels = {place: cells.pop(LABEL) for place, cells, _ in self.rows if LABEL in cells}
         self.indexes = {place: cells.pop("index") for place, cells, _ in self.rows if "index" in cells}
-        self.variables = {place: number for place, cells, _ in self.rows if (number := _variable(cells)) is not None}
+        variables = {place: _variables(cells) for place, cells, _ in self.rows}
+        self.variables = {place: next(iter(found.values())) for place, found in variables.items() if found}
+        one_each = not reader.type_is_given and all(len(found) == 1 for found in variables.values())
+        self.sliding = {place for place, found in variables.items() if one_each and "d" in found}
         self.first = 1
 
     def settle(self) -> int:
@@ -171,6 +174,11 @@ class _Rows:
         kind = kind_of(name) if name else None
         if kind == "slide" and place in self.variables:
             kind = None  # the variable shows what moves
+        if place in self.sliding and kind is None and "theta" in cells and cells["theta"].text:
+            message = f"row {place + 1} has no type, and its variable is in d, not in theta: it is prismatic"
+            self._add_problem(message, place, cells, mark, notice=True)
+            cells["type"] = Cell(JointType.PRISMATIC.value, mark)
+            return
         still = self.variables and place not in self.variables
         is_zero = place in self.indexes and place == 0 and is_base(self.indexes[0].text)
         if still and kind not in ("total", "slide") and (kind or is_zero):
@@ -261,8 +269,9 @@ def _type_of(cells: Cells) -> JointType | None:
     return joint_type(cell.text) if cell and cell.text else None
 
 
-def _variable(cells: Cells) -> int | None:
-    """The number of the joint variable that a row names, 0 for one without a number; None where it names none."""
+def _variables(cells: Cells) -> dict[str, int]:
+    """The numbers of the joint variables that a row names, by the cell: 0 for one without a number."""
+    found: dict[str, int] = {}
     for name, dimension in (("theta", Dimension.ANGLE), ("d", Dimension.LENGTH)):
         cell = cells.get(name)
         if cell is None or not any(map(str.isalpha, cell.text)):
@@ -272,5 +281,5 @@ def _variable(cells: Cells) -> int | None:
         except QuantityError:
             continue
         if variable is not None:
-            return variable.row or 0
-    return None
+            found[name] = variable.row or 0
+    return found

@@ -33,7 +33,12 @@ ACCEPTED = {
 
 _BRACKETS = "[](){}<>"
 _PLUS_MINUS = late_pattern(r"(?:±|\+\s*/?\s*-|-\s*/\s*\+)\s*(.+)")
-_TO = late_pattern(r"\s*(?:…|\.{2,}|[~〜～至到])\s*|\s+(?:to|bis|up to|jusqu'à|à|a|hasta|fino a|até)\s+")
+_TO = late_pattern(
+    r"\s*(?:…|\.{2,}|[~〜～至到→]|-+>|[≤<]=?[^0-9≤<]{1,9}?[0-9]{0,2}\s*[≤<]=?)\s*|\s+[-–—]\s+(?=[-+])"
+    r"|\s+(?:to|bis|up to|jusqu'à|à|a|hasta|fino a|até|до|do)\s+"
+)
+"""Between two bounds: ``-170 to 170``, ``-170° ≤ θ1 ≤ 170°``, ``-170 – +170``."""
+_FROM = late_pattern(r"^(?:from|von|de|desde|da|od|от)\s+(?=[-+0-9])", re.IGNORECASE)
 _DECIMAL_COMMA = r"(?<=[0-9]),(?=(?:[0-9]{1,2}|[0-9]{4,})(?![0-9]))"
 _NUMBER = r"[+-]?\s*[0-9]+(?:[.,][0-9]+)?(?:e[+-]?[0-9]+)?"
 _PAIR = late_pattern(rf"({_NUMBER}[^0-9/+,;-]*?)\s*([/÷]|\s(?=[+0-9.]))\s*({_NUMBER}[^0-9/,;]*)", re.IGNORECASE)
@@ -97,7 +102,7 @@ def _named_parts(field: Field, text: str) -> dict[str, str] | None:
 
 
 def _bounds(text: str, *, decimal_comma: bool) -> dict[str, str] | GroupError:
-    inner, unit = _without_brackets(text)
+    inner, unit = _without_brackets(_FROM.sub("", text, count=1))
     if match := _PLUS_MINUS.fullmatch(inner):
         # Between commas a cell in quotes may have one, too; there three digits behind it may be thousands.
         size = re.sub("(?<=[0-9]),(?=[0-9])" if decimal_comma else _DECIMAL_COMMA, ".", match[1])

@@ -126,13 +126,15 @@ def _fields() -> dict[str, Field]:
         ),
         _field(
             "joint",
-            "joint, joint name, name, joint id, axis, axis name",
+            "joint, joint name, name, joint id, axis, axis name, joints",
             de="gelenk, gelenkname, achse, achsname",
             fr="articulation, nom, nom de l'articulation, axe, liaison",
             es="articulación, nombre, eje, junta",
             it="giunto, nome, nome del giunto, asse, articolazione",
         ),
-        _field("link", "link, link name, body", de="glied, armglied", fr="corps, maillon", es="eslabón", it="membro"),
+        _field(
+            "link", "link, link name, body, links", de="glied, armglied", fr="corps, maillon", es="eslabón", it="membro"
+        ),
         _field(
             "type",
             "type, joint type, kind, sigma, σ, r/p, p/r, type of joint, axis type",

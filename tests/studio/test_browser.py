@@ -55,6 +55,26 @@ def test_a_wrong_cell(studio_address: str, new_tab: Callable[..., Any], catalog:
 
 
 @pytest.mark.long
+def test_a_problem_leads_to_what_is_wrong(studio_address: str, new_tab: Callable[..., Any]) -> None:
+    """By keyboard too: to the cell, which is being edited then, or to the field below the table."""
+    tab = new_tab(studio_address)
+    page = tab.open("ur5")
+    tab.type_into(1, "alpha", "pi/x")
+    page.get_by_role("button", name="row 2, shoulder_lift_joint, alpha").focus()
+    page.keyboard.press("Enter")
+    page.wait_for_function(
+        "document.activeElement.closest('.ag-cell-inline-editing')?.getAttribute('col-id') === 'alpha'"
+    )
+    page.keyboard.type("0")
+    page.keyboard.press("Enter")
+    tab.wait_for_status("the arm is the table's")
+    page.get_by_label("payload", exact=True).fill("{mass: none}")
+    page.get_by_label("payload", exact=True).blur()
+    page.get_by_role("button", name="payload: ").press("Space")
+    page.wait_for_function("document.activeElement.getAttribute('aria-label') === 'payload'")
+
+
+@pytest.mark.long
 def test_the_arm_moves_as_one_types(studio_address: str, new_tab: Callable[..., Any], catalog: Catalog) -> None:
     """While a cell is being typed the arm is already there; Escape takes it back."""
     tab = new_tab(studio_address)

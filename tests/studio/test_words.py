@@ -90,3 +90,12 @@ def test_the_paper_is_remarked_on(catalog: Catalog) -> None:
     assert words.remark(session).endswith("at this pose its tool0 is 1.41 m and 90° from the table's.")
     session.edit(0, "alpha", "0.3")
     assert words.remark(session).startswith("The variant paper refuses this table: ")
+
+
+@pytest.mark.parametrize(
+    ("size", "told"),
+    [(20, "reading arm.csv, 0.1 kB"), (5300, "reading arm.csv, 5.3 kB"), (6_400_000, "reading arm.csv, 6.4 MB")],
+)
+def test_a_file_that_is_read_has_a_size(size: int, told: str) -> None:
+    """No file of 0.0 MB is read."""
+    assert words.busy("arm.csv", size) == told

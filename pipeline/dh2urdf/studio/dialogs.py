@@ -121,7 +121,7 @@ async def ask_table(catalog: Catalog) -> TableText | None:
                 return
             problem.set_visibility(False)
             busy.set_visibility(True)
-            told.set_text(f"reading {name}, {size / 1e6:.1f} MB")
+            told.set_text(words.busy(name, size))
             tables = await run.io_bound(tables_of, name, await event.file.read(), catalog, MOST_CHOICES + 1)
             if dialog.is_deleted or not dialog.value:  # a person has gone on without it
                 return

@@ -312,6 +312,8 @@ class StudioPage:
     def _go_to(self, found: CellProblem) -> None:
         if found.row is not None:
             self._table.focus(found.row, found.field if found.field in self.session.columns else "a", edit=True)
+        elif found.field:
+            self._ends.focus(found.field)
 
     async def _choose_convention(self, convention: Convention) -> None:
         session = self.session

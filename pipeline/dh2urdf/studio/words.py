@@ -25,6 +25,8 @@ EMPTY = (
     "Or paste a table, open one of yours, or one of the gallery."
 )
 """What the scene of a table without rows says, as HTML."""
+_LARGE = 100_000
+"""Size of a file that is told in megabytes [B]."""
 MOST_LOST = 6
 """What a table cannot hold, as far as it is reported."""
 
@@ -52,6 +54,13 @@ def status(session: Session, errors: int) -> tuple[str, str]:
 def count(number: int, one: str, many: str) -> str:
     """A number of things."""
     return f"{number} {one if number == 1 else many}"
+
+
+def busy(name: str, size: int) -> str:
+    """The message while a file is read."""
+    return (
+        f"reading {name}, {size / 1e6:.1f} MB" if size >= _LARGE else f"reading {name}, {max(size / 1e3, 0.1):.1f} kB"
+    )
 
 
 def remarks(opened: Opened) -> list[str]:

@@ -8,7 +8,7 @@ from urllib.parse import unquote
 
 from nicegui import run, ui
 
-from dh2urdf.studio import dialogs
+from dh2urdf.studio import dialogs, words
 from dh2urdf.studio.editing.opening import tables_of
 
 if TYPE_CHECKING:
@@ -32,8 +32,12 @@ def lay_drop(page: ui.element, catalog: Catalog, on_table: Callable[[TableText |
             dialogs.warn(told["too much"])
             return
         name = unquote(event.file.name)
-        ui.notify(f"reading {name}, {event.file.size() / 1e6:.1f} MB")
-        tables = await run.io_bound(tables_of, name, await event.file.read(), catalog, dialogs.MOST_CHOICES + 1)
+        with page:
+            busy = ui.notification(words.busy(name, event.file.size()), spinner=True, timeout=None)
+        try:
+            tables = await run.io_bound(tables_of, name, await event.file.read(), catalog, dialogs.MOST_CHOICES + 1)
+        finally:
+            busy.dismiss()
         if isinstance(tables, str):
             dialogs.warn(tables)
         elif not page.is_deleted:

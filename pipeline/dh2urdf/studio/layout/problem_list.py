@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from nicegui import ui
 
 from dh2urdf.studio import words
+from dh2urdf.studio.layout.table_bar import ENDS
 from dh2urdf.studio.table_grid import all_problems
 
 if TYPE_CHECKING:
@@ -20,7 +21,7 @@ MOST_PROBLEMS = 30
 
 
 class ProblemList:
-    """The problems of the table.
+    """The problems of the table; each that is about a cell or a field leads there.
 
     Args:
         on_click: is called with a problem that a person has clicked.
@@ -46,8 +47,10 @@ class ProblemList:
         self._told.clear()
         with self._told:
             for found in [*errors, *(found for found in problems if found not in errors)][:MOST_PROBLEMS]:
-                box = ui.element("div").classes(f"studio-problem {found.problem.severity}")
-                box.on("click", lambda found=found: self._on_click(found))
+                leads = found.row is not None or found.field in ENDS
+                box = ui.element("button" if leads else "div").classes(f"studio-problem {found.problem.severity}")
+                if leads:
+                    box.props("type=button").on("click", lambda found=found: self._on_click(found))
                 with box:
                     ui.label(f"{words.place(found, session.table)}{found.text}")
         return {found.field: found.text for found in errors if found.row is None and found.field}

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 
     from dh2urdf.studio.editing.session import Session
 
+_PLACED = "{xyz: [0, 0, 0.3], rpy: [0, 0, pi]}"
 ROW_ACTS = {
     "add": ("add", "add a row below (Alt+Insert)"),
     "remove": ("remove", "remove the row (Alt+Delete)"),
@@ -23,6 +24,18 @@ ROW_ACTS = {
     "columns": ("view_column", "show all columns, or those in use"),
 }
 """What the buttons of the bar do: an icon and a tooltip for each."""
+
+
+ENDS = {
+    "base": ("base_link to the first DH frame", _PLACED),
+    "tool": ("last DH frame to tool0", _PLACED),
+    "payload": ("what the arm carries at tool0", "{mass: 2.5, com: [0, 0, 0.05]}"),
+    "defaults": (
+        "shape and density of all links; the shape arm draws housings at the joints",
+        "{geometry: {shape: arm}, density: 2700}",
+    ),
+}
+"""The fields below the cells: a tooltip and an example for each."""
 
 
 class TableBar:
@@ -103,19 +116,16 @@ class EndFields:
     def __init__(self, session: Session, on_text: Callable[..., None]) -> None:
         self._session = session
         self._fields: dict[str, ui.input] = {}
-        placed, carried = "{xyz: [0, 0, 0.3], rpy: [0, 0, pi]}", "{mass: 2.5, com: [0, 0, 0.05]}"
-        drawn = "{geometry: {shape: arm}, density: 2700}"
         with ui.element("div").classes("studio-ends"):
-            for key, told, example in (
-                ("base", "base_link to the first DH frame", placed),
-                ("tool", "last DH frame to tool0", placed),
-                ("payload", "what the arm carries at tool0", carried),
-                ("defaults", "shape and density of all links; the shape arm draws housings at the joints", drawn),
-            ):
+            for key, (told, example) in ENDS.items():
                 field = ui.input(placeholder=example).props(f'dense outlined prefix="{key}" aria-label="{key}"')
                 field.on("change", lambda key=key: on_text(**{key: self._fields[key].value or ""}))
                 field.tooltip(told)
                 self._fields[key] = field
+
+    def focus(self, key: str) -> None:
+        """Put the cursor into a field."""
+        self._fields[key].run_method("focus")
 
     def show(self, wrong: Collection[str]) -> None:
         """Show the texts; those that are wrong stand out."""

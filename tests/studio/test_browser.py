@@ -55,6 +55,25 @@ def test_a_wrong_cell(studio_address: str, new_tab: Callable[..., Any], catalog:
 
 
 @pytest.mark.long
+def test_problems_beside_an_open_panel(studio_address: str, new_tab: Callable[..., Any]) -> None:
+    """On a laptop the problems and the fields below them stay on the screen: the panels become shorter, and scroll."""
+    tab = new_tab(studio_address)
+    page = tab.open("ur5")
+    for panel in ("set the pose of tool0", "explain the picked row"):
+        page.get_by_role("button", name=panel).click()
+    tab.cell(0, "a").click()
+    page.locator(".studio-lesson").wait_for()
+    for row in range(3):
+        tab.type_into(row, "alpha", "pi/x")
+    tab.wait_for_status("3 problems")
+    page.wait_for_function("""() => {
+        const panels = [...document.querySelectorAll('.studio-panel')].filter(each => each.getClientRects().length);
+        const bottom = document.querySelector('.studio-ends').getBoundingClientRect().bottom;
+        return bottom <= innerHeight && panels.length === 2 && panels.every(each => each.clientHeight > 40);
+    }""")
+
+
+@pytest.mark.long
 def test_a_problem_leads_to_what_is_wrong(studio_address: str, new_tab: Callable[..., Any]) -> None:
     """By keyboard too: to the cell, which is being edited then, or to the field below the table."""
     tab = new_tab(studio_address)

@@ -30,6 +30,13 @@ def test_units_are_those_of_the_table() -> None:
     assert sliding.shown(0.25) == pytest.approx(250)
 
 
+@pytest.mark.parametrize(("text", "shown"), [("1,5", 1.5), ("pi/2", 1.570796), ("45°", 0.785398), ("-9", -1.0)])
+def test_a_box_takes_what_a_cell_takes(text: str, shown: float) -> None:
+    """Decimal commas too; the value is inside the limits."""
+    (slider,) = joints.sliders([joint()])
+    assert slider.read(text) == pytest.approx(shown, abs=1e-6)
+
+
 def test_a_continuous_joint_has_a_turn() -> None:
     """Without limits a slider goes half a turn to both sides."""
     (slider,) = joints.sliders([joint(JointType.CONTINUOUS, None, None)])

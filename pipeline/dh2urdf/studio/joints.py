@@ -54,7 +54,7 @@ class Slider:
         Raises:
             QuantityError: it is no joint value.
         """
-        return self.shown(self.inside(evaluate(text, self.unit.dimension, self.unit).value))
+        return self.shown(self.inside(evaluate(text, self.unit.dimension, self.unit, decimal_comma=True).value))
 
     def inside(self, value: float) -> float:
         """The value inside the limits that is nearest to another."""

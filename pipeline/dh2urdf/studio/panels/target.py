@@ -126,7 +126,7 @@ class TargetPanel:
         if text == shown:
             return value
         try:
-            return evaluate(text, unit.dimension, unit).value
+            return evaluate(text, unit.dimension, unit, decimal_comma=True).value
         except QuantityError as error:
             error.add_note(name)
             raise

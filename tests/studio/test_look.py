@@ -218,3 +218,14 @@ def test_a_shadow_on_the_ground(studio_address: str, new_tab: Callable[..., Any]
         "part.userData.layer === 'links' && part.isMesh && part.visible && shown.push(part)); return !shown.length; })()"
     )
     assert ground() > shaded + 20
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("width", [1001, 1024, 1199, 1280])
+def test_joints_keep_their_names(studio_address: str, new_tab: Callable[..., Any], width: int) -> None:
+    """In a narrow window too, the names of the joints and the units of their values are there in full."""
+    page = new_tab(studio_address, width=width, height=768).open("ur5")
+    page.wait_for_function("""() => {
+        const parts = [...document.querySelectorAll('.joint-slider-name, .joint-slider-unit')];
+        return parts.length === 12 && parts.every(({clientWidth, scrollWidth}) => clientWidth > 0 && scrollWidth <= clientWidth);
+    }""")

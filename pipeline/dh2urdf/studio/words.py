@@ -26,7 +26,7 @@ EMPTY = (
 )
 """What the scene of a table without rows says, as HTML."""
 _LARGE = 100_000
-"""Size of a file that is told in megabytes [B]."""
+"""From this size on, the size of a file is written in megabytes [B]."""
 MOST_LOST = 6
 """What a table cannot hold, as far as it is reported."""
 

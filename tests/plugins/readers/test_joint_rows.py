@@ -30,10 +30,10 @@ FRAMES = (
     "ToolFlange toolTip --- ... – nan None note Einheiten sensor camera 6->G 6→T 末端 工具 法兰 ベース фланец схват основание "
     "narzędzie podstawa takım taban エンドエフェクタ ベース 툴 말단"
 ).replace("ベース", "베이스")
-SLIDES = "Prismatic prismatic_joint_3 P p3 P_3 d3 d₃* D1 slide Slider linear_axis Linear-rail Schubgelenk translation_2 lift torso_lift_joint rail base_rail Track Hubachse"
+SLIDES = "Prismatic prismatic_joint_3 P p3 P_3 d3 d₃* D1 slide Slider linear_axis Linear-rail Schubgelenk translation_2 vertical_lift torso_lift_joint rail base_rail Track Hubachse"
 JOINTS = (
     "wrist_flange_rotation base_yaw base_rotation shoulder_pan_joint elbow quill tool_roll gripper_rotation poignet "
-    "shoulder_lift PR1 dof3 pitch deflect linear_yaw slider_crank max_planck_joint J1 A1 joint_0 hip knee bend_joint meander summit_joint minion IV lift_pitch tracker 0->1 6->7 stop pump A1_R"
+    "shoulder_lift lift lift_joint PR1 dof3 pitch deflect linear_yaw slider_crank max_planck_joint J1 A1 joint_0 hip knee bend_joint meander summit_joint minion IV lift_pitch tracker 0->1 6->7 stop pump A1_R"
 )
 
 

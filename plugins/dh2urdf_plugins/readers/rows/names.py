@@ -71,10 +71,13 @@ _SLIDES = _words("""
     スライド スライダ 직동 병진 직선
 """)
 _SLIDING = _words("""
-    lift hub rail railway track schiene schlitten carriage verfahrachse fahrachse hubachse elevator telescope teleskop
-    gantry portalachse
+    torsolift liftcolumn columnlift baselift verticallift hub rail railway track schiene schlitten carriage verfahrachse
+    fahrachse hubachse elevator telescope teleskop gantry portalachse
 """)
-"""What a joint that slides is called after: a name only, since a column may have such a word for a part of the arm."""
+"""What a joint that slides is called after: a name only, since a column may have such a word for a part of the arm.
+
+A `lift` alone is none: it is the second joint of a UR, between `pan` and `elbow`.
+"""
 _OF_SLIDES = _words("""
     joint jnt axis rail guide motion drive unit stage actuator module gelenk achse liaison articulation axe articulacion
     eje giunto asse junta articulacao eixo guida 关节 轴 副 运动 関節 軸 관절 축 пара ось звено para os mafsal eklem

@@ -362,11 +362,10 @@ def test_an_offset_of_theta_is_the_constant_part_of_theta(name: str, kind: str, 
         ("theta", "q1,0", 1),
         ("theta", "0,pi/2", 0),
         ("theta", "q1,0.2", 0),
-        ("offset", "0.3,0", 1),
-        ("offset", "0.3,0.2", 0),
+        ("offset", "0.3,0.2", 1),
     ],
 )
-def test_an_offset_of_theta_beside_another_is_read_where_it_is_0(header: str, row: str, count: int, read: Read) -> None:
+def test_an_offset_of_theta_beside_theta_is_read_where_it_is_0(header: str, row: str, count: int, read: Read) -> None:
     """Whether both are added is not said."""
     arms = read(f"{STANDARD}a,alpha,d,{header},theta offset\n0.3,0,0.1,{row}\n")
     assert sum(isinstance(arm, Manipulator) for arm in arms) == count
@@ -665,6 +664,8 @@ def test_two_bounds_that_are_the_same_get_a_notice(lower: str, arms: int) -> Non
         ("true alpha", "0.1;0", "is another alpha or a part of it"),
         ("dz", "0.1;0", "a coordinate that may be of a frame"),
         ("phi0", "0.1;0", "may be theta or an offset"),
+        *((text, "0.1;0", "the distance of a centre of mass") for text in ("lcx", "pcz")),
+        *((text, "0.1;0", "a dynamic parameter") for text in ("Ix", "J_y", "Lxx")),
         ("rotation", "ccw;cw", "'ccw' seems to be a direction, and no field is called 'rotation'"),
         ("turns", ";Clockwise", "seems to be a direction"),
         ("state", "normal;reversed", "seems to be a direction"),

@@ -128,14 +128,13 @@ def name_columns(headers: Sequence[str], marks: Sequence[Mark], mark: Mark) -> C
 
 
 def _is_angle(text: str) -> bool:
-    """Whether a header is that of theta or an offset itself, and not of the constant part of theta."""
+    """Whether a header is that of theta itself, and not of its constant part."""
     header = read_header(text)
-    name = header.field.name if header.field else None
-    return name in ("theta", "offset") and header.key not in THETA_OFFSETS
+    return header.field is FIELDS["theta"] and header.key not in THETA_OFFSETS
 
 
 def _beside_angle(header: Header) -> Header:
-    """What a header says where theta or an offset has a column: the constant part of theta is none of them."""
+    """What a header says where theta has a column: that of its constant part is no other one."""
     return header._replace(field=None) if header.key in THETA_OFFSETS else header
 
 

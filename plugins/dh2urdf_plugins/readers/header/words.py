@@ -44,6 +44,11 @@ _BRACKETED = late_pattern(r"(.*[^\s])\s*[\[({<]([^\[\](){}<>]*)[\])}>]")
 _LOOSE_UNIT = late_pattern(
     r"(.+?)(?:\s*[/|:;]\s*|\s*,\s*|\s+in\s+|[\s_-]+|(?=°))([^\s_/,°-]+(?:/(?:s|sec|min))?|°(?:/(?:s|sec|min))?)"
 )
+_ENDS_OF_CODE = ("s", "sec", "second", "min", "m2")
+_UNIT_OF_CODE = late_pattern(
+    r"(.+?)[_\s](?:(deg|rad|rev|mm|cm|m)[_\s](?:per[_\s])?(s|sec|second|min)|(kg)[_\s](m2|mm2|cm2))"
+)
+"""A unit of two words as the variables of programs have it: ``velocity_deg_per_s``, ``ixx_kg_m2``."""
 _FORMS = frozenset(("xyz", "3x3", "minmax", "lowerupper", "matrix", "vector"))
 """What brackets declare about the form of a cell that holds several fields."""
 _WORDS_AT_END = frozenset(("in", "m", "n", "g", "s"))
@@ -128,7 +133,7 @@ def _written(text: str) -> str:
 
 
 def _read(plain: str) -> Header:
-    header = _named(plain)
+    header = _of_code(plain) or _named(plain)
     if header.field or header.key in UNHELD or len(plain) > _LONGEST:
         return header
     if plain.endswith(_CLOSING) and (match := _BRACKETED.fullmatch(plain)):
@@ -145,6 +150,15 @@ def _read(plain: str) -> Header:
             return both._replace(unit=match[2].strip())  # `link length a_i/mm`
         return header._replace(key=front.key, unit=None if match[2] in _WORDS_AT_END else match[2])
     return _twice(plain) or header
+
+
+def _of_code(plain: str) -> Header | None:
+    """A header whose unit has two words, as the variables of programs have it."""
+    match = _UNIT_OF_CODE.fullmatch(plain) if plain.endswith(_ENDS_OF_CODE) else None
+    front = _named(match[1]) if match else None
+    if not (match and front and front.field and front.field.dimension):
+        return None
+    return front._replace(unit=f"{match[2]}/{match[3]}" if match[2] else f"{match[4]}·{match[5]}")
 
 
 def _with_brackets(front_text: str, inner: str) -> Header:

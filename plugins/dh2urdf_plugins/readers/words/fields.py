@@ -76,7 +76,7 @@ def _field(
 
 def _com(axis: str) -> Field:
     of_words = (f"{word} {axis}, {axis} {word}" for word in _words(_CENTRES))
-    headers = f"com_{axis}, c{axis}, {axis}c, {', '.join(of_words)}"
+    headers = f"com_{axis}, c{axis}, {axis}c, cg{axis}, {axis}cg, {', '.join(of_words)}"
     german = f"schwerpunkt {axis}, {axis} schwerpunkt, massenschwerpunkt {axis}"
     french = f"centre de masse {axis}, centre de gravité {axis}"
     spanish = f"centro de masa {axis}, centro de masas {axis}, centro de gravedad {axis}"

@@ -90,14 +90,15 @@ UNHELD_WORDS = {
     ),
     **dict.fromkeys(_words("tc, tc+, tc-, fs, fv"), Unheld("a friction of the motor or of the joint", _AT_THE_JOINT)),
     **dict.fromkeys(
-        _words("xx, xy, xz, yy, yz, zz, mx, my, mz, ia"),
+        _words("xx, xy, xz, yy, yz, zz, mx, my, mz, ia, lxx, lyy, lzz, ix, iy, iz, jx, jy, jz"),
         Unheld(
             "a dynamic parameter that may be about the frame's origin",
             "ixx … iyz about the centre of mass, com_x, com_y, com_z and mass",
         ),
     ),
     **dict.fromkeys(
-        _words("lc, rc"), Unheld("the distance of a centre of mass", "com_x, com_y, com_z in the frame after the row")
+        _words("lc, rc, lcx, lcy, lcz, rcx, rcy, rcz, pcx, pcy, pcz"),
+        Unheld("the distance of a centre of mass", "com_x, com_y, com_z in the frame after the row"),
     ),
     **dict.fromkeys(
         _words(

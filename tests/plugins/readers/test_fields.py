@@ -52,6 +52,8 @@ from dh2urdf_plugins.readers.words.fields import convention_of, joint_type
         ("Joint offset", "offset", None, None),
         ("Joint Offset (d_i)", "d", None, "i"),
         ("velocity_deg_s", "velocity", "deg/s", None),
+        ("θ (variable)", "theta", None, None),
+        ("theta_i (var.) [deg]", "theta", "deg", "i"),
         ("max_vel_rad_per_sec", "velocity", "rad/sec", None),
         ("Ixx_kg_m2", "ixx", "kg·m2", None),
         ("cgx [mm]", "com_x", "mm", None),

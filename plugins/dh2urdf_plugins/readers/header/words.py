@@ -49,6 +49,8 @@ _UNIT_OF_CODE = late_pattern(
     r"(.+?)[_\s](?:(deg|rad|rev|mm|cm|m)[_\s](?:per[_\s])?(s|sec|second|min)|(kg)[_\s](m2|mm2|cm2))"
 )
 """A unit of two words as the variables of programs have it: ``velocity_deg_per_s``, ``ixx_kg_m2``."""
+_REMARKS = ("dh", "variable", "var", "var.")
+"""What brackets behind a parameter add: that it is the joint variable, say."""
 _FORMS = frozenset(("xyz", "3x3", "minmax", "lowerupper", "matrix", "vector"))
 """What brackets declare about the form of a cell that holds several fields."""
 _WORDS_AT_END = frozenset(("in", "m", "n", "g", "s"))
@@ -175,7 +177,7 @@ def _with_brackets(front_text: str, inner: str) -> Header:
     if (symbol := _named(inner)).field and _is_loose(front_text, symbol.field):
         return symbol  # `joint offset (d_i)`
     said = key_of(re.sub(r"[\W_]+", "", inner))
-    if name is None or not name.dimension or inner == "dh" or (name.parts and said in _FORMS):
+    if name is None or not name.dimension or inner in _REMARKS or (name.parts and said in _FORMS):
         return front
     # `link length (a)`; anything else in the brackets of a quantity should be its unit.
     return front if _named(inner).field is name else front._replace(unit=inner)

@@ -356,7 +356,7 @@ def test_nothing_is_below_the_cross(studio_address: str, new_tab: Callable[..., 
         }
         return found;
     }"""
-    assert page.evaluate(covered) == []
+    page.wait_for_function(f"!({covered})().length")
     page.evaluate("dhLook.magnify()")
     page.wait_for_function(f"!({covered})().length && ({script})({last!r})")
 

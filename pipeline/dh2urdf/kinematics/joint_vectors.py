@@ -142,7 +142,7 @@ def _numbers(value: Any, names: JointNames, name: str | None) -> Values:  # noqa
         raise _refused(
             names, f"{what} has rows of different lengths", joint=name, accepted="an array of shape (..., n)"
         ) from None
-    found = f"of type {array.dtype}"
+    found = f"values of type {array.dtype}"
     items = array.flat if array.dtype.kind == "O" else _items(value)
     for item in items:
         if item is None or isinstance(item, (bool, str, bytes)):

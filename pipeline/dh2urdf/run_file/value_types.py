@@ -82,7 +82,7 @@ def _text(node: Node) -> str | None:
 def text(*, null_is_absent: bool = False, **keywords: Any) -> ValueType[str]:  # noqa: ANN401 - of a JSON Schema
     """A text that is not empty, and more keywords of its schema."""
     schema = {"type": "string", "minLength": 1, **keywords}
-    return plain(_text, "a text", schema, subject="this", null_is_absent=null_is_absent)
+    return plain(_text, "a text, not empty", schema, subject="this", null_is_absent=null_is_absent)
 
 
 TEXT = text()

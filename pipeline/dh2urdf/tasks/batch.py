@@ -257,7 +257,7 @@ def _batch(first: int, some: Sequence[RunItem | RunItems], stems: Stems) -> Batc
     for place, (stem, clash) in zip(claiming, stems.claim_all([names[place] for place in claiming]), strict=True):
         own_stems[place] = stem
         if clash:
-            notices[place] = (clash,)
+            notices[place] = (clash.about(mark=Mark(file=sources[place]) if sources[place] else None),)
     return Batch(
         first=first,
         names=tuple(names),

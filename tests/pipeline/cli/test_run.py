@@ -155,7 +155,7 @@ class TestFailures:
         (folder / "twins.yaml").write_text("inputs: [a.yml, b.yml]\noutput: {directory: out}\n")
         answer = cli("run", "twins.yaml")
         assert written(folder) == {"twin.urdf", "twin-2.urdf", *reports}
-        assert "its files are named 'twin-2'" in answer.stderr
+        assert "b.yml: notice: manipulator 'twin': its files are named 'twin-2'" in answer.stderr
         assert [[file["path"] for file in entry["files"]] for entry in report(folder)["manipulators"]] == [
             *(["twin.urdf"], ["twin-2.urdf"])
         ]

@@ -191,7 +191,7 @@ class TestJointVectors:
             ([0, None, 0], "it holds None"),
             (None, "it holds None"),
             ("0 0 0", "of type str"),
-            ([1j, 0, 0], "of type complex128"),
+            ([1j, 0, 0], "it holds values of type complex128"),
             (np.zeros(3, dtype="m8[s]"), "of type timedelta64"),
             (np.ma.masked_array([0.0, 0.0, 0.0], mask=[0, 1, 0]), "masked entries"),
             ({}, "there is no value of the joints turn, slide, spin"),

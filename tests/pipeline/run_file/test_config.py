@@ -218,7 +218,7 @@ def test_two_dots_are_resolved_unless_a_link_stands_before_them(folder: Path) ->
         ("'tables/{ur5,ur10}.csv'", "there is no such file\n    no pattern has braces: write a list of paths"),
         ("nowhere/a.csv", "'work/nowhere/a.csv': there is no folder 'work/nowhere'"),
         ('"a\\0b"', "a path cannot hold the character U+0000"),
-        ("''", "this cannot be the text ''"),
+        ("''", "this cannot be the text ''\n    accepted: a text, not empty"),
         ("[a]", "no file matches"),
     ],
 )

@@ -323,7 +323,7 @@ class TestExecute:
         source = str(lab.folder / "names.list")
         assert told == [
             ("table", source, 2, None, "bad1 is bad"),
-            ("transform", source, 3, "turn", "it does not bend"),
+            ("transform", source, 3, "turn", "transform 'draw' of lab 1.0: it does not bend"),
         ]
         assert lab.written() == {"arm.pickle", "leg.pickle"}
 

@@ -13,7 +13,7 @@ from dh2urdf.manipulator import Manipulator
 from dh2urdf.plugin_system import load
 from dh2urdf.run_file.config import load_config
 from dh2urdf.run_file.plan import Plan, make_plan
-from dh2urdf.source import Problem
+from dh2urdf.source import Mark, Problem
 from dh2urdf.stages import Rejected
 from dh2urdf.tasks.batch import LARGE, SMALL, Batch, Doomed, batches
 from dh2urdf.tasks.expected import Expected
@@ -85,7 +85,10 @@ class TestCutting:
         assert last.names == ("bad", "arm", "arm", "BAD")
         assert last.stems == ("", "arm", "arm-2", "BAD")
         assert {place: len(notices) for place, notices in last.notices.items()} == {2: 1}
-        assert "its files are named 'arm-2'" in last.notices[2][0].message
+        (notice,) = last.notices[2]
+        assert "its files are named 'arm-2'" in notice.message
+        assert notice.mark == Mark(file=last.sources[2])
+        assert Path(last.sources[2]).name == "two.csv"
 
     def test_batches_grow_from_one(self, plan: Callable[..., Plan]) -> None:
         """A short run keeps every worker busy; a long one has large batches, which are made side by side."""

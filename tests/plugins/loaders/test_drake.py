@@ -51,6 +51,8 @@ def test_joint_without_actuator_is_a_finding(request_for: Any, planar: Any) -> N
     (finding,) = run(request_for()).findings
     assert finding.severity == "notice"
     assert finding.message.endswith("of 4 joints: 'shoulder', 'elbow', 'slide', 'wrist'")
+    (finding,) = run(request_for(with_transmissions(planar.urdf, ["shoulder", "elbow", "slide"]))).findings
+    assert finding.message.endswith("of 1 joint: 'wrist'")
     written = with_transmissions(planar.urdf, ["shoulder", "elbow", "slide", "wrist"])
     report = run(request_for(written))
     assert report.findings == ()

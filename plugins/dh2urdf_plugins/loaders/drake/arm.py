@@ -146,10 +146,11 @@ class Arm:
         idle = [joint["name"] for joint in self.parsed_joints if "effort" not in joint]
         if not idle:
             return ()
+        joints = "1 joint" if len(idle) == 1 else f"{len(idle)} joints"
         names = ", ".join(map(shown, idle[:_SHOWN_JOINTS])) + (" …" if len(idle) > _SHOWN_JOINTS else "")
         return (
             self.comparison.problem(
-                message=f"Drake has no actuators, and drops the efforts, of {len(idle)} joints: {names}",
+                message=f"Drake has no actuators, and drops the efforts, of {joints}: {names}",
                 severity="notice",
                 suggestion="Drake takes an actuator of a URDF from a `transmission` element; or add it by "
                 "`MultibodyPlant.AddJointActuator`",

@@ -123,9 +123,9 @@ def advice(text: str) -> str | None:
     return next((suggestion for pattern, suggestion in _ADVICE if pattern.match(text)), None)
 
 
-_DEGREE = late_pattern(f"[{DEGREE_SIGNS}]")
+_DEGREE = str.maketrans(dict.fromkeys(DEGREE_SIGNS, "°"))
 
 
 def composed(text: str) -> str:
     """A text in Unicode's form NFKC, with one sign for the degree."""
-    return unicodedata.normalize("NFKC", _DEGREE.sub("°", text))
+    return unicodedata.normalize("NFKC", text.translate(_DEGREE))

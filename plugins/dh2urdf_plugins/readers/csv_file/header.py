@@ -47,7 +47,7 @@ def top_rows(lines: Iterable[str], file: str) -> Iterator[tuple[CellRow, str | N
     for number, first in (numbered := enumerate(lines, start=1)):
         if not first.strip(_EMPTY):
             continue
-        if number == 1 and (match := _EXCEL_SEPARATOR.fullmatch(first)):
+        if number == 1 and "=" in first and (match := _EXCEL_SEPARATOR.fullmatch(first)):
             delimiter = match[1] if match[1] in DELIMITERS else None
             continue
         line = _whole(first, numbered)
@@ -179,22 +179,15 @@ def starts_of(line: str, delimiter: str) -> list[int]:
     ]
 
 
-def _has_delimiter(line: str) -> bool:
-    """Whether a line has a delimiter at all: without one it is no header, and most comments have none."""
-    return any(delimiter in line for delimiter in DELIMITERS)
-
-
 def delimiter_of(line: str) -> str | None:
     """The delimiter of a header: the one that makes the most fields of it."""
-    if not _has_delimiter(line):
-        return None
 
     def score(delimiter: str) -> tuple[int, int]:
         cells = split(line, delimiter)
         return sum(read_header(cell).field is not None for cell in cells), len(cells)
 
-    best = max(DELIMITERS, key=score)
-    fields, cells = score(best)
+    best = max((delimiter for delimiter in DELIMITERS if delimiter in line), key=score, default=None)
+    fields, cells = score(best) if best else (0, 0)
     return best if fields and cells > 1 else None
 
 
@@ -203,7 +196,7 @@ def commented_header(line: str) -> str | None:
 
     The first column may be called ``#``, or the header as a whole may be commented out, as numpy writes it.
     """
-    if not _has_delimiter(line):
+    if max(map(line.count, DELIMITERS)) + 1 < len(REQUIRED):
         return None
     found: dict[str, set[str]] = {}
     for text in (line, without_marker(line)):

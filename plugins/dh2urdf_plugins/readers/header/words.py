@@ -23,14 +23,11 @@ _SIGNED = {"q-": "q min", "q+": "q max"}
 """How the Robotics Toolbox prints limits: ``q⁻``, ``q⁺``."""
 _ANGLES = "angle, rotation, winkel, ángulo, angolo, ângulo, kąt, угол, açı, 角, 角度, 각도"
 _LOOSE = {
-    name: frozenset(key for word in words.split(", ") for key in keys_of(word))
-    for name, words in {
-        "a": "distance, displacement",
-        "d": "joint offset, distance, displacement, joint displacement, height, versatz, abstand, décalage, "
-        "desplazamiento, spostamento, przesunięcie, odsunięcie, オフセット, 距離, 오프셋, 거리, 偏移, 距离",
-        "theta": f"{_ANGLES}, joint rotation, joint variable, rotation angle",
-        "alpha": f"{_ANGLES}, link angle",
-    }.items()
+    "a": "distance, displacement",
+    "d": "joint offset, distance, displacement, joint displacement, height, versatz, abstand, décalage, "
+    "desplazamiento, spostamento, przesunięcie, odsunięcie, オフセット, 距離, 오프셋, 거리, 偏移, 距离",
+    "theta": f"{_ANGLES}, joint rotation, joint variable, rotation angle",
+    "alpha": f"{_ANGLES}, link angle",
 }
 """Words for a length or an angle of any kind, by the fields whose symbol may be beside them."""
 _LETTERS, _BEHIND = frozenset("ijkn"), "]})* "
@@ -203,7 +200,9 @@ def _twice(plain: str) -> Header | None:
 
 def _is_loose(words: str, field: Field) -> bool:
     """Whether words name no field of their own that a symbol beside them could not be: the d of ``joint offset d``."""
-    return key_of(words.strip(" ,:(")) in _LOOSE.get(field.name, ())
+    return key_of(words.strip(" ,:(")) in {
+        key for word in _LOOSE.get(field.name, "").split(", ") for key in keys_of(word)
+    }
 
 
 def _named(plain: str) -> Header:

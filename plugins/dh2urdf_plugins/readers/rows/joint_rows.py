@@ -14,7 +14,7 @@ from dh2urdf.manipulator import JointType
 from dh2urdf.patterns import late_pattern
 from dh2urdf.quantities import Dimension, QuantityError, evaluate
 from dh2urdf.source import Problem, shown
-from dh2urdf_plugins.readers.rows.names import is_base, kind_of
+from dh2urdf_plugins.readers.rows.names import is_base, is_total, kind_of
 from dh2urdf_plugins.readers.words.cells import Cell
 from dh2urdf_plugins.readers.words.fields import ACCEPTED_TYPES, joint_type
 
@@ -243,7 +243,7 @@ class _Rows:
 def total_problem(row: DHRow, above: Sequence[DHRow | None]) -> Problem | None:
     """Why a row with a type is a total all the same: it is called so, and its lengths are made of those above it."""
     rows = [other for other in above if other is not None]
-    if kind_of(row.joint) != "total" or len(rows) < len((row.a, row.d)):
+    if not is_total(row.joint) or len(rows) < len((row.a, row.d)):
         return None
     columns = (([abs(other.a) for other in rows], row.a), ([abs(other.d) for other in rows], row.d))
     for make in (sum, max, min, _mean):

@@ -106,12 +106,17 @@ def kind_of(name: str) -> RowKind | None:
     if len(name) > _LONGEST:
         return None
     key = _key(name)
-    if _consists_of(key, _TOTALS, _OF_TOTALS):
+    if is_total(name):
         return "total"
     if name and (not key or _consists_of(key, _FRAMES, _OF_FRAMES) or _TO_FRAME.fullmatch(name)):
         return "frame"
     slides = _SLIDE_SYMBOL.fullmatch(key) or _consists_of(key, _SLIDES | _SLIDING, _OF_SLIDES)
     return "slide" if slides or _TYPE_BEHIND.fullmatch(name) or speaks_of_slide(name) else None
+
+
+def is_total(name: str) -> bool:
+    """Whether a row seems by its name to sum up those above it: ``Total``."""
+    return len(name) <= _LONGEST and _consists_of(_key(name), _TOTALS, _OF_TOTALS)
 
 
 def speaks_of_slide(text: str) -> bool:

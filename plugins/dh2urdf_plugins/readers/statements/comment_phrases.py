@@ -79,12 +79,8 @@ _PROSE = {
 }
 """Words for the convention in a comment: those that mean nothing else, and those that may."""
 _IN_OTHER_LANGUAGES = {
-    Convention.MODIFIED: late_pattern(
-        r"modifizi|modifi[ée]|modifica|zmodyfik|değiştiril|модифицир|改进|改良|修正|수정", re.IGNORECASE
-    ),
-    Convention.STANDARD: late_pattern(
-        r"estándar|standardow|klasyczn|klasik|классич|стандартн|标准|標準|표준", re.IGNORECASE
-    ),
+    Convention.MODIFIED: "modifizi modifié modifie modifica zmodyfik değiştiril модифицир 改进 改良 修正 수정".split(),  # noqa: SIM905
+    Convention.STANDARD: "estándar standardow klasyczn klasik классич стандартн 标准 標準 표준".split(),  # noqa: SIM905
 }
 _MOVES = late_pattern(r"(?<![^\W_])(?:rot|trans|tr|r|t|d)[\s_({\\]*([xz])(?![a-z])", re.IGNORECASE)
 _OF_MOVES = {"xxzz": Convention.MODIFIED, "zzxx": Convention.STANDARD}
@@ -96,6 +92,8 @@ _ALONE = late_pattern(
     re.IGNORECASE,
 )
 """Units that are no other words, in any prose: ``wymiary w mm``, ``長さの単位はmm``, ``углы в градусах``."""
+_IN_ALONE = ("mm", "cm", "milimet", "stopni", "derece")
+"""What ASCII prose with such a unit has at least one of."""
 
 
 # --- Phrases that are statements --------------------------------------------------------------------------------------
@@ -141,7 +139,8 @@ def convention_said(text: str) -> Convention | None:
 
 
 def _words(text: str) -> list[str]:
-    plain = _INCHES.sub("inch", unicodedata.normalize("NFC", text).casefold())
+    plain = unicodedata.normalize("NFC", text).casefold()
+    plain = _INCHES.sub("inch", plain) if "in" in plain else plain
     return [word for word in _BREAKS.split(_BETWEEN_UNITS.sub(" ", plain) if "/" in plain else plain) if word]
 
 
@@ -191,15 +190,16 @@ def units_beside(text: str) -> list[Unit]:
 
 def convention_in_prose(line: str) -> Convention | None:
     """The convention that a comment speaks of; None where it speaks of none, or of both."""
-    words = set(_PROSE_WORD.findall(line.casefold()))
-    about = _SAYS_CONVENTION.search(line) or len(words) == 1
-    spoken = [
-        convention
-        for convention, (sure, likely) in _PROSE.items()
-        if words & sure or (about and (words & likely or _IN_OTHER_LANGUAGES[convention].search(line)))
-    ]
-    if not spoken and (product := _OF_MOVES.get("".join(_MOVES.findall(line)).lower())):
-        return product
+    plain = line.casefold()
+    words = set(_PROSE_WORD.findall(plain))
+
+    def may_mean(convention: Convention, likely: frozenset[str]) -> bool:
+        named = words & likely or any(word in plain for word in _IN_OTHER_LANGUAGES[convention])
+        return bool(named and (len(words) == 1 or _SAYS_CONVENTION.search(line)))
+
+    spoken = [each for each, (sure, likely) in _PROSE.items() if words & sure or may_mean(each, likely)]
+    if not spoken and "x" in plain and "z" in plain:
+        return _OF_MOVES.get("".join(_MOVES.findall(line)).lower())
     return spoken[0] if len(spoken) == 1 else None
 
 
@@ -230,6 +230,8 @@ def mentioned_units(text: str) -> list[Unit]:
             if unit is None or unit.dimension not in _SYSTEM or is_rate or word[0].casefold() in _FILLERS:
                 break
             found.append(unit)
+    if plain.isascii() and not any(unit in plain.casefold() for unit in _IN_ALONE):
+        return found
     return found + [UNITS[match.lastgroup] for match in _ALONE.finditer(plain) if match.lastgroup]
 
 

@@ -45,6 +45,8 @@ MAX_STATEMENT = 10_000
 
 _STATEMENT = late_pattern(r"\s*[-*•]?\s*(?:dh[\s_-]+)?([^\W\d]+)\s*(?:[:=\uff1a]\s*|(?=[\[{]))", re.IGNORECASE)
 _ENTRY = late_pattern(r"\s*[-*•]?\s*([^\W\d_][\w .\-]{0,40}?)\s*(?:[:=\uff1a]\s*|(?=[\[{]))(.*)", re.DOTALL)
+_BEHIND_KEYS = frozenset(":=\uff1a[{")
+"""What is behind a key, one of them at least."""
 _BULLET = late_pattern(r"^\s*[-*•]\s+")
 _BULLETS = ("-", "*", "•")
 _QUOTED = late_pattern(r'"(?:[^"\\]|\\.)*"|\'(?:[^\']|\'\')*\'')
@@ -105,12 +107,12 @@ def statement(comment: Comment) -> tuple[str, Node] | None:
         TableError: it is a misspelt key, a key of something that nothing reads, or the value is not YAML.
     """
     text = comment.text
-    if name := name_said(comment):
+    match = None if _BEHIND_KEYS.isdisjoint(text) else _STATEMENT.match(text)
+    key = match[1].casefold() if match else ""
+    if (not match or key not in STATEMENTS or key == "name") and (name := name_said(comment)):
         from dh2urdf.table_text import yaml_word
 
         return "name", _node(comment, yaml_word(name))
-    match = _STATEMENT.match(text)
-    key = match[1].casefold() if match else ""
     if match and key in STATEMENTS:
         value = text[match.end() :]
         if key != "units" or _MAPPING.match(value) or not units_said(value):
@@ -133,9 +135,14 @@ def _field_name(key: str) -> str | None:
     return field.name if field else None
 
 
+def _entry(comment: Comment) -> re.Match[str] | None:
+    """The key of a comment and what is behind it, or None."""
+    return None if _BEHIND_KEYS.isdisjoint(comment.text) else _ENTRY.fullmatch(comment.text)
+
+
 def name_said(comment: Comment) -> str | None:
     """The name that a comment says under a key such as `Robot`, `manipulator` or `model`, with nothing besides."""
-    entry = _ENTRY.fullmatch(comment.text)
+    entry = _entry(comment)
     if entry is None or _field_name(entry[1]) != "robot" or _STRUCTURED.match(entry[2].strip()):
         return None
     if mentioned_units(entry[2]) or convention_in_prose(entry[2]):
@@ -170,7 +177,7 @@ def below_header(comment: Comment) -> Problem:
 
 def _phrase(comment: Comment) -> tuple[str, Node] | None:
     """The units or the convention that a comment says in words."""
-    entry = _ENTRY.fullmatch(comment.text)
+    entry = _entry(comment)
     text = _BULLET.sub("", comment.text) if comment.text.lstrip()[:1] in _BULLETS else comment.text
     units = units_said(text) or (unit_of_measure(entry[1], entry[2]) if entry else None)
     if units:
@@ -243,7 +250,7 @@ def _node(comment: Comment, text: str, start: int = 0) -> Node:
 
 def _refuse_unread(comment: Comment) -> None:
     """Refuses a comment that says something under a key that nothing reads, where a program was meant to read it."""
-    entry = _ENTRY.fullmatch(comment.text)
+    entry = _entry(comment)
     if entry is None:
         return
     key, value = _plain(entry[1]), entry[2].strip()
@@ -280,13 +287,13 @@ def placement_of(key: str) -> str | None:
 
 def words_under_key(comment: Comment, keys: Collection[str]) -> list[str]:
     """The words that a comment says under one of some keys, and nothing besides; none where it has another key."""
-    entry = _ENTRY.fullmatch(comment.text)
+    entry = _entry(comment)
     return _WORD.findall(entry[2]) if entry and _plain(entry[1]) in keys else []
 
 
 def unread_values(comment: Comment) -> list[Problem]:
     """A notice of a comment that gives a number to something: nothing reads it; a joint gets it from a column."""
-    entry = _ENTRY.fullmatch(comment.text)
+    entry = _entry(comment)
     if entry is None or _plain(entry[1]) in _OF_THE_FILE:
         return []
     field = read_header(entry[1]).field

@@ -67,6 +67,10 @@ _UNREAD = late_pattern(
     re.IGNORECASE,
 )
 """What prose adds to joints or to all numbers, and no comment can: ``θ2 = q2 - 90°``, ``all × 10⁻³``."""
+_IN_UNREAD = (
+    "= 10 multipl divided scaled units fixed locked coupled mimic reversed inverted opposite negative positive".split()  # noqa: SIM905
+)
+"""What such prose has at least one of: most comments have none, and need no search."""
 _NUMBER = late_pattern(r"(?<![^\W])[-+−]?(?:[0-9]*\.)?[0-9]+")
 _LENGTH = late_pattern(r"(?<![\w.,])[-+−]?[0-9]*[.,]?[0-9]*[1-9][0-9]*[.,]?[0-9]*\s*(?:mm|cm|m|µm|inch(?:es)?)\b")
 
@@ -139,15 +143,20 @@ def types_elsewhere(comment: Comment, *, typed: bool) -> list[Problem]:
     ]
 
 
+def _is_bare(text: str) -> bool:
+    """Whether a text is a place and a number, and nothing besides."""
+    return bool(placement_of(_NUMBER.sub(" ", text)) and _NUMBER.search(text))
+
+
 def _unread_prose(comment: Comment, statements: Statements) -> list[Problem]:
     """A notice of prose that gives a length of the tool or of the base, or says what only columns can say."""
     placed = map(placement_of, re.findall(r"[^\W\d_]+", comment.text))
     found = {kind for kind in placed if kind}
     what = found.pop() if len(found) == 1 else None
-    bare = placement_of(_NUMBER.sub(" ", comment.text)) and _NUMBER.search(comment.text)
-    if what is None or what in statements.placed or not (bare or _LENGTH.search(comment.text)):
+    if what in statements.placed or not (what and (_is_bare(comment.text) or _LENGTH.search(comment.text))):
         what = None
-    if what is None and not _UNREAD.search(comment.text):
+    plain = comment.text.casefold()
+    if what is None and not (any(word in plain for word in _IN_UNREAD) and _UNREAD.search(comment.text)):
         return []
     return [
         Problem(

@@ -28,7 +28,7 @@ _COUNTED = late_pattern(r"\b(?:joints?|axis|axes|links?|rows?|gelenke?|achsen?|a
 def _meanings(text: str) -> Iterator[tuple[str, str]]:
     """The meanings that a legend gives to the numbers 0 and 1, as words in lower case."""
     plain = text.casefold()
-    for match in _PAIR.finditer(plain):
+    for match in _PAIR.finditer(plain) if any(code in plain for code in _CODES) else ():
         one, other = match.groups()
         code, word = (one, other) if one in _CODES else (other, one)
         if code in _CODES and not word.isdigit() and not _COUNTED.search(plain[: match.start()]):

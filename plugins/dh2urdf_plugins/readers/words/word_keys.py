@@ -25,14 +25,16 @@ def key_of(plain: str) -> str:
             return plain
     else:
         plain = unicodedata.normalize("NFD", plain)
-        for dotted, word in _DOTS.items():
-            plain = plain.replace(dotted, word)
+        if not _DOT_WORDS.keys().isdisjoint(plain):
+            for dotted, word in _DOTS.items():
+                plain = plain.replace(dotted, word)
     return plain.translate(_KEY)
 
 
 def keys_of(word: str) -> set[str]:
     """The keys by which a word of the lists above is known: with ``ä`` written as ``a`` or as ``ae``."""
-    return {key_of(word)} if word.isascii() else {key_of(word), key_of(word.translate(_WITHOUT_DOTS))}
+    twin = word if word.isascii() else word.translate(_WITHOUT_DOTS)
+    return {key_of(word)} if twin == word else {key_of(word), key_of(twin)}
 
 
 # --- Other languages --------------------------------------------------------------------------------------------------

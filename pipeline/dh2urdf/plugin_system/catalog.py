@@ -260,7 +260,7 @@ class Catalog:
 
     def _no_stage_for(self, kind: Kind, path: Path, advice: str) -> InputError:
         suffixes = sorted({s for item in self.provided(kind) for s in getattr(item.stage, "suffixes", ())})
-        accepted = f"a file name that ends in {', '.join(suffixes)}"
+        accepted = f"a file name that ends in {', '.join(suffixes)}" if suffixes else f"no file: there is no {kind}"
         is_sheet = kind == "reader" and path.suffix.lower() in _SPREADSHEETS
         self._blame_broken(f"no other plugin takes the file {shown(path.name)}; accepted: {accepted}")
         return InputError(

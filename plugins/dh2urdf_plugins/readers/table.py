@@ -19,6 +19,7 @@ from dh2urdf_plugins.readers.statements.top import read_top
 from dh2urdf_plugins.readers.tables.cell_rows import CellRows
 from dh2urdf_plugins.readers.tables.row_table import RowTable
 from dh2urdf_plugins.readers.words.cells import Cell
+from dh2urdf_plugins.readers.words.comment_lines import Comment
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
@@ -41,6 +42,7 @@ def read_table(
     statements: Mapping[str, Node] | None = None,
     decimal_comma: bool = False,
     notices: Iterable[Problem] = (),
+    title: Cell | None = None,
     trace: Trace | None = None,
 ) -> Iterator[Manipulator | Rejected]:
     """The manipulators of a table.
@@ -58,6 +60,7 @@ def read_table(
         statements: what the file says outside its rows, by key: name, convention, units, base, tool, defaults.
         decimal_comma: whether ``0,5`` is a number: it is none where commas separate cells.
         notices: what the reader of the container reports about the file; they come with the first manipulator.
+        title: what the container calls the table, as the title of a sheet: a comment, whatever its words are.
         trace: takes what the cells of each manipulator say before the manipulator is yielded; None where that is not
             wanted, which is faster.
 
@@ -75,6 +78,7 @@ def read_table(
         statements=statements,
         decimal_comma=decimal_comma,
         notices=notices,
+        title=title,
         trace=trace,
     ):
         if isinstance(item, ManipulatorGroups):
@@ -92,6 +96,7 @@ def read_table_columns(
     statements: Mapping[str, Node] | None = None,
     decimal_comma: bool = False,
     notices: Iterable[Problem] = (),
+    title: Cell | None = None,
     trace: Trace | None = None,
 ) -> Iterator[Manipulator | ManipulatorGroups | Rejected]:
     """The same as `read_table`, but for manipulators about which there is nothing to say: these come in columns.
@@ -104,5 +109,5 @@ def read_table_columns(
     top = read_top(source, whole, statements)
     table = RowTable(Cell(PurePath(file).stem if name is None else name, whole), options, top, source, trace)
     table.notices += notices
-    table.judge(top.comments)
+    table.judge(top.comments if title is None else [*top.comments, Comment.note(title.text, title.mark)])
     yield from table.manipulators()

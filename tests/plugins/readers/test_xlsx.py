@@ -212,6 +212,42 @@ def test_a_row_of_units_that_contradicts_the_header(sheet: Worksheet) -> None:
     assert "arm.xlsx:Sheet2!A2: error: the row of units says 'cm', and the header above says 'a [mm]'" in refusal()
 
 
+@pytest.mark.parametrize(
+    ("title", "words"),
+    [
+        ("DH modified (Craig)", "speaks of the modified convention, and the table is read as standard"),
+        ("joint 2 is fixed", "is a comment, and nothing is read from it"),
+    ],
+)
+def test_the_title_of_a_sheet_is_a_comment(sheet: Worksheet, title: str, words: str) -> None:
+    """What it says is not lost; nothing is read from it."""
+    sheet.title = title
+    fill(sheet, HEADER, FIRST, SECOND)
+    said = notices(read_one())
+    assert words in said
+    assert f"arm.xlsx:{title}" in said
+
+
+@pytest.mark.parametrize("title", ["lengths in cm", "a, d in mm"])
+def test_the_title_of_a_sheet_has_a_unit(sheet: Worksheet, title: str) -> None:
+    """Where nothing else has one, the table would be read in metres."""
+    sheet.title = title
+    fill(sheet, HEADER, FIRST, SECOND)
+    unit = title[-2:]
+    assert f"this comment mentions {unit}, and lengths are read in m, since nothing declares a unit" in refusal()
+    fill(sheet, [*HEADER[:2], f"a [{unit}]", "alpha", f"d [{unit}]", "theta"])
+    assert "mentions" not in notices(read_one())
+
+
+@pytest.mark.parametrize(
+    "title", ["Sheet1", "Tabelle1", "UR5e", "Puma 560 (6 DOF)", "DH", "v2.1", "2024-05-01", "Arm #3"]
+)
+def test_a_title_that_says_nothing(sheet: Worksheet, title: str) -> None:
+    sheet.title = title
+    fill(sheet, HEADER, FIRST, SECOND)
+    assert not read_one().notices
+
+
 def test_titles_over_several_columns(sheet: Worksheet) -> None:
     """A merged title gives the columns below it its unit; one without effect is spoken of."""
     fill(

@@ -15,6 +15,7 @@ from dh2urdf.source import Mark, Problem, did_you_mean, listed, shown
 from dh2urdf.stages import Rejected
 from dh2urdf_plugins.readers.statements.top import find_header
 from dh2urdf_plugins.readers.table import read_table
+from dh2urdf_plugins.readers.words.cells import Cell
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -90,9 +91,16 @@ class _Workbook:
     def _read(self, table: SheetRows, name: str) -> Iterator[Manipulator | Rejected]:
         notices = [*self.notices, *_hidden(table), *_comments(table)]
         self.notices = []
-        rows = _guarded(table, self.path)
+        rows, title = _guarded(table, self.path), table.sheet.title
         for item in read_table(
-            rows, self.file, self.options, name=name, decimal_comma=True, notices=notices, trace=self.trace
+            rows,
+            self.file,
+            self.options,
+            name=name,
+            decimal_comma=True,
+            notices=notices,
+            title=Cell(title, Mark(file=self.file, place=title)),
+            trace=self.trace,
         ):
             struck, table.struck = table.struck, []
             yield replace(item, notices=(*item.notices, _struck(struck))) if struck else item

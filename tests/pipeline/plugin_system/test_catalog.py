@@ -300,6 +300,11 @@ class TestSuffixes:
         with pytest.raises(StageConflictError, match=r"reader 'csv' is claimed by one 1\.0 and by two"):
             catalog.reader_for(Path("arm.csv"))
 
+    def test_nobody_reads_anything(self) -> None:
+        """A list of suffixes would be empty: the message says so."""
+        with pytest.raises(InputError, match="accepted: no file: there is no reader"):
+            Catalog([]).reader_for(Path("arm.csv"))
+
 
 class TestEntryPoints:
     def test_the_built_in_stages_are_installed(self) -> None:

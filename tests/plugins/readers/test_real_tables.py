@@ -380,6 +380,22 @@ def test_an_offset_of_theta_is_read_in_yaml(read: Read) -> None:
 
 
 @pytest.mark.parametrize(
+    ("keys", "theta"),
+    [
+        ("theta_offset: 0, theta: 0.2", 0.2),
+        ("theta: 0.2, theta_offset: 0.0", 0.2),
+        ("theta: 0.2, theta_offset: 0.3", None),
+        ("theta: 0, theta_offset: 0.3", None),
+        ("theta: 0.2, θ: 0", None),
+    ],
+)
+def test_two_keys_of_theta(keys: str, theta: float | None, read: Read) -> None:
+    """In either order; of two that are theta itself, none is dropped, though one be 0."""
+    (arm,) = read(f"convention: standard\njoints: [{{a: 0.3, alpha: 0, d: 0, {keys}}}]", ".yaml")
+    assert (arm.rows[0].theta if isinstance(arm, Manipulator) else None) == theta
+
+
+@pytest.mark.parametrize(
     ("table", "said"),
     [
         ("动作,a,alpha,d\n直线运动,0.3,0,0\n", "seems to be a type"),

@@ -18,7 +18,7 @@ from dh2urdf_plugins.readers.words.fields import FIELDS
 from dh2urdf_plugins.readers.words.unheld import THETA_OFFSETS
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterable, Sequence
 
 _INDEX_J = late_pattern(r"[jⱼ][\s)}\]]*(?:[\[(].*)?$", re.IGNORECASE)
 """The index of Khalil and Kleinfinger."""
@@ -93,9 +93,10 @@ def name_columns(headers: Sequence[str], marks: Sequence[Mark], mark: Mark) -> C
     problems: list[Problem] = []
     first: dict[str, int] = {}
     indexed: int | None = None
-    has_angle = any(map(_is_angle, headers))
+    spare = parts_beside_theta(headers)
     for index, (text, place) in enumerate(zip(headers, marks, strict=True)):
-        header = _beside_angle(read_header(text)) if has_angle else read_header(text)
+        header = read_header(text)
+        header = header._replace(field=None) if text in spare else header
         columns.fields.append(header.field.name if header.field else None)
         if header.field is None:
             _unknown(columns, header, index, place, problems)
@@ -127,15 +128,11 @@ def name_columns(headers: Sequence[str], marks: Sequence[Mark], mark: Mark) -> C
     return columns
 
 
-def _is_angle(text: str) -> bool:
-    """Whether a header is that of theta itself, and not of its constant part."""
-    header = read_header(text)
-    return header.field is FIELDS["theta"] and header.key not in THETA_OFFSETS
-
-
-def _beside_angle(header: Header) -> Header:
-    """What a header says where theta has a column: that of its constant part is no other one."""
-    return header._replace(field=None) if header.key in THETA_OFFSETS else header
+def parts_beside_theta(texts: Iterable[str]) -> set[str]:
+    """The headers of a constant part of theta in a table or row that has theta itself: they name no field."""
+    of_theta = {text for text in texts if read_header(text).field is FIELDS["theta"]}
+    parts = {text for text in of_theta if read_header(text).key in THETA_OFFSETS}
+    return parts if parts < of_theta else set()
 
 
 def _legend(name: str, text: str, mark: Mark) -> list[Problem]:

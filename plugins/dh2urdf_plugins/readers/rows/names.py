@@ -31,7 +31,7 @@ def _key(name: str) -> str:
 
 
 def _words(text: str) -> frozenset[str]:
-    return frozenset(text.split() if text.isascii() else map(_key, text.split()))
+    return frozenset(word if word.isascii() else _key(word) for word in text.split())
 
 
 _TOTALS = _words("""

@@ -11,6 +11,7 @@ from dh2urdf.manipulator import Convention, Manipulator
 from dh2urdf.row_fields import COM, INERTIA, LIMITS
 from dh2urdf.source import Problem, shown
 from dh2urdf.stages import Rejected
+from dh2urdf_plugins.readers.header.columns import parts_beside_theta
 from dh2urdf_plugins.readers.header.units import effort_notice
 from dh2urdf_plugins.readers.header.unknown_columns import ignored, meant_key, refusal, refused
 from dh2urdf_plugins.readers.header.words import bounds_theta, parts_of, read_header
@@ -24,7 +25,6 @@ from dh2urdf_plugins.readers.tables.tables import manipulator, read_rows
 from dh2urdf_plugins.readers.words.bounds import MAX_JOINTS
 from dh2urdf_plugins.readers.words.cells import Cell
 from dh2urdf_plugins.readers.words.fields import FIELDS, GROUPS
-from dh2urdf_plugins.readers.words.unheld import UNHELD
 from dh2urdf_plugins.readers.yaml_file import forms
 from dh2urdf_plugins.readers.yaml_file.comments import CommentLines, judge_comments
 
@@ -240,8 +240,12 @@ class _Table:
         """The entries of a joint by field."""
         own: dict[str, Cell] = {}
         before = len(self.problems)
-        for key, item in node.value.items() if isinstance(node.value, dict) else ():
-            if key not in MESH_KEYS:
+        entries = node.value if isinstance(node.value, dict) else {}
+        spare = parts_beside_theta(entries)
+        for key, item in entries.items():
+            if key in spare:
+                self._unknown(node, key, item, "a joint")
+            elif key not in MESH_KEYS:
                 self._take(own, node, key, item, "a joint")
         cells = {**common, **own}
         if "flip" in own or "sign" in own:  # one field under two names
@@ -266,21 +270,16 @@ class _Table:
             self._take_group(cells, node, field)
         else:
             if field in ("a", "alpha") and read_header(key).link == "i-1":
-                self._is_modified(mapping, key)
+                cell = Cell(key, mapping.key_mark(key))
+                self.statements.declare_implied_convention(Convention.MODIFIED, cell, self.problems.append)
             self._put(cells, field, node)
         if field and bounds_theta(read_header(key)):
             named = [part for part in parts_of(FIELDS[field]) if part in cells]
             cells |= {part: cells[part]._replace(of_theta=True) for part in named}
 
-    def _is_modified(self, mapping: Node, key: str) -> None:
-        cell = Cell(key, mapping.key_mark(key))
-        self.statements.declare_implied_convention(Convention.MODIFIED, cell, self.problems.append)
-
     def _put_cell(self, cells: dict[str, Cell], field: str, cell: Cell) -> None:
         twin = {"flip": "sign", "sign": "flip"}.get(field, field)
         if field in cells or twin in cells:
-            if field == "theta" and cell.text in ("0", "0.0"):  # `theta_offset: 0` beside theta
-                return
             other = cells.get(field) or cells[twin]
             message = f"{field} is given a second time; the first is in line {other.mark.line}"
             self._error(cell.mark, field, message, found=cell.text, accepted="each field once")
@@ -375,7 +374,7 @@ class _Table:
         if key in self.unknown:
             return
         why = refusal(key, header, "key")
-        if why and header.key in UNHELD:
+        if why and why.zero:
             cell = Cell("" if node.value is None else node.text or node.describe(), mapping.key_mark(key))
             if problem := refused(cell, key, why, None, what="key"):
                 self.problems.append(problem)

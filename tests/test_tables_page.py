@@ -36,7 +36,7 @@ from dh2urdf_plugins.readers.rows import cells as row_cells, rows
 from dh2urdf_plugins.readers.statements import csv_comments, plausibility, text, top
 from dh2urdf_plugins.readers.table import TableOptions
 from dh2urdf_plugins.readers.tables import tables
-from dh2urdf_plugins.readers.words import fields, names, unheld, word_keys
+from dh2urdf_plugins.readers.words import fields, names, other_words, unheld
 from dh2urdf_plugins.readers.words.word_keys import key_of
 from dh2urdf_plugins.readers.xlsx_file import workbook as xlsx_file
 from dh2urdf_plugins.readers.yaml_file import reading as yaml_reading, schema as yaml_schema
@@ -516,7 +516,7 @@ def test_every_header_of_other_languages_is_in_the_page() -> None:
     """Field by field and language by language, in both directions; each is read as its field."""
     page = {name: list(map(code, others)) for name, *others in TABLES["languages"]}
     assert page == {
-        name: [list(field.others.get(language, ())) for language in word_keys.LANGUAGES]
+        name: [list(field.others.get(language, ())) for language in other_words.LANGUAGES]
         for name, field in fields.FIELDS.items()
         if field.others
     }

@@ -98,6 +98,7 @@ class _LateInit(Late):
     """An `__init__` that fills the first few records without code of its own: in most commands there are no more."""
 
     _records = 0
+    _fields: tuple[tuple[str, object, Any], ...] = ()  # name, default and factory of each
 
     def __get__(self, record: object, kind: type | None = None) -> Any:  # noqa: ANN401 - a function or a method
         if record is None or self._records >= _FEW:
@@ -108,19 +109,22 @@ class _LateInit(Late):
     def _fill(self, record: object, /, *given: Any, **named: Any) -> None:  # noqa: ANN401 - the values of the fields
         kind: Any = self._kind
         values = dict(zip(kind.__match_args__, given, strict=False)) | named
-        known = fields(kind)
-        if len(values) == len(given) + len(named):  # None is unknown, and none comes twice.
-            for field in known:
-                if field.name not in values and field.default_factory is not MISSING:
-                    values[field.name] = field.default_factory()
-                elif field.name not in values and field.default is not MISSING:
-                    values[field.name] = field.default
-            if values.keys() == {field.name for field in known}:
-                for field in known:
-                    object.__setattr__(record, field.name, values[field.name])
-                if hasattr(kind, "__post_init__"):
-                    record.__post_init__()  # type: ignore[attr-defined]
-                return
+        is_once = len(values) == len(given) + len(named)
+        self._fields = self._fields or tuple([(each.name, each.default, each.default_factory) for each in fields(kind)])
+        ready = []
+        for name, default, make in self._fields:
+            if name in values:
+                ready.append((name, values.pop(name)))
+            elif make is not MISSING:
+                ready.append((name, make()))
+            elif default is not MISSING:
+                ready.append((name, default))
+        if is_once and not values and len(ready) == len(self._fields):  # None is unknown, and none is missing.
+            for name, value in ready:
+                object.__setattr__(record, name, value)
+            if hasattr(kind, "__post_init__"):
+                record.__post_init__()  # type: ignore[attr-defined]
+            return
         super().__get__(record)(*given, **named)  # It has the words for what is wrong.
 
 

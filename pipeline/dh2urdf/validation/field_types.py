@@ -74,6 +74,7 @@ def settled(hint: Any, *, exact: bool) -> Iterator[type]:  # noqa: ANN401 - a ty
         yield hint
 
 
+@cache
 def hints_of(kind: Any) -> dict[str, Any]:  # noqa: ANN401 - a dataclass
     """The types of the fields of a record, as `typing.get_type_hints` has them.
 
@@ -81,7 +82,9 @@ def hints_of(kind: Any) -> dict[str, Any]:  # noqa: ANN401 - a dataclass
     """
     hints: dict[str, Any] = {}
     for base in reversed(kind.__mro__):
-        texts = vars(base).get("__annotations__", {})
+        texts = vars(base).get("__annotations__")
+        if not texts:
+            continue
         if not all(isinstance(text, str) for text in texts.values()):
             return get_type_hints(kind)
         code = f"({''.join(f'{text}, ' for text in texts.values())})"

@@ -8,7 +8,7 @@ from functools import cache, lru_cache
 from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.patterns import late_pattern
 from dh2urdf.quantities import UNITS, composed, is_unit, unit_word
-from dh2urdf_plugins.readers.words.fields import FIELDS, GROUPS, WORDS, Field
+from dh2urdf_plugins.readers.words.fields import FIELDS, GROUPS, Field, header_fields
 from dh2urdf_plugins.readers.words.unheld import IGNORED, PROSE, SUSPECTS, UNHELD
 from dh2urdf_plugins.readers.words.word_keys import key_of, keys_of
 
@@ -208,7 +208,7 @@ def _is_loose(words: str, field: Field) -> bool:
 def _named(plain: str) -> Header:
     if plain.startswith(_INDEXED) and not _LETTERS.isdisjoint(plain) and (match := _INDEX.fullmatch(plain)):
         key = key_of(match[1])
-        return Header(WORDS.get(key) if key not in UNHELD else None, key, link="i-1" if match[2] else "i")
+        return Header(_exact(key), key, link="i-1" if match[2] else "i")
     if plain in _SIGNED:
         plain = _SIGNED[plain]
     elif plain.startswith(("q", "theta", "θ")) and (match := _INDEXED_BOUND.fullmatch(plain)):
@@ -234,25 +234,34 @@ def bounds_theta(header: Header) -> bool:
 
 # --- Words around a header --------------------------------------------------------------------------------------------
 
-_AROUND = {name: tuple({key for word in each.around for key in keys_of(word)}) for name, each in FIELDS.items()}
+
+@cache
+def _around(name: str) -> tuple[str, ...]:
+    """The keys of the words that may stand around the headers of a field."""
+    return tuple({key for word in FIELDS[name].around for key in keys_of(word)}) if name in FIELDS else ()
+
+
+def _exact(key: str) -> Field | None:
+    """The field one of whose headers has a key."""
+    if key in FIELDS:
+        return FIELDS[key]  # no word of the lists is needed
+    return None if key in UNHELD else header_fields().get(key)
 
 
 @lru_cache(maxsize=1024)
 def field_of(key: str) -> Field | None:
     """The field that a key means, also with words around it that say nothing new: ``maxjointspeed``."""
-    if key in UNHELD:
-        return None
-    if key in WORDS or len(key) > _LONGEST:
-        return WORDS.get(key)
+    if (found := _exact(key)) or key in UNHELD or len(key) > _LONGEST:
+        return found
     return next((each for each in FIELDS.values() if each.around and _has_core(key, each.name)), None)
 
 
 @lru_cache(maxsize=4096)
 def _has_core(key: str, name: str) -> bool:
     """Whether a key without some of the words around is a header of a field."""
-    if key in WORDS:
-        return WORDS[key].name == name
-    if not (key.startswith(_AROUND[name]) or key.endswith(_AROUND[name])):
+    if (found := header_fields().get(key)) is not None:
+        return found.name == name
+    if not key.startswith(_around(name)) and not key.endswith(_around(name)):
         return False
     return any(_has_core(rest, name) for rest in _cores(key, name))
 
@@ -270,7 +279,7 @@ def misspelt(key: str) -> Field | None:
         return None
     written = (key, key.removesuffix("i"))  # `tehta_i`
     all_keys = {name: (*written, *_cores(key, name)) for name in FIELDS}
-    for word, field in WORDS.items():
+    for word, field in header_fields().items():
         keys = all_keys.get(field.name, written)
         sure = _SURE if word == field.name else _LONG
         if len(word) >= sure and any(one_slip(key, word) or _is_shuffled(key, word) for key in keys):
@@ -280,7 +289,7 @@ def misspelt(key: str) -> Field | None:
 
 def _cores(key: str, name: str) -> list[str]:
     """What is left of a key without one of the words around a field."""
-    around = _AROUND.get(name, ()) if len(key) <= _LONGEST else ()
+    around = _around(name) if len(key) <= _LONGEST else ()
     rests = {rest for word in around for rest in (key.removeprefix(word), key.removesuffix(word))}
     return [
         rest

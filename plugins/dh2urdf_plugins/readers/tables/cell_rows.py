@@ -225,6 +225,14 @@ def _names_fields(row: CellRow) -> bool:
     return len(fields) > 1 and None not in fields and len({each.name for each in fields if each}) == len(fields)
 
 
+def _is_decimal(text: str) -> bool:
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True
+
+
 def other_header(row: CellRow, number: int, place: str) -> Problem | None:
     """What is wrong with a row that is the header of another table; None where it is none.
 
@@ -233,6 +241,8 @@ def other_header(row: CellRow, number: int, place: str) -> Problem | None:
         number: its number.
         place: where each table may be, by itself: `on a sheet`.
     """
+    if any(text[-1:].isdecimal() and _is_decimal(text) for text in map(text_in, row.cells)):
+        return None  # It is known without a look at what its words mean.
     if is_header(row):
         advice = f"put each table {place} of its own, or all rows below one header with a column robot"
     elif _names_fields(row):

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import field
+from functools import cache
 
 from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.manipulator import Convention, JointType
 from dh2urdf.quantities import Dimension
 from dh2urdf.row_fields import COM, INERTIA, ROW_FIELDS, RowField
-from dh2urdf_plugins.readers.words.word_keys import MORE, key_of, keys_of
+from dh2urdf_plugins.readers.words.word_keys import key_of, keys_of
 
 
 @dataclass(frozen=True, slots=True)
@@ -22,7 +21,6 @@ class Field:
         dimension: what it measures; None for words.
         linear: what it measures in the row of a prismatic joint, where that is something else.
         around: words that may stand before or behind its headers and say nothing new: ``max`` of ``max speed``.
-        others: what tables call it in other languages, by language.
         parts: the fields that a cell of it holds, where it is several.
     """
 
@@ -31,8 +29,14 @@ class Field:
     dimension: Dimension | None = None
     linear: Dimension | None = None
     around: tuple[str, ...] = ()
-    others: Mapping[str, tuple[str, ...]] = field(default_factory=dict, compare=False)
     parts: tuple[str, ...] = ()
+
+    @property
+    def others(self) -> dict[str, tuple[str, ...]]:
+        """What tables call it in other languages, by language."""
+        from dh2urdf_plugins.readers.words.other_words import other_headers
+
+        return other_headers().get(self.name, {})
 
     @property
     def words(self) -> tuple[str, ...]:
@@ -64,26 +68,16 @@ def _field(
     dimension: Dimension | None = None,
     around: str = "",
     parts: tuple[str, ...] = (),
-    **others: str,
 ) -> Field:
     """A field; what it measures is that of the number in `ROW_FIELDS`, or of its first part."""
-    others |= {language: words[name] for language, words in MORE.items() if name in words}
-    languages = {language: _words(words) for language, words in others.items()}
     number = ROW_FIELDS.get(parts[0] if parts else name, RowField(dimension))
-    dimension, linear = number.dimension, number.linear
-    return Field(name, _words(headers), dimension, linear, _words(around), languages, parts)
+    return Field(name, _words(headers), number.dimension, number.linear, _words(around), parts)
 
 
 def _com(axis: str) -> Field:
     of_words = (f"{word} {axis}, {axis} {word}" for word in _words(_CENTRES))
     headers = f"com_{axis}, c{axis}, {axis}c, cg{axis}, {axis}cg, {', '.join(of_words)}"
-    german = f"schwerpunkt {axis}, {axis} schwerpunkt, massenschwerpunkt {axis}"
-    french = f"centre de masse {axis}, centre de gravité {axis}"
-    spanish = f"centro de masa {axis}, centro de masas {axis}, centro de gravedad {axis}"
-    italian = f"centro di massa {axis}, baricentro {axis}"
-    portuguese, chinese = f"centro de massa {axis}, centro de gravidade {axis}", f"质心 {axis}, 重心 {axis}"
-    words = {"de": german, "fr": french, "es": spanish, "it": italian, "pt": portuguese, "zh": chinese}
-    return _field(f"com_{axis}", headers, dimension=None, around=_LINK, parts=(), **words)
+    return _field(f"com_{axis}", headers, around=_LINK)
 
 
 def _moment(name: str) -> Field:
@@ -91,83 +85,25 @@ def _moment(name: str) -> Field:
     numbers = axes.translate(str.maketrans("xyz", "123"))
     twins = {axes, axes[::-1]}
     headers = ", ".join([name, *(f"i{twin}" for twin in twins - {axes}), f"j{axes}", f"i{numbers}", f"inertia {axes}"])
-    return _field(
-        name,
-        headers,
-        around=_LINK,
-        de=f"trägheit {axes}",
-        fr=f"inertie {axes}",
-        es=f"inercia {axes}",
-        it=f"inerzia {axes}",
-        pt=f"inércia {axes}",
-        zh=f"惯量 {axes}",
-    )
+    return _field(name, headers, around=_LINK)
 
 
 def _fields() -> dict[str, Field]:
     fields = [
-        _field(
-            "robot",
-            "robot, manipulator, model, robot name, manipulator name, model name, arm, arm name",
-            de="roboter, robotername, modell",
-            fr="manipulateur, modèle, nom du robot",
-            es="manipulador, modelo, nombre del robot",
-            it="manipolatore, modello, nome del robot",
-        ),
-        _field("convention", "convention, dh convention", de="konvention", es="convención", it="convenzione"),
+        _field("robot", "robot, manipulator, model, robot name, manipulator name, model name, arm, arm name"),
+        _field("convention", "convention, dh convention"),
         _field(
             "index",
             "i, #, index, no, nr, number, num, n°, joint number, joint no, joint nr, joint index, joint #, "
             "axis number, axis no",
-            de="nummer, lfd nr, gelenknummer, achsnummer",
-            fr="numéro, indice",
-            es="número, índice",
-            it="numero",
         ),
-        _field(
-            "joint",
-            "joint, joint name, name, joint id, axis, axis name, joints",
-            de="gelenk, gelenkname, achse, achsname",
-            fr="articulation, nom, nom de l'articulation, axe, liaison",
-            es="articulación, nombre, eje, junta",
-            it="giunto, nome, nome del giunto, asse, articolazione",
-        ),
-        _field(
-            "link", "link, link name, body, links", de="glied, armglied", fr="corps, maillon", es="eslabón", it="membro"
-        ),
-        _field(
-            "type",
-            "type, joint type, kind, sigma, σ, r/p, p/r, type of joint, axis type",
-            de="typ, gelenktyp, achstyp, gelenkart",
-            fr="type d'articulation, type de liaison",
-            es="tipo, tipo de articulación, tipo de junta",
-            it="tipo, tipo di giunto",
-        ),
-        _field(
-            "a",
-            "a, r, link length, length",
-            de="länge, gliedlänge, armlänge",
-            fr="longueur, longueur du corps, longueur du segment",
-            es="longitud, longitud del eslabón",
-            it="lunghezza, lunghezza del link",
-        ),
-        _field(
-            "alpha",
-            "alpha, α, twist, link twist, twist angle, link twist angle",
-            de="verdrehung, verwindung, verdrehwinkel",
-            fr="torsion, angle de torsion",
-            es="alfa, torsión, ángulo de torsión",
-            it="alfa, torsione, angolo di torsione",
-        ),
-        _field("d", "d, link offset, joint distance", de="gelenkabstand"),
-        _field(
-            "theta",
-            "theta, θ, th, joint angle, theta offset, offset theta, theta const, joint angle offset",
-            de="gelenkwinkel, drehwinkel",
-            fr="angle articulaire",
-            es="ángulo articular, ángulo de articulación",
-            it="angolo di giunto",
-        ),
+        _field("joint", "joint, joint name, name, joint id, axis, axis name, joints"),
+        _field("link", "link, link name, body, links"),
+        _field("type", "type, joint type, kind, sigma, σ, r/p, p/r, type of joint, axis type"),
+        _field("a", "a, r, link length, length"),
+        _field("alpha", "alpha, α, twist, link twist, twist angle, link twist angle"),
+        _field("d", "d, link offset, joint distance"),
+        _field("theta", "theta, θ, th, joint angle, theta offset, offset theta, theta const, joint angle offset"),
         _field("offset", "offset, joint offset"),
         _field("beta", "beta, β", dimension=Dimension.ANGLE),
         _field("gamma", "gamma, γ", dimension=Dimension.ANGLE),
@@ -177,79 +113,45 @@ def _fields() -> dict[str, Field]:
             "sign, direction, dir, polarity, rotation direction, direction of rotation",
             dimension=Dimension.NUMBER,
             around=_JOINT,
-            de="vorzeichen, drehrichtung",
-            fr="signe, sens, sens de rotation",
-            es="signo, sentido, sentido de giro",
-            it="segno, verso, senso di rotazione",
         ),
-        _field(
-            "flip", "flip, flipped, inverted, reversed", de="invertiert", fr="inversé", es="invertido", it="invertito"
-        ),
+        _field("flip", "flip, flipped, inverted, reversed"),
         _field(
             "limits",
             "limits, limit, range, qlim, range of motion, motion range, working range, stroke, travel",
             around=f"{_JOINT}, {_OF}, motion, movement, position, angle, angular, q, theta",
             parts=("lower", "upper"),
-            de="grenzen, bereich, arbeitsbereich, bewegungsbereich, schwenkbereich, winkelbereich",
-            fr="limites, plage, débattement, course",
-            es="límites, rango, recorrido, carrera",
-            it="limiti, corsa, escursione",
         ),
         _field(
             "lower",
             "lower, q_min, min, lower limit, limit lower, low, lo, minimum, q_lo, lower bound",
             around=f"{_JOINT}, {_OF}, {_BOUND}",
-            de="untere, unterer, unteres, untergrenze, grenze unten, minimal, minimaler, minimale",
-            fr="inférieure, inférieur, mini, minimale",
-            es="inferior, mínimo, mínima",
-            it="inferiore, minimo, minima",
         ),
         _field(
             "upper",
             "upper, q_max, max, upper limit, limit upper, high, hi, maximum, q_hi, upper bound",
             around=f"{_JOINT}, {_OF}, {_BOUND}",
-            de="obere, oberer, oberes, obergrenze, grenze oben, maximal, maximaler, maximale",
-            fr="supérieure, supérieur, maxi",
-            es="superior, máximo, máxima",
-            it="superiore, massimo, massima",
         ),
         _field(
             "velocity",
             "velocity, speed, vel, omega, max velocity, velocity limit, v_max, qd_max, q_dot_max, dot_q_max, dq_max, "
             "theta_dot_max",
             around=f"{_JOINT}, {_MOST}, {_OF}, angular, rotational, rotation",
-            de="geschwindigkeit, winkelgeschwindigkeit",
-            fr="vitesse, vitesse angulaire",
-            es="velocidad, velocidad angular",
-            it="velocità, velocità angolare",
         ),
         _field(
             "effort",
             "effort, torque, force, tau, max effort, effort limit, peak torque",
             around=f"{_JOINT}, {_MOST}, {_OF}",
-            de="drehmoment, kraft, maximalmoment",
-            fr="couple",
-            es="par máximo, par max, par de torsión, fuerza",
-            it="coppia, forza",
         ),
         _field(
             "mass",
             "mass, m, m_i, weight",
             around=f"{_LINK}, {_OF}",
-            de="masse, gewicht",
-            fr="poids",
-            es="masa, peso",
-            it="massa",
         ),
         _field(
             "com",
             f"{_CENTRES}, com position",
             around=f"{_LINK}, {_OF}, position, location, vector, xyz",
             parts=COM,
-            de="schwerpunkt, massenschwerpunkt, schwerpunktlage",
-            fr="centre de masse, centre de gravité",
-            es="centro de masa, centro de masas, centro de gravedad",
-            it="centro di massa, baricentro",
         ),
         *map(_com, "xyz"),
         _field(
@@ -257,30 +159,18 @@ def _fields() -> dict[str, Field]:
             _TENSORS,
             around=f"{_LINK}, {_OF}",
             parts=INERTIA,
-            de="trägheit, trägheitstensor, trägheitsmatrix, trägheitsmoment, massenträgheit",
-            fr="inertie, matrice d'inertie, tenseur d'inertie, moment d'inertie",
-            es="inercia, matriz de inercia, tensor de inercia, momento de inercia",
-            it="inerzia, matrice d'inerzia, tensore d'inerzia, momento d'inerzia",
         ),
         *map(_moment, INERTIA),
-        _field("radius", "radius", around=_LINK, fr="rayon", es="radio", it="raggio"),
+        _field("radius", "radius", around=_LINK),
         _field(
             "damping",
             "damping, viscous friction, viscous damping, damping coefficient, viscous friction coefficient",
             around=f"{_JOINT}",
-            de="dämpfung, viskose reibung",
-            fr="amortissement, frottement visqueux",
-            es="amortiguamiento, fricción viscosa",
-            it="smorzamento, attrito viscoso",
         ),
         _field(
             "friction",
             "friction, coulomb friction, dry friction, friction loss",
             around=f"{_JOINT}",
-            de="reibung, coulombsche reibung, trockene reibung",
-            fr="frottement, frottement sec",
-            es="fricción, fricción seca",
-            it="attrito, attrito secco",
         ),
         _field("armature", "armature, reflected inertia, reflected rotor inertia"),
     ]
@@ -291,8 +181,12 @@ def _fields() -> dict[str, Field]:
 FIELDS = _fields()
 GROUPS = {name: each for name, each in FIELDS.items() if each.parts}
 """Fields whose cells hold several others."""
-WORDS = {key: each for each in FIELDS.values() for word in each.words for key in keys_of(word)}
-"""The field of each header, by its key."""
+
+
+@cache
+def header_fields() -> dict[str, Field]:
+    """The field of each header in every language, by the header's key."""
+    return {key: each for each in FIELDS.values() for word in each.words for key in keys_of(word)}
 
 
 # --- Words ------------------------------------------------------------------------------------------------------------

@@ -120,7 +120,7 @@ def _name_problems(robot: Robot, joint_to: dict[str, Joint]) -> Iterator[Problem
                 ),
                 joint,
             )
-        elif _TROUBLESOME.search(name):
+        elif not (name.isascii() and name.replace("-", "_").isidentifier()) and _TROUBLESOME.search(name):
             troublesome.append(name)
         owners.setdefault(name, kind)
     if not robot.name.strip():

@@ -10,7 +10,6 @@ A file may come from a stranger. There is no recursion, tags are refused, and `M
 
 from __future__ import annotations
 
-import re
 from typing import TYPE_CHECKING
 
 from dh2urdf.documents.nodes import Item, Node, core_value, expect_mapping
@@ -20,8 +19,6 @@ from dh2urdf.errors import ConfigError, InputError
 if TYPE_CHECKING:
     from collections.abc import Iterator
     from pathlib import Path
-
-_WORD = re.compile(r"(\s*)([A-Za-z]+)\s*")
 
 __all__ = ["Item", "Node", "expect_mapping", "load_yaml", "read_yaml", "stream_yaml"]
 
@@ -46,8 +43,8 @@ def load_yaml(content: bytes | str, file: str, error: type[InputError] = ConfigE
     Raises:
         InputError: of the type given, where the text is not one YAML document.
     """
-    if isinstance(content, str) and (word := _WORD.fullmatch(content)):
-        return _word(word[1], word[2], file)
+    if isinstance(content, str) and (word := content.strip()).isalpha() and word.isascii():
+        return _word(content[: content.index(word)], word, file)
     (root,) = stream_yaml(content, file, error)
     if root.problems:
         raise error(root.problems)

@@ -38,7 +38,12 @@ def safe_stem(name: str) -> str:
     Letters, digits, ``.``, ``-``, ``+`` and ``_`` stay; anything else becomes ``_``. A stem never begins with a dot or
     a dash, is no device name of Windows, and where it was cut short it ends in a hash of the whole name.
     """
-    if len(name) <= LONGEST_STEM and _SAFE.fullmatch(name) and name.partition(".")[0].lower() not in _DEVICES:
+    plain = name.isascii() and name.isalnum()
+    if (
+        len(name) <= LONGEST_STEM
+        and (plain or _SAFE.fullmatch(name))
+        and name.partition(".")[0].lower() not in _DEVICES
+    ):
         return name  # as nearly all are; what follows gives the same
     composed = unicodedata.normalize("NFC", name)
     stem = "".join(c if c.isalnum() or c in ".-+_" else "_" for c in composed).strip("._-") or "robot"
@@ -124,7 +129,7 @@ def make_folder(directory: Path) -> None:
     Raises:
         OutputError: it cannot be made; or it is an address, for which a folder called ``s3:`` would be made here.
     """
-    if ADDRESS.match(str(directory)) and not Path(directory.parts[0]).is_dir():
+    if ":" in str(directory) and ADDRESS.match(str(directory)) and not Path(directory.parts[0]).is_dir():
         message = f"cannot write to {shown(str(directory), 200)}: this is an address, and only files are written here"
         advice = "a run writes to addresses: `dh2urdf run FILE -o s3://bucket/prefix`"
         raise OutputError(Problem(message=message, accepted="a path", suggestion=advice))

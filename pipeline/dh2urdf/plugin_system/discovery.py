@@ -8,7 +8,6 @@ of it runs, and a distribution that has a plugin for each of two versions works 
 from __future__ import annotations
 
 import os
-import re
 import sys
 from functools import cached_property, lru_cache
 from typing import TYPE_CHECKING, Any
@@ -18,7 +17,7 @@ from dh2urdf.errors import ConfigError, IncompatiblePluginError
 from dh2urdf.hookspecs import INTERFACE_VERSION, PROJECT
 from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.plugin_system.at_work import importing
-from dh2urdf.plugin_system.entry_points import Point, points
+from dh2urdf.plugin_system.entry_points import Point, canonical, points
 from dh2urdf.source import Mark, Problem, did_you_mean
 
 if TYPE_CHECKING:
@@ -28,7 +27,6 @@ if TYPE_CHECKING:
 
 UNKNOWN = "an unknown distribution"
 _BUILT_IN = "builtin = dh2urdf_plugins"
-_GROUP = re.compile(rf"{PROJECT}(?:\.v([0-9]+))?")
 
 
 class Plugin:
@@ -168,8 +166,9 @@ def _entry_points(_place: tuple[tuple[str, int], ...]) -> tuple[tuple[int, tuple
     """The entry points of plugins by the interface's major version: folders are searched for them, so they are kept."""
     found: dict[int, list[Point]] = {}
     for point in points(PROJECT):
-        if version := _GROUP.fullmatch(point.group):
-            found.setdefault(int(version[1] or 1), []).append(point)
+        name, dot, version = point.group.partition(".v")
+        if name == PROJECT and (version.isdecimal() or not dot):
+            found.setdefault(int(version or 1), []).append(point)
     return tuple(
         (major, tuple(sorted(each, key=lambda point: (point.value, point.name)))) for major, each in found.items()
     )
@@ -204,9 +203,4 @@ def _incompatible(plugin: Plugin, major: int) -> IncompatiblePluginError:
 
 def same_name(one: str, other: str) -> bool:
     """Whether two names of a distribution are one name, as pip compares them."""
-    return _canonical(one) == _canonical(other)
-
-
-def _canonical(name: str) -> str:
-    """A distribution's name as pip compares it."""
-    return re.sub(r"[-_.]+", "-", name).lower()
+    return canonical(one) == canonical(other)

@@ -8,7 +8,6 @@ folder is left to `importlib.metadata`: zip archives, eggs, and what other finde
 from __future__ import annotations
 
 import os
-import re
 import sys
 from functools import cached_property
 from importlib import import_module
@@ -35,6 +34,11 @@ if TYPE_CHECKING:
 
 
 _INFO = (".dist-info", ".egg-info")
+
+
+def canonical(name: str) -> str:
+    """A distribution's name as pip compares it."""
+    return "-".join(filter(None, name.lower().replace(".", "-").replace("_", "-").split("-")))
 
 
 class Point(NamedTuple):
@@ -126,7 +130,7 @@ def _first_of_each_name(folders: list[tuple[str, str]]) -> Iterator[str]:
     """What is found first hides what has the same name, as for imports."""
     seen: set[str] = set()
     for place, child in folders:
-        name = re.sub(r"[-_.]+", "-", child.rpartition(".")[0].partition("-")[0]).lower()
+        name = canonical(child.rpartition(".")[0].partition("-")[0])
         if name not in seen:
             seen.add(name)
             yield os.path.join(place, child)  # noqa: PTH118 - as above

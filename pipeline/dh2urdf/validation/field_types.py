@@ -95,7 +95,8 @@ def hints_of(kind: Any) -> dict[str, Any]:  # noqa: ANN401 - a dataclass
 @cache
 def numbers_of(kind: Any) -> tuple[str, ...]:  # noqa: ANN401 - any type
     """The fields of a record that holds numbers only; none of any other."""
-    hints = hints_of(kind) if is_dataclass(kind) else {}
+    is_record: bool = is_dataclass(kind)
+    hints = hints_of(kind) if is_record else {}
     return tuple(hints) if all(float in (hint, *get_args(hint)) for hint in hints.values()) else ()
 
 

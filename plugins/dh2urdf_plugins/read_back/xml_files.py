@@ -17,7 +17,7 @@ LARGEST = 2**26
 """Size of a robot description that is read, and of each file that it includes [B]."""
 _VERSION = rb"""(\s*<\?xml\s+version\s*=\s*["'])0\.0"""
 """A version of XML that does not exist; 26 of PyBullet's own files have it, and PyBullet and check_urdf read them."""
-_LATE = re.compile(rb"(\s+)(<\?xml\s[^>]*\?>)")
+_LATE = rb"(\s+)(<\?xml\s[^>]*\?>)"
 """A declaration of XML after blanks; simulators take it, and XML does not."""
 FILE = "{urn:dh2urdf}file"
 """An attribute of an element that is in another file than the element around it: its path."""
@@ -68,7 +68,7 @@ def _with_declaration(content: bytes) -> bytes:
     """A text whose declaration is one: of a version that exists, and at the beginning."""
     if b"0.0" in content.partition(b">")[0] and (declared := re.match(_VERSION, content)):
         return declared[1] + b"1.0" + content[declared.end() :]
-    if late := _LATE.match(content):
+    if content[:1].isspace() and (late := re.match(_LATE, content)):
         return late[2] + late[1] + content[late.end() :]
     return content
 

@@ -284,11 +284,13 @@ def _foreign_r(columns: Columns) -> list[Problem]:
     """Refuses `r` beside the other letters of Khalil and Kleinfinger, to whom r is what is d here, and d what is a."""
     if "a" not in columns.fields or "d" not in columns.fields:
         return []
+    header, other = columns.header_of("a"), columns.header_of("d")
+    if not header.casefold().startswith("r"):
+        return []
     keys = [read_header(text).key for text in columns.headers]
     letters = [text for text, key in zip(columns.headers, keys, strict=True) if key in _KHALIL]
-    header, other = columns.header_of("a"), columns.header_of("d")
     letters += [other] if all(map(_INDEX_J.search, (header, other))) else []
-    if not letters or not header.casefold().startswith("r"):
+    if not letters:
         return []
     return [
         Problem(

@@ -30,8 +30,10 @@ Cells = dict[str, Cell]
 LABEL = ""
 """The key of a cell that names its row in a column that no field knows."""
 NUMBER = late_pattern(r"([0-9]{1,9})(?:\.0+)?")
-DECIMAL = late_pattern(r"[-+]?[0-9]*[.,][0-9]+")
 """A name that is the number of a row."""
+DECIMAL = late_pattern(r"[-+]?[0-9]*[.,][0-9]+")
+_AT_START = frozenset("+-.,0123456789")
+"""What either may begin with."""
 _ZERO = late_pattern(r"0+(?:\.0+)?")
 _MEANT: dict[RowKind, str] = {
     "total": "remove the row, or write its type if it is a joint",
@@ -121,6 +123,8 @@ class _Rows:
     def _name_by_number(self, field: str) -> None:
         """Makes names of numbers: a column of joints that holds 1, 2, 3 counts them."""
         cells = {place: row[field] for place, row, _ in self.rows if field in row and not self._is_base(place)}
+        if not any(cell.text[:1] in _AT_START for cell in cells.values()):
+            return
         matches = {place: NUMBER.fullmatch(cell.text) for place, cell in cells.items()}
         if cells and not any(matches.values()) and all(DECIMAL.fullmatch(cell.text) for cell in cells.values()):
             first = next(iter(cells.values()))

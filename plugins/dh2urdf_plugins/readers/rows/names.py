@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Literal
 from dh2urdf.manipulator import JointType
 from dh2urdf.patterns import late_pattern
 from dh2urdf_plugins.readers.words.fields import joint_type
-from dh2urdf_plugins.readers.words.word_keys import NOT_LETTERS
+from dh2urdf_plugins.readers.words.word_keys import without_separators
 
 if TYPE_CHECKING:
     from collections.abc import Collection
@@ -25,9 +25,9 @@ RowKind = Literal["total", "frame", "slide"]
 def _key(name: str) -> str:
     """A name without case, accents and separators."""
     if name.isascii():
-        return NOT_LETTERS.sub("", name.lower())
+        return without_separators(name.lower())
     letters = unicodedata.normalize("NFKD", name).casefold()
-    return NOT_LETTERS.sub("", "".join(letter for letter in letters if not unicodedata.combining(letter)))
+    return without_separators("".join(letter for letter in letters if not unicodedata.combining(letter)))
 
 
 def _words(text: str) -> frozenset[str]:
@@ -159,7 +159,7 @@ def are_joints(names: Collection[str], *, typed: bool) -> bool:
         names: in lower case.
         typed: whether each row has a type, which decides for all but totals.
     """
-    text = NOT_LETTERS.sub("", "".join(names))  # a name that has a word has it here, too
+    text = without_separators("".join(names))  # a name that has a word has it here, too
     keys = list(map(_key, names))
     doubtful = _HINT.search(text) or not all(keys) or any(map(_SLIDE_SYMBOL.fullmatch, keys))
     doubtful = doubtful or any(map(_TYPE_BEHIND.fullmatch, names)) or any(map(_TO_FRAME.fullmatch, names))

@@ -23,7 +23,7 @@ from dh2urdf_plugins.readers.statements.comment_phrases import (
 )
 from dh2urdf_plugins.readers.words.comment_lines import Comment, within
 from dh2urdf_plugins.readers.words.fields import convention_of
-from dh2urdf_plugins.readers.words.word_keys import NOT_LETTERS
+from dh2urdf_plugins.readers.words.word_keys import without_separators
 
 if TYPE_CHECKING:
     from collections.abc import Collection
@@ -316,7 +316,7 @@ def unread_values(comment: Comment) -> list[Problem]:
 
 def _plain(key: str) -> str:
     letters = "".join(c for c in unicodedata.normalize("NFKD", key) if not unicodedata.combining(c))
-    return NOT_LETTERS.sub("", letters).casefold()
+    return without_separators(letters).casefold()
 
 
 def _are_numbers(text: str) -> bool:

@@ -82,7 +82,7 @@ class TableCells:
             if name is None:
                 self._refuse(index, refused(cell, columns.headers[index], columns.unheld[index], joint, number=number))
                 continue
-            if name in ("joint", "link") and SPREADSHEET_ERROR.match(cell.text):
+            if name in ("joint", "link") and "#" in cell.text and SPREADSHEET_ERROR.match(cell.text):
                 reader.add(_spreadsheet_error(cell, name, joint))
             found = self._split(cell, name, number, reader) if name in GROUPS else {name: cell}
             for part, of_part in found.items():

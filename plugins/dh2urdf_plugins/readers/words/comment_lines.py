@@ -12,6 +12,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from dh2urdf.late_dataclasses import dataclass
+from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.patterns import late_pattern
 from dh2urdf.source import Mark
 from dh2urdf_plugins.readers.words.cells import SPACES
@@ -26,7 +27,7 @@ SIGNS = (*MARKERS, "\N{FULLWIDTH NUMBER SIGN}", "\N{FULLWIDTH PERCENT SIGN}")
 
 _INVISIBLE = SPACES + "\ufeff\u3000"
 _APOSTROPHES = "'\N{RIGHT SINGLE QUOTATION MARK}\N{LEFT SINGLE QUOTATION MARK}`\N{ACUTE ACCENT}"
-_START = late_pattern(
+_ANY_START = late_pattern(
     rf'(?P<outer>(?:[{_INVISIBLE},;]|"")*)(?P<quote>"?)[{_INVISIBLE}]*[{_APOSTROPHES}]*[{_INVISIBLE}]*'
     rf"(?P<sign>{'|'.join(SIGNS)})"
 )
@@ -59,8 +60,8 @@ class Comment:
     @classmethod
     def of(cls, line: str, place: Mark) -> Comment:
         """The comment that a line or a row is, with its marker or without one."""
-        match = _START.match(line)
-        text = line[match.end() :] if match else line
+        start = _start_of(line)
+        text = line[start.end :] if start else line
         rest = text.lstrip(f"{_INVISIBLE}{''.join(MARKERS)}")
         return cls(rest, within(place, len(line) - len(rest)), line.strip(), place)
 
@@ -68,6 +69,34 @@ class Comment:
     def note(cls, text: str, place: Mark) -> Comment:
         """The note that a cell beside the table or below it is, with a marker or without one."""
         return cls.of(cls.of(text, place).text.strip(SPACES), place)
+
+
+class _Start(NamedTuple):
+    """The beginning of a comment line: what is before its marker, and the marker.
+
+    Attributes:
+        outer: cells without content, and blanks.
+        quote: the quote that the comment is in.
+        at: the place of the marker in the line.
+        sign: the marker.
+    """
+
+    outer: str
+    quote: str
+    at: int
+    sign: str
+
+    @property
+    def end(self) -> int:
+        """The place of the first character behind the marker."""
+        return self.at + len(self.sign)
+
+
+def _start_of(line: str) -> _Start | None:
+    if line.startswith(MARKERS[0]):
+        return _Start("", "", 0, MARKERS[0])  # as most begin
+    match = _ANY_START.match(line) if any(sign in line for sign in SIGNS) else None
+    return _Start(match["outer"], match["quote"], match.start("sign"), match["sign"]) if match else None
 
 
 def within(place: Mark, position: int) -> Mark:
@@ -83,10 +112,10 @@ def is_comment(line: str, *, top: bool = False) -> bool:
         top: whether it is above the header: there a comment may also be in quotes, or in a column further right.
             Below, a cell in quotes may be a name.
     """
-    match = _START.match(line)
-    if match is None or (line[match.end() :][:1] != " " and SPREADSHEET_ERROR.match(line, match.start("sign"))):
+    start = _start_of(line)
+    if start is None or (line[start.end :][:1] != " " and SPREADSHEET_ERROR.match(line, start.at)):
         return False
-    return top or not (match["quote"] or match["outer"].strip(_INVISIBLE))
+    return top or not (start.quote or start.outer.strip(_INVISIBLE))
 
 
 def marks_a_comment(cell: str) -> bool:
@@ -96,23 +125,23 @@ def marks_a_comment(cell: str) -> bool:
 
 def is_open(line: str) -> bool:
     """Whether a comment in quotes goes on in the next line."""
-    match = _START.match(line)
-    return match is not None and bool(match["quote"]) and line.count('"') % 2 == 1
+    start = _start_of(line)
+    return start is not None and bool(start.quote) and line.count('"') % 2 == 1
 
 
 def without_marker(line: str) -> str:
     """A comment line with spaces in place of its marker: the header that is commented out, perhaps."""
-    match = _START.match(line)
-    if match is None:
+    start = _start_of(line)
+    if start is None:
         return line
-    start, end = match.end("quote"), match.end("sign")
-    return line[:start] + " " * (end - start) + line[end:]
+    before = len(start.outer) + len(start.quote)
+    return line[:before] + " " * (start.end - before) + line[start.end :]
 
 
 def sign_of(line: str) -> str:
     """The marker of a comment."""
-    match = _START.match(line)
-    return match["sign"] if match else MARKERS[0]
+    start = _start_of(line)
+    return start.sign if start else MARKERS[0]
 
 
 def as_typed(line: str, delimiter: str | None) -> list[str]:
@@ -122,19 +151,19 @@ def as_typed(line: str, delimiter: str | None) -> list[str]:
         line: the comment line as it is in the file.
         delimiter: what stands between the cells of the table; None where there is no header that shows it.
     """
-    match = _START.match(line)
-    if match is None:
+    start = _start_of(line)
+    if start is None:
         return [line]
     delimiters = delimiter or ",;\t"
     padded = line.rstrip(f'{SPACES}{delimiters}"')
     is_padded = any(sign in line[len(padded) :] for sign in delimiters)
-    typed = without_marker(line)[: match.start("sign")] + line[match.start("sign") :].rstrip(SPACES + delimiters)
-    if match["quote"] or (delimiter and (is_padded or (delimiter != "," and _BRACKETS.intersection(typed)))):
+    typed = without_marker(line)[: start.at] + line[start.at :].rstrip(SPACES + delimiters)
+    if start.quote or (delimiter and (is_padded or (delimiter != "," and _BRACKETS.intersection(typed)))):
         cells = next(csv.reader([line.lstrip(SPACES + delimiters)], delimiter=delimiter or ","), [])
-        first = _START.match(cells[0]) if cells else None
+        first = _start_of(cells[0]) if cells else None
         if first is not None:
-            text = joined([cells[0][first.start("sign") :], *cells[1:]], decimal_comma=delimiter != ",")
-            typed = " " * match.start("sign") + text
+            text = joined([cells[0][first.at :], *cells[1:]], decimal_comma=delimiter != ",")
+            typed = " " * start.at + text
     return typed.split("\n")
 
 

@@ -101,6 +101,8 @@ def name_problems(rows: Sequence[RowNames]) -> list[Problem]:
 
 def are_out_of_order(joints: Sequence[str]) -> bool:
     """Whether joints are named alike but for a number, and the numbers do not rise along the arm."""
+    if not all(name[-1:].isdecimal() for name in joints):
+        return False
     parts = [_NUMBERED.fullmatch(name) for name in joints]
     if not all(parts) or len({part[1] for part in parts if part}) > 1:
         return False

@@ -4,9 +4,6 @@ from __future__ import annotations
 
 import unicodedata
 
-from dh2urdf.patterns import late_pattern
-
-NOT_LETTERS = late_pattern(r"[\W_]+")
 _SPACES = "\t\n\v\f\r\x1c\x1d\x1e\x1f \x85\xa0\u1680\u2028\u2029\u202f\u205f\u3000"
 _SEPARATORS = f"{_SPACES}_.*{{}}'’-"
 _DOT_WORDS = {"\u0307": "dot", "\u0308": "ddot"}
@@ -16,6 +13,11 @@ _GREEK |= str.maketrans({"ω": "omega", "μ": "mu", "ı": "i", "ё": "е", "№"
 _WITHOUT_DOTS = str.maketrans({"ä": "ae", "ö": "oe", "ü": "ue"})
 _KEY = _GREEK | dict.fromkeys((*map(ord, _SEPARATORS), *range(0x2000, 0x200B), *range(0x300, 0x370)))
 """Without separators, among them all white space, and without accents."""
+
+
+def without_separators(word: str) -> str:
+    """The letters and digits of a word."""
+    return "".join(filter(str.isalnum, word))
 
 
 def key_of(plain: str) -> str:

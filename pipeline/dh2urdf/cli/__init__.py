@@ -10,11 +10,13 @@ NEW_OBJECTS = 100_000
 """New objects after which garbage is looked for: Python's 700 look for it some eighty times during the imports."""
 gc.set_threshold(NEW_OBJECTS)
 
+import _thread
 import atexit
 import io
 import os
 import signal
 import sys
+import time
 import warnings
 from importlib import import_module
 from itertools import pairwise, takewhile
@@ -35,6 +37,9 @@ INTERRUPTED = 130
 SETTLED = f"{__name__}.settled"
 """The key in a context for an exit status that is sure before all is printed: no reader who leaves early changes it."""
 INTERNAL_ERROR = 1
+LAST_STREAM = 2
+SOON = 0.01
+"""After which an interrupt that came at a bad moment comes again [s]."""
 
 EXIT_STATUS = (
     "Exit status: 0 all done; 1 some manipulators failed, the others are written; 2 nothing could start: the command "
@@ -150,7 +155,11 @@ def dh2urdf(invocation: _Invocation, debug: bool) -> None:  # noqa: FBT001 - cli
 
 def main(arguments: list[str] | None = None) -> None:
     """Run the command line and end the process with its exit status."""
-    signal.signal(signal.SIGTERM, _on_terminate)
+    _fill_closed_streams()
+    signal.signal(signal.SIGTERM, _interrupt)
+    if signal.getsignal(signal.SIGINT) is signal.default_int_handler:  # A shell starts jobs with Ctrl-C ignored.
+        signal.signal(signal.SIGINT, _interrupt)
+    sys.unraisablehook = _interrupt_again
     atexit.register(gc.freeze)  # At its end, Python would search all modules for garbage: a sixth of a short command.
     claim()
     _tell_of_the_end()
@@ -181,8 +190,40 @@ def _tell_of_the_end() -> None:
     os._exit = leave
 
 
-def _on_terminate(_number: int, _frame: FrameType | None) -> None:
+def _fill_closed_streams() -> None:
+    """Has the numbers of standard streams that a shell has closed lead nowhere: the next file would get them.
+
+    What a library in C prints would then be in that file.
+    """
+    while (number := os.open(os.devnull, os.O_RDWR)) <= LAST_STREAM:
+        os.set_inheritable(number, True)
+    os.close(number)
+
+
+def _interrupt(number: int, frame: FrameType | None) -> None:
+    """Ctrl-C and SIGTERM raise KeyboardInterrupt, if need be after the import of a compiled module.
+
+    In the middle of it, a library in C makes another error of the interrupt, and orjson crashes.
+    """
+    while frame is not None:
+        if frame.f_code.co_qualname.startswith("ExtensionFileLoader."):
+            _thread.start_new_thread(_come_again, (number,))
+            return
+        frame = frame.f_back
     raise KeyboardInterrupt
+
+
+def _interrupt_again(unraisable: sys.UnraisableHookArgs) -> None:
+    """An interrupt that came where Python drops every error, as in a callback of an import, comes again."""
+    if isinstance(unraisable.exc_value, KeyboardInterrupt):
+        _thread.start_new_thread(_come_again, (signal.SIGINT,))
+    else:
+        sys.__unraisablehook__(unraisable)
+
+
+def _come_again(number: int) -> None:
+    time.sleep(SOON)
+    _thread.interrupt_main(signal.Signals(number))
 
 
 def exit_status_of(words: list[str], *, debug: bool = False) -> int:

@@ -9,7 +9,9 @@ from typing import IO, TYPE_CHECKING, Any
 
 import click
 
+from dh2urdf.errors import OutputError
 from dh2urdf.plugin_system.printed import NamedLines
+from dh2urdf.source import Problem
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -24,8 +26,15 @@ def answer(what: str | bytes, *, nl: bool = True) -> None:
 
 
 def answers() -> IO[Any]:
-    """Where answers go."""
+    """Where answers go.
+
+    Raises:
+        OutputError: a shell has closed standard output.
+    """
     context = click.get_current_context(silent=True)
+    if sys.stdout is None:
+        advice = "leave out the `>&-`, or write `> /dev/null` in its place"
+        raise OutputError(Problem(message="cannot write to standard output: it is closed", suggestion=advice))
     return context.meta[_OWN] if context and _OWN in context.meta else sys.stdout
 
 

@@ -92,6 +92,7 @@ def serve(
 
     Raises:
         InputError: nothing can be served there.
+        KeyboardInterrupt: that is how a server ends.
     """
     listening = listen(host, port)
     import uvicorn
@@ -126,7 +127,5 @@ def serve(
         threading.Timer(0.5, webbrowser.open, [address]).start()
     try:
         server.run(sockets=[listening])
-    except KeyboardInterrupt:  # That is how a server ends.
-        return
     finally:
         listening.close()

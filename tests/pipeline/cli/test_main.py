@@ -118,7 +118,8 @@ class TestDebug:
         self, capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
     ) -> None:
         """The last line is still the sentence."""
-        monkeypatch.setattr(os, "_exit", os._exit)  # the program has its own, which ends with the test
+        for module, name in ((os, "_exit"), (sys, "unraisablehook")):  # the program has its own, for this test alone
+            monkeypatch.setattr(module, name, getattr(module, name))
         with pytest.raises(SystemExit) as left:
             main(["--debug", "convert", "nope.csv"])
         assert left.value.code == 2
@@ -179,6 +180,88 @@ class TestPipes:
         )
         os.close(writing)
         assert (process.returncode, process.stderr) == (0, "")
+
+    @pytest.mark.parametrize("words", [["info", "arm.csv"], ["check", "arm.urdf"], ["convert", "arm.csv"], ["schema"]])
+    def test_a_closed_one_is_told(self, tmp_path: Path, words: list[str]) -> None:
+        """Nothing was printed, and `convert` said that it was; two commands were said to be at fault themselves."""
+        answer = closed(tmp_path, words)
+        assert (answer.returncode, answer.stderr.splitlines()[-2:]) == (
+            2,
+            [
+                "error: cannot write to standard output: it is closed",
+                "    leave out the `>&-`, or write `> /dev/null` in its place",
+            ],
+        )
+
+    def test_who_prints_nothing_needs_none(self, tmp_path: Path) -> None:
+        """No file has the number of standard output either: a library in C would print into it."""
+        assert closed(tmp_path, ["convert", "arm.csv", "-o", "new.urdf"]).returncode == 0
+        assert closed(tmp_path, ["run", "run.yaml", "-q"]).returncode == 0
+        command = ["sh", "-c", 'exec "$@" >&-', "sh", sys.executable, "-c", FIRST_FILE]
+        found = subprocess.run(command, capture_output=True, check=False)
+        assert found.returncode > cli.LAST_STREAM
+
+
+FIRST_FILE = """
+import os
+import sys
+from dh2urdf import cli
+cli.exit_status_of = lambda words: os.open(os.devnull, os.O_RDONLY)
+cli.main()
+"""
+
+
+def closed(folder: Path, words: list[str]) -> subprocess.CompletedProcess[str]:
+    """What a command does with standard output closed."""
+    table = CONFIGS / "tables" / "ur5.csv"
+    (folder / "arm.csv").write_bytes(table.read_bytes())
+    (folder / "run.yaml").write_text("inputs: arm.csv\nreport: {html: false}\n")
+    subprocess.run([*COMMAND, "convert", "arm.csv", "-o", "arm.urdf", "-q"], cwd=folder, check=True)
+    command = ["sh", "-c", 'exec "$@" >&-', "sh", *COMMAND, *words]
+    return subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
+
+
+class TestInterrupts:
+    """Ctrl-C at moments that are bad for it: 130, and the line of every command."""
+
+    @pytest.mark.parametrize("moment", ["ExtensionFileLoader.exec_module", "_get_module_lock.<locals>.cb"])
+    def test_a_bad_moment(self, tmp_path: Path, moment: str) -> None:
+        """In the middle of a compiled module orjson crashed, and in a callback of an import nobody heard it."""
+        (tmp_path / "run.yaml").write_text("inputs: arm.csv\n")
+        command = [sys.executable, "-c", BAD_MOMENT, moment, "run", "run.yaml"]
+        answer = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
+        assert answer.stderr == "dh2urdf: interrupted; nothing half-written is left\n"
+        assert answer.returncode == cli.INTERRUPTED
+
+    def test_a_command_that_ignores_it_goes_on(self, tmp_path: Path) -> None:
+        """As a shell starts those in the background."""
+        command = ["sh", "-c", 'trap "" INT; exec "$@"', "sh", sys.executable, "-c", BAD_MOMENT]
+        command += ["ExtensionFileLoader.exec_module", "run", "nope.yaml"]
+        answer = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
+        assert answer.stderr == "nope.yaml: error: there is no such file\n"
+
+
+BAD_MOMENT = """
+import os
+import signal
+import sys
+import time
+from dh2urdf.cli import main
+
+moment = sys.argv.pop(1)
+
+def interrupt(frame, event, _argument):
+    if event == "call" and "orjson.orjson" in sys.modules and frame.f_code.co_name in ("<module>", "cb"):
+        place = frame
+        while place is not None and not place.f_code.co_qualname == moment:
+            place = place.f_back
+        if place is not None:
+            sys.setprofile(None)
+            os.kill(os.getpid(), signal.SIGINT)
+
+sys.setprofile(interrupt)
+main()
+"""
 
 
 def on_a_terminal(words: list[str], folder: Path, **environment: str) -> tuple[int, str]:

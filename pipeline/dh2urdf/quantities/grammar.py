@@ -142,7 +142,11 @@ class _Parser:
 
     def add(self, left: Intermediate, right: Intermediate) -> Intermediate:
         if left.variable and right.variable:
-            self.fail("it names a joint variable twice")
+            twice = left.variable.row == right.variable.row
+            self.fail(
+                f"it names {'a joint variable twice' if twice else 'the variables of two joints'}",
+                None if twice else "write that of this joint alone: how a controller couples joints is no part of it",
+            )
         dimension = left.dimension or right.dimension
         for value in (left, right):
             only_variable = value.variable is not None and value.number == 0

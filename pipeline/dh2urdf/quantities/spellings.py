@@ -84,6 +84,18 @@ _ADVICE = (
         ),
         "write the number alone, without its symbol: 290 mm",
     ),
+    (
+        late_pattern(r".*(?:[0-9]|pi|π)\s*(?:\[\s*[^\W\d]{1,4}\s*\]|\(\s*(?:mm|cm|m|°|deg|rad)\s*\)|\[\s*°\s*\])\s*$"),
+        "write the unit behind the number, without brackets: 290 mm, 90 deg",
+    ),
+    (
+        late_pattern(r"\s*(\*\*?|__?|`)[^*_`]+\1\s*$"),
+        "write the number without the marks that make it bold or code: -90 deg",
+    ),
+    (
+        late_pattern(r"\s*\\?(?:[qdθ]|th(?:eta)?)_?\{?[0-9]+\}?\s*[(\[∈]", re.IGNORECASE),
+        "write the joint variable alone, with an offset behind it, as q1 - 90 deg; its bounds go to a column limits",
+    ),
     (late_pattern(r".*(\*\*|\^|[²³¹⁰⁴-⁹⁺⁻])"), "powers are not accepted: write the product, or the number, as in 1e-3"),
     (late_pattern(r".*[%‰]"), "percentages and remainders are not accepted: write the number"),
     (late_pattern(r".*([$€£¥]|\b(eur|usd|gbp|chf)\b)", re.IGNORECASE), "write the number without a currency"),

@@ -669,7 +669,7 @@ CASES = [
         "arm.yaml:3:3: error: joint 'joint_1', field 'alpha': there is no alpha\n"
         "    accepted: a number, 0 included: nothing is filled in for geometry\n"
         "arm.yaml:3:10: error: joint 'joint_1', field 'alhpa': 'alhpa' is no key of a joint\n"
-        "    accepted: name, link, type, a, alpha, d, theta, offset, beta, gamma, b, sign, flip, mass, radius, damping, friction, armature, limits, com, inertia, visual, collision, mesh\n"
+        "    accepted: name, index, link, type, a, alpha, d, theta, offset, beta, gamma, b, sign, flip, mass, radius, damping, friction, armature, limits, com, inertia, visual, collision, mesh\n"
         "    did you mean 'alpha'?",
     ),
     Case(
@@ -863,7 +863,8 @@ CASES = [
         {"convention": "standard"},
         "joint,a,alpha,d,phi\nj1,0,0,0.1,0\nj2,0,0,0.1,pi/2\n",
         "arm.csv:3:12: error: joint 'joint_2', field 'phi': 'phi' is an angle that may be theta or an offset, which no column holds, and it is 'pi/2'\n"
-        "    accepted: 0 in this column, or a table of a, alpha, d and theta (or offset) without it",
+        "    accepted: 0 in this column, or a table of a, alpha, d and theta (or offset) without it\n"
+        "    if it is one of them, call it so: theta or offset",
     ),
     Case(
         "letters in another order",

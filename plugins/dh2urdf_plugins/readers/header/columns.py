@@ -15,7 +15,8 @@ from dh2urdf.table_text import REQUIRED
 from dh2urdf_plugins.readers.header.unknown_columns import Refusal, ignored, refusal
 from dh2urdf_plugins.readers.header.words import Header, bounds_theta, misspelt, parts_of, read_header
 from dh2urdf_plugins.readers.words.fields import FIELDS
-from dh2urdf_plugins.readers.words.unheld import THETA_OFFSETS
+from dh2urdf_plugins.readers.words.unheld import IGNORED, THETA_OFFSETS
+from dh2urdf_plugins.readers.words.word_keys import key_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
@@ -27,6 +28,8 @@ _NUMBERED = late_pattern(r"(?:joint|axis|link|gelenk|achse|axe|articulation|eje|
 TURN_ROUND = "the joints seem to be in columns: turn the table round, so that each joint has a row"
 """What to do about a table whose header names joints."""
 _MINUS = ("-", "−", "–")
+_NAME = ("name", "nom", "名", "adi", "nazw", "назв", "имя", "이름", "관절명")
+"""What the headers of names have in them, unlike those of joints: ``Joint`` beside ``Joint name``."""
 
 
 @dataclass(slots=True)
@@ -93,10 +96,11 @@ def name_columns(headers: Sequence[str], marks: Sequence[Mark], mark: Mark) -> C
     problems: list[Problem] = []
     first: dict[str, int] = {}
     indexed: int | None = None
-    spare = parts_beside_theta(headers)
+    spare, counting = parts_beside_theta(headers), number_beside_name(headers)
     for index, (text, place) in enumerate(zip(headers, marks, strict=True)):
         header = read_header(text)
         header = header._replace(field=None) if text in spare else header
+        header = header._replace(field=FIELDS["index"]) if text == counting else header
         columns.fields.append(header.field.name if header.field else None)
         if header.field is None:
             _unknown(columns, header, index, place, problems)
@@ -135,6 +139,16 @@ def parts_beside_theta(texts: Iterable[str]) -> set[str]:
     return parts if parts < of_theta else set()
 
 
+def number_beside_name(texts: Iterable[str]) -> str | None:
+    """The header of joints that counts them, in a table that has their names besides: ``Joint`` beside ``Name``."""
+    headers = {text: read_header(text) for text in texts}
+    keys = {text: header.key for text, header in headers.items() if header.field is FIELDS["joint"]}
+    if len(keys) != len(("joint", "name")) or any(header.field is FIELDS["index"] for header in headers.values()):
+        return None
+    others = [text for text, key in keys.items() if not any(key_of(word) in key for word in _NAME)]
+    return others[0] if len(others) == 1 else None
+
+
 def _legend(name: str, text: str, mark: Mark) -> list[Problem]:
     """What is wrong with a header that says what the numbers below it mean."""
     from dh2urdf_plugins.readers.words.type_codes import exchanged, exchanged_codes, exchanged_direction
@@ -170,14 +184,21 @@ def _mixed_links(columns: Columns, before: int, itself: int) -> Problem:
 def _twins(columns: Columns, index: int, other: int, name: str) -> Problem:
     """A field that two columns hold."""
     text, first = columns.headers[index], columns.headers[other]
-    symbol = {text.casefold(), first.casefold()} & {"r"}
+    symbol = next((each for each in (text, first) if read_header(each).key == "r"), None) if name == "a" else None
+    suggestion = None
+    if symbol and any(read_header(each).field is FIELDS["d"] for each in columns.headers):
+        suggestion = f"if {symbol} is the centre of mass, call it com"
+    elif symbol:
+        suggestion = f"if {symbol} is the length along z, call it d"
+    elif FIELDS[name].dimension is None:
+        suggestion = f"if one of them is to be left out, begin its header with {IGNORED}: '{IGNORED}{text}'"
     return Problem(
         message=f"two columns are {name}: {shown(first)} and {shown(text)} (a duplicate)",
         mark=columns.marks[index],
         field=columns.fields[index],
         found=text,
         accepted="one column for each field",
-        suggestion="if r is the centre of mass, call it com" if symbol and name == "a" else None,
+        suggestion=suggestion,
     )
 
 
@@ -252,6 +273,8 @@ def _missing(name: str, columns: Columns) -> Problem:
     words = ", ".join(FIELDS[name].headers)
     others = [text for text, field_ in zip(columns.headers, columns.fields, strict=True) if text and field_ is None]
     suggestion = f"no field is called {listed([shown(text) for text in others])}" if others else None
+    if name == "d" and "offset" in columns.fields:
+        suggestion = f"if {shown(columns.header_of('offset'))} is the length along z, call it d"
     if are_joints(columns.headers):
         suggestion = TURN_ROUND
     return Problem(

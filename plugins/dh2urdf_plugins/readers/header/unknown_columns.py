@@ -149,8 +149,12 @@ def refused(
         field=why.field or header,
         found=cell.text,
         accepted=why.accepted,
-        suggestion=None if why.accepted == GEOMETRY else how_to_leave_out(header, what),
+        suggestion=how_to_leave_out(header, what) if why.accepted != GEOMETRY else _one_of_them(why.reason),
     )
+
+
+def _one_of_them(reason: str) -> str | None:
+    return "if it is one of them, call it so: theta or offset" if "may be theta" in reason else None
 
 
 def with_unit(cell: Cell, header: str, joint: str) -> Problem | None:
@@ -243,7 +247,8 @@ def meant_key(key: str, header: Header, suspect: str | None, keys: Iterable[str]
     meant = misspelt(header.key)
     if near := meant.name if meant else suspect:
         return f"did you mean {near!r}?"
-    return did_you_mean(key, keys) or how_to_leave_out(key, "key")
+    near = did_you_mean(key, keys) if len(key) > len("id") else None  # which is no d
+    return near or how_to_leave_out(key, "key")
 
 
 def left_out(headers: Sequence[tuple[int, str]], mark: Mark) -> Problem:

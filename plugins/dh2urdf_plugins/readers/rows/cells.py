@@ -33,6 +33,7 @@ class RowCells:
         errors: how many of them are errors.
         bare: the first cell of each field that was read in the SI unit since nothing says its unit.
         foreign: the first cell of each field that names another unit than the SI unit.
+        from_zero: whether the joint variables are counted from 0: q0 in the first row.
     """
 
     def __init__(self, units: Units) -> None:
@@ -43,6 +44,7 @@ class RowCells:
         self.errors = 0
         self.bare: dict[str, Cell] = {}
         self.foreign: dict[str, Cell] = {}
+        self.from_zero = False
         self._foreign: set[str] = set()  # of the row: fields whose cells name another unit than the SI unit
         self._bare: set[str] = set()  # of the row: fields that are read in the SI unit since nothing says their unit
         self._cells: Mapping[str, Cell] = {}
@@ -193,7 +195,7 @@ class RowCells:
                 suggestion="give the row the type prismatic if the joint slides" if name == "d" else None,
             )
             return False
-        if variable.row is not None and variable.row != self._number:
+        if variable.row is not None and variable.row != self._number - self.from_zero:
             self._error(
                 f"{text} names the variable of row {variable.row}, and this is row {self._number}",
                 name,

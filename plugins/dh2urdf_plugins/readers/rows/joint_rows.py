@@ -7,6 +7,7 @@ fixed only where the other rows have one.
 from __future__ import annotations
 
 import math
+import re
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
@@ -14,7 +15,7 @@ from dh2urdf.manipulator import JointType
 from dh2urdf.patterns import late_pattern
 from dh2urdf.quantities import Dimension, QuantityError, evaluate
 from dh2urdf.source import Problem, shown
-from dh2urdf_plugins.readers.rows.names import is_base, is_total, kind_of
+from dh2urdf_plugins.readers.rows.names import holds_type, is_base, is_total, kind_of
 from dh2urdf_plugins.readers.words.cells import Cell
 from dh2urdf_plugins.readers.words.fields import ACCEPTED_TYPES, joint_type
 
@@ -29,12 +30,17 @@ if TYPE_CHECKING:
 Cells = dict[str, Cell]
 LABEL = ""
 """The key of a cell that names its row in a column that no field knows."""
-NUMBER = late_pattern(r"([0-9]{1,9})(?:\.0+)?")
+NUMBER_TEXT = r"([0-9]{1,9})(?:\.0+)?"
+NUMBER = late_pattern(NUMBER_TEXT)
 """A name that is the number of a row."""
 DECIMAL = late_pattern(r"[-+]?[0-9]*[.,][0-9]+")
 _AT_START = frozenset("+-.,0123456789")
 """What either may begin with."""
 _ZERO = late_pattern(r"0+(?:\.0+)?")
+_LABELLED = late_pattern(rf"(?:[^\W\d_]{{1,12}}[\s_.#-]*)?{NUMBER_TEXT}")
+"""The number of a row behind a word: ``J1``, ``Axis 1``."""
+_DIGITS = frozenset("0123456789")
+_BOUND = late_pattern(r"[1-9]|pi|π", re.IGNORECASE)
 _MEANT: dict[RowKind, str] = {
     "total": "remove the row, or write its type if it is a joint",
     "frame": "write fixed if nothing moves there, or revolute if it does",
@@ -65,18 +71,25 @@ class _Rows:
         self.indexes = {place: cells.pop("index") for place, cells, _ in self.rows if "index" in cells}
         variables = {place: _variables(cells) for place, cells, _ in self.rows}
         self.variables = {place: next(iter(found.values())) for place, found in variables.items() if found}
+        numbers = list(self.variables.items())
+        reader.from_zero = len(numbers) > 1 and numbers[0] == (0, 0) and all(place == row for place, row in numbers)
         one_each = not reader.type_is_given and all(len(found) == 1 for found in variables.values())
         self.sliding = {place for place, found in variables.items() if one_each and "d" in found}
         self.first = 1
 
     def settle(self) -> int:
         """See above."""
+        if self.reader.from_zero:
+            place, cells, mark = self.rows[0]
+            message = "the joint variables are counted from 0: the first row has number 0"
+            self._add_problem(message, place, cells, mark, notice=True, field="theta")
         if self._index_has_names():
             for place, cells, _ in self.rows:
                 cells["joint"] = self.indexes.pop(place)
         for place, cells, mark in self.rows:
             self._settle_type(place, cells, mark)
         self.first = 1 - self._counts_from_base()
+        self._settle_indexes()
         for place, index in self.indexes.items():
             self._check_index(index, place)
         for field in ("joint", "link"):
@@ -101,10 +114,26 @@ class _Rows:
         numbers = [(place, number) for place, number in self.variables.items() if number]
         return bool(numbers) and all(place == number for place, number in numbers)
 
+    def _settle_indexes(self) -> None:
+        """Leaves out a column of numbers that has other labels, where another one names the joints."""
+        index = next(iter(self.indexes.values()), None)
+        if index is None or not _DIGITS.isdisjoint("".join(other.text for other in self.indexes.values())):
+            return
+        if all("joint" in cells for _, cells, _ in self.rows):
+            message = f"the column of numbers holds none, and is left out: {shown(index.text)}"
+            self.reader.add(Problem(message=message, severity="notice", mark=index.mark, field="index"))
+            self.indexes = {}
+
+    def _number_of(self, place: int, first: Cell) -> int:
+        """The number of a row in a column that counts the rows as its first cell does."""
+        return place if self.reader.from_zero and _ZERO.fullmatch(first.text) else place + self.first
+
     def _check_index(self, index: Cell, place: int) -> None:
         """Refuses the index of a row that is not the row's number."""
-        number = place + self.first
-        match = NUMBER.fullmatch(index.text)
+        number = self._number_of(place, self.indexes.get(0, index))
+        if index.text == str(number):
+            return
+        match = _LABELLED.fullmatch(index.text)
         if (match and int(match[1]) == number) or (number == 0 and is_base(index.text)):
             return
         zero = place == 0 and _ZERO.fullmatch(index.text)
@@ -135,9 +164,10 @@ class _Rows:
         numbers = {place: int(match[1]) for place, match in matches.items() if match}
         counts = list(numbers.values())
         ids = counts[0] > 1 and all(left < right for left, right in pairwise(counts))  # of motors, say
-        wrong = [] if ids else [place for place, number in numbers.items() if number != place + self.first]
+        right = {place: self._number_of(place, next(iter(cells.values()))) for place in numbers}
+        wrong = [] if ids else [place for place, number in numbers.items() if number != right[place]]
         for place in wrong:
-            cell, number = cells[place], place + self.first
+            cell, number = cells[place], right[place]
             self.reader.add(
                 Problem(
                     message=f"the number of the {field} is {shown(cell.text)}, and this is row {number}",
@@ -176,6 +206,12 @@ class _Rows:
             return
         name = self._name_of(place, cells)
         kind = kind_of(name) if name else None
+        if kind == "frame" and (place in self.variables or self._is_bounded(place, cells, name)):
+            has = "a joint variable" if place in self.variables else "bounds"
+            message = f"the row {shown(name)} is called like a frame, and has {has}: it moves"
+            meant = "write the type fixed if nothing moves there"
+            self._add_problem(message, place, cells, mark, suggestion=meant, notice=True)
+            kind = None
         if kind == "slide" and place in self.variables:
             kind = None  # the variable shows what moves
         if place in self.sliding and kind is None and "theta" in cells and cells["theta"].text:
@@ -218,6 +254,11 @@ class _Rows:
             return
         cells["type"] = Cell(JointType.REVOLUTE.value, mark)
 
+    def _is_bounded(self, place: int, cells: Cells, name: str) -> bool:
+        """Whether a row says how far its joint moves, in a table without joint variables: a base with ±170°."""
+        bounds = [cells[bound].text for bound in ("lower", "upper") if bound in cells]
+        return not self.variables and any(map(_BOUND.search, bounds)) and not holds_type(name, place + 1)
+
     def _name_of(self, place: int, cells: Cells) -> str:
         """What a row is called: its joint, else its link, else what is in a column that no field knows."""
         for cell in (cells.get("joint"), cells.get("link"), self.labels.get(place)):
@@ -227,16 +268,24 @@ class _Rows:
         return index.text if index and not NUMBER.fullmatch(index.text) and not is_base(index.text) else ""
 
     def _add_problem(
-        self, message: str, place: int, cells: Cells, mark: Mark, *, suggestion: str | None = None, notice: bool = False
+        self,
+        message: str,
+        place: int,
+        cells: Cells,
+        mark: Mark,
+        *,
+        suggestion: str | None = None,
+        notice: bool = False,
+        field: str = "type",
     ) -> None:
-        cell = cells.get("type")
+        cell = cells.get(field)
         self.reader.add(
             Problem(
                 message=message,
                 severity="notice" if notice else "error",
                 mark=cell.mark if cell else mark,
                 joint=(cells["joint"].text if "joint" in cells else "") or f"joint_{place + 1}",
-                field="type",
+                field=field,
                 found=cell.text if cell else None,
                 accepted=None if notice else ACCEPTED_TYPES,
                 suggestion=suggestion,
@@ -273,9 +322,9 @@ def _type_of(cells: Cells) -> JointType | None:
     return joint_type(cell.text) if cell and cell.text else None
 
 
-def _variables(cells: Cells) -> dict[str, int]:
-    """The numbers of the joint variables that a row names, by the cell: 0 for one without a number."""
-    found: dict[str, int] = {}
+def _variables(cells: Cells) -> dict[str, int | None]:
+    """The numbers of the joint variables that a row names, by the cell: None for one without a number."""
+    found: dict[str, int | None] = {}
     for name, dimension in (("theta", Dimension.ANGLE), ("d", Dimension.LENGTH)):
         cell = cells.get(name)
         if cell is None or not any(map(str.isalpha, cell.text)):
@@ -285,5 +334,5 @@ def _variables(cells: Cells) -> dict[str, int]:
         except QuantityError:
             continue
         if variable is not None:
-            found[name] = variable.row or 0
+            found[name] = variable.row
     return found

@@ -37,11 +37,21 @@ _TYPE_KEYS = frozenset(
     "gelenktypen gelenktyp kinematik articulations tipo tipos".split()
 )
 _SEQUENCE = late_pattern(
-    r"(?<![\w-])(?=[\w-]*P)(?:(?:[2-9]?[RP]-?){3,8}(?![\w-])|[2-9]?[RP]-?[2-9]?[RP](?=\s*(?:robot|arm|manipulator)\b|\s*$))"
+    r"(?<![\w-])(?:(?=[\w-]*P)(?:(?:[2-9]?[RP]-?){3,8}(?![\w-])"
+    r"|[2-9]?[RP]-?[2-9]?[RP](?=\s*(?:robot|arm|manipulator)\b|\s*$))"
+    r"|[1-9]R\s?\+?\s?[1-9]P(?![\w-])|[1-9]P\s?\+?\s?[1-9]R(?![\w-]))"
 )
-"""The joints of an arm by their letters: ``RRP``, ``R-R-P-R``, ``RP robot``."""
+"""The joints of an arm by their letters: ``RRP``, ``R-R-P-R``, ``RP robot``, ``2R1P``."""
+_SLIDING_ARM = late_pattern(
+    r"(?<![^\W_])(?:scara|(?:cartesian|cylindrical|gantry) (?:robot|arm|manipulator)|stanford (?:arm|manipulator)"
+    r"|[1-9] (?:linear ax[ei]s|translations?|traslaci[oó]n(?:es)?|traslazion[ei]|translationen|transla[cç](?:ão|ões)))"
+    r"(?![^\W_])",
+    re.IGNORECASE,
+)
+"""What an arm is called that mostly has a joint that slides."""
 _NTH = (
-    r"(?:(?:joint|axis|link|gelenk|achse|axe|articulation|eje|giunto|asse|j|q)[\s_.#-]*[0-9]{1,2}"
+    r"(?:(?:joint|axis|link|gelenk|achse|axe|articulation|articulaci[oó]n|articulação|eje|giunto|asse|junta|eixo|关节|轴|関節|軸"
+    r"|관절|축|przegub|eklem|сочленение|ось|j|q)[\s_.#-]*[0-9]{1,2}|第?\s?[0-9一二三四五六七](?:关节|轴|関節|軸)"
     r"|(?:[0-9]{1,2}(?:st|nd|rd|th|\.|[eªº])|first|second|third|fourth|fifth|sixth|last)\s+"
     r"(?:joint|axis|gelenk|achse|axe|articulation|eje|giunto|asse))(?![^\W_])"
 )
@@ -58,21 +68,47 @@ _SLIDE_VARIABLE = late_pattern(
     re.IGNORECASE,
 )
 """``d3`` among the variables of an arm: ``q = [θ1, θ2, d3]``."""
+_VARIABLE = rf"(?:{_NTH}|(?<![^\W_])(?:θ|theta|th|q|d)[\s_{{]*(?:[0-9]{{1,2}}|[₁-₉])\}}?)"
 _UNREAD = late_pattern(
-    rf"{_NTH}[^.;]{{0,24}}?(?<![^\W_])(?:fixed|locked|coupled|mimic|reversed|inverted|opposite|negative)"
+    rf"{_NTH}[^.;]{{0,24}}?(?<![^\W_])(?:fixed|locked|coupled|mimic|reversed|inverted|opposite|negative|negated)"
     rf"|(?<![^\W_])(?:reversed|inverted|opposite|negative|positive)\s+(?:direction|sense|sign)\b[^.;]{{0,24}}{_NTH}"
-    r"|(?:θ|theta|th|q)[\s_{]*[0-9]{1,2}\W{0,3}=[^=]*(?:θ|theta|th|q)[\s_{]*[0-9]"
+    r"|(?:θ|theta|th|q|j)[\s_{]*[0-9]{1,2}[a-z_}]{0,8}\W{0,3}=[^=]*(?:θ|theta|th|q|j)[\s_{]*[0-9]"
+    rf"|{_VARIABLE}[^.;]{{0,32}}?(?<![^\W_])(?:horizontal|vertical|absolute|offset|shifted|versatz|d[ée]calage|desfase)"
+    rf"|(?<![^\W_])(?:offset|shift|versatz|d[ée]calage|desfase)(?![^\W_])[^.;]{{0,16}}{_VARIABLE}"
     r"|10\s*(?:\^|\*\*|(?=[⁻⁺⁰¹²³⁴-⁹]))|[x×*]\s*10{1,6}\b"
     r"|(?:multiplied|divided|scaled) by|(?:multiples|units) of (?:pi|π)",
     re.IGNORECASE,
 )
 """What prose adds to joints or to all numbers, and no comment can: ``θ2 = q2 - 90°``, ``all × 10⁻³``."""
 _IN_UNREAD = (
-    "= 10 multipl divided scaled units fixed locked coupled mimic reversed inverted opposite negative positive".split()  # noqa: SIM905
+    "= 10 multipl divided scaled units fixed locked coupled mimic reversed inverted opposite negative positive "  # noqa: SIM905
+    "negated horizontal vertical absolute offset shift versatz calage desfase".split()
 )
 """What such prose has at least one of: most comments have none, and need no search."""
+_BOUNDS = late_pattern(
+    rf"{_VARIABLE}[^.;]{{0,32}}?(?:[∈<≤>≥±]|(?<![^\W_])ranges?(?![^\W_])"
+    r"|[0-9]\s?(?:°|deg)?\s?(?:\.\.|…|to|bis|~|～)\s?[-+−]?[0-9])",
+    re.IGNORECASE,
+)
+"""How far a joint moves, in prose: ``d₃ ∈ [0.2, 1]``, ``q1: -170..170``."""
+_IN_BOUNDS = ("∈", "<", "≤", ">", "≥", "±", "range", "..", "…", "to", "bis", "~", "～")
+_TURNED = late_pattern(
+    r"(?<!counter)(?<!counter-)(?<!anti)(?<!anti-)(?<![^\W_])clockwise|(?<!gegen den )uhrzeigersinn"
+    r"|顺时针|(?<!反)時計回り|(?<!반)시계 ?방향|(?<!против )часовой"
+    r"|(?<!anti)(?<!anti-)(?<![^\W_])h?or[aá](?:ire|rio)(?![^\W_])"
+    r"|upside[ -]down|(?<![^\W_])(?:ceiling|wall[ -]mounted|left[ -]handed|kopfüber|hängend|hang(?:s|ing))(?![^\W_])"
+    r"|倒装|吊装|(?<![^\W_])z_?[0₀][^.;]{0,16}(?:down|unten|abajo)(?![^\W_])",
+    re.IGNORECASE,
+)
+"""Joints that turn the other way, and a base that is turned: ``clockwise is positive``, ``mounted upside down``."""
+_IN_TURNED = (
+    "clockwise uhrzeiger 顺时针 時計 시계 horaire horario horário orario часовой upside ceiling wall handed kopf "  # noqa: SIM905
+    "häng hang 装 z0 z_0 z₀".split()
+)
 _NUMBER = late_pattern(r"(?<![^\W])[-+−]?(?:[0-9]*\.)?[0-9]+")
-_LENGTH = late_pattern(r"(?<![\w.,])[-+−]?[0-9]*[.,]?[0-9]*[1-9][0-9]*[.,]?[0-9]*\s*(?:mm|cm|m|µm|inch(?:es)?)\b")
+_SIZE = late_pattern(
+    r"(?<![\w.,])[-+−]?[0-9]*[.,]?[0-9]*[1-9][0-9]*[.,]?[0-9]*\s*(?:(?:mm|cm|m|µm|inch(?:es)?|deg(?:rees)?|rad|grad)\b|°)"
+)
 
 
 def comment_problems(
@@ -97,7 +133,7 @@ def comment_problems(
         return [] if said[0] == "name" or _holds(*said, statements, columns) else [below_header(comment)]
     problems = [below_header(comment)] if below and prose and statement(comment) else prose
     problems = problems + types_elsewhere(comment, typed=typed)
-    return problems + (unread_values(comment) or _unread_prose(comment, statements))
+    return problems + (unread_values(comment) or unread_prose(comment, statements))
 
 
 def _holds(key: str, node: Node, statements: Statements, columns: Columns) -> bool:
@@ -130,7 +166,10 @@ def types_elsewhere(comment: Comment, *, typed: bool) -> list[Problem]:
     slides = JointType.PRISMATIC in kinds and None not in kinds
     patterns = (_SEQUENCE, _NTH_SLIDES, _SLIDE_VARIABLE)
     if not (slides or speaks_of_slide(comment.text) or any(pattern.search(comment.text) for pattern in patterns)):
-        return []
+        mostly = _SLIDING_ARM.search(comment.text) if len(comment.text) > len("scara") - 1 else None
+        message = f"{shown(comment.line)} speaks of an arm that mostly has a prismatic joint, and no joint is one"
+        notice = Problem(message=message, severity="notice", mark=comment.whole, field="type", found=comment.line)
+        return [notice] if mostly else []
     return [
         Problem(
             message=f"{shown(comment.line)} speaks of a prismatic joint, and the table has no types: every joint would "
@@ -148,15 +187,24 @@ def _is_bare(text: str) -> bool:
     return bool(placement_of(_NUMBER.sub(" ", text)) and _NUMBER.search(text))
 
 
-def _unread_prose(comment: Comment, statements: Statements) -> list[Problem]:
-    """A notice of prose that gives a length of the tool or of the base, or says what only columns can say."""
+def unread_prose(comment: Comment, statements: Statements, *, lead: str = "# ") -> list[Problem]:
+    """A notice of prose that gives a place of the tool or of the base, or says what only columns can say.
+
+    Args:
+        comment: one that says nothing under a key.
+        statements: what the table and the options say.
+        lead: what a line begins with that declares something.
+    """
     placed = map(placement_of, re.findall(r"[^\W\d_]+", comment.text))
     found = {kind for kind in placed if kind}
     what = found.pop() if len(found) == 1 else None
-    if what in statements.placed or not (what and (_is_bare(comment.text) or _LENGTH.search(comment.text))):
+    if what in statements.placed or not (what and (_is_bare(comment.text) or _SIZE.search(comment.text))):
         what = None
     plain = comment.text.casefold()
-    if what is None and not (any(word in plain for word in _IN_UNREAD) and _UNREAD.search(comment.text)):
+    searches = ((_IN_UNREAD, _UNREAD), (_IN_BOUNDS, _BOUNDS), (_IN_TURNED, _TURNED))
+    if what is None and not any(
+        any(word in plain for word in words) and pattern.search(comment.text) for words, pattern in searches
+    ):
         return []
     return [
         Problem(
@@ -165,6 +213,8 @@ def _unread_prose(comment: Comment, statements: Statements) -> list[Problem]:
             mark=comment.whole,
             field=what,
             found=comment.line,
-            suggestion=f"if it is part of the arm, declare it: `{EXAMPLES[what]}`" if what else None,
+            suggestion=f"if it is part of the arm, declare it: `{lead}{EXAMPLES[what].removeprefix('# ')}`"
+            if what
+            else None,
         )
     ]

@@ -36,7 +36,7 @@ _BATCH = 200
 BELOW = "what is below the table, after an empty row"
 NOTE_HINT = "if this is a note, put an empty row before it, or a # at its beginning"
 _PROSE = late_pattern(
-    r"(?:(?:[*†‡§•¹²³⁰⁴-⁹]+\s*|[\[(]?(?:[0-9]{1,2}|[a-z])[)\]:]\s*|[0-9]\.\s+)[^\W\d_]{2,}|[^\W\d_]{3,})(?:[\s:;,.]|$)",
+    r"(?:(?:[*†‡§•>\\_¹²³⁰⁴-⁹][*\\_\s]*|-\s+(?=[^\W\d_]{3})|[\[(]?(?:[0-9]{1,2}|[a-z])[)\]:]\s*|[0-9]\.\s+)[^\W\d_]{2,}|[^\W\d_]{3,})(?:[\s:;,.]|$)",
     re.IGNORECASE,
 )
 """How a note begins, and no number, expression or symbol: with a word, perhaps behind the mark of a footnote."""

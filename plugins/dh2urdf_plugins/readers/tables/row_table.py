@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 from dh2urdf.columns import ManipulatorColumns, ManipulatorGroups
 from dh2urdf.errors import SCREENFUL, TableError
-from dh2urdf.manipulator import Convention, DHRow, Manipulator
+from dh2urdf.manipulator import Convention, DHRow, JointType, Manipulator
 from dh2urdf.output import SeenNames
 from dh2urdf.source import Problem, shown
 from dh2urdf.stages import Rejected
@@ -79,6 +79,7 @@ class RowTable:
         self.columns = columns = source.start(top.columns)
         self.statements = Statements()
         self.notices: list[Problem] = [*top.notices, *columns.notices]
+        self.slides: list[Problem] = []  # what speaks of joints that slide: wrong where no variable is in d
         self.name = self._state(top.statements, options) or name
         self.units = self.statements.units()
         stated = {dimension: unit for dimension, (unit, _) in self.statements.stated.items()}
@@ -152,9 +153,12 @@ class RowTable:
             from dh2urdf_plugins.readers.statements.judged_comments import comment_problems
 
             problems += comment_problems(comment, self.statements, self.columns, below=below)
+        slides = [] if self.has_type else [problem for problem in problems if problem.field == "type"]
+        self.slides += slides
+        self.plain_table &= not slides
         errors = [problem for problem in problems if problem.severity == "error"]
-        notices = [problem for problem in problems if problem.severity == "notice"]
-        if errors:
+        notices = [problem for problem in problems if problem.severity == "notice" and problem not in slides]
+        if not all(problem in slides for problem in errors):
             raise TableError(errors, [*self.notices, *notices])
         self.notices += notices[:SCREENFUL]
 
@@ -316,6 +320,12 @@ class RowTable:
             reader.add(_torn(name))
         statements = replace(self.statements)
         read = self._read_rows(rows, statements, reader, table_cells)
+        if self.slides and not any(row and row.type is JointType.PRISMATIC for row in read):
+            errors = [problem for problem in self.slides if problem.severity == "error"]
+            if errors:
+                raise TableError(errors, self.notices)
+            for problem in self.slides:
+                reader.add(problem)
         for problem in table_cells.problems():
             reader.add(problem)
         return manipulator(name, statements, read, reader, mark, trace=trace)

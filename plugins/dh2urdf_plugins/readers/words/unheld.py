@@ -119,6 +119,9 @@ UNHELD_WORDS = {
     ),
     "j": Unheld("the number of a row, or an inertia", "a column index, or ixx … iyz", counts=True),
     **dict.fromkeys(
+        _words("n, k"), Unheld("the symbol of a quantity, or the number of a row", "a column index", counts=True)
+    ),
+    **dict.fromkeys(
         _words("unit, units, einheit, einheiten, unité, unités, unidad, unidades, unità, unidade, 单位"),
         Unheld("the unit of a row", "units in the headers, such as `a [mm]`, in the cells, or above the header"),
     ),
@@ -165,7 +168,7 @@ SUSPECTS = {
     "type": "prismatic, revolute, rotary, *类型*, 运动副*",
     "alpha": "twist*, verdreh*, torsion*, torsión*, torção*, *扭*",
     "a": "length*, *länge*, longueur*, longitud*, lunghezza*, comprimento*, *长*",
-    "theta": "angle*, *winkel, ángulo*, angolo*, ângulo*, *角*",
+    "theta": "angle*, *winkel, ángulo*, angolo*, ângulo*, *角, *角度*, 角位*",
     "radius": "radius, radii, diameter*, durchmesser, thickness, raio*, *半径*, *直径*",
 }
 """Words in the headers of columns that probably are a field, by field; ``*`` stands for any letters."""

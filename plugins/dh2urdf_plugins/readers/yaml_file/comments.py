@@ -69,7 +69,7 @@ def judge_comments(
         if "#" not in line or found >= _MAX_COMMENTS or (position := _start(line)) is None:
             continue
         from dh2urdf_plugins.readers.statements.comment_phrases import in_other_words, units_beside
-        from dh2urdf_plugins.readers.statements.judged_comments import types_elsewhere
+        from dh2urdf_plugins.readers.statements.judged_comments import types_elsewhere, unread_prose
 
         found += 1
         before = line[:position].strip()
@@ -79,6 +79,7 @@ def judge_comments(
         for problem in (
             *in_other_words(comment, statements, units_beside(before), lead="", behind=bool(before)),
             *types_elsewhere(comment, typed=typed),
+            *unread_prose(comment, statements, lead=""),
         ):
             add(problem)
 

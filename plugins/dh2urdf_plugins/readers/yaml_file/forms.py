@@ -6,6 +6,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from dh2urdf.source import Problem
+from dh2urdf_plugins.readers.header.words import read_header
 from dh2urdf_plugins.readers.tables.cell_groups import PARTS
 
 if TYPE_CHECKING:
@@ -14,6 +15,8 @@ if TYPE_CHECKING:
     from dh2urdf.documents import Node
     from dh2urdf_plugins.readers.words.cells import Cell
 
+NOT_IN_A_JOINT = ("robot", "convention")
+"""Fields that a table of one manipulator has no column for."""
 _JOINTS = "write `joints:`, a list with one mapping for each joint, such as {a: 0, alpha: pi/2, d: 0.1}"
 _WORDS = {
     _JOINTS: "links, link, joint, dh, dh_params, dh_parameters, dh_table, parameters, params, rows, table, chain, "
@@ -119,3 +122,11 @@ def unused_default(name: str, cell: Cell) -> Problem:
     """A default that no joint takes, as a notice."""
     message = f"defaults.{name} has no effect: every joint has a value of its own"
     return Problem(message=message, severity="notice", mark=cell.mark, field=f"defaults.{name}", found=cell.text)
+
+
+def joint_field(key: str) -> str | None:
+    """The field, or the group of fields, that a key of a joint means."""
+    header = read_header(key)
+    if header.field is None or header.unit or header.field.name in NOT_IN_A_JOINT:
+        return None
+    return header.field.name

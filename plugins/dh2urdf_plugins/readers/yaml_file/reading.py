@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING
 
 from dh2urdf.documents import decoded, read_bytes, stream_yaml
 from dh2urdf.errors import TableError
-from dh2urdf.manipulator import Convention, Manipulator
+from dh2urdf.manipulator import Convention, JointType, Manipulator
 from dh2urdf.row_fields import COM, INERTIA, LIMITS
 from dh2urdf.source import Problem, shown
 from dh2urdf.stages import Rejected
-from dh2urdf_plugins.readers.header.columns import parts_beside_theta
+from dh2urdf_plugins.readers.header.columns import number_beside_name, parts_beside_theta
 from dh2urdf_plugins.readers.header.units import effort_notice
 from dh2urdf_plugins.readers.header.unknown_columns import ignored, meant_key, refusal, refused
 from dh2urdf_plugins.readers.header.words import bounds_theta, parts_of, read_header
@@ -40,14 +40,13 @@ if TYPE_CHECKING:
 KEYS = ("name", "convention", "units", "base", "tool", "payload", "defaults", "visuals", "collisions", "joints")
 """Keys of a manipulator."""
 
-_NOT_IN_A_JOINT = ("robot", "convention", "index")
 _JOINT_KEYS = (
     "name",
-    *(name for name in FIELDS if name not in (*_NOT_IN_A_JOINT, *LIMITS, *COM, *INERTIA, *GROUPS, "joint")),
+    *(name for name in FIELDS if name not in (*forms.NOT_IN_A_JOINT, *LIMITS, *COM, *INERTIA, *GROUPS, "joint")),
     *GROUPS,
     *MESH_KEYS,
 )
-_NAMES = ("joint", "link")
+_NAMES = ("index", "joint", "link")
 _KEYS = {"limits": LIMITS, "com": COM, "inertia": INERTIA}
 """Keys of the mappings of several fields."""
 
@@ -186,7 +185,7 @@ class _Table:
     def _joint_keys(defaults: Node) -> list[str]:
         """The keys of defaults that are fields of a joint; a name cannot be the same for all."""
         keys = defaults.value if isinstance(defaults.value, dict) else ()
-        return [key for key in keys if _joint_field(key) and _joint_field(key) not in _NAMES]
+        return [key for key in keys if forms.joint_field(key) and forms.joint_field(key) not in _NAMES]
 
     # --- Rows ---------------------------------------------------------------------------------------------------------
 
@@ -234,6 +233,7 @@ class _Table:
             entries = node.value if isinstance(node.value, dict) else {}
             meshes = self._meshes(entries, row.joint if row else f"joint_{len(rows) + 1}")
             rows.append(row and replace(row, visual=meshes.visual, collision=meshes.collision))
+        self.typed |= any(row and row.type is JointType.PRISMATIC for row in rows)
         return rows
 
     def _cells(self, node: Node, common: dict[str, Cell], default_name: str) -> dict[str, Cell]:
@@ -241,10 +241,12 @@ class _Table:
         own: dict[str, Cell] = {}
         before = len(self.problems)
         entries = node.value if isinstance(node.value, dict) else {}
-        spare = parts_beside_theta(entries)
+        spare, counting = parts_beside_theta(entries), number_beside_name(entries)
         for key, item in entries.items():
             if key in spare:
                 self._unknown(node, key, item, "a joint")
+            elif key == counting:
+                self._put(own, "index", item)
             elif key not in MESH_KEYS:
                 self._take(own, node, key, item, "a joint")
         cells = {**common, **own}
@@ -263,7 +265,7 @@ class _Table:
 
     def _take(self, cells: dict[str, Cell], mapping: Node, key: str, node: Node, what: str) -> None:
         """Takes one entry of a joint."""
-        field = _joint_field(key)
+        field = forms.joint_field(key)
         if field is None:
             self._unknown(mapping, key, node, what)
         elif field in GROUPS:
@@ -389,11 +391,3 @@ class _Table:
             accepted=", ".join(_JOINT_KEYS),
             suggestion=meant_key(key, header, why and why.field, _JOINT_KEYS),
         )
-
-
-def _joint_field(key: str) -> str | None:
-    """The field, or the group of fields, that a key of a joint means."""
-    header = read_header(key)
-    if header.field is None or header.unit or header.field.name in _NOT_IN_A_JOINT:
-        return None
-    return header.field.name

@@ -20,13 +20,14 @@ from dh2urdf_plugins.readers.statements.shapes import SHAPES
 from dh2urdf_plugins.readers.words.fields import CONVENTION_CHOICES, FIELDS, GROUPS, TYPE_CHOICES
 from dh2urdf_plugins.readers.words.unheld import IGNORED
 from dh2urdf_plugins.readers.words.word_keys import key_of
+from dh2urdf_plugins.readers.yaml_file.forms import NOT_IN_A_JOINT
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
     from dh2urdf_plugins.readers.words.fields import Field
 
-_OF_A_JOINT = tuple(name for name in FIELDS if name not in ("robot", "convention", "index"))
+_OF_A_JOINT = tuple(name for name in FIELDS if name not in NOT_IN_A_JOINT)
 _IN_A_GROUP = (*LIMITS, *COM, *INERTIA, *GROUPS)
 """Fields that an editor offers in `limits`, `com` and `inertia`; the reader takes them in the joint itself too."""
 

@@ -1,0 +1,400 @@
+"""Tables as READMEs, lecture notes and programs have them, and the poses that their authors measured or computed."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+import openpyxl
+import pytest
+
+import dh2urdf
+from dh2urdf.errors import TableError
+from dh2urdf.manipulator import JointType, Manipulator
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from pathlib import Path
+
+    from dh2urdf.source import Problem
+    from dh2urdf.stages import Rejected
+
+    Read = Callable[..., list[Manipulator | Rejected]]
+    ReadOne = Callable[..., Manipulator]
+
+STANDARD = "# convention: standard\n"
+
+
+def problems_of(read: Read, text: str, suffix: str = ".csv") -> tuple[Problem, ...]:
+    """What is wrong with a table of one manipulator."""
+    try:
+        (rejected,) = read(text, suffix)
+    except TableError as error:
+        return tuple(error.problems)
+    assert not isinstance(rejected, Manipulator)
+    return rejected.problems
+
+
+def notices_of(arm: Manipulator) -> str:
+    """What is said of an arm that is accepted."""
+    return "\n".join(map(str, arm.notices))
+
+
+# --- Whole tables, and where their authors say that the tip is --------------------------------------------------------
+
+IRB_120 = """# convention: standard
+θ,d (mm),a (mm),α (rad)
+θ1,290,0,-π/2
+θ2 - π/2,0,270,0
+θ3,0,70,-π/2
+θ4,302,0,π/2
+θ5,0,0,-π/2
+θ6 + π,72,0,0
+"""
+"""The flange of an IRB 120 in its home position is at (374, 0, 630) mm, says ABB's manual."""
+KR_210 = """Links,α(i-1),a(i-1),d(i),θ(i)
+0->1,0,0,0.75,q1
+1->2,- pi/2,0.35,0,q2 - pi/2
+2->3,0,1.25,0,q3
+3->4,-pi/2,-0.054,1.50,q4
+4->5,pi/2,0,0,q5
+5->6,-pi/2,0,0,q6
+6->EE,0,0,0.303,q7
+"""
+"""The gripper of a KR 210 is at (2.153, 0, 1.946) m where all joints are 0, says its URDF."""
+MARKED = """# convention: standard
+k,θ,d,a,α
+1,q1+π/2,0.47,0,π/2
+2,q2+π/2,0.16,−0.15,π/2
+3,q3+π/2,0,0.18,0
+4,q4,0,0.17,π/2
+5,q5+π/2,0.05,0,π/2
+6,q6,0.20,0,0
+"""
+OPEN_MANIPULATOR = """% Units: mm, degrees
+%           a(i-1)  alpha(i-1)  d(i)    theta_offset
+Joint,Name,a(i-1),alpha(i-1),d(i),theta_offset,type
+1,Base,0,0,77,0,R
+2,Shoulder,0,-90,0,-90,R
+3,Elbow,128,0,0,90,R
+4,Wrist,124,0,0,0,R
+5,End Effector,126,0,0,0,fixed
+"""
+PUBLISHED = {
+    "IRB 120": (IRB_120, 6, (0.374, 0, 0.630)),
+    "KR 210": (KR_210, 7, (2.153, 0, 1.946)),
+    "an exam": (MARKED, 6, (0.71, 0, 0.37)),
+    "OpenManipulator": (OPEN_MANIPULATOR, 4, (0.25, 0, 0.205)),
+}
+
+
+@pytest.mark.parametrize("arm_name", PUBLISHED)
+def test_the_tip_is_where_the_author_says(arm_name: str, read: Read) -> None:
+    """Where all joints are 0: in the maker's manual, in its URDF, in a tutor's key, and in the comment of a program."""
+    text, axes, tip = PUBLISHED[arm_name]
+    (arm,) = read(text)
+    assert isinstance(arm, Manipulator), arm.problems
+    np.testing.assert_allclose(arm.fk([0.0] * axes)[:3, 3], tip, atol=1e-12)
+
+
+# --- Rows that are called like a frame, and move ----------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", ["Base", "1 (Base)", "Gripper", "tool", "6->EE", "6-END", "末端"])
+def test_a_row_with_a_variable_moves_whatever_it_is_called(name: str, read_one: ReadOne) -> None:
+    """The waist of a small arm is called base; it was refused, though its variable stood in the row."""
+    joint = "- {name: '%s', a: 0.3, alpha: 0, d: 0, theta: %s}\n"
+    arms = (
+        read_one(f"joint,θ,d,a,α\n{name},q1,0,0.3,0\nelbow,q2,0,0.2,0\n"),
+        read_one(f"joints:\n{joint % (name, 'q1')}{joint % ('elbow', 'q2')}", ".yaml"),
+    )
+    for arm in arms:
+        assert [row.type for row in arm.rows] == [JointType.REVOLUTE] * 2
+        assert f"the row '{name}' is called like a frame, and has a joint variable: it moves" in notices_of(arm)
+
+
+@pytest.mark.parametrize("header", ["min,max", "q_min (rad),q_max (rad)"])
+def test_a_row_with_bounds_moves_where_no_row_has_a_variable(header: str, read_one: ReadOne) -> None:
+    arm = read_one(f"Joint,a,α,d,{header}\nBase,0,pi/2,0.1,-π,π\nShoulder,0.3,0,0,-1,1\n")
+    assert [row.type for row in arm.rows] == [JointType.REVOLUTE] * 2
+    assert "is called like a frame, and has bounds: it moves" in notices_of(arm)
+
+
+@pytest.mark.parametrize(
+    "rows",
+    [
+        "Base,0,0,0.1,,\nelbow,0.3,0,0,-1,1\n",
+        "Base,0,0,0.1,0,0\nelbow,0.3,0,0,-1,1\n",
+        "fixed,0,0,0.1,-1,1\nelbow,0.3,0,0,-1,1\n",
+    ],
+)
+def test_a_base_that_nothing_moves_is_refused_as_before(rows: str, read: Read) -> None:
+    (problem,) = problems_of(read, f"{STANDARD}joint,a,alpha,d,lower,upper\n{rows}")
+    assert "by its name it hardly is a revolute joint" in problem.message
+
+
+def test_a_flange_without_a_variable_is_fixed_as_before(read_one: ReadOne) -> None:
+    arm = read_one("joint,a,alpha,d,theta\nelbow,0.3,0,0,q1\nEE,0,0,0.1,0\n")
+    assert [row.type.value for row in arm.rows] == ["revolute", "fixed"]
+
+
+# --- Joint variables that are counted from 0 --------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("column", ["", "1,2,3", "0,1,2", "J1,J2,J3", "a,b,c"])
+@pytest.mark.parametrize("header", ["i", "joint", "Link"])
+@pytest.mark.parametrize("symbol", ["q₀", "q0", "θ_0", "theta0"])
+def test_joint_variables_may_be_counted_from_0(symbol: str, header: str, column: str, read_one: ReadOne) -> None:
+    """As programs count; each was refused, as the variable of another row."""
+    symbols = [symbol.replace("0", str(k)).replace("₀", "₀₁₂"[k]) for k in range(3)]
+    labels = [f"{text}," for text in column.split(",")] if column else [""] * 3
+    rows = "".join(
+        f"{label}0.{k + 1},0,0,{text} + pi/{k + 2}\n"
+        for k, (label, text) in enumerate(zip(labels, symbols, strict=True))
+    )
+    arm = read_one(f"{header + ',' if column else ''}a,alpha,d,theta\n{rows}")
+    assert [row.offset for row in arm.rows] == [math.pi / 2, math.pi / 3, math.pi / 4]
+    assert "the joint variables are counted from 0" in notices_of(arm)
+
+
+def test_they_may_in_yaml_and_beside_a_fixed_flange(read_one: ReadOne) -> None:
+    joints = "".join(f"- {{a: 0.{k + 1}, alpha: 0, d: 0, theta: q{k}}}\n" for k in range(2))
+    arm = read_one(f"joints:\n{joints}- {{name: flange, a: 0, alpha: 0, d: 0.1, theta: 0}}\n", ".yaml")
+    assert [row.type.value for row in arm.rows] == ["revolute", "revolute", "fixed"]
+
+
+@pytest.mark.parametrize("symbols", ["q0", "q0,q2", "q,q1", "q0,q0", "q0,q1,q3", "q1,q0"])
+def test_variables_of_other_rows_are_refused_as_before(symbols: str, read: Read) -> None:
+    rows = "".join(f"0.3,0,0,{symbol}\n" for symbol in symbols.split(","))
+    assert any(
+        "names the variable of row" in each.message for each in problems_of(read, f"{STANDARD}a,alpha,d,theta\n{rows}")
+    )
+
+
+# --- A column of joints beside one of their names ---------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("header", "cells"),
+    [
+        ("Joint,Name", "1;2"),
+        ("Name,Joint", "1;2"),
+        ("Axis,Joint name", "A1;A2"),
+        ("Joint,Joint Name", "Joint 1;Joint 2"),
+        ("Achse,Name", "1;2"),
+        ("Gelenk,Gelenkname", "G1;G2"),
+        ("Articulación,Nombre", "1;2"),
+        ("Axe,Nom", "1;2"),
+        ("Giunto,Nome", "1;2"),
+        ("关节,名称", "关节1;关节2"),
+        ("関節,関節名", "1;2"),
+        ("관절,관절 이름", "1;2"),
+        ("Ось,Название", "1;2"),
+        ("Przegub,Nazwa", "1;2"),
+        ("Joint ID,Joint Name", "1;2"),
+    ],
+)
+def test_a_column_of_joints_may_count_the_named_ones(header: str, cells: str, read_one: ReadOne) -> None:
+    """Hobby arms and data sheets have both; the table was refused for two columns of joints."""
+    rows = [
+        f"part{k},{text}" if header == "Name,Joint" else f"{text},part{k}" for k, text in enumerate(cells.split(";"))
+    ]
+    arm = read_one(f"{header},a,alpha,d\n{rows[0]},0.3,0,0\n{rows[1]},0.2,0,0\n")
+    assert [row.joint for row in arm.rows] == ["part0", "part1"]
+    assert not arm.notices
+
+
+def test_labels_of_axes_are_left_out_beside_names(read_one: ReadOne) -> None:
+    """Motoman's S, L, U count nothing."""
+    arm = read_one("Axis,Name,a,alpha,d\nS,swing,0.3,0,0\nL,lower arm,0.2,0,0\n")
+    assert [row.joint for row in arm.rows] == ["swing", "lower arm"]
+    assert "the column of numbers holds none, and is left out: 'S'" in notices_of(arm)
+
+
+def test_numbers_beside_names_have_to_be_those_of_the_rows(read: Read) -> None:
+    (problem,) = problems_of(read, f"{STANDARD}Joint,Name,a,alpha,d\n1,x,0.3,0,0\n3,y,0.2,0,0\n")
+    assert "the index is '3', and this is row 2" in problem.message
+
+
+def test_three_columns_of_joints_are_refused_with_what_to_do(read: Read) -> None:
+    for problem in problems_of(read, f"{STANDARD}Joint,Name,Axis,a,alpha,d\n1,x,z,0.3,0,0\n"):
+        assert "begin its header with _" in str(problem)
+
+
+@pytest.mark.parametrize("key", ["joint", "index", "i", "no"])
+def test_joints_of_yaml_may_be_counted(key: str, read: Read, read_one: ReadOne) -> None:
+    joint = "- {%s: %s, name: %s, a: 0.3, alpha: 0, d: 0}\n"
+    arm = read_one(f"joints:\n{joint % (key, 1, 'x')}{joint % (key, 2, 'y')}", ".yaml")
+    assert [row.joint for row in arm.rows] == ["x", "y"]
+    text = f"convention: standard\njoints:\n{joint % (key, 1, 'x')}{joint % (key, 3, 'y')}"
+    assert any("the index is '3'" in problem.message for problem in problems_of(read, text, ".yaml"))
+
+
+@pytest.mark.parametrize("header", ["n", "k", "j"])
+def test_a_letter_may_count_the_rows(header: str, read: Read, read_one: ReadOne) -> None:
+    assert len(read_one(f"{header},a,alpha,d\n1,0.3,0,0\n2,0.2,0,0\n").rows) == 2
+    (problem,) = problems_of(read, f"{STANDARD}{header},a,alpha,d\n1,0.3,0,0\n3,0.2,0,0\n")
+    assert "the number of a row" in problem.message
+
+
+# --- What comments and notes say --------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("said", ["RRPR SCARA", "joint 3 is prismatic", "joint variables: θ1, θ2, d3", "2R1P", "SCARA"])
+@pytest.mark.parametrize("place", ["above", "below", "yaml", "xlsx"])
+def test_prose_about_a_joint_that_slides_agrees_with_a_variable_in_d(
+    said: str, place: str, read_one: ReadOne, tmp_path: Path
+) -> None:
+    """The table was refused as one without types, though its third joint was read as prismatic."""
+    rows = [("0.3", "0", "0.4", "θ1"), ("0.2", "pi", "0", "θ2"), ("0", "0", "d3", "0")]
+    table = "a,alpha,d,theta\n" + "".join(f"{','.join(row)}\n" for row in rows)
+    if place == "yaml":
+        joints = "".join(f"- {{a: {a}, alpha: {alpha}, d: {d}, theta: {theta}}}\n" for a, alpha, d, theta in rows)
+        arm = read_one(f"# {said}\njoints:\n{joints}", ".yaml")
+    elif place == "xlsx":
+        book = openpyxl.Workbook()
+        for row in [[f"# {said}"], ["a", "alpha", "d", "theta"], *map(list, rows)]:
+            book.active.append(row)
+        book.save(tmp_path / "arm.xlsx")
+        arm = dh2urdf.read(tmp_path / "arm.xlsx", convention="standard")
+    else:
+        arm = read_one(f"# {said}\n{table}" if place == "above" else f"{table}\nNote: {said}\n")
+    assert [row.type.value for row in arm.rows] == ["revolute", "revolute", "prismatic"]
+    assert "speaks of" not in notices_of(arm)
+
+
+@pytest.mark.parametrize("said", ["2R1P", "3 DOF (2R + 1P)", "1P2R", "第3关节为移动关节"])
+@pytest.mark.parametrize("arms", [1, 3, 300])
+def test_it_is_refused_where_no_joint_slides(said: str, arms: int, read: Read) -> None:
+    rows = "".join(f"arm{arm},0.3,0,0\narm{arm},0.2,0,0\n" for arm in range(arms))
+    with pytest.raises(TableError) as error:
+        read(f"{STANDARD}# {said}\nrobot,a,alpha,d\n{rows}")
+    (problem,) = error.value.problems
+    assert "speaks of a prismatic joint, and the table has no types" in problem.message
+
+
+@pytest.mark.parametrize(
+    "said", ["SCARA robot of the lab", "cylindrical robot", "Stanford arm", "2 rotaciones y 1 traslación"]
+)
+def test_arms_that_mostly_slide_get_a_notice(said: str, read_one: ReadOne) -> None:
+    """A planar arm may be called SCARA too."""
+    table = "a,alpha,d\n0.3,0,0\n0.2,0,0\n"
+    message = "speaks of an arm that mostly has a prismatic joint, and no joint is one"
+    assert message in notices_of(read_one(f"# {said}\n{table}"))
+    assert message in notices_of(read_one(f"# {said}\njoints: [{{a: 0.3, alpha: 0, d: 0}}]", ".yaml"))
+    assert message not in notices_of(read_one(f"# {said}\ntype,a,alpha,d\nR,0.3,0,0\n"))
+
+
+@pytest.mark.parametrize(
+    "said",
+    [
+        "all motors: clockwise is positive",
+        "所有电机顺时针为正 (方向系数 = -1)",
+        "Drehrichtung: im Uhrzeigersinn positiv",
+        "sens horaire positif",
+        "positivo en sentido horario",
+        "時計回りを正とする",
+        "mounted upside down",
+        "ceiling mounted",
+        "z0 points down",
+        "left-handed frames",
+        "base rotated 45 deg about y",
+        "d₃ ∈ [0.2, 1.0]",
+        "q1: -170..170, q2: -120..120",
+        "-π ≤ θ1 ≤ π, θ2 < π",
+        "J1 range 340°",
+        "关节1: -170° ~ 170°",
+        "q2 is negated in the controller",
+        "q2_motor = -q2",
+        "J3 = q2 + q3",
+        "θ3 is measured from the horizontal",
+        "joint 2 has an offset of -90",
+        "El offset de la articulación 2 es -90",
+    ],
+)
+def test_prose_that_makes_another_arm_is_not_passed_over(said: str, read_one: ReadOne) -> None:
+    """Each was a comment like any other: nothing was said."""
+    row = "type,a [m],alpha [deg],d [m],theta [deg]\nR,0.3,0,0,q1\nR,0.2,0,0,q2\nP,0,0,q3,0\n"
+    joints = "joints: [{type: R, a: 0.3, alpha: 0°, d: 0.0}]"
+    for arm in (
+        read_one(f"# {said}\n{row}"),
+        read_one(f"units: {{length: m, angle: deg}}\n# {said}\n{joints}", ".yaml"),
+    ):
+        assert "is a comment, and nothing is read from it" in notices_of(arm)
+
+
+@pytest.mark.parametrize(
+    "said",
+    [
+        "counterclockwise is positive",
+        "counter-clockwise rotation",
+        "positive Richtung gegen den Uhrzeigersinn",
+        "sens antihoraire",
+        "逆时针为正",
+        "reach of 850 millimetres",
+        "with 6 axes and a hand",
+        "from the manual of 2019 to be checked",
+        "a robot for the shop floor",
+    ],
+)
+def test_prose_that_says_nothing_new_gets_no_notice(said: str, read_one: ReadOne) -> None:
+    assert "nothing is read from it" not in notices_of(read_one(f"# {said}\na,alpha,d\n0.3,0,0\n"))
+
+
+@pytest.mark.parametrize(
+    "note",
+    [
+        r"*\* indicates variable joint parameter*",
+        "> Parameters derived from URDF joint origins.",
+        "- lengths of the links were measured",
+        "_Own work._",
+    ],
+)
+def test_notes_of_markdown_are_notes(note: str, read_one: ReadOne) -> None:
+    """Below the table and an empty row, as it was copied."""
+    assert "nothing is read from what is below the table" in notices_of(read_one(f"a,alpha,d\n0.3,0,0\n\n{note}\n"))
+
+
+# --- Advice that leads to a table that works --------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("table", "advice"),
+    [
+        ("a,alpha,d\n1100[mm],0,0\n", "without brackets: 290 mm"),
+        ("a,alpha,d\n0.3,90 [°],0\n", "without brackets: 290 mm"),
+        ("a,alpha,d\n300 (mm),0,0\n", "without brackets: 290 mm"),
+        ("a,alpha,d\n0.3,**−90°**,0\n", "without the marks that make it bold"),
+        ("a,alpha,d\n`0.3`,0,0\n", "without the marks that make it bold"),
+        ('a,alpha,d,theta\n0.3,0,0,"θ1(-120, 120)"\n', "its bounds go to a column limits"),
+        ("a,alpha,d,theta\n0.3,0,0,θ1 (-90)\n", "with an offset behind it, as q1 - 90 deg"),
+        ("a,alpha,d,theta\n0.3,0,0,q1 + q2\n", "write that of this joint alone"),
+        ("Link Length,Link Twist,Joint Offset,Joint Angle\n0.3,0,0.1,q1\n", "if 'Joint Offset' is the length along z"),
+        ("a_{i-1},α_{i-1},θ_i,r_i\n0.3,0,q1,0.1\n", "if r_i is the length along z, call it d"),
+        ("a,alpha,d,r\n0.3,0,0.1,0\n", "if r is the centre of mass, call it com"),
+        ("a,alpha,d,phi\n0.3,0,0,θ1\n", "if it is one of them, call it so: theta or offset"),
+    ],
+)
+def test_a_refusal_says_what_to_write(table: str, advice: str, read: Read) -> None:
+    text = table if "i-1" in table else f"{STANDARD}{table}"
+    assert any(advice in (problem.suggestion or "") for problem in problems_of(read, text))
+
+
+def test_a_key_of_two_letters_is_no_slip(read: Read) -> None:
+    """The advice for `id` was the key d, which would have been the length."""
+    (problem,) = problems_of(read, "convention: standard\njoints: [{id: 1, a: 0.3, alpha: 0, d: 0}]", ".yaml")
+    assert "did you mean" not in str(problem)
+    assert "begin the key with _" in str(problem)
+
+
+@pytest.mark.parametrize("header", ["物理角色", "角色"])
+def test_a_role_is_no_angle(header: str, read_one: ReadOne) -> None:
+    """The second letter of one is the first of the other."""
+    assert f"the column '{header}' is left out" in notices_of(read_one(f"a,alpha,d,{header}\n0.3,0,0,底座回转\n"))
+
+
+@pytest.mark.parametrize("header", ["当前角度", "偏角", "角位移"])
+def test_angles_of_other_kinds_are_refused_as_before(header: str, read: Read) -> None:
+    (problem,) = problems_of(read, f"{STANDARD}a,alpha,d,{header}\n0.3,0,0,90\n")
+    assert "seems to be" in problem.message

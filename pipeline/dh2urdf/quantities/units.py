@@ -232,7 +232,7 @@ class _Words:
 
 def _factors(text: str) -> list[str]:
     """The factors of a unit as they are written, without case: ``kg m^2`` is kg and m2, ``kgm²`` is one word."""
-    if text.isascii() and text.isalnum() and "sec" not in (word := text.lower()) and "min" not in word:
+    if text.isascii() and text.replace("_", "").isalnum() and "sec" not in (word := text.lower()) and "min" not in word:
         return [word]
     word = composed(text).casefold().strip()
     word = re.sub(r"sec(?:onds?)?", "s", re.sub(r"\s*\bper\s+", "/", word)).replace("minute", "min")

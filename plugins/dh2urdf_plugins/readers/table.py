@@ -11,6 +11,7 @@ from pathlib import PurePath
 from typing import TYPE_CHECKING
 
 from dh2urdf.columns import ManipulatorGroups
+from dh2urdf.errors import TableError
 from dh2urdf.source import Mark
 from dh2urdf.table_text import CellRow
 from dh2urdf_plugins.readers.options import TableOptions
@@ -42,7 +43,7 @@ def read_table(
     statements: Mapping[str, Node] | None = None,
     decimal_comma: bool = False,
     notices: Iterable[Problem] = (),
-    title: Cell | None = None,
+    titles: Iterable[Cell] = (),
     trace: Trace | None = None,
 ) -> Iterator[Manipulator | Rejected]:
     """The manipulators of a table.
@@ -60,7 +61,7 @@ def read_table(
         statements: what the file says outside its rows, by key: name, convention, units, base, tool, defaults.
         decimal_comma: whether ``0,5`` is a number: it is none where commas separate cells.
         notices: what the reader of the container reports about the file; they come with the first manipulator.
-        title: what the container calls the table, as the title of a sheet: a comment, whatever its words are.
+        titles: what the container writes over the table, as the title of a sheet: comments, whatever their words are.
         trace: takes what the cells of each manipulator say before the manipulator is yielded; None where that is not
             wanted, which is faster.
 
@@ -78,7 +79,7 @@ def read_table(
         statements=statements,
         decimal_comma=decimal_comma,
         notices=notices,
-        title=title,
+        titles=titles,
         trace=trace,
     ):
         if isinstance(item, ManipulatorGroups):
@@ -96,7 +97,7 @@ def read_table_columns(
     statements: Mapping[str, Node] | None = None,
     decimal_comma: bool = False,
     notices: Iterable[Problem] = (),
-    title: Cell | None = None,
+    titles: Iterable[Cell] = (),
     trace: Trace | None = None,
 ) -> Iterator[Manipulator | ManipulatorGroups | Rejected]:
     """The same as `read_table`, but for manipulators about which there is nothing to say: these come in columns.
@@ -106,8 +107,11 @@ def read_table_columns(
     """
     whole = Mark(file=file)
     source = rows if isinstance(rows, RowSource) else CellRows(rows, decimal_comma=decimal_comma)
-    top = read_top(source, whole, statements)
+    try:
+        top = read_top(source, whole, statements)
+    except TableError as error:
+        raise TableError(error.problems, [*notices, *error.notices]) from error
     table = RowTable(Cell(PurePath(file).stem if name is None else name, whole), options, top, source, trace)
     table.notices += notices
-    table.judge(top.comments if title is None else [*top.comments, Comment.note(title.text, title.mark)])
+    table.judge([*top.comments, *(Comment.note(title.text, title.mark) for title in titles)])
     yield from table.manipulators()

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 from openpyxl import Workbook
+from openpyxl.chart import BarChart
 from openpyxl.comments import Comment
 from openpyxl.styles import Font
 
@@ -246,6 +247,60 @@ def test_a_title_that_says_nothing(sheet: Worksheet, title: str) -> None:
     sheet.title = title
     fill(sheet, HEADER, FIRST, SECOND)
     assert not read_one().notices
+
+
+def page(sheet: Worksheet, place: str, text: str) -> None:
+    """Writes into the header or footer of the pages of a sheet."""
+    part, _, side = place.partition(".")
+    getattr(getattr(sheet, part), side).text = text
+
+
+@pytest.mark.parametrize("place", ["oddHeader.left", "oddHeader.center", "oddFooter.right", "firstHeader.center"])
+def test_the_header_of_a_page_is_a_comment(sheet: Worksheet, place: str) -> None:
+    """As the title of the sheet: lengths in cm were read in metres."""
+    page(sheet, place, 'lengths&"Arial,Bold"&12&K01+000 in&B cm')
+    fill(sheet, HEADER, FIRST, SECOND)
+    said = refusal()
+    assert "this comment mentions cm, and lengths are read in m, since nothing declares a unit" in said
+    assert "arm.xlsx:Sheet2, page header or footer: error" in said
+    page(sheet, place, "DH modified (Craig)")
+    save(sheet)
+    assert "speaks of the modified convention, and the table is read as standard" in notices(read_one())
+
+
+def test_the_codes_of_a_header_of_a_page_say_nothing(sheet: Worksheet) -> None:
+    """Page, date, file and sheet; the sides are texts of their own, and `&&` is an ampersand."""
+    sheet.oddHeader.left.text = "&A, page &P of &N"
+    sheet.oddHeader.right.text = "a, d &D &T"
+    sheet.oddFooter.center.text = "&F"
+    fill(sheet, HEADER, FIRST, SECOND)
+    assert not read_one().notices
+    sheet.oddFooter.center.text = "R&&D in"
+    sheet.oddFooter.right.text = "cm"
+    save(sheet)
+    xlsx_file.check_workbook(Path("arm.xlsx"))
+    (part,) = xlsx_file.sheet_parts(Path("arm.xlsx")).values()
+    assert xlsx_file.read_layout(Path("arm.xlsx"), part).margins == [", page of", "a, d", "R&D in", "cm"]
+
+
+@pytest.mark.parametrize("is_empty", [True, False])
+def test_a_sheet_that_is_a_chart_is_passed_over(sheet: Worksheet, is_empty: bool) -> None:  # noqa: FBT001 - a parameter of the test
+    """One without a chart was an error of Python: 'list' object has no attribute 'find'."""
+    chart = sheet.parent.create_chartsheet("Chart", 0)
+    if not is_empty:
+        chart.add_chart(BarChart())
+    fill(sheet, HEADER, FIRST, SECOND)
+    assert len(read_one().rows) == 2
+
+
+def test_a_hidden_table_beside_a_sheet_without_one(sheet: Worksheet) -> None:
+    """The error is of the sheet that is shown; that another one is hidden explains it."""
+    sheet.sheet_state = "hidden"
+    sheet.parent.create_sheet("Notes")["A1"] = "see the other sheet"
+    fill(sheet, HEADER, FIRST, SECOND)
+    with pytest.raises(TableError, match="no row is a header") as caught:
+        read()
+    assert "the sheet 'Sheet2' is hidden, and is not read" in str(caught.value)
 
 
 def test_titles_over_several_columns(sheet: Worksheet) -> None:

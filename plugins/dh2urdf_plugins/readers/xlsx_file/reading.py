@@ -45,14 +45,22 @@ def read_workbook(path: Path, options: XlsxOptions, trace: Trace | None = None) 
         MissingDependencyError: openpyxl is not installed.
     """
     try:
-        from openpyxl import load_workbook
+        from openpyxl import chartsheet, reader
     except ImportError as error:
         raise MissingDependencyError("reader 'xlsx'", "openpyxl", "dh2urdf[xlsx]", error) from None
     from dh2urdf_plugins.readers.xlsx_file.workbook import check_workbook
 
+    class WithoutCharts(reader.excel.ExcelReader):  # type: ignore[misc]
+        """A sheet that is a chart holds no table, and openpyxl fails with an empty one."""
+
+        def read_chartsheet(self, sheet: Any, rel: Any) -> None:  # noqa: ANN401, ARG002 - openpyxl's signature
+            self.wb._sheets.append(chartsheet.Chartsheet(parent=self.wb, title=sheet.name))  # noqa: SLF001 - as openpyxl does
+
     check_workbook(path)
     with _reporting_errors(path):
-        book = load_workbook(path, read_only=True, data_only=True, keep_links=False, rich_text=True)
+        opened = WithoutCharts(path, read_only=True, data_only=True, keep_links=False, rich_text=True)
+        opened.read()
+        book = opened.wb
     try:
         yield from _Workbook(path, book, options, trace).manipulators()
     finally:
@@ -92,6 +100,7 @@ class _Workbook:
         notices = [*self.notices, *_hidden(table), *_comments(table)]
         self.notices = []
         rows, title = _guarded(table, self.path), table.sheet.title
+        titles = [(title, title), *((text, f"{title}, page header or footer") for text in table.layout.margins)]
         for item in read_table(
             rows,
             self.file,
@@ -99,7 +108,7 @@ class _Workbook:
             name=name,
             decimal_comma=True,
             notices=notices,
-            title=Cell(title, Mark(file=self.file, place=title)),
+            titles=[Cell(text, Mark(file=self.file, place=place)) for text, place in titles],
             trace=self.trace,
         ):
             struck, table.struck = table.struck, []

@@ -294,7 +294,8 @@ class _Parser:
             )
         if self.next.text == "(" and name not in UNITS:
             names = ", ".join(FUNCTIONS)
-            self.fail(f"{shown(token.text)} is no function that is known", f"the functions are {names}")
+            known = advice(self.text) or f"the functions are {names}"
+            self.fail(f"{shown(token.text)} is no function that is known", known)
         self.position -= 1
         return self.unexpected()
 

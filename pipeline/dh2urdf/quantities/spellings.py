@@ -78,8 +78,12 @@ _ADVICE = (
         "write the joint variable as q1, and what is added to it behind: q1 + pi/2",
     ),
     (
+        late_pattern(r"\s*\\?(?:[qθ]|th(?:eta)?)_?\{?[0-9]+\}?\s*[(\[∈]", re.IGNORECASE),
+        "write the joint variable alone, with an offset behind it, as q1 - 90 deg; its bounds go to a column limits",
+    ),
+    (
         late_pattern(
-            r"\s*(?:[^\W\d]\w*\s*[=:]|[adlr]_?[0-9]+\s*\()\s*[+-]?[0-9.,]+\s*(?:[^\W\d]{1,4}|°)?\s*\)?\s*$",
+            r"\s*(?:[^\W\d]\w*(?:\s*[=:]|\s+\()|[adlr]_?[0-9]+\s*\()\s*[+-]?[0-9.,]+\s*(?:[^\W\d]{1,4}|°)?\s*\)?\s*$",
             re.IGNORECASE,
         ),
         "write the number alone, without its symbol: 290 mm",
@@ -89,12 +93,12 @@ _ADVICE = (
         "write the unit behind the number, without brackets: 290 mm, 90 deg",
     ),
     (
-        late_pattern(r"\s*(\*\*?|__?|`)[^*_`]+\1\s*$"),
-        "write the number without the marks that make it bold or code: -90 deg",
+        late_pattern(r"\s*[+-]?[0-9.,]+\s*(?:[^\W\d]{1,4}|°)?\s*\([^()0-9]*\)\s*$"),
+        "write the number alone, without the words behind it: 290 mm",
     ),
     (
-        late_pattern(r"\s*\\?(?:[qdθ]|th(?:eta)?)_?\{?[0-9]+\}?\s*[(\[∈]", re.IGNORECASE),
-        "write the joint variable alone, with an offset behind it, as q1 - 90 deg; its bounds go to a column limits",
+        late_pattern(r"\s*(\*\*?|__?|`)[^*_`]+\1\s*$"),
+        "write the number without the marks that make it bold or code: -90 deg",
     ),
     (late_pattern(r".*(\*\*|\^|[²³¹⁰⁴-⁹⁺⁻])"), "powers are not accepted: write the product, or the number, as in 1e-3"),
     (late_pattern(r".*[%‰]"), "percentages and remainders are not accepted: write the number"),
@@ -136,6 +140,29 @@ def advice(text: str) -> str | None:
 
 
 _DEGREE = str.maketrans(dict.fromkeys(DEGREE_SIGNS, "°"))
+_OTHER_SCRIPTS = {
+    "m": "м 米 メートル 미터",
+    "cm": "см 厘米 公分 センチ センチメートル 센티미터",
+    "mm": "мм 毫米 公厘 ミリ ミリメートル 밀리미터",
+    "rad": "рад 弧度 ラジアン 라디안",
+    "deg": "градус градуса градусы градусов градусах 度 도",
+    "s": "с сек 秒 초",
+    "min": "мин 分 분",
+    "kg": "кг 千克 公斤 キログラム 킬로그램",
+    "n": "н 牛 牛顿",
+    "nm": "нм 牛米",
+}
+"""The units that are written in other letters than those of Europe's west, by their words."""
+_LATIN = {word: unit for unit, words in _OTHER_SCRIPTS.items() for word in words.split()}
+_FIRST_OF_OTHERS = "\u0400"
+_IN_OTHERS = late_pattern(rf"[{_FIRST_OF_OTHERS}-\uffff]+")
+
+
+def in_latin_letters(word: str) -> str:
+    """A unit without case in Latin letters: ``мм/с`` is mm/s, ``кг·м²`` is kg·m²."""
+    if max(word, default="") < _FIRST_OF_OTHERS:
+        return word
+    return _IN_OTHERS.sub(lambda match: _LATIN.get(match[0], match[0]), word)
 
 
 def composed(text: str) -> str:

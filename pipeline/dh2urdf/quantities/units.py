@@ -16,7 +16,7 @@ from itertools import accumulate
 from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.patterns import late_pattern
 from dh2urdf.quantities.exact_numbers import ONE, Decimal, Ratio
-from dh2urdf.quantities.spellings import composed
+from dh2urdf.quantities.spellings import composed, in_latin_letters
 from dh2urdf.rotations import HALF_PI
 from dh2urdf.source import did_you_mean, shown
 
@@ -234,7 +234,7 @@ def _factors(text: str) -> list[str]:
     """The factors of a unit as they are written, without case: ``kg m^2`` is kg and m2, ``kgm²`` is one word."""
     if text.isascii() and text.replace("_", "").isalnum() and "sec" not in (word := text.lower()) and "min" not in word:
         return [word]
-    word = composed(text).casefold().strip()
+    word = in_latin_letters(composed(text).casefold().strip())
     word = re.sub(r"sec(?:onds?)?", "s", re.sub(r"\s*\bper\s+", "/", word)).replace("minute", "min")
     if word.isalpha():
         return [word]
@@ -298,7 +298,7 @@ _MULTIPLES = "write rad, and the multiples of π in the cells: 0.5*pi"
 _PRIMES = "write in, ft or deg"
 _OTHER_UNITS = {
     **dict.fromkeys(("gon", "gons", "gradian", "gradians"), "convert the numbers: 1 gon is 0.9 deg"),
-    **dict.fromkeys(("grad", "grads", "grado", "grados", "gradi", "degré", "degrés", "grau", "graus"), _DEGREES_OR_GON),
+    **dict.fromkeys("grad grads grado grados gradi degré degrés grau graus град".split(), _DEGREES_OR_GON),  # noqa: SIM905
     **dict.fromkeys(("pi", "π", "pirad", "πrad", "radpi", "radπ", "rad/pi", "rad/π", "×π"), _MULTIPLES),
     **dict.fromkeys(('"', "'", "''", "″", "′", "′′", "“", "”", "’"), _PRIMES),
     **dict.fromkeys(("hz", "1/s"), "write rev/s, rad/s or deg/s, whichever it is"),
@@ -393,6 +393,6 @@ def unknown_unit(text: str, dimension: Dimension) -> QuantityError:
     )
 
 
-def is_unit(text: str) -> bool:
-    """Whether a word is a unit of any dimension."""
-    return unit_word(text) in UNITS
+def is_unit(text: str, *, others: bool = False) -> bool:
+    """Whether a word is a unit of any dimension, or, with others, one that people write and that is none here."""
+    return (word := unit_word(text)) in UNITS or (others and word in _OTHER_UNITS)

@@ -398,3 +398,136 @@ def test_a_role_is_no_angle(header: str, read_one: ReadOne) -> None:
 def test_angles_of_other_kinds_are_refused_as_before(header: str, read: Read) -> None:
     (problem,) = problems_of(read, f"{STANDARD}a,alpha,d,{header}\n0.3,0,0,90\n")
     assert "seems to be" in problem.message
+
+
+# --- Columns of joints that hold types --------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        "R,R,P",
+        "Revolute,Revolute,Prismatic",
+        "rotary,rotary,linear",
+        "rotacional,rotacional,prismática",
+        "旋转,旋转,移动",
+        "R,P,R",
+    ],
+)
+@pytest.mark.parametrize("link", ["1,2,3", "upper,lower,hand_link"])
+def test_a_column_of_joints_that_holds_types_is_read_as_such(words: str, link: str, read_one: ReadOne) -> None:
+    """`Link, Joint, a, …` of lecture notes: R was a name that another joint had, and the advice was to call it R_joint."""
+    rows = [*zip(link.split(","), words.split(","), strict=True)]
+    arm = read_one("Link,Joint,a,α,d\n" + "".join(f"{name},{word},0.3,0,0\n" for name, word in rows))
+    sliding = [word in ("P", "Prismatic", "linear", "prismática", "移动") for _, word in rows]
+    assert [row.type is JointType.PRISMATIC for row in arm.rows] == sliding
+    assert [row.joint for row in arm.rows] == ["joint_1", "joint_2", "joint_3"]
+    assert "the column of joints holds their types" in notices_of(arm)
+
+
+def test_it_is_in_yaml_too(read_one: ReadOne) -> None:
+    joint = "- {{joint: {}, a: 0.3, alpha: 0, d: 0}}\n"
+    arm = read_one(f"joints:\n{joint.format('revolute')}{joint.format('prismatic')}", ".yaml")
+    assert [row.type.value for row in arm.rows] == ["revolute", "prismatic"]
+
+
+@pytest.mark.parametrize("names", ["S,L,U,R,B,T", "R,T", "0,1", "R,elbow"])
+def test_axes_that_are_called_by_letters_keep_their_names(names: str, read: Read) -> None:
+    """Motoman's R and T turn. Digits would be types only in a column of types."""
+    rows = "".join(f"{name},0.3,0,0\n" for name in names.split(","))
+    (arm,) = read(f"{STANDARD}joint,a,alpha,d\n{rows}")
+    if isinstance(arm, Manipulator):
+        assert {row.type for row in arm.rows} == {JointType.REVOLUTE}
+        assert [row.joint for row in arm.rows] == names.split(",")
+    else:
+        assert "the number of the joint is '0'" in arm.problems[0].message
+
+
+# --- Units in other letters -------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    "table",
+    [
+        "关节,θ（度）,d（毫米）,a（毫米）,α（度）,速度（度/秒）\n1,90,400,300,90,180\n",
+        "звено;θ, градусы;d, мм;a, мм;α, градусы;скорость, градусы/с\n1;90;400;300;90;180\n",
+        "リンク,θ（度）,d（ミリ）,a（ミリ）,α（度）,速度（度/秒）\n1,90,400,300,90,180\n",
+        "관절,θ(도),d(밀리미터),a(mm),α(도),속도(도/초)\n1,90,400,300,90,180\n",
+        "i,theta,d,a,alpha,velocity\n1,90°,400 мм,30 см,90 градусов,π рад/с\n",
+        "# units: {length: мм, angle: 度}\ni,theta,d,a,alpha,velocity\n1,90,400,300,90,180\n",
+    ],
+)
+def test_units_in_other_letters_are_read(table: str, read_one: ReadOne) -> None:
+    """The headers were read in these languages, and their units were none."""
+    (row,) = read_one(table).rows
+    assert (row.a, row.alpha, row.d, row.theta) == (0.3, math.pi / 2, 0.4, math.pi / 2)
+    assert row.limits.velocity == math.pi
+
+
+@pytest.mark.parametrize(
+    ("header", "cell"),
+    [("масса, кг", 3.5), ("момент [Н·м]", 3.5), ("момент (Нм)", 3.5), ("力矩（牛·米）", 3.5), ("质量（千克）", 3.5)],
+)
+def test_so_are_those_of_masses_and_torques(header: str, cell: float, read_one: ReadOne) -> None:
+    (row,) = read_one(f"a;alpha;d;{header}\n0,3;0;0;3,5\n").rows
+    assert cell in (row.mass, row.limits.effort)
+
+
+@pytest.mark.parametrize("header", ["α in Grad", "α, град", "α en grados", "alpha gradi", "α/π"])
+def test_a_unit_that_is_none_here_is_answered_with_what_to_write(header: str, read: Read) -> None:
+    """`α in Grad` was no alpha, and the message said that the column was missing."""
+    (problem,) = problems_of(read, f"{STANDARD}a;{header};d\n0,3;90;0\n")
+    assert "is no unit of angle that is known" in problem.message
+    assert problem.suggestion is not None
+    assert problem.suggestion.startswith("write ")
+
+
+# --- Directions and joints that nothing drives ------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("cell", ["(0,0,-1)", "[0 0 -1]", "0 0 -1", "0.0; 0.0; -1.0", "Z-", "-Z"])
+def test_an_axis_that_points_down_is_not_left_out(cell: str, read: Read) -> None:
+    """As programs write it; it was left out with a notice."""
+    (problem,) = problems_of(read, f'{STANDARD}a,alpha,d,轴向\n0.3,0,0,"(0,0,1)"\n0.2,0,0,"{cell}"\n')
+    assert "seems to be a direction" in problem.message
+    (problem,) = problems_of(read, f'{STANDARD}name,a,alpha,d,axis\nx,0.3,0,0,z\ny,0.2,0,0,"{cell}"\n')
+    assert "seems to be a direction" in problem.message
+
+
+@pytest.mark.parametrize("cell", ["(0,0,1)", "0 0 1", "Z", "z+"])
+def test_an_axis_that_points_up_is_left_out_as_before(cell: str, read_one: ReadOne) -> None:
+    assert "the column '轴向' is left out" in notices_of(read_one(f'a,alpha,d,轴向\n0.3,0,0,"{cell}"\n'))
+
+
+@pytest.mark.parametrize("header", ["active", "Actuated", "enabled", "driven", "moving"])
+@pytest.mark.parametrize("cell", ["0", "false", "No"])
+def test_a_joint_that_nothing_drives_is_not_left_out(header: str, cell: str, read: Read, read_one: ReadOne) -> None:
+    (problem,) = problems_of(read, f"{STANDARD}a,alpha,d,{header}\n0.3,0,0,1\n0.2,0,0,{cell}\n")
+    assert "whether a joint moves by itself" in problem.message
+    assert len(read_one(f"a,alpha,d,{header}\n0.3,0,0,1\n0.2,0,0,true\n").rows) == 2
+
+
+@pytest.mark.parametrize("header", ["passive", "unactuated"])
+def test_a_passive_joint_is_refused_like_a_fixed_one(header: str, read: Read) -> None:
+    (problem,) = problems_of(read, f"{STANDARD}a,alpha,d,{header}\n0.3,0,0,1\n0.2,0,0,0\n")
+    assert "whether a joint moves by itself" in problem.message
+
+
+# --- YAML of other programs -------------------------------------------------------------------------------------------
+
+
+def test_keys_of_moveit_are_limits(read_one: ReadOne) -> None:
+    limits = "limits: {min_position: -1, max_position: 2, max_velocity: 3, max_effort: 4}"
+    (row,) = read_one(f"joints: [{{a: 0.3, alpha: 0, d: 0, {limits}}}]", ".yaml").rows
+    assert (row.limits.lower, row.limits.upper, row.limits.velocity, row.limits.effort) == (-1, 2, 3, 4)
+
+
+def test_parameters_in_a_mapping_of_their_own_are_answered_with_where_to_write_them(read: Read) -> None:
+    found = problems_of(read, "convention: standard\njoints: [{name: j1, dh: {a: 0.3, alpha: 0, d: 0}}]", ".yaml")
+    assert any("write its keys in the joint itself: a, alpha, d" in (problem.suggestion or "") for problem in found)
+
+
+@pytest.mark.parametrize("cell", ["L_BASE (0.109)", "0.055 (肩偏移)", "0.1 m (see fig.)"])
+def test_a_number_with_words_is_answered_with_the_number_alone(cell: str, read: Read) -> None:
+    (problem,) = problems_of(read, f"{STANDARD}a,alpha,d\n{cell},0,0\n")
+    assert "write the number alone" in (problem.suggestion or "")

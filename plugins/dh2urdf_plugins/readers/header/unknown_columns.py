@@ -11,7 +11,7 @@ from dh2urdf.quantities import Dimension, QuantityError, find_unit, is_unit, is_
 from dh2urdf.source import Mark, Problem, did_you_mean, shown
 from dh2urdf_plugins.readers.header.words import Header, misspelt, read_header, suspected
 from dh2urdf_plugins.readers.words.fields import FIELDS
-from dh2urdf_plugins.readers.words.unheld import GEOMETRY, IGNORED, LIKELY, THETA_OFFSETS, UNHELD
+from dh2urdf_plugins.readers.words.unheld import GEOMETRY, IGNORED, LIKELY, MOVES_BY_ITSELF, THETA_OFFSETS, UNHELD
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
@@ -46,8 +46,12 @@ _OTHER_ONE = late_pattern(
 )
 """A parameter beside the nominal one, or its correction: ``Δd``, ``calibrated a``."""
 _DIRECTIONS = frozenset(
-    "cw ccw clockwise counterclockwise counter-clockwise anticlockwise anti-clockwise reversed inverted -z".split()  # noqa: SIM905
+    "cw ccw clockwise counterclockwise counter-clockwise anticlockwise anti-clockwise reversed inverted -z z-".split()  # noqa: SIM905
 )
+_AXIS_DOWN = late_pattern(r"[(\[]?\s*(?:-?0(?:\.0*)?[\s,;]+){2}-1(?:\.0*)?\s*[)\]]?")
+"""The axis of a joint that turns the other way about z: ``(0, 0, -1)``."""
+_WHETHER_ACTIVE = frozenset("active actuated enabled motorized motorised driven movable moving".split())  # noqa: SIM905
+_NO = frozenset("0 false no n off falsch nein non faux falso".split())  # noqa: SIM905
 _FEW_WORDS = 4
 
 
@@ -174,8 +178,16 @@ def with_unit(cell: Cell, header: str, joint: str) -> Problem | None:
 
 
 def is_direction(text: str) -> bool:
-    """Whether a cell is a direction of rotation, and nothing else: ``ccw``, ``reversed``."""
-    return text.casefold() in _DIRECTIONS
+    """Whether a cell is a direction of rotation, and nothing else: ``ccw``, ``reversed``, ``(0, 0, -1)``."""
+    return text.casefold() in _DIRECTIONS or ("-1" in text and _AXIS_DOWN.fullmatch(text) is not None)
+
+
+def passive(cell: Cell, header: str, joint: str) -> Problem | None:
+    """What is wrong with a cell of a column that is left out, where it says that the joint does not move by itself."""
+    if header.casefold() not in _WHETHER_ACTIVE or cell.text.casefold() not in _NO:
+        return None
+    why = Refusal(f"is {MOVES_BY_ITSELF.reason}, which no column holds", MOVES_BY_ITSELF.accepted)
+    return refused(cell, header, why, joint)
 
 
 def turned_direction(cell: Cell, header: str, joint: str) -> Problem | None:

@@ -39,7 +39,8 @@ _LATEX = late_pattern(r"\\(?:mathrm|mathit|mathbf|text|rm)(?![a-z])|[\\$]")
 _FOOTNOTE = late_pattern(r"(?<=[^\W\d_])\s*[¹²³⁰⁴-⁹†‡§]+(?=\s*[\[({]|$)|(?<=[\])}])\s*[¹²³⁰⁴-⁹†‡§*]+$")
 _BRACKETED = late_pattern(r"(.*[^\s])\s*[\[({<]([^\[\](){}<>]*)[\])}>]")
 _LOOSE_UNIT = late_pattern(
-    r"(.+?)(?:\s*[/|:;]\s*|\s*,\s*|\s+in\s+|[\s_-]+|(?=°))([^\s_/,°-]+(?:/(?:s|sec|min))?|°(?:/(?:s|sec|min))?)"
+    r"(.+?)(?:\s*[/|:;]\s*|\s*,\s*|\s+(?:in|en|em|в)\s+|[\s_-]+|(?=°))"
+    r"([^\s_/,°-]+(?:/(?:s|sec|min|с|сек|мин|秒|分|초))?|°(?:/(?:s|sec|min|с|сек|秒))?)"
 )
 _ENDS_OF_CODE = ("s", "sec", "second", "min", "m2")
 _UNIT_OF_CODE = late_pattern(
@@ -142,7 +143,13 @@ def _read(plain: str) -> Header:
         header = found
     match = _LOOSE_UNIT.fullmatch(plain)
     # What stands loose behind a name is its unit only if it is one: `com x` and `comment` are no units.
-    if match and is_unit(match[2]) and (front := _named(match[1].strip())).key:
+    # The unit of a field may also be one that is none here, as in `α in Grad`: it is refused with what to write.
+    if (
+        match
+        and is_unit(match[2], others=True)
+        and (front := _named(match[1].strip())).key
+        and (front.field or is_unit(match[2]))
+    ):
         if front.field or front.key in UNHELD:
             return front._replace(unit=match[2].strip()) if not front.field or front.field.dimension else header
         if both := _twice(match[1].strip()):

@@ -15,6 +15,7 @@ from dh2urdf.manipulator import JointType
 from dh2urdf.patterns import late_pattern
 from dh2urdf.quantities import Dimension, QuantityError, evaluate
 from dh2urdf.source import Problem, shown
+from dh2urdf_plugins.readers.header.unknown_columns import is_direction
 from dh2urdf_plugins.readers.rows.names import holds_type, is_base, is_total, kind_of
 from dh2urdf_plugins.readers.words.cells import Cell
 from dh2urdf_plugins.readers.words.fields import ACCEPTED_TYPES, joint_type
@@ -39,7 +40,6 @@ _AT_START = frozenset("+-.,0123456789")
 _ZERO = late_pattern(r"0+(?:\.0+)?")
 _LABELLED = late_pattern(rf"(?:[^\W\d_]{{1,12}}[\s_.#-]*)?{NUMBER_TEXT}")
 """The number of a row behind a word: ``J1``, ``Axis 1``."""
-_DIGITS = frozenset("0123456789")
 _BOUND = late_pattern(r"[1-9]|pi|π", re.IGNORECASE)
 _MEANT: dict[RowKind, str] = {
     "total": "remove the row, or write its type if it is a joint",
@@ -79,6 +79,7 @@ class _Rows:
 
     def settle(self) -> int:
         """See above."""
+        self._take_types()
         if self.reader.from_zero:
             place, cells, mark = self.rows[0]
             message = "the joint variables are counted from 0: the first row has number 0"
@@ -116,13 +117,27 @@ class _Rows:
 
     def _settle_indexes(self) -> None:
         """Leaves out a column of numbers that has other labels, where another one names the joints."""
-        index = next(iter(self.indexes.values()), None)
-        if index is None or not _DIGITS.isdisjoint("".join(other.text for other in self.indexes.values())):
+        first = next(iter(self.indexes.values()), None)
+        if first is None or first.text.isdigit() or not all("joint" in cells for _, cells, _ in self.rows):
             return
-        if all("joint" in cells for _, cells, _ in self.rows):
-            message = f"the column of numbers holds none, and is left out: {shown(index.text)}"
-            self.reader.add(Problem(message=message, severity="notice", mark=index.mark, field="index"))
-            self.indexes = {}
+        if any(_LABELLED.fullmatch(index.text) for index in self.indexes.values()):
+            return
+        message = f"the column of numbers holds none, and is left out: {shown(first.text)}"
+        self.reader.add(Problem(message=message, severity="notice", mark=first.mark, field="index"))
+        for place, index in self.indexes.items():
+            if is_direction(index.text):
+                message = f"{shown(index.text)} seems to be a direction, and is where the number of the joint should be"
+                self.reader.add(
+                    Problem(
+                        message=message,
+                        mark=index.mark,
+                        joint=f"joint_{place + 1}",
+                        field="sign",
+                        found=index.text,
+                        accepted="a column sign with 1 or -1, or a column flip with true or false",
+                    )
+                )
+        self.indexes = {}
 
     def _number_of(self, place: int, first: Cell) -> int:
         """The number of a row in a column that counts the rows as its first cell does."""
@@ -199,6 +214,21 @@ class _Rows:
         return place == 0 and self.first == 0
 
     # --- Types --------------------------------------------------------------------------------------------------------
+
+    def _take_types(self) -> None:
+        """Takes a column of joints for one of types, where it holds nothing else: ``R``, ``R``, ``P``."""
+        names = [cells["joint"] for _, cells, _ in self.rows if "joint" in cells and "type" not in cells]
+        words = {name.text.casefold() for name in names}
+        if len(names) < len(self.rows) or len(names) < len(("one", "other")) or not all(map(str.isalpha, words)):
+            return
+        if (len(words) == len(names) and max(map(len, words)) == 1 and "p" not in words) or None in map(
+            joint_type, words
+        ):
+            return  # axes called by letters
+        for _, cells, _ in self.rows:
+            cells["type"] = cells.pop("joint")
+        message = f"the column of joints holds their types: {shown(names[0].text)}"
+        self.reader.add(Problem(message=message, severity="notice", mark=names[0].mark, field="type"))
 
     def _settle_type(self, place: int, cells: Cells, mark: Mark) -> None:
         """Gives a row without a type its type where that is sure, and refuses it where it hardly is a joint."""

@@ -49,6 +49,7 @@ _BEFORE_NAME = late_pattern(r",(?=\s*[a-z_]+\s*[:=])", re.IGNORECASE)
 _DIAGONAL = late_pattern(r"diag\s*[(\[]([^()\[\]]*)[)\]]", re.IGNORECASE)
 _UNIT_AT_END = late_pattern(r"[\d.)\]}iIπ]\s*([^\W\d]+[\w·/²*^]*|°)\s*$")
 PARTS = {"min": "lower", "max": "upper", "lower": "lower", "upper": "upper", "x": "com_x", "y": "com_y", "z": "com_z"}
+PARTS |= {"min_position": "lower", "max_position": "upper", "max_velocity": "velocity", "max_effort": "effort"}
 """The fields that the parts of a cell are called by."""
 _ORDERS = "ixx, ixy, ixz, iyy, iyz, izz (URDF), ixx, iyy, izz, ixy, iyz, ixz (the toolboxes)"
 

@@ -13,6 +13,7 @@ from dh2urdf_plugins.readers.header.unknown_columns import (
     is_beside,
     is_number,
     left_out,
+    passive,
     refused,
     stray_number,
     turned_direction,
@@ -173,7 +174,10 @@ class TableCells:
         if cell.text and index in self.columns.silent:
             self.left_out.add(index)
         header, joint = self.columns.headers[index], f"joint_{number}"
-        self._refuse(index, with_unit(cell, header, joint) or turned_direction(cell, header, joint))
+        problem = (
+            with_unit(cell, header, joint) or turned_direction(cell, header, joint) or passive(cell, header, joint)
+        )
+        self._refuse(index, problem)
 
     def _counts(self, text: str, index: int, number: int) -> bool:
         """Whether a number without a header counts the rows: from 0 or 1, or through all manipulators of the table."""

@@ -28,6 +28,9 @@ class Unheld(NamedTuple):
     counts: bool = False
 
 
+MOVES_BY_ITSELF = Unheld(
+    "whether a joint moves by itself", "a column type: fixed where nothing moves; no joint follows another"
+)
 _HOME = Unheld("an angle or a length that may be theta, d or an offset")
 _RIGID = "a table without it: joints do not yield"
 _AT_THE_JOINT = "damping and friction as the joint feels them, behind the gear"
@@ -38,8 +41,8 @@ UNHELD_WORDS = {
     "q0": Unheld("an angle or a length that may be theta, d or an offset"),
     **dict.fromkeys(_words("phi, phi0"), Unheld("an angle that may be theta or an offset")),
     **dict.fromkeys(
-        _words("fixed, locked, mimic, coupling, coupled, coupled with, depends on"),
-        Unheld("whether a joint moves by itself", "a column type: fixed where nothing moves; no joint follows another"),
+        _words("fixed, locked, mimic, coupling, coupled, coupled with, depends on, passive, unactuated"),
+        MOVES_BY_ITSELF,
     ),
     "angle": Unheld("an angle that may be theta, alpha or an offset"),
     **dict.fromkeys(

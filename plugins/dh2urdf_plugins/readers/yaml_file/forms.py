@@ -50,6 +50,13 @@ def as_entries(joints: Node) -> str | None:
     return f"write each name in its entry: `- {{name: {name}, a: 0, alpha: pi/2, d: 0.1}}`" if name else None
 
 
+def in_the_joint(node: Node) -> str | None:
+    """What to do about the value of an unknown key of a joint that is a mapping of the joint's own keys."""
+    entries = node.value if isinstance(node.value, dict) else {}
+    known = [key for key in entries if joint_field(key)]
+    return f"write its keys in the joint itself: {', '.join(known)}" if known else None
+
+
 def no_mapping(root: Node, keys: Iterable[str]) -> Problem:
     """A document, or one of the manipulators in it, that is no mapping.
 

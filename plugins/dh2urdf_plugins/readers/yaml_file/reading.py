@@ -389,5 +389,5 @@ class _Table:
             f"{shown(key)} is no key of {what}",
             found=key,
             accepted=", ".join(_JOINT_KEYS),
-            suggestion=meant_key(key, header, why and why.field, _JOINT_KEYS),
+            suggestion=forms.in_the_joint(node) or meant_key(key, header, why and why.field, _JOINT_KEYS),
         )

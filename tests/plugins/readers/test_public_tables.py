@@ -531,3 +531,14 @@ def test_parameters_in_a_mapping_of_their_own_are_answered_with_where_to_write_t
 def test_a_number_with_words_is_answered_with_the_number_alone(cell: str, read: Read) -> None:
     (problem,) = problems_of(read, f"{STANDARD}a,alpha,d\n{cell},0,0\n")
     assert "write the number alone" in (problem.suggestion or "")
+
+
+@pytest.mark.parametrize("header", ["joint", "i", "Link"])
+@pytest.mark.parametrize("frame", ["EE", "e.e.", "tool"])
+def test_a_frame_behind_joints_is_fixed_also_where_one_of_them_slides(
+    header: str, frame: str, read_one: ReadOne
+) -> None:
+    """A SCARA with a row for its tool: the variable in d was none, and `EE` in a column i no number."""
+    rows = f"1,θ1,0.4,0.3,0\n2,θ2,0,0.2,pi\n3,0,d3,0,0\n{frame},0,0.1,0,0\n"
+    arm = read_one(f"{header},theta,d,a,alpha\n{rows}")
+    assert [row.type.value for row in arm.rows] == ["revolute", "revolute", "prismatic", "fixed"]

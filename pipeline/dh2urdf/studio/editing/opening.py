@@ -73,11 +73,11 @@ def open_tables(path: Path, catalog: Catalog, most: int | None = None) -> tuple[
     if arms:
         return tuple(_opened(arm, typed.get(arm.name), catalog) for arm in arms)
     rejected = [item for item in items if isinstance(item, Rejected)]
-    if unsaid := [table for item in rejected if (table := _unsaid(item, typed.get(item.name), catalog))]:
-        return tuple(map(Opened, unsaid))
     of_any = list(islice(_of_any_convention(path, default_call(catalog, reader), rejected), most))
     if arms := [item for item in of_any if isinstance(item, Manipulator)]:
-        return tuple(_without_convention(_opened(arm, None, catalog)) for arm in arms)
+        return tuple(_without_convention(_opened(arm, typed.get(arm.name), catalog)) for arm in arms)
+    if unsaid := [table for item in rejected if (table := _unsaid(item, typed.get(item.name), catalog))]:
+        return tuple(map(Opened, unsaid))
     # A person chooses the convention on the page: where something else is wrong, its absence is not.
     rejected = [item for item in of_any if isinstance(item, Rejected)] or rejected
     raise InputError(
@@ -134,7 +134,10 @@ def _typed(path: Path, reader: Reader[Any], catalog: Catalog, most: int | None) 
 def _opened(arm: Manipulator, typed: TableText | None, catalog: Catalog) -> Opened:
     """A table as it was typed, names and types filled in, if that reads as the arm; else the texts of its numbers."""
     if typed is not None:
-        completed = _completed(typed, [row.joint for row in arm.rows])
+        completed = _completed(
+            replace(typed, convention=typed.convention or arm.convention.value),
+            [(row.joint, row.type.value) for row in arm.rows],
+        )
         again = read_whole(completed, catalog).manipulator
         if again == arm:
             return Opened(completed, notices=_unseen(arm, again))
@@ -158,9 +161,9 @@ def _without_meshes(arm: Manipulator) -> Manipulator:
 
 def _unsaid(rejected: Rejected, typed: TableText | None, catalog: Catalog) -> TableText | None:
     """A table as it was typed that does not say its convention, if as much is wrong with it as with the file."""
-    if typed is None or typed.convention or not typed.rows:
+    if typed is None or typed.convention or not typed.rows or not _is_unsaid(rejected):
         return None
-    table = _completed(typed, [f"joint_{number}" for number in range(1, len(typed.rows) + 1)])
+    table = _completed(typed, [(f"joint_{number}", "revolute") for number in range(1, len(typed.rows) + 1)])
     return table if len(read_whole(table, catalog).errors) == len(rejected.problems) else None
 
 
@@ -171,18 +174,23 @@ def _of_any_convention(
 
     Lengths of two units are an example. The numbers of a row are the same in both conventions.
     """
-    is_missing = any(problem.field == "convention" for item in rejected for problem in item.problems)
-    if is_missing and hasattr(call.options, "convention"):
+    if any(map(_is_unsaid, rejected)) and hasattr(call.options, "convention"):
         yield from _items(path, replace(call, options=replace(call.options, convention=Convention.STANDARD.value)))
+
+
+def _is_unsaid(rejected: Rejected) -> bool:
+    """Whether a table is rejected, among others, since it does not say its convention."""
+    return any(problem.field == "convention" for problem in rejected.problems)
 
 
 def _without_convention(opened: Opened) -> Opened:
     return opened._replace(table=replace(opened.table, convention=""))
 
 
-def _completed(typed: TableText, joints: Iterable[str]) -> TableText:
-    """A table with the names of its joints, and with types, where it says none."""
-    rows = [{"joint": joint, "type": "revolute", **texts} for joint, texts in zip(joints, typed.rows, strict=False)]
+def _completed(typed: TableText, joints: Iterable[tuple[str, str]]) -> TableText:
+    """A table with the names and types of its joints, where it says none."""
+    pairs = zip(joints, typed.rows, strict=False)
+    rows = [{"joint": joint, "type": kind, **texts} for (joint, kind), texts in pairs]
     return replace(typed, rows=tuple({field: row[field] for field in FIELDS if field in row} for row in rows))
 
 

@@ -22,6 +22,8 @@ _DECIMAL_COMMA = re.compile(r"[+-]?\d+,\d+")
 _DECIMAL_POINT = re.compile(r"\d\.\d")
 _KEY = re.compile(r"[A-Za-z_]\w*:(?:\s|$)")
 """How a YAML table begins."""
+_COMMENTED = re.compile(r"\s*(?:#+|//+|%+|\*(?=\s)|--(?=\s))[ \t]?")
+"""How a line of a comment begins."""
 _DIGIT = re.compile(r"\d")
 MIN_COLUMNS = 2
 """Of a table with a header."""
@@ -107,6 +109,7 @@ def whole_tables(text: str, catalog: Catalog, convention: str = "") -> tuple[Ope
     Returns:
         The tables; none where the text has no header, and so is cells. A message where it has one and cannot be read.
     """
+    text = _uncommented(text)
     first = next((line for line in text.splitlines() if line.strip() and not line.lstrip().startswith("#")), "")
     shown = typeset(text)
     is_yaml = not shown and _KEY.match(first) is not None
@@ -121,6 +124,15 @@ def whole_tables(text: str, catalog: Catalog, convention: str = "") -> tuple[Ope
         opened if opened.table.convention else opened._replace(table=replace(opened.table, convention=convention))
         for opened in found
     )
+
+
+def _uncommented(text: str) -> str:
+    """The table that a text has behind the sign of a comment in every line; any other text as it is."""
+    lines = [line for line in text.splitlines() if line.strip()]
+    if len(lines) < MIN_COLUMNS or not all(map(_COMMENTED.match, lines)):
+        return text
+    without = "\n".join(_COMMENTED.sub("", line) for line in lines)
+    return without if typeset(without) else text
 
 
 def has_header(text: str) -> bool:

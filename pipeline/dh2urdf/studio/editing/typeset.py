@@ -169,7 +169,7 @@ def _markdown(lines: list[str]) -> Typeset:
 
 def _ruled(lines: list[str]) -> bool:
     """Whether bars are between cells: there is a line of Markdown below the header, or every line has as many bars."""
-    bars = {len(_BAR.findall(line)) for line in lines if line.strip()}
+    bars = {len(_BAR.findall(line)) for line in lines if line.strip() and not _LINES.fullmatch(line.strip())}
     return any("|" in line and _RULE.fullmatch(line.strip()) for line in lines) or (len(bars) == 1 and max(bars) > 1)
 
 

@@ -12,7 +12,9 @@ from dh2urdf.source import Mark, Problem
 from dh2urdf.table_text import FIELDS, Place, TableText, WrittenTable, yaml_word
 from dh2urdf_plugins.readers.csv_file.rows import CsvRows
 from dh2urdf_plugins.readers.statements.top import read_top
+from dh2urdf_plugins.readers.tables.cell_groups import GroupError, split_cell
 from dh2urdf_plugins.readers.words.cells import SPACES, text_of
+from dh2urdf_plugins.readers.words.fields import GROUPS
 from dh2urdf_plugins.readers.words.table_words import statements_of, units_of, units_text
 
 if TYPE_CHECKING:
@@ -72,7 +74,7 @@ def _written(table: TableText, fields: Sequence[str], rows: Sequence[Mapping[str
 
 
 def texts(path: Path) -> Iterator[TableText]:
-    """The one table of a CSV file; none where it holds several manipulators, or columns that no field knows.
+    """The one table of a CSV file; none where it holds several manipulators, or what a table of texts has no place for.
 
     Raises:
         TableError: the file is no table, or its header is wrong.
@@ -88,11 +90,25 @@ def texts(path: Path) -> Iterator[TableText]:
     for _, batch in source.batches():
         for cells in batch:
             named = zip(fields, (text_of(cell).strip(SPACES) for cell in cells), strict=False)
-            if row := {field: text for field, text in named if field and text}:
+            row = _row({field: text for field, text in named if field and text})
+            if row is None:
+                return
+            if row:
                 rows.append(row)
     said = statements_of(top.statements, default_name=path.stem)
     if said is not None:
         yield TableText(**{**said, **units}, rows=tuple(rows))
+
+
+def _row(cells: Mapping[str, str]) -> dict[str, str] | None:
+    """The texts of a row, those of a cell of several fields one by one; None where they cannot be told apart."""
+    row: dict[str, str] = {}
+    for field, text in cells.items():
+        parts = split_cell(GROUPS[field], text) if field in GROUPS else {field: text}
+        if isinstance(parts, GroupError):
+            return None
+        row |= parts
+    return row
 
 
 def _top(table: TableText) -> dict[str, str]:

@@ -73,8 +73,8 @@ class _Rows:
         self.variables = {place: next(iter(found.values())) for place, found in variables.items() if found}
         numbers = list(self.variables.items())
         reader.from_zero = len(numbers) > 1 and numbers[0] == (0, 0) and all(place == row for place, row in numbers)
-        one_each = not reader.type_is_given and all(len(found) == 1 for found in variables.values())
-        self.sliding = {place for place, found in variables.items() if one_each and "d" in found}
+        at_most_one = not reader.type_is_given and all(len(found) <= 1 for found in variables.values())
+        self.sliding = {place for place, found in variables.items() if at_most_one and "d" in found}
         self.first = 1
 
     def settle(self) -> int:
@@ -91,8 +91,10 @@ class _Rows:
             self._settle_type(place, cells, mark)
         self.first = 1 - self._counts_from_base()
         self._settle_indexes()
+        still = {place for place, cells, _ in self.rows if _type_of(cells) is JointType.FIXED}
         for place, index in self.indexes.items():
-            self._check_index(index, place)
+            if not (place in still and kind_of(index.text) == "frame"):  # `EE` behind 1, 2, 3
+                self._check_index(index, place)
         for field in ("joint", "link"):
             self._name_by_number(field)
         return self.first

@@ -9,13 +9,16 @@ from dh2urdf.errors import TableError
 from dh2urdf.row_fields import COM, INERTIA
 from dh2urdf.table_text import MESHES, TableText, WrittenTable, yaml_word
 from dh2urdf_plugins.readers.header.words import read_header
+from dh2urdf_plugins.readers.tables.cell_groups import GroupError, split_cell
 from dh2urdf_plugins.readers.words.table_words import statements_of, units_text
+from dh2urdf_plugins.readers.yaml_file.forms import with_full_names
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
     from pathlib import Path
 
     from dh2urdf.documents import Node
+    from dh2urdf_plugins.readers.words.fields import Field
 
 _GROUPS = {"limits": ("lower", "upper", "velocity", "effort"), "inertia": INERTIA}
 _GROUPED = {field: group for group, fields in _GROUPS.items() for field in fields} | dict.fromkeys(COM, "com")
@@ -85,9 +88,20 @@ def _table(entries: Mapping[str, Node], default_name: str) -> TableText | None:
 def _texts(joint: Node) -> Iterator[tuple[str, str]]:
     """The texts of a joint by field; what has no field is left out: a later comparison finds it."""
     for key, node in joint.value.items() if isinstance(joint.value, dict) else ():
-        if key in _GROUPS and isinstance(node.value, dict):
-            yield from ((name, inner.text or "") for name, inner in node.value.items() if name in _GROUPS[key])
-        elif key == "com" and isinstance(node.value, list):
-            yield from zip(COM, (inner.text or "" for inner in node.value), strict=False)
-        elif (header := read_header(key)).field and node.text is not None:
-            yield header.field.name, node.text if node.value is not None else ""
+        field = read_header(key).field
+        if field and field.parts:
+            yield from _parts(field, with_full_names(node))
+        elif field and node.text is not None:
+            yield field.name, node.text if node.value is not None else ""
+
+
+def _parts(field: Field, node: Node) -> Iterator[tuple[str, str]]:
+    """The texts of several fields at once, which are a mapping, a list, or a text as in a cell of CSV."""
+    if isinstance(node.value, dict):
+        names = _GROUPS.get(field.name, field.parts)
+        yield from ((name, inner.text or "") for name, inner in node.value.items() if name in names)
+    elif isinstance(node.value, list):
+        if len(node.value) == len(field.parts):
+            yield from zip(field.parts, (inner.text or "" for inner in node.value), strict=True)
+    elif not isinstance(parts := split_cell(field, node.text or ""), GroupError):
+        yield from parts.items()

@@ -41,6 +41,14 @@ def _robot_name(description: Description) -> Iterator[Hit]:
         yield Hit("robot-without-name", root, "the robot has no name", of)
     elif not (root.get("name") or "").strip():
         yield Hit("robot-without-name", root, "the name of the robot is blank", {"gazebo"})
+    else:
+        yield from _length("the robot", root)
+
+
+def _length(what: str, element: Element) -> Iterator[Hit]:
+    name = element.get("name") or ""
+    if len(name) > LONGEST_NAME:
+        yield Hit("name-too-long", element, f"the name of {what} {shown(name)} has {len(name):,} characters")
 
 
 def _names(description: Description) -> Iterator[Hit]:
@@ -63,9 +71,7 @@ def _names(description: Description) -> Iterator[Hit]:
             message = f"{kind} {shown(name)} has the name of the {kind} in {description.place(owners[kind, name])}"
             yield Hit(f"duplicate-{kind}", element, message)
         owners.setdefault((kind, name), element)
-        if len(name) > LONGEST_NAME:
-            message = f"the name of {kind} {shown(name)} has {len(name):,} characters"
-            yield Hit("name-too-long", element, message)
+        yield from _length(kind, element)
         if match := _TROUBLESOME.search(name):
             yield Hit("name-characters", element, f"the name of {kind} {shown(name)} holds {shown(match[0])}")
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 from consumers import Behaviour, behaviours, require
-from faulty_files import BOX, FAULTS, SOUND, TOOL0, TOOL0_JOINT, WEIGHTLESS as ZEROS, write_all
+from faulty_files import BOX, FAULTS, LONG_NAME, SOUND, TOOL0, TOOL0_JOINT, WEIGHTLESS as ZEROS, write_all
 from real_robots import descriptions, findings_of
 
 from dh2urdf.stages import Expansion
@@ -312,6 +312,17 @@ def test_mujoco_takes_a_moment_below_1e_14_for_0(tmp_path: Path, moment: str, *,
     path.write_text(SOUND.replace('ixx="0.005"', f'ixx="{moment}"').replace('iyy="0.006"', 'iyy="0.007"'))
     assert ("inertia-semidefinite" not in by_rule(path)) == loads
     assert (behaviours("mujoco", [path])[0].end == "loads") == loads
+
+
+@pytest.mark.parametrize("consumer", ["pybullet", "mujoco", "pinocchio", "drake", "ros", "gazebo"])
+def test_a_long_name_of_the_robot_ends_pybullet_alone(tmp_path: Path, consumer: str) -> None:
+    require(consumer)
+    path = tmp_path / "long.urdf"
+    path.write_text(SOUND.replace('<robot name="arm">', f'<robot name="{LONG_NAME}">'))
+    effects = by_rule(path)["name-too-long"].effects
+    assert [effect.consumer for effect in effects] == ["pybullet"]
+    (behaviour,) = behaviours(consumer, [path])
+    assert behaviour.end == ("crashes" if consumer == "pybullet" else "loads")
 
 
 def test_a_capsule_in_a_visual_is_left_out_by_coppeliasim(tmp_path: Path) -> None:

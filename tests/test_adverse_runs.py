@@ -191,7 +191,7 @@ def test_a_folder_without_permission_is_told(folder: Path) -> None:
     assert "no file matches 'tables/c*/*.csv'" in none.stderr
     assert "'tables/closed' cannot be searched: Permission denied" in none.stderr
     assert locked.returncode == 2
-    assert "cannot write 'locked/out': Permission denied" in locked.stderr
+    assert "cannot write to the folder 'locked/out': Permission denied" in locked.stderr
     assert not any("Traceback" in answer.stderr for answer in (some, none, locked))
 
 
@@ -252,6 +252,43 @@ def test_the_folder_of_the_run_file_is_no_pattern(folder: Path) -> None:
     assert [path.name for path in matching(odd, "x/*/a**.csv").paths] == ["arm.csv"]
     assert len(matching(odd, "**/**/y/**/*.csv").paths) == 1
     assert len(matching(odd, "**/x/**/arm.csv").paths) == 1
+
+
+def test_a_pattern_that_matches_what_an_earlier_run_wrote(cli: Cli, folder: Path) -> None:
+    """The first run is fine; the second one named no pattern, and said nothing of the first."""
+    words = ("run", "all.yaml", "--workers", 1)
+    (folder / "g").mkdir()
+    (folder / "g/arm.csv").write_text(TABLE)
+    (folder / "all.yaml").write_text("inputs: g/*\noutput: {directory: g}\n")
+    cli(*words)
+    said = cli(*words, status=2).stderr
+    assert "all.yaml:1:9: error: field 'inputs': 'g/*' matches files that no reader reads: 'manifest.jsonl', " in said
+    assert "manifest.jsonl is of an earlier run that wrote there" in said
+    assert "a narrower pattern, such as *.csv, or a list of patterns, or another folder for the output" in said
+    cli(*words, "--set", "inputs=g/*.csv")
+
+
+def test_a_pattern_that_matches_other_files(cli: Cli, folder: Path) -> None:
+    """One message for all of them; a file that is named has one of its own, with the way to choose a reader."""
+    for name in ("README.md", "notes.txt", "a.log", "b.log"):
+        (folder / name).touch()
+    said = cli("run", "run.yaml", "--set", "inputs=*[!l]", status=2).stderr
+    assert said.count("error:") == 1
+    assert "matches files that no reader reads: 'README.md', 'a.log', 'b.log' and 1 more\n" in said
+    assert "earlier run" not in said
+    assert "chooses a reader" in cli("run", "run.yaml", "--set", "inputs=notes.txt", status=2).stderr
+
+
+def test_links_that_lead_in_a_circle(cli: Cli, folder: Path) -> None:
+    """Each is named; the pattern was said to have too many folders, and a path of one was an internal error."""
+    (folder / "one.csv").symlink_to("two.csv")
+    (folder / "two.csv").symlink_to("one.csv")
+    told = "this link leads to 'two.csv', and from there in a circle"
+    said = cli("run", "run.yaml", "--set", "inputs=*.csv", status=2).stderr
+    assert f"'one.csv': the file cannot be read: {told}" in said
+    assert "'arm.csv'" not in said
+    assert told in cli("run", "run.yaml", "--set", "inputs=one.csv", status=2).stderr
+    assert told in cli("convert", "one.csv", status=2).stderr
 
 
 # --- A full disk ------------------------------------------------------------------------------------------------------

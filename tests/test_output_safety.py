@@ -247,16 +247,28 @@ def test_a_folder_that_may_not_be_written_is_one_line(tmp_path: Path) -> None:
     many = command(tmp_path, "run", "run.yaml", "-o", str(folder))
     for result in (one, many):
         assert (result.returncode, result.stdout) == (2, "")
-        assert result.stderr == f"error: cannot write '{folder}': {reason}\n"
+        assert result.stderr.splitlines()[0] == f"error: cannot write to the folder '{folder}': {reason}"
     assert files(tmp_path) == before
 
 
 @pytest.mark.parametrize(
     ("target", "message"),
     [
-        ("arm.csv/arm.urdf", "error: cannot write 'arm.csv': File exists\n"),
-        ("arm.csv/deeper/arm.urdf", "error: cannot write 'arm.csv/deeper': Not a directory\n"),
-        ("x" * 300 + ".urdf", f"error: cannot write '{'x' * 200}…': File name too long\n"),
+        (
+            "arm.csv/arm.urdf",
+            "error: cannot write to the folder 'arm.csv': it is a file, not a folder\n    write to another folder\n",
+        ),
+        (
+            "arm.csv/deeper/arm.urdf",
+            (
+                "error: cannot write to the folder 'arm.csv/deeper': 'arm.csv' is a file, not a folder\n"
+                "    write to another folder\n"
+            ),
+        ),
+        (
+            "x" * 300 + ".urdf",
+            f"error: cannot write '{'x' * 200}…': File name too long\n    write to a shorter name\n",
+        ),
     ],
 )
 def test_a_target_that_cannot_be_is_one_line(tmp_path: Path, target: str, message: str) -> None:

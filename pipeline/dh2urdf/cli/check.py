@@ -93,6 +93,8 @@ def command(  # noqa: PLR0917 - click hands everything over by name
     dh2urdf check ur5.urdf --against ur5.csv --tip-link ee_link
     dh2urdf check my_robots/ --format sarif > robots.sarif
     """
+    if table is None:
+        _refuse_without_table({"base_link": base_link, "tip_link": tip_link, **flags})
     installed = catalog()
     arguments = [word for word in words if ":=" in word and not Path(word).exists()]
     files = [Path(word) for word in words if word not in arguments]
@@ -151,6 +153,20 @@ def _settled(findings: Iterable[Finding]) -> int:
     status = int(any(finding.severity == "error" for finding in findings))
     click.get_current_context().meta[SETTLED] = status
     return status
+
+
+def _refuse_without_table(options: Mapping[str, str | None]) -> None:
+    """Options that say how a table is read and compared would do nothing without one.
+
+    Raises:
+        ConfigError: one is given; it names all of them.
+    """
+    context = click.get_current_context()
+    parameters = context.command.get_params(context)
+    given = [max(each.opts, key=len) for each in parameters if each.name and options.get(each.name) is not None]
+    if given:
+        message = f"{' and '.join(given)} {'is' if len(given) == 1 else 'are'} for a table, and no --against names one"
+        raise ConfigError(Problem(message=message, mark=COMMAND_LINE, accepted="--against TABLE with it, or neither"))
 
 
 def _refuse_for_several(files: Sequence[Path], table: Path | None) -> None:

@@ -10,6 +10,7 @@ from dh2urdf.cli import EXIT_STATUS
 from dh2urdf.cli.answers import answer
 from dh2urdf.cli.convert import print_notices
 from dh2urdf.cli.shared_options import catalog, option, without_option
+from dh2urdf.cli.standard_input import refuse_dash
 from dh2urdf.cli.tables import ASKER, package_paths_option, settings_of
 from dh2urdf.commands.check import given_arguments
 from dh2urdf.commands.collisions import annotation
@@ -63,6 +64,7 @@ def command(  # noqa: PLR0917 - click hands everything over by name
     dh2urdf collisions robot.urdf --update old.srdf -o new.srdf --seed 7
     dh2urdf collisions ur.urdf.xacro ur_type:=ur10 name:=arm --package-path ~/ws/src -o ur10.srdf
     """
+    refuse_dash(words, "collisions")
     arguments = [word for word in words if ":=" in word and not Path(word).exists()]
     robots = [Path(word) for word in words if word not in arguments]
     if len(robots) != 1:

@@ -29,6 +29,9 @@ def command(name: str | None, output: str | None, listed: bool) -> int:  # noqa:
     dh2urdf example ur5 -o ur5.csv
     dh2urdf example panda | dh2urdf convert - > panda.urdf
     """
+    if output and (listed or name is None):
+        message = "a list of the arms is printed, and not written to a file"
+        raise ConfigError(Problem(message=message, mark=COMMAND_LINE, found=output, accepted="NAME -o FILE"))
     if listed or name is None:
         tables = shipped_tables()
         width = max(map(len, tables), default=0)

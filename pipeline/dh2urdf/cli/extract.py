@@ -95,6 +95,9 @@ def command(  # noqa: PLR0917 - click hands everything over by name
         )
 
     if lists_tips:
+        if output is not None:
+            message = "--tips lists the leaves of ROBOT, and writes no file"
+            raise ConfigError(Problem(message=message, mark=COMMAND_LINE, found=str(output), accepted="--tips or -o"))
         counts = [f"{name}: {_moving(count)}" for name, count in leaves_of(call(), robot).items()]
         answer("\n".join(map(printable, counts)))
         return 0

@@ -67,6 +67,9 @@ def description_reader(
                 suggestion="`dh2urdf info` shows a table",
             )
         )
+    if given and "arguments" in given and "arguments" not in stage.options.__dataclass_fields__:
+        message = f"files of the format {stage.name!r} have no macros: they take no arguments"
+        raise ConfigError(Problem(message=message, mark=Mark(file=str(path)), accepted="NAME:=VALUE with a xacro"))
     (call,) = stage_calls(catalog, {"reader": [stage]}, asker, {"reader": dict(given or {})}, settings)["reader"]
     return call
 

@@ -6,6 +6,7 @@ import os
 import re
 import stat
 from codecs import BOM_UTF8, BOM_UTF16_BE, BOM_UTF16_LE
+from errno import ELOOP
 from pathlib import Path
 
 from dh2urdf.errors import ConfigError, InputError
@@ -53,7 +54,7 @@ def read_bytes(path: Path, error: type[InputError] = ConfigError, *, limit: int 
 def tidy_path(path: Path) -> Path:
     """`configs/../build` as `build`, unless `configs` is a link."""
     tidy = Path(os.path.normpath(path))
-    return tidy if tidy.resolve() == path.resolve() else path
+    return tidy if os.path.realpath(tidy) == os.path.realpath(path) else path  # where Path.resolve raises of a circle
 
 
 def check_file(path: Path, error: type[InputError] = ConfigError) -> None:
@@ -98,6 +99,8 @@ def _unreadable(path: Path, reason: OSError | ValueError) -> Problem:
         suggestion = f"did you mean {' or '.join(repr(name) for name in near)}?" if near else None
         return Problem(message="there is no such file", mark=mark, suggestion=suggestion)
     why = reason.strerror if isinstance(reason, OSError) and reason.strerror else str(reason)
+    if isinstance(reason, OSError) and reason.errno == ELOOP:
+        why = f"this link leads to {shown(str(path.readlink()), LONG_PATH)}, and from there in a circle"
     return Problem(message=f"the file cannot be read: {why}", mark=mark)
 
 

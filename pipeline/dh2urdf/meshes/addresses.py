@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from urllib.parse import unquote
 
 from dh2urdf.errors import InputError
-from dh2urdf.source import Problem
+from dh2urdf.source import Problem, shown
 from dh2urdf.stages import PACKAGE_FILE
 
 if TYPE_CHECKING:
@@ -55,9 +55,11 @@ def packages_in(paths: Iterable[Path]) -> dict[str, Path]:
     problems: list[Problem] = []
     for path in paths:
         if not path.is_dir():
-            problems.append(Problem(message="there is no such folder of packages", found=str(path)))
+            problems.append(Problem(message=f"there is no folder of packages {shown(str(path), 200)}", found=str(path)))
         elif not (here := dict(_packages(path.resolve(), DEEPEST))):
-            message = f"no folder in it holds a {PACKAGE_FILE}: it is no ROS package, and holds none"
+            message = (
+                f"no folder in {shown(str(path), 200)} holds a {PACKAGE_FILE}: it is no ROS package, and holds none"
+            )
             problems.append(
                 Problem(message=message, found=str(path), accepted="a package, or the `src` of a workspace")
             )

@@ -136,7 +136,7 @@ class _Search:
             if test.match(entry.name) and (shows_hidden or not entry.name.startswith(".")):
                 if not is_last:
                     waiting.append((entry.path, place + 1))
-                elif not entry.is_dir():
+                elif not _is_folder(entry):
                     yield Path(entry.path)
 
     def _entries(self, path: str) -> Iterator[os.DirEntry[str]]:
@@ -151,6 +151,14 @@ class _Search:
             return  # It has vanished, or is a file.
         except PermissionError as error:
             self.closed[path] = error.strerror or str(error)
+
+
+def _is_folder(entry: os.DirEntry[str]) -> bool:
+    """Whether an entry is a folder, or a link to one; what a link that leads in a circle is, its reader reports."""
+    try:
+        return entry.is_dir()
+    except OSError:
+        return False
 
 
 def _is_inside(entry: os.DirEntry[str]) -> bool:

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, BinaryIO
 
 from dh2urdf.errors import OutputError
 from dh2urdf.output.store import NOT_THERE, WORKING, ReportingStream, Store, checked
-from dh2urdf.output.whole_files import refused, reporting_os_errors, staging, write_all
+from dh2urdf.output.whole_files import TO_FOLDER, refused, reporting_os_errors, staging, write_all
 from dh2urdf.source import Problem, shown
 
 try:
@@ -213,7 +213,7 @@ class LocalStore(Store):
     def _lock_file(self) -> int:
         """The descriptor of the lock file, locked until it is closed."""
         # A run that ends removes the file and, if it can, the folder: at any moment, so it may take some tries.
-        with reporting_os_errors(self.directory):
+        with reporting_os_errors(self.directory, TO_FOLDER):
             for left in reversed(range(_TRIES)):
                 try:
                     os.makedirs(self._path(WORKING), exist_ok=True)  # noqa: PTH103
@@ -259,9 +259,9 @@ class LocalStore(Store):
         folder = name.rpartition("/")[0]
         if folder in self._made:
             return
-        with reporting_os_errors(self.directory):
+        with reporting_os_errors(self.directory, TO_FOLDER):
             os.makedirs(self._path(_TEMPORARY), exist_ok=True)  # noqa: PTH103
-        with reporting_os_errors(self.directory / folder):
+        with reporting_os_errors(self.directory / folder, TO_FOLDER):
             os.makedirs(self._path(folder), exist_ok=True)  # noqa: PTH103
         self._made.add(folder)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import unicodedata
 from contextlib import contextmanager, suppress
-from errno import EISDIR
+from errno import EACCES, EDQUOT, EISDIR, ENAMETOOLONG, ENOSPC, EPERM, EROFS
 from pathlib import Path, PurePosixPath
 from stat import S_ISDIR, S_ISLNK, S_ISREG
 from typing import TYPE_CHECKING
@@ -28,6 +28,15 @@ NO_NAMES = frozenset(("", ".", ".."))
 READ_AT_ONCE = 1 << 20
 """How much of a file is read at once [byte]."""
 _STAGING = ".dh2urdf-"
+_ADVICE = {
+    **dict.fromkeys((ENOSPC, EDQUOT), "make room, or write to another disk; a run goes on with `--resume`"),
+    **dict.fromkeys((EACCES, EPERM, EROFS), "write to another folder"),
+    EISDIR: "a folder has this name: write to another name",
+    ENAMETOOLONG: "write to a shorter name",
+}
+"""What to do where the operating system writes no file."""
+TO_FOLDER = "write to the folder"
+"""What is being done where a file cannot be made because of its folder."""
 _SAFE = late_pattern(r"[A-Za-z0-9](?:[A-Za-z0-9.+_-]*[A-Za-z0-9+])?")
 _DEVICES = {"con", "prn", "aux", "nul", *(f"{port}{n}" for port in ("com", "lpt") for n in range(1, 10))}
 
@@ -113,7 +122,7 @@ def staging(directory: Path) -> Iterator[Path]:
     folder = directory / f"{_STAGING}{os.urandom(6).hex()}"
     try:
         try:
-            with reporting_os_errors(directory):
+            with reporting_os_errors(directory, TO_FOLDER):
                 folder.mkdir(mode=0o700)
             yield folder
         finally:
@@ -133,7 +142,7 @@ def make_folder(directory: Path) -> None:
         message = f"cannot write to {shown(str(directory), 200)}: this is an address, and only files are written here"
         advice = "a run writes to addresses: `dh2urdf run FILE -o s3://bucket/prefix`"
         raise OutputError(Problem(message=message, accepted="a path", suggestion=advice))
-    with reporting_os_errors(directory):
+    with reporting_os_errors(directory, TO_FOLDER):
         directory.mkdir(parents=True, exist_ok=True)
 
 
@@ -289,6 +298,14 @@ def reporting_os_errors(path: Path | str, doing: str = "write") -> Iterator[None
 
 
 def refused(path: Path | str, error: Exception, doing: str = "write") -> OutputError:
-    """What the operating system declares about a path, as one line."""
+    """What the operating system declares about a path, and what to do about it."""
     reason = getattr(error, "strerror", None) or str(error)
-    return OutputError(Problem(message=f"cannot {doing} {shown(str(path), 200)}: {reason}"))
+    if not doing.startswith("write"):
+        return OutputError(Problem(message=f"cannot {doing} {shown(str(path), 200)}: {reason}"))
+    advice = _ADVICE.get(getattr(error, "errno", None) or 0)
+    if isinstance(error, (FileExistsError, NotADirectoryError)):
+        files = [place for place in (Path(path), *Path(path).parents) if place.is_file()]
+        if files:
+            what = "it" if files[0] == Path(path) else shown(str(files[0]), 200)
+            reason, advice = f"{what} is a file, not a folder", _ADVICE[EACCES]
+    return OutputError(Problem(message=f"cannot {doing} {shown(str(path), 200)}: {reason}", suggestion=advice))

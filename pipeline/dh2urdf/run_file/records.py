@@ -53,6 +53,7 @@ class InputCall:
         options: the reader's options as they are written.
         mark: where the input stands.
         notices: the findings about the pattern.
+        pattern: what matches the files; None where a path names one.
     """
 
     paths: tuple[Path, ...]
@@ -60,6 +61,7 @@ class InputCall:
     options: Node | None = None
     mark: Mark | None = None
     notices: tuple[Problem, ...] = ()
+    pattern: str | None = None
 
     def read_by(self, reader: str) -> StageCall:
         """The call of a reader with the options of this input."""

@@ -73,7 +73,9 @@ def _input(
             message = "the calibration is given twice, here and among the options"
             raise ConfigError(Problem(message=message, field="calibration"))
         options = mapping_node({**others, "calibration": calibration}, options or calibration)
-    return InputCall(paths=path.paths, stage=stage, options=options, mark=mark, notices=path.notices)
+    return InputCall(
+        paths=path.paths, stage=stage, options=options, mark=mark, notices=path.notices, pattern=path.pattern
+    )
 
 
 class InputRecord(Record[InputCall]):

@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING, Any
 
 from dh2urdf.documents.text_files import LONG_PATH
 from dh2urdf.errors import InputError, PluginError
+from dh2urdf.output.journal import MANIFEST
 from dh2urdf.plugin_system.calls import Call
 from dh2urdf.plugin_system.options import make_options
-from dh2urdf.source import Problem, shown
+from dh2urdf.source import Problem, listed, shown
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
@@ -76,9 +77,11 @@ class AskedStages:
         for given in inputs:
             self.notices.update((path, notice) for path, notice in zip(given.paths, given.notices, strict=False))
             calls: dict[str, Call[Reader[Any]] | None] = {}
+            unread: dict[str, Problem] = {}
             for path in given.paths:
                 with self._at(given.mark):
-                    name = given.stage or self._catalog.reader_for(path).name
+                    if (name := given.stage or self._reader_name(path, given, unread)) is None:
+                        continue
                     if name not in calls:
                         calls[name] = self.call("reader", given.read_by(name))
                     if (call := calls[name]) is None:
@@ -89,7 +92,41 @@ class AskedStages:
                         found.append((path, call))
                     else:
                         self._note_again(path, call, given.mark, *earlier)
+            if unread:
+                self._note_unread(given, unread)
         return tuple(found)
+
+    def _reader_name(self, path: Path, given: InputCall, unread: dict[str, Problem]) -> str | None:
+        """The name of a file's reader; None where there is none and a pattern matches the file, which is noted.
+
+        Raises:
+            InputError: there is none for a file that is named, or there are several.
+        """
+        try:
+            return self._catalog.reader_for(path).name
+        except InputError as error:
+            (problem,) = error.problems
+            if given.pattern is None or problem.accepted is None:
+                raise
+            unread[path.name] = problem
+            return None
+
+    def _note_unread(self, given: InputCall, unread: dict[str, Problem]) -> None:
+        """Notes that a pattern matches files that no reader reads, such as those that an earlier run wrote."""
+        names = listed([shown(name, LONG_PATH) for name in unread], 3)
+        own = MANIFEST in unread
+        told = f"; {MANIFEST} is of an earlier run that wrote there" if own else ""
+        advice = "write a narrower pattern, such as *.csv, or a list of patterns"
+        self.problems.append(
+            Problem(
+                message=f"{shown(given.pattern or '', LONG_PATH)} matches files that no reader reads: {names}{told}",
+                mark=given.mark,
+                field="inputs",
+                found=next(iter(unread)),
+                accepted=next(iter(unread.values())).accepted,
+                suggestion=f"{advice}, or another folder for the output" if own else advice,
+            )
+        )
 
     def _note_again(  # noqa: PLR0917 - two inputs, each with what it is read by
         self,

@@ -166,18 +166,19 @@ def path_of(resolve: Callable[[str, Node, str, Validator], T | None]) -> ValueTy
 
 
 class FoundFiles(NamedTuple):
-    """Files, and the findings about their pattern."""
+    """Files, the findings about their pattern, and the pattern; None where a path names one file."""
 
     paths: tuple[Path, ...]
     notices: tuple[Problem, ...]
+    pattern: str | None
 
 
 def _files(path: str, node: Node, field: str, to: Validator) -> FoundFiles:
     """The files of a path or pattern, in the order of their names."""
     folder = to.folder_of(node)
-    candidates, notices = [tidy_path(folder / path)], []
+    candidates, notices, pattern = [tidy_path(folder / path)], [], None
     if glob.has_magic(path) and not os.path.exists(candidates[0]):  # noqa: PTH110 - Path.exists raises for some texts
-        candidates = []
+        candidates, pattern = [], path
         with to.noting(node, field):
             found = matching(folder, path)
             candidates = [tidy_path(file) for file in found.paths]
@@ -196,7 +197,7 @@ def _files(path: str, node: Node, field: str, to: Validator) -> FoundFiles:
             to.add_problem(f"{shown(str(file), LONG_PATH)}: {why.message}", node, field, suggestion=advice)
         else:
             files.append(file)
-    return FoundFiles(tuple(files), tuple(notices))
+    return FoundFiles(tuple(files), tuple(notices), pattern)
 
 
 INPUT_FILES = path_of(_files)

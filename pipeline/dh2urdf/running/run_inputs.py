@@ -59,7 +59,8 @@ def _refuse_overwriting(plan: Plan, store: Store, suffixes: tuple[str, ...], fie
                         field=field,
                         found=str(path),
                         accepted="another output folder, or an input of another name",
-                        suggestion="write to another folder: `output: {directory: DIR}`, or `-o DIR`",
+                        suggestion="write to another folder: `output: {directory: DIR}`, or `-o DIR`; a file that an "
+                        "earlier run wrote is left out by a narrower pattern, such as *.csv",
                     )
                 )
                 break

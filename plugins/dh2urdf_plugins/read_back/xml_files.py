@@ -92,7 +92,14 @@ def _root_of(content: bytes, file: str, *, is_deep: bool) -> etree._Element:
 
 def _no_xml(fault: etree._LogEntry, file: str) -> ProofError:
     mark = Mark(file=file, line=fault.line, column=fault.column)
-    return ProofError(Problem(message=f"this is not XML: {fault.message.partition(chr(10))[0].strip()}", mark=mark))
+    return ProofError(
+        Problem(
+            message=f"this is not XML: {fault.message.partition(chr(10))[0].strip()}",
+            mark=mark,
+            accepted="a robot description in XML, whole, which begins with <",
+            suggestion="correct the XML at this place, or give another file",
+        )
+    )
 
 
 def _without_comments(content: bytes) -> bytes:

@@ -291,3 +291,18 @@ def test_a_table_on_a_terminal(arm: Path, monkeypatch: pytest.MonkeyPatch, capfd
     out = capfd.readouterr().out
     for word in ("swapped-limits", "exchange them", "ends the interpreter", "1 error, 3 notes"):
         assert word in out
+
+
+@pytest.mark.parametrize(
+    ("words", "given"),
+    [
+        (["--convention", "modified"], "--convention is"),
+        (["--tip-link", "tool0"], "--tip-link is"),
+        (["--robot", "one", "--from", "csv", "--fix", "-o", "new.urdf"], "--from and --robot are"),
+    ],
+)
+def test_options_of_a_table_that_is_not_there(cli: Cli, arm: Path, words: list[str], given: str) -> None:
+    """They were passed over without a word."""
+    said = cli("check", arm.name, *words, status=2).stderr
+    assert f"{given} for a table, and no --against names one" in said
+    assert not arm.with_name("new.urdf").exists()

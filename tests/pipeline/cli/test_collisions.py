@@ -60,6 +60,11 @@ def test_to_standard_output_and_to_a_file(cli: Cli, tmp_path: Path) -> None:
     assert (tmp_path / "two.srdf").read_text() == told.stdout
 
 
+def test_standard_input_is_none(cli: Cli) -> None:
+    """A dash was a file that is not there."""
+    assert "`dh2urdf collisions` reads no standard input" in cli("collisions", "-", status=2).stderr
+
+
 def test_an_earlier_file_is_brought_up_to_date(cli: Cli, tmp_path: Path) -> None:
     """In place with -o, or from another one with --update, which stays as it is."""
     (tmp_path / "two.urdf").write_text(plain())

@@ -147,10 +147,12 @@ class TestFiles:
         assert files(folder) == {"arm_macro.xacro"}
 
     def test_a_file_in_place_of_a_folder(self, cli: Cli, folder: Path) -> None:
-        """It is told in one line."""
+        """The message names it, and says what to do."""
         answer = cli("convert", "arm.csv", "-o", "arm.csv/arm.urdf", status=2)
-        assert answer.stderr.startswith("error: cannot write 'arm.csv")
-        assert answer.stderr.count("\n") == 1
+        assert answer.stderr.startswith(
+            "error: cannot write to the folder 'arm.csv': it is a file, not a folder\n    write "
+        )
+        assert answer.stderr.count("\n") == 2
         assert files(folder) == set()
 
 

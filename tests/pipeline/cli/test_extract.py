@@ -86,9 +86,16 @@ class TestPrinted:
         path = tmp_path / "tree.urdf"
         path.write_text(TREE)
         assert cli("extract", str(path), "--tips").stdout == "b: 2 moving joints\nc: 2 moving joints\n"
+        said = cli("extract", str(path), "--tips", "-o", "tips.csv", status=2).stderr
+        assert "--tips lists the leaves of ROBOT, and writes no file" in said
         refused = cli("extract", str(path), status=2)
         assert "2 leaves: b (2 moving joints), c (2 moving joints)" in refused.stderr
         assert "j3" in cli("extract", str(path), "--tip-link", "c").stdout
+
+    def test_arguments_of_what_has_no_macros(self, cli: Cli, ur5: Path) -> None:
+        """As `check` says it; it was an unknown option called arguments."""
+        said = cli("extract", str(ur5), "name:=arm", status=2).stderr
+        assert "files of the format 'urdf' have no macros: they take no arguments" in said
 
     def test_every_tip(self, cli: Cli, tmp_path: Path) -> None:
         """Each chain under its name; a leaf that no joint moves is no arm. A program asks for one of them."""

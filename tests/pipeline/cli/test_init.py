@@ -126,6 +126,9 @@ class TestExamples:
     def test_the_list_has_every_table_of_the_project(self, cli: Cli) -> None:
         """With what the first line of each says; without a name the list is printed too."""
         text = cli("example", "--list").stdout
+        for words in (("--list",), ()):
+            said = cli("example", *words, "-o", "list.txt", status=2).stderr
+            assert "a list of the arms is printed, and not written to a file" in said
         assert [line.split()[0] for line in text.splitlines()] == [path.stem for path in TABLES]
         assert "Franka Emika Panda, from the maker's table" in text
         assert cli("example").stdout == text

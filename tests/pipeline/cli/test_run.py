@@ -227,10 +227,12 @@ class TestWords:
         assert written(folder) == set()
 
     def test_an_output_folder_that_is_a_file(self, cli: Cli, folder: Path) -> None:
-        """It is told in one line."""
+        """The message names it, and says what to do."""
         answer = cli("run", "arm.yaml", "-o", "arm.csv", status=2)
-        assert answer.stderr.startswith("error: cannot write 'arm.csv")
-        assert answer.stderr.count("\n") == 1
+        assert answer.stderr.startswith(
+            "error: cannot write to the folder 'arm.csv': it is a file, not a folder\n    write "
+        )
+        assert answer.stderr.count("\n") == 2
         assert (folder / "arm.csv").read_text() == TABLE
 
 

@@ -82,15 +82,15 @@ class TestWriting:
         store.write("a/b", b"")
         with pytest.raises(OutputError) as caught:
             store.write("a", b"new")
-        assert str(caught.value) == f"error: cannot write '{tmp_path}/out/a': {os.strerror(errno.EISDIR)}"
+        assert caught.value.problems[0].message == f"cannot write '{tmp_path}/out/a': {os.strerror(errno.EISDIR)}"
         assert files(tmp_path / "out") == {"a/b": b""}
 
     def test_a_file_in_the_way(self, store: LocalStore, tmp_path: Path) -> None:
         """A file where the folder of another should be is an error of one line, above the store or in it."""
         store.write("a", b"")
-        with pytest.raises(OutputError, match=r"cannot write '.*/out/a'"):
+        with pytest.raises(OutputError, match=r"cannot write to the folder '.*/out/a': it is a file, not a folder"):
             store.write("a/b", b"new")
-        with pytest.raises(OutputError, match=r"cannot write '.*/out/a'"):
+        with pytest.raises(OutputError, match=r"cannot write to the folder '.*/out/a': it is a file, not a folder"):
             LocalStore(tmp_path / "out" / "a").write("b", b"new")
         assert files(tmp_path / "out") == {"a": b""}
 
@@ -101,14 +101,16 @@ class TestWriting:
         for doing in (lambda s: s.write("a", b""), lambda s: s.scratch().__enter__(), lambda s: s.lock().__enter__()):
             with pytest.raises(OutputError) as caught:
                 doing(LocalStore(Path("/proc/dh2urdf")))
-            assert str(caught.value) == f"error: cannot write '/proc/dh2urdf': {os.strerror(errno.ENOENT)}"
+            assert (
+                str(caught.value) == f"error: cannot write to the folder '/proc/dh2urdf': {os.strerror(errno.ENOENT)}"
+            )
 
     @pytest.mark.parametrize("name", ["x\0", "x\ud800", "x" * 300, "x\0/y"])
     def test_a_name_that_the_system_refuses(self, store: LocalStore, tmp_path: Path, name: str) -> None:
         """A name that no file can have is an error of one line."""
         with pytest.raises(OutputError) as caught:
             store.write(name, b"x")
-        assert len(str(caught.value).splitlines()) == 1
+        assert len(caught.value.problems[0].message.splitlines()) == 1
         assert files(tmp_path) == {}
 
     def test_a_folder_that_was_removed_is_made_again(self, store: LocalStore, tmp_path: Path) -> None:

@@ -187,12 +187,16 @@ class TestStaging:
         (tmp_path / "out").write_text("a file")
         with pytest.raises(OutputError) as caught, staging(tmp_path / "out"):
             pass
-        assert str(caught.value) == f"error: cannot write '{tmp_path / 'out'}': {os.strerror(errno.EEXIST)}"
+        assert str(caught.value).splitlines() == [
+            f"error: cannot write to the folder '{tmp_path / 'out'}': it is a file, not a folder",
+            "    write to another folder",
+        ]
 
     def test_a_file_above_the_folder(self, tmp_path: Path) -> None:
         """A file in the way further up is an error as well."""
         (tmp_path / "file").write_text("a file")
-        with pytest.raises(OutputError, match=os.strerror(errno.ENOTDIR)), staging(tmp_path / "file" / "out"):
+        message = f"cannot write to the folder '{tmp_path}/file/out': '{tmp_path}/file' is a file, not a folder"
+        with pytest.raises(OutputError, match=message), staging(tmp_path / "file" / "out"):
             pass
 
 
@@ -223,7 +227,7 @@ class TestWriteFiles:
         """A name that no file can have is an error of one line."""
         with pytest.raises(OutputError) as caught:
             write_files(tmp_path, [EmittedFile(name=name, content=b"x")])
-        assert len(str(caught.value).splitlines()) == 1
+        assert len(caught.value.problems[0].message.splitlines()) == 1
         assert tree(tmp_path) == {}
 
 
@@ -256,7 +260,10 @@ class TestPutInPlace:
         (tmp_path / "b.urdf").mkdir()
         with pytest.raises(OutputError) as caught:
             write_whole(tmp_path / "b.urdf", b"new")
-        assert str(caught.value) == f"error: cannot write '{tmp_path / 'b.urdf'}': {os.strerror(errno.EISDIR)}"
+        assert str(caught.value).splitlines() == [
+            f"error: cannot write '{tmp_path / 'b.urdf'}': {os.strerror(errno.EISDIR)}",
+            "    a folder has this name: write to another name",
+        ]
         assert [path.name for path in tmp_path.iterdir()] == ["b.urdf"]
 
     def test_a_folder_in_the_way_of_one_file_stops_all(self, tmp_path: Path) -> None:
@@ -400,7 +407,10 @@ class TestWriteWhole:
         monkeypatch.setattr(Path, "write_bytes", half_written)
         with pytest.raises(OutputError) as caught:
             write_whole(path, b"new content")
-        assert str(caught.value) == f"error: cannot write '{path}': {os.strerror(errno.ENOSPC)}"
+        assert str(caught.value).splitlines() == [
+            f"error: cannot write '{path}': {os.strerror(errno.ENOSPC)}",
+            "    make room, or write to another disk; a run goes on with `--resume`",
+        ]
         assert tree(tmp_path) == {"report.json": b"old"}
         assert len(list(tmp_path.iterdir())) == 1
 
@@ -416,9 +426,18 @@ class TestWriteAll:
 
 
 class TestReportingOsErrors:
-    @pytest.mark.parametrize("number", [errno.EACCES, errno.ENOSPC, errno.EROFS, errno.ENAMETOOLONG])
-    def test_the_system_s_reason_becomes_one_line(self, number: int) -> None:
-        """Whatever the system refuses is one line with the path and the reason, and the cause is kept."""
+    @pytest.mark.parametrize(
+        ("number", "advice"),
+        [
+            (errno.EACCES, "write to another folder"),
+            (errno.ENOSPC, "make room, or write to another disk; a run goes on with `--resume`"),
+            (errno.EROFS, "write to another folder"),
+            (errno.ENAMETOOLONG, "write to a shorter name"),
+            (errno.EIO, None),
+        ],
+    )
+    def test_the_system_s_reason_becomes_one_line(self, number: int, advice: str | None) -> None:
+        """Whatever the system refuses is a line with the path and the reason, what to do, and the cause is kept."""
 
         def refused() -> None:
             with reporting_os_errors(Path("out/a.urdf")):
@@ -426,7 +445,9 @@ class TestReportingOsErrors:
 
         with pytest.raises(OutputError) as caught:
             refused()
-        assert str(caught.value) == f"error: cannot write 'out/a.urdf': {os.strerror(number)}"
+        (problem,) = caught.value.problems
+        assert problem.message == f"cannot write 'out/a.urdf': {os.strerror(number)}"
+        assert problem.suggestion == advice
         assert isinstance(caught.value.__cause__, OSError)
 
     @pytest.mark.parametrize("path", ["a\0b", "a\ud800b"])

@@ -158,9 +158,9 @@ def test_a_folder_that_is_a_file(tmp_path: Path) -> None:
     """It is told in one line."""
     (tmp_path / "out").write_text("")
     store = open_store(tmp_path / "out")
-    with pytest.raises(OutputError, match=r"cannot write '.*out"):
+    with pytest.raises(OutputError, match=r"cannot write to the folder '.*out': it is a file"):
         write_reports(store, written_manifest(tmp_path, [ARM]), result(batch(ok=1)))
-    with pytest.raises(OutputError, match=r"cannot write '.*out"):
+    with pytest.raises(OutputError, match=r"cannot write to the folder '.*out': it is a file"):
         write_timing(store, result(batch(ok=1)))
 
 

@@ -302,7 +302,10 @@ def test_a_package_is_read_where_it_is_named(tmp_path: Path) -> None:
     path.write_text(ROBOT.format('<xacro:include filename="$(find grippers)/hand.xacro"/>'))
     for folder in (other, other.parent, tmp_path / "elsewhere"):
         assert b'name="hand"' in expand_foreign(path, Expansion(package_paths=(folder,))).content
-    for folder, message in ((path.parent, "no folder in it holds a package.xml"), (path, "there is no such folder")):
+    for folder, message in (
+        (path.parent, f"no folder in '{path.parent}' holds a package.xml"),
+        (path, f"there is no folder of packages '{path}'"),
+    ):
         with pytest.raises(InputError, match=message):
             expand_foreign(path, Expansion(package_paths=(folder,)))
     with pytest.raises(ProofError, match=r"the package 'grippers' is not known \(known: none\)"):
@@ -348,7 +351,7 @@ def test_check_and_view_take_arguments_and_package_paths(cli: Callable[..., Answ
     for words, message in (
         ([":=right"], "':=right' is no argument"),
         (["side:=a", "side:=b"], "'side:=b' is given twice"),
-        (["--package-path", workspace / "nowhere"], "there is no such folder of packages"),
+        (["--package-path", workspace / "nowhere"], f"there is no folder of packages '{workspace / 'nowhere'}'"),
     ):
         assert message in cli("check", file, *words, status=2).stderr
     plain = workspace / "arm.urdf"

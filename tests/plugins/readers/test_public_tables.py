@@ -336,6 +336,10 @@ def test_prose_that_makes_another_arm_is_not_passed_over(said: str, read_one: Re
         "with 6 axes and a hand",
         "from the manual of 2019 to be checked",
         "a robot for the shop floor",
+        "<https://example.org/j1>",
+        "Link 1 -> Link 2: elbow",
+        "Axis 1 to 3: main axes",
+        "below a ceiling height of 3",
     ],
 )
 def test_prose_that_says_nothing_new_gets_no_notice(said: str, read_one: ReadOne) -> None:

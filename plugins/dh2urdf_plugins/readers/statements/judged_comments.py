@@ -86,7 +86,7 @@ _IN_UNREAD = (
 )
 """What such prose has at least one of: most comments have none, and need no search."""
 _BOUNDS = late_pattern(
-    rf"{_VARIABLE}[^.;]{{0,32}}?(?:[∈<≤>≥±]|(?<![^\W_])ranges?(?![^\W_])"
+    rf"{_VARIABLE}[^.;]{{0,32}}?(?:[∈±]|[<≤>≥]=?\s?[-+−]?\s?(?:[0-9]|pi|π)|(?<![^\W_])ranges?(?![^\W_])"
     r"|[0-9]\s?(?:°|deg)?\s?(?:\.\.|…|to|bis|~|～)\s?[-+−]?[0-9])",
     re.IGNORECASE,
 )
@@ -96,7 +96,8 @@ _TURNED = late_pattern(
     r"(?<!counter)(?<!counter-)(?<!anti)(?<!anti-)(?<![^\W_])clockwise|(?<!gegen den )uhrzeigersinn"
     r"|顺时针|(?<!反)時計回り|(?<!반)시계 ?방향|(?<!против )часовой"
     r"|(?<!anti)(?<!anti-)(?<![^\W_])h?or[aá](?:ire|rio)(?![^\W_])"
-    r"|upside[ -]down|(?<![^\W_])(?:ceiling|wall[ -]mounted|left[ -]handed|kopfüber|hängend|hang(?:s|ing))(?![^\W_])"
+    r"|upside[ -]down|(?<![^\W_])(?:ceiling(?! height)|wall[ -]mounted|left[ -]handed|kopfüber|hängend|hang(?:s|ing))"
+    r"(?![^\W_])"
     r"|倒装|吊装|(?<![^\W_])z_?[0₀][^.;]{0,16}(?:down|unten|abajo)(?![^\W_])",
     re.IGNORECASE,
 )

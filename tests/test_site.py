@@ -25,7 +25,6 @@ from lxml import html
 
 import gallery
 import pictures
-import root_pages
 import site_hook
 from dh2urdf import hookspecs
 from dh2urdf.cli import COMMANDS
@@ -70,18 +69,22 @@ def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.mark.long
 def test_a_broken_link_fails_the_build(tmp_path: Path) -> None:
     """A link to a page that is not there, one to a heading that is not there, and a page that the menu lacks."""
-    for name in ("pipeline", "plugins", "mkdocs.yml", *root_pages.PAGES):
-        (tmp_path / name).symlink_to(ROOT / name)
-    shutil.copytree(DOCS, tmp_path / "docs")
-    index = tmp_path / "docs" / "index.md"
-    index.write_text(f"{index.read_text('utf-8')}\n[a](gone.md), [b](cells.md#gone)\n", "utf-8")
-    (tmp_path / "docs" / "lonely.md").write_text("# Lonely\n", "utf-8")
+    docs = tmp_path / "docs"
+    docs.mkdir()
+    for path in (ROOT / "pipeline", ROOT / "plugins", *(DOCS / name for name in ("assets", "generators", "theme"))):
+        (tmp_path / path.relative_to(ROOT)).symlink_to(path)
+    settings = (ROOT / "mkdocs.yml").read_text("utf-8").partition("\nnav:\n")[0]
+    (tmp_path / "mkdocs.yml").write_text(f"{settings}\nnav: [index.md, cells.md]\n", "utf-8")
+    (docs / "index.md").write_text("# Home\n\n[a](gone.md), [b](cells.md#gone), [c](cells.md#units)\n", "utf-8")
+    (docs / "cells.md").write_text("# Cells\n\n## Units\n", "utf-8")
+    (docs / "lonely.md").write_text("# Lonely\n", "utf-8")
     status, warnings = build(tmp_path / "site", tmp_path)
     assert status == 1
     text = "\n".join(warnings)
     assert "'gone.md', but the target is not found" in text
     assert "'cells.md#gone', but the doc 'cells.md' does not contain an anchor '#gone'" in text
     assert "lonely.md" in text
+    assert text.count("WARNING") == 3
 
 
 class QuietHandler(SimpleHTTPRequestHandler):

@@ -50,7 +50,7 @@ def test_an_object_store_holds_what_a_folder_would(
     dh2urdf("run", "far.yaml", "--workers", "1", "-o", "out")  # The report has the hash of the run file.
     far, near = open_store(f"{bucket}/arms"), open_store(arms / "out")
     assert contents(far) == contents(near)
-    said = dh2urdf("run", "far.yaml", "--resume").stdout
+    said = dh2urdf("run", "far.yaml", "--resume", "--workers", "1").stdout
     assert "30 unchanged" in said
     damaged = "arm7.urdf" if layout == "files" else "000000.tar"
     far.write(damaged, b"<robot")

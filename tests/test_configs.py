@@ -18,6 +18,14 @@ if TYPE_CHECKING:
 CONFIGS = Path(__file__).parents[1] / "configs"
 
 
+TIPS = {
+    "pair": ["left_tool0", "right_tool0"],
+    "ur5_on_track": ["track_tool0", "arm_tool0"],
+    "around_a_table": ["left_tool0", "near_tool0", "right_tool0", "far_tool0"],
+}
+"""The cells with a picture, and the tool0 of each of their arms."""
+
+
 @pytest.mark.parametrize("config", sorted(CONFIGS.glob("*.yaml")), ids=lambda path: path.stem)
 def test_it_is_run(cli: Callable[..., Answer], tmp_path: Path, config: Path) -> None:
     """Exit status 0, every manipulator ok, and not a word on standard error: an example gives no cause for a notice."""
@@ -30,14 +38,26 @@ def test_it_is_run(cli: Callable[..., Answer], tmp_path: Path, config: Path) -> 
     for entry in report["manipulators"]:
         assert all((tmp_path / "out" / file["path"]).is_file() for file in entry["files"])
         assert all(report["hold"]["stayed"] for report in entry["loaders"].values())
+    entries = {entry["name"]: entry for entry in report["manipulators"]}
+    if config.stem in TIPS:
+        check_cell(config.stem, entries[config.stem], tmp_path / "out")
+    if config.stem == "folder":  # it takes every table there is
+        found = {Path(entry["source"]).name for entry in entries.values()}
+        assert found == {path.name for path in (CONFIGS / "tables").iterdir()}
 
 
-def test_every_table_is_run(cli: Callable[..., Answer], tmp_path: Path) -> None:
-    """folder.yaml takes every table there is."""
-    cli("run", CONFIGS / "folder.yaml", "-o", tmp_path)
-    report = json.loads((tmp_path / "report.json").read_bytes())
-    found = {Path(entry["source"]).name for entry in report["manipulators"]}
-    assert found == {path.name for path in (CONFIGS / "tables").iterdir()}
+def check_cell(name: str, entry: dict[str, Any], folder: Path) -> None:
+    """URDF, xacro and picture of the whole cell; every tool0 is proved in both files and found in PyBullet."""
+    assert Path(entry["source"]).name == f"{name}.yaml"
+    assert [file["path"] for file in entry["files"]] == [*(f"{name}.urdf", f"{name}.urdf.xacro", f"{name}_macro.xacro")]
+    for proof in entry["proof"].values():
+        assert list(proof["tips"]) == TIPS[name]
+        assert proof["position_error"] == max(proof["tips"].values()) < 1e-14
+    loaded = entry["loaders"]["pybullet"]
+    assert loaded["position_error"] < loaded["tolerance"] < 1e-5
+    assert loaded["findings"] == []
+    assert loaded["mass_error"] == 0.0
+    assert (folder / loaded["picture"]).is_file()
 
 
 PAPER = {  # Table III and section IV of the paper: joint, axis, (length, axis that it runs along)

@@ -516,36 +516,6 @@ def report(folder: Path) -> dict[str, Any]:
     return {entry["name"]: entry for entry in entries}
 
 
-@pytest.mark.long
-@pytest.mark.parametrize(
-    ("config", "tips"),
-    [
-        ("pair", ["left_tool0", "right_tool0"]),
-        ("ur5_on_track", ["track_tool0", "arm_tool0"]),
-        ("around_a_table", ["left_tool0", "near_tool0", "right_tool0", "far_tool0"]),
-    ],
-)
-def test_the_examples_are_made_proved_and_loaded(
-    cli: Callable[..., Answer], tmp_path: Path, config: str, tips: list[str]
-) -> None:
-    """URDF, xacro and picture of the whole cell; every tool0 is proved in both files and found in PyBullet."""
-    cli("run", CONFIGS / f"{config}.yaml", "-o", tmp_path / "out")
-    entry = report(tmp_path / "out")[config]
-    assert entry["status"] == "ok"
-    assert Path(entry["source"]).name == f"{config}.yaml"
-    assert [file["path"] for file in entry["files"]] == [
-        *(f"{config}.urdf", f"{config}.urdf.xacro", f"{config}_macro.xacro")
-    ]
-    for proof in entry["proof"].values():
-        assert list(proof["tips"]) == tips
-        assert proof["position_error"] == max(proof["tips"].values()) < 1e-14
-    loaded = entry["loaders"]["pybullet"]
-    assert loaded["position_error"] < loaded["tolerance"] < 1e-5
-    assert loaded["findings"] == []
-    assert loaded["mass_error"] == 0.0
-    assert (tmp_path / "out" / loaded["picture"]).is_file()
-
-
 def test_pybullet_finds_an_arm_that_stands_elsewhere(tmp_path: Path) -> None:
     """Each tip is measured: a file whose second arm is moved by 1 mm is refused, with the tip's name."""
     pytest.importorskip("pybullet")

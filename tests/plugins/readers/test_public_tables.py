@@ -546,3 +546,17 @@ def test_a_frame_behind_joints_is_fixed_also_where_one_of_them_slides(
     rows = f"1,θ1,0.4,0.3,0\n2,θ2,0,0.2,pi\n3,0,d3,0,0\n{frame},0,0.1,0,0\n"
     arm = read_one(f"{header},theta,d,a,alpha\n{rows}")
     assert [row.type.value for row in arm.rows] == ["revolute", "revolute", "prismatic", "fixed"]
+
+
+@pytest.mark.parametrize("mark", ["*", "**", "1)", "(a)", "†", "¹"])
+def test_the_mark_of_a_footnote_may_have_a_cell_of_its_own(mark: str, read: Read, read_one: ReadOne) -> None:
+    """As in spreadsheets; the footnote was a joint with five faults, and what it says of all joints was lost among them."""
+    said = notices_of(read_one(f"i,a,alpha,d\n1,0.3,0,0\n\n{mark},clockwise is positive,,\n"))
+    assert "nothing is read from what is below the table" in said
+    (problem,) = problems_of(read, f"{STANDARD}i,a,alpha,d\n1,0.3,0,0\n\n{mark},all lengths in mm,,\n")
+    assert "mm" in problem.message
+
+
+@pytest.mark.parametrize("row", ["2),0.3,0,0", "*,q2,0,0", "2),pi,0,0"])
+def test_a_row_with_such_a_mark_is_no_footnote(row: str, read: Read) -> None:
+    assert problems_of(read, f"{STANDARD}i,a,alpha,d\n1,0.3,0,0\n\n{row}\n")

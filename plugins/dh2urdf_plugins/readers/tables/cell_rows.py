@@ -40,6 +40,8 @@ _PROSE = late_pattern(
     re.IGNORECASE,
 )
 """How a note begins, and no number, expression or symbol: with a word, perhaps behind the mark of a footnote."""
+_FOOTMARK = late_pattern(r"[*†‡§•¹²³⁰⁴-⁹]+|[\[(]?[0-9a-z][)\]]")
+"""The mark of a footnote in a cell of its own."""
 
 
 class CellRows:
@@ -211,6 +213,7 @@ def is_note(row: CellRow, geometry: Iterable[int], width: int) -> bool:
     """
     texts = [text_in(cell).strip(SPACES) for cell in row.cells]
     filled = [text for text in texts if text]
+    filled = filled[len(filled) > 1 and _FOOTMARK.fullmatch(filled[0]) is not None :]
     if not _PROSE.match(filled[0]):
         return False
     if len(filled) == 1:

@@ -233,6 +233,24 @@ def test_a_reload_in_the_table(studio_address: str, new_tab: Callable[..., Any])
 
 
 @pytest.mark.long
+@pytest.mark.parametrize(("label", "text"), [("base", "{xyz: [0, 0, 0.3]}"), ("name of the arm", "my arm")])
+def test_a_reload_in_a_field(studio_address: str, new_tab: Callable[..., Any], label: str, text: str) -> None:
+    """A text of the whole table that was being typed is in its field again, and can be taken back; it was lost."""
+    tab = new_tab(studio_address)
+    page = tab.open("ur5")
+    before = page.get_by_label(label, exact=True).input_value()
+    assert before != text
+    page.get_by_label(label, exact=True).click()
+    page.keyboard.press("Control+A")
+    page.keyboard.type(text)
+    page.reload()
+    holds = "([label, text]) => document.querySelector(`input[aria-label='${label}']`)?.value === text"
+    page.wait_for_function(holds, arg=[label, text])
+    page.get_by_role("button", name="undo", exact=True).click()
+    page.wait_for_function(holds, arg=[label, before])
+
+
+@pytest.mark.long
 @pytest.mark.parametrize("name", ["ur5", "panda"])
 def test_a_whole_table_is_on_a_laptops_screen(studio_address: str, new_tab: Callable[..., Any], name: str) -> None:
     """At a width of 1280 every column is there, heads and cells whole, from the names to the efforts."""

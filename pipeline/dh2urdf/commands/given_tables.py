@@ -35,6 +35,7 @@ TEXT = "the text"
 """What messages call a table that is in no file."""
 """What the keys begin with of a data frame's attributes that say something of all rows."""
 _ALMOST = late_pattern(r"^dh2urdf[\W_]*", re.IGNORECASE)
+_FILE = "a path, a text of several lines, bytes, or a stream"
 _UNITS = ("unit", "length_unit", "angle_unit", "length unit", "angle unit")
 
 
@@ -81,17 +82,26 @@ def _content(source: Any) -> bytes | None:  # noqa: ANN401 - whatever is given
     if isinstance(source, (bytes, bytearray, memoryview)):
         return bytes(source)
     if isinstance(source, str):
-        return source.encode() if "\n" in source or "\r" in source else None
+        if "\n" in source or "\r" in source:
+            return source.encode()
+        if not source.strip():
+            message = "the name of the file is empty"
+            raise RecordValueError(Problem(message=message, mark=Mark(file="dh2urdf"), found=source, accepted=_FILE))
+        return None
     if isinstance(source, os.PathLike):
         return None
     if callable(getattr(source, "read", None)):
-        found = source.read()
+        try:
+            found = source.read()
+        except (OSError, ValueError) as error:  # It is closed, opened for writing, or no text in its encoding.
+            message = f"the stream {shown(repr(source))} cannot be read: {error}"
+            raise RecordValueError(Problem(message=message, mark=Mark(file="dh2urdf"), accepted=_FILE)) from error
         return found.encode() if isinstance(found, str) else bytes(found)
     raise RecordTypeError(
         Problem(
             message=f"a {type(source).__name__} is no file",
             mark=Mark(file="dh2urdf"),
-            accepted="a path, a text of several lines, bytes, or a stream",
+            accepted=_FILE,
             suggestion="`dh2urdf.Manipulator.from_dh` makes a table of arrays, data frames and lists",
         )
     )

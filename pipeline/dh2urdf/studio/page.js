@@ -44,13 +44,21 @@
 
   // While the server is away nothing can be done to the table: it would be lost. The browser keeps the table of this tab,
   // and a server that does not know it is given it back, if a person wants that.
-  const KEPT = "dh2urdf-table", CELL = "dh2urdf-cell";
-  // A cell that is being typed is not in the table of the server yet, but it is in the table that is kept.
+  const KEPT = "dh2urdf-table", UNFINISHED = "dh2urdf-unfinished";
+  // Row, field and text of the cell that is being typed; for a text of the whole table, as its name, the row is null.
+  const unfinished = () => {
+    const cell = window.dhGrid?.unfinished(), field = document.activeElement;
+    if (cell) return [cell.row, cell.field, cell.text];
+    const isTyped = field?.dataset.text && typed.has(field) && taken.get(field) !== field.value;
+    return isTyped ? [null, field.dataset.text, field.value] : null;
+  };
+  // What is being typed is not in the table of the server yet, but it is in the table that is kept.
   const keepUnfinished = () => {
-    const cell = window.dhGrid?.unfinished(), kept = JSON.parse(sessionStorage.getItem(KEPT) || "null");
-    if (!cell || !kept?.rows?.[cell.row]) return;
-    sessionStorage.setItem(CELL, JSON.stringify([cell.row, cell.field, cell.text]));
-    kept.rows[cell.row][cell.field] = cell.text;
+    const left = unfinished(), kept = JSON.parse(sessionStorage.getItem(KEPT) || "null");
+    const texts = left && (left[0] === null ? kept : kept?.rows?.[left[0]]);
+    if (!texts) return;
+    sessionStorage.setItem(UNFINISHED, JSON.stringify(left));
+    texts[left[1]] = left[2];
     sessionStorage.setItem(KEPT, JSON.stringify(kept));
   };
   const away = (lost) => {
@@ -161,9 +169,9 @@
     linked,
     keep(table) {
       sessionStorage.setItem(KEPT, table);
-      sessionStorage.removeItem(CELL); // the server has it
+      sessionStorage.removeItem(UNFINISHED); // the server has it
     },
-    unfinished: () => JSON.parse(sessionStorage.getItem(CELL) ?? "null"),
+    unfinished: () => JSON.parse(sessionStorage.getItem(UNFINISHED) ?? "null"),
     kept: () => sessionStorage.getItem(KEPT) ?? "",
   };
 })();

@@ -9,7 +9,7 @@ from nicegui import ui
 
 from dh2urdf.studio import dialogs, joints, words
 from dh2urdf.studio.editing import axes, edits, pasting
-from dh2urdf.studio.editing.keeping import finish_cell, kept_table, kept_text
+from dh2urdf.studio.editing.keeping import finish_typing, kept_table, kept_text
 from dh2urdf.studio.layout.dropping import lay_drop
 from dh2urdf.studio.layout.head import StudioHead
 from dh2urdf.studio.layout.problem_list import ProblemList
@@ -379,9 +379,9 @@ class StudioPage:
 
     async def start(self) -> None:
         """Shows the session for the first time."""
-        text, cell = await ui.run_javascript("return [dhPage.kept(), dhPage.unfinished()]", timeout=10.0)
+        text, left = await ui.run_javascript("return [dhPage.kept(), dhPage.unfinished()]", timeout=10.0)
         kept, is_new = kept_table(text), not self.session.history.can_undo
-        finish_cell(self.session, cell, kept)
+        finish_typing(self.session, left, kept)
         self._view.set_layers(self.session.shown_layers)
         self._view.fade(self.session.opacities)
         self.show()

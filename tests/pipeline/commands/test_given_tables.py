@@ -42,6 +42,19 @@ ORDER = ["theta", "d", "a", "alpha"]
 CSV = "# convention: standard\nname,theta,d,a,alpha\nfirst,0.1,0.2,0.3,pi/2\nsecond,0,0.05,-0.4,-0.25\n"
 
 
+class WriteOnly(io.RawIOBase):
+    """A stream that is open for writing."""
+
+    def read(self, _size: int = -1) -> bytes:
+        raise io.UnsupportedOperation("not readable")
+
+
+def closed_stream() -> io.StringIO:
+    stream = io.StringIO(CSV)
+    stream.close()
+    return stream
+
+
 class TestReading:
     def test_texts_bytes_and_streams_are_the_file(self, tmp_path: Path) -> None:
         """With the name of a reader; an open file has a suffix that says it, and a stem that names the manipulator."""
@@ -61,6 +74,10 @@ class TestReading:
             ("a,alpha\nd\n", ConfigError, "accepted: reader=NAME, with one of csv"),
             (b"", ConfigError, "a text has no suffix that says its format"),
             (None, RecordError, "a NoneType is no file"),
+            ("", RecordError, "the name of the file is empty"),
+            (" ", RecordError, "the name of the file is empty"),
+            (closed_stream(), RecordError, "cannot be read: I/O operation on closed file"),
+            (WriteOnly(), RecordError, "cannot be read: not readable"),
             (1.5, RecordError, "a float is no file"),
             ([[1, 2, 3]], RecordError, "`dh2urdf.Manipulator.from_dh` makes a table of arrays"),
         ],

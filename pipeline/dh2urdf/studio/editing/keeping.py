@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from contextlib import suppress
-from dataclasses import asdict, fields
+from dataclasses import asdict, fields, replace
 from typing import TYPE_CHECKING
 
 from dh2urdf.manipulator import Convention
@@ -41,19 +41,23 @@ def kept_table(text: str) -> TableText | None:
     return TableText(**texts, rows=cells) if cells else None
 
 
-def finish_cell(session: Session, cell: object, kept: TableText | None) -> None:
-    """A session takes the text of a cell that was being typed when its page lost the connection or was loaded anew.
+def finish_typing(session: Session, left: object, kept: TableText | None) -> None:
+    """A session takes the text that was being typed when its page lost the connection or was loaded anew.
 
     Args:
         session: the session; one that has no table yet is offered the whole kept table instead.
-        cell: row, field and text, as the browser has kept them; None where no cell was being typed.
+        left: row, field and text of a cell, as the browser has kept them, or None, name and text of a text of the whole
+            table; None where nothing was being typed.
         kept: the table with that text, as the browser has kept it.
     """
     if session.previews:  # nobody types on in a page that is gone
         session.look()
-    match cell:
+    table = session.table
+    match left:
         case [int(row), str(field), str(text)]:
             with suppress(LookupError):  # The row is no longer there.
-                table = with_cell(session.table, row, field, text)
-                if session.history.can_undo or table == kept:
-                    session.put(table)
+                table = with_cell(table, row, field, text)
+        case [None, str(field), str(text)] if field in _TEXTS and field not in _WORDS:
+            table = replace(table, **{field: clean(text)})  # type: ignore[arg-type]  # all others are texts
+    if table != session.table and (session.history.can_undo or table == kept):
+        session.put(table)

@@ -47,7 +47,7 @@ class StudioHead:
     ) -> None:
         self._session = session
         ui.html("<b>dh2urdf</b> studio", sanitize=False, tag="h1").classes("studio-title")
-        self._name = ui.input(on_change=None).props('dense dark standout aria-label="name of the arm"')
+        self._name = ui.input(on_change=None).props('dense dark standout aria-label="name of the arm" data-text=name')
         self._name.classes("studio-name").on("change", lambda: on_name(self._name.value or ""))
         self._undo = ui.button(icon="undo", on_click=on_undo).props(f'{_QUIET} aria-label="undo"')
         self._undo.tooltip("undo (Ctrl+Z)")

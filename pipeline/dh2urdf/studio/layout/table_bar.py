@@ -118,7 +118,9 @@ class EndFields:
         self._fields: dict[str, ui.input] = {}
         with ui.element("div").classes("studio-ends"):
             for key, (told, example) in ENDS.items():
-                field = ui.input(placeholder=example).props(f'dense outlined prefix="{key}" aria-label="{key}"')
+                field = ui.input(placeholder=example).props(
+                    f'dense outlined prefix="{key}" aria-label="{key}" data-text="{key}"'
+                )
                 field.on("change", lambda key=key: on_text(**{key: self._fields[key].value or ""}))
                 field.tooltip(told)
                 self._fields[key] = field

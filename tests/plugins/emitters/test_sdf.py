@@ -2,11 +2,8 @@
 
 from __future__ import annotations
 
-import ctypes.util
 import json
 import shutil
-import subprocess
-import sys
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -14,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pytest
 from lxml import etree
+from sdformat_calls import sdformat
 
 from dh2urdf.errors import EmitterError
 from dh2urdf_plugins.emitters.sdf import EMITTER, SdfOptions
@@ -41,30 +39,6 @@ def write(robot: Robot, folder: Path, **options: Any) -> Path:
     path = folder / "arm.sdf"
     path.write_text(text_of(robot, **options), "utf-8")
     return path
-
-
-SDFORMAT = next((name for v in range(15, 11, -1) if (name := ctypes.util.find_library(f"sdformat{v}"))), None)
-CALL = "import ctypes, sys; sys.exit(ctypes.CDLL(sys.argv[1])[sys.argv[2]](sys.argv[3].encode()))"
-
-
-@pytest.fixture
-def sdformat() -> Callable[..., str]:
-    """Calls what sdformat's command calls, in a process of its own; what it says on standard error is a failure.
-
-    The command is a program of Ruby, which takes twice as long to start as the call takes.
-    """
-    if SDFORMAT is None:
-        pytest.skip("sdformat is not installed (Debian: libsdformat-dev)")
-
-    def call(option: str, path: Path) -> str:
-        function = {"--check": "cmdCheck", "--print": "cmdPrint"}[option]
-        command = [sys.executable, "-S", "-c", CALL, SDFORMAT, function, str(path)]
-        done = subprocess.run(command, capture_output=True, text=True, check=False)
-        assert done.returncode == 0, done.stdout + done.stderr
-        assert done.stderr == ""
-        return done.stdout
-
-    return call
 
 
 def test_the_whole_file_is_known(arm: Robot) -> None:
@@ -152,7 +126,7 @@ def test_the_whole_file_is_known(arm: Robot) -> None:
     )
 
 
-def test_sdformat_takes_published_arms(reference_robot: Any, sdformat: Callable[..., str], tmp_path: Path) -> None:
+def test_sdformat_takes_published_arms(reference_robot: Any, tmp_path: Path) -> None:
     """Valid, without a word; what sdformat hands on has every link, the masses, and flange and tool0 as frames."""
     robot = robot_of(reference_robot.manipulator)
     path = write(robot, tmp_path)
@@ -194,9 +168,7 @@ def test_drake_has_published_arms(reference_robot: Any, tmp_path: Path) -> None:
     assert efforts == {joint.name: joint.limits.effort for joint in robot.moving_joints}
 
 
-def test_it_stands_in_the_world_unless_told_otherwise(
-    reference_robots: Any, sdformat: Callable[..., str], tmp_path: Path
-) -> None:
+def test_it_stands_in_the_world_unless_told_otherwise(reference_robots: Any, tmp_path: Path) -> None:
     """A joint holds the base on the world; without it the same file is an arm for whoever holds it."""
     robot = robot_of(reference_robots[0].manipulator)
     held, free = text_of(robot), text_of(robot, fixed=False)
@@ -229,7 +201,7 @@ def test_a_name_of_sdformats_own_is_refused(arm: Robot, name: str) -> None:
     assert (problem.joint, problem.found) == (name, name)
 
 
-def test_a_cell_is_one_model(cli: Callable[..., Any], sdformat: Callable[..., str], tmp_path: Path) -> None:
+def test_a_cell_is_one_model(cli: Callable[..., Any], tmp_path: Path) -> None:
     """An arm on another arm, and one beside it: valid, held by the world, and every tool0 where Drake is asked."""
     cli("run", CONFIGS / "ur5_on_track.yaml", "-o", tmp_path, "--set", "emitters=[sdf]", "--set", "loaders=[]")
     path = max(tmp_path.glob("*.sdf"), key=lambda each: each.stat().st_size)

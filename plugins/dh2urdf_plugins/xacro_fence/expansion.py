@@ -12,6 +12,7 @@ from dh2urdf.errors import CrashError, ProofError, TimeLimitError
 from dh2urdf.isolation import enter, run_in_child
 from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.meshes import packages_in
+from dh2urdf.patterns import late_pattern
 from dh2urdf.source import Mark, Problem
 from dh2urdf.stages import Expansion
 from dh2urdf_plugins.xacro_fence.expressions import BOUNDED, REFUSED, ExpressionError, evaluate
@@ -22,6 +23,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
     from xml.dom.minidom import Document
 
+_NOT_THERE = late_pattern(r"\[Errno 2\] No such file or directory: (.*)")
 EXPANSION = 30.0
 """How long an expansion may take [s]: it computes whatever the file asks for."""
 MAX_OUTPUT = 2**26
@@ -82,7 +84,14 @@ def expand_foreign(
 
 def _failure(path: Path, reason: str, place: Place | None = None) -> ProofError:
     mark = mark_of(_named(path, place)) if place else Mark(file=str(path))
-    return ProofError(Problem(message=f"xacro cannot expand it: {reason}", mark=mark))
+    advice = None
+    if missing := _NOT_THERE.fullmatch(reason):
+        reason = f"it names the file {missing[1]}, which is not there"
+        advice = (
+            "keep the files that it names where it names them; where one file alone is given, as to the studio, give "
+            "the URDF that xacro makes of it: `xacro FILE > robot.urdf`"
+        )
+    return ProofError(Problem(message=f"xacro cannot expand it: {reason}", mark=mark, suggestion=advice))
 
 
 def mark_of(place: Place) -> Mark:

@@ -138,3 +138,12 @@ def test_a_table_of_two_units_and_no_convention_is_opened(tmp_path: Path, catalo
     (tmp_path / "two.csv").write_text("a [mm],alpha [deg],d [m]\n425,90,x\n")
     with pytest.raises(InputError, match="'x' cannot be read"):
         open_tables(tmp_path / "two.csv", catalog)
+
+
+def test_a_xacro_without_its_macro(catalog: Catalog) -> None:
+    """A browser sends one file alone: the message names the other one, and what to open in its place."""
+    top = b'<robot xmlns:xacro="http://ros.org/wiki/xacro" name="a"><xacro:include filename="a_macro.xacro"/></robot>'
+    found = tables_of("a.urdf.xacro", top, catalog)
+    assert isinstance(found, str)
+    assert "it names the file './a_macro.xacro', which is not there" in found
+    assert "the URDF that xacro makes of it" in found

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from typing import TYPE_CHECKING
 
 import pytest
@@ -75,6 +76,40 @@ def test_a_table_with_a_header(text: str, catalog: Catalog) -> None:
 @pytest.mark.parametrize("text", ["0.1\t0\n0.2\t0", "shoulder\trevolute\nelbow\trevolute", "a", "", "\n"])
 def test_cells_have_no_header(text: str, catalog: Catalog) -> None:
     assert pasting.whole_tables(text, catalog) == ()
+
+
+@pytest.mark.parametrize("indent", [None, 2])
+def test_json_is_yaml(catalog: Catalog, indent: int | None) -> None:
+    """Its lines went into cells."""
+    rows = [{"a": 0.1, "alpha": 0, "d": 0.2}, {"a": 0.3, "alpha": 0, "d": 0}]
+    found = pasting.whole_tables(json.dumps({"convention": "modified", "joints": rows}, indent=indent), catalog)
+    assert isinstance(found, tuple)
+    ((table, *_),) = found
+    assert (table.convention, [row["a"] for row in table.rows]) == ("modified", ["0.1", "0.3"])
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "L(1) = Link([0 0.1 0.2 pi/2]);\nL(2) = Link([0 0 0.4 0]);",
+        "L(1) = Link('d', 0.1, 'a', 0.2, 'alpha', pi/2);\nrobot = SerialLink(L, 'name', 'x');",
+        "robot = DHRobot([\n    RevoluteDH(d=0.1, a=0.2, alpha=pi/2),\n    PrismaticMDH(a=0.4),\n])",
+    ],
+)
+def test_code_is_no_table(catalog: Catalog, text: str) -> None:
+    """Each line of it went into one cell."""
+    found = pasting.whole_tables(text, catalog)
+    assert isinstance(found, str)
+    assert "paste the matrix of its numbers" in found
+    assert "dh2urdf.from_roboticstoolbox(robot)" in found
+
+
+def test_a_header_that_looks_like_code(catalog: Catalog) -> None:
+    """A link with its index, and types with their letters."""
+    text = "Link (i)\tType\ta [m]\talpha\td [m]\n1\tRevolute (R)\t0.1\tpi/2\t0.2\n2\tRevolute (R)\t0.3\t0\t0\n"
+    found = pasting.whole_tables(text, catalog, "standard")
+    assert not isinstance(found, str), found
+    assert [len(opened.table.rows) for opened in found] == [2]
 
 
 def test_what_cannot_be_read_is_said(catalog: Catalog) -> None:

@@ -21,7 +21,11 @@ if TYPE_CHECKING:
 _DECIMAL_COMMA = re.compile(r"[+-]?\d+,\d+")
 _DECIMAL_POINT = re.compile(r"\d\.\d")
 _KEY = re.compile(r"[A-Za-z_]\w*:(?:\s|$)")
-"""How a YAML table begins."""
+"""How a YAML table begins; JSON, which is YAML, begins with a brace."""
+_CODE = re.compile(
+    r"(?:[=\[]\s*(?:Link|Revolute|Prismatic)|\b(?:(?:Revolute|Prismatic)M?DH|SerialLink|DHRobot|rigidBodyJoint))\s*\("
+)
+"""What makes a link or a robot in the toolboxes for MATLAB and Python."""
 _COMMENTED = re.compile(r"\s*(?:#+|//+|%+|\*(?=\s)|--(?=\s))[ \t]?")
 """How a line of a comment begins."""
 _DIGIT = re.compile(r"\d")
@@ -109,10 +113,15 @@ def whole_tables(text: str, catalog: Catalog, convention: str = "") -> tuple[Ope
     Returns:
         The tables; none where the text has no header, and so is cells. A message where it has one and cannot be read.
     """
+    if _CODE.search(text):
+        return (
+            "this is code of a robotics toolbox, and not a table: paste the matrix of its numbers, or in Python call "
+            "dh2urdf.from_roboticstoolbox(robot).to_csv('arm.csv') and open that file"
+        )
     text = _uncommented(text)
     first = next((line for line in text.splitlines() if line.strip() and not line.lstrip().startswith("#")), "")
     shown = typeset(text)
-    is_yaml = not shown and _KEY.match(first) is not None
+    is_yaml = not shown and (_KEY.match(first) is not None or text.lstrip().startswith("{"))
     if not is_yaml and not has_header(text):
         return ()
     if shown:

@@ -139,7 +139,7 @@ def test_check_and_view_read_foreign_files_behind_the_fence(package: Path, name:
 
 @pytest.mark.parametrize("name", [name for name in ATTACKS if name not in ("macros", "loops")])  # these take seconds
 def test_no_command_runs_a_hostile_file(cli: Callable[..., Answer], package: Path, name: str) -> None:
-    """`check` says that it cannot be expanded; `convert`, `run` and `info` take no xacro, as a table or as a run file."""
+    """`check`, `convert`, `info` and a run refuse what cannot be expanded behind the fence, and `run` takes no xacro."""
     path = attack(package, name)
     before = sorted(package.iterdir())
     (package.parent / "run.yaml").write_text(f"inputs: {path.relative_to(package.parent)}\n")

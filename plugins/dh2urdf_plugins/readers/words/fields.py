@@ -134,7 +134,7 @@ def _fields() -> dict[str, Field]:
         _field(
             "velocity",
             "velocity, speed, vel, omega, max velocity, velocity limit, v_max, qd_max, q_dot_max, dot_q_max, dq_max, "
-            "theta_dot_max",
+            "theta_dot_max, dtheta_max",
             around=f"{_JOINT}, {_MOST}, {_OF}, angular, rotational, rotation",
         ),
         _field(
@@ -208,6 +208,8 @@ _CONVENTION_WORDS = {key_of(word): kind for kind, words in _CONVENTIONS.items() 
     "denavithartenberg": Convention.STANDARD,
     "modifieddenavithartenberg": Convention.MODIFIED,
 }
+_OF_ALL = frozenset(("dh", "denavit", "hartenberg", "convention", "notation", "parameters"))
+"""Words that the names of both conventions may have."""
 _FLIP_WORDS = {
     **dict.fromkeys(_words("true, yes, 1, wahr, ja, vrai, oui, verdadero, sí, vero, sì, si"), True),
     **dict.fromkeys(_words("false, no, 0, falsch, nein, faux, non, falso"), False),
@@ -245,7 +247,11 @@ def convention_of(text: str) -> Convention | None:
         return _CONVENTION_WORDS[key]
     from dh2urdf_plugins.readers.words.other_words import OTHER_CONVENTIONS
 
-    return OTHER_CONVENTIONS.get(key)
+    if key in OTHER_CONVENTIONS:
+        return OTHER_CONVENTIONS[key]
+    words = "".join(letter if letter.isalnum() else " " for letter in text.casefold()).split()
+    named = {_CONVENTION_WORDS.get(word) for word in words if word not in _OF_ALL}  # `modified DH (Craig)`
+    return named.pop() if len(named) == 1 else None
 
 
 def flip_of(text: str) -> bool | None:

@@ -268,6 +268,18 @@ def test_a_pattern_that_matches_what_an_earlier_run_wrote(cli: Cli, folder: Path
     cli(*words, "--set", "inputs=g/*.csv")
 
 
+def test_a_workbook_that_is_open_in_excel(cli: Cli, folder: Path) -> None:
+    """The file that Excel keeps beside it is no input of a pattern, as it was, and is named where it is given."""
+    (folder / "~$arm.csv").write_bytes(b"\x05Someone" + bytes(157))
+    (folder / "~$arm.xlsx").write_bytes(b"\x05Someone" + bytes(157))
+    assert "1 made" in cli("run", "run.yaml", "--set", "inputs=*.csv", "--set", "variations=[]").stdout
+    assert "1 made" in cli("run", "run.yaml", "--set", "inputs=**/*.csv", "--set", "variations=[]").stdout
+    assert len(matching(folder, "~$*").paths) == 2
+    said = cli("convert", "~$arm.xlsx", status=2).stderr
+    assert "this is what Excel keeps beside a workbook that is open" in said
+    assert "give the workbook arm.xlsx" in said
+
+
 def test_a_pattern_that_matches_other_files(cli: Cli, folder: Path) -> None:
     """One message for all of them; a file that is named has one of its own, with the way to choose a reader."""
     for name in ("README.md", "notes.txt", "a.log", "b.log"):

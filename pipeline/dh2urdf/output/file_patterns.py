@@ -29,6 +29,8 @@ MAX_FILES = 1_000_000
 MOST_ENTRIES = 3_000_000
 """Files and folders that one pattern may pass: three times the files that it may match; some ten seconds."""
 _DEEP = "**"
+_HIDDEN = (".", "~$")
+"""How names begin that no pattern matches unless it begins so: the second is Excel's, of a workbook that is open."""
 
 
 class Matches(NamedTuple):
@@ -131,9 +133,9 @@ class _Search:
     def _matching(self, path: str, place: int, waiting: list[tuple[str, int]]) -> Iterator[Path]:
         """The files in a folder that match the last part of the pattern, or the folders that match another one."""
         is_last, test = place == len(self._parts) - 1, self._tests[place]
-        shows_hidden = self._parts[place].startswith(".")
+        shows_hidden = self._parts[place].startswith(_HIDDEN)
         for entry in self._entries(path):
-            if test.match(entry.name) and (shows_hidden or not entry.name.startswith(".")):
+            if test.match(entry.name) and (shows_hidden or not entry.name.startswith(_HIDDEN)):
                 if not is_last:
                     waiting.append((entry.path, place + 1))
                 elif not _is_folder(entry):

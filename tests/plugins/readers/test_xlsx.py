@@ -726,7 +726,7 @@ def archive(**parts: str) -> bytes:
 @pytest.mark.parametrize(
     ("content", "said"),
     [
-        (b"", "arm.xlsx: error: this is no workbook\n"),
+        (b"", "arm.xlsx: error: the file is empty\n"),
         (b"a,alpha,d\n0,0,0\n", "a table of text is read by the reader csv"),
         (b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1", "this is a workbook of Excel 97 to 2003 (xls), or one with a password\n"),
         (archive(mimetype="x", **{"content.xml": "<x/>"}), "this is a spreadsheet in the OpenDocument format (ods)"),

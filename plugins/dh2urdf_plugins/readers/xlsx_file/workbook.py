@@ -74,6 +74,10 @@ def check_workbook(path: Path) -> None:
             "this is a workbook of Excel 97 to 2003 (xls), or one with a password",
             "save it as .xlsx, without a password",
         )
+    if not start:
+        _refuse(path, "the file is empty", "save the sheet as .xlsx")
+    if path.name.startswith("~$"):
+        _refuse(path, "this is what Excel keeps beside a workbook that is open", f"give the workbook {path.name[2:]}")
     if not start.startswith(b"PK"):
         _refuse(path, "this is no workbook", "save the sheet as .xlsx; a table of text is read by the reader csv")
     try:

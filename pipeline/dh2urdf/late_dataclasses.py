@@ -13,6 +13,7 @@ import dataclasses
 import sys
 from dataclasses import MISSING, FrozenInstanceError, fields, is_dataclass
 from functools import partial
+from operator import attrgetter
 from reprlib import recursive_repr
 from typing import TYPE_CHECKING, Any
 
@@ -168,13 +169,21 @@ def _parameter(field: dataclasses.Field[Any]) -> str:
 
 
 def _eq(kind: Any) -> Callable[..., bool]:  # noqa: ANN401 - a dataclass
-    equal = f"{_compared(kind, 'self')} == {_compared(kind, 'other')}"
-    line = f"return {equal} if other.__class__ is self.__class__ else NotImplemented"
-    return _function(kind, "__eq__(self, other)", [line], {})
+    values_of = _compared(kind)
+
+    def __eq__(self: object, other: object) -> bool:  # noqa: N807 - a method
+        return values_of(self) == values_of(other) if other.__class__ is self.__class__ else NotImplemented
+
+    return __eq__
 
 
 def _hash(kind: Any) -> Callable[..., int]:  # noqa: ANN401 - a dataclass
-    return _function(kind, "__hash__(self)", [f"return hash({_compared(kind, 'self')})"], {})
+    values_of = _compared(kind)
+
+    def __hash__(self: object) -> int:  # noqa: N807 - a method
+        return hash(values_of(self))
+
+    return __hash__
 
 
 def _repr(kind: Any) -> Callable[..., str]:  # noqa: ANN401 - a dataclass
@@ -183,9 +192,12 @@ def _repr(kind: Any) -> Callable[..., str]:  # noqa: ANN401 - a dataclass
     return recursive_repr()(_function(kind, "__repr__(self)", [line], {}))
 
 
-def _compared(kind: Any, record: str) -> str:  # noqa: ANN401 - a dataclass
-    """The tuple of the values that are compared, as code."""
-    return f"({''.join(f'{record}.{each.name}, ' for each in fields(kind) if each.compare)})"
+def _compared(kind: Any) -> Callable[[Any], tuple[Any, ...]]:  # noqa: ANN401 - a dataclass
+    """What takes the values that are compared out of a record."""
+    names = [each.name for each in fields(kind) if each.compare]
+    if len(names) > 1:
+        return attrgetter(*names)  # one name would give no tuple
+    return lambda record: tuple([getattr(record, name) for name in names])
 
 
 def _function(kind: Any, head: str, lines: list[str], values: dict[str, Any]) -> Callable[..., Any]:  # noqa: ANN401 - a dataclass

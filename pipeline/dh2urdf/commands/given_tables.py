@@ -33,7 +33,6 @@ CellValue: TypeAlias = "str | float | Problem | None"
 
 TEXT = "the text"
 """What messages call a table that is in no file."""
-"""What the keys begin with of a data frame's attributes that say something of all rows."""
 _ALMOST = late_pattern(r"^dh2urdf[\W_]*", re.IGNORECASE)
 _FILE = "a path, a text of several lines, bytes, or a stream"
 _UNITS = ("unit", "length_unit", "angle_unit", "length unit", "angle unit")

@@ -110,16 +110,15 @@ class _GivenOptions(Generic[O]):
         self.folder = folder
         self.mark = mark
         self.where = where
-        self.hints = type_hints(options_type)
 
     def options(self) -> O:
         """The instance; see `make_options`."""
         problems = list(self._unknown(self.type, self.given))
-        nodes = {
-            name: self._placed(self.hints[name], node) for name, node in self._entries().items() if name in self.hints
-        }
+        entries = self._entries()
+        hints = type_hints(self.type) if entries else {}
+        nodes = {name: self._placed(hints[name], node) for name, node in entries.items() if name in hints}
         try:
-            values = {name: _decided(self.hints[name], node) for name, node in nodes.items()}
+            values = {name: _decided(hints[name], node) for name, node in nodes.items()}
             if _UNDECIDED in values.values() or self._required() - set(values):
                 options = self._validated(nodes)
             else:

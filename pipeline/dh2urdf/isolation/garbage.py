@@ -23,8 +23,6 @@ def collected_at_the_end() -> Iterator[None]:
     if not (is_own() and gc.isenabled()):  # The caller that keeps it away will call it.
         yield
         return
-    if not gc.get_freeze_count():
-        gc.freeze()  # What the start has made stays, and nothing of it is looked at.
     gc.disable()
     try:
         yield

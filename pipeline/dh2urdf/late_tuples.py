@@ -8,8 +8,6 @@ any other: `_fields`, `_replace`, `_asdict`, `copy`, `pickle`, `match`, `inspect
 from __future__ import annotations
 
 from _collections import _tuplegetter  # type: ignore[import-not-found] # `collections` has it so: a property takes longer
-from functools import cache
-from types import FunctionType
 from typing import TYPE_CHECKING, Any
 
 from dh2urdf.late_dataclasses import Late
@@ -18,7 +16,6 @@ __all__ = ["NamedTuple"]
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
-    from types import CodeType
     from typing import NamedTuple
 else:
 
@@ -45,18 +42,12 @@ def _named_tuple(name: str, own: dict[str, Any]) -> type:
 
 def _new(kind: Any) -> Callable[..., Any]:  # noqa: ANN401 - a named tuple
     """The `__new__` of a class, as `collections.namedtuple` writes it."""
-    code = _code_of(len(kind._fields)).replace(co_varnames=("_cls", *kind._fields))
-    names = {"_tuple_new": tuple.__new__, "__name__": kind.__module__}
-    function = FunctionType(code, names, "__new__", tuple(kind._field_defaults.values()))
-    function.__annotations__ = kind.__annotations__
-    return function
-
-
-@cache
-def _code_of(count: int) -> CodeType:
-    """The code of a `__new__` for so many fields, which have numbers for names."""
-    names = "".join([f"_{number}, " for number in range(count)])
-    return eval(f"lambda _cls, {names}: _tuple_new(_cls, ({names}))", {}).__code__  # type: ignore[no-any-return] # noqa: S307
+    names = ", ".join(kind._fields)
+    code = f"lambda _cls, {names}: _tuple_new(_cls, ({names},))" if names else "lambda _cls: _tuple_new(_cls, ())"
+    function = eval(code, {"_tuple_new": tuple.__new__, "__name__": kind.__module__})  # noqa: S307 - of names of fields
+    function.__name__, function.__annotations__ = "__new__", kind.__annotations__
+    function.__defaults__ = tuple(kind._field_defaults.values())
+    return function  # type: ignore[no-any-return]
 
 
 # --- Methods that all classes share ----------------------------------------------------------------------------------

@@ -143,10 +143,11 @@ def number_beside_name(texts: Iterable[str]) -> str | None:
     """The header of joints that counts them, in a table that has their names besides: ``Joint`` beside ``Name``."""
     headers = {text: read_header(text) for text in texts}
     keys = {text: header.key for text, header in headers.items() if header.field is FIELDS["joint"]}
-    if len(keys) != len(("joint", "name")) or any(header.field is FIELDS["index"] for header in headers.values()):
+    if any(header.field is FIELDS["index"] for header in headers.values()):
         return None
-    others = [text for text, key in keys.items() if not any(key_of(word) in key for word in _NAME)]
-    return others[0] if len(others) == 1 else None
+    names = [text for text, key in keys.items() if any(key_of(word) in key for word in _NAME)]
+    others = [text for text in keys if text not in names]
+    return others[0] if len(names) == len(others) == 1 else None
 
 
 def _legend(name: str, text: str, mark: Mark) -> list[Problem]:

@@ -221,7 +221,7 @@ class _Rows:
         """Takes a column of joints for one of types, where it holds nothing else: ``R``, ``R``, ``P``."""
         names = [cells["joint"] for _, cells, _ in self.rows if "joint" in cells and "type" not in cells]
         words = {name.text.casefold() for name in names}
-        if len(names) < len(self.rows) or len(names) < len(("one", "other")) or not all(map(str.isalpha, words)):
+        if len(names) < len(self.rows) or not names[1:] or not all(map(str.isalpha, words)):
             return
         if (len(words) == len(names) and max(map(len, words)) == 1 and "p" not in words) or None in map(
             joint_type, words

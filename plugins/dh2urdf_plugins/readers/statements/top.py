@@ -103,8 +103,8 @@ class HeaderRows(Protocol):
 
 def is_header(row: CellRow) -> bool:
     """Whether a row is a header beyond doubt."""
-    is_comment_too = text_in(row.cells[0]).startswith("# ") if row.cells else False  # `# a` names no column
-    return len(row.cells) - is_comment_too >= SURE and len(_fields(row) & GEOMETRY) >= SURE
+    has_marker = bool(row.cells) and text_in(row.cells[0]).startswith("# ")  # `# a` names no column
+    return len(row.cells) - has_marker >= SURE and len(_fields(row) & GEOMETRY) >= SURE
 
 
 def find_header(rows: Iterable[CellRow]) -> CellRow | None:

@@ -6,37 +6,16 @@ import math
 from typing import TYPE_CHECKING
 
 import pytest
+from readings import STANDARD, notices_of, problems_of
 
 import dh2urdf
 from dh2urdf.errors import TableError
 from dh2urdf.manipulator import Convention, Manipulator
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
     from pathlib import Path
 
-    from dh2urdf.source import Problem
-    from dh2urdf.stages import Rejected
-
-    Read = Callable[..., list[Manipulator | Rejected]]
-    ReadOne = Callable[..., Manipulator]
-
-STANDARD = "# convention: standard\n"
-
-
-def problems_of(read: Read, text: str, suffix: str = ".csv") -> tuple[Problem, ...]:
-    """What is wrong with a table of one manipulator."""
-    try:
-        (rejected,) = read(text, suffix)
-    except TableError as error:
-        return tuple(error.problems)
-    assert not isinstance(rejected, Manipulator)
-    return rejected.problems
-
-
-def notices_of(arm: Manipulator) -> str:
-    """What is said of an arm that is accepted."""
-    return "\n".join(map(str, arm.notices))
+    from readings import Read, ReadOne
 
 
 # --- Titles and rows of units -----------------------------------------------------------------------------------------

@@ -14,6 +14,7 @@ from __future__ import annotations
 import argparse
 import contextlib
 import io
+import itertools
 import os
 import shutil
 import sys
@@ -373,6 +374,29 @@ def axes(bench: Bench) -> None:
     table(("", "µs per robot", "µs per joint", "× 6 axes", *STEPS, "rest"), rows)
 
 
+def mixed(bench: Bench) -> None:
+    """The steps of runs whose files hardly have the same elements twice, each as a command of its own."""
+    joints = bench.count(120_000, 12_000)
+    sides: dict[str, Side] = {}
+    for length, (form, lengths) in itertools.product((6, 60), FORMS.items()):
+        run_file = bench.csv_run(joints // length, axes=length, lengths=lengths and SHORT)
+        sides[f"{length} axes, {form}"] = partial(_steps, run_file)
+    turns = in_turn(sides, bench.rounds, bench.place)
+    print(f"{joints:,} joints in all; everything is proved; median of {bench.rounds}. In µs per joint.\n")
+    rows = [
+        (name, *[f"{1e6 * median(turn.value[step] for turn in own) / joints:.1f}" for step in STEPS])
+        for name, own in turns.items()
+    ]
+    table(("", *STEPS), rows)
+
+
+def _steps(run_file: Path, folder: Path) -> dict[str, float]:
+    """How long each step takes of a run by one worker into tar shards [s]."""
+    _command(run_file, 1, folder)
+    steps: dict[str, float] = orjson.loads((folder / "timing.json").read_bytes())["steps"]
+    return steps
+
+
 def million(bench: Bench) -> None:
     """A million variations into tar shards, with as many workers as there are cores."""
     robots = bench.count(1_000_000)
@@ -400,7 +424,9 @@ def million(bench: Bench) -> None:
         path.unlink()
 
 
-SECTIONS = {section.__name__: section for section in (files, shards, serialisers, workers, memory, axes, million)}
+SECTIONS = {
+    section.__name__: section for section in (files, shards, serialisers, workers, memory, axes, mixed, million)
+}
 
 
 def main() -> None:

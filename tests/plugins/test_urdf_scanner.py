@@ -18,8 +18,8 @@ from dh2urdf.errors import ProofError
 from dh2urdf.manipulator import Convention, DHRow, JointType, Limits, Manipulator
 from dh2urdf.plugin_system import load
 from dh2urdf.plugin_system.options import make_options
-from dh2urdf_plugins.read_back import urdf_forms, urdf_scanner
-from dh2urdf_plugins.read_back.urdf_reader import parse_urdf
+from dh2urdf_plugins.read_back import urdf_forms, urdf_parts, urdf_scanner
+from dh2urdf_plugins.read_back.urdf_reader import parse_urdf, robot_of
 from dh2urdf_plugins.read_back.urdf_scanner import scan_columns
 
 if TYPE_CHECKING:
@@ -133,7 +133,7 @@ def with_other_numbers(step: float) -> bytes:
 @pytest.fixture(autouse=True, params=[urdf_forms.ENOUGH, 1], ids=["a few files", "many files"])
 def anew(monkeypatch: pytest.MonkeyPatch, request: pytest.FixtureRequest) -> None:
     """No test knows the skeletons of another; what many files have in common is learned before a test, or never."""
-    monkeypatch.setattr(urdf_scanner, "_scanner", urdf_scanner._Scanner())
+    monkeypatch.setattr(urdf_scanner, "_scanner", urdf_scanner._Scanner(urdf_parts.Parts()))
     monkeypatch.setattr(urdf_forms, "ENOUGH", request.param)
     if request.param == 1:
         (group,) = scan_columns([with_other_numbers(step) for step in (0.01, 0.02, 0.03, 0.04)])
@@ -337,6 +337,68 @@ class TestWhatIsLeftOut:
             assert as_read(content) == as_read(ARM)
 
 
+THIRD = b"""  <joint name="third" type="fixed">
+    <origin xyz="0.1 0 0"/>
+    <parent link="tool0"/>
+    <child link="grip"/>
+  </joint>
+  <link name="grip"/>
+</robot>
+"""
+LONGER = ARM.replace(b"</robot>\n", THIRD)
+
+
+class TestParts:
+    def test_each_is_learned_once(self, monkeypatch: pytest.MonkeyPatch) -> None:
+        """Of files that all have other elements, the slow reader reads what is new in each."""
+        asked = []
+
+        def counted(root: Any, file: str) -> Robot:
+            asked.append(root)
+            return robot_of(root, file)
+
+        monkeypatch.setattr(urdf_parts, "robot_of", counted)
+        shapes = [b'<sphere radius="0.1"/>', b'<box size="0.1 0.2 0.3"/>', b'<cylinder radius="0.05" length="1"/>']
+        looks = [b"<visual><geometry>%s</geometry></visual>" % shape for shape in shapes]
+        files = [
+            LONGER.replace(b'"tool0"/>\n  <joint', b'"tool0">%s</link>\n  <joint' % tool).replace(
+                b'"grip"/>\n</robot>', b'"grip">%s</link>\n</robot>' % grip
+            )
+            for tool in looks
+            for grip in looks
+        ]
+        assert scanned(files) == {place: as_read(content) for place, content in enumerate(files)}
+        assert len(asked) <= 2 + 2 * len(shapes)  # the same two parts are first in all
+
+    @pytest.mark.parametrize("first", [[], [LONGER], [LONGER, ARM]], ids=["", "longer", "both"])
+    def test_the_end_is_at_the_end(self, first: list[bytes]) -> None:
+        """A part that is well-formed in one place is not taken for it in another."""
+        end = b"</robot>\n"
+        third = LONGER.index(THIRD)
+        wrong = [LONGER[:third], ARM.removesuffix(end), ARM + THIRD, LONGER + end, ARM[: ARM.index(b"  <joint")]]
+        found = scanned([*first, *wrong])
+        assert found == {place: as_read(content) for place, content in enumerate(first)}
+        assert scanned([LONGER, ARM]) == {0: as_read(LONGER), 1: as_read(ARM)}
+
+    def test_what_a_part_needs_of_another(self) -> None:
+        """A material may be defined in any link before the one that names it, and has to be."""
+        color = b'<material name="blue"><color rgba="0 0 1 1"/></material>'
+        shape = b'<link name="%s"><visual><geometry><sphere radius="1"/></geometry>%s</visual></link>'
+        by_name = shape % (b"grip", b'<material name="blue"/>')
+        named = LONGER.replace(b'<link name="grip"/>', by_name)
+        defined = named.replace(b'<link name="tool0"/>', shape % (b"tool0", color))
+        assert scanned([named, defined, named]) == {1: as_read(defined)}
+        assert scanned([defined, named, defined]) == {0: as_read(defined), 2: as_read(defined)}
+
+    def test_what_looks_like_a_joint_of_the_robot(self) -> None:
+        """A joint inside another element is none of the robot's, wherever its line begins."""
+        drive = b'  <transmission name="drive">\n%s<joint name="turn"/>\n  </transmission>\n</robot>'
+        files = [ARM.replace(b"</robot>", drive % margin) for margin in (b"  ", b"    ")]
+        files += [content.replace(b'xyz="0 0 0.25"', b'xyz="0 0 0.5"') for content in files]
+        assert scanned(files) == {place: as_read(content) for place, content in enumerate(files)}
+        assert len(scan_columns(files)) == 1
+
+
 class TestWhatIsRemembered:
     def test_what_many_files_have_in_common(self, monkeypatch: pytest.MonkeyPatch) -> None:
         """Files that differ in the numbers in which those before them differed are read together, to the last bit."""
@@ -368,11 +430,13 @@ class TestWhatIsRemembered:
 
     def test_it_has_a_bound(self, monkeypatch: pytest.MonkeyPatch) -> None:
         """A run whose robots are all of different kinds does not fill the memory, and is read all the same."""
-        monkeypatch.setattr(urdf_scanner, "_MOST_REMEMBERED", 10)
+        monkeypatch.setattr(urdf_scanner, "_MOST_SKELETONS", 5)
+        monkeypatch.setattr(urdf_scanner, "_MOST_PARTS", 10)
         for number in range(50):
             content = with_changes((b'"turn"', b'"turn_%d"' % number))
             assert scanned([content]) == {0: as_read(content)}
-            assert urdf_scanner._scanner.size <= 12
+            assert len(urdf_scanner._scanner.skeletons) <= 6
+            assert urdf_scanner._scanner.parts.size <= 12
 
 
 lengths = st.just(0.0) | st.floats(-2, 2)

@@ -7,49 +7,23 @@ others are there twice. What is the same is compared as bytes; the rest is read,
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from itertools import accumulate, pairwise
-from operator import itemgetter
-from typing import Any, TypeAlias
-
-import orjson
+from typing import TYPE_CHECKING, Any
 
 from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.manipulator import Limits
-from dh2urdf.robot import Joint, Origin, Robot
+from dh2urdf.robot import Joint, Link, Origin, Robot
 from dh2urdf.rotations import ZERO
+from dh2urdf_plugins.read_back.urdf_parts import Attribute, Part, between_numbers, numbers_in, picker
 
-Attribute: TypeAlias = tuple[str, str]
-"""Tag and name of an attribute."""
-Picker: TypeAlias = Callable[[Sequence[bytes]], tuple[bytes, ...]]
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Mapping, Sequence
 
 ENOUGH = 32
 """Files of a skeleton from which on it pays to learn what they share: an expression takes as long as thirty files."""
 _LOOKED_AT = 8
 """Of so many files of these the numbers are compared."""
-_IN_NUMBERS = b"0123456789.eE+-"
-
-
-def between_numbers(text: bytes) -> bytes:
-    """What is in a text besides the characters of numbers."""
-    return text.translate(None, _IN_NUMBERS)
-
-
-def numbers_in(text: bytes) -> list[float] | None:
-    """The numbers of a text, with a space or a comma between them; None where JSON does not write them so."""
-    try:
-        numbers: list[float] = orjson.loads(b"[%b]" % text.replace(b" ", b","))
-    except orjson.JSONDecodeError:
-        return None
-    return numbers or None
-
-
-def picker(places: Sequence[int]) -> Picker:
-    """What picks the entries at some places."""
-    if len(places) > 1:
-        return itemgetter(*places)
-    return lambda entries: tuple([entries[place] for place in places])
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -64,6 +38,13 @@ class Joints:
     robot: Robot
     places: tuple[dict[Attribute, int], ...]
 
+    @property
+    def kind(self) -> object:
+        """The same for joints that differ in numbers only."""
+        joints = zip(self.robot.joints, self.places, strict=True)
+        forms = [(joint.name, joint.type, joint.parent, joint.child, *where.items()) for joint, where in joints]
+        return (*[link.name for link in self.robot.links], *forms)
+
     def with_numbers(self, name: str, table: Any) -> Robot:  # noqa: ANN401 - an array
         """The joints with the numbers of many files, a row for each."""
         numbers = _columns(table)
@@ -71,25 +52,50 @@ class Joints:
         return replace(self.robot, name=name, joints=tuple([_with_numbers(*each, numbers) for each in joints]))
 
 
+def joints_of(parts: Sequence[Part]) -> Joints:
+    """The joints of files of some parts."""
+    links = tuple([Link(name=name) for part in parts for name in part.links])
+    joints = tuple([joint for part in parts for joint in part.joints])
+    starts = accumulate([part.count for part in parts], initial=0)
+    places = [
+        {attribute: start + place for attribute, place in each.items()}
+        for start, part in zip(starts, parts, strict=False)
+        for each in part.places
+    ]
+    return Joints(robot=Robot(name="", links=links, joints=joints), places=tuple(places))
+
+
 class Skeleton:
     """Files that are the same bytes, but for the numbers in them.
 
     Attributes:
         joints: the joints of such files.
-        of_joints: the places of the numbers of joints among the values.
-        others: the places of the other numbers.
         count: how many numbers of joints there are.
     """
 
-    def __init__(self, joints: Joints, of_joints: Sequence[int], others: Sequence[int], count: int) -> None:
-        self.joints, self.of_joints, self.others, self.count = joints, of_joints, others, count
+    def __init__(self, parts: Sequence[Part], joints: Joints) -> None:
+        """Files of some parts, whose joints are known."""
+        self.joints, self.count = joints, sum([part.count for part in parts])
+        self._parts = parts
         self._seen = 0
         self._first: list[bytes] = []
         self._varying: set[int] = set()
-        self._traces = dict.fromkeys((*of_joints, *others), 0)
+        self._traces: dict[int, int] = {}
 
-    def see(self, pieces: list[bytes]) -> Form | None:
+    @property
+    def of_joints(self) -> list[int]:
+        """The places of the numbers of joints among the values of a file."""
+        return self._places([part.of_joints for part in self._parts])
+
+    def _places(self, of_parts: Iterable[Sequence[int]]) -> list[int]:
+        starts = accumulate([part.values for part in self._parts], initial=0)
+        return [start + place for start, places in zip(starts, of_parts, strict=False) for place in places]
+
+    def see(self, text: bytes) -> Form | None:
         """Take notice of one more file.
+
+        Args:
+            text: what is after the robot's name in it.
 
         Returns:
             What all of them have in common besides, every time that they are twice as many.
@@ -97,8 +103,11 @@ class Skeleton:
         self._seen += 1
         if self._seen % max(1, ENOUGH // _LOOKED_AT):
             return None
+        pieces = text.split(b'"')
         values = pieces[1::2]
-        self._first = self._first or values
+        if not self._first:
+            self._first = values
+            self._traces = dict.fromkeys([*self.of_joints, *self._places([part.others for part in self._parts])], 0)
         self._varying.update([place for place in self._traces if values[place] != self._first[place]])
         # Numbers with the same trace were the same text in every file; if not, a file is of no form, and that is all.
         self._traces = {place: hash((trace, values[place])) for place, trace in self._traces.items()}
@@ -137,29 +146,34 @@ class Form:
         self._match = re.compile(b"".join(steps), re.DOTALL).fullmatch
         self._fillings = picker([groups[first[trace]] for trace in traces.values()])
         values = pieces[1::2]
-        moving = [place for place in skeleton.of_joints if place in traces]
+        of_joints = skeleton.of_joints
+        moving = [place for place in of_joints if place in traces]
         said = {first[traces[place]] for place in moving}
         lone = [*(first[traces[place]] for place in moving), *(place for place in groups if place not in said)]
         text = b",".join([values[place] for place in lone])
-        counts = [values[place].count(b" ") + 1 for place in skeleton.of_joints]
+        counts = [values[place].count(b" ") + 1 for place in of_joints]
         spans = {
             place: range(end - count, end)
-            for place, count, end in zip(skeleton.of_joints, counts, accumulate(counts), strict=True)
+            for place, count, end in zip(of_joints, counts, accumulate(counts), strict=True)
         }
         self.joints = skeleton.joints
         self._lone = picker([groups[place] for place in lone])
         self._between = between_numbers(text)
         self._count = text.count(b" ") + text.count(b",") + 1 if lone else 0
         self._columns = [column for place in moving for column in spans[place]]
-        self._row = numbers_in(b",".join([values[place] for place in skeleton.of_joints])) or []
+        self._row = numbers_in(b",".join([values[place] for place in of_joints])) or []
 
-    def numbers(self, content: bytes, start: int) -> bytes | None:
-        """The numbers that are to be read in a file, with commas between them; None where it is of another form."""
-        match = self._match(content, start)
+    def numbers(self, text: bytes) -> bytes | None:
+        """The numbers that are to be read in a file, with commas between them; None where it is of another form.
+
+        Args:
+            text: what is after the robot's name.
+        """
+        match = self._match(text)
         if match is None:
             return None
         texts = match.groups()
-        return b",".join(self._lone(texts)) if content[start:] == self._text % self._fillings(texts) else None
+        return b",".join(self._lone(texts)) if text == self._text % self._fillings(texts) else None
 
     def rows(self, texts: Sequence[bytes]) -> tuple[list[int], Any]:
         """The numbers of the joints of files of this form.

@@ -24,7 +24,6 @@ from lxml import etree
 
 from dh2urdf.errors import ProofError
 from dh2urdf.late_dataclasses import dataclass
-from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.robot import Joint
 from dh2urdf_plugins.read_back.urdf_reader import robot_of
 from dh2urdf_plugins.read_back.xml_files import written_tree_of
@@ -32,6 +31,8 @@ from dh2urdf_plugins.read_back.xml_files import written_tree_of
 Attribute: TypeAlias = tuple[str, str]
 """Tag and name of an attribute."""
 Picker: TypeAlias = Callable[[Sequence[bytes]], tuple[bytes, ...]]
+Read: TypeAlias = tuple["Part", bytes, bytes]
+"""A part of a file, the numbers of its joints and the others, with commas between them."""
 
 _ROOT, _END, _JOINT = b'<robot name="a"', b"</robot>", b"<joint "
 _IN_NUMBERS = b"0123456789.eE+-"
@@ -122,20 +123,6 @@ class _Layout:
     known: dict[tuple[tuple[bytes, ...], bytes, bytes], Part] = field(default_factory=dict)
 
 
-class _Read(NamedTuple):
-    """A part of a file, with its numbers.
-
-    Attributes:
-        part: the part.
-        of_joints: the numbers of joints, with commas between them.
-        others: the other numbers, likewise.
-    """
-
-    part: Part
-    of_joints: bytes
-    others: bytes
-
-
 class _Place:
     """Where parts are in files, and the parts that were met there.
 
@@ -156,7 +143,7 @@ class _Place:
         self._layouts: dict[bytes, _Layout] = {}
         self.size = 0
 
-    def read(self, text: bytes) -> _Read | None:
+    def read(self, text: bytes) -> Read | None:
         """The part that a text is; None where it is for the slow reader."""
         pieces = text.split(b'"')
         if len(pieces) % 2 == 0:
@@ -167,10 +154,10 @@ class _Place:
             of_joints, others = b",".join(layout.of_joints(values)), b",".join(layout.others(values))
             part = layout.known.get((layout.words(values), between_numbers(of_joints), between_numbers(others)))
             if part is not None:
-                return _Read(part, of_joints, others)
+                return part, of_joints, others
         return self._learned(text, markup, values)
 
-    def _learned(self, text: bytes, markup: bytes, values: Sequence[bytes]) -> _Read | None:
+    def _learned(self, text: bytes, markup: bytes, values: Sequence[bytes]) -> Read | None:
         """A part that was not met before, as the slow reader reads it; None where that refuses it."""
         whole = b"".join((_ROOT, self._before, text, self._after))
         try:
@@ -214,10 +201,10 @@ class _Place:
             values=len(values),
             kind=(links, *forms),
         )
-        read = _Read(part, b",".join(layout.of_joints(values)), b",".join(layout.others(values)))
-        layout.known[layout.words(values), between_numbers(read.of_joints), between_numbers(read.others)] = part
+        texts = b",".join(layout.of_joints(values)), b",".join(layout.others(values))
+        layout.known[layout.words(values), between_numbers(texts[0]), between_numbers(texts[1])] = part
         self.size += 1
-        return read
+        return part, *texts
 
 
 class Parts:
@@ -252,7 +239,7 @@ class Parts:
         numbers = numbers_in(b",".join([each for each in (*of_joints, *others) if each]))
         return None if numbers is None else (parts, numbers)
 
-    def _cut(self, text: bytes) -> list[_Read] | None:
+    def _cut(self, text: bytes) -> list[Read] | None:
         """The parts of a file that can be cut; None of another one."""
         end = text.find(_JOINT)
         margin = text[text.rfind(b">", 0, end) + 1 : end]
@@ -263,11 +250,12 @@ class Parts:
         read = self._first.read(first)
         if read is None:
             return None
-        places = self._after.get((margin, read.part))
+        head = read[0]
+        places = self._after.get((margin, head))
         if places is None:
-            counts = len(read.part.links), len(read.part.joints)
+            counts = len(head.links), len(head.joints)
             places = _Place(first + before, _END, *counts), _Place(first + before, b"", *counts)
-            self._after[margin, read.part] = places
+            self._after[margin, head] = places
         found = [read]
         for each in others:
             read = places[0].read(each)

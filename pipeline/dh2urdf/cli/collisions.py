@@ -9,7 +9,7 @@ import click
 from dh2urdf.cli import EXIT_STATUS
 from dh2urdf.cli.answers import answer
 from dh2urdf.cli.convert import print_notices
-from dh2urdf.cli.shared_options import catalog, option, without_option
+from dh2urdf.cli.shared_options import Command, catalog, option, without_option
 from dh2urdf.cli.standard_input import refuse_dash
 from dh2urdf.cli.tables import ASKER, package_paths_option, settings_of
 from dh2urdf.commands.check import given_arguments
@@ -23,7 +23,7 @@ from dh2urdf.stages import Expansion
 OPTIONS = ("trials", "seed", "min_distance")
 
 
-@click.command(name="collisions", epilog=EXIT_STATUS)
+@click.command(cls=Command, name="collisions", epilog=EXIT_STATUS)
 @click.argument("words", nargs=-1, required=True, metavar="ROBOT [NAME:=VALUE…]")
 @option(
     "-o",

@@ -8,7 +8,7 @@ from pathlib import Path
 import click
 
 from dh2urdf.cli.answers import answer
-from dh2urdf.cli.shared_options import catalog, option, without_option
+from dh2urdf.cli.shared_options import Command, catalog, option, without_option
 from dh2urdf.errors import ConfigError
 from dh2urdf.manipulator import Convention
 from dh2urdf.plugin_system.calls import default_call
@@ -20,7 +20,7 @@ DEFAULT_FILE = "arm.csv"
 DEFAULT_AXES = 6
 
 
-@click.command(name="init")
+@click.command(cls=Command, name="init")
 @click.argument("file", type=click.Path(path_type=Path), default=DEFAULT_FILE)
 @option(
     "--convention",

@@ -8,14 +8,14 @@ import click
 
 from dh2urdf.cli import EXIT_STATUS, SETTLED
 from dh2urdf.cli.answers import answer
-from dh2urdf.cli.shared_options import catalog, option, without_option
+from dh2urdf.cli.shared_options import Command, catalog, option, without_option
 from dh2urdf.cli.standard_input import refuse_dash
 from dh2urdf.conversion.outcome import to_text
 from dh2urdf.report.html import HOW_TO_GET, can_write_html
 from dh2urdf.running.run import execute, load_plan
 
 
-@click.command(name="run", epilog=EXIT_STATUS)
+@click.command(cls=Command, name="run", epilog=EXIT_STATUS)
 @click.argument("config", type=click.Path(path_type=Path))
 @option("-o", "--output", metavar="DIR", help="Where to, not where CONFIG says: a folder or an address.")
 @option("--workers", metavar="N", help="How many processes work; auto: one per processor.")

@@ -1,16 +1,17 @@
-"""What options of all commands share: each has one value, and `--without NAME` leaves out plugins.
+"""What all commands share: an option has one value, and `--without NAME` leaves out plugins.
 
 `--without` is accepted before a command or after it. Of two values that differ, click would take the last one.
 """
 
 from __future__ import annotations
 
-from itertools import pairwise
+from functools import lru_cache
+from itertools import pairwise, takewhile
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from dh2urdf.cli.answers import keep_apart
+from dh2urdf.cli.answers import answer, keep_apart
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
@@ -25,6 +26,39 @@ if TYPE_CHECKING:
 _OPTION = "--without"
 _NAMES = f"{__name__}.names"
 _LOADED = f"{__name__}.loaded"
+
+
+class Command(click.Command):
+    """A command that needs less of click: neither what translates its own text, nor the search for similar options."""
+
+    def get_help_option(self, ctx: click.Context) -> click.Option | None:
+        """The option for help, whose text is not looked up in catalogues of translations."""
+        names = self.get_help_option_names(ctx)
+        return _help_option(tuple(names)) if names and self.add_help_option else None
+
+    def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
+        """Read the command line; click would look for names like each short one, ``-o``, before it finds that."""
+        long = {word: max(parameter.opts, key=len) for parameter in self.params for word in parameter.opts}
+        words = list(takewhile("--".__ne__, args))
+        for place, (before, word) in enumerate(
+            pairwise(words[:-1]), 1
+        ):  # An error quotes the last one: it lacks a value.
+            if not before.startswith("-"):  # Else it may be the value of an option.
+                words[place] = long.get(word, word)
+        return super().parse_args(ctx, words + args[len(words) :])
+
+
+@lru_cache
+def _help_option(names: tuple[str, ...]) -> click.Option:
+    """The option for help; a parser compares options by identity."""
+    text = "Show this message and exit."
+    return click.Option(names, is_flag=True, is_eager=True, expose_value=False, callback=_show_help, help=text)
+
+
+def _show_help(context: click.Context, _parameter: click.Parameter, value: bool) -> None:  # noqa: FBT001 - click's
+    if value and not context.resilient_parsing:
+        answer(context.get_help())
+        context.exit()
 
 
 class OneValueOption(click.Option):

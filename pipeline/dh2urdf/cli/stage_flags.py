@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from dh2urdf.cli.answers import kept_apart
-from dh2urdf.cli.shared_options import OneValueOption, loaded
+from dh2urdf.cli.shared_options import Command, OneValueOption, loaded
 from dh2urdf.late_tuples import NamedTuple
 
 if TYPE_CHECKING:
@@ -41,7 +41,7 @@ class _Flag(NamedTuple):
         return OneValueOption(words, metavar=self.metavar, help=text)
 
 
-class StageCommand(click.Command):
+class StageCommand(Command):
     """A command that has flags for options of the stages of some kinds.
 
     An option becomes a flag where its metadata have ``flag``, the word for its value in the help, and ``commands``, if

@@ -58,6 +58,8 @@ _MENTION = late_pattern(
     r"((?:(?:[^\W\d_]{1,12}|°)(?:\s*(?:,|;|/|&|\band\b|\bund\b|\bet\b|\by\b|\be\b)\s*)?)+)",
     re.IGNORECASE,
 )
+_IN_MENTION = ("in", "en", "unit", "is", "are", "[", "(", ":", "=")
+"""What ASCII prose that mentions a unit has at least one of, if it does not begin with the unit."""
 _LETTERS = late_pattern(r"[^\W\d_]+|°")
 _OWN_NUMBER = late_pattern(r"(?<![^\W_])[0-9]")
 _NO_UNIT = late_pattern(r"\bdegrees?\s+of\s+freedom\b|\brev\.?\s*(?:[a-z]|[0-9.]+)\b", re.IGNORECASE)
@@ -73,6 +75,7 @@ _CONVENTION_WORDS = late_pattern(
     r"(?:denavit|hartenberg|dh|convention|konvention|convención|convencion|convenzione|notation|the|this|table|is|in|"
     r"uses|using|parameters|parameter|s|of|follows|according|to)"
 )
+_CONVENTION_STEMS = ("conven", "konven", "notation")
 _PROSE = {
     Convention.MODIFIED: (frozenset(("mdh", "craig", "proximal")), frozenset(("modified",))),
     Convention.STANDARD: (frozenset(("sdh", "distal", "spong")), frozenset(("standard", "classic", "classical"))),
@@ -104,6 +107,8 @@ def units_said(text: str) -> dict[str, str] | None:
 
     ``all lengths in mm, angles in degrees``, ``units [mm, deg]``, ``mm/deg``, ``a and d in mm``.
     """
+    if _is_prose(text):
+        return None
     words = [word for word in _words(text) if word not in _UNIT_WORDS and word not in _FILLERS]
     said: dict[str, str] = {}
     measured: set[str] = set()
@@ -131,11 +136,20 @@ def unit_of_measure(key: str, value: str) -> dict[str, str] | None:
 
 def convention_said(text: str) -> Convention | None:
     """The convention that a phrase says and nothing besides: ``modified DH convention``, ``convention is standard``."""
+    if not any(stem in text.casefold() for stem in _CONVENTION_STEMS):
+        return None
     words = [word for word in _words(text.replace("-", " ").replace("'", " ")) if word]
-    if not any(word.startswith(("conven", "konven", "notation")) for word in words):
+    if not any(word.startswith(_CONVENTION_STEMS) for word in words):
         return None
     named = {convention_of(word) for word in words if not _CONVENTION_WORDS.fullmatch(word)}
     return named.pop() if len(named) == 1 else None
+
+
+def _is_prose(text: str) -> bool:
+    """Whether a text begins with a plain word that is none of a phrase of units: looked at before any pattern is."""
+    first = text.casefold().partition(" ")[0]
+    of_units = first in _UNIT_WORDS or first in _FILLERS or first in _MEASURE_WORDS or first in _FIELD_WORDS
+    return first.isascii() and first.isalpha() and not of_units and _unit(first) is None
 
 
 def _words(text: str) -> list[str]:
@@ -222,6 +236,8 @@ def _other_convention(comment: Comment, convention: Convention, lead: str) -> li
 def mentioned_units(text: str) -> list[Unit]:
     """The units of lengths and angles that prose mentions, those behind a number left out: ``0.1 mm``."""
     found: list[Unit] = []
+    if text.isascii() and _is_prose(text) and not any(word in text.casefold() for word in (*_IN_MENTION, *_IN_ALONE)):
+        return found
     plain = _NO_UNIT.sub("", text) if any(word in text.casefold() for word in ("freedom", "rev")) else text
     for match in _MENTION.finditer(plain):
         for word in _LETTERS.finditer(match[1]):

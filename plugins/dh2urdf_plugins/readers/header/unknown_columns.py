@@ -64,6 +64,7 @@ class Refusal(NamedTuple):
         field: the field that was probably meant.
         zero: whether it may hold 0.
         counts: whether it may hold the number of the row.
+        suggestion: what to do, where that is not to leave it out.
     """
 
     reason: str
@@ -71,6 +72,7 @@ class Refusal(NamedTuple):
     field: str | None = None
     zero: bool = False
     counts: bool = False
+    suggestion: str | None = None
 
 
 def refusal(text: str, header: Header, what: str = "column") -> Refusal | None:
@@ -84,9 +86,8 @@ def refusal(text: str, header: Header, what: str = "column") -> Refusal | None:
     if header.ignored or not text:
         return None
     if meaning := UNHELD.get(header.key) or THETA_OFFSETS.get(header.key):
-        return Refusal(
-            f"is {meaning.reason}, which no {what} holds", meaning.accepted, zero=True, counts=meaning.counts
-        )
+        reason = f"is {meaning.reason}, which no {what} holds"
+        return Refusal(reason, meaning.accepted, zero=True, counts=meaning.counts, suggestion=meaning.suggestion)
     name = suspected(text) or _with_stray_signs(text) or _with_factor(text)
     if name == "limits" and header.unit and not _measures(header.unit, FIELDS["limits"].dimension):
         name = None  # `Max. [°/s]` is a limit of something else, as its unit says
@@ -153,12 +154,8 @@ def refused(
         field=why.field or header,
         found=cell.text,
         accepted=why.accepted,
-        suggestion=how_to_leave_out(header, what) if why.accepted != GEOMETRY else _one_of_them(why.reason),
+        suggestion=why.suggestion or (None if why.accepted == GEOMETRY else how_to_leave_out(header, what)),
     )
-
-
-def _one_of_them(reason: str) -> str | None:
-    return "if it is one of them, call it so: theta or offset" if "may be theta" in reason else None
 
 
 def with_unit(cell: Cell, header: str, joint: str) -> Problem | None:

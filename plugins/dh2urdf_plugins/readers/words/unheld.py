@@ -21,30 +21,33 @@ class Unheld(NamedTuple):
         reason: what it is.
         accepted: what to write in its place.
         counts: whether it may hold the number of the row.
+        suggestion: what to do where it is a field under another name.
     """
 
     reason: str
     accepted: str = GEOMETRY
     counts: bool = False
+    suggestion: str | None = None
 
 
 MOVES_BY_ITSELF = Unheld(
     "whether a joint moves by itself", "a column type: fixed where nothing moves; no joint follows another"
 )
-_HOME = Unheld("an angle or a length that may be theta, d or an offset")
+_CALL_IT_SO = "if it is one of them, call it so: theta or offset"
+_HOME = Unheld("an angle or a length that may be theta, d or an offset", suggestion=_CALL_IT_SO)
 _RIGID = "a table without it: joints do not yield"
 _AT_THE_JOINT = "damping and friction as the joint feels them, behind the gear"
 UNHELD_WORDS = {
     "mu": Unheld("whether a joint is driven, in Khalil and Kleinfinger's convention"),
     "q": Unheld("the joint variable"),
     "q offset": Unheld("an offset of the joint variable"),
-    "q0": Unheld("an angle or a length that may be theta, d or an offset"),
-    **dict.fromkeys(_words("phi, phi0"), Unheld("an angle that may be theta or an offset")),
+    "q0": _HOME,
+    **dict.fromkeys(_words("phi, phi0"), Unheld("an angle that may be theta or an offset", suggestion=_CALL_IT_SO)),
     **dict.fromkeys(
         _words("fixed, locked, mimic, coupling, coupled, coupled with, depends on, passive, unactuated"),
         MOVES_BY_ITSELF,
     ),
-    "angle": Unheld("an angle that may be theta, alpha or an offset"),
+    "angle": Unheld("an angle that may be theta, alpha or an offset", suggestion=_CALL_IT_SO),
     **dict.fromkeys(
         _words(
             "home, theta home, home theta, home position, home angle, theta0, theta zero, d0, theta init, zero, "

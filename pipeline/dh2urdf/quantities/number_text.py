@@ -97,10 +97,9 @@ def _rows(table: Any) -> Iterator[list[bytes]]:  # noqa: ANN401 - an array
         return
     for first in range(0, count, _AT_ONCE):
         numbers = table[first : first + _AT_ONCE].ravel()
-        text = orjson.dumps(numbers, option=orjson.OPT_SERIALIZE_NUMPY)[1:-1]
-        if (numbers == np.rint(numbers)).any():  # Others have no .0 at their end, and no exponent that is positive.
-            text = (text + b",").replace(b"e+", b"e").replace(b".0,", b",")
-        texts = text.split(b",")
+        texts = orjson.dumps(numbers, option=orjson.OPT_SERIALIZE_NUMPY)[1:-1].split(b",")
+        for place in np.flatnonzero(numbers == np.rint(numbers)).tolist():  # No other has an exponent that is positive.
+            texts[place] = texts[place].replace(b"e+", b"e").removesuffix(b".0")
         for start in range(0, len(numbers), width):
             yield texts[start : start + width]
 

@@ -144,6 +144,36 @@ def test_a_changed_table_is_made_again_alone(folder: Path, cli: Callable[..., An
     assert made_again(folder, cli, lambda: table.write_text(change)) == {"arm5"}
 
 
+@pytest.mark.parametrize("changed", ["arm.csv", "difference.csv", "link.stl"])
+def test_a_cell_is_made_again_when_an_arm_of_it_changes(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, cli: Callable[..., Answer], changed: str
+) -> None:
+    """The table of the arm, its calibration or its mesh: the arm and the cell are other ones, and the second cell not."""
+    monkeypatch.chdir(tmp_path)
+    for name, a in (("arm", 0.4), ("other", 0.5)):
+        (tmp_path / f"{name}.csv").write_text(f"# convention: standard\njoint, a, alpha, d\nhip, {a}, 0, 0.1\n")
+    (tmp_path / "difference.csv").write_text("joint, a, alpha, d\nhip, 0.01, 0, 0\n")
+    corners = [(0, 0, 0), (0.1, 0, 0), (0, 0.1, 0), (0, 0, 0.1)]
+    sides = [[corners[k] for k in side] for side in ((0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3))]
+    facets = [
+        "facet normal 0 0 0\nouter loop\n" + "".join("vertex {} {} {}\n".format(*corner) for corner in side)
+        for side in sides
+    ]
+    (tmp_path / "link.stl").write_text("solid a\n" + "endloop\nendfacet\n".join([*facets, ""]) + "endsolid a\n")
+    (tmp_path / "run.yaml").write_text("""
+inputs: [{path: arm.csv, calibration: difference.csv}, other.csv]
+meshes: {of: arm, joints: {hip: {mesh: link.stl}}}
+cells:
+  - {name: pair, arms: [{name: left, of: arm}, {name: right, of: other}]}
+  - {name: alone, arms: [{name: only, of: other}]}
+output: {directory: out}
+""")
+    path = tmp_path / changed
+    change = path.read_text().replace("0.4,", "0.45,").replace("0.01,", "0.02,").replace("vertex 0.1 ", "vertex 0.2 ")
+    assert change != path.read_text()
+    assert made_again(tmp_path, cli, lambda: path.write_text(change)) == {"arm", "pair"}
+
+
 def test_a_damaged_or_missing_file_is_made_again(folder: Path, cli: Callable[..., Answer]) -> None:
     """What the power took, or somebody's editor: the hashes of the manifest find it."""
 

@@ -8,6 +8,8 @@ same key give it the same files and the same row of the manifest.
 from __future__ import annotations
 
 import sys
+from collections.abc import Mapping
+from dataclasses import fields, is_dataclass
 from enum import Enum
 from hashlib import file_digest, sha256
 from operator import attrgetter
@@ -30,7 +32,7 @@ DIGITS = 32
 def recipe_key(recipe: Recipe) -> str:
     """The key of all that is done with every manipulator."""
     stages = [
-        (call.kind, call.stage.name, call.plugin.distribution if call.plugin else "", repr(call.options))
+        (call.kind, call.stage.name, call.plugin.distribution if call.plugin else "", whole(call.options))
         for call in recipe.calls
     ]
     files = [(str(path), _hash_of(path)) for call in recipe.calls for path in call.files]
@@ -71,8 +73,21 @@ def column_keys(columns: ManipulatorColumns, recipe: str, contexts: Sequence[obj
     return [key_of((name, context, row), common) for name, context, row in rows]
 
 
+def whole(what: object) -> object:
+    """Anything with all that is in it: the text of a record may leave out most, as that of a Manipulator does."""
+    if is_dataclass(what) and not isinstance(what, type):
+        return type(what).__qualname__, [(field.name, whole(getattr(what, field.name))) for field in fields(what)]
+    if isinstance(what, Mapping):
+        return [(whole(key), whole(value)) for key, value in what.items()]
+    if isinstance(what, (set, frozenset)):
+        return sorted(repr(whole(entry)) for entry in what)  # their order is another one in every process
+    if isinstance(what, (tuple, list)):
+        return [whole(entry) for entry in what]
+    return what
+
+
 def key_of(what: object, recipe: str) -> str:
-    """The key of anything, by its text."""
+    """The key of anything, by its text; `whole` is for records."""
     return sha256(f"{recipe} {what!r}".encode(errors="surrogatepass")).hexdigest()[:DIGITS]
 
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import orjson
 
-from dh2urdf.conversion.keys import column_keys, key_of
+from dh2urdf.conversion.keys import column_keys, key_of, whole
 from dh2urdf.conversion.one_manipulator import Recipe
 from dh2urdf.isolation.loads import KeptChildren
 from dh2urdf.late_dataclasses import dataclass
@@ -106,7 +106,7 @@ class BatchContent:
             contexts = [self._context(place) for place in places]
             keys.update(zip(places, column_keys(columns, self.worker.key, contexts), strict=True))
         for place, what in self.singles.items():
-            keys[place] = key_of((what, self._context(place)), self.worker.key)
+            keys[place] = key_of((whole(what), self._context(place)), self.worker.key)
         return keys
 
     def _context(self, place: int) -> tuple[Any, ...]:

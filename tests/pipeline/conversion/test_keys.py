@@ -1,13 +1,14 @@
 from __future__ import annotations
 
-from dataclasses import fields, replace
+from dataclasses import dataclass, field, fields, replace
 from typing import TYPE_CHECKING, Any
 
 import pytest
 from hypothesis import given, strategies as st
 
+from dh2urdf.cells.cell import ArmCall, Cell, CellCall
 from dh2urdf.columns import in_columns
-from dh2urdf.conversion.keys import DIGITS, column_keys, key_of
+from dh2urdf.conversion.keys import DIGITS, column_keys, key_of, whole
 from dh2urdf.manipulator import (
     Convention,
     DHRow,
@@ -79,8 +80,8 @@ def numbers(row: DHRow) -> list[DHRow]:
     ]
     assert row.inertia is not None
     assert row.com is not None
-    for field in fields(Inertia):
-        tensor = replace(row.inertia, **{field.name: getattr(row.inertia, field.name) + 1e-9})
+    for each in fields(Inertia):
+        tensor = replace(row.inertia, **{each.name: getattr(row.inertia, each.name) + 1e-9})
         changed.append(replace(row, inertia=tensor))
     for axis in range(3):
         com = [*row.com]
@@ -134,6 +135,36 @@ OTHERS = [
     replace(ARM, notices=(Problem(message="read with care", severity="notice"),)),
 ]
 """Manipulators each of which differs from `ARM` in one thing."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class QuietOptions:
+    """Options of which the text shows nothing."""
+
+    path: str = field(default="a", repr=False)
+    words: frozenset[str] = frozenset()
+
+    def __repr__(self) -> str:
+        return "<options>"
+
+
+def test_a_cell_has_the_keys_of_its_tables() -> None:
+    """A field that makes another arm makes another cell; the text of a manipulator shows next to none of them."""
+    call = CellCall(name="cell", arms=(ArmCall(name="left", of="arm", prefix="left_"),))
+    cells = [Cell(call=call, manipulators={"arm": arm}) for arm in (ARM, replace(ARM), *OTHERS)]
+    first, same, *others = [key_of(whole(cell), "recipe") for cell in cells]
+    assert first == same
+    assert len({first, *others}) == len(OTHERS) + 1
+
+
+def test_options_count_whatever_their_text_shows() -> None:
+    """Fields without a place in the text count, and the order of a set, which is another one in each process, does not."""
+    words = [f"word_{k}" for k in range(20)]
+    options = [QuietOptions(), QuietOptions(path="b"), QuietOptions(words=frozenset(words))]
+    assert len({key_of(whole(each), "") for each in options}) == 3
+    last = QuietOptions(words=frozenset(reversed(words)))
+    assert key_of(whole(last), "") == key_of(whole(options[-1]), "")
+    assert whole(last) == ("QuietOptions", [("path", "a"), ("words", sorted(map(repr, words)))])
 
 
 def test_every_field_of_a_manipulator_is_among_the_differences() -> None:

@@ -49,8 +49,8 @@ def write_description(
     (call,) = stage_calls(catalog, {"emitter": [emitter]}, asker, given)["emitter"]
     robot = located(robot, prefix_of(FILE))
     with blaming(call):
-        emitted = emitter.emit(robot, safe_stem(robot.name), call.options)
-        content = emitted_files(emitted)[0].content
+        stem = safe_stem(robot.name)
+        content = emitted_files(emitter.emit(robot, stem, call.options), stem)[0].content
         with spooled(content, str(asker.mark), emitter.suffixes[0]) as path:
             described: Robot = a_whole_record(emitter.read_back(path), Robot)
     _compare(robot, described, asker.mark)

@@ -235,7 +235,9 @@ def emit_robot(
 
             refuse_one_folder(call, stem)
         with blaming(call):
-            files = emitted_files(emitter.emit(robot, stem, call.options), in_folders=emitter.in_folders is not None)
+            files = emitted_files(
+                emitter.emit(robot, stem, call.options), stem, in_folders=emitter.in_folders is not None
+            )
             if not files:
                 raise ValueError("it gave no file")
         if main_file is not None and not written:

@@ -50,10 +50,10 @@ def emit_columns(
         emitted = call.stage.emit_columns(robots, stems, call.options)  # type: ignore[misc] # asked before
         if emitted is None:
             return None
-        files = [tuple(emitted_files(own)) for own in emitted]
-        if len(files) != len(stems):
-            raise ValueError(f"emit_columns gave the files of {len(files)} robots, not of {len(stems)}")
-        return files
+        emitted = list(emitted)
+        if len(emitted) != len(stems):
+            raise ValueError(f"emit_columns gave the files of {len(emitted)} robots, not of {len(stems)}")
+        return [tuple(emitted_files(own, stem)) for own, stem in zip(emitted, stems, strict=True)]
 
 
 def read_columns(call: Call[Emitter[Any]], contents: Sequence[bytes]) -> list[tuple[tuple[int, ...], Robot]]:

@@ -78,17 +78,19 @@ def whole_records(value: Iterable[T] | None, kind: type[T]) -> list[T]:
     return [a_whole_record(each, kind) for each in items_of(value, kind)]
 
 
-def emitted_files(value: Iterable[EmittedFile] | None, *, in_folders: bool = False) -> list[EmittedFile]:
+def emitted_files(value: Iterable[EmittedFile] | None, stem: str, *, in_folders: bool = False) -> list[EmittedFile]:
     """The files that an emitter gave.
 
     Args:
         value: what it gave.
+        stem: what names of files begin with.
         in_folders: whether the files lie in folders of their own.
 
     Raises:
         TypeError: one of them is no file, its name is no text, or its content is not bytes.
         ValueError: a name is not that of a file in the output folder itself, or, of an emitter whose files lie in
-            folders, in such a folder; or two have one name, also where only the case differs.
+            folders, in such a folder; or it does not begin with the stem, so that the files of two manipulators may
+            have one name; or two have one name, also where only the case differs.
     """
     files = list(items_of(value, EmittedFile))
     for file in files:
@@ -99,6 +101,8 @@ def emitted_files(value: Iterable[EmittedFile] | None, *, in_folders: bool = Fal
             raise ValueError(f"{shown(file.name)} lies in no folder; accepted: the path of a file in one")
         for part in parts:
             a_plain_name(part)
+        if not in_folders and not file.name.casefold().startswith(stem.casefold()):
+            raise ValueError(f"{shown(file.name)} does not begin with the stem {shown(stem)} that it was given")
     if len(files) > 1 and len({file.name.casefold() for file in files}) < len(files):
         raise ValueError(f"it gave two files of one name: {listed([shown(file.name) for file in files])}")
     return files

@@ -354,6 +354,12 @@ class TestWhenAnEmitterFails:
         with pytest.raises(StageError, match="emitter 'bad' failed: ValueError: it gave two files of one name"):
             write(twice, to=out)
 
+    def test_with_a_name_that_other_manipulators_have_too(self, out: Path) -> None:
+        """A name without the stem is every manipulator's, and the last one would overwrite all others in silence."""
+        fixed = emitting("bad", lambda *_: [EmittedFile(name="sheet.txt", content=b"x")], read_back=None)
+        with pytest.raises(StageError, match=r"'sheet\.txt' does not begin with the stem 'arm' that it was given"):
+            write(emitting(), fixed, to=out)
+
     def test_with_a_name_outside_the_folder(self, out: Path) -> None:
         """An emitter writes into its folder only; another name is its fault."""
         outside = emitting("bad", lambda *_: [EmittedFile(name="../arm.txt", content=b"x")])

@@ -113,7 +113,8 @@ def extract(
             ``rounded_pi``, ``origins``, ``package_paths``; of a xacro also ``arguments``.
 
     Returns:
-        The manipulator. Its notices say how far the table is from the file's chain, and what it leaves out.
+        The manipulator. Its notices say how far the table is from the file's chain, and what it and the written file
+        leave out.
 
     Raises:
         TableError: the description cannot be read, or there is no chain, or which one is meant is not said.
@@ -123,6 +124,7 @@ def extract(
         PluginError: the reader's plugin is broken, or something it needs is not installed.
     """
     from dh2urdf.commands.extract import description_reader, the_one, write_extracted
+    from dh2urdf.unchecked_records import changed
 
     asker, catalog = _asker("extract"), load()
     check_names(asker.mark, reader=reader)
@@ -130,7 +132,8 @@ def extract(
     with as_file(description, "reader", reader, catalog, "reader=NAME") as path:
         arm = the_one(description_reader(catalog, path, asker, reader=reader, given=words_of(options)), path)
         if target is not None:
-            write_extracted([arm], Path(target), catalog, inputs=[path])
+            others = write_extracted([arm], Path(target), catalog, inputs=[path])
+            arm = changed(arm, notices=(*arm.notices, *others))
     return arm
 
 

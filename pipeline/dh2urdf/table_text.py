@@ -48,6 +48,8 @@ _FOLLOWING = (Dimension.LENGTH, Dimension.ANGLE, Dimension.SPEED, Dimension.TURN
 """What the units of lengths and angles hold for."""
 _PARTS_OF_PI = (1, 2, 3, 4, 6, 12)
 _LARGEST_MULTIPLE = 48
+_DOUBTED = 4 * math.pi
+"""Bounds above it [rad] are written with their unit: without one, they may be degrees."""
 _PLAIN_LENGTH = 24
 
 
@@ -275,6 +277,8 @@ def _row_text(row: DHRow, length: Unit, angle: Unit, *, link: str) -> Mapping[st
             dimension = dimension_of(field, row.type)
             unit = dimension and unit_of(dimension, length, angle)
             texts[field] = number_in(value, unit) if unit else format_number(value)
+            if field in LIMITS and dimension is Dimension.ANGLE and not angle.degrees and abs(value) > _DOUBTED:
+                texts[field] += f" {angle.symbol}"
     if row.type is JointType.FIXED:
         texts = {field: text for field, text in texts.items() if field not in LIMITS}
     return {field: texts[field] for field in FIELDS if field in texts} | _meshes(row, length, angle)

@@ -17,9 +17,10 @@ from dh2urdf.output.whole_files import refuse_inputs, write_whole
 from dh2urdf.plugin_system.calls import blaming, default_call
 from dh2urdf.plugin_system.stage_answers import a_record
 from dh2urdf.quantities.units import UNITS
-from dh2urdf.source import Mark, Problem
+from dh2urdf.source import Mark, Problem, listed
 from dh2urdf.stages import Reader, Rejected
 from dh2urdf.table_text import table_text, transform_text
+from dh2urdf.unchecked_records import changed
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -154,7 +155,7 @@ def write_extracted(
         angle_unit: the unit of angles.
 
     Returns:
-        What the format has no place for, as notices.
+        What the format has no place for, and names that are others there, as notices.
 
     Raises:
         InputError: no reader that writes takes the suffix, or its files hold one arm.
@@ -170,18 +171,41 @@ def write_extracted(
                 accepted="a name that ends in .yaml or .csv",
             )
         )
+    renamed: list[Problem] = []
+    arms = [_without_numbers(arm, renamed) for arm in arms]
     header = b"".join(map(_header, arms))
     file = table_file(arms, call, str(out), length_unit=length_unit, angle_unit=angle_unit, header=header)
     refuse_inputs([out], inputs)
     write_whole(out, file.content)
-    return file.left_out
+    return (*renamed, *file.left_out)
+
+
+def _without_numbers(arm: Manipulator, notices: list[Problem]) -> Manipulator:
+    """A manipulator whose joints and links have no numbers for names: a table takes 1, 2, 3 for those of its rows."""
+    for field in ("joint", "link"):
+        names = [getattr(row, field) for row in arm.rows]
+        if not names or not all(name.isascii() and name.isdecimal() for name in names):
+            continue
+        others = [f"{field}_{name}" for name in names]
+        notice = Problem(
+            message=f"the names of {field}s are numbers, which a table takes for those of its rows: "
+            f"{listed(names)} are called {listed(others)}",
+            severity="notice",
+            mark=arm.mark,
+            robot=arm.name,
+            field=field,
+        )
+        notices.append(notice)
+        rows = tuple(changed(row, **{field: name}) for row, name in zip(arm.rows, others, strict=True))
+        arm = changed(arm, rows=rows, notices=(*arm.notices, notice))
+    return arm
 
 
 def _header(arm: Manipulator) -> bytes:
-    """What is known of a table, as comments."""
+    """What is known of a table, as comments from which no reader reads anything: they have names of the description."""
     source = f"of {Path(arm.mark.file).name}" if arm.mark else ""
     lines = [f"{arm.name} {source}".strip(), *(notice.message for notice in arm.notices)]
-    return "".join(f"# {' '.join(line.split())}\n" for line in lines).encode()
+    return "".join(f"#> {' '.join(line.split())}\n" for line in lines).encode()
 
 
 def table_lines(arm: Manipulator, length_unit: str = "m", angle_unit: str = "rad") -> Iterator[str]:

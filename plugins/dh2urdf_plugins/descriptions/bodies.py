@@ -13,7 +13,7 @@ from dh2urdf.errors import ConfigError
 from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.manipulator import Inertia, JointType, MeshShape
 from dh2urdf.mass_properties import compound, inertia_problem, placed
-from dh2urdf.meshes import find_mesh
+from dh2urdf.meshes import FORMATS, find_mesh
 from dh2urdf.robot import Mesh
 from dh2urdf.rotations import IDENTITY, RigidTransform, Vec3
 from dh2urdf.source import shown
@@ -148,6 +148,9 @@ class Carried:
         try:
             if (path := self._find(mesh.filename)) is None:
                 self.lost.append(f"what {what} is {verb}: there is no file {shown(mesh.filename)}")
+                return None
+            if path.suffix.lower() not in FORMATS:
+                self.lost.append(f"what {what} is {verb}: {shown(path.name)} is no STL, OBJ or DAE file")
                 return None
             file = find_mesh(path.name, path.parent)
         except ConfigError as error:

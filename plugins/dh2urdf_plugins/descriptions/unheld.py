@@ -31,12 +31,21 @@ def of_urdf(root: etree._Element) -> Iterator[tuple[str, etree._Element]]:
         for holder in root.iterfind(path):
             for element in holder.iterchildren(etree.Element):
                 if element.tag not in known.split():
-                    yield f"the element {element.tag}{'' if path == '.' else f' of a {path}'}", element
+                    yield f"the element {_name(element, element.tag)}{'' if path == '.' else f' of a {path}'}", element
     for tag, known in _URDF_ATTRIBUTES.items():
         for element in root.iterfind(f"joint/{tag}"):
             for name in map(str, element.attrib):
                 if name not in known.split():
-                    yield f"the attribute {name} of a {tag}", element
+                    yield f"the attribute {_name(element, name)} of a {tag}", element
+
+
+def _name(element: etree._Element, name: str) -> str:
+    """A name as the file writes it, with its prefix."""
+    if name[:1] != "{":
+        return name
+    space, _, local = name[1:].partition("}")
+    prefix = next((prefix for prefix, address in element.nsmap.items() if address == space), None)
+    return f"{prefix}:{local}" if prefix else local
 
 
 def of_sdf(root: etree._Element) -> Iterator[tuple[str, etree._Element]]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import math
+import re
 import sys
 from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
@@ -144,7 +145,7 @@ class TestPrinted:
         assert piped("--from", "urdf").stdout == cli("extract", str(ur5)).stdout
         table = tmp_path / "piped.yaml"
         piped("--from", "urdf", "-o", str(table))
-        assert table.read_text().startswith("# ur5 of standard input\n")
+        assert table.read_text().startswith("#> ur5 of standard input\n")
         assert "the format is not sure" in piped(status=2).stderr
 
 
@@ -156,7 +157,7 @@ class TestWritten:
         answer = cli("extract", str(ur5), "-o", str(table), *units)
         assert f"6 moving joints, standard convention; written to {table}" in answer.stderr
         text = table.read_text()
-        assert text.startswith("# ur5 of ur5.urdf\n# the table is the chain from 'base_link' to 'tool0'")
+        assert text.startswith("#> ur5 of ur5.urdf\n#> the table is the chain from 'base_link' to 'tool0'")
         again = dh2urdf.read(table)
         assert [row.a for row in again.rows] == pytest.approx([0, -0.425, -0.39225, 0, 0, 0], abs=1e-15)
         assert [row.alpha for row in again.rows] == [math.pi / 2, 0, 0, math.pi / 2, -math.pi / 2, 0]
@@ -173,6 +174,72 @@ class TestWritten:
         cli("convert", str(first), "-o", str(tmp_path / "again" / "ur5.urdf"))
         cli("extract", str(tmp_path / "again" / "ur5.urdf"), "-o", str(again))
         assert _rows(again) == _rows(first)
+
+    @pytest.mark.parametrize("suffix", [".yaml", ".csv"])
+    @pytest.mark.parametrize(
+        ("robot", "file"),
+        [
+            ("ur5", "ur5_mdh.urdf"),
+            ("ur5", "lengths in mm.urdf"),
+            ("ur5", "units: {angle: deg}.urdf"),
+            ("tool: {xyz: [0, 0, 1]}", "base.urdf"),
+            ("name: base, 12 mm", "scara arm.urdf"),
+            ("ur5", "joint,a,alpha,d,theta.urdf"),
+        ],
+    )
+    def test_nothing_is_read_from_its_comments(
+        self, ur5: Path, tmp_path: Path, robot: str, file: str, suffix: str
+    ) -> None:
+        """Comments repeat names of the description, whatever these are, and what it has in other namespaces."""
+        head = f'<robot name="{robot}" xmlns:d="http://drake.mit.edu"><frame/><d:filter>3</d:filter>'
+        text = re.sub(r"<robot [^>]*>", head, ur5.read_text()).replace("<limit ", '<limit d:acceleration="3" ')
+        (tmp_path / file).write_text(text.replace("base_link", "base, 5 mm"))
+        table = tmp_path / f"table{suffix}"
+        arm = dh2urdf.extract(tmp_path / file, table)
+        again = dh2urdf.read(table)
+        assert again.name == robot
+        assert [row.a for row in again.rows] == [row.a for row in arm.rows]
+        assert not [notice for notice in again.notices if notice.mark and (notice.mark.line or 99) < 9]
+        assert "#> the attribute d:acceleration of a limit is left out" in table.read_text()
+        assert "#> the element d:filter is left out" in table.read_text()
+
+    @pytest.mark.parametrize("suffix", [".yaml", ".csv"])
+    @pytest.mark.parametrize("numbers", [(1, 2, 3, 4, 5, 6), (8, 0, 1, 2, 3, 4), (11, 12, 13, 14, 15, 16)])
+    def test_names_that_are_numbers(
+        self, cli: Cli, ur5: Path, tmp_path: Path, numbers: tuple[int, ...], suffix: str
+    ) -> None:
+        """A column of numbers counts the rows of a table: such joints get names, which a notice and the file tell."""
+        text = ur5.read_text()
+        for name, number in zip(("pan", "lift", "elbow", "w1", "w2", "w3"), numbers, strict=True):
+            text = text.replace(f'joint name="{name}"', f'joint name="{number}"')
+        (tmp_path / "numbers.urdf").write_text(text)
+        table = tmp_path / f"table{suffix}"
+        answer = cli("extract", str(tmp_path / "numbers.urdf"), "-o", str(table))
+        said = f"{numbers[0]}, {numbers[1]}, {numbers[2]}, "
+        assert f"the names of joints are numbers, which a table takes for those of its rows: {said}" in answer.stderr
+        assert said in table.read_text()
+        again = dh2urdf.read(table)
+        assert [row.joint for row in again.rows] == [f"joint_{number}" for number in numbers]
+        assert dh2urdf.extract(tmp_path / "numbers.urdf").fk([0.3] * 6) == pytest.approx(again.fk([0.3] * 6), abs=1e-9)
+
+    @pytest.mark.parametrize("suffix", [".yaml", ".csv"])
+    def test_bounds_that_stand_for_none(self, ur5: Path, tmp_path: Path, suffix: str) -> None:
+        """Descriptions write bounds such as ±999999 for a joint that turns for ever: no unit is doubted for them."""
+        text = re.sub(r'lower="[^"]*" upper="[^"]*"', 'lower="-999999" upper="999999"', ur5.read_text(), count=1)
+        (tmp_path / "far.urdf").write_text(text)
+        dh2urdf.extract(tmp_path / "far.urdf", tmp_path / f"far{suffix}")
+        assert dh2urdf.read(tmp_path / f"far{suffix}").rows[0].limits.upper == 999999
+
+    def test_meshes_of_other_formats(self, ur5: Path, tmp_path: Path) -> None:
+        """Drake's descriptions have glTF files, for which no table has a place: they are left out, and the arm is not."""
+        (tmp_path / "part.gltf").write_text("{}")
+        seen = '<visual><geometry><mesh filename="part.gltf"/></geometry></visual>'
+        text = re.sub(r"<visual>.*?</visual>", "", ur5.read_text(), flags=re.DOTALL)
+        (tmp_path / "arm.urdf").write_text(text.replace("</inertial>", f"</inertial>{seen}"))
+        arm = dh2urdf.extract(tmp_path / "arm.urdf", tmp_path / "arm.yaml")
+        assert any("'part.gltf' is no STL, OBJ or DAE file" in notice.message for notice in arm.notices)
+        assert dh2urdf.convert(tmp_path / "arm.yaml", tmp_path / "back.urdf").proofs
+        assert dh2urdf.convert(tmp_path / "arm.urdf").text
 
     def test_the_description_stays(self, ur5: Path) -> None:
         with pytest.raises((OutputError, InputError)):

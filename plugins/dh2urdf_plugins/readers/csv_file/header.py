@@ -16,7 +16,7 @@ from dh2urdf_plugins.readers.header.columns import TURN_ROUND, are_joints
 from dh2urdf_plugins.readers.header.words import read_header
 from dh2urdf_plugins.readers.statements.top import MAX_TITLES, is_header
 from dh2urdf_plugins.readers.words.cells import SPACES
-from dh2urdf_plugins.readers.words.comment_lines import as_typed, is_comment, is_open, without_marker
+from dh2urdf_plugins.readers.words.comment_lines import as_typed, is_comment, is_open, is_quoted, without_marker
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
@@ -196,7 +196,7 @@ def commented_header(line: str) -> str | None:
 
     The first column may be called ``#``, or the header as a whole may be commented out, as numpy writes it.
     """
-    if max(map(line.count, DELIMITERS)) + 1 < len(REQUIRED):
+    if max(map(line.count, DELIMITERS)) + 1 < len(REQUIRED) or is_quoted(line):
         return None
     found: dict[str, set[str]] = {}
     for text in (line, without_marker(line)):

@@ -24,6 +24,8 @@ MARKERS = ("#", "%", "//")
 """What a comment begins with: as in Python, in MATLAB and in C."""
 SIGNS = (*MARKERS, "\N{FULLWIDTH NUMBER SIGN}", "\N{FULLWIDTH PERCENT SIGN}")
 """What a line contains if it is a comment; East Asian keyboards have signs of full width."""
+_QUOTED = "#>"
+"""What a comment begins with whose words are those of another file."""
 
 _INVISIBLE = SPACES + "\ufeff\u3000"
 _APOSTROPHES = "'\N{RIGHT SINGLE QUOTATION MARK}\N{LEFT SINGLE QUOTATION MARK}`\N{ACUTE ACCENT}"
@@ -59,9 +61,11 @@ class Comment:
 
     @classmethod
     def of(cls, line: str, place: Mark) -> Comment:
-        """The comment that a line or a row is, with its marker or without one."""
+        """The comment that a line or a row is, with its marker or without one; a quoted one has no text."""
         start = _start_of(line)
         text = line[start.end :] if start else line
+        if is_quoted(line):
+            text = ""
         rest = text.lstrip(f"{_INVISIBLE}{''.join(MARKERS)}")
         return cls(rest, within(place, len(line) - len(rest)), line.strip(), place)
 
@@ -97,6 +101,12 @@ def _start_of(line: str) -> _Start | None:
         return _Start("", "", 0, MARKERS[0])  # as most begin
     match = _ANY_START.match(line) if any(sign in line for sign in SIGNS) else None
     return _Start(match["outer"], match["quote"], match.start("sign"), match["sign"]) if match else None
+
+
+def is_quoted(line: str) -> bool:
+    """Whether a comment has the words of another file, as ``#> …`` has: nothing is read from it."""
+    start = _start_of(line) if _QUOTED in line else None
+    return start is not None and line.startswith(_QUOTED, start.at)
 
 
 def within(place: Mark, position: int) -> Mark:

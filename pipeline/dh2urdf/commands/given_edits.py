@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from dh2urdf.documents.document import load_yaml
 from dh2urdf.errors import ConfigError, InputError
 from dh2urdf.plugin_system.calls import Call
 from dh2urdf.plugin_system.options import make_options, word_node
@@ -46,10 +47,18 @@ def edit_calls(words: Iterable[str], asker: Asker, catalog: Catalog) -> tuple[Ca
 def _call(word: str, asker: Asker, catalog: Catalog) -> Call[Edit[Any]]:
     node = word_node(word, asker.mark.file)
     name, options = node.text if isinstance(node.value, str) else None, None
-    if isinstance(node.value, dict) and len(node.value) == 1:
+    if name and not node.quoted and (name[0] in "[{" or ": " in name):
+        try:
+            load_yaml(word, asker.mark.file)
+        except InputError as error:
+            message = f"{asker.edit}{shown(word)} cannot be read: {error.problems[0].message}"
+            raise ConfigError(Problem(message=message, mark=asker.mark, found=word, accepted=ACCEPTED)) from None
+    if isinstance(node.value, dict) and "stage" in node.value and node.value.keys() <= {"stage", "options"}:
+        name, options = node.value["stage"].text, node.value.get("options")  # as in a run file
+    elif isinstance(node.value, dict) and len(node.value) == 1:
         ((name, options),) = node.value.items()
-        if options.value is None:
-            options = None
+    if options is not None and options.value is None:
+        options = None
     if not name or (options is not None and not isinstance(options.value, dict)):
         message = f"{asker.edit}{shown(word)} is no edit"
         raise ConfigError(Problem(message=message, mark=asker.mark, found=word, accepted=ACCEPTED))

@@ -27,8 +27,14 @@ _WORDS: dict[Any, str] = {
 def describe_options(options_type: type[Any]) -> list[tuple[str, str, str, str]]:
     """Every option of a stage: its name, what it takes, what it is by default, and what it is for."""
     hints = type_hints(options_type)
+    measures = measures_of(options_type)
     return [
-        (field.name, type_text(hints[field.name]), default_text(field), str(field.metadata.get("help", "")))
+        (
+            field.name,
+            option_text(hints[field.name], measures=field.name in measures),
+            default_text(field),
+            str(field.metadata.get("help", "")),
+        )
         for field in fields(options_type)
         if field.name in hints
     ]
@@ -42,6 +48,11 @@ def type_hints(options_type: type[Any]) -> dict[str, Any]:
     except NameError:  # a name that is imported for type checkers only
         return written
     return {name: hints[name] for name in written}
+
+
+def measures_of(options_type: type[Any]) -> dict[str, str]:
+    """What the options measure that may have units, such as `length`: the words of `dh2urdf.quantities.Dimension`."""
+    return {field.name: field.metadata["measures"] for field in fields(options_type) if "measures" in field.metadata}
 
 
 def members(hint: Any) -> tuple[Any, ...]:  # noqa: ANN401 - any type
@@ -58,6 +69,11 @@ def choices(hint: Any) -> list[str]:  # noqa: ANN401 - any type
         elif isinstance(member, type) and issubclass(member, Enum):
             found += [str(item.value) for item in member]
     return found
+
+
+def option_text(hint: Any, *, measures: bool) -> str:  # noqa: ANN401 - any type
+    """What an option takes, in words."""
+    return type_text(hint).replace("a number", "a number with or without a unit") if measures else type_text(hint)
 
 
 def type_text(hint: Any) -> str:  # noqa: ANN401 - any type

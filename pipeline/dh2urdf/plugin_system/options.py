@@ -19,7 +19,15 @@ from dh2urdf.documents.text_files import tidy_path
 from dh2urdf.errors import BrokenPluginError, ConfigError, InputError
 from dh2urdf.plugin_system.discovery import UNKNOWN
 from dh2urdf.plugin_system.faults import reason_of, traceback_of
-from dh2urdf.plugin_system.option_types import choices, describe_options, members, type_hints, type_text
+from dh2urdf.plugin_system.option_types import (
+    choices,
+    describe_options,
+    measures_of,
+    members,
+    option_text,
+    type_hints,
+    type_text,
+)
 from dh2urdf.source import Mark, Problem, did_you_mean, in_file_order
 
 if TYPE_CHECKING:
@@ -87,6 +95,8 @@ def word_node(word: str, file: str = COMMAND_LINE.file) -> Node:
         node = load_yaml(word, file)
     except InputError:
         return Node(word, file, 0, 0, word)
+    if node.text is not None and not node.quoted and node.text != word.strip():
+        return Node(word, file, 0, 0, word)  # `a #b`: nobody writes comments there
     if node.text is None:
         node.text = word  # for options that are texts with an inner form, such as a transform
     waiting = [node]
@@ -117,6 +127,12 @@ class _GivenOptions(Generic[O]):
         entries = self._entries()
         hints = type_hints(self.type) if entries else {}
         nodes = {name: self._placed(hints[name], node) for name, node in entries.items() if name in hints}
+        measures = measures_of(self.type)
+        misfits: list[Problem] = []
+        for name in nodes.keys() & measures.keys():
+            nodes[name] = self._in_si(nodes[name], hints[name], measures[name], (name,), misfits)
+        if misfits:
+            raise ConfigError(in_file_order([*problems, *misfits]))
         try:
             values = {name: _decided(hints[name], node) for name, node in nodes.items()}
             if _UNDECIDED in values.values() or self._required() - set(values):
@@ -143,6 +159,33 @@ class _GivenOptions(Generic[O]):
             return node
         path = str(tidy_path(self.folder / node.value))
         return Node(path, node.file, node.line, node.column, path)
+
+    def _in_si(self, node: Node, hint: Any, measure: str, keys: _Keys, misfits: list[Problem]) -> Node:  # noqa: ANN401
+        """The value of an option that measures something: its texts as numbers; what is none is among the misfits."""
+        value: Any = node.value
+        if isinstance(value, list):
+            entries = [self._in_si(each, hint, measure, (*keys, k), misfits) for k, each in enumerate(value)]
+            return Node(entries, node.file, node.line, node.column)
+        is_degrees = measure == "angle" and type(value) in (int, float) and not abs(value) <= math.tau
+        if not (isinstance(value, str) or is_degrees) or node.text in choices(hint):
+            return node
+        from dh2urdf.documents.measures import measured
+        from dh2urdf.quantities import Dimension, QuantityError
+
+        try:
+            value = measured(node, {each.plain: each for each in Dimension}[measure])
+        except QuantityError as error:
+            misfits.append(
+                Problem(
+                    message=f"the {self.where}: {error.message}",
+                    mark=node.mark if node.line else self.mark,
+                    field=_dotted(keys),
+                    found=node.text,
+                    accepted=error.accepted,
+                    suggestion=error.suggestion,
+                )
+            )
+        return Node(value, node.file, node.line, node.column, node.text)
 
     def _entries(self) -> dict[str, Node]:
         return self.given.value if isinstance(self.given.value, dict) else {}
@@ -247,7 +290,7 @@ class _GivenOptions(Generic[O]):
             if one["type"] in ("value_error", "assertion_error"):
                 return self._refused(str(one["ctx"]["error"]), keys)
         hint = self._hint(keys)
-        accepted = type_text(hint)
+        accepted = option_text(hint, measures=bool(keys) and keys[0] in measures_of(self.type))
         for one in errors:
             if one.get("ctx") and one["type"] not in _TEXT_MAY_DO and one["msg"].startswith("Input should be "):
                 accepted += ", " + one["msg"].removeprefix("Input should be ")

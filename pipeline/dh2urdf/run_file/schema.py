@@ -11,10 +11,11 @@ from typing import TYPE_CHECKING, Any
 from dh2urdf.errors import ConfigError
 from dh2urdf.plugin_system.calls import Call, depending_on
 from dh2urdf.plugin_system.catalog import KINDS
-from dh2urdf.plugin_system.option_types import type_hints
+from dh2urdf.plugin_system.option_types import measures_of, type_hints
 from dh2urdf.plugin_system.stage_answers import a_record
 from dh2urdf.run_file.sections import RUN_FILE
 from dh2urdf.run_file.stage_records import stage_names, usual_name
+from dh2urdf.run_file.value_types import NUMBER
 
 if TYPE_CHECKING:
     from dh2urdf.plugin_system.catalog import Catalog, Provided
@@ -78,13 +79,25 @@ def _options_schemas(item: Provided, name: str) -> dict[str, Any]:
     schema.pop("title", None)
     schema["description"] = stage.summary
     helps = {field.name: field.metadata.get("help") for field in stage.options.__dataclass_fields__.values()}
+    measures = measures_of(stage.options)
     for option in type_hints(stage.options):
         described = schema["properties"][option]
         described.pop("title", None)
         if helps[option]:
             described["description"] = helps[option]
+        if option in measures:
+            _take_texts(described)
     definitions = {name: schema, **{f"{name}.{model}": definition for model, definition in inner.items()}}
     for definition in definitions.values():
         if definition.get("type") == "object":
             definition["additionalProperties"] = False
     return definitions
+
+
+def _take_texts(schema: dict[str, Any]) -> None:
+    """Let what takes a number take the text of an expression with units, too."""
+    if schema.get("type") == "number":
+        schema |= NUMBER
+    for part in (*schema.get("anyOf", ()), *schema.get("prefixItems", ()), schema.get("items")):
+        if isinstance(part, dict):
+            _take_texts(part)

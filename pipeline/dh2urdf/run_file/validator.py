@@ -211,6 +211,8 @@ class Record(ValueType[T]):
         near = None if key in self.elsewhere else did_you_mean(key, self.keys)
         if near is None and "options" in self.keys:
             near = "the options of a stage stand under `options:`"
+            if isinstance(node.value, dict) and "stage" not in node.value and isinstance(node.value[key].value, dict):
+                near += f", as in `{{stage: {shown(key)[1:-1]}, options: {{…}}}}`"
         place = f"{field}.{key}".lstrip(".")
         to.add_problem(message, node, place, mark=node.key_mark(key), found=key, accepted=accepted, suggestion=near)
 

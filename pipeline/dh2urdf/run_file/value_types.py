@@ -5,14 +5,14 @@ from __future__ import annotations
 import glob
 import os
 import re
-from math import tau
 from typing import TYPE_CHECKING, Any, TypeVar
 
+from dh2urdf.documents.measures import measured
 from dh2urdf.documents.text_files import LONG_PATH, check_file, tidy_path
 from dh2urdf.errors import ConfigError
 from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.output.file_patterns import matching
-from dh2urdf.quantities.quantity import Dimension, QuantityError, evaluate
+from dh2urdf.quantities.quantity import Dimension, QuantityError
 from dh2urdf.run_file.validator import JsonSchema, Validator, ValueType
 from dh2urdf.source import did_you_mean, shown
 
@@ -28,8 +28,6 @@ T = TypeVar("T")
 
 MOST = 10**9
 """Largest whole number of a setting that counts manipulators."""
-LARGEST_ANGLE = 1000 * tau
-"""Angles beyond a thousand turns have lost too many digits [rad]."""
 _SHELL = re.compile(r"~(?=/|$)|~[A-Za-z]\w*(?=/)|\$[A-Za-z_]\w*|\$\{\w+\}")
 """What a shell would put something else in place of."""
 
@@ -224,24 +222,11 @@ def measure(dimension: Dimension) -> ValueType[float]:
     """A number that may be an expression with units."""
 
     def read(node: Node, field: str, to: Validator) -> float | None:
-        if node.text is None or node.value is None or isinstance(node.value, bool):
-            to.add_problem(f"{node.describe()} stands where a number is needed", node, field, accepted="a number")
-            return None
         try:
-            quantity = evaluate(node.text, dimension)
+            return measured(node, dimension)
         except QuantityError as error:
             to.add_problem(error.message, node, field, accepted=error.accepted, suggestion=error.suggestion)
             return None
-        size = abs(quantity.value)
-        if quantity.variable:
-            to.add_problem(f"{shown(node.text)} names a joint variable, and nothing moves here", node, field)
-        elif dimension is Dimension.ANGLE and size > tau and not quantity.has_unit:
-            message = f"{shown(node.text)} is more than a full turn in rad"
-            near = f"if these are degrees, say so: '{node.text.strip()} deg'"
-            to.add_problem(message, node, field, accepted="at most 2π rad where no unit is named", suggestion=near)
-        elif dimension is Dimension.ANGLE and size > LARGEST_ANGLE:
-            to.add_problem(f"{shown(node.text)} is more than a thousand turns", node, field)
-        return quantity.value
 
     return ValueType(read, NUMBER)
 

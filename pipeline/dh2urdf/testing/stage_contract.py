@@ -16,8 +16,9 @@ from dh2urdf.errors import CrashError, Dh2UrdfError, PluginError
 from dh2urdf.hookspecs import PROJECT
 from dh2urdf.isolation.child_process import ChildFailure
 from dh2urdf.plugin_system.catalog import RECORDS, Catalog, Plugin, load
-from dh2urdf.plugin_system.option_types import describe_options
+from dh2urdf.plugin_system.option_types import describe_options, measures_of
 from dh2urdf.plugin_system.options import make_options
+from dh2urdf.quantities import Dimension
 from dh2urdf.testing.breach import breach
 from dh2urdf.testing.catalogs import catalog_of
 from dh2urdf.testing.children.forks import LIGHT_HOST
@@ -115,6 +116,15 @@ class StageContract:
                     found=f"the option {name!r} has no description",
                     accepted="a text in the field's metadata, under 'help'",
                     remedy=f"write `{name}: … = field(default=…, metadata={{'help': 'what it is for [unit]'}})`",
+                )
+
+        for name, word in measures_of(self.stage.options).items():
+            if word not in (words := [each.plain for each in Dimension]):
+                self.breach(
+                    self.test_options_are_explained,
+                    found=f"the option {name!r} measures {word!r}",
+                    accepted=", ".join(words),
+                    remedy="write one of these under 'measures' in the field's metadata",
                 )
 
     def test_options_are_frozen(self) -> None:

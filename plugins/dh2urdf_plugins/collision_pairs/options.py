@@ -23,7 +23,8 @@ class PairOptions:
     trials: int = field(default=TRIALS, metadata={"help": "random states in which pairs that never touch are sought"})
     seed: int = field(default=0, metadata={"help": "seed of the random states; the same seed finds the same pairs"})
     min_distance: float = field(
-        default=MIN_DISTANCE, metadata={"help": "a pair that comes nearer than this is not Never [m]"}
+        default=MIN_DISTANCE,
+        metadata={"help": "a pair that comes nearer than this is not Never [m]", "measures": "length"},
     )
 
     def __post_init__(self) -> None:

@@ -15,15 +15,13 @@ class MountOptions:
 
     name: str = field(default="", metadata={"help": "name of the link; its joint is NAME_joint. Required"})
     parent: str = field(default="tool0", metadata={"help": "link that holds it"})
-    xyz: Vec3 = field(default=ZERO, metadata={"help": "its origin in that link [m]"})
-    rpy: tuple[float | str, float | str, float | str] = field(
-        default=ZERO,
-        metadata={"help": "roll, pitch, yaw in that link [rad]: numbers or texts such as -pi/2"},
-    )
+    xyz: Vec3 = field(default=ZERO, metadata={"help": "its origin in that link [m]", "measures": "length"})
+    rpy: Vec3 = field(default=ZERO, metadata={"help": "roll, pitch, yaw in that link [rad]", "measures": "angle"})
     size: Vec3 | None = field(
-        default=None, metadata={"help": "edges of a solid box about its origin [m]; a mere frame without"}
+        default=None,
+        metadata={"help": "edges of a solid box about its origin [m]; a mere frame without", "measures": "length"},
     )
-    mass: float = field(default=0.0, metadata={"help": "mass of the box [kg]"})
+    mass: float = field(default=0.0, metadata={"help": "mass of the box [kg]", "measures": "mass"})
     optical: bool = field(
         default=False,
         metadata={"help": "whether NAME_optical_frame is there too, of REP 103: z forward, x right, y down"},
@@ -39,18 +37,3 @@ class MountOptions:
             raise ValueError("size: the edges of a box are numbers greater than 0")
         if not 0.0 <= self.mass < math.inf or bool(self.mass) is not (self.size is not None):
             raise ValueError("mass and size belong together: a box has both, a mere frame has neither")
-        _ = self.angles
-
-    @property
-    def angles(self) -> Vec3:
-        """Roll, pitch, yaw [rad].
-
-        Raises:
-            QuantityError: one of them is no angle; also a ValueError.
-        """
-        from dh2urdf.quantities import Dimension, evaluate
-
-        roll, pitch, yaw = (
-            evaluate(angle, Dimension.ANGLE).value if isinstance(angle, str) else angle for angle in self.rpy
-        )
-        return (roll, pitch, yaw)

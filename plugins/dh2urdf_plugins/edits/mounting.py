@@ -33,7 +33,7 @@ def mounted(robot: Robot, options: MountOptions) -> Robot:
     problems = list(_problems(robot, options))
     if problems:
         raise EditError(problem.about(robot=robot.name) for problem in problems)
-    robot = _with(robot, _link(options), options.parent, Origin(xyz=options.xyz, rpy=options.angles))
+    robot = _with(robot, _link(options), options.parent, Origin(xyz=options.xyz, rpy=options.rpy))
     if options.optical:
         frame = Link(name=_optical(options), inertial=Inertial(mass=0.0))
         robot = _with(robot, frame, options.name, Origin(rpy=_OPTICAL))

@@ -19,17 +19,24 @@ _BODIES = ("inertia", "size", "radius")
 class PayloadOptions:
     """What the arm carries."""
 
-    mass: float | None = field(default=None, metadata={"help": "its mass [kg]; there is no payload without a mass"})
-    com: Vec3 = field(default=(0.0, 0.0, 0.0), metadata={"help": "its centre of mass in tool0 [m]"})
+    mass: float | None = field(
+        default=None, metadata={"help": "its mass [kg]; there is no payload without a mass", "measures": "mass"}
+    )
+    com: Vec3 = field(
+        default=(0.0, 0.0, 0.0), metadata={"help": "its centre of mass in tool0 [m]", "measures": "length"}
+    )
     inertia: tuple[float, float, float, float, float, float] | None = field(
         default=None,
         metadata={
             "help": "ixx, iyy, izz, ixy, ixz, iyz about the centre of mass, axes of tool0 [kg·m²]; without inertia, "
-            "size and radius the payload is a solid ball of the links' density"
+            "size and radius the payload is a solid ball of the links' density",
+            "measures": "moment of inertia",
         },
     )
-    size: Vec3 | None = field(default=None, metadata={"help": "edges of a solid box along the axes of tool0 [m]"})
-    radius: float | None = field(default=None, metadata={"help": "radius of a solid ball [m]"})
+    size: Vec3 | None = field(
+        default=None, metadata={"help": "edges of a solid box along the axes of tool0 [m]", "measures": "length"}
+    )
+    radius: float | None = field(default=None, metadata={"help": "radius of a solid ball [m]", "measures": "length"})
 
     def __post_init__(self) -> None:
         """Refuse what no body has.

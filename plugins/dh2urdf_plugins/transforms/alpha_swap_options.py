@@ -48,17 +48,20 @@ class AlphaSwapOptions:
         default=None,
         metadata={
             "help": "exact variant: radius of the links, half the thickness of boxes [m]; "
-            "by default 0.04 or a tenth of the longest segment, whichever is smaller"
+            "by default 0.04 or a tenth of the longest segment, whichever is smaller",
+            "measures": "length",
         },
     )
     density: float = field(
-        default=2700.0, metadata={"help": "density of links without a mass [kg/m³]; the default is aluminium"}
+        default=2700.0,
+        metadata={"help": "density of links without a mass [kg/m³]; the default is aluminium", "measures": "density"},
     )
     inertia_floor: float | None = field(
         default=None,
         metadata={
             "help": "what principal moments of inertia of 0 are raised to [kg·m²], as makers print them for small "
-            "links; such a tensor is refused by default"
+            "links; such a tensor is refused by default",
+            "measures": "moment of inertia",
         },
     )
     base_collision: bool = field(
@@ -91,7 +94,10 @@ class AlphaSwapOptions:
     )
     snap: float = field(
         default=1e-3,
-        metadata={"help": "paper variant: how far alpha may be from 0, ±pi/2 and pi [rad] to be taken for it"},
+        metadata={
+            "help": "paper variant: how far alpha may be from 0, ±pi/2 and pi [rad] to be taken for it",
+            "measures": "angle",
+        },
     )
 
     def __post_init__(self) -> None:

@@ -78,7 +78,11 @@ def test_a_file_of_an_edit_is_one_of_the_working_directory() -> None:
         ("{payload: {mass: 1}, rename: {}}", "is no edit"),
         ("''", "no edit is named"),
         ("payload: {mas: 3}", "command line: error: field 'mas': the edit 'payload' has no such option"),
-        ("payload: {mass: heavy}", "the edit 'payload' cannot take the text 'heavy' here"),
+        ("payload: {mass: heavy}", "the edit 'payload': 'heavy' cannot be read"),
+        ("payload: {mass: 3", "--edit 'payload: {mass: 3' cannot be read: this is not valid YAML"),
+        ("rename: {prefix: a #b}", "cannot be read: this is not valid YAML"),
+        ("[payload", "cannot be read: this is not valid YAML"),
+        ("{stage: payload, mass: 3}", "is no edit"),
         ("payload: {mass: -1}", "mass, size and radius are numbers greater than 0"),
     ],
 )
@@ -86,6 +90,15 @@ def test_what_is_no_edit_is_refused(cli: Callable[..., Answer], word: str, messa
     said = cli("convert", "arm.csv", "--edit", word, "-o", "arm.urdf", status=2).stderr
     assert message in said
     assert not Path("arm.urdf").exists()
+
+
+def test_an_edit_may_be_written_as_in_a_run_file(cli: Callable[..., Answer]) -> None:
+    """Messages and pages write `{stage: NAME, options: {…}}`: it is the same edit on the command line and in Python."""
+    short = cli("convert", "arm.csv", "--edit", "payload: {mass: 2}", "--quiet").stdout
+    assert cli("convert", "arm.csv", "--edit", "{stage: payload, options: {mass: 2}}", "--quiet").stdout == short
+    assert dh2urdf.convert("arm.csv", edits=[{"stage": "payload", "options": {"mass": 2}}]).text == short
+    named = cli("convert", "arm.csv", "--edit", "stage: limits", "--quiet").stdout
+    assert named == cli("convert", "arm.csv", "--edit", "limits", "--quiet").stdout
 
 
 def test_all_that_is_wrong_is_reported_at_once() -> None:

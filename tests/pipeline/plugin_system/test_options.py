@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+import json
+import math
 import subprocess
 import sys
 from dataclasses import dataclass, field
@@ -270,6 +272,12 @@ def test_any_word_is_a_value(word: str) -> None:
         ("[1", "[1"),
         ("[1, {a: b}]", [1, {"a": "b"}]),
         ("~", None),
+        ("a #b", "a #b"),
+        ("2700 # of aluminium", "2700 # of aluminium"),
+        ("'a #b'", "a #b"),
+        ("#b", "#b"),
+        (" x ", "x"),
+        ("[a] # these", ["a"]),
     ],
 )
 def test_words_are_read_as_yaml(word: str, value: object) -> None:
@@ -285,6 +293,72 @@ def test_a_mapping_keeps_its_word_where_a_text_is_wanted() -> None:
         tool: str | None = None
 
     assert make_options(Tool, {"tool": "{xyz: [0,0,1]}"}, where="x") == Tool(tool="{xyz: [0,0,1]}")
+
+
+# --- Quantities -------------------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Sizes:
+    length: float | None = field(default=None, metadata={"measures": "length"})
+    turns: tuple[float, float, float] = field(default=(0.0, 0.0, 0.0), metadata={"measures": "angle"})
+    density: float | Literal["auto"] = field(default="auto", metadata={"measures": "density"})
+    inertia: tuple[float, ...] = field(default=(), metadata={"measures": "moment of inertia"})
+    plain: float = 0.0
+
+
+@pytest.mark.parametrize(
+    ("text", "sizes"),
+    [
+        ("{length: 40 mm}", Sizes(length=0.04)),
+        ("{length: 0.04, plain: 1e3}", Sizes(length=0.04, plain=1000.0)),
+        ("{length: 300}", Sizes(length=300.0)),
+        ("{length: ~}", Sizes()),
+        ("{turns: [pi/2, 90 deg, -180°]}", Sizes(turns=(math.pi / 2, math.pi / 2, -math.pi))),
+        ("{turns: [0, 1, 6.28]}", Sizes(turns=(0.0, 1.0, 6.28))),
+        ("{density: auto}", Sizes()),
+        ("{density: 2.7 g/cm³}", Sizes(density=2700.0)),
+        ("{inertia: [1 kg cm^2, 0.5]}", Sizes(inertia=(1e-4, 0.5))),
+    ],
+)
+def test_options_that_measure_something_take_units(text: str, sizes: Sizes) -> None:
+    """Bare numbers are in SI units, as in the rest of a run file; words of the command line are no other."""
+    node = load_yaml(text, "run.yaml")
+    assert make_options(Sizes, node, where="x") == sizes
+    assert isinstance(node.value, dict)
+    words = {key: json.dumps(each.plain()) if each.text is None else each.text for key, each in node.value.items()}
+    assert make_options(Sizes, words, where="x") == sizes
+
+
+@pytest.mark.parametrize(
+    ("text", "problem"),
+    [
+        ("{length: 2 kg}", "field 'length': the edit 'x': '2 kg' is a mass, and a length is needed"),
+        ("{length: q1}", "field 'length': the edit 'x': 'q1' names a joint variable"),
+        ("{turns: [0, 90, 0]}", "field 'turns.1': the edit 'x': '90' is more than a full turn in rad"),
+        ("{turns: [0, 1e9 deg, 0]}", "field 'turns.1': the edit 'x': '1e9 deg' is more than a thousand turns"),
+        ("{turns: [0, 1]}", "accepted: a list of 3, each a number with or without a unit"),
+        ("{length: true}", "accepted: a number with or without a unit"),
+        ("{plain: 3 mm}", "accepted: a number"),
+    ],
+)
+def test_what_does_not_measure_that_is_told_with_its_place(text: str, problem: str) -> None:
+    """An angle above a full turn is never taken for radians in silence; everything wrong is reported at once."""
+    with pytest.raises(ConfigError) as caught:
+        make_options(Sizes, load_yaml(text.replace("{", "{nope: 1, "), "run.yaml"), where="edit 'x'")
+    assert problem in str(caught.value)
+    assert "has no such option" in str(caught.value)
+
+
+def test_a_measure_that_there_is_not_blames_the_plugin() -> None:
+    """It is a slip of the author, and of no user."""
+
+    @dataclass(frozen=True)
+    class Slip:
+        length: float = field(default=0.0, metadata={"measures": "lenght"})
+
+    with pytest.raises(BrokenPluginError, match="lenght"):
+        make_options(Slip, {"length": "3 mm"}, where="edit 'x'")
 
 
 # --- Descriptions -----------------------------------------------------------------------------------------------------

@@ -170,7 +170,10 @@ def test_one_cell_needs_no_list_and_settings_reach_it(tmp_path: Path) -> None:
         ),
         (
             "{name: a, of: x, xyz: [0, q1, 0]}",
-            "run.yaml:4:36: error: field 'cells.0.arms.0.xyz': 'q1' names a joint variable, and nothing moves here",
+            (
+                "run.yaml:4:36: error: field 'cells.0.arms.0.xyz': 'q1' names a joint variable, and nothing moves here\n"
+                "    accepted: a number such as 0.5 or an expression such as 0.1 + 0.02, bare or with a unit (m, cm, mm, µm)"
+            ),
         ),
         (
             "{name: a, of: x, xyz: [0, true, 0]}",

@@ -364,6 +364,7 @@ def test_everything_that_is_wrong_is_said_at_once(folder: Path) -> None:
         (TABLE + "transform: {options: [x]}\n", "field 'transform.options': options cannot be a list of 1"),
         (TABLE + "transform: [x]\n", "field 'transform': this cannot be a list of 1"),
         (TABLE + "emitters: [{stage: urdf, profile: x}]\n", "the options of a stage stand under `options:`"),
+        (TABLE + "emitters: [urdf: {profile: x}]\n", "as in `{stage: urdf, options: {…}}`"),
         (TABLE + "output: {directory: [x]}\n", "field 'output.directory': this cannot be a list of 1"),
         (
             TABLE + "output: [x]\n",

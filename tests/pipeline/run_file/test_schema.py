@@ -31,6 +31,8 @@ class DotOptions:
     rank: Literal["LR", "TB"] = field(default="LR", metadata={"help": "which way it grows"})
     paper: Paper = Paper()
     scale: float | None = None
+    width: float | None = field(default=None, metadata={"measures": "length"})
+    box: tuple[float, float, float] = field(default=(1.0, 1.0, 1.0), metadata={"measures": "length"})
 
 
 @dataclass(frozen=True)
@@ -115,6 +117,7 @@ def test_the_schema_is_a_schema(schema: dict[str, Any]) -> None:
         "{inputs: a, meshes: [{of: ur5, joints: {j: {mesh: {file: a.stl, xyz: [0, 1 mm, 0], scale: 0.001}}}}]}",
         "{inputs: a, variations: {of: b, count: 5, vary: {joints: all, field: damping, uniform: [0, 1]}}}",
         "{inputs: a, cells: []}",
+        "{inputs: {path: b.csv, options: {width: 40 mm, box: [1, 2 cm, 3]}}}",
         "{inputs: a, variations: []}",
         "{inputs: a, variations: {of: b, vary: {joints: 2, field: a, grid: [1, 2 mm]}}}",
         "{inputs: a, variations: [{name: c, of: b, count: 5, seed: 7, sampling: sobol, vary: [{field: axes, choices: [4, 5]}]}]}",
@@ -149,6 +152,8 @@ def test_good_run_files_are_valid(schema: dict[str, Any], text: str) -> None:
         "{inputs: a, emitters: [{stage: dot, rank: LR}]}",
         "{inputs: a, emitters: {stage: dot, options: {paper: {sze: a4}}}}",
         "{inputs: a, emitters: {stage: dot, options: {scale: x}}}",
+        "{inputs: a, emitters: {stage: dot, options: {width: true}}}",
+        "{inputs: a, emitters: {stage: dot, options: {box: [1 mm, 2]}}}",
         "{inputs: a, loaders: urdf}",
         "{inputs: a, proof: {poses: 0}}",
         "{inputs: a, output: [x]}",

@@ -51,6 +51,11 @@ class Unexplained:
 
 
 @dataclass(frozen=True, kw_only=True)
+class Unmeasured:
+    speed: float = field(default=1.0, metadata={"help": "how fast", "measures": "lenght"})
+
+
+@dataclass(frozen=True, kw_only=True)
 class Required:
     speed: float = field(metadata={"help": "how fast"})
 

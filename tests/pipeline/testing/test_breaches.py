@@ -31,6 +31,7 @@ BREACHES = [
     ("TestNameless", "test_record", "the name 'My Emitter'"),
     ("TestMute", "test_record", "the summary ''"),
     ("TestNoRecord", "test_record", "dict {'name': 'bad'}"),
+    ("TestUnmeasured", "test_options_are_explained", "the option 'speed' measures 'lenght'"),
     ("TestUnexplained", "test_options_are_explained", "the option 'speed' has no description"),
     ("TestRequired", "test_options_are_explained", "the option 'speed' has no default"),
     ("TestThawed", "test_options_are_frozen", "Thawed is a dataclass that can be changed"),

@@ -80,11 +80,20 @@ def test_what_the_robot_cannot_have(robot: Robot, options: dict[str, Any], messa
         edit_robot(robot, MountOptions(**options))
 
 
-def test_angles_are_numbers_or_expressions() -> None:
-    """As everywhere in a run file; what is no angle is refused before anything is read."""
-    assert MountOptions(name="a", rpy=("-pi/2", "90 deg", 0.25)).angles == (-math.pi / 2, math.pi / 2, 0.25)
-    with pytest.raises(ValueError, match="'half' cannot be read"):
-        MountOptions(name="a", rpy=("half", 0.0, 0.0))
+def test_angles_are_numbers_or_expressions(tmp_path: Path, cli: Callable[..., Answer]) -> None:
+    """As everywhere in a run file; what is no angle, or may be in degrees, is refused before anything is read."""
+    (tmp_path / "arm.csv").write_text(TABLE)
+    (tmp_path / "run.yaml").write_text(
+        "inputs: arm.csv\noutput: out\nedits: {stage: mount, options: {name: camera, rpy: [-pi/2, 90 deg, 0.25]}}\n"
+    )
+    cli("run", tmp_path / "run.yaml")
+    in_run = (tmp_path / "out" / "arm.urdf").read_bytes()
+    in_radians = f"mount: {{name: camera, rpy: [{-math.pi / 2}, {math.pi / 2}, 0.25]}}"
+    cli("convert", tmp_path / "arm.csv", "-o", tmp_path / "arm.urdf", "--edit", in_radians)
+    assert (tmp_path / "arm.urdf").read_bytes() == in_run
+    for word, message in (("half", "'half' cannot be read"), ("90", "if these are degrees, say so: '90 deg'")):
+        edit = f"mount: {{name: camera, rpy: [{word}, 0, 0]}}"
+        assert message in cli("convert", tmp_path / "arm.csv", "--edit", edit, status=2).stderr
 
 
 @pytest.mark.parametrize("options", [{"size": (0.1, 0.0, 0.1), "mass": 1.0}, {"mass": 1.0}, {"size": (0.1, 0.1, 0.1)}])

@@ -138,6 +138,26 @@ def permuted(index: int, count: int, key: str) -> int:
             return index
 
 
+def regrouped(index: int, groups: int, count: int, seed: int) -> int:
+    """The point for an index where `index % groups` decides what the point is combined with, such as a point of a grid.
+
+    Each group has points that follow each other, which a Sobol sequence spreads evenly. It does not do so with every
+    second or fourth point: they are all in one half or quarter of the first coordinate. Which points a group has is
+    random, so that groups that are neighbours of each other are not neighbours in the sample.
+
+    Args:
+        index: from 0 to count - 1.
+        groups: how many there are.
+        count: how many points the sample has.
+        seed: which sample.
+    """
+    place, group = divmod(index, groups)
+    size, larger = divmod(count, groups)  # so many groups have a point more
+    first, among = (0, larger) if group < larger else (larger, groups - larger)
+    block = first + permuted(group - first, among, f"{seed} groups")
+    return block * size + min(block, larger) + place
+
+
 @lru_cache(maxsize=65536)
 def _round_keys(key: str) -> list[int]:
     return _words(f"{key} rounds")[:_ROUNDS]

@@ -20,7 +20,7 @@ from dh2urdf.row_fields import COM, DYNAMICS, INERTIA, LIMITS, ROW_FIELDS, RowFi
 from dh2urdf.source import Mark, Problem
 from dh2urdf.validation.coercion import replace_unchecked
 from dh2urdf.variations.laws import DrawnValue, Grid, Law, draw_many
-from dh2urdf.variations.sampling import Sampling, point, points
+from dh2urdf.variations.sampling import Sampling, point, points, regrouped
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterator, Mapping, Sequence
@@ -210,11 +210,14 @@ class Variant:
         variation, index = self.variation, self.number - 1
         sampled = [factor for factor in variation.factors if not isinstance(factor.law, Grid)]
         values: dict[str, DrawnValue] = {}
-        rest = index
+        rest, points_of_grids = index, 1
         for factor in reversed(variation.factors):
             if isinstance(factor.law, Grid):
                 rest, place = divmod(rest, len(factor.law.values))
                 values[factor.key] = factor.law.values[place]
+                points_of_grids *= len(factor.law.values)
+        if variation.sampling is Sampling.SOBOL:
+            index = regrouped(index, points_of_grids, variation.count, variation.seed)
         if sampled:
             coordinates = point(
                 variation.sampling,

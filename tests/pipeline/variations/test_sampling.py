@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, strategies as st
 
 from dh2urdf.errors import MissingDependencyError
-from dh2urdf.variations.sampling import MOST_POINTS, Sampling, permuted, point, require
+from dh2urdf.variations.sampling import MOST_POINTS, Sampling, permuted, point, regrouped, require
 
 
 def points(sampling: Sampling, count: int, dimensions: int, seed: int = 7) -> list[list[float]]:
@@ -112,6 +112,16 @@ def test_sobol_points_fill_every_cell_of_a_net() -> None:
     cells = Counter((int(x * 16), int(y * 16)) for x, y in points(Sampling.SOBOL, 256, 2))
     assert set(cells.values()) == {1}
     assert len(cells) == 256
+
+
+@given(st.integers(1, 300), st.integers(1, 40), SEEDS)
+def test_every_point_is_in_one_group(count: int, groups: int, seed: int) -> None:
+    """Those of a group follow each other, and together they are all."""
+    found = [regrouped(index, groups, count, seed) for index in range(count)]
+    assert sorted(found) == list(range(count))
+    for group in range(min(groups, count)):
+        own = found[group::groups]
+        assert own == list(range(own[0], own[0] + len(own)))
 
 
 def test_sobol_needs_scipy(monkeypatch: pytest.MonkeyPatch) -> None:

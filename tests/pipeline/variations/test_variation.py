@@ -178,6 +178,34 @@ class TestGrids:
         assert Counter(each["a_2"] for each in values) == {0.3: 3, 0.4: 3}
         assert len({each["mass_2"] for each in values}) == 6
 
+    @pytest.mark.parametrize("size", [2, 4, 8])
+    def test_a_sobol_sequence_is_even_at_every_point_of_a_grid(self, size: int) -> None:
+        """Each point of the grid has values of all parts of a range, and all points together those of no grid."""
+        grid = rule("radius", Grid(values=tuple(map(float, range(1, size + 1)))), 1)
+        others = [rule("mass", Uniform(low=1.0, high=5.0), 2), rule("a", Uniform(low=0.0, high=1.0), 2)]
+        rows = drawn(variation(grid, *others, count=32 * size, sampling=Sampling.SOBOL, seed=3))
+        for point in range(1, size + 1):
+            own = [row for row in rows if row["radius_1"] == point]
+            for key, low, width in (("mass_2", 1.0, 4.0), ("a_2", 0.0, 1.0)):
+                assert sorted(int((float(row[key]) - low) / width * 32) for row in own) == list(range(32))
+        without = drawn(variation(*others, count=32 * size, sampling=Sampling.SOBOL, seed=3))
+        assert {(row["mass_2"], row["a_2"]) for row in rows} == {(row["mass_2"], row["a_2"]) for row in without}
+
+    def test_a_sobol_sequence_has_no_part_in_the_order_of_a_grid(self) -> None:
+        """Also where each point of the grids has one variant: values of the fastest grid go with no half of a range."""
+        grids = [
+            rule("radius", Grid(values=tuple(map(float, range(1, size + 1)))), joint)
+            for joint, size in ((1, 32), (2, 4))
+        ]
+        for seed in range(5):
+            rows = drawn(
+                variation(*grids, rule("mass", Uniform(low=0.0, high=1.0), 2), sampling=Sampling.SOBOL, seed=seed)
+            )
+            assert len(rows) == 128
+            for value in (1.0, 2.0, 3.0, 4.0):
+                own = [float(row["mass_2"]) for row in rows if row["radius_2"] == value]
+                assert 4 < sum(mass < 0.5 for mass in own) < 28
+
     def test_a_count_may_end_a_grid_early(self) -> None:
         """To try the first few."""
         assert [each["a_2"] for each in drawn(variation(rule("a", Grid(values=(0.3, 0.4, 0.5)), 2), count=2))] == [

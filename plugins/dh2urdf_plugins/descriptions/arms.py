@@ -75,7 +75,7 @@ def manipulator_of(description: Description, tree: Tree, tip: str, asked: Asked)
     precision = Precision.of(asked.choices.tolerance, solution.length)
     rows, row_notices = _rows(solution, chain, carried, about, precision)
     base = carried.body(0, solution.table.base, precision)
-    lost = list(about.lost(carried, base))
+    lost = [*about.lost(carried, base), *about.weightless(rows)]
     try:
         return Manipulator(
             name=asked.name,
@@ -320,6 +320,17 @@ class _About:
             field="limits.lower",
             accepted="lower at most upper",
         )
+
+    def weightless(self, rows: Sequence[DHRow]) -> Iterator[Problem]:
+        """Links without a mass beside others that have one: no row that moves has the mass 0."""
+        names = [shown(row.link) for row in rows if row.mass is None]
+        if names and any(row.mass for row in rows):
+            yield self.notice(
+                f"the file has no mass for {listed(names, _FEW)}, and has one for other links: the table has none, and "
+                "robots that are made of it have the mass of a drawn shape there",
+                field="mass",
+                suggestion="write a mass into the rows: a small one if the link has no body",
+            )
 
     def lost(self, carried: Carried, base: Body) -> Iterator[Problem]:
         """What a table has no place for."""

@@ -27,6 +27,7 @@ JOINT = """
     <origin xyz="{xyz}" rpy="{rpy}"/> <axis xyz="{axis}"/>
     {more}
   </joint>"""
+INERTIAL = '<inertial><mass value="{0}"/><inertia ixx="{1}" iyy="{1}" izz="{1}" ixy="0" ixz="0" iyz="0"/></inertial>'
 LIMITS = '<limit lower="-2" upper="2.5" effort="80" velocity="1.5"/>'
 
 
@@ -138,6 +139,18 @@ class TestWhatGoesWithTheKinematics:
         rows = [[found.ixx, found.ixy, found.ixz], [found.ixy, found.iyy, found.iyz], [found.ixz, found.iyz, found.izz]]
         assert np.abs(np.array(rows) - wanted).max() < 1e-9
         assert arm.base_mass == 0
+
+    @pytest.mark.parametrize("inertial", ["", INERTIAL.format(0, 0)])
+    def test_a_link_without_a_mass_beside_others(self, tmp_path: Path, inertial: str) -> None:
+        """As the wrists of makers' files, and the frames between the joints of one body in an MJCF."""
+        upper = f'<link name="upper">{inertial}</link>'
+        arm = read(tmp_path, urdf(*PLAIN, END, links=f'{upper}<link name="fore">{INERTIAL.format(3, 1)}</link>'))
+        assert [row.mass for row in arm.rows] == [None, 3]
+        assert "field 'mass': the file has no mass for 'upper', and has one for other links" in notices(arm)
+        assert "no mass" not in notices(read(tmp_path, urdf(*PLAIN, END, links=upper)))
+        body = '<body><joint name="{}"/>{}<joint name="{}" axis="0 1 0"/><geom size="0.1"/></body>'
+        arm = read(tmp_path, f"<mujoco><worldbody>{body.format('a', '', 'b')}</worldbody></mujoco>", ".xml")
+        assert notices(arm).count("the file has no mass for ") == 1
 
     def test_an_inertia_of_no_body_is_left_out(self, tmp_path: Path) -> None:
         links = (

@@ -54,6 +54,10 @@ GROUPS = {
             for name in ("exact", "shapes", "paper", "assembly", "formulas", "columns")
         ),
     ),
+    "read_back": Group(
+        tuple(PLUGINS / "read_back" / f"{name}.py" for name in ("urdf_parts", "urdf_forms", "urdf_scanner")),
+        ("tests/plugins/test_urdf_scanner.py", "tests/pipeline/kinematics/test_proof_of_many.py"),
+    ),
     "readers": Group(
         (
             *sorted((PLUGINS / "readers" / "plain").glob("*.py")),

@@ -230,6 +230,7 @@ NOT_PLAIN = {
     "an element left open": (b"</joint>", b""),
     "an attribute left open": (b'<link name="tool0"/>\n</robot>\n', b'<link name="tool0'),
     "text after the root": (b"</robot>", b"</robot>text"),
+    "a quote after the root": (b"</robot>\n", b'</robot>\n"text'),
     "a second root": (b"</robot>", b"</robot><robot/>"),
     "another root": (b"<robot name", b"<robots name"),
     "a nameless robot": (b'<robot name="arm">', b"<robot>"),

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, Literal, TypeVar, overload
 from dh2urdf.columns import ManipulatorGroups
 from dh2urdf.conversion.robots import a_robot, keeps_kinematics
 from dh2urdf.errors import ProofError, RecordError, TableError
-from dh2urdf.kinematics.proof import TOLERANCE, Proof, prove
+from dh2urdf.kinematics.proof import Proof, prove
 from dh2urdf.kinematics.proof_vectors import proof_vectors
 from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.manipulator import Manipulator
@@ -251,42 +251,37 @@ def emit_robot(
         write_files(folder, files, place)
         looked = proved and (sampled or not emitter.costly_proof)
         robots = [folder / file.name for file in files if looked and file.is_robot]
-        proof = _prove_file(expected, robots[0], call, poses, recipe=recipe, at_once=at_once) if robots else None
+        proof = _prove_file(expected, robot, robots[0], call, poses, recipe=recipe, at_once=at_once) if robots else None
         written.append(Written(stage=emitter.name, files=tuple(files), proof=proof))
     return tuple(written)
 
 
 def _prove_file(
-    expected: ExpectedPoses, path: Path, call: Call[Emitter[Any]], poses: Poses, *, recipe: Recipe, at_once: bool
+    expected: ExpectedPoses,
+    robot: Robot,
+    path: Path,
+    call: Call[Emitter[Any]],
+    poses: Poses,
+    *,
+    recipe: Recipe,
+    at_once: bool,
 ) -> Proof | None:
     emitter = call.stage
     if emitter.read_back is None:
         return None
     with blaming(call, "read_back"):
         described = a_robot(emitter.read_back(path), call)
-    proof = prove(expected, described, poses, at_once=at_once)
-    accept(proof, emitter, expected.name, expected.mark, recipe=recipe)
+    try:
+        proof = prove(expected, described, poses, at_once=at_once)
+        if recipe.keeps_kinematics and not proof.holds:
+            from dh2urdf.conversion.another_arm import far_off
+
+            raise far_off(proof, emitter.name, expected)
+    except ProofError as error:
+        from dh2urdf.conversion.another_arm import fault_of
+
+        raise fault_of(error, expected, robot, poses, (recipe.transform, *recipe.edits)) from error
     return proof
-
-
-def accept(proof: Proof, emitter: Emitter[Any], name: str, mark: Mark | None, *, recipe: Recipe) -> None:
-    """Let a proof pass.
-
-    Raises:
-        ProofError: what was written is not the arm of the table, and the transform keeps the kinematics.
-    """
-    if recipe.keeps_kinematics and not proof.holds:
-        raise ProofError(
-            Problem(
-                message=(
-                    f"what the emitter {emitter.name!r} wrote is not the arm of the table: {proof.tip} is off by "
-                    f"{proof.position_error:.3g} m and {proof.angle_error:.3g} rad at q = {list(proof.q)}; "
-                    f"allowed are {proof.tolerance:.3g} m and {TOLERANCE:.3g} rad"
-                ),
-                robot=name,
-                mark=mark,
-            )
-        )
 
 
 @overload

@@ -18,7 +18,7 @@ from itertools import repeat
 from typing import TYPE_CHECKING
 
 from dh2urdf.elementwise import is_column
-from dh2urdf.errors import ProofError
+from dh2urdf.errors import ProofError, RecordError
 from dh2urdf.kinematics.chain import compile_joints, joints_between, reach
 from dh2urdf.kinematics.expected_poses import ExpectedPoses
 from dh2urdf.kinematics.proof_vectors import joint_columns
@@ -121,8 +121,8 @@ def joints_to(expected: ExpectedPoses, tip: Tip, written: Robot) -> tuple[Joint,
     """
     try:
         joints = joints_between(written, expected.root, tip.link)
-    except ValueError as error:
-        raise ProofError(Problem(message=str(error), robot=expected.name)) from error
+    except RecordError as error:
+        raise ProofError(problem.about(robot=expected.name) for problem in error.problems) from error
     moving = [joint.name for joint in joints if joint.type is not JointType.FIXED]
     if moving != list(tip.joints):
         raise ProofError(

@@ -392,13 +392,35 @@ class TestWhenAnEmitterFails:
 
     def test_by_writing_another_arm(self, out: Path) -> None:
         """A file whose arm is a tenth of a micrometre longer than the table's is refused, with the numbers."""
+        longer = pickle.dumps(robot(length=0.5 + 1e-7))
         with pytest.raises(ProofError) as caught:
-            write(emitting(), of=robot(length=0.5 + 1e-7), to=out)
+            write(emitting("pickle", lambda *_: [EmittedFile(name="arm.pickle", content=longer)]), to=out)
         message = str(caught.value)
         assert "what the emitter 'pickle' wrote is not the arm of the table" in message
         assert "tool0 is off by 1e-07 m and " in message
         assert "allowed are 1e-09 m and 1e-09 rad" in message
         assert caught.value.problems[0].mark == TABLE.mark
+
+    @pytest.mark.parametrize(
+        ("other", "how"),
+        [
+            (robot(length=0.6), r"tool0 is off by 0\.1 m and "),
+            (
+                replace(robot(), joints=robot().joints[:-1]),
+                "robot 'arm' has no chain from link 'base_link' to link 'tool0'",
+            ),
+            (
+                replace(robot(), joints=tuple(replace(each, name=f"my_{each.name}") for each in robot().joints)),
+                "the written chain moves the joints my_turn, the table turn",
+            ),
+        ],
+    )
+    def test_of_a_robot_that_is_another_arm(self, out: Path, other: Robot, how: str) -> None:
+        """The transform made it, and the edits of robots: the emitter wrote what it was given."""
+        with pytest.raises(
+            ProofError, match=rf"error: [^:]*: what the transform 'draw' made is not the arm of the table: {how}"
+        ):
+            write(emitting(), of=other, to=out)
 
     def test_by_writing_a_length_that_is_no_number(self, out: Path) -> None:
         """A file with NaN in it does not pass for the arm of the table."""

@@ -11,6 +11,7 @@ from dh2urdf.source import shown
 from dh2urdf_plugins.lint.document.description import ALL, MOVING, Hit, few
 from dh2urdf_plugins.lint.gazebo import kept, mass_of, merged as merged_by_gazebo, without_centre
 from dh2urdf_plugins.lint.merged import head_of, inertial_of, merged_inertial
+from dh2urdf_plugins.lint.numbers import ROUNDED, SMALLEST_MOMENT
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -18,10 +19,6 @@ if TYPE_CHECKING:
     from dh2urdf.robot import Inertial
     from dh2urdf_plugins.lint.document.description import Description, LinkNode
     from dh2urdf_plugins.lint.document.tree import Element
-
-_ROUNDED = 1e-9
-_SMALLEST_MOMENT = 1e-14
-"""Principal moment that MuJoCo takes for 0 [kg·m²]."""
 
 
 def hits(description: Description) -> Iterator[Hit]:
@@ -125,11 +122,11 @@ def _moments(description: Description, link: LinkNode, inertia: Element, body: I
     what = f"the principal moments of its inertia are {low:.6g}, {middle:.6g} and {high:.6g} kg·m²"
     moments = f"{about}: {inertia_problem(body.inertia) or what}"
     minding = ALL if body.mass > 0.0 else frozenset({"mujoco", "gazebo"})
-    if low < -_ROUNDED * high:
+    if low < -ROUNDED * high:
         yield Hit("inertia-not-positive-definite", inertia, moments, minding - _gazebo_takes(description, link))
-    elif low + middle < high * (1.0 - _ROUNDED):
+    elif low + middle < high * (1.0 - ROUNDED):
         yield Hit("inertia-triangle-inequality", inertia, moments, minding - _gazebo_takes(description, link))
-    elif low < _SMALLEST_MOMENT:
+    elif low < SMALLEST_MOMENT:
         yield Hit("inertia-semidefinite", inertia, moments)
 
 
@@ -141,7 +138,7 @@ def _gazebo_takes(description: Description, link: LinkNode) -> set[str]:
             if merged is None:
                 return set()
             low, middle, high = principal_moments(merged.inertia)
-            wrong = merged.mass < 0.0 or low < -_ROUNDED * high or low + middle < high * (1.0 - _ROUNDED)
+            wrong = merged.mass < 0.0 or low < -ROUNDED * high or low + middle < high * (1.0 - ROUNDED)
             return set() if wrong else {"gazebo"}
     return {"gazebo"}
 

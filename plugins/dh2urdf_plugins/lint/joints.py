@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from itertools import chain
 from typing import TYPE_CHECKING
 
 from dh2urdf.rotations import norm
 from dh2urdf.source import did_you_mean, shown
 from dh2urdf_plugins.lint.document.description import ALL, MOVING, TURNING_OR_SLIDING, Hit, few
+from dh2urdf_plugins.lint.numbers import drake_numbers, mujoco_numbers
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -98,7 +100,13 @@ def _axis(joint: JointNode) -> Iterator[Hit]:
         yield Hit("missing-axis", joint.element, f"joint {shown(joint.name)} has no axis")
     elif axis.get("xyz") is None:
         yield Hit("axis-without-direction", axis, f"the axis of joint {shown(joint.name)} has no xyz")
-    elif numbers := axis.numbers("xyz", 3):
+    elif (numbers := axis.numbers("xyz", 3)) is None:
+        text = axis.get("xyz") or ""
+        drake = drake_numbers(text)
+        read = {"mujoco": mujoco_numbers(text, 3), "drake": drake if len(drake) == len("xyz") else None}
+        if of := {reader for reader, xyz in read.items() if xyz and math.hypot(*xyz) < _SMALLEST_AXIS[reader]}:
+            yield Hit("axis-zero", axis, f"the axis of joint {shown(joint.name)} is read as 0 from {shown(text)}", of)
+    else:
         x, y, z = numbers
         length = norm((x, y, z))
         if of := {reader for reader, smallest in _SMALLEST_AXIS.items() if length < smallest}:

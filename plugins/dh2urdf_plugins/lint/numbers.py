@@ -7,8 +7,11 @@ import re
 from typing import TYPE_CHECKING
 
 from dh2urdf.late_tuples import NamedTuple
+from dh2urdf.manipulator import Inertia
+from dh2urdf.mass_properties import principal_moments
+from dh2urdf.row_fields import INERTIA
 from dh2urdf.source import shown
-from dh2urdf_plugins.lint.document.description import SHAPES, Hit
+from dh2urdf_plugins.lint.document.description import MOVING, SHAPES, Hit
 from dh2urdf_plugins.lint.document.tree import numbers_of
 
 if TYPE_CHECKING:
@@ -28,6 +31,10 @@ XACRO = re.compile(r"\$[{(]")
 _URDFDOM = frozenset({"pinocchio", "ros", "gazebo"})
 """The readers that have urdfdom."""
 _ALL = frozenset({"pybullet", "mujoco", "drake"}) | _URDFDOM
+ROUNDED = 1e-9
+"""By what share of the largest a principal moment may be off."""
+SMALLEST_MOMENT = 1e-14
+"""Principal moment that MuJoCo takes for 0 [kg·m²]."""
 
 
 def urdfdom_numbers(text: str, count: int) -> tuple[float, ...] | None:
@@ -46,6 +53,12 @@ def drake_numbers(text: str) -> tuple[float, ...]:
         numbers.append(number)
         at = match.end()
     return tuple(numbers)
+
+
+def drake_scale(text: str) -> tuple[float, ...]:
+    """The factors of a mesh: three where there is a blank in the text, else one; none where it refuses the text."""
+    numbers = drake_numbers(text)
+    return numbers if len(numbers) == (3 if re.search(r"\s", text) else 1) else ()
 
 
 def mujoco_numbers(text: str, count: int) -> tuple[float, ...] | None:
@@ -68,6 +81,7 @@ class _Place(NamedTuple):
         inside: the element that urdfdom leaves out where it cannot read them: of a joint, that is the robot.
         readers: who reads them.
         required: whether MuJoCo refuses an empty text.
+        no_body: whether MuJoCo reads the numbers, and refuses the body that they make.
     """
 
     element: Element
@@ -76,6 +90,7 @@ class _Place(NamedTuple):
     inside: str
     readers: frozenset[str] = _ALL
     required: bool = False
+    no_body: bool = False
 
 
 def hits(description: Description) -> Iterator[Hit]:
@@ -89,10 +104,11 @@ def hits(description: Description) -> Iterator[Hit]:
 def _said(place: _Place, text: str) -> Iterator[Hit]:
     element, count = place.element, place.size
     refused = set()
-    if "mujoco" in place.readers and mujoco_numbers(text, count) is None and (place.required or text.strip()):
+    is_unread = mujoco_numbers(text, count) is None and (place.required or text.strip())
+    if "mujoco" in place.readers and (is_unread or place.no_body):
         refused.add("mujoco")
-    allowed = {1, 3} if place.attribute == "scale" else {count}
-    if "drake" in place.readers and len(drake_numbers(text)) not in allowed:
+    is_scale = place.attribute == "scale"
+    if "drake" in place.readers and not (drake_scale(text) if is_scale else len(drake_numbers(text)) == count):
         refused.add("drake")
     is_urdfdom = urdfdom_numbers(text, count) is None
     if is_urdfdom and place.inside == "joint":
@@ -121,20 +137,40 @@ def _places(description: Description) -> Iterator[_Place]:
     draws = compiler is not None and compiler.get("discardvisual") == "false"
     for material in description.root.all("material"):
         yield from _of_material(material)
+    moved = {joint.child for joint in description.joints if joint.kind in MOVING}
     for link in description.root.all("link"):
         if inertial := link.first("inertial"):
-            yield from _of_origin(inertial, "inertial")
-            if mass := inertial.first("mass"):
-                yield _Place(mass, "value", 1, "inertial", required=True)
-            if inertia := inertial.first("inertia"):
-                for name in ("ixx", "ixy", "ixz", "iyy", "iyz", "izz"):
-                    yield _Place(inertia, name, 1, "inertial", required=True)
+            yield from _of_inertial(inertial, moves=link.get("name") in moved)
         for shape in (*link.all("visual"), *link.all("collision")):
             for place in _of_shape(shape):
                 hidden = shape.tag == "visual" and not draws and place.inside != "material"
                 yield place._replace(readers=place.readers - {"mujoco"}) if hidden else place
     for joint in description.joints:
         yield from _of_joint(joint)
+
+
+def _of_inertial(inertial: Element, *, moves: bool) -> Iterator[_Place]:
+    """Seen: MuJoCo wants the mass of a body that moves to be above 0, and its angles and its inertia to be finite."""
+    for place in _of_origin(inertial, "inertial"):
+        numbers = mujoco_numbers(place.element.get("rpy") or "", 3) or ()
+        yield place._replace(no_body=moves and place.attribute == "rpy" and not all(map(math.isfinite, numbers)))
+    if mass := inertial.first("mass"):
+        value = mujoco_numbers(mass.get("value") or "", 1)
+        no_body = moves and value is not None and not value[0] > 0.0
+        yield _Place(mass, "value", 1, "inertial", required=True, no_body=no_body)
+    if inertia := inertial.first("inertia"):
+        read = [mujoco_numbers(inertia.get(name) or "", 1) for name in INERTIA]
+        tensor = tuple(numbers[0] for numbers in read if numbers)
+        is_wrong = len(tensor) == len(INERTIA) and _is_no_inertia(tensor, moves=moves)
+        for name in INERTIA:
+            yield _Place(inertia, name, 1, "inertial", required=True, no_body=is_wrong)
+
+
+def _is_no_inertia(tensor: tuple[float, ...], *, moves: bool) -> bool:
+    if not all(map(math.isfinite, tensor)):
+        return moves
+    low, middle, high = principal_moments(Inertia(**dict(zip(INERTIA, tensor, strict=True))))
+    return any(tensor) and (low < SMALLEST_MOMENT or low + middle < high * (1.0 - ROUNDED))
 
 
 def _of_shape(shape: Element) -> Iterator[_Place]:

@@ -10,7 +10,6 @@ from dh2urdf.mass_properties import principal_moments
 from dh2urdf.rotations import ZERO, add, rotate
 from dh2urdf.source import shown
 from dh2urdf_plugins.lint.document.description import ALL, TURNING_OR_SLIDING, Hit
-from dh2urdf_plugins.lint.document.mesh_sizes import sides_of
 from dh2urdf_plugins.lint.joints import actuated_joints
 from dh2urdf_plugins.lint.merged import inertial_of, pose_of
 from dh2urdf_plugins.lint.shapes import is_there, resolved
@@ -38,8 +37,6 @@ TOO_WIDE = 2.0
 """How much wider than the shapes a body may be: shapes are simplified, and motors have no shape."""
 TOO_FAR = 2.0
 """How many diagonals of its shapes a centre of mass may be outside of them."""
-MOST_BYTES = 2**27
-"""Size of all mesh files of a description that are read [B]."""
 SMALLEST = 0.05
 """What a body without larger shapes may measure [m]: a rotor that is not drawn, a frame with a placeholder."""
 
@@ -91,15 +88,12 @@ def _limits(joint: JointNode, actuated: set[str]) -> Iterator[Hit]:
 
 def _meshes(description: Description) -> Iterator[Hit]:
     """Meshes that are too large, once for all of them; a single link may be the ground."""
-    sides: dict[Path, Vec3 | None] = {}
     found: list[tuple[Element, float]] = []
-    left = MOST_BYTES
     for mesh, path in _mesh_files(description) if description.joints else ():
-        if path not in sides:
-            left -= path.stat().st_size
-            sides[path] = sides_of(path) if left >= 0 else None
+        file = description.mesh(path)
+        sides = file.sides if file else None
         scale = mesh.numbers("scale", 3) or (1.0, 1.0, 1.0)
-        largest = max(abs(side * factor) for side, factor in zip(sides[path] or ZERO, scale, strict=True))
+        largest = max(abs(side * factor) for side, factor in zip(sides or ZERO, scale, strict=True))
         if largest >= LONGEST:
             found.append((mesh, largest))
     if found:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -10,19 +11,26 @@ from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.meshes import FILE, PACKAGE, path_of_address
 from dh2urdf.source import did_you_mean, shown
 from dh2urdf_plugins.lint.document.description import ALL, SHAPES, Hit
-from dh2urdf_plugins.lint.document.mesh_sizes import STL_HEADER, STL_TRIANGLE
+from dh2urdf_plugins.lint.document.mesh_sizes import SOLID
 from dh2urdf_plugins.lint.document.tree import numbers_of
-from dh2urdf_plugins.lint.numbers import drake_numbers, mujoco_numbers
+from dh2urdf_plugins.lint.numbers import drake_numbers, drake_scale, mujoco_numbers
 from dh2urdf_plugins.lint.rules import rules
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from dh2urdf_plugins.lint.document.description import Description, LinkNode
+    from dh2urdf_plugins.lint.document.mesh_sizes import MeshFile
     from dh2urdf_plugins.lint.document.tree import Element
 
 SMALLEST = 1e-3
 """The size that CoppeliaSim makes of a smaller one [m]."""
+SMALLEST_SCALE = 1e-8
+"""The factor of a mesh that Drake takes for 0."""
+SMALLEST_VOLUME = 1e-15
+"""What MuJoCo takes for no volume of a mesh [m³]."""
+MOST_TRIANGLES = 200_000
+"""The largest number of triangles in an STL that MuJoCo takes."""
 _COUNT = {"size": 3}
 _TAKES = {
     "pybullet": {".stl", ".obj", ".dae", ".vtk", ".cdf"},
@@ -124,21 +132,30 @@ def _sizes(body: Element, about: str) -> Iterator[Hit]:
         of = {"pybullet", "mujoco", "gazebo", "coppeliasim"} | ({"drake"} if "collision" in about else set())
         yield Hit("empty-mesh-name", body, f"the mesh of {about} has an empty filename", of)
     if body.tag == "mesh":
-        scale = body.numbers("scale", 3)
-        if scale and 0.0 in scale:
-            message = f"the scale of {about} is {shown(body.get('scale') or '')}"
-            yield Hit("scale-zero", body, message)
+        yield from _scale(body, about)
         return
     for name in names:
         text = body.get(name)
         if text is None:
             continue
         count, about_it = _COUNT.get(name, 1), f"{name} of {about} is {shown(text)}"
-        of = {reader for reader, values in _read_as(text, count).items() if values and not min(values) > 0.0}
+        of = {
+            reader
+            for reader, values in _read_as(text, count).items()
+            if values and not all(value > 0.0 for value in values)
+        }
         if body.tag == "sphere" and "drake" in of and min(drake_numbers(text)) == 0.0:
             of -= {"drake"}  # To Drake, a point.
         if of:
             yield Hit("size-not-positive", body, about_it, of)
+
+
+def _scale(body: Element, about: str) -> Iterator[Hit]:
+    text = body.get("scale") or ""
+    of = {reader for reader, numbers in _read_as(text, 3).items() if reader != "drake" and 0.0 in numbers}
+    of |= {"drake"} if any(abs(factor) < SMALLEST_SCALE for factor in drake_scale(text)) else set()
+    if of:
+        yield Hit("scale-zero", body, f"the scale of {about} is {shown(text)}", of)
 
 
 def _read_as(text: str, count: int) -> dict[str, tuple[float, ...]]:
@@ -194,13 +211,43 @@ def _meshes(description: Description, uses: list[_Use], *, draws: bool) -> Itera
             message = f"there is no mesh file {shown(use.address)} in the folders above the description"
             yield Hit("missing-mesh", use.element, message, {"pybullet"})
             continue
-        if path.suffix.lower() == ".stl" and not _is_binary_stl(path):
-            yield Hit("text-stl", use.element, f"the mesh {shown(use.address)} is an STL of text", rest)
+        if file := description.mesh(path):
+            yield from _of_file(file, use, rest)
         if of := _strangers(path, use, read_by_mujoco=read_by_mujoco):
             formats.setdefault((path.suffix.lower(), tuple(sorted(of))), []).append(use)
     for (name, of_names), found in formats.items():
         yield Hit("mesh-format", found[0].element, f"{_count_of(found, 'is', 'are')} {shown(name)}", of_names)
     yield from _addresses(forms, description, draws=draws)
+
+
+def _of_file(file: MeshFile, use: _Use, readers: set[str]) -> Iterator[Hit]:
+    """What is wrong in a mesh file; `readers` are those that read the shape."""
+    about, of = f"the mesh {shown(use.address)}", readers & _readers_of(use.address)
+    if file.is_hollow:
+        yield Hit("hollow-mesh", use.element, f"{about} lacks its geometries, or numbers in one of them")
+    if file.problem:
+        needs = {"pybullet": not file.is_hollow, "mujoco": file.vertices != SOLID, "drake": use.is_collision}
+        hit = {reader for reader in of if needs.get(reader, True)}
+        yield Hit("unreadable-mesh", use.element, f"{about}: {file.problem}", hit)
+    elif file.of_pybullet:
+        yield Hit("unreadable-mesh", use.element, f"{about}: {file.of_pybullet}", {"pybullet"})
+    if file.is_text:
+        yield Hit("text-stl", use.element, f"{about} is an STL of text", readers)
+        of.discard("mujoco")  # It does not come so far.
+    if file.vertices and not file.sides:
+        message = f"{about} has a vertex that is not finite"
+        yield Hit("mesh-without-volume", use.element, message, of & {"mujoco", "coppeliasim"})
+    elif "mujoco" in of and _is_flat(file, use.element.numbers("scale", 3) or (1.0, 1.0, 1.0)):
+        message = f"{about} is flat, or has less than {SOLID} different vertices"
+        yield Hit("mesh-without-volume", use.element, message, {"mujoco"})
+    if "mujoco" in of and file.triangles > MOST_TRIANGLES:
+        yield Hit("many-triangles", use.element, f"{about} has {file.triangles:,} triangles")
+
+
+def _is_flat(file: MeshFile, scale: tuple[float, ...]) -> bool:
+    """Whether MuJoCo finds no volume in it; of a scale of 0 another rule speaks."""
+    is_thin = file.sides is not None and abs(math.prod((*file.sides, *scale))) < SMALLEST_VOLUME and 0.0 not in scale
+    return is_thin or (file.vertices or SOLID) < SOLID
 
 
 def _addresses(forms: dict[str, list[_Use]], description: Description, *, draws: bool) -> Iterator[Hit]:
@@ -274,15 +321,13 @@ def _entries(variable: str) -> list[str]:
     return [entry for entry in os.environ.get(variable, "").split(os.pathsep) if entry]
 
 
+def _readers_of(address: str) -> set[str]:
+    """The readers that take the format of an address."""
+    suffix = Path(address).suffix.lower()
+    return set(ALL) - {reader for reader, formats in _TAKES.items() if suffix not in formats}
+
+
 def _strangers(path: Path, use: _Use, *, read_by_mujoco: bool) -> set[str]:
     """The readers that do not take a format."""
     readers = {"pybullet", *(["mujoco"] if read_by_mujoco else []), *(["drake"] if use.is_collision else [])}
     return {reader for reader in readers if path.suffix.lower() not in _TAKES[reader]}
-
-
-def _is_binary_stl(path: Path) -> bool:
-    """Whether a file has the size that its number of triangles asks for."""
-    with path.open("rb") as file:
-        header = file.read(STL_HEADER)
-    triangles = int.from_bytes(header[80:], "little")
-    return len(header) == STL_HEADER and path.stat().st_size >= STL_HEADER + STL_TRIANGLE * triangles

@@ -404,6 +404,23 @@ FAULTS: dict[str, Fault] = {
         BOX, '<mesh filename="part.glb"/>', "<mesh", besides=("relative-mesh",), of=("pybullet", "mujoco")
     ),
     "text-stl": Fault(BOX, '<mesh filename="text.stl"/>', "<mesh", besides=("relative-mesh",)),
+    "unreadable-mesh": Fault(
+        BOX,
+        '<mesh filename="pointer.stl"/>',
+        "<mesh",
+        besides=("relative-mesh",),
+        of=("pybullet", "mujoco", "pinocchio", "ros", "gazebo", "coppeliasim"),
+    ),
+    "hollow-mesh": Fault(
+        BOX,
+        '<mesh filename="hollow.dae"/>',
+        "<mesh",
+        besides=("relative-mesh", "mesh-format", "unreadable-mesh"),
+    ),
+    "mesh-without-volume": Fault(
+        BOX, '<mesh filename="flat.obj"/>', "<mesh", besides=("relative-mesh",), of=("mujoco",)
+    ),
+    "many-triangles": Fault(BOX, '<mesh filename="many.stl"/>', "<mesh", besides=("relative-mesh",)),
     "fixed-link": Fault(
         '    <compiler fusestatic="false" discardvisual="false"/>\n',
         '    <compiler discardvisual="false"/>\n',
@@ -450,6 +467,10 @@ def write_meshes(folder: Path) -> None:
     )
     (folder / "text.stl").write_text(f"solid part\n{text}endsolid part\n")
     (folder / "part.glb").write_bytes(b"glTF")
+    (folder / "many.stl").write_bytes(bytes(80) + struct.pack("<I", 200_004) + b"".join(triangles) * 50_001)
+    (folder / "pointer.stl").write_text(f"version https://git-lfs.github.com/spec/v1\noid sha256:{64 * '0'}\nsize 9\n")
+    (folder / "hollow.dae").write_text("<COLLADA><asset/></COLLADA>")
+    (folder / "flat.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nf 1 2 3\nf 2 4 3\n")
 
 
 def write_all(folder: Path) -> dict[str, Path]:

@@ -6,7 +6,9 @@ CI has no CoppeliaSim: what 4.10.0 did is kept in `coppeliasim_4_10_0.json`. Whe
 
 from __future__ import annotations
 
+import contextlib
 import json
+import socket
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -50,6 +52,8 @@ AS_THE_FILE_SAYS = {
     "negative-velocity",
     "colour-out-of-range",
     "text-stl",
+    "mesh-without-volume",
+    "many-triangles",
 }
 """Files in which there are other objects than in the sound one, and right ones."""
 NOT_SEEN_IN_OBJECTS = {
@@ -96,10 +100,12 @@ def ask(port: int, path: Path) -> dict[str, Any]:
     client.socket.setsockopt(zmq.LINGER, 0)
     client.socket.setsockopt(zmq.RCVTIMEO, round(1000 * STARTS_WITHIN))
     sim, importer = client.require("sim"), client.require("simURDF")
-    client.socket.setsockopt(zmq.RCVTIMEO, 15000)
+    client.socket.setsockopt(zmq.RCVTIMEO, 30000)
     try:
         _, models = importer.importFile(str(path), 8 | 32)
     except zmq.ZMQError:
+        with contextlib.suppress(OSError), socket.create_connection(("127.0.0.1", port), 1):
+            raise AssertionError(f"no answer about {path.name} in time") from None
         return {"end": "crashes"}
     except Exception:  # noqa: BLE001 - the client raises nothing else
         found: dict[str, Any] = {"end": "raises"}

@@ -12,11 +12,19 @@ import pytest
 from faulty_files import BOX, SOUND, write_meshes
 
 from dh2urdf_plugins.lint.document import mesh_sizes
-from dh2urdf_plugins.lint.document.mesh_sizes import sides_of
+from dh2urdf_plugins.lint.document.mesh_sizes import read_mesh
 from dh2urdf_plugins.lint.inspection import inspect_urdf
 
 if TYPE_CHECKING:
     from collections.abc import Callable
+
+    from dh2urdf.rotations import Vec3
+
+
+def sides_of(path: Path) -> Vec3 | None:
+    file = read_mesh(path)
+    return file.sides if file else None
+
 
 COLLADA = """<?xml version="1.0"?>
 <COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1">

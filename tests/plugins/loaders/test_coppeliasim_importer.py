@@ -331,7 +331,11 @@ def write_record(found: dict[str, Any]) -> None:
 
 
 def in_order(objects: Iterable[dict[str, Any]]) -> list[dict[str, Any]]:
-    return sorted(objects, key=lambda each: (each["name"], each["kind"], each["on"] or ""))
+    """By name; two of one name come in either order, and are told apart by where they are."""
+    return sorted(
+        objects,
+        key=lambda each: (each["name"], each["kind"], each["on"] or "", [round(x, 6) for x in each.get("frame") or ()]),
+    )
 
 
 def differences(found: Any, kept: Any, place: str = "") -> list[str]:

@@ -8,11 +8,14 @@ from typing import TYPE_CHECKING
 from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.source import listed, shown
+from dh2urdf_plugins.lint.document.mesh_sizes import read_mesh
 from dh2urdf_plugins.lint.document.tree import Element
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Iterable, Mapping
     from pathlib import Path
+
+    from dh2urdf_plugins.lint.document.mesh_sizes import MeshFile
 
 ALL = frozenset({"pybullet", "mujoco", "pinocchio", "drake", "ros", "gazebo", "coppeliasim"})
 """The readers that were tried with every rule."""
@@ -29,6 +32,8 @@ SHAPES = {
 }
 """Shapes with the attributes that they need."""
 _FEW = 4
+MOST_BYTES = 2**27
+"""Size of all mesh files of a description that are read [B]."""
 
 
 class Hit(NamedTuple):
@@ -120,6 +125,15 @@ class Description:
         self.links = [LinkNode(name, element) for element in root.all("link") if (name := element.get("name"))]
         self.joints = [_joint(element) for element in root.all("joint")]
         self.link = {node.name: node for node in reversed(self.links)}
+        self._meshes: dict[Path, MeshFile | None] = {}
+        self._bytes_left = MOST_BYTES
+
+    def mesh(self, path: Path) -> MeshFile | None:
+        """What a mesh file holds that is there; None where it is not read."""
+        if path not in self._meshes:
+            self._bytes_left -= path.stat().st_size
+            self._meshes[path] = read_mesh(path) if self._bytes_left >= 0 else None
+        return self._meshes[path]
 
     @cached_property
     def holders(self) -> dict[str, list[JointNode]]:

@@ -1,7 +1,6 @@
-"""How large a mesh file is: the sides of the box around it, read without a package for meshes.
+"""What a mesh file holds, read without a package for meshes: whether there is a mesh in it, and how large it is.
 
-Any file may be at the address of a mesh, so its size is bounded; what cannot be read has no size here. Other rules
-report such files.
+Any file may be at the address of a mesh, so its size is bounded.
 """
 
 from __future__ import annotations
@@ -12,54 +11,112 @@ from itertools import islice, product
 from typing import TYPE_CHECKING, Any
 from xml.etree import ElementTree as ET
 
+from dh2urdf.late_tuples import NamedTuple
+
 if TYPE_CHECKING:
     from collections.abc import Iterator
     from pathlib import Path
 
     from numpy.typing import NDArray
 
+    from dh2urdf.rotations import Vec3
+
 LARGEST = 2**25
 """Size of a mesh file that is read [B]."""
 STL_HEADER, STL_TRIANGLE = 84, 50  # bytes: 80 of any text, then the number of triangles in 4
 _CORNER = {
     ".stl": re.compile(rb"^[ \t]*vertex[ \t]+(\S+)[ \t]+(\S+)[ \t]+(\S+)", re.MULTILINE),
-    ".obj": re.compile(rb"^v[ \t]+(\S+)[ \t]+(\S+)[ \t]+(\S+)", re.MULTILINE),
+    ".obj": re.compile(rb"^[ \t]*v[ \t]+(\S+)[ \t]+(\S+)[ \t]+(\S+)", re.MULTILINE),
 }
+_FACE = re.compile(rb"^[ \t]*f(?:[ \t]+\S+){3}", re.MULTILINE)
+_INSTANCES = ("instance_geometry", "instance_controller")
+_PRIMITIVES = ("triangles", "polylist", "polygons", "trifans", "tristrips")
 _CHUNK = 4096
 _MOST_NODES = 10_000
+SOLID = 4
+"""The least number of vertices that enclose anything."""
 
 
-def sides_of(path: Path) -> tuple[float, float, float] | None:
-    """The sides of the box around a mesh in its own axes, in the unit of the file or, of COLLADA, in metres.
+class MeshFile(NamedTuple):
+    """What a file holds.
 
-    Args:
-        path: a file that is there; its suffix says which format it has.
+    Attributes:
+        problem: why no mesh can be read from it; empty where one can, or may.
+        of_pybullet: why PyBullet alone cannot read one.
+        is_text: whether it is an STL of text.
+        triangles: how many an STL of numbers has; of other files, 0.
+        vertices: how many different ones there are, counted up to `SOLID`; None where they are not known.
+        sides: the sides of the box around the mesh in its own axes, in the unit of the file or, of COLLADA, in metres;
+            None where they are not known.
+        is_hollow: whether it is a COLLADA file without `library_geometries` or with an empty list of numbers in one, or
+            an OBJ with faces and no vertices.
+    """
+
+    problem: str = ""
+    of_pybullet: str = ""
+    is_text: bool = False
+    triangles: int = 0
+    vertices: int | None = None
+    sides: Vec3 | None = None
+    is_hollow: bool = False
+
+
+def read_mesh(path: Path) -> MeshFile | None:
+    """What there is to know of a file that is there; its suffix says which format it has.
 
     Returns:
-        The sides; None where the file cannot be read, is too large, or has another format than STL, OBJ and DAE.
+        The answer; None where the file cannot be opened, or has another format than STL, OBJ and DAE. Of a file that is
+        too large, no more than the header is read.
     """
+    suffix = path.suffix.lower()
+    if suffix not in {*_CORNER, ".dae"}:
+        return None
     try:
-        if path.stat().st_size > LARGEST:
-            return None
-        box = _box(path.read_bytes(), path.suffix.lower())
-    except (OSError, ValueError, LookupError, ET.ParseError):
+        size = path.stat().st_size
+        with path.open("rb") as file:
+            content = file.read(STL_HEADER if size > LARGEST else size)
+    except OSError:
         return None
-    if box is None:
-        return None
-    x, y, z = (float(side) for side in box[1] - box[0])
-    return (x, y, z) if all(map(math.isfinite, (x, y, z))) else None
+    triangles = int.from_bytes(content[80:STL_HEADER], "little") if suffix == ".stl" else 0
+    is_binary = suffix == ".stl" and size == STL_HEADER + STL_TRIANGLE * triangles
+    if size > LARGEST:
+        return MeshFile(is_text=suffix == ".stl" and not is_binary, triangles=triangles if is_binary else 0)
+    return _of_binary_stl(content, triangles) if is_binary else _of_content(content, suffix)
 
 
-def _box(content: bytes, suffix: str) -> NDArray[Any] | None:
-    """The least and the greatest coordinates, of shape (2, 3)."""
-    if suffix == ".dae":
-        return _of_collada(content)
-    if suffix == ".stl" and (corners := _of_binary_stl(content)) is not None:
-        return _around(corners)
-    if suffix not in _CORNER:
-        return None
-    texts = (match.groups() for match in _CORNER[suffix].finditer(content))
-    return _around_all(_around(chunk) for chunk in _chunks(texts))
+def _of_content(content: bytes, suffix: str) -> MeshFile:
+    if not content:
+        return MeshFile("it is empty")
+    if content.startswith(b"version https://git-lfs"):
+        return MeshFile("it is a pointer of Git LFS, which `git lfs pull` replaces")
+    try:
+        return _of_collada(content) if suffix == ".dae" else _of_text(content, suffix)
+    except ValueError:
+        return MeshFile()
+
+
+def _of_binary_stl(content: bytes, count: int) -> MeshFile:
+    import numpy as np
+
+    if not count:
+        return MeshFile("it has no triangles")
+    triangle = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("colour", "<u2")])
+    corners = np.frombuffer(content, triangle, count, STL_HEADER)["corners"].reshape(-1, 3).astype(float)
+    return MeshFile(triangles=count, vertices=_distinct(corners), sides=_sides(_around(corners)))
+
+
+def _of_text(content: bytes, suffix: str) -> MeshFile:
+    lines = content.replace(b"\r", b"\n")
+    chunks = list(_chunks(match.groups() for match in _CORNER[suffix].finditer(lines)))
+    has_faces = suffix == ".obj" and _FACE.search(lines) is not None
+    if not chunks:
+        what = "triangles of text, nor the size of an STL of numbers" if suffix == ".stl" else "vertices"
+        return MeshFile(f"it has no {what}", vertices=0, is_hollow=has_faces)
+    box = _around_all(map(_around, chunks))
+    vertices = next((SOLID for chunk in chunks if _distinct(chunk) == SOLID), _distinct(chunks[0]))
+    problem = "it has no faces" if suffix == ".obj" and not has_faces else ""
+    returns = "its lines end with a carriage return alone" if suffix == ".obj" and b"\n" not in content else ""
+    return MeshFile(problem, returns, is_text=suffix == ".stl", vertices=vertices, sides=_sides(box))
 
 
 def _chunks(texts: Iterator[tuple[bytes, ...]]) -> Iterator[NDArray[Any]]:
@@ -69,18 +126,25 @@ def _chunks(texts: Iterator[tuple[bytes, ...]]) -> Iterator[NDArray[Any]]:
         yield np.array(chunk).astype(float)
 
 
-def _of_binary_stl(content: bytes) -> NDArray[Any] | None:
-    """The corners of all triangles; None where the file is an STL of text."""
-    import numpy as np
+def _distinct(corners: NDArray[Any]) -> int:
+    """How many different vertices there are, counted up to `SOLID`."""
+    found = set()
+    for corner in map(tuple, corners):
+        found.add(corner)
+        if len(found) == SOLID:
+            break
+    return len(found)
 
-    count = int.from_bytes(content[80:STL_HEADER], "little")
-    if len(content) < STL_HEADER or len(content) < STL_HEADER + count * STL_TRIANGLE:
+
+def _sides(box: NDArray[Any] | None) -> Vec3 | None:
+    if box is None:
         return None
-    triangle = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("colour", "<u2")])
-    return np.frombuffer(content, triangle, count, STL_HEADER)["corners"].reshape(-1, 3).astype(float)
+    x, y, z = (float(side) for side in box[1] - box[0])
+    return (x, y, z) if all(map(math.isfinite, (x, y, z))) else None
 
 
 def _around(corners: NDArray[Any]) -> NDArray[Any] | None:
+    """The least and the greatest coordinates, of shape (2, 3)."""
     import numpy as np
 
     return np.stack([corners.min(axis=0), corners.max(axis=0)]) if len(corners) else None
@@ -96,19 +160,62 @@ def _around_all(boxes: Iterator[NDArray[Any] | None]) -> NDArray[Any] | None:
 # --- COLLADA 1.4.1 ----------------------------------------------------------------------------------------------------
 
 
-def _of_collada(content: bytes) -> NDArray[Any] | None:
+def _of_collada(content: bytes) -> MeshFile:
+    """What is certain of it, and the box around all geometries where the scene has them.
+
+    Raises:
+        ValueError: it declares entities.
+    """
+    plain = content.replace(b"\0", b"")
+    if b"<!ENTITY" in plain:  # of a stranger: it could become endless
+        raise ValueError
+    try:
+        root = ET.fromstring(content)  # noqa: S314 - it has no entities
+    except ET.ParseError:  # which readers may read all the same
+        is_whole = b"<COLLADA" in plain and b"</COLLADA" in plain
+        return MeshFile("" if is_whole else "it is no COLLADA, or a part of one")
+    for element in root.iter():
+        element.tag = str(element.tag).rpartition("}")[2]
+    problem, is_hollow = _problem_of_collada(root)
+    is_of_polygons = all(root.find(f".//{name}") is None for name in ("triangles", "polylist"))
+    of_pybullet = "it has neither `triangles` nor a `polylist`" if is_of_polygons else ""
+    try:
+        return MeshFile(problem, of_pybullet, sides=_sides(_box_of_collada(root)), is_hollow=is_hollow)
+    except (ValueError, LookupError):
+        return MeshFile(problem, of_pybullet, is_hollow=is_hollow)
+
+
+def _problem_of_collada(root: ET.Element) -> tuple[str, bool]:
+    """Why no mesh can be read from it; and whether it is hollow: PyBullet looks at all geometries, shown or not."""
+    library = root.find("library_geometries")
+    is_broken, is_hollow, has_triangles = False, library is None, False
+    for mesh in library.iterfind("geometry/mesh") if library is not None else ():
+        faces = {name: [each.find("p") for each in mesh.iterfind(name)] for name in _PRIMITIVES}
+        used = {given.get("source") for given in mesh.iterfind("vertices/input")}
+        positions = [each.find("float_array") for each in mesh.iterfind("source") if f"#{each.get('id')}" in used]
+        lacks_vertices = mesh.find("vertices") is None
+        is_broken |= any(faces.values()) and (lacks_vertices or any(map(_is_blank, positions)))
+        is_hollow |= is_broken or lacks_vertices or any(map(_is_blank, [*faces["triangles"], *faces["polylist"]]))
+        has_triangles |= not all(_is_blank(each) for corners in faces.values() for each in corners)
+    if is_broken:
+        return "a geometry of it has no vertices", is_hollow
+    if not has_triangles:
+        return "it has no triangles", is_hollow
+    has_scene = root.find("scene") is not None and any(root.find(f".//{name}") is not None for name in _INSTANCES)
+    return "" if has_scene else "it has no scene with a geometry", is_hollow
+
+
+def _is_blank(element: ET.Element | None) -> bool:
+    return element is None or not (element.text or "").strip()
+
+
+def _box_of_collada(root: ET.Element) -> NDArray[Any] | None:
     """Around the boxes of all geometries where the scene has them.
 
     Raises:
-        ValueError: it declares entities, or what should be a number is none.
+        ValueError: what should be a number is none.
         LookupError: something is missing.
-        ParseError: it is no XML.
     """
-    if b"<!ENTITY" in content.replace(b"\0", b""):  # of a stranger: it could become endless
-        raise ValueError
-    root = ET.fromstring(content)  # noqa: S314 - it has no entities
-    for element in root.iter():
-        element.tag = str(element.tag).rpartition("}")[2]
     unit = root.find("asset/unit")
     metres = float(unit.get("meter", "1")) if unit is not None else 1.0
     boxes = {f"#{geometry.get('id')}": _geometry(geometry) for geometry in root.iterfind("library_geometries/geometry")}

@@ -1,0 +1,205 @@
+"""Files without a mesh, and texts that only some readers take for a number: each reader does with them what is found."""
+
+from __future__ import annotations
+
+import re
+import struct
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import pytest
+from consumers import behaviours, require
+from faulty_files import BOX, CYLINDER, LINK_2_BODY, SOUND, write_meshes
+
+from dh2urdf_plugins.lint.document.mesh_sizes import read_mesh
+from dh2urdf_plugins.lint.inspection import inspect_urdf
+from dh2urdf_plugins.lint.rules import Outcome, rules
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from consumers import Behaviour
+
+CORNERS = [(0.0, 0.0, 0.0), (0.1, 0.0, 0.0), (0.0, 0.1, 0.0), (0.0, 0.0, 0.1)]
+FACES = [(0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3)]
+POINTER = b"version https://git-lfs.github.com/spec/v1\noid sha256:" + 64 * b"0" + b"\nsize 12345\n"
+FLAT = [(0.0, 0.0, 0.0), (0.1, 0.0, 0.0), (0.1, 0.1, 0.0), (0.0, 0.1, 0.0)]
+
+
+def stl(faces: Sequence[tuple[int, ...]], corners: Sequence[tuple[float, ...]] = CORNERS, scale: float = 1.0) -> bytes:
+    triangles = [[scale * number for corner in face for number in corners[corner]] for face in faces]
+    packed = [struct.pack("<12fH", 0, 0, 0, *numbers, 0) for numbers in triangles]
+    return bytes(80) + struct.pack("<I", len(faces)) + b"".join(packed)
+
+
+def obj(faces: Sequence[tuple[int, ...]], corners: Sequence[tuple[float, ...]] = CORNERS) -> bytes:
+    lines = ["v {} {} {}".format(*corner) for corner in corners]
+    return "\n".join([*lines, *("f {} {} {}".format(*(i + 1 for i in face)) for face in faces), ""]).encode()
+
+
+TRIANGLES = (
+    "<triangles count='4'><input semantic='VERTEX' source='#v' offset='0'/><p>0 2 1 0 1 3 0 3 2 1 2 3</p></triangles>"
+)
+VERTICES = "<vertices id='v'><input semantic='POSITION' source='#p'/></vertices>"
+MESH = f"""<mesh><source id='p'><float_array id='a' count='12'>0 0 0 0.1 0 0 0 0.1 0 0 0 0.1</float_array>
+<technique_common><accessor source='#a' count='4' stride='3'><param name='X' type='float'/><param name='Y' type='float'/>
+<param name='Z' type='float'/></accessor></technique_common></source>{VERTICES}{TRIANGLES}</mesh>"""
+LIBRARY = f"<library_geometries><geometry id='g'>{MESH}</geometry></library_geometries>"
+SCENES = """<library_visual_scenes><visual_scene id='s'><node><instance_geometry url='#g'/></node></visual_scene>
+</library_visual_scenes>"""
+SCENE = "<scene><instance_visual_scene url='#s'/></scene>"
+COLLADA = f"""<?xml version='1.0'?>
+<COLLADA xmlns='http://www.collada.org/2005/11/COLLADASchema' version='1.4.1'>
+<asset><unit meter='1'/><up_axis>Z_UP</up_axis></asset>{LIBRARY}{SCENES}{SCENE}</COLLADA>
+"""
+FURTHER = MESH.replace("'p'", "'q'").replace("'#p'", "'#q'").replace("'v'", "'w'").replace("'#v'", "'#w'")
+
+
+def collada(old: str, new: str) -> bytes:
+    assert old in COLLADA
+    return COLLADA.replace(old, new).encode()
+
+
+def further(old: str, new: str) -> bytes:
+    """With a second geometry that nothing shows."""
+    assert old in FURTHER
+    return collada("</library_geom", f"<geometry id='h'>{FURTHER.replace(old, new)}</geometry></library_geom")
+
+
+MESHES = {
+    "whole.stl": stl(FACES),
+    "empty.stl": b"",
+    "none.stl": stl([]),
+    "pointer.stl": POINTER,
+    "words.stl": b"This is a text.\n",
+    "page.stl": b"<!DOCTYPE html>\n<html><body>Not found</body></html>\n" * 4,
+    "short.stl": bytes(50),
+    "cut.stl": stl(FACES)[:-60],
+    "longer.stl": stl(FACES) + b"\n",
+    "solid.stl": b"solid part\nendsolid part\n",
+    "one.stl": stl(FACES[:1]),
+    "open.stl": stl(FACES[:2]),
+    "flat.stl": stl([(0, 1, 2), (0, 2, 3)], FLAT),
+    "speck.stl": stl(FACES, scale=1e-5),
+    "infinite.stl": stl(FACES, [(float("nan"), 0.0, 0.0), *CORNERS[1:]]),
+    "whole.obj": obj(FACES),
+    "empty.obj": b"",
+    "pointer.obj": POINTER,
+    "words.obj": b"This is a text.\n",
+    "comment.obj": b"# exported\no part\n",
+    "vertices.obj": obj([]),
+    "faces.obj": b"f 1 2 3\n",
+    "one.obj": obj([(0, 1, 2)], CORNERS[:3]),
+    "flat.obj": obj([(0, 1, 2), (0, 2, 3)], FLAT),
+    "returns.obj": obj(FACES).replace(b"\n", b"\r"),
+    "infinite.obj": obj(FACES).replace(b"v 0.1", b"v nan"),
+    "whole.dae": COLLADA.encode(),
+    "empty.dae": b"",
+    "pointer.dae": POINTER,
+    "words.dae": b"This is a text.\n",
+    "cut.dae": COLLADA[:500].encode(),
+    "page.dae": b"<html><body/></html>",
+    "bare.dae": b"<COLLADA/>",
+    "no-library.dae": collada(LIBRARY, ""),
+    "no-geometry.dae": collada(LIBRARY, "<library_geometries/>"),
+    "no-mesh.dae": collada(MESH, ""),
+    "no-numbers.dae": collada("0 0 0 0.1 0 0 0 0.1 0 0 0 0.1</", "</"),
+    "no-triangles.dae": collada(TRIANGLES, ""),
+    "no-corners.dae": collada("0 2 1 0 1 3 0 3 2 1 2 3", ""),
+    "no-scenes.dae": collada(SCENES + SCENE, ""),
+    "no-scene.dae": collada(SCENE, ""),
+    "no-instance.dae": collada("<instance_geometry url='#g'/>", ""),
+    "further.dae": further("0 2 1", "0 2 1"),
+    "further-without-corners.dae": further("<p>0 2 1 0 1 3 0 3 2 1 2 3</p>", ""),
+    "further-without-vertices.dae": further("vertices", "verts"),
+    "further-without-numbers.dae": further("0 0 0 0.1 0 0 0 0.1 0 0 0 0.1</", "</"),
+    "further-without-anything.dae": further(FURTHER, "<mesh/>"),
+    "further-without-faces.dae": further(TRIANGLES.replace("'#v'", "'#w'"), ""),
+    "polygons.dae": collada("triangles", "polygons"),
+}
+"""Mesh files, of which the whole ones are right."""
+FATAL = {Outcome.REFUSES, Outcome.CRASHES}
+
+
+def effects_of(path: Path, consumer: str) -> dict[str, Outcome]:
+    """By rule, what the findings about a file foretell for a consumer."""
+    return {
+        finding.rule: rules()[finding.rule].outcomes[consumer]
+        for finding in inspect_urdf(path).findings
+        for effect in finding.effects
+        if effect.consumer == consumer
+    }
+
+
+def unforeseen(consumer: str, paths: list[Path]) -> tuple[list[str], list[Behaviour]]:
+    """Where a consumer loads a file although a finding says that it does not, or the other way round."""
+    found, wrong = behaviours(consumer, paths), []
+    for path, behaviour in zip(paths, found, strict=True):
+        fatal = [rule for rule, outcome in effects_of(path, consumer).items() if outcome in FATAL]
+        if bool(fatal) != (behaviour.end != "loads"):
+            wrong.append(f"{path.name} {behaviour.end}: {fatal} {behaviour.extra.get('raised')}")
+    return wrong, found
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("consumer", ["pybullet", "mujoco", "pinocchio", "drake", "ros", "gazebo"])
+@pytest.mark.parametrize("instead_of", [BOX, CYLINDER], ids=["visual", "collision"])
+def test_a_file_without_a_mesh_is_found(tmp_path: Path, consumer: str, instead_of: str) -> None:
+    """A reader loads the description, or does not, as the findings say; PyBullet and Pinocchio say that they lose it."""
+    require(consumer)
+    paths = []
+    for name, content in MESHES.items():
+        (tmp_path / name).write_bytes(content)
+        paths.append(tmp_path / f"{name}.urdf")
+        paths[-1].write_text(SOUND.replace(instead_of, f'<mesh filename="{tmp_path / name}"/>'))
+    wrong, found = unforeseen(consumer, paths)
+    assert wrong == []
+    loses = {path.name: effects_of(path, consumer).get("unreadable-mesh") == Outcome.LOSES for path in paths}
+    loaded = {path.name: behaviour for path, behaviour in zip(paths, found, strict=True) if behaviour.end == "loads"}
+    if consumer == "pybullet":  # It is silent of an OBJ for collisions.
+        named = [name for name in loaded if instead_of == BOX or ".obj" not in name]
+        assert {name: "cannot extract" in loaded[name].printed for name in named} == {
+            name: loses[name] for name in named
+        }
+    if consumer == "pinocchio" and instead_of == BOX:
+        assert {name: "geometry" in each.extra for name, each in loaded.items()} == loses
+
+
+def test_real_meshes_are_not_said_to_be_none() -> None:
+    """Of the meshes that come with the simulators."""
+    pybullet_data = pytest.importorskip("pybullet_data")
+    paths = [path for path in Path(pybullet_data.getDataPath()).rglob("*") if path.suffix in {".stl", ".obj", ".dae"}]
+    read = {path: read_mesh(path) for path in paths[:300]}
+    assert len(read) > 100
+    assert [path.name for path, file in read.items() if file is None or file.problem or file.is_hollow] == []
+
+
+BASE = SOUND.replace(CYLINDER, '<mesh filename="part.obj" scale="1 1 1"/>').replace(
+    LINK_2_BODY, f'{LINK_2_BODY}<collision><geometry><cylinder radius="0.02" length="0.05"/></geometry></collision>'
+)
+SCALES = ("2", "2 ", "2x", "2x 1 1", "0x10", "0x10 1 1", "1 1 0x10", "1e-9 1 1", "1e-8 1 1", "2,2,2", "2 2 2x", "0 1 1")
+
+
+def with_odd_numbers() -> list[str]:
+    """The sound description, each time with another number of it in a form that not all readers take."""
+    texts = [BASE.replace('scale="1 1 1"', f'scale="{scale}"') for scale in SCALES]
+    for match in re.finditer(r' (value|i[xyz]{2}|xyz|rpy|size|lower)="([-0-9. ]+)"', BASE):
+        words = match[2].split()
+        for odd in ("nan", "-inf", "0x10", "-0x10", "0x1p-6", "0x0"):
+            text = " ".join([*words[:-1], odd])
+            texts.append(BASE[: match.start(2)] + text + BASE[match.end(2) :])
+    return texts
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("consumer", ["mujoco", "drake"])
+def test_what_a_reader_makes_of_an_odd_number_is_foreseen(tmp_path: Path, consumer: str) -> None:
+    """MuJoCo reads nan, inf and 0x10, Drake what the text begins with: and refuses what cannot be a body or an axis."""
+    require(consumer)
+    write_meshes(tmp_path)
+    paths = []
+    for number, text in enumerate(with_odd_numbers()):
+        paths.append(tmp_path / f"{number}.urdf")
+        paths[-1].write_text(text)
+    assert len(paths) > 200
+    assert unforeseen(consumer, paths)[0] == []

@@ -9,7 +9,7 @@ from dh2urdf.errors import ConfigError
 from dh2urdf.manipulator import DHRow, JointType, Manipulator
 from dh2urdf.row_fields import LIMITS
 from dh2urdf.source import Mark, Problem, did_you_mean, shown
-from dh2urdf.variations.laws import Choices, Grid, Normal, is_relative
+from dh2urdf.variations.laws import Choices, Grid, Normal, Scale, is_relative
 from dh2urdf.variations.sampling import MOST_POINTS, SOBOL_DIMENSIONS, Sampling
 from dh2urdf.variations.variation import ALL, AXES, FIELDS, TYPE, Factor, Rule, Variation, VariationCall
 
@@ -135,15 +135,29 @@ class _Binder:
         indices = self._indices(rule)
         if rule.joints is None and not indices:
             self._add_problem(rule, f"no joint of {shown(self.nominal.name)} has {rule.field}")
+        nominals = [self._nominal(rule, index) for index in indices]
+        if isinstance(rule.law, Scale) and nominals and not any(nominal != 0 for nominal in nominals):
+            self._add_problem(
+                rule,
+                f"{rule.field} in the table is 0, and so is every multiple of it: nothing varies",
+                joint=self.rows[indices[0]].joint if len(indices) == 1 else None,
+                found="0",
+                accepted=f"joints with another {rule.field}, or values of their own such as offset: [LOW, HIGH]",
+                suggestion="joints count from 1, fixed ones too",
+            )
+            return
         for index in indices:
-            row = self.rows[index]
-            value = getattr(row.limits if rule.field in LIMITS else row, rule.field)
-            nominal = float(value) if isinstance(value, int | float) else None
-            before = len(self.problems)
-            self._check(rule, index, row, nominal)
+            before, nominal = len(self.problems), self._nominal(rule, index)
+            self._check(rule, index, self.rows[index], nominal)
             if len(self.problems) == before:
                 key = f"{rule.field}_{index + 1}"
                 yield Factor(key=key, field=rule.field, row=index, law=rule.law, nominal=nominal, mark=rule.mark)
+
+    def _nominal(self, rule: Rule, index: int) -> float | None:
+        """The number that the table has where a rule varies it."""
+        row = self.rows[index]
+        value = getattr(row.limits if rule.field in LIMITS else row, rule.field)
+        return float(value) if isinstance(value, int | float) else None
 
     def _axes(self, rule: Rule) -> Iterator[Factor]:
         have = len(self.nominal.moving_rows)

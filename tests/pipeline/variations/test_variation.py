@@ -374,6 +374,17 @@ class TestBinding:
         assert found.startswith("run.yaml:4:7: error: ")
         assert message in found
 
+    @pytest.mark.parametrize(
+        ("joints", "names"), [((1,), "joint 'pan', "), ((1, 5), ""), (("slide",), "joint 'slide', ")]
+    )
+    def test_a_multiple_of_0_varies_nothing(self, joints: tuple[int | str, ...], names: str) -> None:
+        """All variants would be the same arm; a rule that varies one of its joints may name others."""
+        (message,) = refused(rule("a", SCALE, *joints))
+        assert f"error: {names}field 'a': a in the table is 0, and so is every multiple of it" in message
+        assert "offset: [LOW, HIGH]" in message
+        assert {"a_1", "a_2"} <= set(drawn(variation(rule("a", SCALE, 1, 2), count=1))[0])
+        assert {"a_1", "a_2"} <= set(drawn(variation(rule("a", SCALE), count=1))[0])
+
     def test_units_are_those_of_the_joint(self) -> None:
         """Bounds of all joints with a unit of angles are none for the joint that slides."""
         from dh2urdf.quantities import Dimension

@@ -31,6 +31,8 @@ XACRO = re.compile(r"\$[{(]")
 _URDFDOM = frozenset({"pinocchio", "ros", "gazebo"})
 """The readers that have urdfdom."""
 _ALL = frozenset({"pybullet", "mujoco", "drake"}) | _URDFDOM
+_READ_BY_COPPELIASIM = frozenset({"mass", "inertia", "limit", "cylinder", "sphere"})
+"""The elements of which CoppeliaSim reads single numbers."""
 ROUNDED = 1e-9
 """By what share of the largest a principal moment may be off."""
 SMALLEST_MOMENT = 1e-14
@@ -97,8 +99,18 @@ def hits(description: Description) -> Iterator[Hit]:
     """Findings about every number."""
     for place in _places(description):
         text = place.element.get(place.attribute)
-        if text is not None and None in {numbers_of(text, place.size), urdfdom_numbers(text, place.size)}:
+        if text is None:
+            continue
+        if None in {numbers_of(text, place.size), urdfdom_numbers(text, place.size)}:
             yield from _said(place, text)
+        if (
+            place.size == 1
+            and text != text.strip()
+            and numbers_of(text, 1)
+            and place.element.tag in _READ_BY_COPPELIASIM
+        ):
+            message = f"{place.attribute} of {place.element.tag} is {shown(text)}, with blanks around the number"
+            yield Hit("misread-number", place.element, message, {"coppeliasim"})
 
 
 def _said(place: _Place, text: str) -> Iterator[Hit]:

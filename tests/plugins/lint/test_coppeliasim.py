@@ -246,3 +246,18 @@ def test_a_scale_of_2_is_ignored() -> None:
     """The mesh has the size of its file."""
     record = read_record()
     assert record["mesh-scale"]["link_1_visual"]["size"] == record["relative-mesh"]["link_1_visual"]["size"]
+
+
+@pytest.mark.parametrize("blank", [" {}", "{} ", "{}&#9;", "{}&#10;"])
+def test_blanks_around_a_number_are_found(tmp_path: Path, blank: str) -> None:
+    """It reads 0 then, also of a mass: the record of its importer has such files. Between three numbers it takes any."""
+    path = tmp_path / "arm.urdf"
+    for number in ('value="1"', 'upper="2"', 'ixx="0.005"', 'radius="0.02"', 'xyz="0.3 0 0"'):
+        text = number.partition('"')[2].strip('"')
+        path.write_text(SOUND.replace(text.join('""'), blank.format(text).join('""')), "utf-8")
+        found = [
+            finding.rule
+            for finding in inspect_urdf(path).findings
+            if any(effect.consumer == "coppeliasim" and effect.severity != "note" for effect in finding.effects)
+        ]
+        assert set(found) == (set() if number.startswith("xyz") else {"misread-number"})

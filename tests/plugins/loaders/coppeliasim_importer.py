@@ -334,6 +334,8 @@ def _link_of(joint: Any, tag: str) -> str:
 
 
 def _number(text: str) -> float:
+    if text != text.strip():
+        return 0.0
     try:
         return float(text)
     except ValueError:

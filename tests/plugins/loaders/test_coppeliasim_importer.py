@@ -141,6 +141,8 @@ CASES: dict[str, str] = {
     "no mass": arm(link=PART),
     "mass 0": arm(link=BODY.replace('"2"', '"0"') + PART),
     "mass below 0": arm(link=BODY.replace('"2"', '"-1"') + PART),
+    "blanks around a mass": arm(link=BODY.replace('"2"', '" 2"') + PART),
+    "blanks behind limits": arm(limit=LIMIT.replace('"1.5"', '"1.5 "').replace('"5"', '"5\t"')),
     "mass is no number": arm(link=BODY.replace('"2"', '"2 kg"') + PART),
     "no inertia": arm(link='<inertial><mass value="2"/></inertial>' + PART),
     "inertia 0": arm(

@@ -107,7 +107,7 @@ def test_a_shard_that_was_changed_stays(cli: Cli, folder: Path) -> None:
 def test_a_manipulator_that_fails_now_has_no_file(cli: Cli, folder: Path) -> None:
     """Its file was another arm's: what the manifest says is all that there is."""
     run(cli)
-    (folder / "arm.csv").write_text(TABLE + "wrist,0,0,0.2\n")
+    (folder / "arm.csv").write_text(TABLE + "wrist,0.1,0,0.2\n")
     cli("run", "run.yaml", "--workers", 1, "--set", "variations.0.vary={joints: wrist, field: a, scale: [1, 2]}")
     assert len(list((folder / "out").glob("*.urdf"))) == 26
     vary = "variations.0.vary={joints: nowhere, field: a, scale: [1, 2]}"

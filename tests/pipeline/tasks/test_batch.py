@@ -140,7 +140,7 @@ class TestCutting:
             "output: {layout: shards, size: 4}\n"
             "cells: {name: pair, arms: [{name: l, of: arm}, {name: r, of: arm, xyz: [1, 0, 0]}]}\n"
             "variations:\n"
-            "  - {of: arm, count: 3, vary: [{joints: 1, field: a, scale: [1, 2]}]}\n"
+            "  - {of: arm, count: 3, vary: [{joints: 1, field: a, offset: [1, 2]}]}\n"
             "  - {name: other, of: arm, count: 3, vary: [{joints: 1, field: d, offset: [0, 1]}]}\n"
         )
         first, second = taken(plan(more, one=table(["arm"])))
@@ -159,7 +159,7 @@ def batch(tmp_path_factory: pytest.TempPathFactory) -> Batch:
     (folder / "one.csv").write_text(table(["a", "long1", "bad", "b", "long2", "A", "c"]))
     (folder / "run.yaml").write_text(
         "inputs: one.csv\noutput: {layout: shards}\nvariations:\n"
-        "  - {of: b, count: 5, vary: [{joints: 1, field: a, scale: [1, 2]}]}\n"
+        "  - {of: b, count: 5, vary: [{joints: 1, field: a, offset: [1, 2]}]}\n"
         "  - {name: v, of: b, count: 4, vary: [{joints: 1, field: d, offset: [0, 1]}]}\n"
     )
     (whole,) = taken(make_plan(load_config(folder / "run.yaml"), load()))
@@ -237,7 +237,7 @@ class TestExpected:
 
     def test_what_comes_besides_is_known_exactly(self, plan: Callable[..., Plan]) -> None:
         """Cells and counted variants, as soon as all inputs are read."""
-        more = "variations: {of: arm, count: 5000, vary: [{joints: 1, field: a, scale: [1, 2]}]}\n"
+        more = "variations: {of: arm, count: 5000, vary: [{joints: 1, field: a, offset: [1, 2]}]}\n"
         one = plan(more, one=table(["arm", "bad", "arm2"]))
         expected = Expected(one)
         totals = [expected.total for _ in batches(one, expected)]

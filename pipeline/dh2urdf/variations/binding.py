@@ -136,7 +136,8 @@ class _Binder:
         if rule.joints is None and not indices:
             self._add_problem(rule, f"no joint of {shown(self.nominal.name)} has {rule.field}")
         nominals = [self._nominal(rule, index) for index in indices]
-        if isinstance(rule.law, Scale) and nominals and not any(nominal != 0 for nominal in nominals):
+        is_named = rule.joints not in (None, (ALL,))  # a rule for all joints may be for many arms
+        if isinstance(rule.law, Scale) and is_named and nominals and not any(nominal != 0 for nominal in nominals):
             self._add_problem(
                 rule,
                 f"{rule.field} in the table is 0, and so is every multiple of it: nothing varies",

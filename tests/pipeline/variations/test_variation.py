@@ -378,12 +378,13 @@ class TestBinding:
         ("joints", "names"), [((1,), "joint 'pan', "), ((1, 5), ""), (("slide",), "joint 'slide', ")]
     )
     def test_a_multiple_of_0_varies_nothing(self, joints: tuple[int | str, ...], names: str) -> None:
-        """All variants would be the same arm; a rule that varies one of its joints may name others."""
+        """All variants would be the same arm; a rule that varies one joint may name others, or be for all joints."""
         (message,) = refused(rule("a", SCALE, *joints))
         assert f"error: {names}field 'a': a in the table is 0, and so is every multiple of it" in message
         assert "offset: [LOW, HIGH]" in message
         assert {"a_1", "a_2"} <= set(drawn(variation(rule("a", SCALE, 1, 2), count=1))[0])
-        assert {"a_1", "a_2"} <= set(drawn(variation(rule("a", SCALE), count=1))[0])
+        flat = replace(ARM, rows=tuple(replace(row, a=0.0) for row in ARM.rows))
+        assert drawn(variation(rule("a", SCALE), table=flat, count=1))[0]["a_1"] == 0
 
     def test_units_are_those_of_the_joint(self) -> None:
         """Bounds of all joints with a unit of angles are none for the joint that slides."""

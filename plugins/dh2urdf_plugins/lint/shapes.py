@@ -229,6 +229,9 @@ def _of_file(file: MeshFile, use: _Use, readers: set[str]) -> Iterator[Hit]:
         needs = {"pybullet": not file.is_hollow, "mujoco": file.vertices != SOLID, "drake": use.is_collision}
         hit = {reader for reader in of if needs.get(reader, True)}
         yield Hit("unreadable-mesh", use.element, f"{about}: {file.problem}", hit)
+    elif file.last:
+        message = f"{about} has a face with the vertex {file.last:,}, and has fewer"
+        yield Hit("missing-vertex", use.element, message, of if use.is_collision else of - {"drake"})
     elif file.of_pybullet:
         yield Hit("unreadable-mesh", use.element, f"{about}: {file.of_pybullet}", {"pybullet"})
     if file.is_text:

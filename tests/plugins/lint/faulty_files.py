@@ -417,6 +417,13 @@ FAULTS: dict[str, Fault] = {
         "<mesh",
         besides=("relative-mesh", "mesh-format", "unreadable-mesh"),
     ),
+    "missing-vertex": Fault(
+        BOX,
+        '<mesh filename="beyond.obj"/>',
+        "<mesh",
+        besides=("relative-mesh",),
+        of=("pybullet", "mujoco", "pinocchio", "ros", "gazebo", "coppeliasim"),
+    ),
     "mesh-without-volume": Fault(
         BOX, '<mesh filename="flat.obj"/>', "<mesh", besides=("relative-mesh",), of=("mujoco",)
     ),
@@ -466,6 +473,7 @@ def write_meshes(folder: Path) -> None:
         for face in faces
     )
     (folder / "text.stl").write_text(f"solid part\n{text}endsolid part\n")
+    (folder / "beyond.obj").write_text("\n".join([*obj, "f 1 2 5", ""]))
     (folder / "part.glb").write_bytes(b"glTF")
     (folder / "many.stl").write_bytes(bytes(80) + struct.pack("<I", 200_004) + b"".join(triangles) * 50_001)
     (folder / "pointer.stl").write_text(f"version https://git-lfs.github.com/spec/v1\noid sha256:{64 * '0'}\nsize 9\n")

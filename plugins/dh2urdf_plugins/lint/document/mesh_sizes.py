@@ -28,7 +28,7 @@ _CORNER = {
     ".stl": re.compile(rb"^[ \t]*vertex[ \t]+(\S+)[ \t]+(\S+)[ \t]+(\S+)", re.MULTILINE),
     ".obj": re.compile(rb"^[ \t]*v[ \t]+(\S+)[ \t]+(\S+)[ \t]+(\S+)", re.MULTILINE),
 }
-_FACE = re.compile(rb"^[ \t]*f(?:[ \t]+\S+){3}", re.MULTILINE)
+_FACE = re.compile(rb"^[ \t]*f((?:[ \t]+\S+){3,})", re.MULTILINE)
 _INSTANCES = ("instance_geometry", "instance_controller")
 _PRIMITIVES = ("triangles", "polylist", "polygons", "trifans", "tristrips")
 _CHUNK = 4096
@@ -46,6 +46,7 @@ class MeshFile(NamedTuple):
         is_text: whether it is an STL of text.
         triangles: how many an STL of numbers has; of other files, 0.
         vertices: how many different ones there are, counted up to `SOLID`; None where they are not known.
+        last: the greatest number of a vertex in the faces of an OBJ that is none of a vertex; else 0.
         sides: the sides of the box around the mesh in its own axes, in the unit of the file or, of COLLADA, in metres;
             None where they are not known.
         is_hollow: whether it is a COLLADA file without `library_geometries` or with an empty list of numbers in one, or
@@ -57,6 +58,7 @@ class MeshFile(NamedTuple):
     is_text: bool = False
     triangles: int = 0
     vertices: int | None = None
+    last: int = 0
     sides: Vec3 | None = None
     is_hollow: bool = False
 
@@ -115,8 +117,10 @@ def _of_text(content: bytes, suffix: str) -> MeshFile:
     box = _around_all(map(_around, chunks))
     vertices = next((SOLID for chunk in chunks if _distinct(chunk) == SOLID), _distinct(chunks[0]))
     problem = "it has no faces" if suffix == ".obj" and not has_faces else ""
+    last = _last_corner(lines) if has_faces else 0
+    last *= last > sum(map(len, chunks))
     returns = "its lines end with a carriage return alone" if suffix == ".obj" and b"\n" not in content else ""
-    return MeshFile(problem, returns, is_text=suffix == ".stl", vertices=vertices, sides=_sides(box))
+    return MeshFile(problem, returns, is_text=suffix == ".stl", vertices=vertices, last=last, sides=_sides(box))
 
 
 def _chunks(texts: Iterator[tuple[bytes, ...]]) -> Iterator[NDArray[Any]]:
@@ -124,6 +128,15 @@ def _chunks(texts: Iterator[tuple[bytes, ...]]) -> Iterator[NDArray[Any]]:
 
     while chunk := list(islice(texts, _CHUNK)):
         yield np.array(chunk).astype(float)
+
+
+def _last_corner(lines: bytes) -> int:
+    """The greatest number of a vertex in the faces of an OBJ, counted from 1: a corner is `vertex/texture/normal`.
+
+    Raises:
+        ValueError: a corner is no number.
+    """
+    return max(int(corner.partition(b"/")[0]) for match in _FACE.finditer(lines) for corner in match[1].split())
 
 
 def _distinct(corners: NDArray[Any]) -> int:

@@ -16,7 +16,7 @@ from dh2urdf.output.whole_files import write_whole
 from dh2urdf.plugin_system.calls import Call, blaming, default_call
 from dh2urdf.plugin_system.catalog import load
 from dh2urdf.plugin_system.stage_answers import a_whole_record
-from dh2urdf.source import Mark, Problem
+from dh2urdf.source import Mark, Problem, shown
 from dh2urdf.stages import Rejected
 from dh2urdf.table_text import WrittenTable, table_text
 from dh2urdf.validation.arguments import path_or_none
@@ -238,12 +238,16 @@ def _different(given: Any, again: Any, place: str) -> Iterator[tuple[str, Any, A
 
 
 def _other(difference: _FieldChange, call: Call[Reader[Any]], place: str) -> Problem:
+    words = [shown(each) if isinstance(each, str) else "" for each in (difference.given, difference.found)]
+    what = f"{words[0]}, which reads back as {words[1]}" if all(words) else "this as it is"
     return Problem(
-        message=f"a table as {call.stage.name} cannot say this as it is",
+        message=f"a table as {call.stage.name} cannot have {what}",
         mark=Mark(file=place),
         robot=difference.robot,
         field=difference.place,
         found=str(difference.given),
+        accepted="names and numbers that read back as they are",
+        suggestion="change it, or write a YAML table",
     )
 
 

@@ -237,7 +237,14 @@ def _root(description: Description, above: dict[str, Joint]) -> str:
             "the options base_link and tip_link choose a chain",
         )
     else:
-        message, suggestion = "the description has no links", None
+        raise TableError(
+            Problem(
+                message="the description has no links",
+                mark=Mark(file=description.file),
+                accepted="a robot with links and joints",
+                suggestion="an SRDF and a file of macros have none: give the file that has them, or calls the macros",
+            )
+        )
     raise TableError(
         Problem(message=message, mark=Mark(file=description.file), field="base_link", suggestion=suggestion)
     )

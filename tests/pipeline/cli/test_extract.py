@@ -230,6 +230,27 @@ class TestWritten:
         dh2urdf.extract(tmp_path / "far.urdf", tmp_path / f"far{suffix}")
         assert dh2urdf.read(tmp_path / f"far{suffix}").rows[0].limits.upper == 999999
 
+    @pytest.mark.parametrize("name", ["%x", "// 1", "＃1", "％", "#j", "#> 1"])
+    def test_a_name_like_a_comment(self, ur5: Path, tmp_path: Path, name: str) -> None:
+        """The first cell of a CSV's row is in quotes where it begins as a comment does."""
+        (tmp_path / "arm.urdf").write_text(ur5.read_text().replace('name="lift"', f'name="{name}"'))
+        dh2urdf.extract(tmp_path / "arm.urdf", tmp_path / "arm.csv")
+        assert [row.joint for row in dh2urdf.read(tmp_path / "arm.csv").rows][:3] == ["pan", name, "elbow"]
+
+    def test_a_name_that_a_cell_cannot_have(self, cli: Cli, ur5: Path, tmp_path: Path) -> None:
+        (tmp_path / "arm.urdf").write_text(ur5.read_text().replace('name="lift"', 'name=" lift"'))
+        answer = cli("extract", str(tmp_path / "arm.urdf"), "-o", str(tmp_path / "arm.csv"), status=2)
+        assert "a table as csv cannot have ' lift', which reads back as 'lift'" in answer.stderr
+        assert "change it, or write a YAML table" in answer.stderr
+        cli("extract", str(tmp_path / "arm.urdf"), "-o", str(tmp_path / "arm.yaml"))
+
+    def test_a_file_without_links(self, cli: Cli, tmp_path: Path) -> None:
+        """SRDFs and files of macros are robots without links."""
+        (tmp_path / "arm.urdf").write_text('<robot name="arm"><group name="all"/></robot>')
+        answer = cli("extract", str(tmp_path / "arm.urdf"), status=2)
+        assert "the description has no links" in answer.stderr
+        assert "accepted: a robot with links and joints\n    an SRDF and a file of macros have none" in answer.stderr
+
     def test_meshes_of_other_formats(self, ur5: Path, tmp_path: Path) -> None:
         """Drake's descriptions have glTF files, for which no table has a place: they are left out, and the arm is not."""
         (tmp_path / "part.gltf").write_text("{}")

@@ -14,6 +14,7 @@ from dh2urdf_plugins.readers.csv_file.rows import CsvRows
 from dh2urdf_plugins.readers.statements.top import read_top
 from dh2urdf_plugins.readers.tables.cell_groups import GroupError, split_cell
 from dh2urdf_plugins.readers.words.cells import SPACES, text_of
+from dh2urdf_plugins.readers.words.comment_lines import SIGNS
 from dh2urdf_plugins.readers.words.fields import GROUPS
 from dh2urdf_plugins.readers.words.table_words import statements_of, units_of, units_text
 
@@ -122,7 +123,7 @@ def _top(table: TableText) -> dict[str, str]:
 
 def _cell(text: str) -> str:
     """A text as a cell, quoted where it has to be."""
-    if not _QUOTED.intersection(text):
+    if not _QUOTED.intersection(text) and not text.startswith(SIGNS):
         return text
     written = io.StringIO()
     csv.writer(written, lineterminator="", quoting=csv.QUOTE_ALL).writerow([text])

@@ -42,7 +42,8 @@ def _arm(
         problems.append(Problem(message=message, field="name", accepted="another name"))
     arm, slash, link = parent.partition("/")
     if parent != WORLD and not (arm and slash and link):
-        near = did_you_mean(parent, [WORLD]) or f"an arm's tool is {shown(f'{arm or link}/tool0')}"
+        holder = (arm or link).removesuffix("_tool0")  # as its link is called in the file that is written
+        near = did_you_mean(parent, [WORLD]) or f"an arm's tool is {shown(f'{holder}/tool0')}"
         message = f"{shown(parent)} is no parent"
         problems.append(Problem(message=message, field="parent", accepted=ACCEPTED_PARENT, suggestion=near))
     if problems:

@@ -113,6 +113,14 @@ def test_one_cell_needs_no_list_and_settings_reach_it(tmp_path: Path) -> None:
             ),
         ),
         (
+            "{name: left, of: x}, {name: hand, of: x, parent: left_tool0}",
+            (
+                "run.yaml:4:59: error: field 'cells.0.arms.1.parent': 'left_tool0' is no parent\n"
+                "    accepted: world, or a link of another arm of the cell, such as left/tool0\n"
+                "    an arm's tool is 'left/tool0'"
+            ),
+        ),
+        (
             "{name: left, of: x, parent: wolrd}",
             (
                 "run.yaml:4:38: error: field 'cells.0.arms.0.parent': 'wolrd' is no parent\n"

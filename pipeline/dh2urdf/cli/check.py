@@ -10,7 +10,7 @@ import click
 
 from dh2urdf.cli import SETTLED
 from dh2urdf.cli.answers import answer
-from dh2urdf.cli.shared_options import catalog, option, without_option
+from dh2urdf.cli.shared_options import PATH, catalog, option, without_option
 from dh2urdf.cli.stage_flags import StageCommand, given_options
 from dh2urdf.cli.standard_input import DASH, NAME, given_description, given_table
 from dh2urdf.cli.tables import ASKER, package_paths_option, table_options
@@ -46,7 +46,7 @@ EXIT_STATUS = (
 @option(
     "--against",
     "table",
-    type=click.Path(path_type=Path),
+    type=PATH,
     metavar="TABLE",
     help="Compare the kinematics with a DH table.",
 )
@@ -56,7 +56,7 @@ EXIT_STATUS = (
 @option("--as", "format_name", metavar="NAME", help="Format of FILE, such as urdf; by FILE's suffix.")
 @option("--format", "form", type=click.Choice(["text", "json", "sarif"]), default="text", help="What is printed; text.")
 @option("--fix", "is_fixed", is_flag=True, help="Fix what is mechanical, write it to -o, and check that.")
-@option("-o", "--out", type=click.Path(path_type=Path), metavar="FILE", help="Where --fix writes.")
+@option("-o", "--out", type=PATH, metavar="FILE", help="Where --fix writes.")
 @without_option
 def command(  # noqa: PLR0917 - click hands everything over by name
     words: tuple[str, ...],

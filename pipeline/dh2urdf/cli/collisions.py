@@ -9,7 +9,7 @@ import click
 from dh2urdf.cli import EXIT_STATUS
 from dh2urdf.cli.answers import answer
 from dh2urdf.cli.convert import print_notices
-from dh2urdf.cli.shared_options import Command, catalog, option, without_option
+from dh2urdf.cli.shared_options import PATH, Command, catalog, option, without_option
 from dh2urdf.cli.standard_input import refuse_dash
 from dh2urdf.cli.tables import ASKER, package_paths_option, settings_of
 from dh2urdf.commands.check import given_arguments
@@ -29,11 +29,11 @@ OPTIONS = ("trials", "seed", "min_distance")
     "-o",
     "--output",
     "output",
-    type=click.Path(path_type=Path),
+    type=PATH,
     metavar="SRDF",
     help="Where to write; what is in it stays.",
 )
-@option("--update", "earlier", type=click.Path(path_type=Path), metavar="SRDF", help="Another file to begin with.")
+@option("--update", "earlier", type=PATH, metavar="SRDF", help="Another file to begin with.")
 @option("--trials", metavar="N", help="Random states in which a pair of Never does not touch; 10000.")
 @option("--seed", metavar="N", help="Seed of the random states; 0.")
 @option("--min-distance", metavar="D", help="A pair that comes nearer is not Never [m]; 0.01.")

@@ -10,7 +10,7 @@ import click
 
 from dh2urdf.cli import EXIT_STATUS
 from dh2urdf.cli.answers import answer
-from dh2urdf.cli.shared_options import catalog, option, without_option
+from dh2urdf.cli.shared_options import PATH, catalog, option, without_option
 from dh2urdf.cli.stage_flags import StageCommand, given_options
 from dh2urdf.cli.standard_input import DASH, files_behind, given_table
 from dh2urdf.cli.tables import ASKER, settings_of, table_options
@@ -28,7 +28,7 @@ STANDARD_OUTPUT = "standard output"
 
 
 @click.command(name="convert", cls=StageCommand, kinds=("reader", "transform", "emitter"), epilog=EXIT_STATUS)
-@click.argument("tables", type=click.Path(path_type=Path), nargs=-1, required=True, metavar="TABLE…")
+@click.argument("tables", type=PATH, nargs=-1, required=True, metavar="TABLE…")
 @option(
     "-o", "--output", "output", metavar="FILE", help="File to write, or folder; standard output without the option."
 )

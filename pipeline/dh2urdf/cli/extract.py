@@ -12,7 +12,7 @@ import click
 from dh2urdf.cli import EXIT_STATUS
 from dh2urdf.cli.answers import answer
 from dh2urdf.cli.convert import print_notices
-from dh2urdf.cli.shared_options import catalog, option, without_option
+from dh2urdf.cli.shared_options import PATH, catalog, option, without_option
 from dh2urdf.cli.stage_flags import StageCommand, given_options
 from dh2urdf.cli.standard_input import files_behind, given_table
 from dh2urdf.cli.tables import ASKER, package_paths_option, settings_of
@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 
 @click.command(name="extract", cls=StageCommand, kinds=("reader",), which=attrgetter("leaves"), epilog=EXIT_STATUS)
 @click.argument("words", nargs=-1, required=True, metavar="ROBOT [NAME:=VALUE…]")
-@option("-o", "--output", "output", type=click.Path(path_type=Path), metavar="TABLE", help="A .yaml or .csv file.")
+@option("-o", "--output", "output", type=PATH, metavar="TABLE", help="A .yaml or .csv file.")
 @option("--convention", metavar="C", help="standard or modified; without it and without -o, both are printed.")
 @option("--tips", "lists_tips", is_flag=True, help="List the leaves of ROBOT, and how many joints move each.")
 @option("--length-unit", default="m", metavar="UNIT", help="Unit of lengths: m, cm or mm.")

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 import click
 
 from dh2urdf.cli import EXIT_STATUS, SETTLED
 from dh2urdf.cli.answers import answer, answers
-from dh2urdf.cli.shared_options import catalog, option, without_option
+from dh2urdf.cli.shared_options import PATH, catalog, option, without_option
 from dh2urdf.cli.stage_flags import StageCommand, given_options
 from dh2urdf.cli.standard_input import given_table
 from dh2urdf.cli.tables import ASKER, settings_of, table_options
@@ -25,6 +24,8 @@ from dh2urdf.report.answers.info_text import lines, markdown, print_on_terminal
 from dh2urdf.source import Mark, Problem, did_you_mean, shown
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from dh2urdf.plugin_system.calls import Call
     from dh2urdf.plugin_system.catalog import Catalog
     from dh2urdf.results import BriefEntry, Detail
@@ -32,7 +33,7 @@ if TYPE_CHECKING:
 
 
 @click.command(name="info", cls=StageCommand, kinds=("reader",), epilog=EXIT_STATUS)
-@click.argument("table", type=click.Path(path_type=Path))
+@click.argument("table", type=PATH)
 @table_options
 @option("--set", "settings", multiple=True, metavar="KEY=VALUE", help="Any other option of the reader.")
 @option("--json", "form", flag_value="json", help="Print it as JSON.")

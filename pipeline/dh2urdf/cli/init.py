@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import shlex
-from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
 from dh2urdf.cli.answers import answer
-from dh2urdf.cli.shared_options import Command, catalog, option, without_option
+from dh2urdf.cli.shared_options import PATH, Command, catalog, option, without_option
 from dh2urdf.errors import ConfigError
 from dh2urdf.manipulator import Convention
 from dh2urdf.plugin_system.calls import default_call
@@ -16,12 +16,15 @@ from dh2urdf.plugin_system.options import COMMAND_LINE
 from dh2urdf.scaffold.tables import MOST_AXES, chosen_writer, run_template, table_template, write_new
 from dh2urdf.source import Problem
 
+if TYPE_CHECKING:
+    from pathlib import Path
+
 DEFAULT_FILE = "arm.csv"
 DEFAULT_AXES = 6
 
 
 @click.command(cls=Command, name="init")
-@click.argument("file", type=click.Path(path_type=Path), default=DEFAULT_FILE)
+@click.argument("file", type=PATH, default=DEFAULT_FILE)
 @option(
     "--convention",
     type=click.Choice([str(convention) for convention in Convention]),
@@ -32,7 +35,7 @@ DEFAULT_AXES = 6
 @option("--axes", type=click.IntRange(1, MOST_AXES), metavar="N", help=f"How many joints; {DEFAULT_AXES}.")
 @option("--joints", metavar="A,B,C", help="Their names; joint_1, joint_2 and so on.")
 @option("--name", default="", metavar="NAME", help="The manipulator's name; that of FILE.")
-@option("--run", "run_file", type=click.Path(path_type=Path), metavar="RUN", help="Also write a run file for it.")
+@option("--run", "run_file", type=PATH, metavar="RUN", help="Also write a run file for it.")
 @without_option
 def command(  # noqa: PLR0917 - click hands everything over by name
     file: Path, convention: str, axes: int | None, joints: str | None, name: str, run_file: Path | None

@@ -3,24 +3,25 @@
 from __future__ import annotations
 
 import shlex
-from pathlib import Path
 from typing import TYPE_CHECKING, cast
 
 import click
 
 from dh2urdf.cli.answers import answer
-from dh2urdf.cli.shared_options import Command, catalog, option, without_option
+from dh2urdf.cli.shared_options import PATH, Command, catalog, option, without_option
 from dh2urdf.plugin_system.catalog import KINDS
 from dh2urdf.scaffold import write_plugin
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from dh2urdf.stages import Kind
 
 
 @click.command(cls=Command, name="new-plugin")
 @click.argument("name")
 @option("--kind", required=True, type=click.Choice(KINDS), metavar="KIND", help=f"One of {', '.join(KINDS)}.")
-@option("--dir", "folder", type=click.Path(path_type=Path), default=".", metavar="D", help="Where its folder is made.")
+@option("--dir", "folder", type=PATH, default=".", metavar="D", help="Where its folder is made.")
 @option("--minimal", is_flag=True, help="A module with the stage, its contract test, and what installs it.")
 @without_option
 def command(name: str, kind: str, folder: Path, *, minimal: bool) -> int:

@@ -2,21 +2,24 @@
 
 from __future__ import annotations
 
-from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
 from dh2urdf.cli import EXIT_STATUS, SETTLED
 from dh2urdf.cli.answers import answer
-from dh2urdf.cli.shared_options import Command, catalog, option, without_option
+from dh2urdf.cli.shared_options import PATH, Command, catalog, option, without_option
 from dh2urdf.cli.standard_input import refuse_dash
 from dh2urdf.conversion.outcome import to_text
 from dh2urdf.report.html import HOW_TO_GET, can_write_html
 from dh2urdf.running.run import execute, load_plan
 
+if TYPE_CHECKING:
+    from pathlib import Path
+
 
 @click.command(cls=Command, name="run", epilog=EXIT_STATUS)
-@click.argument("config", type=click.Path(path_type=Path))
+@click.argument("config", type=PATH)
 @option("-o", "--output", metavar="DIR", help="Where to, not where CONFIG says: a folder or an address.")
 @option("--workers", metavar="N", help="How many processes work; auto: one per processor.")
 @option("--resume", is_flag=True, help="Keep what an earlier run has finished and what has not changed since.")

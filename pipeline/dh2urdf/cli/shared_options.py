@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from functools import lru_cache
 from itertools import pairwise, takewhile
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -18,6 +19,7 @@ if TYPE_CHECKING:
     from typing import TypeVar
 
     from click.core import ParameterSource
+    from click.shell_completion import CompletionItem
 
     from dh2urdf.plugin_system.catalog import Catalog
 
@@ -59,6 +61,28 @@ def _show_help(context: click.Context, _parameter: click.Parameter, value: bool)
     if value and not context.resilient_parsing:
         answer(context.get_help())
         context.exit()
+
+
+class _PathType(click.ParamType):  # type: ignore[type-arg] # generic only in newer versions
+    """A path, wherever it leads: whatever opens it reports what is wrong with it.
+
+    (`click.Path` looks up its own name in catalogues of translations.)
+    """
+
+    name = "path"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Path:  # noqa: ANN401, ARG002 - click's
+        """The path that a text is."""
+        return Path(value)
+
+    def shell_complete(self, ctx: click.Context, param: click.Parameter, incomplete: str) -> list[CompletionItem]:  # noqa: ARG002 - click's
+        """Has the shell complete it as a file."""
+        from click.shell_completion import CompletionItem
+
+        return [CompletionItem(incomplete, type="file")]
+
+
+PATH = _PathType()
 
 
 class OneValueOption(click.Option):

@@ -2,22 +2,23 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
 from dh2urdf.cli import EXIT_STATUS
 from dh2urdf.cli.answers import answer
-from dh2urdf.cli.shared_options import Command, catalog, option, without_option
+from dh2urdf.cli.shared_options import PATH, Command, catalog, option, without_option
 from dh2urdf.cli.standard_input import refuse_dash
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from dh2urdf.studio.editing.opening import Opened
 
 
 @click.command(cls=Command, name="studio", epilog=EXIT_STATUS)
-@click.argument("table", type=click.Path(path_type=Path), required=False)
+@click.argument("table", type=PATH, required=False)
 @option("--robot", metavar="NAME", help="Which manipulator of a table that holds several.")
 @option("--port", type=click.IntRange(0, 65535), metavar="P", help="Port; 8420 or a free one without it.")
 @option("--host", default="127.0.0.1", show_default=True, metavar="ADDRESS", help="Address to listen at.")

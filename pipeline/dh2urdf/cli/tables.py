@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import click
-
-from dh2urdf.cli.shared_options import option
+from dh2urdf.cli.shared_options import PATH, option
 from dh2urdf.commands.options_of_stages import Asker, Setting
 from dh2urdf.plugin_system.options import COMMAND_LINE
 
@@ -53,7 +50,7 @@ def table_options(function: F) -> F:
 package_paths_option = option(
     "--package-path",
     "package_paths",
-    type=click.Path(path_type=Path),
+    type=PATH,
     multiple=True,
     metavar="DIR",
     help="A ROS package, or a folder of packages, whose files a xacro may include or meshes are in; repeatable.",

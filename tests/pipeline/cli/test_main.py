@@ -331,3 +331,20 @@ class TestEmptyWords:
         answer = cli(*words, status=2)
         assert f"the word behind {behind} is empty; is a variable of the shell not set?" in answer.stderr
         assert sorted(path.name for path in tmp_path.iterdir()) == ["arm.csv", "run.yaml"]
+
+
+def test_shells_complete_paths() -> None:
+    """A shell asks which words may follow: where a path is wanted, it is to look for files."""
+    answer = subprocess.run(
+        [Path(sys.executable).parent / "dh2urdf"],
+        env={
+            **os.environ,
+            "_DH2URDF_COMPLETE": "bash_complete",
+            "COMP_WORDS": "dh2urdf convert arm",
+            "COMP_CWORD": "2",
+        },
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    assert answer.stdout.strip() == "file,arm"

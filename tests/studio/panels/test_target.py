@@ -126,6 +126,7 @@ def test_a_quaternion_is_typed(opened: Callable[[str], Any], catalog: Catalog) -
     """In place of the angles; one of any length is taken, one of length 0 is not."""
     tab, arm = opened("ur5"), arm_of("ur5.csv", catalog)
     tab.press("random pose")
+    tab.wait_for_tool0(arm)
     tab.page.get_by_role("button", name="quaternion").click()
     box(tab, "qw").wait_for()
     box(tab, "roll").wait_for(state="hidden")

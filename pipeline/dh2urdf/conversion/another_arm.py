@@ -19,31 +19,27 @@ if TYPE_CHECKING:
     from dh2urdf.plugin_system.calls import Call
     from dh2urdf.robot import Robot
 
-_NOT_THE_ARM = "is not the arm of the table: "
 
-
-def far_off(proof: Proof, emitter: str, expected: ExpectedPoses) -> ProofError:
-    """The error that a file of an emitter moves a tool0 to other places than the table does."""
-    message = (
-        f"what the emitter {emitter!r} wrote {_NOT_THE_ARM}{proof.tip} is off by "
-        f"{proof.position_error:.3g} m and {proof.angle_error:.3g} rad at q = {list(proof.q)}; "
-        f"allowed are {proof.tolerance:.3g} m and {TOLERANCE:.3g} rad"
-    )
-    return ProofError(Problem(message=message, robot=expected.name, mark=expected.mark))
-
-
-def fault_of(
-    error: ProofError, expected: ExpectedPoses, robot: Robot, poses: Poses, makers: Sequence[Call[Any]]
-) -> ProofError:
-    """The error of a file, or that of the transform and the edits where the robot itself is another arm."""
+def makers_at_fault(expected: ExpectedPoses, robot: Robot, poses: Poses, calls: Sequence[Call[Any]]) -> str:
+    """The transform and the edits that made a robot which is another arm, in words; empty where it is the table's."""
     with suppress(ProofError):
         if prove(expected, robot, poses).holds:
-            return error
-    named = [
-        str(call.at_work) for call in makers if not (isinstance(call.stage, Edit) and call.stage.edit_robot is None)
-    ]
-    problems = []
-    for problem in error.problems:
-        _, _, how = problem.message.rpartition(_NOT_THE_ARM)
-        problems.append(replace(problem, message=f"what the {' and the '.join(named)} made {_NOT_THE_ARM}{how}"))
-    return ProofError(problems)
+            return ""
+    makers = [call for call in calls if not isinstance(call.stage, Edit) or call.stage.edit_robot is not None]
+    return f"the {' and the '.join(str(call.at_work) for call in makers)} made"
+
+
+def far_off(proof: Proof, expected: ExpectedPoses) -> Problem:
+    """How far a file moves a tool0 to other places than the table does."""
+    message = (
+        f"{proof.tip} is off by {proof.position_error:.3g} m and {proof.angle_error:.3g} rad at q = {list(proof.q)}; "
+        f"allowed are {proof.tolerance:.3g} m and {TOLERANCE:.3g} rad"
+    )
+    return Problem(message=message, robot=expected.name, mark=expected.mark)
+
+
+def another_arm(problems: Sequence[Problem], what: str) -> ProofError:
+    """The error that what somebody made is another arm, for reasons that are given."""
+    return ProofError(
+        [replace(each, message=f"what {what} is not the arm of the table: {each.message}") for each in problems]
+    )

@@ -271,16 +271,20 @@ def _prove_file(
         return None
     with blaming(call, "read_back"):
         described = a_robot(emitter.read_back(path), call)
+    makers: tuple[Call[Any], ...] = (recipe.transform, *recipe.edits)
     try:
         proof = prove(expected, described, poses, at_once=at_once)
-        if recipe.keeps_kinematics and not proof.holds:
-            from dh2urdf.conversion.another_arm import far_off
-
-            raise far_off(proof, emitter.name, expected)
     except ProofError as error:
-        from dh2urdf.conversion.another_arm import fault_of
+        from dh2urdf.conversion.another_arm import another_arm, makers_at_fault
 
-        raise fault_of(error, expected, robot, poses, (recipe.transform, *recipe.edits)) from error
+        if what := makers_at_fault(expected, robot, poses, makers):
+            raise another_arm(error.problems, what) from error
+        raise
+    if recipe.keeps_kinematics and not proof.holds:
+        from dh2urdf.conversion.another_arm import another_arm, far_off, makers_at_fault
+
+        what = makers_at_fault(expected, robot, poses, makers) or f"the emitter {emitter.name!r} wrote"
+        raise another_arm([far_off(proof, expected)], what)
     return proof
 
 

@@ -12,6 +12,7 @@ import subprocess
 import sys
 import time
 import unicodedata
+from hashlib import sha256
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -372,6 +373,27 @@ def test_a_run_that_was_interrupted_can_be_done_again(dh2urdf: Any, tmp_path: Pa
     first, second = files(tmp_path / "fresh"), files(out)
     first.pop("timing.json"), second.pop("timing.json")
     assert first == second
+
+
+def test_no_arm_writes_over_the_files_of_the_run(dh2urdf: Callable[..., Any], tmp_path: Path) -> None:
+    """A table in JSON of an arm called ``report`` would be ``report.json``, which is the report of the run."""
+    (tmp_path / "arms.csv").write_text(f"# convention: standard\n{table(('report', 'Index', 'arm'))}", encoding="utf-8")
+    (tmp_path / "run.yaml").write_text(
+        "inputs: arms.csv\noutput: {directory: out}\nemitters: [urdf, {stage: table, options: {formats: [json]}}]\n",
+        encoding="utf-8",
+    )
+    dh2urdf("run", "run.yaml")
+    report = json.loads((tmp_path / "out" / "report.json").read_bytes())
+    assert report["exit_status"] == 0
+    entries = [file for arm in report["manipulators"] for file in arm["files"]]
+    for entry in entries:
+        content = (tmp_path / "out" / entry["path"]).read_bytes()
+        assert sha256(content).hexdigest() == entry["sha256"], entry["path"]
+    assert [entry["path"] for entry in entries if entry["stage"] == "table"] == [
+        "report-2.json",
+        "Index-2.json",
+        "arm.json",
+    ]
 
 
 # --- In the middle of anything ----------------------------------------------------------------------------------------

@@ -84,6 +84,13 @@ class Loaded(NamedTuple):
     failures: tuple[ManipulatorError | InputError, ...]
 
 
+def picture_endings(recipe: Recipe) -> list[str]:
+    """What the names of the pictures of each loader have behind the stem; the first has none of its own."""
+    is_free = all(".png" not in call.stage.suffixes for call in recipe.emitters)
+    names = [call.stage.name for call in recipe.loaders]
+    return [".png" if number == 0 and is_free else f".{name}.png" for number, name in enumerate(names)]
+
+
 def load_with_all(  # noqa: PLR0917 - what is known of a manipulator with files
     expected: ExpectedPoses,
     robot: Robot,
@@ -112,13 +119,13 @@ def load_with_all(  # noqa: PLR0917 - what is known of a manipulator with files
     verdicts: dict[str, Verdict] = {}
     pictures: dict[str, bytes] = {}
     failures: list[ManipulatorError | InputError] = []
-    for number, call in enumerate(recipe.loaders):
+    for call, ending in zip(recipe.loaders, picture_endings(recipe), strict=True):
         name = call.stage.name
         optional = name in recipe.optional
         if why := recipe.missing.get(name):
             verdicts[name] = _missing(name, why)
             continue
-        picture = folder / (f"{stem}.png" if number == 0 else f"{stem}.{name}.png")
+        picture = folder / f"{stem}{ending}"
         started = time.perf_counter()
         try:
             report = load_written(

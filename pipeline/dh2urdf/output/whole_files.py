@@ -6,6 +6,7 @@ import os
 import unicodedata
 from contextlib import contextmanager, suppress
 from errno import EACCES, EDQUOT, EISDIR, ENAMETOOLONG, ENOSPC, EPERM, EROFS
+from itertools import permutations, product
 from pathlib import Path, PurePosixPath
 from stat import S_ISDIR, S_ISLNK, S_ISREG
 from typing import TYPE_CHECKING
@@ -72,17 +73,31 @@ class Stems:
 
     Args:
         stem_of: the stem that a name has by itself.
+        endings: what each writer of files puts behind a stem. Where the ``.sim.png`` of one is the ``.png`` of another
+            behind ``.sim``, a run has no stems ``ur5`` and ``ur5.sim``: both would name ``ur5.sim.png``.
+        own_files: names of files that are the run's own.
     """
 
-    def __init__(self, stem_of: Callable[[str], str] = safe_stem) -> None:
+    def __init__(
+        self,
+        stem_of: Callable[[str], str] = safe_stem,
+        endings: Sequence[Sequence[str]] = (),
+        own_files: Sequence[str] = (),
+    ) -> None:
         self._stem_of = stem_of
         self._taken = SeenNames()
         self._numbers: dict[str, int] = {}  # how often a stem was wanted, of those that were wanted again
+        pairs = [pair for one, other in permutations(endings, 2) for pair in product(one, other)]
+        self._tails = {
+            longer.removesuffix(shorter) for longer, shorter in pairs if longer != shorter and longer.endswith(shorter)
+        }
+        ends = [ending for some in endings for ending in some]
+        self._taken.add(name.removesuffix(end) for name in own_files for end in ends if name.endswith(end))
 
     def claim_all(self, names: Sequence[str]) -> list[tuple[str, Problem | None]]:
         """The stems of manipulators, each with a notice where another one already has the stem of its name."""
         stems = [self._stem_of(name) for name in names]
-        keys = [self._key(stem) for stem in stems]
+        keys = [key for stem in stems for key in self._keys(stem)]
         if len(set(keys)) < len(keys) or self._taken.known(keys):
             return [self.claim(name) for name in names]
         self._taken.add(keys)
@@ -92,15 +107,20 @@ class Stems:
         """The stem of a manipulator, and a notice where another one already has the stem of its name."""
         wanted = stem = self._stem_of(name)
         number = self._numbers.get(self._key(wanted), 1)
-        while self._taken.known([self._key(stem)]):
+        while self._taken.known(self._keys(stem)):
             number += 1
             stem = f"{wanted}-{number}"
-        self._taken.add([self._key(stem)])
+        self._taken.add(self._keys(stem))
         if number == 1:
             return stem, None
         self._numbers[self._key(wanted)] = number
-        message = f"its files are named {stem!r}: {wanted!r} belongs to another manipulator of this run"
+        message = f"its files are named {stem!r}: {wanted!r} names files of another manipulator or the run"
         return stem, Problem(message=message, severity="notice", robot=name)
+
+    def _keys(self, stem: str) -> list[str]:
+        """All that a stem keeps from others."""
+        key = self._key(stem)
+        return [key, *(key + tail for tail in self._tails)]
 
     @staticmethod
     def _key(stem: str) -> str:

@@ -31,7 +31,7 @@ from dh2urdf.run_file.config import load_config
 from dh2urdf.run_file.overrides import ON_THE_COMMAND_LINE, Asked
 from dh2urdf.run_file.plan import Plan, make_plan
 from dh2urdf.running.batch_content import Depth
-from dh2urdf.running.run_inputs import refuse_overwriting
+from dh2urdf.running.run_inputs import OWN_FILES, refuse_overwriting
 from dh2urdf.running.worker import BatchWorker
 from dh2urdf.source import Problem, printable
 from dh2urdf.stages import Executor, Lost
@@ -203,7 +203,7 @@ def _make(  # noqa: PLR0917 - what a run has in its hands
 
     def handed_over() -> Iterator[Batch]:
         with own_work():
-            for batch in batches(plan, expected):
+            for batch in batches(plan, expected, OWN_FILES):
                 known = replace(batch, rows=earlier.of(batch.names)) if earlier else batch
                 under_way.append(known)
                 first_manipulators.see(batch)

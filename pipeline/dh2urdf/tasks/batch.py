@@ -15,11 +15,13 @@ from dh2urdf.cells.cell import Cell, with_tables
 from dh2urdf.cells.wanted_tables import WantedTables
 from dh2urdf.columns import ManipulatorColumns, ManipulatorGroups, in_columns
 from dh2urdf.conversion.one_manipulator import read_items
+from dh2urdf.conversion.simulators import picture_endings
 from dh2urdf.errors import ConfigError, ManipulatorError, StageError, TableError
 from dh2urdf.isolation.garbage import collected_at_the_end
 from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.manipulator import Manipulator
+from dh2urdf.output.layouts import Form
 from dh2urdf.output.whole_files import Stems
 from dh2urdf.run_file.mesh_section import MeshGiver
 from dh2urdf.source import Mark, Problem, shown
@@ -168,14 +170,18 @@ def variants_from(
     return [(tuple([first + place for place in places]), columns) for places, columns in groups], doomed
 
 
-def batches(plan: Plan, expected: Expected) -> Iterator[Batch]:
+def batches(plan: Plan, expected: Expected, own_files: Sequence[str] = ()) -> Iterator[Batch]:
     """All that a run has to make.
 
     Args:
         plan: the run.
         expected: gets how far the reading has come.
+        own_files: names of files of the run beside those of its manipulators.
     """
-    stems = Stems(plan.layout.stem_of)
+    written = [call.stage.suffixes for call in plan.recipe.emitters]
+    pictures = [(ending,) for ending in picture_endings(plan.recipe)]
+    is_beside = plan.layout.form is Form.FILES
+    stems = Stems(plan.layout.stem_of, (*written, *pictures), own_files if is_beside else ())
     waiting = _Waiting(items(plan, expected, columns=True))
     first = 0
     for size in plan.layout.batch_sizes(_sizes(plan)):

@@ -411,9 +411,25 @@ class TestNames:
         assert files == ["arm.pickle", "arm-2.pickle", "ARM-3.pickle"]
         assert outcomes[0]["notices"] == []
         assert messages(outcomes[1]["notices"]) == [
-            "its files are named 'arm-2': 'arm' belongs to another manipulator of this run"
+            "its files are named 'arm-2': 'arm' names files of another manipulator or the run"
         ]
         assert [read_back(lab.output / name).name for name in sorted(lab.written())] == ["ARM", "arm", "arm"]
+
+    @pytest.mark.parametrize("names", ["arm arm.cardboard", "ARM.Cardboard arm"])
+    def test_a_second_picture_is_no_file_of_another_manipulator(self, lab: Lab, names: str) -> None:
+        """What is ``arm.cardboard.png`` by its second simulator keeps an arm.cardboard from its stem, either way round."""
+        outcomes = lab.run(names, "loaders: [paper, cardboard]")
+        pictures = [load["picture"] for outcome in outcomes for load in outcome["loaders"].values()]
+        files = [file["path"] for outcome in outcomes for file in outcome["files"]]
+        assert len({name.casefold() for name in (*pictures, *files)}) == 6
+        assert lab.written() == {*pictures, *files}
+        assert [len(outcome["notices"]) for outcome in outcomes] == [0, 1]
+
+    def test_pictures_of_one_simulator_are_in_nobody_s_way(self, lab: Lab) -> None:
+        """A stem changes where two files would have one name, and nowhere else."""
+        outcomes = lab.run("arm arm.cardboard", "loaders: cardboard")
+        assert lab.written() == {"arm.pickle", "arm.png", "arm.cardboard.pickle", "arm.cardboard.png"}
+        assert [outcome["notices"] for outcome in outcomes] == [[], []]
 
     def test_a_name_stays_in_the_output_folder(self, lab: Lab) -> None:
         """A name that is a path becomes a plain file name; the robot keeps it as it is."""

@@ -47,6 +47,14 @@ _DATE_ADVICE = (
 _WORD = r"[^\W\d_]{1,3}|°"
 _IN_BRACKETS = late_pattern(rf"\s*\(\s*([0-9.,]+(?:e[+-]?[0-9]+)?)\s*({_WORD})?\s*\)\s*({_WORD})?\s*", re.IGNORECASE)
 _NO_DIGIT_BUT_0 = late_pattern(r"[0.,]+(?:e[+-]?[0-9]+)?", re.IGNORECASE)
+_PLAIN = r"[0-9]*[.,]?[0-9]+"
+_POWER = late_pattern(
+    rf"\s*([+-]?{_PLAIN})\s*\*\s*10(?:([+-])\s*|\s+([+-]))([0-9]{{1,2}})\s*((?:[^\W\d]|°).*)?", re.DOTALL
+)
+"""A power of ten whose exponent is no longer raised: ``3×10-3``."""
+_UNIT = r"(?:\s*(?:[cmµ]?m|in|ft|deg|rad|°))?"
+_TWO_NUMBERS = late_pattern(rf"\s*([+-]?)({_PLAIN}){_UNIT}(\s*)([-−–‐‑/⁄∕])(\s*)([+-]?)({_PLAIN}){_UNIT}\s*")
+"""What may be a difference or a quotient, or two numbers: ``0.3–0.5``, ``90/-90``, ``0/90``."""
 
 _SPACES = "'’ʼ \u00a0\u2007\u2009\u202f"
 _ADVICE = (
@@ -131,7 +139,30 @@ def misreading(text: str) -> tuple[str, str] | None:
             f"a number in brackets is negative to a spreadsheet and positive to a person: -{number[1]}, or {number[1]}"
         )
         return reason, f"write -{number[1]}{unit} or {number[1]}{unit}, without the brackets"
-    return None
+    if "10" in plain and (power := _POWER.fullmatch(plain)):
+        sign = power[2] or power[3]
+        factor, exponent, unit = power[1], f"{sign}{power[4]}", f" {power[5]}" if power[5] else ""
+        reason = f"it may be {factor} times a power of ten, whose exponent {exponent} is no longer raised"
+        return reason, f"write {factor}e{exponent}{unit}, or {factor}*10 {sign} {power[4]}{unit} with spaces"
+    two = _TWO_NUMBERS.fullmatch(text)
+    return _two_numbers(two) if two else None
+
+
+def _two_numbers(match: re.Match[str]) -> tuple[str, str] | None:
+    """What is wrong with a difference or a quotient that may be two numbers; None where it is none."""
+    first, between, sign, last = match[2], match[4], match[6], match[7]
+    smaller, larger = (float(number.replace(",", ".")) for number in (first, last))
+    if match[3] and match[5] and between != "–":  # with spaces it is what its sign says
+        return None
+    if between in "/⁄∕":
+        if not (sign and smaller == larger) and not smaller == 0 < larger:
+            return None
+        advised = "write the number that holds; for the quotient, put spaces around its sign"
+        return "it may be two numbers, or a quotient", advised
+    if match[1] or sign or smaller >= larger:
+        return None
+    reason = f"it may be a range from {first} to {last}, or a difference"
+    return reason, "write bounds in a column limits; for the difference, put spaces around a hyphen"
 
 
 def advice(text: str) -> str | None:

@@ -105,6 +105,9 @@ DATES = (
     *("3-4", "3–4", "10-12", "1/2/3", "12/31/24", "1.2.2024", "31.12.24", "1.2.", "2024-01", "2024-01-03 12:30:00"),
     *("Jan 3", "3-Jan", "03-Apr", "Apr-03", "3. Mai", "Mrz 24", "5-janv.", "12:30", "1:30 PM"),
 )
+POWERS = ("3×10-3", "1.2*10−3", "-2,5 × 10-4", "1.2×10-3 m", "5*10 -3", "3×10+2")
+RANGES = ("0.3–0.5", "0.3 – 0.5", "0.3-0.5", "0,3−0,5", "0.25 m-0.5 m", "100-500 mm", "0-0.5", "90-180")
+PAIRS = ("90/-90", "-90/+90", "90°/-90°", "0/90", "0⁄0.5")
 STARS = ("q1*-1", "q1 *-1", "q1* -1", "q1* - 1", "q1*+1", "q*-1.0", "-q1*-1", "pi/2+q1*-1", "(q1*-1)", "q1*-3", "θ1∗-1")
 
 
@@ -163,6 +166,9 @@ STARS = ("q1*-1", "q1 *-1", "q1* -1", "q1* - 1", "q1*+1", "q*-1.0", "-q1*-1", "p
         ("01-02-21", "it is a date"),
         *((text, "it is a date") for text in DATES),
         *((text, "is negative to a spreadsheet") for text in ("(425)", "( 1.5 )", "(425 mm)", "(425) mm", "(1e3)")),
+        *((text, "whose exponent .* is no longer raised") for text in POWERS),
+        *((text, "it may be a range from") for text in RANGES),
+        *((text, "it may be two numbers, or a quotient") for text in PAIRS),
         *((text, "where the star marks a joint variable") for text in STARS),
         ("5-", "something is missing at its end"),
         ("+-170", "two signs follow each other"),
@@ -194,6 +200,12 @@ def test_what_is_no_quantity_is_refused_with_its_reason(text: str, reason: str) 
         ("1 / 2 / 4", 0.125),
         ("1/2", 0.5),
         ("100-50", 50.0),
+        ("0.5–0.3", 0.5 - 0.3),
+        ("0.3 - 0.5", 0.3 - 0.5),
+        ("3*10 - 3", 27.0),
+        ("3×10-0.3", 29.7),
+        ("0.9/-0.3", 0.9 / -0.3),
+        ("0 / 90", 0.0),
         ("-(425)", -425.0),
         ("(0.0)", 0.0),
         ("(1+2)", 3.0),

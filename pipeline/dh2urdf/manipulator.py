@@ -302,6 +302,7 @@ class Manipulator:
 
         Raises:
             RecordValueError: the table says something that CSV has no place for, such as meshes.
+            ConfigError: the file's name is that of another format.
             OutputError: the file cannot be written.
         """
         return function_of("Manipulator.to_csv")(self, ".csv", out, "Manipulator.to_csv()")

@@ -269,7 +269,7 @@ class Robot:
         Raises:
             RobotError: the robot breaks a rule that the readers of robot descriptions rely on.
             ProofError: what was written has other kinematics than the robot.
-            ConfigError: an option is unknown or its value wrong.
+            ConfigError: an option is unknown or its value wrong, or the file's name is that of another format.
             OutputError: the file cannot be written.
         """
         return function_of("Robot.to_urdf")(self, ".urdf", out, options, "Robot.to_urdf()")

@@ -9,11 +9,12 @@ import click
 
 from dh2urdf.cli.answers import answer
 from dh2urdf.cli.shared_options import PATH, Command, catalog, option, without_option
+from dh2urdf.conversion.file_endings import table_writer
 from dh2urdf.errors import ConfigError
 from dh2urdf.manipulator import Convention
 from dh2urdf.plugin_system.calls import default_call
 from dh2urdf.plugin_system.options import COMMAND_LINE
-from dh2urdf.scaffold.tables import MOST_AXES, chosen_writer, run_template, table_template, write_new
+from dh2urdf.scaffold.tables import MOST_AXES, run_template, table_template, write_new
 from dh2urdf.source import Problem
 
 if TYPE_CHECKING:
@@ -58,7 +59,7 @@ def command(  # noqa: PLR0917 - click hands everything over by name
         raise ConfigError(Problem(message=message, mark=COMMAND_LINE, accepted=f"at most {MOST_AXES}"))
     names = names or [f"joint_{number}" for number in range(1, (axes or DEFAULT_AXES) + 1)]
     installed = catalog()
-    call = default_call(installed, chosen_writer(installed, file))
+    call = default_call(installed, table_writer(installed, file, COMMAND_LINE))
     content = table_template(call, Convention(convention), names, name, file)
     files = {file: content}
     if run_file is not None:

@@ -12,7 +12,7 @@ from dh2urdf.commands.options_of_stages import Asker, stage_calls
 from dh2urdf.conversion.one_manipulator import Recipe, Written, with_notices, write_robot
 from dh2urdf.conversion.robots import make_item
 from dh2urdf.documents.text_files import check_file
-from dh2urdf.errors import ConfigError, EditError, InputError, PluginError, RobotError, TableError, TransformError
+from dh2urdf.errors import ConfigError, EditError, RobotError, TableError, TransformError
 from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.manipulator import Manipulator
 from dh2urdf.meshes.files import FILE, RELATIVE, mesh_files, prefix_of
@@ -260,6 +260,12 @@ def plan_conversion(
         mesh_prefix=prefix,
         mesh_conversion=_mesh_conversion(convert_meshes, prefix, target, asker),
     )
+    notices: list[Problem] = []
+    if formats and target is not None and one_file:
+        from dh2urdf.conversion.file_endings import notices_of_ending
+
+        (chosen,) = stages["emitter"]
+        notices = notices_of_ending(catalog, target, chosen, f"{asker.format}{chosen.name}", asker.mark)
     said = ((asker.meshes, meshes), (asker.convert_meshes, convert_meshes))
     return Planned(
         table=table,
@@ -270,7 +276,7 @@ def plan_conversion(
         asker=asker,
         inputs=tuple(inputs),
         meshes=tuple((before, word) for before, word in said if word is not None),
-        notices=tuple(_other_suffix(target, stages["emitter"], catalog, asker)),
+        notices=tuple(notices),
     )
 
 
@@ -282,23 +288,6 @@ def _edits(words: Iterable[str], asker: Asker, catalog: Catalog) -> tuple[Call[E
     return edit_calls(given, asker, catalog)
 
 
-def _other_suffix(
-    target: Path | None, emitters: Sequence[Emitter[Any]], catalog: Catalog, asker: Asker
-) -> Iterator[Problem]:
-    """A notice of a file whose name is that of another format than what it holds."""
-    if target is None or len(emitters) != 1 or emitters[0].in_folders:
-        return
-    try:
-        named = catalog.emitter_for(target)
-    except (InputError, PluginError):  # the suffix says no format, or not which
-        return
-    (chosen,) = emitters
-    if named is not chosen:
-        message = f"{shown(target.name)} is the name of a file in the format {named.name}, and it holds {chosen.name}"
-        suggestion = f"leave out {asker.format}{chosen.name}, or choose a name that ends in {chosen.suffixes[0]}"
-        yield Problem(message=message, severity="notice", mark=asker.mark, field="out", suggestion=suggestion)
-
-
 def in_one_file(call: Call[Emitter[Any]]) -> Call[Emitter[Any]]:
     """An emitter with options that make it give a single file."""
     if call.stage.one_file is None:
@@ -308,9 +297,17 @@ def in_one_file(call: Call[Emitter[Any]]) -> Call[Emitter[Any]]:
 
 
 def as_named(call: Call[Emitter[Any]], target: Path) -> Call[Emitter[Any]]:
-    """An emitter with options that make it give what the suffix of a file names."""
-    if call.stage.for_suffix is None or (suffix := _suffix(target, call.stage)) is None:
+    """An emitter with options that make it give what the suffix of a file names.
+
+    Raises:
+        ConfigError: the suffix names none of the formats of an emitter that has several.
+    """
+    if call.stage.for_suffix is None:
         return call
+    if (suffix := _suffix(target, call.stage)) is None:
+        from dh2urdf.conversion.file_endings import names_no_format
+
+        raise names_no_format(target, call.stage)
     with depending_on(call, "for_suffix"):
         return replace(call, options=a_record(call.stage.for_suffix(call.options, suffix), call.stage.options))
 

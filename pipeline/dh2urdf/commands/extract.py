@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING, Any
 from dh2urdf.commands.chosen_table import chosen_reader
 from dh2urdf.commands.options_of_stages import stage_calls
 from dh2urdf.commands.written_tables import table_file
+from dh2urdf.conversion.file_endings import table_writer
 from dh2urdf.conversion.one_manipulator import read_items
 from dh2urdf.documents.text_files import check_file
-from dh2urdf.errors import ConfigError, InputError, TableError
+from dh2urdf.errors import ConfigError, TableError
 from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.manipulator import Manipulator
 from dh2urdf.output.whole_files import refuse_inputs, write_whole
@@ -162,15 +163,7 @@ def write_extracted(
         RecordValueError: what was written reads back as another arm.
         OutputError: the file cannot be written, or is an input.
     """
-    call = default_call(catalog, catalog.reader_for(out, "choose a name that ends in .yaml or .csv"))
-    if call.stage.write is None:
-        raise InputError(
-            Problem(
-                message=f"the format {call.stage.name!r} is only read",
-                mark=Mark(file=str(out)),
-                accepted="a name that ends in .yaml or .csv",
-            )
-        )
+    call = default_call(catalog, table_writer(catalog, out, Mark(file=str(out))))
     renamed: list[Problem] = []
     arms = [_without_numbers(arm, renamed) for arm in arms]
     header = b"".join(map(_header, arms))

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 from dh2urdf.columns import columns_of
 from dh2urdf.commands.argument_words import words_of
 from dh2urdf.commands.options_of_stages import asker_of, stage_calls
+from dh2urdf.conversion.file_endings import refuse_other_ending
 from dh2urdf.errors import ProofError, RobotError
 from dh2urdf.kinematics.chain import KinematicChain, angle_error, position_error
 from dh2urdf.kinematics.proof import TOLERANCE
@@ -45,6 +46,8 @@ def write_description(
         raise RobotError(problem.about(mark=asker.mark) for problem in problems)
     catalog = load()
     emitter: Any = catalog.emitter_for(Path(f"robot{suffix}"))
+    if target is not None:
+        refuse_other_ending(catalog, Path(target), emitter, asker.mark)
     given = {"emitter": words_of(options)}
     (call,) = stage_calls(catalog, {"emitter": [emitter]}, asker, given)["emitter"]
     robot = located(robot, prefix_of(FILE))

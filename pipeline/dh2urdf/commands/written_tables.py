@@ -6,6 +6,7 @@ from dataclasses import fields, is_dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from dh2urdf.conversion.file_endings import refuse_other_ending
 from dh2urdf.conversion.one_manipulator import read_items
 from dh2urdf.errors import InputError, RecordValueError
 from dh2urdf.kinematics.chain import angle_error, forward_kinematics, position_error
@@ -171,11 +172,14 @@ def write_table(manipulator: Manipulator, suffix: str, out: str | os.PathLike[st
 
     Raises:
         RecordValueError: the format has no place for something that the manipulator says.
+        ConfigError: the file's name is that of another format.
         OutputError: the file cannot be written.
     """
     target = path_or_none("out", out, Mark(file=function))
     catalog = load()
     call = default_call(catalog, catalog.reader_for(Path(f"table{suffix}")))
+    if target is not None:
+        refuse_other_ending(catalog, Path(target), call.stage, Mark(file=function))
     content = in_format([table_text(manipulator)], call).content
     if found := list(_differences([manipulator], content, call, function)):
         raise RecordValueError(_other(difference, call, function) for difference in found)

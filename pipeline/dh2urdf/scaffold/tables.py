@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from dh2urdf.commands.written_tables import in_format
 from dh2urdf.conversion.one_manipulator import read_items
-from dh2urdf.errors import ConfigError, OutputError, TableError
+from dh2urdf.errors import ConfigError, OutputError
 from dh2urdf.manipulator import Convention, Manipulator
 from dh2urdf.output.spooled import spooled
 from dh2urdf.output.whole_files import make_folder, reporting_os_errors
@@ -21,7 +21,6 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from dh2urdf.plugin_system.calls import Call
-    from dh2urdf.plugin_system.catalog import Catalog
     from dh2urdf.stages import Reader
 
 MOST_AXES = 100
@@ -30,8 +29,6 @@ _PRODUCTS = {
     Convention.STANDARD: "standard (classic, distal): a row is Rz(theta) Tz(d) Tx(a) Rx(alpha)",
     Convention.MODIFIED: "modified (Craig, proximal): a row is Rx(alpha) Tx(a) Rz(theta) Tz(d)",
 }
-_NOT_SO = {".json": "has no comments", ".tsv": "has tabs between its cells"}
-"""Suffixes that readers take, and that a template would not keep the promise of."""
 _REACHES = (250, 200, 150)
 _RUN = """\
 # A run makes all files of all its tables, and proves them. Do it: dh2urdf run {run}
@@ -165,25 +162,3 @@ def write_new(files: dict[Path, bytes]) -> None:
         for path in written:
             path.unlink(missing_ok=True)
         raise
-
-
-def readers_that_write(catalog: Catalog) -> list[str]:
-    """The suffixes of tables that can be written."""
-    stages: list[Any] = [provided.stage for provided in catalog.provided("reader")]
-    suffixes = [suffix for stage in stages if stage.write is not None for suffix in stage.suffixes]
-    return [suffix for suffix in suffixes if suffix not in _NOT_SO]
-
-
-def chosen_writer(catalog: Catalog, file: Path) -> Reader[Any]:
-    """The reader that writes tables like a file.
-
-    Raises:
-        TableError: no reader writes such tables.
-    """
-    suffixes = readers_that_write(catalog)
-    if not file.name.lower().endswith(tuple(suffixes)):
-        reason = _NOT_SO.get(file.suffix.lower())
-        message = f"no reader writes tables like {shown(file.name)}{f': such a file {reason}' if reason else ''}"
-        accepted = f"a file name that ends in {', '.join(suffixes)}"
-        raise TableError(Problem(message=message, mark=COMMAND_LINE, found=str(file), accepted=accepted))
-    return catalog.reader_for(file)

@@ -123,6 +123,13 @@ class TestFiles:
         assert files(folder) == {"bad.urdf"}
         assert (folder / "bad.urdf").read_text() == "old"
 
+    def test_a_suffix_that_says_none_of_several_formats(self, cli: Cli, folder: Path) -> None:
+        """``--to table`` leaves open which table, and the suffix has to say it."""
+        answer = cli("convert", "arm.csv", "--to", "table", "-o", "arm.txt", status=2)
+        assert "'arm.txt' names none of the formats that the emitter 'table' writes" in answer.stderr
+        assert "accepted: a name that ends in .yaml, .csv" in answer.stderr
+        assert files(folder) == set()
+
     def test_an_unknown_suffix(self, cli: Cli, folder: Path) -> None:
         """The error says what is known, and how to choose."""
         answer = cli("convert", "arm.csv", "-o", "arm.usd", status=2)

@@ -269,8 +269,17 @@ class TestWritten:
     @pytest.mark.parametrize(
         ("words", "message"),
         [
-            (["-o", "arm.xlsx"], "only read"),
-            (["-o", "arm.docx"], "no reader is known for the file 'arm.docx'"),
+            (
+                ["-o", "arm.xlsx"],
+                "no reader writes tables like 'arm.xlsx'\n    accepted: a file name that ends in .csv, .yaml",
+            ),
+            (
+                ["-o", "arm.docx"],
+                "no reader writes tables like 'arm.docx'\n    accepted: a file name that ends in .csv, .yaml",
+            ),
+            (["-o", "arm.json"], "such a file holds JSON"),
+            (["-o", "arm.tsv"], "such a file has tabs between its cells"),
+            (["-o", "arm.tex"], "`dh2urdf convert` writes such files"),
             (["--length-unit", "ft"], "--length-unit ft is no unit of a table"),
             (["--near-parallel", "never"], "near_parallel"),
             (["other.urdf"], "2 files are given, and tables are extracted from one"),

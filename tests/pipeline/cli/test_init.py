@@ -103,7 +103,7 @@ def test_nothing_is_overwritten(cli: Cli, tmp_path: Path, words: list[str], kind
     ("words", "message"),
     [
         (["arm.parquet"], "accepted: a file name that ends in .csv, .yaml, .yml"),
-        (["arm.json"], "such a file has no comments"),
+        (["arm.json"], "such a file holds JSON"),
         (["arm.tsv"], "such a file has tabs between its cells"),
         (["arm"], "no reader writes tables like 'arm'"),
         (["--axes", "0"], "0 is not in the range"),

@@ -324,6 +324,19 @@ class TestWriting:
         arm.to_yaml(tmp_path / "arm.yaml")
         assert dh2urdf.read(tmp_path / "arm.csv") == dh2urdf.read(tmp_path / "arm.yaml") == arm
 
+    @pytest.mark.parametrize("write", ["to_csv", "to_yaml"])
+    @pytest.mark.parametrize("name", ["a.sdf", "a.URDF", "a.json", "a.tsv", "a.tex", "a.xlsx", "a.CSV", "a.yaml"])
+    def test_a_name_of_another_format_is_refused(self, tmp_path: Path, write: str, name: str) -> None:
+        """What is written is what the name says: the reader of the suffix reads the arm back, or nothing is written."""
+        arm, file = replace(dh2urdf.read(UR5), name="a"), tmp_path / name
+        if file.suffix.lower()[1:] == write[3:]:
+            getattr(arm, write)(file)
+            assert dh2urdf.read(file) == arm
+        else:
+            with pytest.raises(ConfigError, match=rf"another format than {write[3:]}.*\n.*ends in \.{write[3:]}"):
+                getattr(arm, write)(file)
+            assert list(tmp_path.iterdir()) == []
+
     def test_what_a_format_has_no_place_for_is_refused_by_name(self) -> None:
         """Nothing is lost in silence."""
         arm = dh2urdf.read(UR5)
@@ -351,6 +364,24 @@ class TestRobots:
         assert robot.to_urdf(profile="ros") == dh2urdf.convert(UR5, profile="ros").text
         with pytest.raises(ConfigError, match="no such option"):
             robot.to_urdf(profil="ros")
+
+    @pytest.mark.parametrize("write", ["to_urdf", "to_sdf", "to_mjcf"])
+    @pytest.mark.parametrize("name", ["a.urdf", "a.sdf", "a.xml", "a.urdf.xacro", "a.yaml"])
+    def test_a_name_of_another_format_is_refused(self, tmp_path: Path, write: str, name: str) -> None:
+        """A file has the format that its name says; any other reader would refuse it, or read another robot."""
+        own = {"to_urdf": "a.urdf", "to_sdf": "a.sdf", "to_mjcf": "a.xml"}[write]
+        robot = dh2urdf.convert(UR5).robot
+        if name == own:
+            assert getattr(robot, write)(tmp_path / name) == (tmp_path / name).read_text("utf-8")
+        else:
+            with pytest.raises(ConfigError, match=f"'{name}' is the name of a file in another format"):
+                getattr(robot, write)(tmp_path / name)
+            assert list(tmp_path.iterdir()) == []
+
+    def test_names_of_no_format_are_as_they_are(self, tmp_path: Path) -> None:
+        """As with `dh2urdf convert --to`."""
+        for name in ("robot_description", "arm.txt"):
+            assert dh2urdf.convert(UR5).robot.to_urdf(tmp_path / name) == (tmp_path / name).read_text("utf-8")
 
     def test_a_robot_that_breaks_a_rule_is_refused(self) -> None:
         """As of any run."""

@@ -796,6 +796,15 @@ CASES = [
         "    if these are degrees, say so: `offset [deg]`",
     ),
     Case(
+        "a degree sign that has become a 0",
+        ".csv",
+        {"convention": "standard"},
+        "# base: {rpy: [0, 0, 900 deg]}\njoint,a,alpha [deg],d\nj1,0,-900,0.1\n",
+        "arm.csv:1:22: notice: manipulator 'arm', field 'base.rpy': '900 deg' is more than a full turn\n"
+        "arm.csv:3:6: notice: joint 'j1', field 'alpha': '-900' is more than a full turn\n"
+        "    is the 0 at its end a degree sign? write -90°",
+    ),
+    Case(
         "limits that may be degrees",
         ".csv",
         {"convention": "standard"},

@@ -23,7 +23,7 @@ from dh2urdf.table_text import GEOMETRY
 from dh2urdf_plugins.readers.header.unknown_columns import is_beside, is_direction, is_number, unit_of
 from dh2urdf_plugins.readers.plain.limits import PlainLimits
 from dh2urdf_plugins.readers.plain.numbers import LINE_END, REMEMBERED, PlainNumbers, foreign_unit, names_foreign_unit
-from dh2urdf_plugins.readers.rows.cells import FULL_TURN, LARGEST_ANGLE
+from dh2urdf_plugins.readers.rows.cells import FULL_TURN
 from dh2urdf_plugins.readers.rows.joint_rows import DECIMAL, NUMBER
 from dh2urdf_plugins.readers.rows.names import are_joints, is_plain_label
 from dh2urdf_plugins.readers.rows.rows import NEARLY
@@ -82,7 +82,6 @@ class PlainRows:
             name in units.columns or foreign_unit(units, name) or foreign_unit(units, name, linear=True)
             for name in mixed
         ) and not _doubtful(units, mixed, linear=True)
-        self.alpha_bound = LARGEST_ANGLE if units.angle or "alpha" in units.columns else FULL_TURN
         foreign = {name: unit for name in self.numbers if (unit := foreign_unit(units, name))}
         self.degrees = {name for name, unit in foreign.items() if unit.degrees}
         self.foreign_lengths = {"a", "d"} & foreign.keys()
@@ -221,14 +220,15 @@ class PlainRows:
 
     def _are_plain_angles(self, values: dict[str, list[float]]) -> bool:
         """Whether all angles are of a size that needs no word, and none is nearly a quarter turn."""
-        bounds = {"alpha": self.alpha_bound, "theta": FULL_TURN, "offset": FULL_TURN}
-        for name in bounds.keys() & values.keys():
+        for name in ("alpha", "theta", "offset"):
+            if name not in values:
+                continue
             angles = set(values[name])
             # A number that is none is in no bounds, wherever it is in the set.
-            if not (math.isfinite(sum(angles)) and -bounds[name] <= min(angles) and max(angles) <= bounds[name]):
+            if not (math.isfinite(sum(angles)) and min(angles) >= -FULL_TURN and max(angles) <= FULL_TURN):
                 return False
             # Somewhat more than what is nearly a quarter turn to `RowReader`: it counts x in rad, not in turns.
-            close = max(NEARLY * HALF_PI * bounds[name], SMALL_ANGLE if name in self.degrees else 0.0)
+            close = max(NEARLY * HALF_PI * FULL_TURN, SMALL_ANGLE if name in self.degrees else 0.0)
             some = [x for x in angles if not close < x % HALF_PI < HALF_PI - close]  # a few more: no call for each
             near = [x for x in some if abs(remainder(x, HALF_PI)) <= NEARLY * HALF_PI * abs(x)]
             if not all(x == 0 or quarter_turns(x) is not None for x in near):

@@ -151,7 +151,7 @@ class RowReader(RowCells):
                 "or `--angle-unit deg`",
             )
         else:
-            self._nearly_quarter_turn(name, quantity.value)
+            self._odd_angle(name, quantity.value)
         return quantity.value
 
     def _six_parameters(self) -> None:
@@ -170,7 +170,16 @@ class RowReader(RowCells):
         elif beta or gamma or b:
             self.extras[self._joint] = Extra(beta, gamma, b, self._place("gamma" if gamma else "b"))
 
-    def _nearly_quarter_turn(self, name: str, angle: float) -> None:
+    def _odd_angle(self, name: str, angle: float) -> None:
+        """A notice of an angle of more than a full turn, or of nearly a quarter turn."""
+        if abs(angle) > FULL_TURN:
+            text = self._cells[name].text
+            declare = f"if these are degrees, say so: `{name} [deg]`"
+            raised = f"is the 0 at its end a degree sign? write {text[:-1]}°" if text.endswith("0") else None
+            self._notice(
+                f"{shown(text)} is more than a full turn", name, raised if name in self._unit_said else declare
+            )
+            return
         turns = rounded_quarter_turn(angle)
         if turns and abs(angle - turns * HALF_PI) <= NEARLY * abs(turns * HALF_PI):
             meant = {1: "pi/2", 2: "pi"}.get(abs(turns), f"{abs(turns)}*pi/2")
@@ -187,22 +196,9 @@ class RowReader(RowCells):
         theta = self._quantity("theta", variables=_ROTARY_VARIABLES if moves and not linear else ())
         offset = self._quantity("offset", linear=linear).value
         sign = self._sign()
-        if abs(theta.value) > FULL_TURN:
-            self._notice(
-                f"{shown(self._cells['theta'].text)} is more than a full turn",
-                "theta",
-                None if "theta" in self._unit_said else "if these are degrees, say so: `theta [deg]`",
-            )
-        else:
-            self._nearly_quarter_turn("theta", theta.value)
-        if not linear and abs(offset) > FULL_TURN:
-            self._notice(
-                f"{shown(self._cells['offset'].text)} is more than a full turn",
-                "offset",
-                None if "offset" in self._unit_said else "if these are degrees, say so: `offset [deg]`",
-            )
-        elif not linear:
-            self._nearly_quarter_turn("offset", offset)
+        self._odd_angle("theta", theta.value)
+        if not linear:
+            self._odd_angle("offset", offset)
         if not moves and offset:
             self._error("a fixed joint has no variable that an offset could be added to", "offset", accepted="0")
         if not moves and sign < 0:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from dh2urdf.quantities import Dimension, QuantityError, Unit, evaluate
+from dh2urdf.quantities import Dimension, Quantity, QuantityError, Unit, evaluate
 from dh2urdf.rotations import RigidTransform, Rotation, Vec3, nearest_rotation
 from dh2urdf.source import Mark, Problem, shown
 from dh2urdf_plugins.readers.header.units import refuse_doubt
@@ -172,17 +172,20 @@ class TransformReader:
             message = f"{shown(node.text)} is more than a thousand turns"
             self._error(node.mark, field, message, found=node.text, accepted=ACCEPTED_ANGLE)
             return None
-        if (
-            dimension is Dimension.ANGLE
-            and unit
-            and unit.degrees
-            and not quantity.has_unit
-            and are_radians(quantity.value)
-        ):
-            message = f"{shown(node.text)} is a part of π, and the unit of angles is deg"
-            suggestion = f"if it is in rad, say so: '{node.text.strip()} rad'"
-            self.add(Problem(message=message, severity="notice", mark=node.mark, field=field, suggestion=suggestion))
+        if dimension is Dimension.ANGLE:
+            self._odd_angle(node, field, quantity, unit)
         return quantity.value
+
+    def _odd_angle(self, node: Node, field: str, quantity: Quantity, unit: Unit | None) -> None:
+        """Adds a notice of an angle that hardly is in the unit that it is read in."""
+        text = (node.text or "").strip()
+        message, suggestion = f"{shown(text)} is more than a full turn", None
+        if abs(quantity.value) <= FULL_TURN:
+            if not (unit and unit.degrees and not quantity.has_unit and are_radians(quantity.value)):
+                return
+            message = f"{shown(text)} is a part of π, and the unit of angles is deg"
+            suggestion = f"if it is in rad, say so: '{text} rad'"
+        self.add(Problem(message=message, severity="notice", mark=node.mark, field=field, suggestion=suggestion))
 
     def _matrix(self, node: Node, what: str) -> RigidTransform | None:
         rows = [row.value for row in node.value] if isinstance(node.value, list) else []

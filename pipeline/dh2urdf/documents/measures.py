@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from math import tau
+from math import inf, tau
 from typing import TYPE_CHECKING
 
+from dh2urdf.documents.nodes import LARGEST_BARE
 from dh2urdf.quantities.quantity import Dimension, QuantityError, accepted_forms, evaluate
 from dh2urdf.source import shown
 
@@ -14,12 +15,14 @@ if TYPE_CHECKING:
 LARGEST_ANGLE = 1000 * tau
 """Angles beyond a thousand turns have lost too many digits [rad]."""
 
+_MILLIMETRES = "mm, say so: '{0} mm'; '{0} m' is read as such"
+
 
 def measured(node: Node, dimension: Dimension) -> float:
     """What a value measures [SI].
 
     Raises:
-        QuantityError: it measures nothing of the kind, or it is an angle that is probably meant in degrees.
+        QuantityError: it measures nothing of the kind, or it is probably meant in degrees or mm.
     """
     if node.text is None or node.value is None or isinstance(node.value, bool):
         raise QuantityError(f"{node.describe()} stands where a number is needed", "a number")
@@ -29,11 +32,15 @@ def measured(node: Node, dimension: Dimension) -> float:
             f"{shown(node.text)} names a joint variable, and nothing moves here", accepted_forms(dimension)
         )
     size = abs(quantity.value)
-    if dimension is Dimension.ANGLE and size > tau and not quantity.has_unit:
+    if size > LARGEST_BARE.get(dimension.plain, inf) and not quantity.has_unit:
+        if dimension is Dimension.ANGLE:
+            found, most, unit = "a full turn in rad", "2π rad", "degrees, say so: '{} deg'"
+        else:
+            found, most, unit = f"{LARGEST_BARE['length']:g} m", f"{LARGEST_BARE['length']:g} m", _MILLIMETRES
         raise QuantityError(
-            f"{shown(node.text)} is more than a full turn in rad",
-            "at most 2π rad where no unit is named",
-            f"if these are degrees, say so: '{node.text.strip()} deg'",
+            f"{shown(node.text)} is more than {found}",
+            f"at most {most} where no unit is named",
+            f"if these are {unit.format(node.text.strip())}",
         )
     if dimension is Dimension.ANGLE and size > LARGEST_ANGLE:
         raise QuantityError(f"{shown(node.text)} is more than a thousand turns", "at most a thousand turns")

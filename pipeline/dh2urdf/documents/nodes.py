@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import field
 from functools import lru_cache
+from math import tau
 from typing import Any, TypeAlias
 
 from dh2urdf.errors import ConfigError, InputError
@@ -14,6 +15,8 @@ from dh2urdf.source import Mark, Problem, shown
 
 MAX_DIGITS = 400
 """Digits of a whole number: more than the largest double has."""
+LARGEST_BARE = {"angle": tau, "length": 10.0}
+"""What measures more than this needs its unit: degrees or mm may be meant [rad, m]."""
 
 NodeValue: TypeAlias = "dict[str, Node] | list[Node] | str | int | float | bool | None"
 

@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Generic, Literal, TypeAlias, TypeVar, get_args, get_origin
 
 from dh2urdf.documents.document import Node, expect_mapping, load_yaml
+from dh2urdf.documents.nodes import LARGEST_BARE
 from dh2urdf.documents.text_files import tidy_path
 from dh2urdf.errors import BrokenPluginError, ConfigError, InputError
 from dh2urdf.plugin_system.discovery import UNKNOWN
@@ -166,8 +167,8 @@ class _GivenOptions(Generic[O]):
         if isinstance(value, list):
             entries = [self._in_si(each, hint, measure, (*keys, k), misfits) for k, each in enumerate(value)]
             return Node(entries, node.file, node.line, node.column)
-        is_degrees = measure == "angle" and type(value) in (int, float) and not abs(value) <= math.tau
-        if not (isinstance(value, str) or is_degrees) or node.text in choices(hint):
+        is_odd = type(value) in (int, float) and not abs(value) <= LARGEST_BARE.get(measure, math.inf)
+        if not (isinstance(value, str) or is_odd) or node.text in choices(hint):
             return node
         from dh2urdf.documents.measures import measured
         from dh2urdf.quantities import Dimension, QuantityError

@@ -5,6 +5,7 @@ from __future__ import annotations
 from math import inf, tau
 from typing import TYPE_CHECKING, Any
 
+from dh2urdf.documents.nodes import LARGEST_BARE
 from dh2urdf.errors import ConfigError
 from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.manipulator import JointType
@@ -49,6 +50,7 @@ MOST_VALUES = 10**4
 MOST_SEED = 2**64
 _BARE_ANGLES = {"alpha": tau, "theta": tau, "offset": tau, "lower": 10 * tau, "upper": 10 * tau}
 """What a number without a unit may be at most where it may be an angle [rad]: beyond, degrees may be meant."""
+_BARE = {**dict.fromkeys(("a", "d", "radius"), LARGEST_BARE["length"]), **_BARE_ANGLES}
 
 
 class _LawReader:
@@ -191,10 +193,14 @@ class _LawReader:
                 return None
             if quantity.has_unit:
                 self.units.append(each)
-            elif dimension is None and abs(quantity.value) > _BARE_ANGLES.get(self.what, inf):
+            elif dimension is None and abs(quantity.value) > _BARE.get(self.what, inf):
                 text = node.text.strip()
-                message = f"{shown(text)} is more than {_BARE_ANGLES[self.what] / tau:g} turns in rad"
-                near = f"if these are degrees, say so: '{text} deg'"
+                if self.what in _BARE_ANGLES:
+                    message = f"{shown(text)} is more than {_BARE_ANGLES[self.what] / tau:g} turns in rad"
+                    near = f"if these are degrees, say so: '{text} deg'"
+                else:
+                    message = f"{shown(text)} is more than {_BARE[self.what]:g} m"
+                    near = f"if these are mm, say so: '{text} mm'; '{text} m' is read as such"
                 self.add_problem(message, node, accepted="numbers of this size with their unit", suggestion=near)
                 return None
             return quantity.value

@@ -312,7 +312,8 @@ class Sizes:
     [
         ("{length: 40 mm}", Sizes(length=0.04)),
         ("{length: 0.04, plain: 1e3}", Sizes(length=0.04, plain=1000.0)),
-        ("{length: 300}", Sizes(length=300.0)),
+        ("{length: 10}", Sizes(length=10.0)),
+        ("{length: 300 m}", Sizes(length=300.0)),
         ("{length: ~}", Sizes()),
         ("{turns: [pi/2, 90 deg, -180°]}", Sizes(turns=(math.pi / 2, math.pi / 2, -math.pi))),
         ("{turns: [0, 1, 6.28]}", Sizes(turns=(0.0, 1.0, 6.28))),
@@ -335,6 +336,11 @@ def test_options_that_measure_something_take_units(text: str, sizes: Sizes) -> N
     [
         ("{length: 2 kg}", "field 'length': the edit 'x': '2 kg' is a mass, and a length is needed"),
         ("{length: q1}", "field 'length': the edit 'x': 'q1' names a joint variable"),
+        (
+            "{length: 40}",
+            "field 'length': the edit 'x': '40' is more than 10 m\n    accepted: at most 10 m where no unit",
+        ),
+        ("{length: -2*300}", "if these are mm, say so: '-2*300 mm'; '-2*300 m' is read as such"),
         ("{turns: [0, 90, 0]}", "field 'turns.1': the edit 'x': '90' is more than a full turn in rad"),
         ("{turns: [0, 1e9 deg, 0]}", "field 'turns.1': the edit 'x': '1e9 deg' is more than a thousand turns"),
         ("{turns: [0, 1]}", "accepted: a list of 3, each a number with or without a unit"),
@@ -343,7 +349,7 @@ def test_options_that_measure_something_take_units(text: str, sizes: Sizes) -> N
     ],
 )
 def test_what_does_not_measure_that_is_told_with_its_place(text: str, problem: str) -> None:
-    """An angle above a full turn is never taken for radians in silence; everything wrong is reported at once."""
+    """An angle above a full turn is never taken for radians in silence, and no length above 10 m for one in metres; everything wrong is reported at once."""
     with pytest.raises(ConfigError) as caught:
         make_options(Sizes, load_yaml(text.replace("{", "{nope: 1, "), "run.yaml"), where="edit 'x'")
     assert problem in str(caught.value)

@@ -177,6 +177,14 @@ def test_one_cell_needs_no_list_and_settings_reach_it(tmp_path: Path) -> None:
             ),
         ),
         (
+            "{name: a, of: x, xyz: [0, 0, 500]}",
+            (
+                "run.yaml:4:39: error: field 'cells.0.arms.0.xyz': '500' is more than 10 m\n"
+                "    accepted: at most 10 m where no unit is named\n"
+                "    if these are mm, say so: '500 mm'; '500 m' is read as such"
+            ),
+        ),
+        (
             "{name: a, of: x, xyz: [0, q1, 0]}",
             (
                 "run.yaml:4:36: error: field 'cells.0.arms.0.xyz': 'q1' names a joint variable, and nothing moves here\n"

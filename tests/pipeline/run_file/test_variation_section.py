@@ -176,6 +176,8 @@ def test_a_variation_that_is_wrong(text: str, message: str) -> None:
         ("{joints: 1, field: a, normal: {deviation: 0, bounds: [1, 2]}}", "a standard deviation is greater than 0"),
         ("{joints: 1, field: a, normal: {mean: 0, deviation: 1, bounds: [8, 9]}}", "the bounds leave hardly anything"),
         ("{joints: 1, field: alpha, uniform: [-90, 1]}", "if these are degrees, say so: '-90 deg'"),
+        ("{joints: 1, field: a, uniform: [0, 400]}", "'400' is more than 10 m"),
+        ("{joints: 1, field: d, offset: [-20, 1]}", "if these are mm, say so: '-20 mm'; '-20 m' is read as such"),
         ("{joints: 1, field: upper, choices: [180]}", "'180' is more than 10 turns in rad"),
         ("{joints: 1, field: a, scale: [1 mm, 2 mm]}", "'1 mm' is a length, and a bare number is needed"),
     ],

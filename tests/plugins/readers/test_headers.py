@@ -226,6 +226,11 @@ REFUSED = [
     *((header, "3", "a torque that may not be the largest") for header in ("rated torque", "nominal torque")),
     *((header, "3", "convention") for header in ("μ_j", "mu")),
     *((header, "3", "a limit of acceleration") for header in ("qdd_max", "q̈max")),
+    *((header, "3", "may be theta, d or an offset") for header in ("initial", "Start angle", "value")),
+    *((header, "3", "theta") for header in ("θ ref", "nominal_theta", "theta right", "θ_i0", "thetaRest")),
+    *((header, "3", "alpha") for header in ("alpha right", "alphaLeft")),
+    *(("theta as drawn", cell, "theta") for cell in ("q1 + 0.1", "-q1", "q2")),
+    ("q", "q1 - 0.1", "the joint variable"),
     *((header, "3", "theta") for header in ("theta [deg]!", "theta_i [rad]]", "theta (deg) x")),
     ("Tc", "3", "a friction of the motor or of the joint"),
     ("roll", "3", "a turn of a frame beside the DH parameters"),
@@ -362,6 +367,31 @@ def test_a_quantity_in_a_column_that_is_left_out_is_found_on_the_fast_path(tmp_p
     (tmp_path / "arms.csv").write_text(MANY + rows)
     arms = list(csv.READER.read(tmp_path / "arms.csv", OPTIONS))
     assert [arm.name for arm in arms if not isinstance(arm, Manipulator)] == ["r500"]
+
+
+@pytest.mark.parametrize(
+    ("header", "cells"), [("active", ("1", "0")), ("variable", ("q1", "q1 - 90")), ("Variable", ("θ1", "-θ1"))]
+)
+def test_what_a_column_that_is_left_out_says_is_found_on_the_fast_path(
+    header: str, cells: tuple[str, str], tmp_path: Path
+) -> None:
+    """Whether a joint is driven, and its offset or direction: the rows before were read by the same fast path."""
+    rows = "".join(f"r{k},R,0.3,0,0,1,{cells[k == 500]}\n" for k in range(800))
+    (tmp_path / "arms.csv").write_text(MANY.replace("info", header) + rows)
+    arms = list(csv.READER.read(tmp_path / "arms.csv", OPTIONS))
+    assert [arm.name for arm in arms if not isinstance(arm, Manipulator)] == ["r500"]
+
+
+@pytest.mark.parametrize("header", ["q", "theta variable", "joint variable", "Variable"])
+def test_the_variable_of_the_row_says_nothing_new(header: str, tmp_path: Path) -> None:
+    """``θ = 90°`` beside ``q2``, as controllers' tables have them, is one angle and its variable."""
+    text = f"i,a,alpha,d,theta,{header}\n1,0,0,0.2,0,q1\n2,0.1,pi/2,0,pi/2,q2\n"
+    if header == "theta variable":
+        text = text.replace("theta,theta", "offset,theta")
+    (tmp_path / "arm.csv").write_text(text)
+    (arm,) = csv.READER.read(tmp_path / "arm.csv", OPTIONS)
+    assert isinstance(arm, Manipulator), words(arm)
+    assert [row.theta + row.offset for row in arm.rows] == [0.0, pytest.approx(math.pi / 2, abs=1e-15)]
 
 
 def test_known_headers_and_notes_go_the_fast_way(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -290,6 +290,34 @@ def test_other_names_are_kept(names: list[str], read_one: Callable[..., Manipula
     assert [row.joint for row in arm.rows] == names
 
 
+@pytest.mark.parametrize(
+    ("axes", "said"),
+    [
+        (["Z", "Y", "Y", "X"], "axes, not names, and is left out: 'Z'"),
+        (["z", "z", "z"], "axes, not names, and is left out: 'z'"),
+        (["+Z", "+Y"], "axes, not names, and is left out: '+Z'"),
+        (["Z", "-Z"], "'-Z' seems to be a direction, and is where the name of the joint should be"),
+        (["z", "y", "−y"], "'−y' seems to be a direction"),
+        (["X", "Y", "Z"], None),
+        (["X", "Y", "Z", "C"], None),
+    ],
+)
+def test_axes_are_no_names(axes: list[str], said: str | None, read: Read) -> None:
+    """``Eje | Z | Y | Y | X`` beside the parameters; the joints of a gantry are called X, Y, Z."""
+    (arm,) = read("\n".join(["Axis,a,alpha,d", *(f"{axis},0,0,1" for axis in axes)]), convention="standard")
+    if said is None:
+        assert isinstance(arm, Manipulator)
+        assert [row.joint for row in arm.rows] == axes
+        assert not arm.notices
+    elif "direction" in said:
+        assert not isinstance(arm, Manipulator)
+        assert any(said in problem.message for problem in arm.problems)
+    else:
+        assert isinstance(arm, Manipulator)
+        assert [row.joint for row in arm.rows] == [f"joint_{number}" for number in range(1, len(axes) + 1)]
+        assert [notice.message for notice in arm.notices] == [f"the column of joints holds {said}"]
+
+
 @pytest.mark.parametrize("numbers", [["3", "4"], ["10", "20"], ["101", "102"]])
 def test_numbers_that_rise_from_elsewhere_are_those_of_motors(
     numbers: list[str], read_one: Callable[..., Manipulator]

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.patterns import late_pattern
-from dh2urdf.quantities import Dimension, QuantityError, find_unit, is_unit, is_zero
+from dh2urdf.quantities import Dimension, QuantityError, evaluate, find_unit, is_unit, is_zero
 from dh2urdf.source import Mark, Problem, did_you_mean, shown
 from dh2urdf_plugins.readers.header.words import Header, misspelt, read_header, suspected
 from dh2urdf_plugins.readers.words.fields import FIELDS
@@ -16,6 +16,7 @@ from dh2urdf_plugins.readers.words.unheld import GEOMETRY, IGNORED, LIKELY, MOVE
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
+    from dh2urdf.quantities import Quantity
     from dh2urdf_plugins.readers.words.cells import Cell
 
 _WITH_UNIT = late_pattern(r"[+-]?[0-9]+(?:[.,][0-9]+)?\s*([^\s0-9].{0,15})")
@@ -53,6 +54,9 @@ _AXIS_DOWN = late_pattern(r"[(\[]?\s*(?:-?0(?:\.0*)?[\s,;]+){2}-1(?:\.0*)?\s*[)\
 _WHETHER_ACTIVE = frozenset("active actuated enabled motorized motorised driven movable moving".split())  # noqa: SIM905
 _NO = frozenset("0 false no n off falsch nein non faux falso".split())  # noqa: SIM905
 _FEW_WORDS = 4
+_LONGEST_VARIABLE = 40
+_OF_ONE_MEANING = frozenset(("alpha", "theta"))
+"""Parameters whose names are no other words."""
 
 
 class Refusal(NamedTuple):
@@ -65,6 +69,7 @@ class Refusal(NamedTuple):
         zero: whether it may hold 0.
         counts: whether it may hold the number of the row.
         suggestion: what to do, where that is not to leave it out.
+        varies: whether it may hold the joint variable of the row.
     """
 
     reason: str
@@ -73,6 +78,7 @@ class Refusal(NamedTuple):
     zero: bool = False
     counts: bool = False
     suggestion: str | None = None
+    varies: bool = False
 
 
 def refusal(text: str, header: Header, what: str = "column") -> Refusal | None:
@@ -87,15 +93,22 @@ def refusal(text: str, header: Header, what: str = "column") -> Refusal | None:
         return None
     if meaning := UNHELD.get(header.key) or THETA_OFFSETS.get(header.key):
         reason = f"is {meaning.reason}, which no {what} holds"
-        return Refusal(reason, meaning.accepted, zero=True, counts=meaning.counts, suggestion=meaning.suggestion)
+        varies = header.key == "q"
+        return Refusal(
+            reason, meaning.accepted, zero=True, counts=meaning.counts, suggestion=meaning.suggestion, varies=varies
+        )
+    if geometry := _other_geometry(text, what):
+        return geometry
     name = suspected(text) or _with_stray_signs(text) or _with_factor(text)
     if name == "limits" and header.unit and not _measures(header.unit, FIELDS["limits"].dimension):
         name = None  # `Max. [°/s]` is a limit of something else, as its unit says
-    if name in FIELDS:
-        return Refusal(f"seems to be {name}, but no field is called so", _headers(str(name)), name)
-    if name:
+    if name in FIELDS and not (header.field and name in _OF_ONE_MEANING):
+        is_angle = name in _OF_ONE_MEANING
+        reason = f"seems to be {name}, but no field is called so"
+        return Refusal(reason, _headers(str(name)), name, zero=is_angle, varies=is_angle)
+    if name in _NOUNS:
         return Refusal(f"seems to be {_NOUNS[name]}, which no {what} holds", "a table without it")
-    return _other_geometry(text, what) or _without_words(header)
+    return _without_words(header)
 
 
 def _other_geometry(text: str, what: str) -> Refusal | None:
@@ -147,6 +160,8 @@ def refused(
     counted = why.counts and cell.text.casefold() in (str(number), f"j{number}")
     if not cell.text or counted or (why.zero and is_zero(cell.text)):
         return None
+    if why.varies and _is_variable_of(cell.text, number):
+        return None
     return Problem(
         message=f"{shown(header)} {why.reason}, and it is {shown(cell.text)}",
         mark=cell.mark,
@@ -158,7 +173,64 @@ def refused(
     )
 
 
-def with_unit(cell: Cell, header: str, joint: str) -> Problem | None:
+def unread(cell: Cell, header: str, number: int | None) -> Problem | None:
+    """What is wrong with a cell of a column that is left out: it says what only a field can hold.
+
+    Args:
+        cell: the cell.
+        header: the header of its column.
+        number: the number of the row; None where every number may be its own.
+    """
+    joint = f"joint_{number}"
+    return (
+        _with_unit(cell, header, joint)
+        or _turned_direction(cell, header, joint)
+        or _passive(cell, header, joint)
+        or _with_offset(cell, header, number)
+    )
+
+
+def _variable(text: str) -> Quantity | None:
+    """What a cell says that names a joint variable; None for any other cell."""
+    if len(text) > _LONGEST_VARIABLE or not any(map(str.isalpha, text)):
+        return None
+    for dimension in (Dimension.ANGLE, Dimension.LENGTH):
+        try:
+            quantity = evaluate(text, dimension, decimal_comma=True)
+        except QuantityError:
+            continue
+        return quantity if quantity.variable else None
+    return None
+
+
+def _is_variable_of(text: str, number: int | None) -> bool:
+    """Whether a cell is the joint variable of its row, and nothing besides: ``q1`` in the first one."""
+    said = _variable(text) if number is not None else None
+    if said is None or said.variable is None or said.value or said.sign < 0:
+        return False
+    return said.variable.row == number and said.variable.kind != "d"
+
+
+def _with_offset(cell: Cell, header: str, number: int | None) -> Problem | None:
+    """What is wrong with the joint variable and an offset, or its negative: ``θ1 + 90°``, ``-q2``."""
+    said = _variable(cell.text) if any(sign in cell.text for sign in "+-−–") else None
+    if said is None or said.variable is None or not (said.value or said.sign < 0):
+        return None
+    if said.variable.row is None or said.variable.row != (number or said.variable.row):
+        return None
+    return Problem(
+        message=f"{shown(cell.text)} is a joint variable with an offset or a sign, and no field is called "
+        f"{shown(header)}",
+        mark=cell.mark,
+        joint=f"joint_{number}",
+        field="theta",
+        found=cell.text,
+        accepted="the variable in the column theta, or in d of a joint that slides",
+        suggestion=how_to_leave_out(header) if header else None,
+    )
+
+
+def _with_unit(cell: Cell, header: str, joint: str) -> Problem | None:
     """What is wrong with a cell that is a quantity, in a column that is left out."""
     unit = unit_of(cell.text)
     if unit is None:
@@ -179,7 +251,7 @@ def is_direction(text: str) -> bool:
     return text.casefold() in _DIRECTIONS or ("-1" in text and _AXIS_DOWN.fullmatch(text) is not None)
 
 
-def passive(cell: Cell, header: str, joint: str) -> Problem | None:
+def _passive(cell: Cell, header: str, joint: str) -> Problem | None:
     """What is wrong with a cell of a column that is left out, where it says that the joint does not move by itself."""
     if header.casefold() not in _WHETHER_ACTIVE or cell.text.casefold() not in _NO:
         return None
@@ -187,7 +259,7 @@ def passive(cell: Cell, header: str, joint: str) -> Problem | None:
     return refused(cell, header, why, joint)
 
 
-def turned_direction(cell: Cell, header: str, joint: str) -> Problem | None:
+def _turned_direction(cell: Cell, header: str, joint: str) -> Problem | None:
     """What is wrong with a direction, in a column that is left out: the joint would turn the other way."""
     if not is_direction(cell.text):
         return None

@@ -20,16 +20,16 @@ from dh2urdf.manipulator import JointType, Limits
 from dh2urdf.rotations import HALF_PI, quarter_turns
 from dh2urdf.row_fields import LIMITS
 from dh2urdf.table_text import GEOMETRY
-from dh2urdf_plugins.readers.header.unknown_columns import is_beside, is_direction, is_number, unit_of
+from dh2urdf_plugins.readers.header.unknown_columns import is_beside, is_number, unread
 from dh2urdf_plugins.readers.plain.limits import PlainLimits
 from dh2urdf_plugins.readers.plain.numbers import LINE_END, REMEMBERED, PlainNumbers, foreign_unit, names_foreign_unit
 from dh2urdf_plugins.readers.rows.cells import FULL_TURN
-from dh2urdf_plugins.readers.rows.joint_rows import DECIMAL, NUMBER
+from dh2urdf_plugins.readers.rows.joint_rows import AXIS, DECIMAL, NUMBER
 from dh2urdf_plugins.readers.rows.names import are_joints, is_plain_label
 from dh2urdf_plugins.readers.rows.rows import NEARLY
 from dh2urdf_plugins.readers.statements.plausibility import longest_plain
 from dh2urdf_plugins.readers.words.bounds import SMALL_ANGLE, SMALLEST_LENGTH, are_radians
-from dh2urdf_plugins.readers.words.cells import SPACES, text_of
+from dh2urdf_plugins.readers.words.cells import SPACES, Cell, text_of
 from dh2urdf_plugins.readers.words.decimal_signs import PlainPoints
 from dh2urdf_plugins.readers.words.fields import FIELDS, joint_type
 from dh2urdf_plugins.readers.words.names import MAX_NAME, RESERVED, are_out_of_order
@@ -62,6 +62,7 @@ class PlainRows:
         """
         self.units = units
         self.shortest = shortest
+        self.mark, self.headers = columns.mark, columns.headers
         self.width = len(columns.fields)
         self.holding_numbers = columns.numbers
         self.column = {name: index for index, name in enumerate(columns.fields) if name}
@@ -143,7 +144,7 @@ class PlainRows:
             if index in self.strays and not _count(columns[index]):
                 return False
             new = set(columns[index]) - known
-            if any(unit_of(text) or is_direction(text) for text in map(str.strip, new)):
+            if any(unread(Cell(text.strip(), self.mark), self.headers[index], None) for text in new):
                 return False
             if "type" not in self.column and not all(map(is_plain_label, map(str.strip, new))):
                 return False
@@ -206,6 +207,7 @@ class PlainRows:
             and not any(map(_HASH, names))
             and not any(map(DECIMAL.fullmatch, names))
             and not any(map(NUMBER.fullmatch, names))  # a column of numbers counts the joints
+            and not all(map(AXIS.fullmatch, joints))  # which may be no names
             and are_joints(alike, typed="type" in self.column)
         )
 

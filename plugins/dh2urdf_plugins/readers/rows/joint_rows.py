@@ -34,6 +34,8 @@ LABEL = ""
 NUMBER_TEXT = r"([0-9]{1,9})(?:\.0+)?"
 NUMBER = late_pattern(NUMBER_TEXT)
 """A name that is the number of a row."""
+AXIS = late_pattern(r"([-+−–])?\s*[xyz]\s*([-+−–])?", re.IGNORECASE)
+"""A name that is an axis of a frame."""
 DECIMAL = late_pattern(r"[-+]?[0-9]*[.,][0-9]+")
 _AT_START = frozenset("+-.,0123456789")
 """What either may begin with."""
@@ -80,6 +82,7 @@ class _Rows:
     def settle(self) -> int:
         """See above."""
         self._take_types()
+        self._leave_out_axes()
         if self.reader.from_zero:
             place, cells, mark = self.rows[0]
             message = "the joint variables are counted from 0: the first row has number 0"
@@ -128,18 +131,37 @@ class _Rows:
         self.reader.add(Problem(message=message, severity="notice", mark=first.mark, field="index"))
         for place, index in self.indexes.items():
             if is_direction(index.text):
-                message = f"{shown(index.text)} seems to be a direction, and is where the number of the joint should be"
-                self.reader.add(
-                    Problem(
-                        message=message,
-                        mark=index.mark,
-                        joint=f"joint_{place + 1}",
-                        field="sign",
-                        found=index.text,
-                        accepted="a column sign with 1 or -1, or a column flip with true or false",
-                    )
-                )
+                self._refuse_direction(index, place, "number")
         self.indexes = {}
+
+    def _refuse_direction(self, cell: Cell, place: int, what: str) -> None:
+        self.reader.add(
+            Problem(
+                message=f"{shown(cell.text)} seems to be a direction, and is where the {what} of the joint should be",
+                mark=cell.mark,
+                joint=f"joint_{place + 1}",
+                field="sign",
+                found=cell.text,
+                accepted="a column sign with 1 or -1, or a column flip with true or false",
+            )
+        )
+
+    def _leave_out_axes(self) -> None:
+        """Leaves out a column of joints that holds axes of frames: ``Z``, ``Y``, ``-Y``."""
+        named = {place: cells["joint"] for place, cells, _ in self.rows if "joint" in cells}
+        axes = {place: AXIS.fullmatch(cell.text) for place, cell in named.items()}
+        texts = {cell.text.casefold() for cell in named.values()}
+        signed = {place: match[1] or match[2] for place, match in axes.items() if match and (match[1] or match[2])}
+        if not named or not all(axes.values()) or (len(texts) == len(self.rows) and not signed):
+            return
+        first = next(iter(named.values()))
+        message = f"the column of joints holds axes, not names, and is left out: {shown(first.text)}"
+        self.reader.add(Problem(message=message, severity="notice", mark=first.mark, field="joint", found=first.text))
+        for place, sign in signed.items():
+            if sign != "+":
+                self._refuse_direction(named[place], place, "name")
+        for _, cells, _ in self.rows:
+            cells.pop("joint", None)
 
     def _number_of(self, place: int, first: Cell) -> int:
         """The number of a row in a column that counts the rows as its first cell does."""

@@ -13,11 +13,9 @@ from dh2urdf_plugins.readers.header.unknown_columns import (
     is_beside,
     is_number,
     left_out,
-    passive,
     refused,
     stray_number,
-    turned_direction,
-    with_unit,
+    unread,
 )
 from dh2urdf_plugins.readers.rows.joint_rows import LABEL
 from dh2urdf_plugins.readers.rows.names import holds_type, kind_of
@@ -173,11 +171,7 @@ class TableCells:
             return
         if cell.text and index in self.columns.silent:
             self.left_out.add(index)
-        header, joint = self.columns.headers[index], f"joint_{number}"
-        problem = (
-            with_unit(cell, header, joint) or turned_direction(cell, header, joint) or passive(cell, header, joint)
-        )
-        self._refuse(index, problem)
+        self._refuse(index, unread(cell, self.columns.headers[index], number))
 
     def _counts(self, text: str, index: int, number: int) -> bool:
         """Whether a number without a header counts the rows: from 0 or 1, or through all manipulators of the table."""

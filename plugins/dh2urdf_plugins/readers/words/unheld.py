@@ -51,7 +51,8 @@ UNHELD_WORDS = {
     **dict.fromkeys(
         _words(
             "home, theta home, home theta, home position, home angle, theta0, theta zero, d0, theta init, zero, "
-            "zero offset, zero position, encoder offset"
+            "zero offset, zero position, encoder offset, initial, initial value, initial angle, initial position, "
+            "theta initial, initial theta, start, start angle, start position, rest position, value"
         ),
         _HOME,
     ),
@@ -172,9 +173,9 @@ SUSPECTS = {
     "borne*, rango, recorrido, corsa, escursione, débattement, lower, upper, min, max, minimum, maximum, "
     "faixa, curso, *范围*, *限*, *行程*",
     "type": "prismatic, revolute, rotary, *类型*, 运动副*",
-    "alpha": "twist*, verdreh*, torsion*, torsión*, torção*, *扭*",
+    "alpha": "alpha, α, twist*, verdreh*, torsion*, torsión*, torção*, *扭*",
     "a": "length*, *länge*, longueur*, longitud*, lunghezza*, comprimento*, *长*",
-    "theta": "angle*, *winkel, ángulo*, angolo*, ângulo*, *角, *角度*, 角位*",
+    "theta": "theta, θ, angle*, *winkel, ángulo*, angolo*, ângulo*, *角, *角度*, 角位*",
     "radius": "radius, radii, diameter*, durchmesser, thickness, raio*, *半径*, *直径*",
 }
 """Words in the headers of columns that probably are a field, by field; ``*`` stands for any letters."""

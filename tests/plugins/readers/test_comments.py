@@ -299,7 +299,7 @@ def test_numbers_in_a_comment_are_noticed(comment: str, said: str, read_one: Cal
         *("theta2 = q2 - q1", "θ_2 = q_2 − 90°", "joint 2 is fixed", "J2 is mechanically coupled to J1"),
         *("positive direction of joint 2 is reversed", "joint 2: inverted", "all lengths x1000", "a and d × 10⁻³"),
         *("angles as multiples of pi", "limits: J1 ±170, J2 ±90", "masses: 3.7 kg, 1.2 kg", "base height 0.3"),
-        *("TCP 0 0 0.1", "flange offset 0.05"),
+        *("TCP 0 0 0.1", "flange offset 0.05", "θ_i = q_i + 90°", "theta = -q - pi/2", "rows in reverse order"),
     ],
 )
 @pytest.mark.parametrize("below", [False, True])
@@ -351,7 +351,7 @@ def test_prose_about_a_joint_that_slides_is_refused_where_no_joint_has_a_type(
             "modified",
         ),
         *("T_i = Rx(α)·Tx(a)·Rz(θ)·Tz(d)", "A = Rot(x,alpha) Trans(x,a) Rot(z,theta) Trans(z,d)", "Rx Tx Rz Tz"),
-        *("zmodyfikowana notacja D-H", "değiştirilmiş DH"),
+        *("zmodyfikowana notacja D-H", "değiştirilmiş DH", "Khalil", "modified (Khalil)"),
     ],
 )
 def test_prose_about_the_modified_convention_is_noticed_in_other_words(
@@ -372,6 +372,8 @@ def test_prose_about_the_modified_convention_is_noticed_in_other_words(
         ),
         *((text, "cm") for text in ("длины в сантиметрах", "単位：センチ", "measures cm")),
         *((text, "deg") for text in ("углы в градусах", "kąty w stopniach", "角度单位为度", "açılar derece")),
+        *((text, "deg") for text in ("Winkel in Grad", "Winkel [Grad]", "angles en degrés", "angulos en grados")),
+        *((text, "deg") for text in ("angoli in gradi", "ângulos em graus")),
     ],
 )
 def test_a_unit_in_the_prose_of_any_language_is_refused_where_nothing_declares_one(
@@ -399,6 +401,14 @@ def test_a_unit_in_the_prose_of_any_language_is_refused_where_nothing_declares_o
             "Rz and Tz, then Tx",
             "自由度数",
             "d6 is long",
+        ),
+        *("6 stopni swobody", "o sześciu stopniach swobody", "serbestlik derecesi", "six degrés de liberté"),
+        *(
+            "4 grados de libertad",
+            "seis graus de liberdade",
+            "6 gradi di libertà",
+            "grad student",
+            "theta = q + offset",
         ),
         *("modified 2024-03-01 by J. Smith", "gear ratio 10", "standardised table", "limit switches at joint 3"),
     ],

@@ -190,10 +190,19 @@ def test_what_holds_for_all_joints_is_checked(
     [
         ("# lengths in mm", "a: 300, alpha: 0, d: 0", "error: this comment mentions mm, and lengths are read in m"),
         (
-            "# Längen in mm, Winkel in Grad",
+            "# Winkel in Grad",
             "a: 300, alpha: 0, d: 0",
-            "error: this comment mentions mm, and lengths are",
+            "error: this comment mentions deg, and angles are",
         ),
+        (
+            "# - {a: 0.2, alpha: 0, d: 0}",
+            "a: 0.3, alpha: 0, d: 0",
+            "notice: '# - {a: 0.2, alpha: 0, d: 0}' is a comment",
+        ),
+        ("#- a: -pi", "a: 0.3, alpha: 0, d: 0", "notice: '#- a: -pi' is a comment, and no joint"),
+        ("# - a: the length of the link", "a: 0.3, alpha: 0, d: 0", None),
+        ("# theta = q - pi/2", "a: 0.3, alpha: 0, d: 0", "notice: '# theta = q - pi/2' is a comment"),
+        ("# theta = q + offset", "a: 0.3, alpha: 0, d: 0", None),
         (
             "# an RRP arm",
             "a: 0.3, alpha: 0, d: 0",
@@ -236,6 +245,10 @@ def test_a_comment_that_contradicts_the_table(
         ("{name: 'j # mm', a: 0.425, alpha: 0, d: 0}", None),
         ("{a: 0.425, alpha: 0, d: 0}  # prismatic", "speaks of a prismatic joint"),
         ("{type: P, a: 0.425, alpha: 0, d: 0}  # prismatic", None),
+        *((f"{{a: 0.425, alpha: 0, d: 0}}  # {word}", "nothing is read") for word in ("fixed", "linear", "Reversed.")),
+        ("{type: F, a: 0.425, alpha: 0, d: 0}  # fixed", None),
+        ("{sign: -1, a: 0.425, alpha: 0, d: 0}  # reversed", None),
+        ("{a: 0.425, alpha: 0, d: 0}  # fixed to the table", None),
     ],
 )
 def test_a_comment_behind_a_value(
@@ -244,11 +257,13 @@ def test_a_comment_behind_a_value(
     """It is judged with the units of its own line; a number of its own is no unit of the table's."""
     (arm,) = read(f"convention: standard\njoints:\n  - {line}\n", ".yaml")
     problems = [str(one) for one in (*arm.notices, *(() if isinstance(arm, Manipulator) else arm.problems))]
-    told = [text for text in problems if "this comment" in text or "# prismatic" in text]
+    told = [text for text in problems if "comment" in text or "# prismatic" in text]
     if said is None:
         assert told == []
     elif said == "notice":
         assert ["notice" in text and "mentions cm" in text for text in told] == [True]
+    elif said == "nothing is read":
+        assert ["notice" in text and ":3:" in text and said in text for text in told] == [True]
     elif said[0].isdigit():
         assert len(told) == int(said[0]) // 2
         assert all("error" in text and ":3:" in text and "`units: {" in text for text in told)

@@ -77,7 +77,7 @@ _CONVENTION_WORDS = late_pattern(
 )
 _CONVENTION_STEMS = ("conven", "konven", "notation")
 _PROSE = {
-    Convention.MODIFIED: (frozenset(("mdh", "craig", "proximal")), frozenset(("modified",))),
+    Convention.MODIFIED: (frozenset(("mdh", "craig", "proximal", "khalil")), frozenset(("modified",))),
     Convention.STANDARD: (frozenset(("sdh", "distal", "spong")), frozenset(("standard", "classic", "classical"))),
 }
 """Words for the convention in a comment: those that mean nothing else, and those that may."""
@@ -91,11 +91,13 @@ _OF_MOVES = {"xxzz": Convention.MODIFIED, "zzxx": Convention.STANDARD}
 _ALONE = late_pattern(
     r"(?<![\d.,±²³/·*^])(?<![\d.,]\s)(?<![a-zµ])(?:(?P<mm>mm(?![a-z/·*^²³0-9])|мм\b|миллиметр|毫米|公厘|ミリ|밀리|milimet)"
     r"|(?P<cm>cm(?![a-z/·*^²³0-9])|см\b|сантиметр|厘米|公分|センチ|센티)"
-    r"|(?P<deg>градус|stopni|derece|(?<=[为為は：:，,])\s*度(?!数)|(?<=각도는)\s*도))",
+    r"|(?P<deg>градус|stopni(?!\w*\s+swobod)|(?<!serbestlik )derece|degr[eé]s\b(?!\s+de\s+libert)"
+    r"|(?:grados|graus)(?!\s+de\s+liber)|gradi\b(?!\s+di\s+libert)|(?:(?<=in )|(?<=[\[(]))grad\b"
+    r"|(?<=[为為は：:，,])\s*度(?!数)|(?<=각도는)\s*도))",
     re.IGNORECASE,
 )
 """Units that are no other words, in any prose: ``wymiary w mm``, ``長さの単位はmm``, ``углы в градусах``."""
-_IN_ALONE = ("mm", "cm", "milimet", "stopni", "derece")
+_IN_ALONE = ("mm", "cm", "milimet", "stopni", "derece", "degres", "grados", "graus", "grad")
 """What ASCII prose with such a unit has at least one of."""
 
 

@@ -76,13 +76,15 @@ _UNREAD = late_pattern(
     rf"|{_VARIABLE}[^.;]{{0,32}}?(?<![^\W_])(?:horizontal|vertical|absolute|offset|shifted|versatz|d[ée]calage|desfase)"
     rf"|(?<![^\W_])(?:offset|shift|versatz|d[ée]calage|desfase)(?![^\W_])[^.;]{{0,16}}{_VARIABLE}"
     r"|10\s*(?:\^|\*\*|(?=[⁻⁺⁰¹²³⁴-⁹]))|[x×*]\s*10{1,6}\b"
-    r"|(?:multiplied|divided|scaled) by|(?:multiples|units) of (?:pi|π)",
+    r"|(?:multiplied|divided|scaled) by|(?:multiples|units) of (?:pi|π)"
+    r"|(?:θ|theta|th)\w{0,3}\W{0,3}=\s*[-−]?\s*q\w{0,3}\s*[-+−]\s*(?:[0-9]|pi|π)"
+    r"|revers\w+ order",
     re.IGNORECASE,
 )
 """What prose adds to joints or to all numbers, and no comment can: ``θ2 = q2 - 90°``, ``all × 10⁻³``."""
 _IN_UNREAD = (
     "= 10 multipl divided scaled units fixed locked coupled mimic reversed inverted opposite negative positive "  # noqa: SIM905
-    "negated horizontal vertical absolute offset shift versatz calage desfase".split()
+    "negated horizontal vertical absolute offset shift versatz calage desfase revers".split()
 )
 """What such prose has at least one of: most comments have none, and need no search."""
 _BOUNDS = late_pattern(

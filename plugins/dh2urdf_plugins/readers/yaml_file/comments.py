@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import re
 from typing import TYPE_CHECKING
 
-from dh2urdf.source import Mark, Problem
+from dh2urdf.patterns import late_pattern
+from dh2urdf.source import Mark, Problem, shown
 from dh2urdf_plugins.readers.words.comment_lines import Comment
 
 if TYPE_CHECKING:
@@ -13,6 +15,9 @@ if TYPE_CHECKING:
     from dh2urdf_plugins.readers.statements.statements import Statements
 
 _MAX_COMMENTS = 1000
+_JOINT = late_pattern(r"-\s.*\b(?:a|alpha|d)\s*:\s*[-+]?(?:[0-9.]|pi)")
+"""A joint, in the list of which it is no more."""
+_TURNED = frozenset("reversed inverted negative negated flipped mirrored cw clockwise".split())  # noqa: SIM905
 _BEFORE_QUOTES = ("", ":", ",", "[", "{", "-", "?")
 """What a text in quotes comes after."""
 
@@ -76,12 +81,26 @@ def judge_comments(
         comment = Comment.of(
             line[position:].strip(), Mark(file=file, line=number, column=position + 1 if before else None)
         )
-        for problem in (
+        problems = [
             *in_other_words(comment, statements, units_beside(before), lead="", behind=bool(before)),
             *types_elsewhere(comment, typed=typed),
             *unread_prose(comment, statements, lead=""),
-        ):
+        ]
+        for problem in problems or _about_joint(comment, before, typed=typed):
             add(problem)
+
+
+def _about_joint(comment: Comment, before: str, *, typed: bool) -> list[Problem]:
+    """A notice of a comment that is a joint, or that says behind one how it moves: ``# - {a: 0.4, …``, ``# fixed``."""
+    from dh2urdf_plugins.readers.rows.names import holds_type
+
+    word = comment.text.strip(" .!").casefold()
+    moves = (not typed and holds_type(word, 0)) or (word in _TURNED and not re.search("sign|flip", before))
+    behind = moves and before.endswith("}")
+    if not behind and (before or not _JOINT.match(comment.text)):
+        return []
+    message = f"{shown(comment.line)} is a comment, and {'nothing is read from it' if behind else 'no joint'}"
+    return [Problem(message=message, severity="notice", mark=comment.whole, found=comment.line)]
 
 
 def _start(line: str) -> int | None:

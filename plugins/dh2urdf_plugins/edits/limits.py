@@ -23,8 +23,12 @@ class LimitsOptions:
     """What limits become. Limits that a table leaves out stay left out."""
 
     range: float = field(default=1.0, metadata={"help": "factor of the range of a joint, about its middle"})
-    margin: float = field(
-        default=0.0, metadata={"help": "what is taken off both ends of the range [rad or m], after the factor"}
+    margin: float | str = field(
+        default=0.0,
+        metadata={
+            "help": "what is taken off both ends of the range, after the factor: a number [rad or m], or one with its "
+            "unit, such as 5 deg or 10 mm, which is about the joints that turn or those that slide"
+        },
     )
     velocity: float = field(default=1.0, metadata={"help": "factor of the largest speed"})
     effort: float = field(default=1.0, metadata={"help": "factor of the largest torque or force"})
@@ -38,8 +42,29 @@ class LimitsOptions:
         """
         if wrong := [name for name in _FACTORS if not 0.0 < getattr(self, name) < math.inf]:
             raise ValueError(f"{' and '.join(wrong)}: a factor is a number greater than 0")
-        if not math.isfinite(self.margin):
+        if not all(map(math.isfinite, self.margins)):
             raise ValueError("margin is a number [rad or m]; a negative one widens the range")
+
+    @property
+    def margins(self) -> tuple[float, float]:
+        """The margin of joints that turn [rad], and of those that slide [m].
+
+        Raises:
+            ValueError: the margin is neither an angle nor a length.
+        """
+        if not isinstance(self.margin, str):
+            return (self.margin, self.margin)
+        from dh2urdf.quantities import Dimension, QuantityError, evaluate
+
+        for place, dimension in enumerate((Dimension.ANGLE, Dimension.LENGTH)):
+            try:
+                margin = evaluate(self.margin, dimension)
+            except QuantityError:
+                continue
+            if not margin.variable:
+                both = (margin.value, margin.value)
+                return both if not margin.has_unit else (both[0], 0.0) if place == 0 else (0.0, both[1])
+        raise ValueError(f"margin: {shown(self.margin)} is neither an angle nor a length, such as 5 deg or 10 mm")
 
 
 def edit_table(manipulator: Manipulator, options: LimitsOptions) -> Manipulator:
@@ -66,11 +91,13 @@ def edit_table(manipulator: Manipulator, options: LimitsOptions) -> Manipulator:
     ]
     rows = []
     is_changed = False
+    turning, sliding = options.margins
     for row in manipulator.rows:
         is_meant = row.type is not JointType.FIXED and (not options.joints or row.joint in options.joints)
-        limits = _limited(row.limits, options) if is_meant else row.limits
+        margin = sliding if row.type is JointType.PRISMATIC else turning
+        limits = _limited(row.limits, options, margin) if is_meant else row.limits
         if limits.lower is not None and limits.upper is not None and not agreed(limits.lower < limits.upper):
-            problems.append(_nothing_left(row, options))
+            problems.append(_nothing_left(row, margin))
             limits = row.limits
         is_changed |= any(
             new is not old and not agreed(new == old)
@@ -86,27 +113,27 @@ def edit_table(manipulator: Manipulator, options: LimitsOptions) -> Manipulator:
     return changed(manipulator, rows=tuple(rows), notices=notices)
 
 
-def _limited(limits: Limits, options: LimitsOptions) -> Limits:
+def _limited(limits: Limits, options: LimitsOptions, margin: float) -> Limits:
     lower, upper = limits.lower, limits.upper
     if lower is not None and upper is not None and options.range != 1.0:
         middle, half = 0.5 * lower + 0.5 * upper, (0.5 * upper - 0.5 * lower) * options.range
         lower, upper = middle - half, middle + half
     return replace(
         limits,
-        lower=None if lower is None else lower + options.margin,
-        upper=None if upper is None else upper - options.margin,
+        lower=None if lower is None else lower + margin,
+        upper=None if upper is None else upper - margin,
         velocity=None if limits.velocity is None else limits.velocity * options.velocity,
         effort=None if limits.effort is None else limits.effort * options.effort,
     )
 
 
-def _nothing_left(row: DHRow, options: LimitsOptions) -> Problem:
+def _nothing_left(row: DHRow, margin: float) -> Problem:
     return Problem(
         message=f"nothing is left of the range of the joint {shown(row.joint)} after the edit `limits`",
         field="edits",
-        found=f"{_first(row.limits.lower):g} to {_first(row.limits.upper):g}, with a margin of {options.margin:g}",
+        found=f"{_first(row.limits.lower):g} to {_first(row.limits.upper):g}, with a margin of {margin:g}",
         accepted="a margin of less than half of the range",
-        suggestion="`joints` names those that are meant: a margin is in rad for joints that turn, in m for others",
+        suggestion="`joints` names those that are meant; with a unit, such as 5 deg, it is about the joints that turn",
     )
 
 

@@ -41,6 +41,34 @@ def test_by_hand(options: dict[str, Any], found: tuple[float, ...]) -> None:
     assert (limits.lower, limits.upper, limits.velocity, limits.effort) == found
 
 
+@pytest.mark.parametrize(
+    ("margin", "turning", "sliding"),
+    [
+        ("5 deg", math.radians(5), 0.0),
+        ("0.1 rad", 0.1, 0.0),
+        ("-20 mm", 0.0, -0.02),
+        ("1 m", 0.0, 1.0),
+        ("pi/36", math.pi / 36, math.pi / 36),
+        ("0.05", 0.05, 0.05),
+        (0.05, 0.05, 0.05),
+    ],
+)
+def test_a_margin_with_a_unit_is_about_the_joints_that_have_it(
+    margin: float | str, turning: float, sliding: float
+) -> None:
+    """An angle narrows joints that turn, a length those that slide; a bare number is rad for the ones, m for the others."""
+    limits = Limits(lower=-2.0, upper=4.0)
+    for kind, expected in ((JointType.REVOLUTE, turning), (JointType.PRISMATIC, sliding)):
+        found = edit_table(with_limits(limits, kind), LimitsOptions(margin=margin)).rows[0].limits
+        assert (found.lower, found.upper) == pytest.approx((-2.0 + expected, 4.0 - expected), abs=1e-15)
+
+
+@pytest.mark.parametrize("margin", ["3 kg", "q1", "wide", "", "5 deg + 1 mm", math.inf])
+def test_a_margin_is_an_angle_or_a_length(margin: float | str) -> None:
+    with pytest.raises(ValueError, match="margin"):
+        LimitsOptions(margin=margin)
+
+
 @given(st.floats(-10.0, 0.0), st.floats(0.1, 10.0), st.floats(0.01, 5.0))
 def test_the_middle_stays(lower: float, upper: float, factor: float) -> None:
     """Whatever the factor; and what a factor does its inverse undoes."""

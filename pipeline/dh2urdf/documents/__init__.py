@@ -13,7 +13,9 @@ if TYPE_CHECKING:
         LONG_PATH as LONG_PATH,
         check_file as check_file,
         decoded as decoded,
+        kind_of_file as kind_of_file,
         read_bytes as read_bytes,
+        refuse_other_kind as refuse_other_kind,
     )
 else:
     __all__, __getattr__, __dir__ = face(
@@ -22,6 +24,6 @@ else:
             "archives": "BROKEN_ARCHIVE",
             "document": "load_yaml stream_yaml",
             "nodes": "Item Node",
-            "text_files": "LONG_PATH check_file decoded read_bytes",
+            "text_files": "LONG_PATH check_file decoded kind_of_file read_bytes refuse_other_kind",
         },
     )

@@ -9,7 +9,7 @@ from codecs import BOM_UTF8, BOM_UTF16_BE, BOM_UTF16_LE
 from errno import ELOOP
 from pathlib import Path
 
-from dh2urdf.errors import ConfigError, InputError
+from dh2urdf.errors import ConfigError, InputError, ManipulatorError
 from dh2urdf.patterns import late_pattern
 from dh2urdf.source import Mark, Problem, shown
 
@@ -21,6 +21,28 @@ LONG_PATH = 200
 
 ADDRESS = late_pattern(r"[A-Za-z][A-Za-z0-9.+-]+:(?:[/\\]|$)")
 """What a path begins with that was made of an address, such as ``s3://bucket/name``: it has one slash of two."""
+
+_TEXT = "text in UTF-8, or in UTF-16 with a byte order mark"
+_AS_CSV = "save the sheet as CSV (UTF-8)"
+_BEGINNINGS = (
+    (
+        b"PK\x03\x04",
+        "an Excel workbook (xlsx) or another zip archive",
+        f"name it .xlsx if it is a workbook, or {_AS_CSV}",
+    ),
+    (b"\xd0\xcf\x11\xe0", "an Excel workbook (xls)", _AS_CSV),
+    (b"PAR1", "a Parquet file", "name it .parquet"),
+    (b"%PDF", "a PDF document", "copy the table out of it into a file of text"),
+    (b"{\\rtf", "an RTF document", "save it as plain text"),
+    (b"\x1f\x8b", "a gzip archive", "unpack it"),
+    (b"7z\xbc\xaf", "a 7-Zip archive", "unpack it"),
+    (b"\x89PNG", "a picture", "type its numbers into a file of text"),
+    (b"\xff\xd8\xff", "a picture", "type its numbers into a file of text"),
+    (b"version https://git-lfs", "a pointer of Git LFS", "`git lfs pull` replaces it by the file"),
+    (b"<!doctype html", "a page of the web (HTML)", "download the file that the page shows"),
+    (b"<html", "a page of the web (HTML)", "download the file that the page shows"),
+)
+"""How files of other kinds begin, what they are, and what to do."""
 
 _ENCODINGS = ((BOM_UTF8, "utf-8"), (BOM_UTF16_LE, "utf-16-le"), (BOM_UTF16_BE, "utf-16-be"))
 _UNACCEPTABLE = r"[^\t\n\r\x20-\x7e\xa0-\u2027\u202a-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]"
@@ -104,6 +126,37 @@ def _unreadable(path: Path, reason: OSError | ValueError) -> Problem:
     return Problem(message=f"the file cannot be read: {why}", mark=mark)
 
 
+def kind_of_file(content: bytes) -> tuple[str, str] | None:
+    """What a file is by its first bytes, with its article, and what to do; None for text, and what is not known."""
+    first = content[:100].removeprefix(BOM_UTF8)
+    page = first.lstrip().lower() if b"<" in first else b""
+    for beginning, kind, advice in _BEGINNINGS:
+        if first.startswith(beginning) or page.startswith(beginning):
+            return kind, advice
+    return None
+
+
+def refuse_other_kind(
+    content: bytes, file: str, error: type[InputError | ManipulatorError], wanted: str, accepted: str
+) -> None:
+    """Refuses what begins as a file of another kind.
+
+    Args:
+        content: the file, or its beginning.
+        file: what messages call it.
+        error: what is raised.
+        wanted: what the file was taken for, with its article.
+        accepted: what is accepted.
+
+    Raises:
+        InputError, ManipulatorError: of the type given.
+    """
+    if found := kind_of_file(content):
+        kind, advice = found
+        message = f"this is {kind}, not {wanted}"
+        raise error(Problem(message=message, mark=Mark(file=file), accepted=accepted, suggestion=advice))
+
+
 def decoded(content: bytes | str, file: str, error: type[InputError] = ConfigError) -> str:
     """The text of a file in UTF-8 or UTF-16, without its byte order mark.
 
@@ -111,6 +164,7 @@ def decoded(content: bytes | str, file: str, error: type[InputError] = ConfigErr
         InputError: of the type given, where bytes are no text, or a character is one that no text file holds.
     """
     if isinstance(content, bytes):
+        refuse_other_kind(content, file, error, "a text file", _TEXT)
         bom, encoding = next(((b, e) for b, e in _ENCODINGS if content.startswith(b)), (b"", "utf-8"))
         try:
             text = content[len(bom) :].decode(encoding)
@@ -121,7 +175,7 @@ def decoded(content: bytes | str, file: str, error: type[InputError] = ConfigErr
                 Problem(
                     message=f"byte 0x{byte:02x} is no {encoding[:6].upper()} text",
                     mark=_mark_after(before, file),
-                    accepted="text in UTF-8, or in UTF-16 with a byte order mark",
+                    accepted=_TEXT,
                     suggestion="save the file as UTF-8",
                 )
             ) from None

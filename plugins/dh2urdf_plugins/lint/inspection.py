@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from dh2urdf.documents import read_bytes
+from dh2urdf.documents import kind_of_file, read_bytes
 from dh2urdf.errors import InputError, ProofError
 from dh2urdf.meshes import packages_in, with_its_own
 from dh2urdf.source import Mark
@@ -86,7 +86,8 @@ def _inspection(
         parsed = parse(content)
     except NotXmlError as error:
         at = Element("", {}, error.line, error.column)
-        return _only(Hit("not-xml", at, f"no reader takes this: {error.reason}"), _origins(path))
+        reason = f"it is {found[0]}" if (found := kind_of_file(content)) else error.reason
+        return _only(Hit("not-xml", at, f"no reader takes this: {reason}"), _origins(path))
     origin = _origins(path) if places is None else _origins_in_sources(path, parsed.root, places)
     hits = [Hit(oddity.rule, Element("", {}, oddity.line, oddity.column), oddity.message) for oddity in parsed.oddities]
     robot: Robot | None = None

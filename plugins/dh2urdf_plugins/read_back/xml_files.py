@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from lxml import etree
 
+from dh2urdf.documents import refuse_other_kind
 from dh2urdf.errors import ProofError
 from dh2urdf.source import Mark, Problem
 
@@ -61,6 +62,7 @@ def tree_of(content: bytes, file: str, *, is_deep: bool = False) -> etree._Eleme
     Raises:
         ProofError: the text is not XML.
     """
+    refuse_other_kind(content, file, ProofError, "a robot description", "a robot description in XML")
     return _without_namespace(_root_of(_with_declaration(content), file, is_deep=is_deep))
 
 

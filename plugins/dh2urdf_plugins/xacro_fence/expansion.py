@@ -8,6 +8,7 @@ import types
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from dh2urdf.documents import refuse_other_kind
 from dh2urdf.errors import CrashError, ProofError, TimeLimitError
 from dh2urdf.isolation import enter, run_in_child
 from dh2urdf.late_tuples import NamedTuple
@@ -78,6 +79,7 @@ def expand_foreign(
     except CrashError as error:
         raise _failure(path, f"it ended without a result: {error.problems[0].message}") from error
     if failure is not None:
+        refuse_other_kind(path.read_bytes(), str(path), ProofError, "a robot description", "a xacro file")
         raise _failure(path, failure, *found)
     return Expanded(text, [place and _named(path, place) for place in found])
 

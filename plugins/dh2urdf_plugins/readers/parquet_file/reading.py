@@ -15,7 +15,7 @@ from itertools import islice
 from typing import TYPE_CHECKING, Any
 
 from dh2urdf.columns import ManipulatorGroups
-from dh2urdf.documents import check_file, load_yaml
+from dh2urdf.documents import check_file, load_yaml, refuse_other_kind
 from dh2urdf.errors import MissingDependencyError, TableError
 from dh2urdf.patterns import late_pattern
 from dh2urdf.source import Mark, Problem, did_you_mean, shown
@@ -107,6 +107,8 @@ def _items(
         raise MissingDependencyError("reader 'parquet'", "pyarrow", "dh2urdf[parquet]", error) from None
     check_file(path, TableError)
     with path.open("rb") as binary:
+        if not (start := binary.read(100)).startswith(b"PAR1"):
+            refuse_other_kind(start, str(path), TableError, "a Parquet file", "a whole Parquet file")
         with _reporting_errors(Mark(file=str(path)), "this is no Parquet file that can be read"):
             file = ParquetFile(binary, buffer_size=_BUFFER, pre_buffer=False)
             fields = list(file.schema_arrow)

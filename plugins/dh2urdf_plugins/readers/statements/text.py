@@ -6,7 +6,7 @@ import codecs
 import io
 from typing import TYPE_CHECKING, NoReturn
 
-from dh2urdf.documents import check_file
+from dh2urdf.documents import check_file, refuse_other_kind
 from dh2urdf.errors import TableError
 from dh2urdf.source import Mark, Problem
 
@@ -20,14 +20,6 @@ _BLOCK = 2**16
 """Characters read at once: fewer cost calls for every block, more are out of the processor's cache."""
 _SAMPLE = 4096
 
-_OTHER_FILES = (
-    (b"PK\x03\x04", "an Excel workbook (xlsx) or another zip archive"),
-    (b"\xd0\xcf\x11\xe0", "an Excel workbook (xls)"),
-    (b"%PDF", "a PDF document"),
-    (b"{\\rtf", "an RTF document"),
-    (b"\x1f\x8b", "a gzip archive"),
-    (b"\x89PNG", "a picture"),
-)
 _ACCEPTED = "text in UTF-8 or UTF-16, with commas, semicolons or tabs between the cells"
 
 
@@ -46,12 +38,7 @@ def line_blocks(path: Path) -> Iterator[list[str]]:
 
 
 def _encoding(sample: bytes, path: Path) -> str:
-    for magic, what in _OTHER_FILES:
-        advice = "save the sheet as CSV (UTF-8)"
-        if magic.startswith(b"PK"):
-            advice = f"name it .xlsx if it is a workbook, or {advice}"
-        if sample.startswith(magic):
-            _refuse(f"this is {what}, not a text file", path, suggestion=advice)
+    refuse_other_kind(sample, str(path), TableError, "a text file", _ACCEPTED)
     if sample.startswith(codecs.BOM_UTF8):
         return "utf-8-sig"
     if sample.startswith((codecs.BOM_UTF32_LE, codecs.BOM_UTF32_BE)):

@@ -14,7 +14,7 @@ from xml.parsers import expat
 
 from lxml import etree
 
-from dh2urdf.documents import BROKEN_ARCHIVE, check_file
+from dh2urdf.documents import BROKEN_ARCHIVE, check_file, kind_of_file
 from dh2urdf.errors import TableError
 from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.patterns import late_pattern
@@ -67,7 +67,7 @@ def check_workbook(path: Path) -> None:
     """
     check_file(path, TableError)
     with path.open("rb") as binary:
-        start = binary.read(8)
+        start = binary.read(100)
     if start.startswith(b"\xd0\xcf\x11\xe0"):
         _refuse(
             path,
@@ -79,6 +79,8 @@ def check_workbook(path: Path) -> None:
     if path.name.startswith("~$"):
         _refuse(path, "this is what Excel keeps beside a workbook that is open", f"give the workbook {path.name[2:]}")
     if not start.startswith(b"PK"):
+        if found := kind_of_file(start):
+            _refuse(path, f"this is {found[0]}, no workbook", found[1])
         _refuse(path, "this is no workbook", "save the sheet as .xlsx; a table of text is read by the reader csv")
     try:
         with zipfile.ZipFile(path) as archive:

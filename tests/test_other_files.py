@@ -1,0 +1,87 @@
+"""Files that have the ending of another kind: each reader says what the file really is."""
+
+from __future__ import annotations
+
+import gzip
+import io
+import zipfile
+from typing import TYPE_CHECKING
+
+import pytest
+
+import dh2urdf
+from dh2urdf.errors import Dh2UrdfError
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+
+def _workbook() -> bytes:
+    book = pytest.importorskip("openpyxl").Workbook()
+    book.active.append(["a", "alpha", "d"])
+    content = io.BytesIO()
+    book.save(content)
+    return content.getvalue()
+
+
+def _parquet() -> bytes:
+    arrow, parquet = pytest.importorskip("pyarrow"), pytest.importorskip("pyarrow.parquet")
+    content = io.BytesIO()
+    parquet.write_table(arrow.table({"a": [0.0]}), content)
+    return content.getvalue()
+
+
+def _drawn(kind: str) -> bytes:
+    figure = pytest.importorskip("matplotlib.figure").Figure()
+    figure.subplots().plot([0, 1])
+    content = io.BytesIO()
+    figure.savefig(content, format=kind)
+    return content.getvalue()
+
+
+def _archive() -> bytes:
+    content = io.BytesIO()
+    with zipfile.ZipFile(content, "w") as archive:
+        archive.writestr("arm.csv", "a,alpha,d\n")
+    return content.getvalue()
+
+
+KINDS = {
+    "an Excel workbook": _workbook,
+    "another zip archive": _archive,
+    "a Parquet file": _parquet,
+    "a PDF document": lambda: _drawn("pdf"),
+    "a picture": lambda: _drawn("png"),
+    "a gzip archive": lambda: gzip.compress(b"a,alpha,d\n0,0,1\n"),
+    "a pointer of Git LFS": lambda: b"version https://git-lfs.github.com/spec/v1\noid sha256:00\nsize 12\n",
+    "a page of the web": lambda: b"\n<!DOCTYPE html>\n<html><head><title>arm.csv at main</title></head></html>\n",
+}
+
+
+OWN = {(".xlsx", "an Excel workbook"), (".xlsx", "another zip archive"), (".parquet", "a Parquet file")}
+ENDINGS = (".csv", ".yaml", ".xlsx", ".parquet", ".urdf", ".sdf", ".xml", ".urdf.xacro")
+
+
+@pytest.mark.parametrize(
+    ("ending", "kind"), [pair for ending in ENDINGS for kind in KINDS if (pair := (ending, kind)) not in OWN]
+)
+def test_what_a_file_is_is_said(tmp_path: Path, ending: str, kind: str) -> None:
+    """A byte that is no UTF-8, or a tag that is missing, is no help to a person who has renamed a file."""
+    path = tmp_path / f"arm{ending}"
+    path.write_bytes(KINDS[kind]())
+    with pytest.raises(Dh2UrdfError) as caught:
+        dh2urdf.read(path)
+    assert kind in str(caught.value)
+
+
+@pytest.mark.parametrize("kind", ["an Excel workbook", "a PDF document", "a page of the web"])
+def test_a_run_file_is_no_other_file(tmp_path: Path, kind: str) -> None:
+    (tmp_path / "run.yaml").write_bytes(KINDS[kind]())
+    with pytest.raises(Dh2UrdfError, match=kind):
+        dh2urdf.run(tmp_path / "run.yaml")
+
+
+def test_check_says_it_too(tmp_path: Path) -> None:
+    (tmp_path / "arm.urdf").write_bytes(KINDS["a PDF document"]())
+    (finding,) = dh2urdf.check(tmp_path / "arm.urdf").findings
+    assert (finding.rule, "it is a PDF document" in finding.message) == ("not-xml", True)

@@ -412,17 +412,41 @@ def test_what_a_number_format_shows(number_format: str, unit: str) -> None:
 
 
 @pytest.mark.parametrize(
-    "number_format", ["0%", "0.00%", "0,", '0.0" pcs"', "#,##0.00 [$€-407]", "$0.00", '"d = "0.00', '"mm "0.0']
+    "number_format",
+    [
+        *("0%", "0.00%", "0,", '0.0" pcs"', "#,##0.00 [$€-407]", "$0.00", '"d = "0.00', '"mm "0.0'),
+        *('"-"0.0', "\\-0.00", "-0", "(0.0)", '[<1]0.0" mm";0.000" m"', '[Red][<1]0.0" mm";0" m"', '[=0]0;0" mm"'),
+    ],
 )
 def test_formats_that_show_something_else(number_format: str) -> None:
-    """A percentage, thousands, and what is no unit."""
+    """A percentage, thousands, another sign, one unit or another, and what is no unit."""
     with pytest.raises(ShownOtherwiseError):
         shown_unit(number_format)
 
 
+_ACCOUNTING = '_(* #,##0.00_);_(* \\(#,##0.00\\);_(* "-"??_);_(@_)'
+
+
+@pytest.mark.parametrize(
+    ("number_format", "is_signed"),
+    [
+        *(("0.00;0.00", False), ('0" mm";0" mm"', False), ("General;General", False), ("0.0;0.0;-0.0", False)),
+        *((words, True) for words in ("0.00", "0.00;-0.00", "0.00;[Red]0.00", "0_);(0)", "#,##0;−#,##0", _ACCOUNTING)),
+    ],
+)
+def test_a_negative_number_is_shown_with_its_sign(number_format: str, is_signed: bool) -> None:  # noqa: FBT001 - a case
+    """Its own section has a minus, brackets or a colour for it; that of other numbers has none, and zero may."""
+    assert shown_unit(number_format, zero=True) == shown_unit(number_format)
+    if is_signed:
+        assert shown_unit(number_format, negative=True) == ""
+    else:
+        with pytest.raises(ShownOtherwiseError, match="another sign"):
+            shown_unit(number_format, negative=True)
+
+
 def test_the_section_of_the_number_counts() -> None:
     """A format may show negative numbers and zero in another way."""
-    words = '0" mm";0" m";0" cm"'
+    words = '0" mm";-0" m";0" cm"'
     assert [shown_unit(words), shown_unit(words, negative=True), shown_unit(words, zero=True)] == ["mm", "m", "cm"]
 
 

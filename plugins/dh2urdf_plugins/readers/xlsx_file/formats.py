@@ -13,6 +13,8 @@ _TOKENS = re.compile(
     re.IGNORECASE | re.DOTALL,
 )
 """The parts of a section of a number format (ECMA-376-1, 18.8.31)."""
+_CONDITION = re.compile(r"\s*(?:\[[^\]<>=]*\]\s*)*\[[<>=]")
+"""What a section begins with that holds for some numbers only: ``[<1]0.0" mm"``."""
 _NEUTRAL = frozenset("()+-−' ")
 """Characters beside a number that do not change what it means."""
 
@@ -33,11 +35,26 @@ def shown_unit(number_format: str, *, negative: bool = False, zero: bool = False
         zero: whether it is 0.
 
     Raises:
-        ShownOtherwiseError: the format shows a percentage, a multiple, or text that is no unit.
+        ShownOtherwiseError: the format shows a percentage, a multiple, another sign, or text that is no unit.
     """
     sections = _sections(number_format)
+    if any(map(_CONDITION.match, sections)):  # the cell's number is not known here
+        (unit, *others) = dict.fromkeys(_unit_of(section) for section in sections[:3])
+        if others:
+            raise ShownOtherwiseError("one unit for some numbers and another for others")
+        return unit
     index = 1 if negative and len(sections) > 1 else 2 if zero and len(sections) > 2 else 0  # noqa: PLR2004 - positive; negative; zero; text
-    section = sections[index]
+    return _unit_of(sections[index], minus=None if zero else index == 1)
+
+
+def _unit_of(section: str, *, minus: bool | None = None) -> str:
+    """The unit that a section of a format shows.
+
+    Args:
+        section: the section.
+        minus: whether it is that of negative numbers alone, which shows their sign or a colour for it; None where the
+            sign does not matter.
+    """
     before, behind, codes = "", "", ""
     for match in _TOKENS.finditer(section):
         if match["code"]:
@@ -52,6 +69,9 @@ def shown_unit(number_format: str, *, negative: bool = False, zero: bool = False
         raise ShownOtherwiseError("a percentage")
     if codes.rstrip("eE+-").endswith(","):
         raise ShownOtherwiseError("a multiple of a thousand")
+    signed = "-" in before or "−" in before or "(" in before
+    if (minus is False and signed) or (minus and not (signed or "-" in behind or "[" in section)):
+        raise ShownOtherwiseError("another sign")
     unit = behind.strip("".join(_NEUTRAL) + "\u00a0\u202f")
     if before.strip("".join(_NEUTRAL) + "\u00a0\u202f") or (unit and not is_unit(unit)):
         raise ShownOtherwiseError(f"the text '{(before + behind).strip()}'")

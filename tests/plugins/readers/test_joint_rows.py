@@ -376,3 +376,41 @@ def test_a_variable_in_d_makes_a_row_without_types_prismatic(rows: str, types: s
         assert "".join(row.type.value[0].upper() for row in arm.rows) == types
         slides = [notice.message for notice in arm.notices if "it is prismatic" in notice.message]
         assert len(slides) == types.count("P")
+
+
+MERGED = "given for the first joint alone, and the cells below are empty"
+
+
+@pytest.mark.parametrize(
+    ("header", "rows", "names"),
+    [
+        ("velocity", ["3", "", ""], "velocity is"),
+        ("lower,upper,velocity", ["-1,1,3", ",,", ",,"], "lower and upper and velocity are"),
+        ("lower,upper,velocity", ["-1,1,3", "-1,1,", "-1,1,"], "velocity is"),
+        ("range", ["±170°", "", ""], "lower and upper are"),
+        ("velocity", ["3", "", "2"], None),
+        ("velocity", ["", "3", ""], None),
+        ("velocity", ["3", ""], None),
+        ("velocity,type", ["3,R", ",F", ",F"], None),
+        ("velocity,type", ["3,R", ",F", ",R", ",P"], "velocity is"),
+        ("range,type", ["±170°,R", ",C", ",C"], None),
+    ],
+)
+def test_cells_that_a_spreadsheet_has_merged_are_noticed(
+    header: str, rows: list[str], names: str | None, read: Read
+) -> None:
+    """Exported as CSV, a speed for all joints is that of the first one; on the fast path, too, behind other arms."""
+    full = [f"full,j{k},0.3,0,0.1,{rows[0]}\n" for k in range(3)]
+    arm = [f"arm,j{k},0.3,0,0.1,{cells}\n" for k, cells in enumerate(rows)]
+    first, second = read("".join([f"robot,joint,a,alpha,d,{header}\n", *full, *arm]), convention="standard")
+    assert isinstance(first, Manipulator)
+    assert isinstance(second, Manipulator)
+    assert not first.notices
+    found = [notice.message for notice in second.notices]
+    assert found == ([] if names is None else [f"{names} {MERGED}"])
+
+
+def test_a_yaml_table_has_no_merged_cells(read_one: Callable[..., Manipulator]) -> None:
+    """A key that only the first joint has is meant so."""
+    joints = [{"a": 0.3, "alpha": 0, "d": 0, "limits": {"velocity": 1}}, *[{"a": 0.3, "alpha": 0, "d": 0}] * 2]
+    assert read_one(json.dumps({"convention": "standard", "joints": joints}), ".json").notices == ()

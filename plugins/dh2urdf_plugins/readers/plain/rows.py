@@ -122,7 +122,8 @@ class PlainRows:
         a, alpha, d = values["a"], values["alpha"], values["d"]
         theta, offset = values.get("theta", zeros), values.get("offset", zeros)
         limits = self.limits.read(words, columns)
-        if limits is None or not (self._are_plain_angles(values) and self._are_plain_lengths(a, d, sizes)):
+        usual = limits is not None and not _of_first_alone(limits, sizes)
+        if not (limits and usual and self._are_plain_angles(values) and self._are_plain_lengths(a, d, sizes)):
             return None
         kinds = [self.kinds[word] for word in words]
         plain = "offset" not in values or self._are_plain_offsets(kinds, offset, columns[self.column["offset"]])
@@ -270,6 +271,17 @@ class PlainRows:
             if not all(length >= SMALLEST_LENGTH or length == 0 for length in largest):
                 return False
         return True
+
+
+def _of_first_alone(limits: Sequence[Limits], sizes: Sequence[int]) -> bool:
+    """Whether the first joint of a manipulator has limits that the second one has not."""
+    starts = accumulate(sizes, initial=0)
+    pairs = ((limits[start], limits[start + 1]) for start, size in zip(starts, sizes, strict=False) if size > 1)
+    return any(
+        first is not second
+        and any(getattr(first, name) is not None and getattr(second, name) is None for name in LIMITS)
+        for first, second in pairs
+    )
 
 
 def _forms(

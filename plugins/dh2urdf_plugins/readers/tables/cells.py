@@ -199,6 +199,8 @@ class TableCells:
 
     def _split(self, cell: Cell, name: str, number: int, reader: RowReader) -> dict[str, Cell]:
         """The cells of the fields that share a cell."""
+        if not cell.text:
+            return dict.fromkeys(GROUPS[name].parts, cell)
         from dh2urdf_plugins.readers.tables.cell_groups import ACCEPTED, split_cell
 
         parts = split_cell(FIELDS[name], cell.text, decimal_comma=self.columns.decimal_comma)

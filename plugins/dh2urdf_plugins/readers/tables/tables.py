@@ -5,6 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from dh2urdf.errors import TableError
+from dh2urdf.manipulator import JointType
+from dh2urdf.row_fields import LIMITS
 from dh2urdf.source import Mark, Problem
 from dh2urdf.stages import Rejected
 from dh2urdf_plugins.readers.header.units import bare_beside_cells
@@ -14,6 +16,10 @@ from dh2urdf_plugins.readers.rows.six_parameters import extra_problems, with_fou
 from dh2urdf_plugins.readers.statements.plausibility import arm_length, plausibility
 from dh2urdf_plugins.readers.words.bounds import MAX_JOINTS, MEASURABLE_ARM
 from dh2urdf_plugins.readers.words.names import name_fault, name_problems
+
+FEWEST_MERGED = 3
+"""Joints that turn or slide between bounds, of which the first may have a cell that was merged with the others."""
+MOVING = (JointType.REVOLUTE, JointType.PRISMATIC)
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
@@ -164,7 +170,29 @@ def read_rows(rows: Sequence[tuple[dict[str, Cell] | None, Mark]], reader: RowRe
         read.append(row)
         if stopped(reader):
             break
+    if problem := _first_alone(rows, read):
+        reader.add(problem)
     return read
+
+
+def _first_alone(rows: Sequence[tuple[dict[str, Cell] | None, Mark]], read: Sequence[DHRow | None]) -> Problem | None:
+    """A notice of limits that only the cells of the first joint have, as if a spreadsheet had merged them."""
+    moving = [cells for (cells, _), row in zip(rows, read, strict=False) if cells and row and row.type in MOVING]
+    if len(moving) < FEWEST_MERGED:
+        return None
+    first, *others = moving
+    names = [name for name in LIMITS if name in first and first[name].text]
+    names = [name for name in names if not any(cells[name].text if name in cells else name for cells in others)]
+    if not names:
+        return None
+    are = "are" if len(names) > 1 else "is"
+    return Problem(
+        message=f"{' and '.join(names)} {are} given for the first joint alone, and the cells below are empty",
+        severity="notice",
+        mark=first[names[0]].mark,
+        field=names[0],
+        suggestion="a spreadsheet that has merged cells leaves all but the first of them empty: fill them",
+    )
 
 
 def stopped(reader: RowReader) -> bool:

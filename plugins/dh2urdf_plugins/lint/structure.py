@@ -20,6 +20,8 @@ if TYPE_CHECKING:
 MOST_MOVING, MOST_JOINTS = 121, 127
 """Moving joints, and joints of any type, that PyBullet tells the state of."""
 
+_BLANKS = " \t\n"
+"""What sdformat takes from the ends of a name."""
 _RESERVED = re.compile(r"world|__.*__", re.DOTALL)
 _TROUBLESOME = re.compile(r"\s|::|[&<>\"'/]|[^\x00-\x7f]")
 
@@ -51,6 +53,13 @@ def _length(what: str, element: Element) -> Iterator[Hit]:
         yield Hit("name-too-long", element, f"the name of {what} {shown(name)} has {len(name):,} characters")
 
 
+def _has_its_name(description: Description, element: Element) -> bool:
+    """Whether sdformat asks for the name of a link or joint: those of what it merges into the link above are gone."""
+    child = element.first("child")
+    link = element.get("name") if element.tag == "link" else child and child.get("link")
+    return any(body[0].name == link for body in kept(description))
+
+
 def _names(description: Description) -> Iterator[Hit]:
     root = description.root
     owners: dict[tuple[str, str], Element] = {}
@@ -63,9 +72,13 @@ def _names(description: Description) -> Iterator[Hit]:
             takers = {"pinocchio", "ros"} if alone else set()
             if kind == "link" and name is not None:
                 takers.add("mujoco")
+            if kind == "joint" and name is not None:
+                takers = {"mujoco", "drake"}
+                if [joint.get("name") for joint in root.all("joint")].count("") == 1:
+                    takers |= {"pinocchio", "ros"} | (set() if _has_its_name(description, element) else {"gazebo"})
             yield Hit("missing-name", element, f"a {kind} has no name", ALL - takers)
             continue
-        if not name.strip():
+        if not name.strip(_BLANKS) and _has_its_name(description, element):
             yield Hit("missing-name", element, f"the name of a {kind} is blank", {"gazebo"})
         if (kind, name) in owners:
             message = f"{kind} {shown(name)} has the name of the {kind} in {description.place(owners[kind, name])}"

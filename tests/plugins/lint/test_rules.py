@@ -441,3 +441,48 @@ def test_a_package_has_the_name_that_it_gives_itself(tmp_path: Path, folder: str
         (finding,) = [finding for finding in findings if finding.rule == "package-address"]
         assert ("pybullet" not in {effect.consumer for effect in finding.effects}) == loads
         assert (behaviours("pybullet", [path])[0].end == "loads") == loads
+
+
+# --- Names of nothing -------------------------------------------------------------------------------------------------
+
+_BODY = '<inertial><mass value="1"/><inertia ixx="0.1" iyy="0.1" izz="0.1" ixy="0" ixz="0" iyz="0"/></inertial>'
+_LIMIT = '<limit lower="-1" upper="1" effort="1" velocity="1"/>'
+_BLANK = ("", " ", "&#9;", "&#10;", "&#13;", "&#160;", "&#8195;")
+
+
+def _without_names() -> list[str]:
+    """Two joints, the first of them fixed, with names of nothing in the places of names, one or two at once."""
+    texts = []
+    for root in (f'<link name="a">{_BODY}</link>', '<link name="world"/>'):
+        form = (
+            f'<robot name="r">{root}<link name="B">{_BODY}</link><link name="C">{_BODY}</link>'
+            '<joint name="F" type="fixed"><parent link="ROOT"/><child link="B"/></joint>'
+            f'<joint name="J" type="KIND"><parent link="B"/><child link="C"/>{_LIMIT}</joint></robot>'
+        ).replace("ROOT", "world" if "world" in root else "a")
+        for kind in ("revolute", "fixed"):
+            text = form.replace("KIND", kind)
+            names = [(place, blank) for place in ('"B"', '"C"', '"F"', '"J"') for blank in _BLANK]
+            texts += [text.replace(place, f'"{blank}"') for place, blank in names]
+            texts += [text.replace('"F"', f'"{blank}"').replace('"J"', f'"{blank}"') for blank in _BLANK[:2]]
+            kept = '<gazebo reference="F"><preserveFixedJoint>true</preserveFixedJoint></gazebo></robot>'
+            texts += [text.replace("</robot>", kept).replace('"F"', f'"{blank}"') for blank in _BLANK[:2]]
+    return texts
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("consumer", ["pybullet", "mujoco", "pinocchio", "drake", "ros", "gazebo"])
+def test_names_of_nothing_are_refused_as_foretold(tmp_path: Path, consumer: str) -> None:
+    """sdformat never sees the name of a fixed joint, or of a link, that it merges; MuJoCo and Drake take an empty one."""
+    require(consumer)
+    paths = []
+    for number, text in enumerate(_without_names()):
+        paths.append(tmp_path / f"{number}.urdf")
+        paths[-1].write_text(f'<?xml version="1.0"?>\n{text}')
+    wrong = []
+    for path, behaviour in zip(paths, behaviours(consumer, paths), strict=True):
+        found = inspect_urdf(path).findings
+        told = {each.rule for each in found for effect in each.effects if effect.consumer == consumer}
+        fatal = {rule for rule in told if rules()[rule].outcomes[consumer] in {Outcome.REFUSES, Outcome.CRASHES}}
+        if bool(fatal) != (behaviour.end != "loads"):
+            wrong.append(f"{path.read_text()} {behaviour.end}: {fatal}")
+    assert wrong == []

@@ -81,7 +81,7 @@ _ADVICE = (
     ),
     (
         late_pattern(
-            r"\s*[+-]?\s*(?:var(?:iable)?\b|[jtφϕ]_?[0-9]+|[θqd]\w*\s*\((?:t|var\w*)\)|theta\w*\s*\()", re.IGNORECASE
+            r"\s*[+-]?\s*(?:var(?:iable)?\b|[jmtφϕ]_?[0-9]+|[θqd]\w*\s*\((?:t|var\w*)\)|theta\w*\s*\()", re.IGNORECASE
         ),
         "write the joint variable as q1, and what is added to it behind: q1 + pi/2",
     ),
@@ -103,6 +103,10 @@ _ADVICE = (
     (
         late_pattern(r"\s*[+-]?[0-9.,]+\s*(?:[^\W\d]{1,4}|°)?\s*\([^()0-9]*\)\s*$"),
         "write the number alone, without the words behind it: 290 mm",
+    ),
+    (
+        late_pattern(r"\s*[^()]*[0-9π°][^()]*\([^()]*[0-9π°][^()]*\)\s*$|[^=]*[0-9π°]\s*=[^=]*[0-9π°]\s*$"),
+        "write one of the two numbers: pi/2, or 90 deg",
     ),
     (
         late_pattern(r"\s*(\*\*?|__?|`)[^*_`]+\1\s*$"),

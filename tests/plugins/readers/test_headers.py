@@ -231,6 +231,7 @@ REFUSED = [
     *((header, "3", "alpha") for header in ("alpha right", "alphaLeft")),
     *(("theta as drawn", cell, "theta") for cell in ("q1 + 0.1", "-q1", "q2")),
     ("q", "q1 - 0.1", "the joint variable"),
+    *(("controller", cell, "a joint variable with an offset or a sign") for cell in ("-J5", "-(J2+J3)", "J2 + J3")),
     *((header, "3", "theta") for header in ("theta [deg]!", "theta_i [rad]]", "theta (deg) x")),
     ("Tc", "3", "a friction of the motor or of the joint"),
     ("roll", "3", "a turn of a frame beside the DH parameters"),
@@ -321,6 +322,7 @@ def test_a_column_of_doubtful_meaning_is_refused(cells: dict[str, str], said: st
             "Material",
             "coupling type name",
             "grad",
+            "sumber",
         ),
     ],
 )
@@ -370,7 +372,13 @@ def test_a_quantity_in_a_column_that_is_left_out_is_found_on_the_fast_path(tmp_p
 
 
 @pytest.mark.parametrize(
-    ("header", "cells"), [("active", ("1", "0")), ("variable", ("q1", "q1 - 90")), ("Variable", ("θ1", "-θ1"))]
+    ("header", "cells"),
+    [
+        ("active", ("1", "0")),
+        ("variable", ("q1", "q1 - 90")),
+        ("Variable", ("θ1", "-θ1")),
+        ("DH variable", ("J1", "-(J2 + J3)")),
+    ],
 )
 def test_what_a_column_that_is_left_out_says_is_found_on_the_fast_path(
     header: str, cells: tuple[str, str], tmp_path: Path

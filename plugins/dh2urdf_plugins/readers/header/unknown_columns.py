@@ -55,6 +55,13 @@ _WHETHER_ACTIVE = frozenset("active actuated enabled motorized motorised driven 
 _NO = frozenset("0 false no n off falsch nein non faux falso".split())  # noqa: SIM905
 _FEW_WORDS = 4
 _LONGEST_VARIABLE = 40
+_AXES_OF_CONTROLLER = r"(?:j|q|θ|theta)_?[0-9]{1,2}"
+_OF_CONTROLLER = late_pattern(
+    rf"\s*[-−–]\s*\(?\s*{_AXES_OF_CONTROLLER}(?:\s*[-+−–]\s*{_AXES_OF_CONTROLLER})?\s*\)?\s*"
+    rf"|\s*{_AXES_OF_CONTROLLER}\s*\+\s*{_AXES_OF_CONTROLLER}\s*",
+    re.IGNORECASE,
+)
+"""Joint variables by the names of a controller, turned or coupled: ``-J5``, ``-(J2 + J3)``."""
 _OF_ONE_MEANING = frozenset(("alpha", "theta"))
 """Parameters whose names are no other words."""
 
@@ -213,10 +220,13 @@ def _is_variable_of(text: str, number: int | None) -> bool:
 
 def _with_offset(cell: Cell, header: str, number: int | None) -> Problem | None:
     """What is wrong with the joint variable and an offset, or its negative: ``θ1 + 90°``, ``-q2``."""
-    said = _variable(cell.text) if any(sign in cell.text for sign in "+-−–") else None
-    if said is None or said.variable is None or not (said.value or said.sign < 0):
+    if not any(sign in cell.text for sign in "+-−–"):
         return None
-    if said.variable.row is None or said.variable.row != (number or said.variable.row):
+    said = _variable(cell.text)
+    if said is None or said.variable is None or not (said.value or said.sign < 0):
+        if not _OF_CONTROLLER.fullmatch(cell.text):
+            return None
+    elif said.variable.row is None or said.variable.row != (number or said.variable.row):
         return None
     return Problem(
         message=f"{shown(cell.text)} is a joint variable with an offset or a sign, and no field is called "

@@ -74,6 +74,7 @@ _OTHER_WORDS = frozenset(
         "signal",
         "final",
         "cursor",
+        "sumber",
     )
 )
 """Words that miss a header by one letter and mean something else."""

@@ -139,7 +139,10 @@ UNHELD_WORDS = {
 """Headers of what shapes or loads the arm and no field holds: refused where a cell is not 0."""
 _HELD = {key for name in ROW_FIELDS for key in keys_of(name)}
 THETA_OFFSETS = {
-    key: Unheld("an offset of theta alone, and the table has a theta besides")
+    key: Unheld(
+        "an offset of theta alone, and the table has a theta besides",
+        suggestion="if it is added to the joint variable, call it offset",
+    )
     for word in ("theta offset", "offset theta", "theta const", "joint angle offset")
     for key in keys_of(word)
 }

@@ -105,7 +105,9 @@ _ADVICE = (
         "write the number alone, without the words behind it: 290 mm",
     ),
     (
-        late_pattern(r"\s*[^()]*[0-9π°][^()]*\([^()]*[0-9π°][^()]*\)\s*$|[^=]*[0-9π°]\s*=[^=]*[0-9π°]\s*$"),
+        late_pattern(
+            r"(?:[-+−–0-9.,/*\s°π]|pi|deg|rad)+(?:\((?=.*[0-9π])[^()]*\)|=[-+−–0-9.,/*\s°π]*(?:pi|deg|rad)?[/0-9]*)\s*$"
+        ),
         "write one of the two numbers: pi/2, or 90 deg",
     ),
     (

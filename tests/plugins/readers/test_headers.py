@@ -227,6 +227,7 @@ REFUSED = [
     *((header, "3", "convention") for header in ("μ_j", "mu")),
     *((header, "3", "a limit of acceleration") for header in ("qdd_max", "q̈max")),
     *((header, "3", "may be theta, d or an offset") for header in ("initial", "Start angle", "value")),
+    *((header, "yes", "type") for header in ("is rotational", "rotates", "translational")),
     *((header, "3", "theta") for header in ("θ ref", "nominal_theta", "theta right", "θ_i0", "thetaRest")),
     *((header, "3", "alpha") for header in ("alpha right", "alphaLeft")),
     *(("theta as drawn", cell, "theta") for cell in ("q1 + 0.1", "-q1", "q2")),

@@ -414,3 +414,20 @@ def test_a_yaml_table_has_no_merged_cells(read_one: Callable[..., Manipulator]) 
     """A key that only the first joint has is meant so."""
     joints = [{"a": 0.3, "alpha": 0, "d": 0, "limits": {"velocity": 1}}, *[{"a": 0.3, "alpha": 0, "d": 0}] * 2]
     assert read_one(json.dumps({"convention": "standard", "joints": joints}), ".json").notices == ()
+
+
+@pytest.mark.parametrize(
+    ("rows", "is_noticed"),
+    [
+        (["T,0,0,0.1,0", "R,0.3,0,0,0"], True),
+        (["R,0,0,0.1,0", "t,0.3,0,0,0", "T,0,0,0,0"], True),
+        (["R,0,0,0.1,q1", "T,0.3,0,d2,0"], False),
+        (["P,0,0,0.1,0", "translational,0.3,0,0,0"], False),
+    ],
+)
+def test_t_may_be_a_twisting_joint(rows: list[str], is_noticed: bool, read: Read) -> None:  # noqa: FBT001 - a case
+    """In the notation of L, O, R, T and V joints T turns; here it slides, and a notice says so once."""
+    (arm,) = read("\n".join(["type,a,alpha,d,theta", *rows]), convention="standard")
+    assert isinstance(arm, Manipulator)
+    assert {row.type for row in arm.rows} <= {JointType.PRISMATIC, JointType.REVOLUTE}
+    assert [notice.message for notice in arm.notices] == ["T is read as a translation"] * is_noticed

@@ -24,7 +24,7 @@ from dh2urdf_plugins.readers.header.unknown_columns import is_beside, is_number,
 from dh2urdf_plugins.readers.plain.limits import PlainLimits
 from dh2urdf_plugins.readers.plain.numbers import LINE_END, REMEMBERED, PlainNumbers, foreign_unit, names_foreign_unit
 from dh2urdf_plugins.readers.rows.cells import FULL_TURN
-from dh2urdf_plugins.readers.rows.joint_rows import AXIS, DECIMAL, NUMBER
+from dh2urdf_plugins.readers.rows.joint_rows import AXIS, DECIMAL, NUMBER, TWISTING
 from dh2urdf_plugins.readers.rows.names import are_joints, is_plain_label
 from dh2urdf_plugins.readers.rows.rows import NEARLY
 from dh2urdf_plugins.readers.statements.plausibility import longest_plain
@@ -159,7 +159,7 @@ class PlainRows:
         """Whether all types of joints are known, and such as can be read here."""
         for word in set(words) - self.kinds.keys():
             kind = None if not word or LINE_END in word else joint_type(word)  # an empty cell is worth a notice
-            if kind is None or (kind is JointType.PRISMATIC and not self.slides):
+            if kind is None or word in TWISTING or (kind is JointType.PRISMATIC and not self.slides):
                 return False
             self.kinds[word] = kind
         return "type" not in self.column or "" not in words

@@ -37,6 +37,8 @@ NUMBER = late_pattern(NUMBER_TEXT)
 AXIS = late_pattern(r"([-+−–])?\s*[xyz]\s*([-+−–])?", re.IGNORECASE)
 """A name that is an axis of a frame."""
 DECIMAL = late_pattern(r"[-+]?[0-9]*[.,][0-9]+")
+TWISTING = ("T", "t")
+"""A type that may be that of a joint that turns about the axis of its link."""
 _AT_START = frozenset("+-.,0123456789")
 """What either may begin with."""
 _ZERO = late_pattern(r"0+(?:\.0+)?")
@@ -90,6 +92,7 @@ class _Rows:
         if self._index_has_names():
             for place, cells, _ in self.rows:
                 cells["joint"] = self.indexes.pop(place)
+        self._look_at_twisting()
         for place, cells, mark in self.rows:
             self._settle_type(place, cells, mark)
         self.first = 1 - self._counts_from_base()
@@ -135,31 +138,26 @@ class _Rows:
         self.indexes = {}
 
     def _refuse_direction(self, cell: Cell, place: int, what: str) -> None:
+        message = f"{shown(cell.text)} seems to be a direction, and is where the {what} of the joint should be"
+        accepted = "a column sign with 1 or -1, or a column flip with true or false"
+        joint = f"joint_{place + 1}"
         self.reader.add(
-            Problem(
-                message=f"{shown(cell.text)} seems to be a direction, and is where the {what} of the joint should be",
-                mark=cell.mark,
-                joint=f"joint_{place + 1}",
-                field="sign",
-                found=cell.text,
-                accepted="a column sign with 1 or -1, or a column flip with true or false",
-            )
+            Problem(message=message, mark=cell.mark, joint=joint, field="sign", found=cell.text, accepted=accepted)
         )
 
     def _leave_out_axes(self) -> None:
         """Leaves out a column of joints that holds axes of frames: ``Z``, ``Y``, ``-Y``."""
         named = {place: cells["joint"] for place, cells, _ in self.rows if "joint" in cells}
-        axes = {place: AXIS.fullmatch(cell.text) for place, cell in named.items()}
-        texts = {cell.text.casefold() for cell in named.values()}
-        signed = {place: match[1] or match[2] for place, match in axes.items() if match and (match[1] or match[2])}
-        if not named or not all(axes.values()) or (len(texts) == len(self.rows) and not signed):
+        axes = [(place, AXIS.fullmatch(cell.text)) for place, cell in named.items()]
+        signs = {place: match[1] or match[2] or "" for place, match in axes if match}
+        are_names = len({cell.text.casefold() for cell in named.values()}) == len(self.rows) and not any(signs.values())
+        if not named or len(signs) < len(named) or are_names:
             return
         first = next(iter(named.values()))
         message = f"the column of joints holds axes, not names, and is left out: {shown(first.text)}"
         self.reader.add(Problem(message=message, severity="notice", mark=first.mark, field="joint", found=first.text))
-        for place, sign in signed.items():
-            if sign != "+":
-                self._refuse_direction(named[place], place, "name")
+        for place in (place for place, sign in signs.items() if sign not in ("", "+")):
+            self._refuse_direction(named[place], place, "name")
         for _, cells, _ in self.rows:
             cells.pop("joint", None)
 
@@ -253,6 +251,14 @@ class _Rows:
             cells["type"] = cells.pop("joint")
         message = f"the column of joints holds their types: {shown(names[0].text)}"
         self.reader.add(Problem(message=message, severity="notice", mark=names[0].mark, field="type"))
+
+    def _look_at_twisting(self) -> None:
+        """A notice of the type T, a translation to most and a twisting joint to some, where no variable shows which."""
+        for place, cells, mark in self.rows:
+            if "type" in cells and cells["type"].text in TWISTING and "d" not in _variables(cells):
+                meant = "write R if it is a twisting joint, as beside the letters L, O, R and V"
+                self._add_problem("T is read as a translation", place, cells, mark, suggestion=meant, notice=True)
+                return
 
     def _settle_type(self, place: int, cells: Cells, mark: Mark) -> None:
         """Gives a row without a type its type where that is sure, and refuses it where it hardly is a joint."""

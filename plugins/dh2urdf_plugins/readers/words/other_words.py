@@ -152,12 +152,13 @@ _TYPES = {
     JointType.REVOLUTE: "drehgelenk, rotationsgelenk, drehachse, rotatorisch, rotoïde, rotatif, rotacional, rotatoria, "
     "rotatorio, rotativa, rotativo, giratoria, giratorio, revoluta, rotoidale, 转动, 旋转, 回转, 转动副, 旋转副, "
     "вращательная, вращательный, вращательное, obrotowy, obrotowa, obrotowe, döner, dönel, "
-    "回転, 回転関節, 회전, 회전관절",
+    "回転, 回転関節, 회전, 회전관절, rev, rot, revolving, rotante, rotoidal, giratória, rotacyjny, rotacyjna",
     JointType.PRISMATIC: "schubgelenk, linearachse, lineargelenk, prismatisch, translatorisch, prismatique, glissière, "
     "linéaire, prismático, prismática, lineal, prismatico, prismatica, lineare, 移动, 平移, 直线, 移动副, 棱柱, 直动, "
     "поступательная, поступательный, поступательное, призматическая, призматический, призматическое, przesuwny, "
     "przesuwna, przesuwne, pryzmatyczny, pryzmatyczna, postępowy, prizmatik, kayar, "
-    "линейная, линейный, liniowy, liniowa, doğrusal, 直動, 直動関節, 並進, 직동, 직동관절, 병진, 직선",
+    "линейная, линейный, liniowy, liniowa, doğrusal, 直動, 直動関節, 並進, 직동, 직동관절, 병진, 직선, "
+    "pris, prism, trans, transl, traslacional, translacional, traslazionale, translatif",
     JointType.FIXED: "fest, fixe, fijo, fija, fisso, fissa, fixo, fixa, 固定, неподвижная, неподвижный, "
     "фиксированная, фиксированный, nieruchomy, stały, sabit, 고정",
 }

@@ -175,7 +175,7 @@ SUSPECTS = {
     "limits": "limit*, límit*, range, ranges, bound*, stroke, travel, *grenze*, *bereich, anschlag, plage, butée*, "
     "borne*, rango, recorrido, corsa, escursione, débattement, lower, upper, min, max, minimum, maximum, "
     "faixa, curso, *范围*, *限*, *行程*",
-    "type": "prismatic, revolute, rotary, *类型*, 运动副*",
+    "type": "prismatic, revolute, rotary, rotational, translational, rotates, slides, *类型*, 运动副*",
     "alpha": "alpha, α, twist*, verdreh*, torsion*, torsión*, torção*, *扭*",
     "a": "length*, *länge*, longueur*, longitud*, lunghezza*, comprimento*, *长*",
     "theta": "theta, θ, angle*, *winkel, ángulo*, angolo*, ângulo*, *角, *角度*, 角位*",

@@ -162,6 +162,8 @@ def main(arguments: list[str] | None = None) -> None:
     sys.unraisablehook = _interrupt_again
     atexit.register(gc.freeze)  # At its end, Python would search all modules for garbage: a sixth of a short command.
     claim()
+    # The threads that numpy's BLAS starts for large matrices burn the processors' time before they sleep.
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     _tell_of_the_end()
     if not sys.warnoptions:
         warnings.simplefilter("ignore")  # what libraries warn their callers of is not for the user of a command

@@ -13,14 +13,13 @@ from typing import TYPE_CHECKING, Any
 
 from dh2urdf.elementwise import is_column
 from dh2urdf.errors import EmitterError
-from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.quantities import format_number, format_rows
 from dh2urdf.robot_check import LONGEST_NAME
 from dh2urdf.source import Problem
 from dh2urdf_plugins.emitters.urdf_tree import LONGEST_COMMENT, Notation, check_lines, serialise, urdf_tree
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+    from collections.abc import Callable, Iterable, Iterator, Mapping
 
     from dh2urdf.columns import Mask, RobotColumns
 
@@ -101,7 +100,7 @@ def _contents(robots: RobotColumns, written: list[int]) -> list[bytes]:
     # The texts of a file are its name, its comment and its numbers, in that order.
     slots = {str(number): entry if isinstance(entry, bytes) else entry + 2 for number, entry in enumerate(entries)}
     slots |= {_NAME: 0, _COMMENT: 1}
-    parts: list[_Part] = []
+    parts: list[list[bytes | int]] = []
     masks: list[list[bool]] = []
     position = 0
     for (start, end), present in _optional(robots, template):
@@ -110,22 +109,29 @@ def _contents(robots: RobotColumns, written: list[int]) -> list[bytes]:
         position = end
     last = _part(template[position:], slots)
     told = [[robots.names[index].encode(), robots.comments[index].encode()] for index in written]
-    forms: dict[tuple[bool, ...], tuple[bytes, Callable[[list[bytes]], tuple[bytes, ...]]]] = {}
+    forms: dict[tuple[bool, ...], tuple[list[bytes], Callable[[list[bytes]], tuple[bytes, ...]]]] = {}
     contents = []
     for texts, numbers, *present in zip(told, rows if entries else repeat([]), *masks, strict=False):
         shapes = tuple(present)
         if shapes not in forms:
             own = [part for number, part in enumerate(parts) if number % 2 == 0 or shapes[number // 2]]
-            forms[shapes] = _joined([*own, last])
-        text, pick = forms[shapes]
-        contents.append(text % pick(texts + numbers))
+            forms[shapes] = _joined(chain(*own, last))
+        pieces, pick = forms[shapes]
+        pieces[1::2] = pick(texts + numbers)
+        contents.append(b"".join(pieces))
     return contents
 
 
-def _joined(parts: Sequence[_Part]) -> tuple[bytes, Callable[[list[bytes]], tuple[bytes, ...]]]:
-    """The text of files with `%b` in each place where they differ, and what picks the texts for these places."""
-    places = list(chain.from_iterable([part.places for part in parts]))
-    return b"".join([part.text for part in parts]), itemgetter(*places)  # two at least: the name and the comment
+def _joined(entries: Iterable[bytes | int]) -> tuple[list[bytes], Callable[[list[bytes]], tuple[bytes, ...]]]:
+    """The pieces of files, every second one to be filled in, and what picks the texts for these."""
+    pieces, places = [b""], []
+    for entry in entries:
+        if isinstance(entry, int):
+            places.append(entry)
+            pieces += (b"", b"")
+        else:
+            pieces[-1] += entry
+    return pieces, itemgetter(*places)  # two at least: the name and the comment
 
 
 def _optional(robots: RobotColumns, template: str) -> Iterator[tuple[tuple[int, int], Mask]]:
@@ -145,28 +151,9 @@ def _optional(robots: RobotColumns, template: str) -> Iterator[tuple[tuple[int, 
                 yield span, mask
 
 
-class _Part(NamedTuple):
-    """A piece of a template.
-
-    Attributes:
-        text: it, with `%b` in place of each slot whose text is not the same in all files.
-        places: where the texts for these slots are among the texts of a file.
-    """
-
-    text: bytes
-    places: list[int]
-
-
-def _part(text: str, slots: Mapping[str, bytes | int]) -> _Part:
-    """A piece of a template, with what belongs into its slots."""
-    parts, places = [], []
-    for index, piece in enumerate(_SLOT.split(text)):
-        entry = slots[piece] if index % 2 else piece.encode().replace(b"%", b"%%")
-        if isinstance(entry, int):
-            places.append(entry)
-            entry = b"%b"
-        parts.append(entry)
-    return _Part(b"".join(parts), places)
+def _part(text: str, slots: Mapping[str, bytes | int]) -> list[bytes | int]:
+    """A piece of a template: by turns its texts and what belongs into its slots, as `format_rows` has it."""
+    return [slots[piece] if index % 2 else piece.encode() for index, piece in enumerate(_SLOT.split(text))]
 
 
 def _slot(key: str) -> str:

@@ -138,11 +138,14 @@ class Form:
         groups = {place: number for number, place in enumerate(sorted(first.values()))}
         cuts = [-1, *[2 * place + 1 for place in traces], len(pieces)]
         between = [b'"'.join(pieces[start + 1 : end]) for start, end in pairwise(cuts)]
-        self._text = b'"%b"'.join([text.replace(b"%", b"%%") for text in between])
+        between = [b'"%b"' % text for text in between]
+        between[0], between[-1] = between[0][1:], between[-1][:-1]
+        self._pieces = [b""] * (2 * len(between) - 1)
+        self._pieces[::2] = between
         steps = [b".{%d}" % len(between[0])]
         for (place, trace), text in zip(traces.items(), between[1:], strict=True):
             name, is_first = b"_%d" % groups[first[trace]], place in groups
-            steps += (b'"', b'(?P<%b>[^"]*+)' % name if is_first else b"(?P=%b)" % name, b'".{%d}' % len(text))
+            steps += (b'(?P<%b>[^"]*+)' % name if is_first else b"(?P=%b)" % name, b".{%d}" % len(text))
         self._match = re.compile(b"".join(steps), re.DOTALL).fullmatch
         self._fillings = picker([groups[first[trace]] for trace in traces.values()])
         values = pieces[1::2]
@@ -163,17 +166,21 @@ class Form:
         self._columns = [column for place in moving for column in spans[place]]
         self._row = numbers_in(b",".join([values[place] for place in of_joints])) or []
 
-    def numbers(self, text: bytes) -> bytes | None:
+    def numbers(self, content: bytes, start: int) -> bytes | None:
         """The numbers that are to be read in a file, with commas between them; None where it is of another form.
 
         Args:
-            text: what is after the robot's name.
+            content: the file.
+            start: where the robot's name ends.
         """
-        match = self._match(text)
+        match = self._match(content, start)
         if match is None:
             return None
         texts = match.groups()
-        return b",".join(self._lone(texts)) if text == self._text % self._fillings(texts) else None
+        pieces = self._pieces.copy()
+        pieces[0] = content[:start] + pieces[0]
+        pieces[1::2] = self._fillings(texts)
+        return b",".join(self._lone(texts)) if content == b"".join(pieces) else None
 
     def rows(self, texts: Sequence[bytes]) -> tuple[list[int], Any]:
         """The numbers of the joints of files of this form.

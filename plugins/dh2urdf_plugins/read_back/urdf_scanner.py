@@ -96,9 +96,9 @@ class _Scanner:
             head = _HEAD.match(content)
             if head is None or not _is_printable(head[0]):
                 continue
-            text = content[head.end() :]
-            for form in self._candidates(text):
-                if (numbers := form.numbers(text)) is not None:
+            start = head.end()
+            for form in self._candidates(content, start):
+                if (numbers := form.numbers(content, start)) is not None:
                     files = waiting.setdefault(form, [])
                     files.append((index, head[1].decode(), numbers))
                     if len(files) == _FILES_AT_ONCE:
@@ -106,7 +106,7 @@ class _Scanner:
                     self._last = [form]
                     break
             else:
-                if found := self._one(text):
+                if found := self._one(content[start:]):
                     alone.setdefault(found[0], []).append((index, head[1].decode(), found[1]))
         for joints, found_alone in alone.items():
             indices, names, rows = zip(*found_alone, strict=True)
@@ -114,11 +114,11 @@ class _Scanner:
         for form, files in waiting.items():
             yield from _together(form, files)
 
-    def _candidates(self, text: bytes) -> Iterator[Form]:
-        """The forms that a file may have."""
+    def _candidates(self, content: bytes, start: int) -> Iterator[Form]:
+        """The forms that a file may have, whose robot's name ends there."""
         yield from self._last
         if self._with_form:
-            yield from self._with_form.get(_quotes(text), {}).values()
+            yield from self._with_form.get(_quotes(content[start:]), {}).values()
 
     def _one(self, text: bytes) -> tuple[Joints, list[float]] | None:
         """The joints of a file and their numbers, of what is after its name; None where the file is not plain."""

@@ -250,10 +250,8 @@ def prove_columns(
         except ProofError:
             found.update(_refusals(tables, places, described))
             continue
-        for first in range(0, len(places), BLOCK):
-            block = places[first : first + BLOCK]
-            proofs = _proofs(tables.table, robots.robot, joints, places=block, first=first, count=count)
-            found.update(zip(block, proofs, strict=True))
+        proofs = _proofs(tables.table, robots.robot, joints, places=places, count=count)
+        found.update(zip(places, proofs, strict=True))
     return [found.get(place) for place in range(len(tables))]
 
 
@@ -268,16 +266,15 @@ def _refusals(tables: ManipulatorColumns, places: Sequence[int], described: Robo
 
 
 def _proofs(
-    table: Manipulator, robot: Robot, joints: Sequence[Joint], *, places: Sequence[int], first: int, count: int
+    table: Manipulator, robot: Robot, joints: Sequence[Joint], *, places: Sequence[int], count: int
 ) -> list[Proof]:
-    """The proofs of a block of arms.
+    """The proofs of arms whose files move the joints of their tables.
 
     Args:
         table: what the tables say, in columns.
         robot: the robots made of them, in columns.
         joints: those of the written ways to tool0, in columns of their own.
         places: where the arms are in the columns of the first two.
-        first: where the first of them is in the columns of the written ways; the others follow.
         count: random joint vectors.
     """
     import numpy as np
@@ -287,29 +284,31 @@ def _proofs(
     def of_tables(numbers: Numbers) -> Numbers:
         return numbers[chosen] if is_column(numbers) else numbers
 
-    def of_files(numbers: Numbers) -> Numbers:
-        return numbers[first : first + len(places)] if is_column(numbers) else numbers
-
     table = replace_unchecked(table, rows=tuple([_row(row, of_tables) for row in table.rows]))
     q = joint_columns(table, robot, of_tables, count)
     with np.errstate(all="ignore"):
-        said, found = (
-            ExpectedPoses.of(table).tips[0].compiled(),
-            _written_way([_joint(joint, of_files) for joint in joints]),
-        )
-    shape = (3 + count, len(places))
-    with np.errstate(all="ignore"):
+        chains = ExpectedPoses.of(table).tips[0].compiled(), _written_way(joints)
         values = values_of(q)
-        frames = [frame for chain in (said, found) for frame in chain.walk(values, STACKS)]
-    positions, angles, worst = _largest_of_arms(frames, shape)
-    arms = range(len(places))
-    vectors = [value[worst, arms if value.shape[1] > 1 else 0].tolist() for value in q]
+    positions: list[float] = []
+    angles: list[float] = []
+    vectors: list[tuple[float, ...]] = []
+    for first in range(0, len(places), BLOCK):
+        block = slice(first, min(first + BLOCK, len(places)))
+        arms = range(block.stop - block.start)
+        of_block = [tuple([each[:, block] if each.shape[1] > 1 else each for each in value]) for value in values]
+        with np.errstate(all="ignore"):
+            frames = [frame for chain in chains for frame in chain.part(block).walk(of_block, STACKS)]
+        found = _largest_of_arms(frames, (3 + count, len(arms)))
+        positions += found[0]
+        angles += found[1]
+        at_worst = [value[found[2], arms if value.shape[1] > 1 else 0].tolist() for value, _, _ in of_block]
+        vectors += zip(*at_worst, strict=True) if at_worst else repeat((), len(arms))
     return many_unchecked(
         Proof(position_error=0.0, angle_error=0.0, q=(), tolerance=0.0, poses=3 + count),
         len(places),
         position_error=positions,
         angle_error=angles,
-        q=zip(*vectors, strict=True) if vectors else repeat(()),
+        q=vectors,
         tolerance=_tolerances(table, q, len(places)),
         tips=[{TOOL: position} for position in positions],
     )
@@ -320,12 +319,6 @@ def _row(row: DHRow, pick: Pick) -> DHRow:
     return replace_unchecked(
         row, a=pick(row.a), alpha=pick(row.alpha), d=pick(row.d), theta=pick(row.theta), offset=pick(row.offset)
     )
-
-
-def _joint(joint: Joint, pick: Pick) -> Joint:
-    """The kinematics of a joint, for some arms."""
-    xyz, rpy, axis = (tuple(map(pick, numbers)) for numbers in (joint.origin.xyz, joint.origin.rpy, joint.axis))
-    return replace_unchecked(joint, origin=replace_unchecked(joint.origin, xyz=xyz, rpy=rpy), axis=axis)
 
 
 def _tolerances(table: Manipulator, q: Sequence[Array], arms: int) -> list[float]:

@@ -15,6 +15,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, TypeAlias
 
+from dh2urdf.elementwise import is_column
 from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.rotations import IDENTITY, ZERO, RigidTransform, Vec3, cos_sin, cross, exact_cos_sin
 
@@ -81,27 +82,21 @@ def _stacked_origin() -> Vector:
 
 
 def _moved_stack(p: Vector, length: Numbers, u: Vector) -> Vector:
-    step = length * u
-    if not _holds(step, p):
-        return p + step
-    step += p
-    return step
+    return _added(length * u, p)
 
 
 def _turned_stacks(c: Numbers, s: Numbers, u: Vector, v: Vector) -> tuple[Vector, Vector]:
-    cu, cv, su, sv = c * u, c * v, s * u, s * v
-    if not (_holds(cu, sv) and _holds(cv, su)):
-        return cu + sv, cv - su
-    cu += sv
-    cv -= su
-    return cu, cv
+    return _added(c * u, s * v), _added(c * v, -s * u)
 
 
-def _holds(sums: Vector, others: Vector) -> bool:
-    """Whether an array has room for its sum with another one: new memory costs several times what a sum does."""
-    _, poses, arms = sums.shape
-    _, other_poses, other_arms = others.shape
-    return bool(poses >= other_poses and arms >= other_arms)
+def _added(total: Vector, term: Vector) -> Vector:
+    """A sum, in the memory of the first array where there is room: new memory costs several times what a sum does."""
+    poses, arms = total.shape[-2:]
+    other_poses, other_arms = term.shape[-2:]
+    if poses >= other_poses and arms >= other_arms:
+        total += term
+        return total
+    return total + term
 
 
 def _mixed_stacks(matrix: Sequence[Numbers], axes: Axes) -> list[Vector]:
@@ -114,7 +109,7 @@ def _mixed_stacks(matrix: Sequence[Numbers], axes: Axes) -> list[Vector]:
 
 def _sum_of_stacks(factors: Sequence[Numbers], axes: Axes) -> Vector:
     x, y, z = factors
-    return x * axes[0] + y * axes[1] + z * axes[2]
+    return _added(_added(x * axes[0], y * axes[1]), z * axes[2])
 
 
 TRIPLES = Vectors(
@@ -240,6 +235,12 @@ class CompiledChain:
         """A frame that a walk returns."""
         self.steps.append((_STOP, 0, None, self._names))
 
+    def part(self, arms: slice) -> CompiledChain:
+        """The chains of some of the arms."""
+        chain = CompiledChain()
+        chain.steps = [(kind, axis, joint, _part(numbers, arms)) for kind, axis, joint, numbers in self.steps]
+        return chain
+
     def walk(self, values: Sequence[JointValue], vectors: Vectors = TRIPLES) -> list[Frame]:
         """The frames at the stops, at values of all joints [rad or m]."""
         axes, origin = list(vectors.axes()), vectors.origin()
@@ -285,6 +286,13 @@ class CompiledChain:
         """The name of an axis of the frame, or of its opposite."""
         name, sign = self._names[axis]
         return name, factor * sign
+
+
+def _part(numbers: Any, arms: slice) -> Any:  # noqa: ANN401 - those of a step
+    """The numbers of a step for some of the arms."""
+    if isinstance(numbers, tuple):
+        return tuple([_part(number, arms) for number in numbers])
+    return numbers[arms] if is_column(numbers) else numbers
 
 
 def _renamed(axes: Sequence[Vector], names: Names, vectors: Vectors) -> Axes:

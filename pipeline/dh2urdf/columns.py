@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar, cast
 
 from dh2urdf.elementwise import is_column
 from dh2urdf.late_dataclasses import dataclass
-from dh2urdf.manipulator import DHRow, Inertia, Limits, Manipulator
+from dh2urdf.manipulator import DHRow, Inertia, JointType, Limits, Manipulator
 from dh2urdf.robot import Robot
 from dh2urdf.row_fields import COMMON, INERTIA, LIMITS, NUMBERS, WORDS
 from dh2urdf.source import Mark
@@ -306,27 +306,25 @@ def _alike(numbers: Any) -> Any:  # noqa: ANN401 - a float or an array
     return float(numbers[0]) if len(numbers) and (numbers == numbers[0]).all() else numbers
 
 
-_PLAIN = frozenset((float, int, bool, str, type(None)))
-"""Types of what is neither a column nor holds one."""
+_PLAIN = frozenset((float, int, bool, str, type(None), JointType, Mark))
+"""Types of what is neither a column nor holds one: most of what is in a record."""
 
 
 def replaced(record: T, change: Callable[[Any], Any]) -> T:
     """A record with something else in place of each of its columns."""
     value: Any = record
     kind: Any = type(value)
-    if kind in _PLAIN:
-        return record
     if is_column(value):
         return cast("T", change(value))
     if isinstance(value, tuple):
-        items = [replaced(item, change) for item in value]
-        if all(new is old for new, old in zip(items, value, strict=True)):
+        items = [item if type(item) in _PLAIN else replaced(item, change) for item in value]
+        if all(map(is_, items, value)):
             return record
         return cast("T", kind(*items) if hasattr(value, "_fields") else tuple(items))
     changed = {}
     for name in _field_names(kind):
         old = getattr(value, name)
-        if (new := replaced(old, change)) is not old:
+        if type(old) not in _PLAIN and (new := replaced(old, change)) is not old:
             changed[name] = new
     return cast("T", replace_unchecked(value, **changed)) if changed else record
 

@@ -63,7 +63,7 @@ def items_of(value: Iterable[T] | None, kind: type[Any] | str) -> Iterator[T]:
     Raises:
         TypeError: it gave nothing of which there can be several.
     """
-    if not isinstance(value, Iterable) or isinstance(value, (str, bytes)):
+    if not isinstance(value, (list, tuple)) and (not isinstance(value, Iterable) or isinstance(value, (str, bytes))):
         wanted = kind if isinstance(kind, str) else f"several of {_public_name(kind)}"
         raise TypeError(f"it gave {_name(type(value))}, not {wanted}")
     return iter(value)
@@ -101,7 +101,7 @@ def emitted_files(value: Iterable[EmittedFile] | None, stem: str, *, in_folders:
             raise ValueError(f"{shown(file.name)} lies in no folder; accepted: the path of a file in one")
         for part in parts:
             a_plain_name(part)
-        if not in_folders and not file.name.casefold().startswith(stem.casefold()):
+        if not in_folders and not _begins_with(file.name, stem):
             raise ValueError(f"{shown(file.name)} does not begin with the stem {shown(stem)} that it was given")
     if len(files) > 1 and len({file.name.casefold() for file in files}) < len(files):
         raise ValueError(f"it gave two files of one name: {listed([shown(file.name) for file in files])}")
@@ -114,9 +114,13 @@ def a_plain_name(name: str) -> str:
     Raises:
         ValueError: it leads somewhere else, or no file can have it.
     """
-    if not name or name in {".", ".."} or not {"/", "\\", "\0"}.isdisjoint(name):
+    if not name or name in {".", ".."} or "/" in name or "\\" in name or "\0" in name:
         raise ValueError(f"{shown(name)} is not a plain file name; accepted: a name without a folder")
     return name
+
+
+def _begins_with(name: str, stem: str) -> bool:
+    return name.startswith(stem) or name.casefold().startswith(stem.casefold())
 
 
 # --- Types -----------------------------------------------------------------------------------------------------------

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 from dh2urdf import unchecked_records as own
 from dh2urdf.elementwise import Condition, is_column, where
 from dh2urdf.robot import Box, Cylinder, Inertial, Sphere
-from dh2urdf.rotations import Vec3, add, multiply, rotate, subtract, transpose
+from dh2urdf.rotations import ZERO, Vec3, add, multiply, rotate, subtract
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -69,17 +69,30 @@ def solid(geometry: Geometry, density: float) -> Inertial:
 
 def placed(body: Inertial, frame: RigidTransform) -> Inertial:
     """A body that is known in `frame`, in the frame that `frame` is given in."""
+    com = frame.translation if body.com is ZERO else add(frame.translation, rotate(frame.rotation, body.com))
     return own.inertial(
         mass=body.mass,
-        com=_clean(add(frame.translation, rotate(frame.rotation, body.com))),
+        com=_clean(com),
         inertia=rotated(body.inertia, frame.rotation),
     )
 
 
 def rotated(inertia: Inertia, rotation: Rotation) -> Inertia:
     """An inertia tensor in the axes that its own axes are turned from: R·I·Rᵀ."""
-    ixx, ixy, ixz, _, iyy, iyz, _, _, izz = multiply(multiply(rotation, _matrix(inertia)), transpose(rotation))
-    return own.inertia(ixx=ixx + 0.0, iyy=iyy + 0.0, izz=izz + 0.0, ixy=ixy + 0.0, ixz=ixz + 0.0, iyz=iyz + 0.0)
+    a, b, c, d, e, f, g, h, i = rotation
+    if all(isinstance(product, float) and not product for product in (inertia.ixy, inertia.ixz, inertia.iyz)):
+        x, y, z = inertia.ixx, inertia.iyy, inertia.izz
+        j, k, m, n, o, p, q, r, s = (a * x, b * y, c * z, d * x, e * y, f * z, g * x, h * y, i * z)
+    else:
+        j, k, m, n, o, p, q, r, s = multiply(rotation, _matrix(inertia))
+    return own.inertia(
+        ixx=j * a + k * b + m * c + 0.0,
+        iyy=n * d + o * e + p * f + 0.0,
+        izz=q * g + r * h + s * i + 0.0,
+        ixy=j * d + k * e + m * f + 0.0,
+        ixz=j * g + k * h + m * i + 0.0,
+        iyz=n * g + o * h + p * i + 0.0,
+    )
 
 
 def compound(bodies: Sequence[Inertial]) -> Inertial:

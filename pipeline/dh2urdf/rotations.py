@@ -136,11 +136,41 @@ def multiply(left: Rotation, right: Rotation) -> Rotation:
     )
 
 
+def turned_about_x(rotation: Rotation, cosine: float, sine: float) -> Rotation:
+    """A rotation after a turn about the x axis, `multiply(rotation, rotation_x(cosine, sine))`; takes columns."""
+    a, b, c, d, e, f, g, h, i = rotation
+    return (
+        *(a, b * cosine + c * sine, c * cosine - b * sine),
+        *(d, e * cosine + f * sine, f * cosine - e * sine),
+        *(g, h * cosine + i * sine, i * cosine - h * sine),
+    )
+
+
+def turned_about_z(rotation: Rotation, cosine: float, sine: float) -> Rotation:
+    """A rotation after a turn about the z axis, `multiply(rotation, rotation_z(cosine, sine))`; takes columns."""
+    a, b, c, d, e, f, g, h, i = rotation
+    return (
+        *(a * cosine + b * sine, b * cosine - a * sine, c),
+        *(d * cosine + e * sine, e * cosine - d * sine, f),
+        *(g * cosine + h * sine, h * cosine - g * sine, i),
+    )
+
+
 def rotate(rotation: Rotation, vector: Vec3) -> Vec3:
     """A vector turned by a rotation."""
     x, y, z = vector
     a, b, c, d, e, f, g, h, i = rotation
     return (a * x + b * y + c * z, d * x + e * y + f * z, g * x + h * y + i * z)
+
+
+def x_axis_of(rotation: Rotation) -> Vec3:
+    """The turned x axis."""
+    return (rotation[0], rotation[3], rotation[6])
+
+
+def z_axis_of(rotation: Rotation) -> Vec3:
+    """The turned z axis."""
+    return (rotation[2], rotation[5], rotation[8])
 
 
 def transpose(rotation: Rotation) -> Rotation:
@@ -183,9 +213,20 @@ def norm(vector: Vec3) -> float:
 
 
 def rotation_from_rpy(rpy: Vec3) -> Rotation:
-    """The rotation Rz(yaw)·Ry(pitch)·Rx(roll) of URDF's fixed-axis angles [rad]; takes columns."""
-    x, y, z = (exact_cos_sin(angle) for angle in rpy)
-    return multiply(rotation_z(*z), multiply(rotation_y(*y), rotation_x(*x)))
+    """The rotation Rz(yaw)·Ry(pitch)·Rx(roll) of URDF's fixed-axis angles [rad], without -0.0; takes columns."""
+    (cx, sx), (cy, sy), (cz, sz) = (exact_cos_sin(angle) for angle in rpy)
+    u, v = sy * sx, sy * cx
+    return (
+        cz * cy + 0.0,
+        cz * u - sz * cx + 0.0,
+        cz * v + sz * sx + 0.0,
+        sz * cy + 0.0,
+        sz * u + cz * cx + 0.0,
+        sz * v - cz * sx + 0.0,
+        0.0 - sy,
+        cy * sx + 0.0,
+        cy * cx + 0.0,
+    )
 
 
 def rpy_from_rotation(rotation: Rotation) -> Vec3:

@@ -30,9 +30,11 @@ from dh2urdf.rotations import (
     multiply,
     rotate,
     rotation_from_rpy,
-    rotation_x,
-    rotation_z,
     rpy_from_rotation,
+    turned_about_x,
+    turned_about_z,
+    x_axis_of,
+    z_axis_of,
 )
 from dh2urdf_plugins.transforms.formulas import (
     NO_VECTOR,
@@ -160,22 +162,22 @@ def aligned_frames(manipulator: Manipulator, symbol: Symbol) -> Frames:
     normals = _normals(manipulator, lengths)
     R = base.rotation
     here = constants(base.translation)  # where the chain has come to, in the frame of the last link
-    pedestal, ahead = _line(here, rotate(R, Z_AXIS)), _line(here, rotate(R, X_AXIS))
+    pedestal, ahead = _line(here, z_axis_of(R)), _line(here, x_axis_of(R))
     front = Segment.between(ahead.at, ahead.along, normals[0], ahead.rpy)
     links = []
     for row, (a, delta), normal in zip(manipulator.rows, lengths, normals[1:], strict=True):
-        twist = rotation_x(*exact_cos_sin(row.alpha))
+        twist = exact_cos_sin(row.alpha)
         if modified:
-            here = plus(here, times(a, constants(rotate(R, X_AXIS))))
-            R = multiply(R, twist)
-        joint, z = here, rotate(R, Z_AXIS)
-        R = multiply(R, rotation_z(*exact_cos_sin(joint_variables(row)[0])))
+            here = plus(here, times(a, constants(x_axis_of(R))))
+            R = turned_about_x(R, *twist)
+        joint, z = here, z_axis_of(R)
+        R = turned_about_z(R, *exact_cos_sin(joint_variables(row)[0]))
         rail = _line(joint, z)
         corner = times(delta, rail.along)
-        normal_line = _line(corner, rotate(R, X_AXIS))
+        normal_line = _line(corner, x_axis_of(R))
         end = plus(corner, times(normal, normal_line.along))
         here = corner if modified else end
-        R = R if modified else multiply(R, twist)
+        R = R if modified else turned_about_x(R, *twist)
         links.append(
             LinkFrame(
                 joint=Pose(joint, NO_VECTOR),

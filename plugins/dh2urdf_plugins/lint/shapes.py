@@ -229,22 +229,34 @@ def _of_file(file: MeshFile, use: _Use, readers: set[str]) -> Iterator[Hit]:
         needs = {"pybullet": not file.is_hollow, "mujoco": file.vertices != SOLID, "drake": use.is_collision}
         hit = {reader for reader in of if needs.get(reader, True)}
         yield Hit("unreadable-mesh", use.element, f"{about}: {file.problem}", hit)
-    elif file.last:
-        message = f"{about} has a face with the vertex {file.last:,}, and has fewer"
-        yield Hit("missing-vertex", use.element, message, of if use.is_collision else of - {"drake"})
+    elif file.stray is not None:
+        yield from _of_stray(file.stray, use, of)
+    elif not file.has_area:
+        hit = of - {"pybullet", "drake", "coppeliasim"}
+        yield Hit("unreadable-mesh", use.element, f"{about}: no triangle of it has three different corners", hit)
     elif file.of_pybullet:
         yield Hit("unreadable-mesh", use.element, f"{about}: {file.of_pybullet}", {"pybullet"})
     if file.is_text:
         yield Hit("text-stl", use.element, f"{about} is an STL of text", readers)
         of.discard("mujoco")  # It does not come so far.
     if file.vertices and not file.sides:
-        message = f"{about} has a vertex that is not finite"
-        yield Hit("mesh-without-volume", use.element, message, of & {"mujoco", "coppeliasim"})
+        refused = {"mujoco", "coppeliasim", *(["drake"] * (file.is_nowhere and use.is_collision))}
+        yield Hit("mesh-without-volume", use.element, f"{about} has a vertex that is not finite", of & refused)
     elif "mujoco" in of and _is_flat(file, use.element.numbers("scale", 3) or (1.0, 1.0, 1.0)):
         message = f"{about} is flat, or has less than {SOLID} different vertices"
         yield Hit("mesh-without-volume", use.element, message, {"mujoco"})
     if "mujoco" in of and file.triangles > MOST_TRIANGLES:
         yield Hit("many-triangles", use.element, f"{about} has {file.triangles:,} triangles")
+
+
+def _of_stray(vertex: int, use: _Use, of: set[str]) -> Iterator[Hit]:
+    """Of a face with a vertex that is not there: PyBullet leaves a mesh with a vertex 0 out, and reads any other."""
+    has = "vertices are counted from 1" if vertex == 0 else "has fewer" if vertex > 0 else "has fewer before it"
+    message = f"the mesh {shown(use.address)} has a face with the vertex {vertex:,}, and {has}"
+    loses = of & {"pybullet"} if vertex == 0 else set()
+    yield Hit("missing-vertex", use.element, message, of - loses - (set() if use.is_collision else {"drake"}))
+    if loses:
+        yield Hit("unreadable-mesh", use.element, message, loses)
 
 
 def _is_flat(file: MeshFile, scale: tuple[float, ...]) -> bool:

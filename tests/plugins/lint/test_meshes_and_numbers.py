@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import random
 import re
 import struct
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING
 
 import pytest
@@ -82,6 +84,9 @@ MESHES = {
     "flat.stl": stl([(0, 1, 2), (0, 2, 3)], FLAT),
     "speck.stl": stl(FACES, scale=1e-5),
     "infinite.stl": stl(FACES, [(float("nan"), 0.0, 0.0), *CORNERS[1:]]),
+    "points.stl": stl([(i, i, i) for i in range(4)]),
+    "lines.stl": stl([(0, 1, 1), (1, 2, 2), (2, 3, 3), (3, 0, 0)]),
+    "with-a-point.stl": stl([*FACES, (0, 0, 0)]),
     "whole.obj": obj(FACES),
     "empty.obj": b"",
     "pointer.obj": POINTER,
@@ -95,6 +100,17 @@ MESHES = {
     "beyond.obj": obj([*FACES, (0, 1, 4)]),
     "normals.obj": obj(FACES) + b"f 1//7 2//7 3//7\nf 1/9 2/9 3/9\nf -1 -2 -3\n",
     "infinite.obj": obj(FACES).replace(b"v 0.1", b"v nan"),
+    "nowhere.obj": obj(FACES, [(float("nan"),) * 3] * 4),
+    "zero.obj": obj(FACES) + b"f 0 1 2\n",
+    "zeros.obj": obj([(-1, -1, -1)]),
+    "word.obj": obj(FACES) + b"f a b c\n",
+    "backwards.obj": obj([]) + b"f -4 -2 -3\nf -4 -3 -1\nf -4 -1 -2\nf -3 -2 -1\n",
+    "too-far-back.obj": obj(FACES) + b"f -5 -1 -2\n",
+    "back-too-early.obj": b"v 0 0 0\nv 0.1 0 0\nf -3 -2 -1\nv 0 0.1 0\nv 0 0 0.1\n" + obj(FACES)[-32:],
+    "forward.obj": b"v 0 0 0\nv 0.1 0 0\nf 1 2 3\nv 0 0.1 0\nv 0 0 0.1\n" + obj(FACES)[-32:],
+    "points.obj": obj([(i, i, i) for i in range(4)]),
+    "lines.obj": obj([(0, 1, 1), (1, 2, 2), (2, 3, 3), (3, 0, 0)]),
+    "quads-of-lines.obj": obj([]) + b"f 1 1 2 2\nf 2 2 3 3\nf 3 3 4 4\n",
     "whole.dae": COLLADA.encode(),
     "empty.dae": b"",
     "pointer.dae": POINTER,
@@ -102,6 +118,13 @@ MESHES = {
     "cut.dae": COLLADA[:500].encode(),
     "page.dae": b"<html><body/></html>",
     "bare.dae": b"<COLLADA/>",
+    "declaration.dae": b"<?xml version='1.0' encoding='utf-8'?>\n",
+    "comment.dae": b"<?xml version='1.0'?>\n<!-- exported -->\n<!-- twice -->",
+    "type.dae": b"\xef\xbb\xbf<?xml version='1.0'?><!DOCTYPE COLLADA>",
+    "blank.dae": b" \n",
+    "declaration-and-words.dae": b"<?xml version='1.0'?>This is a text.",
+    "half-a-declaration.dae": b"<?xml version='1.0'",
+    "half-a-comment.dae": b"<!-- exported",
     "no-library.dae": collada(LIBRARY, ""),
     "no-geometry.dae": collada(LIBRARY, "<library_geometries/>"),
     "no-mesh.dae": collada(MESH, ""),
@@ -164,7 +187,8 @@ def test_a_file_without_a_mesh_is_found(tmp_path: Path, consumer: str, instead_o
             name: loses[name] for name in named
         }
     if consumer == "pinocchio" and instead_of == BOX:
-        loses["beyond.obj.urdf"] = effects_of(tmp_path / "beyond.obj.urdf", consumer)["missing-vertex"] == Outcome.LOSES
+        for path in paths:
+            loses[path.name] |= effects_of(path, consumer).get("missing-vertex") == Outcome.LOSES
         assert {name: "geometry" in each.extra for name, each in loaded.items()} == loses
 
 
@@ -175,8 +199,52 @@ def test_real_meshes_are_not_said_to_be_none() -> None:
     read = {path: read_mesh(path) for path in paths[:300]}
     assert len(read) > 100
     assert [
-        path.name for path, file in read.items() if file is None or file.problem or file.is_hollow or file.last
+        path.name
+        for path, file in read.items()
+        if file is None or file.problem or file.is_hollow or file.stray is not None or not file.has_area
     ] == []
+
+
+def test_corners_are_read_as_one_by_one() -> None:
+    """Of an OBJ of several blocks, whose faces are written in all ways, in any order with the vertices."""
+    chance = random.Random(5)  # noqa: S311 - no secret
+    found = []
+    for _ in range(60):
+        lines, count = [], 0
+        for _ in range(chance.choice([3, 30, 30_000])):
+            if chance.random() < 0.5 or not count:
+                lines.append("v 0 0 0")
+                count += 1
+                continue
+            form = chance.choice(["{}", "{}/{}", "{}//{}", "{}/{}/{}"])
+            corners = [chance.choice([1, -1]) * chance.randint(1, count) for _ in range(chance.choice([3, 4]))]
+            lines.append("f " + " ".join(form.format(corner, 0, 99_999_999) for corner in corners))
+        if chance.random() < 0.7:
+            odd = chance.choice([0, count + 1, -count - 1, 10 * count, -(10**6)])
+            lines.insert(chance.randint(0, len(lines)), f"f 1/7 {odd}//3 2 1")
+        found.append((stray_one_by_one(lines), read_stray("\n".join(lines).encode())))
+    assert len({one is None for one, _ in found}) == 2
+    assert [pair for pair in found if (pair[0] is None) != (pair[1] is None)] == []
+
+
+def read_stray(content: bytes) -> int | None:
+    with TemporaryDirectory() as folder:
+        path = Path(folder) / "part.obj"
+        path.write_bytes(content)
+        file = read_mesh(path)
+    assert file is not None
+    return file.stray
+
+
+def stray_one_by_one(lines: list[str]) -> int | None:
+    whole, count = sum(line.startswith("v ") for line in lines), 0
+    for line in lines:
+        count += line.startswith("v ")
+        for corner in line.split()[1:] if line.startswith("f ") else ():
+            number = int(corner.partition("/")[0])
+            if number == 0 or number > whole or -number > count:
+                return number
+    return None
 
 
 BASE = SOUND.replace(CYLINDER, '<mesh filename="part.obj" scale="1 1 1"/>').replace(

@@ -32,6 +32,14 @@ _FACE = re.compile(rb"^[ \t]*f((?:[ \t]+\S+){3,})", re.MULTILINE)
 _INSTANCES = ("instance_geometry", "instance_controller")
 _PRIMITIVES = ("triangles", "polylist", "polygons", "trifans", "tristrips")
 _CHUNK = 4096
+_BLOCK = 2**20
+"""How much of an OBJ is looked at together [B]."""
+_DIGITS = 18
+"""Digits of a number that 8 bytes hold."""
+_NO_ELEMENT = re.compile(
+    rb"(?:\xef\xbb\xbf)?\s*(?:<(?:\?.*?\?>|!--.*?-->|!\[CDATA\[.*?\]\]>|![^>]*>)\s*)+\0*", re.DOTALL
+)
+"""Declarations, comments and the like, and nothing else."""
 _MOST_NODES = 10_000
 SOLID = 4
 """The least number of vertices that enclose anything."""
@@ -46,11 +54,13 @@ class MeshFile(NamedTuple):
         is_text: whether it is an STL of text.
         triangles: how many an STL of numbers has; of other files, 0.
         vertices: how many different ones there are, counted up to `SOLID`; None where they are not known.
-        last: the greatest number of a vertex in the faces of an OBJ that is none of a vertex; else 0.
+        stray: a number in a face of an OBJ that is none of a vertex; None where there is no such one.
+        has_area: whether a triangle of it has three different corners, as far as that is known.
+        is_nowhere: whether no coordinate of any vertex is finite.
         sides: the sides of the box around the mesh in its own axes, in the unit of the file or, of COLLADA, in metres;
             None where they are not known.
-        is_hollow: whether it is a COLLADA file without `library_geometries` or with an empty list of numbers in one, or
-            an OBJ with faces and no vertices.
+        is_hollow: whether it is a COLLADA file without an element, without `library_geometries` or with an empty list
+            of numbers in one, or an OBJ with faces and no vertices.
     """
 
     problem: str = ""
@@ -58,7 +68,9 @@ class MeshFile(NamedTuple):
     is_text: bool = False
     triangles: int = 0
     vertices: int | None = None
-    last: int = 0
+    stray: int | None = None
+    has_area: bool = True
+    is_nowhere: bool = False
     sides: Vec3 | None = None
     is_hollow: bool = False
 
@@ -104,7 +116,11 @@ def _of_binary_stl(content: bytes, count: int) -> MeshFile:
         return MeshFile("it has no triangles")
     triangle = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("colour", "<u2")])
     corners = np.frombuffer(content, triangle, count, STL_HEADER)["corners"].reshape(-1, 3).astype(float)
-    return MeshFile(triangles=count, vertices=_distinct(corners), sides=_sides(_around(corners)))
+    first, second, third = corners[0::3], corners[1::3], corners[2::3]
+    pairs = ((first, second), (second, third), (third, first))
+    is_line = np.logical_or.reduce([(one == other).all(axis=1) for one, other in pairs])
+    vertices, sides = _distinct(corners), _sides(_around(corners))
+    return MeshFile(triangles=count, vertices=vertices, sides=sides, has_area=not is_line.all())
 
 
 def _of_text(content: bytes, suffix: str) -> MeshFile:
@@ -117,10 +133,20 @@ def _of_text(content: bytes, suffix: str) -> MeshFile:
     box = _around_all(map(_around, chunks))
     vertices = next((SOLID for chunk in chunks if _distinct(chunk) == SOLID), _distinct(chunks[0]))
     problem = "it has no faces" if suffix == ".obj" and not has_faces else ""
-    last = _last_corner(lines) if has_faces else 0
-    last *= last > sum(map(len, chunks))
+    stray = _stray_corner(lines, sum(map(len, chunks))) if has_faces else None
+    has_area = not has_faces or any(_has_area(match[1]) for match in _FACE.finditer(lines))
+    is_nowhere = not any(_has_finite(chunk) for chunk in chunks)
     returns = "its lines end with a carriage return alone" if suffix == ".obj" and b"\n" not in content else ""
-    return MeshFile(problem, returns, is_text=suffix == ".stl", vertices=vertices, last=last, sides=_sides(box))
+    return MeshFile(
+        problem,
+        returns,
+        is_text=suffix == ".stl",
+        vertices=vertices,
+        stray=stray,
+        has_area=has_area,
+        is_nowhere=is_nowhere,
+        sides=_sides(box),
+    )
 
 
 def _chunks(texts: Iterator[tuple[bytes, ...]]) -> Iterator[NDArray[Any]]:
@@ -130,13 +156,75 @@ def _chunks(texts: Iterator[tuple[bytes, ...]]) -> Iterator[NDArray[Any]]:
         yield np.array(chunk).astype(float)
 
 
-def _last_corner(lines: bytes) -> int:
-    """The greatest number of a vertex in the faces of an OBJ, counted from 1: a corner is `vertex/texture/normal`.
+def _stray_corner(lines: bytes, count: int) -> int | None:
+    """A number in the faces of an OBJ that is none of its vertices, which are counted from 1.
 
-    Raises:
-        ValueError: a corner is no number.
+    A corner is ``vertex/texture/normal``, and a negative vertex is counted from the last one before the face.
     """
-    return max(int(corner.partition(b"/")[0]) for match in _FACE.finditer(lines) for corner in match[1].split())
+    is_backwards = False
+    for start, end in _blocks(lines):
+        numbers = _vertex_numbers(b"".join(_FACE.findall(lines, start, end)))
+        for odd in (numbers[numbers > count], numbers[numbers == 0]):
+            if len(odd):
+                return int(odd[0])
+        is_backwards |= bool((numbers < 0).any())
+    return _stray_backwards(lines) if is_backwards else None
+
+
+def _stray_backwards(lines: bytes) -> int | None:
+    """A negative number in the faces of an OBJ that goes back beyond its first vertex."""
+    count = 0
+    for start, end in _blocks(lines):
+        numbers = _vertex_numbers(b"".join(_FACE.findall(lines, start, end)))
+        if (numbers < -count).any():
+            for line in lines[start:end].split(b"\n"):
+                count += _CORNER[".obj"].match(line) is not None
+                if match := _FACE.match(line):
+                    for number in _vertex_numbers(match[1]).tolist():
+                        if number < -count:
+                            return int(number)
+        else:
+            count += sum(1 for _ in _CORNER[".obj"].finditer(lines, start, end))
+    return None
+
+
+def _blocks(lines: bytes) -> Iterator[tuple[int, int]]:
+    """The beginnings and ends of blocks of whole lines."""
+    start = 0
+    while start < len(lines):
+        end = lines.find(b"\n", start + _BLOCK) + 1 or len(lines)
+        yield start, end
+        start = end
+
+
+def _vertex_numbers(corners: bytes) -> NDArray[Any]:
+    """The first number of each of some corners, as the function ``atoi`` of C reads it: 0 where there is none."""
+    import numpy as np
+
+    text = np.frombuffer(corners + b" ", np.uint8)
+    at = np.flatnonzero((text[:-1] <= ord(" ")) & (text[1:] > ord(" "))) + 1
+    is_negative = text[at] == ord("-")
+    at = at + (is_negative | (text[at] == ord("+")))
+    numbers = np.zeros(len(at), np.int64)
+    for _ in range(_DIGITS):
+        digits = text[at] - ord("0")  # of what is no digit, 10 or more: the difference has no sign
+        going = digits < 10  # noqa: PLR2004 - a decimal digit
+        if not going.any():
+            break
+        numbers = np.where(going, 10 * numbers + digits, numbers)
+        at = at + going
+    return np.where(is_negative, -numbers, numbers)
+
+
+def _has_area(face: bytes) -> bool:
+    """Whether a face has three different vertices."""
+    return len({corner.partition(b"/")[0] for corner in face.split()}) > 2  # noqa: PLR2004 - two are a line
+
+
+def _has_finite(corners: NDArray[Any]) -> bool:
+    import numpy as np
+
+    return bool(np.isfinite(corners).any())
 
 
 def _distinct(corners: NDArray[Any]) -> int:
@@ -150,7 +238,7 @@ def _distinct(corners: NDArray[Any]) -> int:
 
 
 def _sides(box: NDArray[Any] | None) -> Vec3 | None:
-    if box is None:
+    if box is None or not all(map(math.isfinite, box.flat)):
         return None
     x, y, z = (float(side) for side in box[1] - box[0])
     return (x, y, z) if all(map(math.isfinite, (x, y, z))) else None
@@ -186,7 +274,8 @@ def _of_collada(content: bytes) -> MeshFile:
         root = ET.fromstring(content)  # noqa: S314 - it has no entities
     except ET.ParseError:  # which readers may read all the same
         is_whole = b"<COLLADA" in plain and b"</COLLADA" in plain
-        return MeshFile("" if is_whole else "it is no COLLADA, or a part of one")
+        is_hollow = _NO_ELEMENT.fullmatch(content) is not None
+        return MeshFile("" if is_whole else "it is no COLLADA, or a part of one", is_hollow=is_hollow)
     for element in root.iter():
         element.tag = str(element.tag).rpartition("}")[2]
     problem, is_hollow = _problem_of_collada(root)

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from dh2urdf.stages import Rejected
-from dh2urdf_plugins.readers.words.names import MAX_NAME, RESERVED, are_out_of_order, name_fault
+from dh2urdf_plugins.readers.words.names import MAX_NAME, RESERVED, name_fault, order_fault
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -77,20 +77,39 @@ def test_a_joint_has_no_name_that_the_description_gives(
 
 
 @pytest.mark.parametrize(
-    ("joints", "wrong"),
+    ("names", "said"),
     [
-        (("1", "2", "3"), False),
-        (("j2", "j10"), False),
-        (("j3", "j2", "j1"), True),
-        (("0", "2", "1"), True),
-        (("elbow_2", "wrist_1"), False),
-        (("base", "j2", "j1"), False),
-        (("j1",), False),
+        (("1", "2", "3"), None),
+        (("j2", "j10"), None),
+        (("j3", "j2", "j1"), "do not rise from row to row"),
+        (("0", "2", "1"), "do not rise from row to row"),
+        (("J1", "J2", "J4", "J5", "J7"), "leap from 2 to 4"),
+        (("joint_0", "joint_2"), "leap from 0 to 2"),
+        (("motor_11", "motor_13"), None),
+        (("elbow_2", "wrist_1"), None),
+        (("base", "j2", "j1"), None),
+        (("j1",), None),
+        (("0->1", "1->2", "2->EE"), None),
+        (("0->1", "1->2", "3->EE"), "do not follow each other: 3->EE is behind 1->2"),
+        (("0 → 1", "1 → 2", "1 → 2"), "do not follow each other: 1 → 2 is behind 1 → 2"),
+        (("0->1", "elbow", "3->EE"), None),
     ],
 )
-def test_numbers_of_joints_that_do_not_rise_are_noticed(joints: tuple[str, ...], wrong: bool) -> None:  # noqa: FBT001
-    """A table that begins at the tool would be another arm; only names that are alike but for a number tell."""
-    assert are_out_of_order(joints) is wrong
+def test_numbers_of_names_show_rows_that_are_missing_or_elsewhere(names: tuple[str, ...], said: str | None) -> None:
+    """A table that begins at the tool, or lacks a row, is another arm; only names alike but for a number tell."""
+    assert order_fault(names) == said
+
+
+def test_a_missing_row_of_many_arms_is_noticed(read: Callable[..., list[Manipulator | Rejected]]) -> None:
+    """On the fast path, too; by the names of joints or of links."""
+    steps = ("0->1", "1->2", "2->3")
+    arms = {"full": steps, "cut": (steps[0], steps[2])}
+    rows = [f"{arm},{place},0.3,0,0.1\n" for arm, places in arms.items() for place in places]
+    first, second = read("robot,link,a,alpha,d\n" + "".join(rows), convention="standard")
+    assert not first.notices
+    (notice,) = second.notices
+    assert notice.message == "the numbers of the links, '0->1, 2->3', do not follow each other: 2->3 is behind 0->1"
+    assert notice.field == "link"
 
 
 def test_names_that_differ_in_case_are_kept_apart(read_one: Callable[..., Manipulator]) -> None:

@@ -32,7 +32,7 @@ from dh2urdf_plugins.readers.words.bounds import SMALL_ANGLE, SMALLEST_LENGTH, a
 from dh2urdf_plugins.readers.words.cells import SPACES, Cell, text_of
 from dh2urdf_plugins.readers.words.decimal_signs import PlainPoints
 from dh2urdf_plugins.readers.words.fields import FIELDS, joint_type
-from dh2urdf_plugins.readers.words.names import MAX_NAME, RESERVED, are_out_of_order
+from dh2urdf_plugins.readers.words.names import MAX_NAME, RESERVED, order_fault
 
 if TYPE_CHECKING:
     from collections.abc import Hashable, Iterable, Iterator, Mapping, Sequence
@@ -204,7 +204,7 @@ class PlainRows:
             and alike.isdisjoint(RESERVED)
             and alike.isdisjoint(ends)
             and list(map(str.strip, names)) == list(names)
-            and not are_out_of_order(joints)
+            and not (order_fault(joints) or order_fault(links))
             and not any(map(_HASH, names))
             and not any(map(DECIMAL.fullmatch, names))
             and not any(map(NUMBER.fullmatch, names))  # a column of numbers counts the joints

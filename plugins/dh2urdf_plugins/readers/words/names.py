@@ -21,6 +21,7 @@ MAX_NAME = 200
 RESERVED = (WORLD, ROOT, BASE, *ENDS)
 """Links that every robot description of ours has; `world` is the simulators' own."""
 _NUMBERED = late_pattern(r"(.*?)([0-9]{1,9})", re.DOTALL)
+_STEP = late_pattern(r"(\w+)\s*(?:-+>|[→➔⟶])\s*(\w+)")
 _JOINERS = "\u200c\u200d"  # invisible, but part of how Persian, Hindi and composed emoji are written
 _CLASSES = {"Cc": "a control character", "Cf": "an invisible character", "Cs": "half a character (a lone surrogate)"}
 _CLASSES |= {"Zl": "a line separator", "Zp": "a paragraph separator"}
@@ -65,17 +66,18 @@ def name_problems(rows: Sequence[RowNames]) -> list[Problem]:
     names = {name for row in rows for name in (row.joint, row.link)}
     alike: dict[str, str] = {}
     problems = []
-    if are_out_of_order([row.joint for row in rows]):
-        problems.append(
-            Problem(
-                message=f"the numbers of the joints, {shown(', '.join(row.joint for row in rows))}, do not rise from "
-                "row to row",
-                severity="notice",
-                mark=rows[0].joint_mark,
-                field="joint",
-                suggestion="rows are in the order from the base to the tool",
+    for kind in ("joint", "link"):
+        words = [getattr(row, kind) for row in rows]
+        if fault := order_fault(words):
+            problems.append(
+                Problem(
+                    message=f"the numbers of the {kind}s, {shown(', '.join(words))}, {fault}",
+                    severity="notice",
+                    mark=getattr(rows[0], f"{kind}_mark"),
+                    field=kind,
+                    suggestion="rows are in the order from the base to the tool",
+                )
             )
-        )
     for joint, link, joint_mark, link_mark in rows:
         for kind, name, mark in (("joint", joint, joint_mark), ("link", link, link_mark)):
             if name in taken:
@@ -99,15 +101,27 @@ def name_problems(rows: Sequence[RowNames]) -> list[Problem]:
     return problems
 
 
-def are_out_of_order(joints: Sequence[str]) -> bool:
-    """Whether joints are named alike but for a number, and the numbers do not rise along the arm."""
-    if not all(name[-1:].isdecimal() for name in joints):
-        return False
-    parts = [_NUMBERED.fullmatch(name) for name in joints]
-    if not all(parts) or len({part[1] for part in parts if part}) > 1:
-        return False
+def order_fault(names: Sequence[str]) -> str | None:
+    """How names show that a row is missing or elsewhere: names alike but for a number, or steps such as ``1->2``.
+
+    Args:
+        names: the names of the joints, or of the links, along the arm.
+
+    Returns:
+        What is wrong with their numbers, as the end of a sentence; None where nothing is.
+    """
+    if not names[0].isalnum() and (first := _STEP.fullmatch(names[0])):
+        steps = [first, *filter(None, map(_STEP.fullmatch, names[1:]))]
+        wrong = [pair for pair in pairwise(steps) if pair[0][2] != pair[1][1]] if len(steps) == len(names) else []
+        return f"do not follow each other: {wrong[0][1][0]} is behind {wrong[0][0][0]}" if wrong else None
+    parts = [_NUMBERED.fullmatch(name) for name in names] if all(name[-1:].isdecimal() for name in names) else []
+    if not parts or not all(parts) or len({part[1] for part in parts if part}) > 1:
+        return None
     numbers = [int(part[2]) for part in parts if part]
-    return any(left >= right for left, right in pairwise(numbers))
+    if any(left >= right for left, right in pairwise(numbers)):
+        return "do not rise from row to row"
+    leaps = [f"leap from {left} to {right}" for left, right in pairwise(numbers) if right > left + 1]
+    return leaps[0] if leaps and numbers[0] <= 1 else None
 
 
 def _free(name: str, kind: str, taken: Collection[str]) -> str:

@@ -66,6 +66,7 @@ class Quantity:
         return self.uses_pi and dimension in (Dimension.ANGLE, Dimension.TURN_RATE)
 
 
+_AS_COMPUTED = 1e-9
 _DECIMAL = late_pattern(rf"{SPACE}*([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+))(?:[eE]([+-]?[0-9]{{1,18}}))?{SPACE}*")
 
 
@@ -109,9 +110,18 @@ def is_zero(text: str) -> bool:
         return False
 
 
+def _is_part_of_pi(number: float) -> bool:
+    """Whether a number is a multiple of 15° in rad."""
+    parts = number / math.pi * 12
+    return parts != 0 and abs(parts - round(parts)) < _AS_COMPUTED
+
+
 def _in_si(text: str, value: Intermediate, dimension: Dimension, unit: Unit | None) -> Quantity:
     accepted = accepted_forms(dimension)
     number = value.number
+    if value.uses_pi and value.dimension is None and dimension is Dimension.LENGTH and _is_part_of_pi(number):
+        message = f"{shown(text)} is a part of π, as an angle is, and a length is needed"
+        raise QuantityError(message, accepted, "is it in the right column? a length that is one has its unit behind it")
     if value.dimension is None and unit is not None:
         if value.uses_pi and unit.parts:
             declared = "degrees" if unit.degrees else unit.symbol

@@ -19,9 +19,16 @@ SHOWN_NAMES = 20
 
 
 class WantedTables:
-    """Keeps the manipulators of some names, and no others."""
+    """Keeps the manipulators of some names, and no others.
 
-    def __init__(self, names: Iterable[str]) -> None:
+    Args:
+        names: the names that are wanted.
+        cells: names of the cells of the run, of which nothing is made.
+        variations: names of its variations, of whose variants nothing is made.
+    """
+
+    def __init__(self, names: Iterable[str], cells: Iterable[str] = (), variations: Iterable[str] = ()) -> None:
+        self._cells, self._variations = frozenset(cells), frozenset(variations)
         self._wanted: dict[str, list[Manipulator | Rejected]] = {name: [] for name in names}
         self._names: list[str] = []
 
@@ -56,13 +63,16 @@ class WantedTables:
         match items:
             case []:
                 names = list(dict.fromkeys(self._names))
+                other = self._made(name)
                 yield Problem(
-                    message=f"{made} no manipulator of the run has that name",
+                    message=f"{made} {f'that is {other}' if other else 'no manipulator of the run has that name'}",
                     mark=mark,
                     field="of",
                     found=name,
                     accepted=", ".join([*names[:SHOWN_NAMES], *(["…"] if len(names) > SHOWN_NAMES else [])]) or None,
-                    suggestion=did_you_mean(name, names),
+                    suggestion="cells and variations are made of the manipulators of inputs"
+                    if other
+                    else did_you_mean(name, names),
                 )
             case [Rejected(problems=problems)]:
                 yield cannot_be_made(name, user, mark)
@@ -76,6 +86,15 @@ class WantedTables:
                     found=name,
                     suggestion=f"they are at {marks}" if marks else None,
                 )
+
+    def _made(self, name: str) -> str | None:
+        """What of the run itself has a name: a cell, a variation, or a variant, as `v_1` of `v`."""
+        of, _, number = name.rpartition("_")
+        if name in self._cells:
+            return "a cell"
+        if name in self._variations:
+            return "a variation"
+        return f"a variant of {shown(of)}" if of in self._variations and number.isdecimal() else None
 
 
 def cannot_be_made(name: str, user: str, mark: Mark | None) -> Problem:

@@ -29,6 +29,7 @@ RECORDS: dict[Kind, type[Any]] = {
     "executor": Executor,
 }
 KINDS: tuple[Kind, ...] = get_args(Kind)
+_HOOKS = f"the hooks are {', '.join(f'dh2urdf_{kind}s' for kind in KINDS)}"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -130,9 +131,14 @@ class PluginStages:
             key = f"{len(self._keys)}: {plugin.name}"
             try:
                 self._manager.register(module, key)
-                self._manager.check_pending()
+                try:
+                    self._manager.check_pending()
+                except pluggy.PluginValidationError as error:
+                    raise pluggy.PluginValidationError(module, f"{error}; {_HOOKS}") from error
                 if not self._manager.get_hookcallers(module):
-                    raise TypeError("it has no hook of dh2urdf: each needs the decorator dh2urdf.hookspecs.hookimpl")
+                    raise TypeError(
+                        f"it has no hook of dh2urdf with the decorator dh2urdf.hookspecs.hookimpl; {_HOOKS}"
+                    )
             except BaseException:
                 if self._manager.has_plugin(key):
                     self._manager.unregister(name=key)

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 
+import dh2urdf
 from dh2urdf.cells.cell import ArmCall, Cell, CellCall, compose, expected_poses_of, with_tables
 from dh2urdf.cells.wanted_tables import WantedTables
 from dh2urdf.conversion.one_manipulator import Call
@@ -491,6 +492,28 @@ class TestGathering:
             "    accepted: arms, track\n    did you mean 'arms'?"
         )
         assert len(found.problems) == 2
+
+    @pytest.mark.parametrize(
+        ("of", "what"),
+        [
+            ("v", "that is a variation"),
+            ("v_1", "that is a variant of 'v'"),
+            ("d", "that is a cell"),
+            ("v_x", "no manip"),
+        ],
+    )
+    def test_what_the_run_makes_itself_is_named_so(self, tmp_path: Path, of: str, what: str) -> None:
+        """The name is there, in the folder of the run even; a cell is made of inputs all the same."""
+        (tmp_path / "b.csv").write_text("# convention: standard\na,alpha,d\n0.3,0,0\n")
+        (tmp_path / "run.yaml").write_text(
+            "inputs: b.csv\n"
+            "variations: {name: v, of: b, count: 2, vary: [{joints: 1, field: a, uniform: [0.2, 0.4]}]}\n"
+            f"cells: [{{name: c, arms: [{{name: l, of: {of}}}]}}, {{name: d, arms: [{{name: l, of: b}}]}}]\n"
+        )
+        report = dh2urdf.run(tmp_path / "run.yaml", tmp_path / "out")
+        (failed,) = [arm for arm in report["manipulators"] if arm["status"] == "failed"]
+        assert failed["name"] == "c"
+        assert f"the arm 'l' is made of '{of}', and {what}" in failed["errors"][0]["message"]
 
     def test_two_manipulators_of_the_name_fail_the_cell(self) -> None:
         """It is not guessed which of them is meant."""

@@ -112,15 +112,22 @@ class TestWhatIsProvided:
         assert names(Catalog([GOOD]), "reader") == ["table"]
 
 
+HOOKS = (
+    "the hooks are dh2urdf_readers, dh2urdf_transforms, dh2urdf_edits, dh2urdf_emitters, dh2urdf_loaders, "
+    "dh2urdf_executors"
+)
+
+
 class TestBrokenPlugins:
     @pytest.mark.parametrize(
         ("hooks", "reason"),
         [
             ({"dh2urdf_readerz": lambda: ()}, "PluginValidationError: unknown hook 'dh2urdf_readerz'"),
+            ({"dh2urdf_readerz": lambda: ()}, f"; {HOOKS}"),
             ({"dh2urdf_readers": with_a_parameter}, "_color"),
-            ({}, "TypeError: it has no hook of dh2urdf"),
+            ({}, f"TypeError: it has no hook of dh2urdf with the decorator dh2urdf.hookspecs.hookimpl; {HOOKS}"),
         ],
-        ids=["unknown hook", "wrong signature", "no hook"],
+        ids=["unknown hook", "list of hooks", "wrong signature", "no hook"],
     )
     def test_at_registration(self, hooks: dict[str, Any], reason: str) -> None:
         """A hook that does not exist or has parameters breaks its plugin, and so does having none; others work."""

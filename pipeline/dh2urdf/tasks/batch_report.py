@@ -93,6 +93,15 @@ class Tally:
         self.statuses[outcome.status] += 1
         if outcome.kind:
             self._kinds[outcome.kind] += 1
+        if outcome.loads or outcome.notices or outcome.errors:
+            self._note_problems(outcome)
+        if outcome.traceback and len(self._tracebacks) < SCREENFUL:
+            self._tracebacks.append(outcome.traceback)
+        if self._first < TIMED and outcome.seconds:
+            self._timings.append({"name": outcome.name, **outcome.seconds})
+        self._was_read = self._was_read or outcome.was_read
+
+    def _note_problems(self, outcome: Outcome) -> None:
         # What simulators notice is alike for many manipulators: the end of a run reports it, grouped.
         findings = [finding for load in outcome.loads.values() for finding in load.report.findings]
         graver = [finding for finding in findings if finding.severity == "error"]
@@ -101,11 +110,6 @@ class Tally:
             self._severities[problem.severity] += 1
             if self._severities[problem.severity] <= SCREENFUL and is_new(problem, self._said):
                 self._problems.append(problem)
-        if outcome.traceback and len(self._tracebacks) < SCREENFUL:
-            self._tracebacks.append(outcome.traceback)
-        if self._first < TIMED and outcome.seconds:
-            self._timings.append({"name": outcome.name, **outcome.seconds})
-        self._was_read = self._was_read or outcome.was_read
 
     def keep(self) -> None:
         """Takes a manipulator that is kept from an earlier run."""

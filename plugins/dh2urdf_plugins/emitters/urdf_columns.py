@@ -7,7 +7,7 @@ is a column. Cut at its slots, it is a row of texts, most of them the same in ev
 from __future__ import annotations
 
 import re
-from itertools import chain, repeat
+from itertools import repeat
 from operator import itemgetter
 from typing import TYPE_CHECKING, Any
 
@@ -100,7 +100,7 @@ def _contents(robots: RobotColumns, written: list[int]) -> list[bytes]:
     # The texts of a file are its name, its comment and its numbers, in that order.
     slots = {str(number): entry if isinstance(entry, bytes) else entry + 2 for number, entry in enumerate(entries)}
     slots |= {_NAME: 0, _COMMENT: 1}
-    parts: list[list[bytes | int]] = []
+    parts: list[list[Any]] = []
     masks: list[list[bool]] = []
     position = 0
     for (start, end), present in _optional(robots, template):
@@ -115,23 +115,20 @@ def _contents(robots: RobotColumns, written: list[int]) -> list[bytes]:
         shapes = tuple(present)
         if shapes not in forms:
             own = [part for number, part in enumerate(parts) if number % 2 == 0 or shapes[number // 2]]
-            forms[shapes] = _joined(chain(*own, last))
+            forms[shapes] = _joined([*own, last])
         pieces, pick = forms[shapes]
         pieces[1::2] = pick(texts + numbers)
         contents.append(b"".join(pieces))
     return contents
 
 
-def _joined(entries: Iterable[bytes | int]) -> tuple[list[bytes], Callable[[list[bytes]], tuple[bytes, ...]]]:
+def _joined(parts: Iterable[list[Any]]) -> tuple[list[bytes], Callable[[list[bytes]], tuple[bytes, ...]]]:
     """The pieces of files, every second one to be filled in, and what picks the texts for these."""
-    pieces, places = [b""], []
-    for entry in entries:
-        if isinstance(entry, int):
-            places.append(entry)
-            pieces += (b"", b"")
-        else:
-            pieces[-1] += entry
-    return pieces, itemgetter(*places)  # two at least: the name and the comment
+    pieces: list[Any] = [b""]
+    for first, *others in parts:
+        pieces[-1] += first
+        pieces += others
+    return pieces, itemgetter(*pieces[1::2])  # two at least: the name and the comment
 
 
 def _optional(robots: RobotColumns, template: str) -> Iterator[tuple[tuple[int, int], Mask]]:
@@ -151,9 +148,16 @@ def _optional(robots: RobotColumns, template: str) -> Iterator[tuple[tuple[int, 
                 yield span, mask
 
 
-def _part(text: str, slots: Mapping[str, bytes | int]) -> list[bytes | int]:
-    """A piece of a template: by turns its texts and what belongs into its slots, as `format_rows` has it."""
-    return [slots[piece] if index % 2 else piece.encode() for index, piece in enumerate(_SLOT.split(text))]
+def _part(text: str, slots: Mapping[str, bytes | int]) -> list[Any]:
+    """A piece of a template: its texts, and between two of them where the text is among those of a file."""
+    pieces: list[Any] = [b""]
+    for index, piece in enumerate(_SLOT.split(text)):
+        entry = slots[piece] if index % 2 else piece.encode()
+        if isinstance(entry, int):
+            pieces += (entry, b"")
+        else:
+            pieces[-1] += entry
+    return pieces
 
 
 def _slot(key: str) -> str:

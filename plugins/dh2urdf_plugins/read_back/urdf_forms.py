@@ -138,14 +138,14 @@ class Form:
         groups = {place: number for number, place in enumerate(sorted(first.values()))}
         cuts = [-1, *[2 * place + 1 for place in traces], len(pieces)]
         between = [b'"'.join(pieces[start + 1 : end]) for start, end in pairwise(cuts)]
-        between = [b'"%b"' % text for text in between]
-        between[0], between[-1] = between[0][1:], between[-1][:-1]
         self._pieces = [b""] * (2 * len(between) - 1)
-        self._pieces[::2] = between
+        self._pieces[::2] = [b'"%b"' % text for text in between]
+        self._pieces[0], self._pieces[-1] = self._pieces[0][1:], self._pieces[-1][:-1]
+        # The quote before a number is looked at: where it is not in its place, the file is of another form.
         steps = [b".{%d}" % len(between[0])]
         for (place, trace), text in zip(traces.items(), between[1:], strict=True):
             name, is_first = b"_%d" % groups[first[trace]], place in groups
-            steps += (b'(?P<%b>[^"]*+)' % name if is_first else b"(?P=%b)" % name, b".{%d}" % len(text))
+            steps += (b'"', b'(?P<%b>[^"]*+)' % name if is_first else b"(?P=%b)" % name, b".{%d}" % (len(text) + 1))
         self._match = re.compile(b"".join(steps), re.DOTALL).fullmatch
         self._fillings = picker([groups[first[trace]] for trace in traces.values()])
         values = pieces[1::2]

@@ -84,7 +84,7 @@ class _Scanner:
         self._by_kinds: dict[tuple[object, ...], Joints] = {}  # of the parts
         self._joints: dict[object, Joints] = {}
         self._last: list[Form] = []  # that of the last file that had one: often the next file has it too
-        self._with_form: dict[tuple[int, ...], dict[Skeleton, Form]] = {}  # by the number of quotes about each link
+        self._with_form: dict[tuple[int, ...], dict[Skeleton, Form]] = {}  # by the number of shapes of each link
 
     def scan(self, contents: Iterable[tuple[int, bytes]]) -> Iterator[_Found]:
         """The joints of files, given with their indices, that are plain."""
@@ -97,7 +97,7 @@ class _Scanner:
             if head is None or not _is_printable(head[0]):
                 continue
             start = head.end()
-            for form in self._candidates(content, start):
+            for form in self._candidates(content):
                 if (numbers := form.numbers(content, start)) is not None:
                     files = waiting.setdefault(form, [])
                     files.append((index, head[1].decode(), numbers))
@@ -114,11 +114,11 @@ class _Scanner:
         for form, files in waiting.items():
             yield from _together(form, files)
 
-    def _candidates(self, content: bytes, start: int) -> Iterator[Form]:
-        """The forms that a file may have, whose robot's name ends there."""
+    def _candidates(self, content: bytes) -> Iterator[Form]:
+        """The forms that a file may have."""
         yield from self._last
         if self._with_form:
-            yield from self._with_form.get(_quotes(content[start:]), {}).values()
+            yield from self._with_form.get(_shapes(content), {}).values()
 
     def _one(self, text: bytes) -> tuple[Joints, list[float]] | None:
         """The joints of a file and their numbers, of what is after its name; None where the file is not plain."""
@@ -130,7 +130,7 @@ class _Scanner:
         if skeleton is None:
             skeleton = self.skeletons[parts] = Skeleton(parts, self._joints_of(parts))
         if form := skeleton.see(text):
-            self._with_form.setdefault(_quotes(text), {})[skeleton] = form
+            self._with_form.setdefault(_shapes(text), {})[skeleton] = form
         return skeleton.joints, numbers[: skeleton.count]
 
     def _joints_of(self, parts: Sequence[Part]) -> Joints:
@@ -143,9 +143,9 @@ class _Scanner:
         return found
 
 
-def _quotes(text: bytes) -> tuple[int, ...]:
-    """How many quotes are about each link: files whose links have other shapes differ in it."""
-    return tuple([part.count(b'"') for part in text.split(b"<link ")])
+def _shapes(text: bytes) -> tuple[int, ...]:
+    """How many shapes each link has: files of one skeleton agree in it, and few others do."""
+    return tuple([part.count(b"<geometry") for part in text.split(b"<link ")])
 
 
 def _is_printable(head: bytes) -> bool:

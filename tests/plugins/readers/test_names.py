@@ -112,6 +112,32 @@ def test_a_missing_row_of_many_arms_is_noticed(read: Callable[..., list[Manipula
     assert notice.field == "link"
 
 
+@pytest.mark.parametrize(
+    ("names", "wrong"),
+    [
+        (("q1", "q2-90", "q3"), "q2-90"),
+        (("θ1", "θ2 + π/2", "θ3"), "θ2 + π/2"),
+        (("J1", "J2", "-(J2 + J3)"), "-(J2 + J3)"),
+        (("q1", "q2", "q3"), None),
+        (("q1-axis", "q-2", "lift-2"), None),
+    ],
+)
+@pytest.mark.parametrize("field", ["joint", "link", "i"])
+def test_a_joint_variable_with_an_offset_is_no_name(
+    names: tuple[str, ...], wrong: str | None, field: str, read: Callable[..., list[Manipulator | Rejected]]
+) -> None:
+    """Below a header that is one column off, it was a name, and the numbers of the rows were theta."""
+    rows = [f"{name},{number},0.3,0,0.1\n" for number, name in enumerate(names)]
+    (arm,) = read(f"{field},theta,a,alpha,d\n" + "".join(rows), convention="standard")
+    if wrong is None:
+        assert not isinstance(arm, Rejected)
+    else:
+        assert isinstance(arm, Rejected)
+        kind = "link" if field == "link" else "joint"
+        said = f"'{wrong}' is a joint variable with an offset or a sign, and no name of a {kind}"
+        assert said in [problem.message for problem in arm.problems]
+
+
 def test_names_that_differ_in_case_are_kept_apart(read_one: Callable[..., Manipulator]) -> None:
     """With a notice, since a person may not see it; letters that are coded in two ways too."""
     arm = read_one("joint,a,alpha,d\nElbow,0,0,1\nelbow,0,0,1\né,0,0,1\ne\u0301,0,0,1\n")

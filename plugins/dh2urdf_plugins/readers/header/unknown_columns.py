@@ -218,15 +218,19 @@ def _is_variable_of(text: str, number: int | None) -> bool:
     return said.variable.row == number and said.variable.kind != "d"
 
 
+def is_turned_variable(text: str, number: int | None = None) -> bool:
+    """Whether a text is the variable of a row, or any, with an offset or a sign: ``q1 - 90``, ``-(J2 + J3)``."""
+    if not any(sign in text for sign in "+-−–"):
+        return False
+    said = _variable(text)
+    if said is None or said.variable is None or not (said.value or said.sign < 0):
+        return _OF_CONTROLLER.fullmatch(text) is not None
+    return said.variable.row is not None and said.variable.row == (number or said.variable.row)
+
+
 def _with_offset(cell: Cell, header: str, number: int | None) -> Problem | None:
     """What is wrong with the joint variable and an offset, or its negative: ``θ1 + 90°``, ``-q2``."""
-    if not any(sign in cell.text for sign in "+-−–"):
-        return None
-    said = _variable(cell.text)
-    if said is None or said.variable is None or not (said.value or said.sign < 0):
-        if not _OF_CONTROLLER.fullmatch(cell.text):
-            return None
-    elif said.variable.row is None or said.variable.row != (number or said.variable.row):
+    if not is_turned_variable(cell.text, number):
         return None
     return Problem(
         message=f"{shown(cell.text)} is a joint variable with an offset or a sign, and no field is called "

@@ -20,7 +20,7 @@ from dh2urdf.manipulator import JointType, Limits
 from dh2urdf.rotations import HALF_PI, quarter_turns
 from dh2urdf.row_fields import LIMITS
 from dh2urdf.table_text import GEOMETRY
-from dh2urdf_plugins.readers.header.unknown_columns import is_beside, is_number, unread
+from dh2urdf_plugins.readers.header.unknown_columns import is_beside, is_number, is_turned_variable, unread
 from dh2urdf_plugins.readers.plain.limits import PlainLimits
 from dh2urdf_plugins.readers.plain.numbers import LINE_END, REMEMBERED, PlainNumbers, foreign_unit, names_foreign_unit
 from dh2urdf_plugins.readers.rows.cells import FULL_TURN
@@ -206,6 +206,7 @@ class PlainRows:
             and list(map(str.strip, names)) == list(names)
             and not (order_fault(joints) or order_fault(links))
             and not any(map(_HASH, names))
+            and not any(map(is_turned_variable, names))
             and not any(map(DECIMAL.fullmatch, names))
             and not any(map(NUMBER.fullmatch, names))  # a column of numbers counts the joints
             and not all(map(AXIS.fullmatch, joints))  # which may be no names

@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING
 from dh2urdf.errors import TableError
 from dh2urdf.manipulator import JointType
 from dh2urdf.row_fields import LIMITS
-from dh2urdf.source import Mark, Problem
+from dh2urdf.source import Mark, Problem, shown
 from dh2urdf.stages import Rejected
 from dh2urdf_plugins.readers.header.units import bare_beside_cells
+from dh2urdf_plugins.readers.header.unknown_columns import is_turned_variable
 from dh2urdf_plugins.readers.rows.joint_rows import settle, total_problem
 from dh2urdf_plugins.readers.rows.rows import MAX_PROBLEMS
 from dh2urdf_plugins.readers.rows.six_parameters import extra_problems, with_four_parameters
@@ -88,6 +89,16 @@ def manipulator(
 def _problems_of_all_rows(reader: RowReader, statements: Statements) -> Iterator[Problem]:
     if reader.names:
         yield from name_problems(reader.names)
+    for row in reader.names:
+        for kind, name, mark in (("joint", row.joint, row.joint_mark), ("link", row.link, row.link_mark)):
+            if is_turned_variable(name):
+                yield Problem(
+                    message=f"{shown(name)} is a joint variable with an offset or a sign, and no name of a {kind}",
+                    mark=mark,
+                    field=kind,
+                    found=name,
+                    accepted="the variable in the column theta, or in d of a joint that slides",
+                )
     yield from bare_beside_cells(reader.units, reader.foreign, reader.bare)
     yield from extra_problems(reader.extras, statements.convention and statements.convention[0])
 

@@ -118,6 +118,7 @@ _ADVICE = (
     (late_pattern(r".*[%‰]"), "percentages and remainders are not accepted: write the number"),
     (late_pattern(r".*([$€£¥]|\b(eur|usd|gbp|chf)\b)", re.IGNORECASE), "write the number without a currency"),
     (late_pattern(r"\s*[+-]?[0-9.]+[dD][+-]?[0-9]+\s*"), "write the exponent with e: 1e-3"),
+    (late_pattern(r"\s*[-+−–]?\s*(?:pi|π)\s*[0-9]+\s*$"), "write the fraction with its sign: pi/2"),
     (late_pattern(r".*[0-9](pi|π)"), "write the product with its sign: 2*pi"),
     (late_pattern(r"\s*[0-9][0-9.,]*\s*[^\W\d]{0,3}\s*-\s*$"), "write the minus before the number: -5"),
     (late_pattern(r"\s*([-–—−]+|/|n\.?/?a\.?|none|null)\s*$", re.IGNORECASE), "write 0 if that is meant"),

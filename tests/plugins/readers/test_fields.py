@@ -14,6 +14,8 @@ from dh2urdf_plugins.readers.words.fields import convention_of, joint_type
         ("a", "a", None, None),
         ("R", "a", None, None),
         ("a [mm]", "a", "mm", None),
+        ("α [r a d ]", "alpha", "rad", None),
+        ("θ ( d e g )", "theta", "deg", None),
         ("a(mm)", "a", "mm", None),
         ("a/mm", "a", "mm", None),
         ("a_mm", "a", "mm", None),

@@ -356,6 +356,8 @@ def test_notes_of_markdown_are_notes(note: str, read_one: ReadOne) -> None:
         ("Link Length,Link Twist,Joint Offset,Joint Angle\n0.3,0,0.1,q1\n", "if 'Joint Offset' is the length along z"),
         ("a_{i-1},α_{i-1},θ_i,r_i\n0.3,0,q1,0.1\n", "if r_i is the length along z, call it d"),
         ("a,alpha,d,r\n0.3,0,0.1,0\n", "if r is the centre of mass, call it com"),
+        ("a,alpha,d\n0.3,−π 2,0\n", "write the fraction with its sign"),
+        ("a,alpha,d\n0.3,pi2,0\n", "write the fraction with its sign"),
         ("a,alpha,d\n0.3,-π/2 (−90°),0\n", "write one of the two numbers"),
         ("a,alpha,d\n0.3,90° = π/2,0\n", "write one of the two numbers"),
         ("a,alpha,d,theta,theta offset\n0.3,0,0,q1,1.2\n", "call it offset"),

@@ -170,6 +170,8 @@ def _of_code(plain: str) -> Header | None:
 
 def _with_brackets(front_text: str, inner: str) -> Header:
     """A header with brackets at its end: a unit, a form, or more words for the same."""
+    if (joined := inner.replace(" ", "")) in ("rad", "deg"):
+        inner = joined  # `α [r a d ]`, as PDFs have it
     front = _read(front_text.rstrip(" /"))  # `α/(°)`, as ISO 80000 writes a unit with a sign in it
     name = front.field
     if is_unit(inner) and name and not name.dimension:

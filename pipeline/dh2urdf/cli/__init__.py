@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import gc
+import io
 
 NEW_OBJECTS = 100_000
 """New objects after which garbage is looked for: Python's 700 look for it some eighty times during the imports."""
@@ -12,7 +13,6 @@ gc.set_threshold(NEW_OBJECTS)
 
 import _thread
 import atexit
-import io
 import os
 import signal
 import sys
@@ -162,6 +162,8 @@ def main(arguments: list[str] | None = None) -> None:
     sys.unraisablehook = _interrupt_again
     atexit.register(gc.freeze)  # At its end, Python would search all modules for garbage: a sixth of a short command.
     claim()
+    if isinstance(sys.stdout, io.TextIOWrapper):  # What a terminal's encoding lacks is escaped, in the help too.
+        sys.stdout.reconfigure(errors="backslashreplace")
     # The threads that numpy's BLAS starts for large matrices burn the processors' time before they sleep.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     _tell_of_the_end()

@@ -10,7 +10,7 @@ from dh2urdf.commands.options_of_stages import stage_calls
 from dh2urdf.commands.written_tables import table_file
 from dh2urdf.conversion.file_endings import table_writer
 from dh2urdf.conversion.one_manipulator import read_items
-from dh2urdf.documents.text_files import check_file
+from dh2urdf.documents.text_files import check_file, encoded
 from dh2urdf.errors import ConfigError, TableError
 from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.manipulator import Manipulator
@@ -198,7 +198,7 @@ def _header(arm: Manipulator) -> bytes:
     """What is known of a table, as comments from which no reader reads anything: they have names of the description."""
     source = f"of {Path(arm.mark.file).name}" if arm.mark else ""
     lines = [f"{arm.name} {source}".strip(), *(notice.message for notice in arm.notices)]
-    return "".join(f"#> {' '.join(line.split())}\n" for line in lines).encode()
+    return encoded("".join(f"#> {' '.join(line.split())}\n" for line in lines))
 
 
 def table_lines(arm: Manipulator, length_unit: str = "m", angle_unit: str = "rad") -> Iterator[str]:

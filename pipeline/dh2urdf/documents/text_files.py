@@ -76,7 +76,10 @@ def read_bytes(path: Path, error: type[InputError] = ConfigError, *, limit: int 
 def tidy_path(path: Path) -> Path:
     """`configs/../build` as `build`, unless `configs` is a link."""
     tidy = Path(os.path.normpath(path))
-    return tidy if os.path.realpath(tidy) == os.path.realpath(path) else path  # where Path.resolve raises of a circle
+    try:
+        return tidy if os.path.realpath(tidy) == os.path.realpath(path) else path  # Path.resolve raises of a circle
+    except UnicodeEncodeError:  # The locale has no such characters: whatever opens the file reports it.
+        return path
 
 
 def check_file(path: Path, error: type[InputError] = ConfigError) -> None:
@@ -192,6 +195,16 @@ def decoded(content: bytes | str, file: str, error: type[InputError] = ConfigErr
             )
         )
     return text
+
+
+def encoded(text: str) -> bytes:
+    """A text as UTF-8, also where it has names of files whose bytes the locale does not know, or that are no UTF-8."""
+    content = text.encode(errors="surrogateescape")
+    try:
+        content.decode()
+    except UnicodeDecodeError:
+        return text.encode(errors="backslashreplace")
+    return content
 
 
 def _mark_after(before: str, file: str) -> Mark:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from dh2urdf.commands.written_tables import in_format
 from dh2urdf.conversion.one_manipulator import read_items
+from dh2urdf.documents.text_files import encoded
 from dh2urdf.errors import ConfigError, OutputError
 from dh2urdf.manipulator import Convention, Manipulator
 from dh2urdf.output.spooled import spooled
@@ -78,7 +79,7 @@ def table_template(
         angle_unit="deg",
         rows=tuple(_rows(convention, joints)),
     )
-    content = "".join(f"# {line}\n" for line in lines).encode() + in_format([text], call).content
+    content = encoded("".join(f"# {line}\n" for line in lines)) + in_format([text], call).content
     _check(call, content, file)
     return content
 
@@ -130,7 +131,7 @@ def run_template(table: Path, run: Path) -> bytes:
         run: where the run file will be; the table is named by its path from there.
     """
     path = os.path.relpath(table, run.parent).replace(os.sep, "/")
-    return _RUN.format(run=run.name, table=yaml_word(path)).encode()
+    return encoded(_RUN.format(run=run.name, table=yaml_word(path)))
 
 
 def write_new(files: dict[Path, bytes]) -> None:

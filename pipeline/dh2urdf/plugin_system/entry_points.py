@@ -95,13 +95,20 @@ class InfoFolder:
         return distribution.name, distribution.version
 
 
+def version_of(distribution: str) -> str:
+    """The version of an installed distribution, as `importlib.metadata.version` has it."""
+    if folder := (_installed() or {}).get(canonical(distribution)):
+        return InfoFolder(folder).version
+    from importlib.metadata import version
+
+    return version(distribution)
+
+
 def points(word: str) -> list[Point]:
     """The entry points of the distributions that have a word in their list of entry points."""
-    if [finder for finder in sys.meta_path if hasattr(finder, "find_distributions")] == [PathFinder]:
-        folders = [_info_folders(place) for place in sys.path]
-        if None not in folders:
-            every = [folder for found in folders for folder in found or ()]
-            return [point for folder in _first_of_each_name(every) for point in _points_in(folder, word)]
+    folders = _installed()
+    if folders is not None:
+        return [point for folder in folders.values() for point in _points_in(folder, word)]
     from importlib.metadata import entry_points
 
     others = entry_points()
@@ -112,28 +119,25 @@ def points(word: str) -> list[Point]:
     ]
 
 
-def _info_folders(place: str) -> list[tuple[str, str]] | None:
-    """The folders of metadata in a place of `sys.path`; None where names alone do not show them all."""
-    try:
-        children = os.listdir(place or ".")  # noqa: PTH208 - a path for each of some hundred names takes as long as all else
-    except NotADirectoryError:
-        return None  # a zip archive
-    except OSError:
-        return []
-    found = [child for child in children if child.lower().endswith(_INFO)]
-    if place.lower().endswith(".egg") or not all(child.endswith(_INFO) for child in found):
+def _installed() -> dict[str, str] | None:
+    """The folders with the metadata of distributions, by their names; None where names alone do not show all."""
+    if [finder for finder in sys.meta_path if hasattr(finder, "find_distributions")] != [PathFinder]:
         return None
-    return [(place, child) for child in found]
-
-
-def _first_of_each_name(folders: list[tuple[str, str]]) -> Iterator[str]:
-    """What is found first hides what has the same name, as for imports."""
-    seen: set[str] = set()
-    for place, child in folders:
-        name = canonical(child.rpartition(".")[0].partition("-")[0])
-        if name not in seen:
-            seen.add(name)
-            yield os.path.join(place, child)  # noqa: PTH118 - as above
+    found: dict[str, str] = {}
+    for place in sys.path:
+        try:
+            children = os.listdir(place or ".")  # noqa: PTH208 - a path for each of some hundred takes as long as all else
+        except NotADirectoryError:
+            return None  # a zip archive
+        except OSError:
+            continue
+        folders = [child for child in children if child.lower().endswith(_INFO)]
+        if place.lower().endswith(".egg") or not all(child.endswith(_INFO) for child in folders):
+            return None
+        for child in folders:  # What is found first hides what has the same name, as for imports.
+            name = canonical(child.rpartition(".")[0].partition("-")[0])
+            found.setdefault(name, os.path.join(place, child))  # noqa: PTH118 - as above
+    return found
 
 
 def _points_in(folder: str, word: str) -> Iterator[Point]:

@@ -101,7 +101,7 @@ def emitted_files(value: Iterable[EmittedFile] | None, stem: str, *, in_folders:
             raise ValueError(f"{shown(file.name)} lies in no folder; accepted: the path of a file in one")
         for part in parts:
             a_plain_name(part)
-        if not in_folders and not _begins_with(file.name, stem):
+        if not in_folders and not file.name.casefold().startswith(stem.casefold()):
             raise ValueError(f"{shown(file.name)} does not begin with the stem {shown(stem)} that it was given")
     if len(files) > 1 and len({file.name.casefold() for file in files}) < len(files):
         raise ValueError(f"it gave two files of one name: {listed([shown(file.name) for file in files])}")
@@ -117,10 +117,6 @@ def a_plain_name(name: str) -> str:
     if not name or name in {".", ".."} or "/" in name or "\\" in name or "\0" in name:
         raise ValueError(f"{shown(name)} is not a plain file name; accepted: a name without a folder")
     return name
-
-
-def _begins_with(name: str, stem: str) -> bool:
-    return name.startswith(stem) or name.casefold().startswith(stem.casefold())
 
 
 # --- Types -----------------------------------------------------------------------------------------------------------

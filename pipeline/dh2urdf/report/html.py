@@ -14,7 +14,6 @@ import math
 import tarfile
 from base64 import b64encode
 from hashlib import sha256
-from importlib.util import find_spec
 from typing import TYPE_CHECKING, Any
 
 from dh2urdf._version import __version__
@@ -23,6 +22,7 @@ from dh2urdf.quantities.number_text import format_number
 from dh2urdf.report.figures import ARMS, FARTHEST_DRAWN, Workspace, arm_figure, bars_figure, without_warnings
 from dh2urdf.report.first_manipulators import DetailedManipulator
 from dh2urdf.report.overview import MOST_DRAWN, checks
+from dh2urdf.report.page import PAGE
 from dh2urdf.report.reproduction import plain_options
 from dh2urdf.report.verdicts import covered, notice_line
 from dh2urdf.source import printable
@@ -39,17 +39,9 @@ if TYPE_CHECKING:
     from dh2urdf.report.manifest_writer import ManifestWriter
     from dh2urdf.report.overview import Overview
 
-PAGE = "report.html"
-HOW_TO_GET = "a page with pictures of it, report.html, needs jinja2 and matplotlib: pip install 'dh2urdf[report]'"
-"""The message where the page cannot be written."""
 LARGEST_PICTURE = 4_000_000
 """Pictures beyond are left out of the page [B]."""
 _PNG = b"\x89PNG\r\n\x1a\n"
-
-
-def can_write_html() -> bool:
-    """Whether jinja2, matplotlib and what it draws pixels with are installed; they are not imported."""
-    return all(find_spec(package) for package in ("jinja2", "matplotlib", "PIL"))
 
 
 def write_html(

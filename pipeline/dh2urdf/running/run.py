@@ -21,10 +21,9 @@ from dh2urdf.plugin_system.calls import Call, depending_on, fault, own_work
 from dh2urdf.plugin_system.pools import results_of
 from dh2urdf.plugin_system.stage_answers import a_record, items_of
 from dh2urdf.report.first_manipulators import FULL, FirstManipulators
-from dh2urdf.report.html import PAGE, can_write_html, write_html
 from dh2urdf.report.json import TABLE, run_report, write_reports, write_timing
 from dh2urdf.report.manifest_writer import ManifestWriter
-from dh2urdf.report.overview import Overview
+from dh2urdf.report.page import PAGE, can_write_html
 from dh2urdf.report.reproduction import command_line, reproduction
 from dh2urdf.report.verdicts import Verdicts
 from dh2urdf.run_file.config import load_config
@@ -138,6 +137,8 @@ def execute(
             if can_write_parquet():
                 manifest.table = ManifestTable(folder / TABLE, f"{reports}/{TABLE}")
             if plan.html and can_write_html():
+                from dh2urdf.report.overview import Overview
+
                 manifest.overview = Overview(FULL, manifest.index)
             try:
                 _make(plan, Depth.MAKE, journal, earlier, manifest, result, note, first_manipulators)
@@ -146,6 +147,8 @@ def execute(
                 raise
             report = write_reports(reports, manifest, result)
             if manifest.overview:
+                from dh2urdf.report.html import write_html
+
                 write_html(store, manifest, first_manipulators, plan.recipe, plan.layout, reports=reports)
             else:
                 reports.remove(PAGE)  # An older one would describe another run.

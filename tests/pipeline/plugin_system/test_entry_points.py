@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from dh2urdf.plugin_system.entry_points import Point, points
+from dh2urdf.plugin_system.entry_points import Point, points, version_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -108,6 +108,13 @@ def test_the_same_as_the_library_finds(tmp_path: Path, monkeypatch: pytest.Monke
     assert found == of_the_library()
     assert ("dh2urdf", "builtin", "dh2urdf_plugins", "dh2urdf", importlib.metadata.version("dh2urdf")) in found
     assert {"later", "spaces ", "ünïcode"} <= {distribution for *_, distribution, _ in found}
+    for name in ("numpy", "PyYAML", "plain.lab", "Two_Names", "no-points", "old"):
+        assert version_of(name) == importlib.metadata.version(name)
+
+
+def test_what_is_not_installed_has_no_version() -> None:
+    with pytest.raises(importlib.metadata.PackageNotFoundError):
+        version_of("not-there")
 
 
 @pytest.mark.parametrize("value", ["collections.abc", "collections.abc:Mapping.get", "json : dumps [fast]"])
@@ -120,7 +127,9 @@ def test_it_needs_no_import_of_the_library() -> None:
     """Names and versions of plugins come from the metadata themselves."""
     code = (
         "import sys; from dh2urdf.plugin_system.discovery import installed; "
-        "print([plugin.distribution for plugin in installed().plugins], 'importlib.metadata' in sys.modules)"
+        "from dh2urdf.plugin_system.entry_points import version_of; "
+        "print(version_of('numpy'), [plugin.distribution for plugin in installed().plugins], "
+        "'importlib.metadata' in sys.modules)"
     )
     # -S and -I leave out what .pth files import.
     done = subprocess.run(
@@ -131,3 +140,4 @@ def test_it_needs_no_import_of_the_library() -> None:
     )
     assert done.stdout.endswith("False\n")
     assert "dh2urdf " in done.stdout
+    assert done.stdout.startswith(f"{importlib.metadata.version('numpy')} ")

@@ -221,7 +221,10 @@ REFUSED = [
     *((header, "3", "sign") for header in ("motor direction", "Wickelrichtung")),
     *((header, "3", "which no") for header in ("max acceleration", "Beschleunigung", "jerk")),
     *((header, "3", "the inertia of a rotor") for header in ("rotor inertia", "motor inertia", "Rotorträgheit")),
-    *((header, "3", "the ratio of a gear") for header in ("gear ratio", "G", "Übersetzung", "reduction ratio")),
+    *(
+        (header, "3", "the ratio of a gear")
+        for header in ("gear ratio", "ratio", "Ratio (i)", "G", "Übersetzung", "reduction ratio")
+    ),
     *((header, "3", "may be theta, d or an offset") for header in ("theta_home", "zero offset", "theta0", "home")),
     *((header, "3", "a torque that may not be the largest") for header in ("rated torque", "nominal torque")),
     *((header, "3", "convention") for header in ("μ_j", "mu")),

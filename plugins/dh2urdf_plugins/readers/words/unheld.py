@@ -76,8 +76,9 @@ UNHELD_WORDS = {
     ),
     **dict.fromkeys(
         _words(
-            "gear ratio, gear, g, reduction, reduction ratio, transmission ratio, übersetzung, rapport de réduction, "
-            "relación de transmisión, rapporto di riduzione, relação de transmissão, relação de redução, 减速比, 传动比"
+            "gear ratio, ratio, gear, g, reduction, reduction ratio, transmission ratio, übersetzung, "
+            "rapport de réduction, relación de transmisión, rapporto di riduzione, relação de transmissão, "
+            "relação de redução, 减速比, 传动比"
         ),
         Unheld("the ratio of a gear", f"a column armature with the rotor's inertia behind the gear; {_AT_THE_JOINT}"),
     ),

@@ -38,6 +38,8 @@ _TO = late_pattern(
     r"|\s+(?:to|bis|up to|jusqu'à|à|a|hasta|fino a|até|до|do)\s+"
 )
 """Between two bounds: ``-170 to 170``, ``-170° ≤ θ1 ≤ 170°``, ``-170 – +170``."""
+_SPACED = late_pattern(r"(-(?:(?!\s[-–—]).)*)\s+[-–—]\s+([0-9.πp](?:(?!\s[-–—]).)*)", re.IGNORECASE)
+"""Two bounds with a dash between spaces, the first of them negative: ``-170 – 170``."""
 _FROM = late_pattern(r"^(?:from|von|de|desde|da|od|от)\s+(?=[-+0-9])", re.IGNORECASE)
 _DECIMAL_COMMA = r"(?<=[0-9]),(?=(?:[0-9]{1,2}|[0-9]{4,})(?![0-9]))"
 _NUMBER = r"[+-]?\s*[0-9]+(?:[.,][0-9]+)?(?:e[+-]?[0-9]+)?"
@@ -111,6 +113,8 @@ def _bounds(text: str, *, decimal_comma: bool) -> dict[str, str] | GroupError:
             return _not_two(text)
         return _both(f"-{match[1]}", match[1], unit)
     pair = _TO.split(inner)
+    if len(pair) == 1 and (match := _SPACED.fullmatch(inner)):
+        pair = [match[1], match[2]]
     if len(pair) == 1 and (match := _PAIR.fullmatch(inner)):
         pair = [match[1], match[3]]
         if doubt := _doubt(match, text):

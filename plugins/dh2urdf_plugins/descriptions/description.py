@@ -52,6 +52,7 @@ class Description:
             for, it is `robot`, and this is the robot as it is written.
         notices: what a careful person would want to know about how the file was read.
         unheld: what is in the file besides, and neither the robot nor a table has a place for.
+        doubly: links that are held besides the joints of the robot, which closes a loop.
     """
 
     robot: Robot
@@ -63,6 +64,7 @@ class Description:
     repaired: Robot | None = None
     notices: tuple[Problem, ...] = ()
     unheld: tuple[Problem, ...] = ()
+    doubly: frozenset[str] = frozenset()
 
 
 def urdf_description(path: Path, *, colours: bool = False) -> Description:
@@ -135,6 +137,7 @@ class _Extras:
     rounded: list[Rounded] = field(default_factory=list)
     notices: list[Problem] = field(default_factory=list)
     unheld: list[Problem] = field(default_factory=list)
+    doubly: set[str] = field(default_factory=set)
 
     def left_out(self, found: Iterable[tuple[str, etree._Element]]) -> list[Problem]:
         """Notices of what is left out, each kind once."""
@@ -175,6 +178,7 @@ def _described(content: bytes, path: Path, file: str, form: _Format) -> Descript
             repaired=form.read(meant, _Extras(folder, file)) if extras.rounded else None,
             notices=tuple(extras.notices),
             unheld=tuple(extras.unheld),
+            doubly=frozenset(extras.doubly),
         )
     except ProofError as error:
         raise TableError(error.problems) from error
@@ -228,6 +232,7 @@ def _read_sdf(root: etree._Element, extras: _Extras) -> Robot:
     model = sdf_reader.model_of(root, extras.file)
     extras.unheld += extras.left_out(unheld.of_sdf(root))
     extras.loose.update(model.loose)
+    extras.doubly.update(model.doubly)
     extras.notices += [_left_out(what, marks) for what, marks in model.unread.items()]
     extras.followers.update({name: _sdf_follower(mimic) for name, mimic in model.mimics.items()})
     return model.robot
@@ -262,6 +267,7 @@ def _read_mjcf(root: etree._Element, extras: _Extras) -> Robot:
             mesh.set("file", str(beside))
     model = mjcf_reader.model_of(root, extras.file)
     extras.loose.update(model.loose)
+    extras.doubly.update(model.doubly)
     extras.notices += [_left_out(what, marks) for what, marks in model.unread.items()]
     for joint in root.iterfind("equality/joint"):
         if joint.get("active") != "false":

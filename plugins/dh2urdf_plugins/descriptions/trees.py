@@ -32,7 +32,7 @@ class Tree:
         description: the description.
         above: by link, the joint that holds it; of several the first.
         below: by link, the joints that it holds.
-        doubly: links that several joints hold, which closes a loop.
+        doubly: links that several joints hold, or a joint and a constraint, which closes a loop.
         base: the base link.
     """
 
@@ -50,7 +50,7 @@ class Tree:
             TableError: there is no such link, or no root, or several.
         """
         robot = description.robot
-        above, below, doubly = dict[str, "Joint"](), dict[str, list["Joint"]](), set[str]()
+        above, below, doubly = dict[str, "Joint"](), dict[str, list["Joint"]](), set(description.doubly)
         for joint in robot.joints:
             if joint.child in above:
                 doubly.add(joint.child)
@@ -126,8 +126,9 @@ class Tree:
                     suggestion="the options base_link and tip_link choose the ends",
                 )
             if link in self.doubly:
+                holders = "several joints" if link not in self.description.doubly else "several joints or constraints"
                 raise self._error(
-                    f"several joints hold the link {shown(link)}: the chain is part of a loop",
+                    f"{holders} hold the link {shown(link)}: the chain is part of a loop",
                     "tip_link",
                     suggestion="the option tip_link chooses a link before it; a table is a chain without loops",
                 )

@@ -40,7 +40,7 @@ from dh2urdf_plugins.read_back.whole_robots import whole
 from dh2urdf_plugins.read_back.xml_files import content_of, mark_of, tree_of, written_tree_of
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Collection, Mapping, Sequence
     from pathlib import Path
 
     from lxml import etree
@@ -63,12 +63,14 @@ class Model(NamedTuple):
         loose: their types, by name.
         references: the reference values of the joints that move, by name [rad or m].
         unread: what could not be read, by the words for it: the places.
+        doubly: links of bodies that a constraint holds besides the joints, which closes a loop.
     """
 
     robot: Robot
     loose: Mapping[str, str]
     references: Mapping[str, float]
     unread: Mapping[str, Sequence[Mark]]
+    doubly: Collection[str]
 
 
 def read_mjcf(path: Path) -> Robot:
@@ -178,11 +180,33 @@ class _Reader:
                 joints.append(_fixed(name, holder, self._elements.pose(element)))
         for name in sorted(_CHANGING_MASSES & self._elements.compiler.keys()):
             self._elements.not_read(root.findall("compiler")[-1], f"the option {name} of the compiler")
+        doubly = set[str]()
+        named = {(each.tag, each.get("name")): each for world in worlds for each in world.iter("body", "site")}
         for constraint in root.iterfind("equality/*"):
             if constraint.tag in _HOLDING_BODIES and constraint.get("active") != "false":
                 self._elements.not_read(constraint, f"the constraint {constraint.tag}")
+                doubly |= {names[body] for body in self._looped(constraint, named)}
         robot = Robot(name=root.get("model") or "MuJoCo Model", links=tuple(links), joints=tuple(joints))
-        return Model(robot, self._loose, self._references, self._elements.unread)
+        return Model(robot, self._loose, self._references, self._elements.unread, doubly)
+
+    def _looped(
+        self, constraint: etree._Element, named: Mapping[tuple[str, str | None], etree._Element]
+    ) -> list[etree._Element]:
+        """The bodies with which a constraint closes a loop: those of one tree, and not what a mouse drags (mocap)."""
+        keys = [(tag, constraint.get(f"{tag}{number}")) for number in "12" for tag in ("body", "site")]
+        found = [named[key] for key in keys if key[1] and key in named]
+        bodies = [each if each.tag == "body" else next(each.iterancestors("body"), None) for each in found]
+        held = [body for body in bodies if body is not None]
+        trees = {self._free(body) for body in held} | ({None} if len(held) == 1 else set())
+        is_dragged = any(body.get("mocap") == "true" for body in held)
+        return [] if is_dragged or len(trees) > 1 else held
+
+    def _free(self, body: etree._Element) -> etree._Element | None:
+        """The body that moves freely and holds a body, or is the body; None where the world holds it."""
+        holders = (each for each in (body, *body.iterancestors("body")))
+        return next(
+            (each for each in holders if any(map(_is_free, self._elements.held(each, "joint", "freejoint")))), None
+        )
 
     def _holder(self, element: etree._Element, names: Mapping[etree._Element, str]) -> str:
         """The name of the body that holds an element."""
@@ -329,6 +353,10 @@ class _Reader:
 
 def _type(element: etree._Element, attributes: dict[str, str]) -> str:
     return "free" if element.tag == "freejoint" else attributes.get("type", "hinge")
+
+
+def _is_free(joint: etree._Element) -> bool:
+    return joint.tag == "freejoint" or joint.get("type") == "free"
 
 
 def _fixed(name: str, holder: str, pose: RigidTransform) -> Joint:

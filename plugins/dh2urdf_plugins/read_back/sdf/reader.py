@@ -37,7 +37,7 @@ from dh2urdf_plugins.read_back.whole_robots import not_of_a_manipulator, whole
 from dh2urdf_plugins.read_back.xml_files import content_of, tree_of, written_tree_of
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping, Sequence
+    from collections.abc import Collection, Iterator, Mapping, Sequence
     from pathlib import Path
 
     from dh2urdf.robot import Geometry
@@ -60,12 +60,14 @@ class Model(NamedTuple):
         mimics: how joints follow others, by their names.
         loose: the types of those joints, by name.
         unread: what could not be read, by the words for it: the places.
+        doubly: links that several joints hold, which closes a loop.
     """
 
     robot: Robot
     mimics: Mapping[str, etree._Element]
     loose: Mapping[str, str]
     unread: Mapping[str, Sequence[Mark]]
+    doubly: Collection[str]
 
 
 def read_sdf(path: Path) -> Robot:
@@ -157,9 +159,11 @@ class _Reader(SdfElements):
         }
         # A joint holds the link that its child is, or is rigidly joined to.
         self._joint_to: dict[str, etree._Element] = {}
+        self._doubly = set[str]()
         for joint in self._model.iterchildren("joint"):
-            if self._joint_to.setdefault(self._body(self.word(joint, "child")), joint) is not joint:
+            if self._joint_to.setdefault(body := self._body(self.word(joint, "child")), joint) is not joint:
                 self.not_read(joint, "a second joint of a link")
+                self._doubly.add(body)
         self._in_world = self.pose(self._model)
         if placed := self._model.get("placement_frame"):
             self._in_world = self._in_world @ self._at_rest(placed).inverse
@@ -179,7 +183,7 @@ class _Reader(SdfElements):
         found = {
             self.name(joint): mimic for joint in joints_of_model if (mimic := joint.find("axis/mimic")) is not None
         }
-        return Model(robot, found, self._loose, self.unread)
+        return Model(robot, found, self._loose, self.unread, self._doubly)
 
     # Frames
 

@@ -134,6 +134,29 @@ def test_a_text_beside_numbers_of_a_workbook_is_refused(tmp_path: Path) -> None:
     assert "'1.250' can be read in two ways" in str(arm)
 
 
+@pytest.mark.parametrize(
+    ("limits", "upper"),
+    [
+        ("[-3.141, 3.141]", 3.141),
+        ("-3.141,3.141", None),
+        ("[-3.141; 3.141]", None),
+        ("-3.141..3.141", None),
+        ("-3,141..3,141", None),
+        ("min: -3.141, max: 3.141", 3.141),
+    ],
+)
+def test_a_comma_between_numbers_of_a_list_is_no_decimal_sign(
+    limits: str, upper: float | None, read_text: ReadText
+) -> None:
+    """So that their points are; where it may be one, the number is refused."""
+    (arm,) = read_text(f"a\talpha\td\tqlim\n1\t0\t0\t{limits}\n")
+    if upper is None:
+        assert not isinstance(arm, Manipulator)
+    else:
+        assert isinstance(arm, Manipulator)
+        assert (arm.rows[0].limits.lower, arm.rows[0].limits.upper) == (-upper, upper)
+
+
 def test_a_variable_with_a_decimal_comma_is_a_variable(read_text: ReadText) -> None:
     """Rows are told from fixed ones by their variables, with a comma in the number that is added as with a point."""
     (arm,) = read_text("a;alpha;d;theta\n100;0;0;q1 + 1,57\n100;0;0;q2\n")

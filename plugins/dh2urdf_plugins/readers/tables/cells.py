@@ -205,6 +205,7 @@ class TableCells:
 
         parts = split_cell(FIELDS[name], cell.text, decimal_comma=self.columns.decimal_comma)
         if isinstance(parts, dict):
+            self.signs.note_list(cell, parts.values())
             return {part: cell._replace(text=text) for part, text in parts.items()}
         reader.add(
             Problem(

@@ -17,7 +17,7 @@ from dh2urdf.source import Problem, shown
 from dh2urdf_plugins.readers.words.fields import FIELDS
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Iterable, Mapping, Sequence
 
     from dh2urdf_plugins.readers.words.cells import Cell, Units
 
@@ -71,6 +71,11 @@ class DecimalSigns:
                 self._sure.setdefault(sign, cell)
             elif sign not in self._grouped and _GROUPED[sign].search(cell.text):
                 self._grouped[sign] = (cell, name, number)
+
+    def note_list(self, cell: Cell, parts: Iterable[str]) -> None:
+        """Looks at a cell of several numbers: a comma between them is no decimal sign, so that a point is one."""
+        if "," in cell.text and "." in cell.text and not any("," in part for part in parts):
+            self._sure.setdefault(".", cell)
 
     def problem(self) -> Problem | None:
         """What is wrong with the arm's numbers, where one may have a sign between thousands; forgets the arm."""

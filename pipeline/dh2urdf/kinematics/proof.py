@@ -41,8 +41,8 @@ if TYPE_CHECKING:
 
 TOLERANCE = 1e-9
 """What a written description may differ from the DH product: [m] per metre of arm, at least per 1 m, and [rad]."""
-BLOCK = 256
-"""Arms that are walked together: so many that their arrays stay in the processor's cache."""
+TOGETHER = 9000
+"""Joint vectors, counted for each arm, that are walked together: so many that their arrays stay in the cache."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -179,34 +179,41 @@ def _largest_at_once(said: CompiledChain, found: CompiledChain, poses: Sequence[
     cosines, sines = np.cos(q), np.sin(q)
     with np.errstate(all="ignore"):  # What is not a number is an infinite error.
         frames = [walk_of_one(chain.steps, q, cosines, sines) for chain in (said, found)]
-    position, angle, worst = _largest_of_arms(frames, (len(poses), 1))
+        position, angle, worst = _largest_of_arms(*_squared_differences(*frames, shape=(len(poses), 1)))
     return LargestErrors(position[0], angle[0], tuple(q[:, worst[0]].tolist()))
 
 
-def _largest_of_arms(frames: Sequence[Frame], shape: tuple[int, int]) -> tuple[list[float], list[float], Array]:
+def _largest_of_arms(position: Array, angle: Array) -> tuple[list[float], list[float], Array]:
     """The largest errors of each of N arms at P joint vectors, and the number of the joint vector of `LargestErrors.q`.
 
     Args:
-        frames: the tip of the table, and that of the file.
-        shape: P and N.
+        position: of shape (P, N), the squared distances of the tips [m²].
+        angle: of shape (P, N), the sums of the squared differences of their axes.
     """
     import numpy as np
 
-    with np.errstate(all="ignore"):  # What is not a number is an infinite error.
-        position, angle = (np.broadcast_to(square, shape) for square in _squared_differences(*frames))
-        angle = np.where(np.isfinite(angle), angle, math.inf)
-        position = np.where(np.isfinite(position) & (angle < math.inf), position, math.inf)
+    # What is not a number is an infinite error.
+    angle = np.where(np.isfinite(angle), angle, math.inf)
+    position = np.where(np.isfinite(position) & (angle < math.inf), position, math.inf)
     largest = position.max(axis=0)
     worst = np.where(position == largest, angle, -1.0).argmax(axis=0)
     angles = list(map(_angle, np.sqrt(angle.max(axis=0)).tolist()))
     return np.sqrt(largest).tolist(), angles, worst
 
 
-def _squared_differences(one: Frame, other: Frame) -> tuple[Array, Array]:
-    """The squared distance of two frames' origins [m²], and the sum of the squared differences of their axes."""
+def _squared_differences(one: Frame, other: Frame, *, shape: tuple[int, int]) -> tuple[Array, Array]:
+    """The squared distance of two frames' origins [m²], and the sum of the squared differences of their axes.
+
+    Args:
+        one: that of the table.
+        other: that of the file.
+        shape: of the arrays that are returned.
+    """
+    import numpy as np
+
     position = _squared(one.origin - other.origin)
     x, y, z = (_squared(left - right) for left, right in zip(one.axes, other.axes, strict=True))
-    return position, x + y + z
+    return np.broadcast_to(position, shape), np.broadcast_to(x + y + z, shape)
 
 
 def _squared(vectors: Array) -> Array:
@@ -289,27 +296,23 @@ def _proofs(
     with np.errstate(all="ignore"):
         chains = ExpectedPoses.of(table).tips[0].compiled(), _written_way(joints)
         values = values_of(q)
-    positions: list[float] = []
-    angles: list[float] = []
-    vectors: list[tuple[float, ...]] = []
-    for first in range(0, len(places), BLOCK):
-        block = slice(first, min(first + BLOCK, len(places)))
-        arms = range(block.stop - block.start)
-        of_block = [tuple([each[:, block] if each.shape[1] > 1 else each for each in value]) for value in values]
-        with np.errstate(all="ignore"):
-            frames = [frame for chain in chains for frame in chain.part(block).walk(of_block, STACKS)]
-        found = _largest_of_arms(frames, (3 + count, len(arms)))
-        positions += found[0]
-        angles += found[1]
-        at_worst = [value[found[2], arms if value.shape[1] > 1 else 0].tolist() for value, _, _ in of_block]
-        vectors += zip(*at_worst, strict=True) if at_worst else repeat((), len(arms))
+    poses, arms = 3 + count, len(places)
+    at_once = max(1, TOGETHER // arms)
+    differences = []
+    with np.errstate(all="ignore"):
+        for first in range(0, poses, at_once):
+            some = [tuple([number[first : first + at_once] for number in value]) for value in values]
+            tips = [frame for chain in chains for frame in chain.walk(some, STACKS)]
+            differences.append(_squared_differences(*tips, shape=(min(at_once, poses - first), arms)))
+    positions, angles, worst = _largest_of_arms(*map(np.concatenate, zip(*differences, strict=True)))
+    vectors = [value[worst, range(arms) if value.shape[1] > 1 else 0].tolist() for value in q]
     return many_unchecked(
-        Proof(position_error=0.0, angle_error=0.0, q=(), tolerance=0.0, poses=3 + count),
-        len(places),
+        Proof(position_error=0.0, angle_error=0.0, q=(), tolerance=0.0, poses=poses),
+        arms,
         position_error=positions,
         angle_error=angles,
-        q=vectors,
-        tolerance=_tolerances(table, q, len(places)),
+        q=zip(*vectors, strict=True) if vectors else repeat(()),
+        tolerance=_tolerances(table, q, arms),
         tips=[{TOOL: position} for position in positions],
     )
 

@@ -18,7 +18,7 @@ from dh2urdf.elementwise import is_column
 from dh2urdf.errors import ProofError
 from dh2urdf.kinematics import KinematicChain, angle_error, position_error
 from dh2urdf.kinematics.expected_poses import ExpectedPoses
-from dh2urdf.kinematics.proof import BLOCK, TOLERANCE, Proof, prove, prove_columns
+from dh2urdf.kinematics.proof import TOGETHER, TOLERANCE, Proof, prove, prove_columns
 from dh2urdf.kinematics.proof_vectors import proof_vectors
 from dh2urdf.manipulator import Convention, DHRow, JointType, Limits, Manipulator
 from dh2urdf.plugin_system import load
@@ -294,17 +294,18 @@ def many(count: int) -> list[Manipulator]:
 @pytest.mark.parametrize("frames", FRAMES)
 @pytest.mark.parametrize("convention", Convention)
 def test_an_arm_has_the_same_figures_in_every_batch(convention: Convention, frames: str) -> None:
-    """Alone, among few, among more than are walked together, in any order: the proof is the same to the last bit."""
-    total = BLOCK + 14
+    """Alone, among few, among so many that not all joint vectors are walked together, in any order: the proof is the same to the last bit."""
+    count = 32
+    total = TOGETHER // (3 + count) + 14
     tables = [replace(table, convention=convention) for table in many(total)]
     robots = [made(table, frames) for table in tables]
     files = [urdf(robot) for robot in robots]
     files[5] = files[5].replace(b'xyz="0 0 ', b'xyz="0 0.125 ', 1)
-    whole = proved(tables, robots, files)
+    whole = proved(tables, robots, files, count)
     assert {type(proof) for proof in whole} == {Proof}
 
     def of(members: Sequence[int]) -> list[Any]:
-        return proved(*([every[member] for member in members] for every in (tables, robots, files)))  # type: ignore[arg-type]
+        return proved(*([every[member] for member in members] for every in (tables, robots, files)), count)  # type: ignore[arg-type]
 
     for size in (1, 7, 100):
         for first in range(0, 21, size):

@@ -15,7 +15,6 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from dh2urdf.elementwise import is_column
 from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.rotations import IDENTITY, ZERO, RigidTransform, Vec3, cos_sin, cross, exact_cos_sin
 
@@ -235,12 +234,6 @@ class CompiledChain:
         """A frame that a walk returns."""
         self.steps.append((_STOP, 0, None, self._names))
 
-    def part(self, arms: slice) -> CompiledChain:
-        """The chains of some of the arms."""
-        chain = CompiledChain()
-        chain.steps = [(kind, axis, joint, _part(numbers, arms)) for kind, axis, joint, numbers in self.steps]
-        return chain
-
     def walk(self, values: Sequence[JointValue], vectors: Vectors = TRIPLES) -> list[Frame]:
         """The frames at the stops, at values of all joints [rad or m]."""
         axes, origin = list(vectors.axes()), vectors.origin()
@@ -286,13 +279,6 @@ class CompiledChain:
         """The name of an axis of the frame, or of its opposite."""
         name, sign = self._names[axis]
         return name, factor * sign
-
-
-def _part(numbers: Any, arms: slice) -> Any:  # noqa: ANN401 - those of a step
-    """The numbers of a step for some of the arms."""
-    if isinstance(numbers, tuple):
-        return tuple([_part(number, arms) for number in numbers])
-    return numbers[arms] if is_column(numbers) else numbers
 
 
 def _renamed(axes: Sequence[Vector], names: Names, vectors: Vectors) -> Axes:

@@ -72,7 +72,7 @@ def _groups(given: Sequence[Any], count: int, kind: type[T]) -> list[tuple[tuple
     members = [member for own, _ in groups for member in own]
     if len(set(members)) < len(members) or not set(members) <= set(range(count)):
         raise ValueError(f"its groups are of the members {members!r:.60}, not of 0 to {count - 1}, each once at most")
-    return groups
+    return [group for group in groups if group[0]]
 
 
 def checked_groups(groups: ManipulatorGroups) -> ManipulatorGroups:

@@ -423,6 +423,7 @@ def test_a_yaml_table_has_no_merged_cells(read_one: Callable[..., Manipulator]) 
         (["R,0,0,0.1,0", "t,0.3,0,0,0", "T,0,0,0,0"], True),
         (["R,0,0,0.1,q1", "T,0.3,0,d2,0"], False),
         (["P,0,0,0.1,0", "translational,0.3,0,0,0"], False),
+        ([" T,0,0,0.1,0", "R ,0.3,0,0,0"], True),
     ],
 )
 def test_t_may_be_a_twisting_joint(rows: list[str], is_noticed: bool, read: Read) -> None:  # noqa: FBT001 - a case

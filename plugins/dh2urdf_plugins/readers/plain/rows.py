@@ -159,7 +159,7 @@ class PlainRows:
         """Whether all types of joints are known, and such as can be read here."""
         for word in set(words) - self.kinds.keys():
             kind = None if not word or LINE_END in word else joint_type(word)  # an empty cell is worth a notice
-            if kind is None or word in TWISTING or (kind is JointType.PRISMATIC and not self.slides):
+            if kind is None or word.strip(SPACES) in TWISTING or (kind is JointType.PRISMATIC and not self.slides):
                 return False
             self.kinds[word] = kind
         return "type" not in self.column or "" not in words

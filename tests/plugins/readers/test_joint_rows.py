@@ -393,6 +393,9 @@ MERGED = "given for the first joint alone, and the cells below are empty"
         ("velocity", ["3", ""], None),
         ("velocity,type", ["3,R", ",F", ",F"], None),
         ("velocity,type", ["3,R", ",F", ",R", ",P"], "velocity is"),
+        ("effort,type", ["3,C", "3,R", " ,R", ",R"], None),
+        ("effort,type", [",F", "3,R", " ,R", ",C"], "effort is"),
+        ("range,type", [",C", "±170°,R", ",R", ",R"], "lower and upper are"),
         ("range,type", ["±170°,R", ",C", ",C"], None),
     ],
 )

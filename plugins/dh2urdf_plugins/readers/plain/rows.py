@@ -122,7 +122,7 @@ class PlainRows:
         a, alpha, d = values["a"], values["alpha"], values["d"]
         theta, offset = values.get("theta", zeros), values.get("offset", zeros)
         limits = self.limits.read(words, columns)
-        usual = limits is not None and not _of_first_alone(limits, sizes)
+        usual = limits is not None and not self._are_of_one(limits, columns, sizes)
         if not (limits and usual and self._are_plain_angles(values) and self._are_plain_lengths(a, d, sizes)):
             return None
         kinds = [self.kinds[word] for word in words]
@@ -222,6 +222,17 @@ class PlainRows:
         cells = ((name, cell) for name in with_words for cell in set(columns[self.column[name]]))
         return any(names_foreign_unit(text_of(cell), name) for name, cell in cells)
 
+    def _are_of_one(self, limits: Sequence[Limits], columns: Sequence[Sequence[Any]], sizes: Sequence[int]) -> bool:
+        """Whether a limit is that of one joint of a manipulator alone, in a column with empty cells."""
+        texts = {name: columns[index] for name, index in self.limits.columns.items()}
+        gaps = [name for name, cells in texts.items() if isinstance(cells[0], str) and not all(map(str.strip, cells))]
+        ends = zip(accumulate(sizes), sizes, strict=True) if gaps else ()
+        return any(
+            sum(getattr(each, name) is not None for each in limits[end - size : end]) == 1
+            for end, size in ends
+            for name in gaps
+        )
+
     def _are_plain_angles(self, values: dict[str, list[float]]) -> bool:
         """Whether all angles are of a size that needs no word, and none is nearly a quarter turn."""
         for name in ("alpha", "theta", "offset"):
@@ -272,17 +283,6 @@ class PlainRows:
             if not all(length >= SMALLEST_LENGTH or length == 0 for length in largest):
                 return False
         return True
-
-
-def _of_first_alone(limits: Sequence[Limits], sizes: Sequence[int]) -> bool:
-    """Whether the first joint of a manipulator has limits that the second one has not."""
-    starts = accumulate(sizes, initial=0)
-    pairs = ((limits[start], limits[start + 1]) for start, size in zip(starts, sizes, strict=False) if size > 1)
-    return any(
-        first is not second
-        and any(getattr(first, name) is not None and getattr(second, name) is None for name in LIMITS)
-        for first, second in pairs
-    )
 
 
 def _forms(

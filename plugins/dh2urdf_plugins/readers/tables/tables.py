@@ -19,8 +19,8 @@ from dh2urdf_plugins.readers.words.bounds import MAX_JOINTS, MEASURABLE_ARM
 from dh2urdf_plugins.readers.words.names import name_fault, name_problems
 
 FEWEST_MERGED = 3
-"""Joints that turn or slide between bounds, of which the first may have a cell that was merged with the others."""
-MOVING = (JointType.REVOLUTE, JointType.PRISMATIC)
+"""Joints of which the first may have a cell that was merged with those of the others."""
+BOUNDS = ("lower", "upper")
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
@@ -188,14 +188,17 @@ def read_rows(rows: Sequence[tuple[dict[str, Cell] | None, Mark]], reader: RowRe
 
 def _first_alone(rows: Sequence[tuple[dict[str, Cell] | None, Mark]], read: Sequence[DHRow | None]) -> Problem | None:
     """A notice of limits that only the cells of the first joint have, as if a spreadsheet had merged them."""
-    moving = [cells for (cells, _), row in zip(rows, read, strict=False) if cells and row and row.type in MOVING]
-    if len(moving) < FEWEST_MERGED:
-        return None
-    first, *others = moving
-    names = [name for name in LIMITS if name in first and first[name].text]
-    names = [name for name in names if not any(cells[name].text if name in cells else name for cells in others)]
+    moving = [(cells, row.type) for (cells, _), row in zip(rows, read, strict=False) if cells and row]
+    moving = [(cells, kind) for cells, kind in moving if kind is not JointType.FIXED]
+    names = []
+    for name in LIMITS:
+        bounded = [cells for cells, kind in moving if kind is not JointType.CONTINUOUS or name not in BOUNDS]
+        texts = [cells[name].text if name in cells else name for cells in bounded]
+        if len(texts) >= FEWEST_MERGED and texts[0] and not any(texts[1:]) and name in bounded[0]:
+            names.append(name)
     if not names:
         return None
+    first = next(cells for cells, _ in moving if names[0] in cells and cells[names[0]].text)
     are = "are" if len(names) > 1 else "is"
     return Problem(
         message=f"{' and '.join(names)} {are} given for the first joint alone, and the cells below are empty",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from types import MappingProxyType
 from typing import TYPE_CHECKING
 
 from dh2urdf.columns import ManipulatorGroups
@@ -10,7 +11,7 @@ from dh2urdf.source import Mark, Problem, did_you_mean, shown
 from dh2urdf.stages import Rejected
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Sequence
+    from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 REMEMBERED = 1000
 """Names of manipulators that a message may suggest; a run may have a million."""
@@ -24,11 +25,13 @@ class WantedTables:
     Args:
         names: the names that are wanted.
         cells: names of the cells of the run, of which nothing is made.
-        variations: names of its variations, of whose variants nothing is made.
+        variations: names of its variations, of whose variants nothing is made, with what each is made of.
     """
 
-    def __init__(self, names: Iterable[str], cells: Iterable[str] = (), variations: Iterable[str] = ()) -> None:
-        self._cells, self._variations = frozenset(cells), frozenset(variations)
+    def __init__(
+        self, names: Iterable[str], cells: Iterable[str] = (), variations: Mapping[str, str] = MappingProxyType({})
+    ) -> None:
+        self._cells, self._variations = frozenset(cells), variations
         self._wanted: dict[str, list[Manipulator | Rejected]] = {name: [] for name in names}
         self._names: list[str] = []
 
@@ -92,7 +95,7 @@ class WantedTables:
         of, _, number = name.rpartition("_")
         if name in self._cells:
             return "a cell"
-        if name in self._variations:
+        if self._variations.get(name, name) != name:  # A variation without a name has that of what it is made of.
             return "a variation"
         return f"a variant of {shown(of)}" if of in self._variations and number.isdecimal() else None
 

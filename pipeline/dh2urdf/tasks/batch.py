@@ -316,7 +316,8 @@ def items(plan: Plan, expected: Expected, *, columns: bool = False) -> Iterator[
         columns: whether manipulators may come in columns.
     """
     needed = [arm.of for cell in plan.cells for arm in cell.arms] + [call.of for call in plan.variations]
-    gathering = WantedTables(needed, (cell.name for cell in plan.cells), (call.name for call in plan.variations))
+    variations = {call.name: call.of for call in plan.variations}
+    gathering = WantedTables(needed, (cell.name for cell in plan.cells), variations)
     meshes = MeshGiver(plan.meshes)
     count = 0
     for path, call in plan.inputs:

@@ -113,7 +113,7 @@ def is_zero(text: str) -> bool:
 def _is_part_of_pi(number: float) -> bool:
     """Whether a number is a multiple of 15° in rad."""
     parts = number / math.pi * 12
-    return parts != 0 and abs(parts - round(parts)) < _AS_COMPUTED
+    return parts != 0 and math.isfinite(parts) and abs(parts - round(parts)) < _AS_COMPUTED
 
 
 def _in_si(text: str, value: Intermediate, dimension: Dimension, unit: Unit | None) -> Quantity:

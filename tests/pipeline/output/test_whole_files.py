@@ -339,20 +339,30 @@ class TestNoFiles:
     """A path at which a device, a pipe or a socket is: a rename would put a file in its place, for all that use it."""
 
     @pytest.fixture(params=["pipe", "link to a device", "link to an open file"])
-    def path(self, request: pytest.FixtureRequest, tmp_path: Path) -> Path:
-        path = tmp_path / "arm.urdf"
-        match request.param:
-            case "pipe":
-                os.mkfifo(path)
-            case "link to a device":
-                path.symlink_to("/dev/null")
-            case _:  # as /dev/stdout is
-                path.symlink_to("/proc/self/fd/1")
-        return path
+    def make(self, request: pytest.FixtureRequest, tmp_path: Path) -> Callable[[str], Path]:
+        """Puts it at a name, in a folder of its own."""
+
+        def made(name: str) -> Path:
+            path = tmp_path / name.rpartition(".")[2] / name
+            path.parent.mkdir()
+            match request.param:
+                case "pipe":
+                    os.mkfifo(path)
+                case "link to a device":
+                    path.symlink_to("/dev/null")
+                case _:  # as /dev/stdout is
+                    path.symlink_to("/proc/self/fd/1")
+            return path
+
+        return made
+
+    @pytest.fixture
+    def path(self, make: Callable[[str], Path]) -> Path:
+        return make("arm.urdf")
 
     def is_refused(self, path: Path, write: Callable[[], object]) -> None:
         before = os.lstat(path)
-        with pytest.raises(OutputError, match=r"cannot write '.*arm\.urdf': a device, a pipe or a socket is there"):
+        with pytest.raises(OutputError, match=r"cannot write '.*arm\.\w+': a device, a pipe or a socket is there"):
             write()
         after = os.lstat(path)
         assert (after.st_ino, after.st_mode) == (before.st_ino, before.st_mode)
@@ -372,11 +382,12 @@ class TestNoFiles:
 
         self.is_refused(path, place)
 
-    def test_what_a_program_writes(self, path: Path) -> None:
+    def test_what_a_program_writes(self, make: Callable[[str], Path]) -> None:
         """Every function that writes a file refuses it."""
         arm = dh2urdf.read("# convention: standard\na, alpha, d\n0.4, 0, 0.1\n", reader="csv")
+        path, table = make("arm.urdf"), make("arm.csv")
         self.is_refused(path, lambda: dh2urdf.convert(arm, path))
-        self.is_refused(path, lambda: arm.to_csv(path))
+        self.is_refused(table, lambda: arm.to_csv(table))
         self.is_refused(path, lambda: dh2urdf.convert(arm).robot.to_urdf(path))
 
     def test_a_link_that_leads_nowhere_is_replaced(self, tmp_path: Path) -> None:

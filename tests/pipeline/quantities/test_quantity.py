@@ -22,6 +22,7 @@ DEGREES, MILLIMETRES = find_unit("deg", ANGLE), find_unit("mm", LENGTH)
         ("109.15", LENGTH, MILLIMETRES, 0.10915),
         ("-425 mm", LENGTH, None, -0.425),
         ("1e3mm", LENGTH, None, 1.0),
+        ("1e308-pi", LENGTH, None, 1e308),
         ("0.10915 m", LENGTH, MILLIMETRES, 0.10915),
         ("8.23 cm", LENGTH, None, 0.0823),
         ("90", ANGLE, DEGREES, math.pi / 2),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import subprocess
 import sys
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
@@ -11,7 +12,7 @@ import pytest
 
 from dh2urdf.errors import CrashError
 from dh2urdf.testing.children import forks
-from dh2urdf.testing.children.witness import witnessed
+from dh2urdf.testing.children.witness import marked, processes, witnessed
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -103,3 +104,12 @@ def test_a_fork_of_a_call_does_not_stay(stage: Any, is_running: Callable[[int], 
     assert is_running(kept.number)
     kept.end()
     assert not is_running(kept.number)
+
+
+def test_processes_of_others_may_have_any_words() -> None:
+    """A word of a command line that is no UTF-8, such as the name of a file, is nobody's fault."""
+    program = [os.fsencode(sys.executable), b"-c", b"input()", b"gr\xfcn.csv"]
+    with marked() as mark, subprocess.Popen(program, stdin=subprocess.PIPE) as process:
+        found = processes(mark)
+        process.communicate(b"\n")
+    assert found[process.pid].endswith("gr\ufffdn.csv")

@@ -146,7 +146,7 @@ def _running(mark: str) -> dict[int, _Process]:
                 has_mark = f"{MARK}={mark}".encode() in (folder / "environ").read_bytes().split(b"\0")
                 # The name before them, in brackets, may hold anything.
                 state, parent, *_ = (folder / "stat").read_text("utf-8", "replace").rpartition(")")[2].split()
-                command = (folder / "cmdline").read_bytes().replace(b"\0", b" ").decode().strip()
+                command = (folder / "cmdline").read_bytes().replace(b"\0", b" ").decode(errors="replace").strip()
             except OSError:  # It is gone by now, or somebody else's.
                 continue
             if state != "Z":  # It has ended, and nobody has asked how.

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import pytest
 
 from dh2urdf.studio.editing import edits, pasting
+from dh2urdf.studio.editing.reading import read
 from dh2urdf.table_text import TableText
 
 if TYPE_CHECKING:
@@ -51,6 +53,12 @@ def test_more_rows_than_a_table_may_have() -> None:
         ("-0.4", [["-0.4"]]),
         ('"-425 mm"\t"90°"\r\n"a\nb"\t"5"""', [["-425 mm", "90°"], ["a b", '5"']]),  # as spreadsheets quote
         ('5"\t3', [['5"', "3"]]),
+        ("1,234\t2,000", [["1,234", "2,000"]]),  # these commas may separate thousands: the reader asks
+        ("1,234\t0,5", [["1.234", "0.5"]]),
+        ('"atan2(1, 2)",0', [["atan2(1, 2)", "0"]]),
+        ("0.1\t0\r0.2\t1", [["0.1", "0"], ["0.2", "1"]]),
+        ("\t0.1 & 0 \\\\\n\t0.2 & 1 \\\\", [["0.1", "0"], ["0.2", "1"]]),
+        ("\t0.1 0\n\t0.2 1", [["0.1", "0"], ["0.2", "1"]]),
     ],
 )
 def test_separators(text: str, cells: list[list[str]]) -> None:
@@ -86,6 +94,59 @@ def test_json_is_yaml(catalog: Catalog, indent: int | None) -> None:
     assert isinstance(found, tuple)
     ((table, *_),) = found
     assert (table.convention, [row["a"] for row in table.rows]) == ("modified", ["0.1", "0.3"])
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        'joint,a,alpha,d\n"shoulder, left",0.1,0,0\nelbow,0.3,0,0\n',
+        "joint,a,alpha,d\nshoulder,0.1,0,0\n# the first, of two\nelbow,0.3,0,0\n",
+        "\ta\talpha\td\nshoulder\t0.1\t0\t0\nelbow\t0.3\t0\t0\n",  # as spreadsheets and pandas name rows
+        "          a  alpha  d\nshoulder  0.1  0  0\nelbow  0.3  0  0\n",
+        "     a  alpha    d\n0  0.1    0.0  0.0\n1  0.3    0.0  0.0\n",
+        "|   | a | alpha | d |\n|---|---|---|---|\n| 0 | 0.1 | 0 | 0 |\n| 1 | 0.3 | 0 | 0 |\n",
+        "---\njoints:\n- {a: 0.1, alpha: 0, d: 0}\n- {a: 0.3, alpha: 0, d: 0}\n",
+    ],
+    ids=["quoted comma", "comment", "tabs", "pandas", "pandas with numbers", "pandas as Markdown", "document"],
+)
+def test_a_header_is_not_lost(text: str, catalog: Catalog) -> None:
+    """Each line went into one cell, or the header was dropped, and the numbers of the rows became lengths."""
+    found = pasting.whole_tables(text, catalog, "standard")
+    assert isinstance(found, tuple), found
+    ((table, *_),) = found
+    assert [column(table, field) for field in ("a", "d")] == [["0.1", "0.3"], [table.rows[0]["d"]] * 2]
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "DH table, lengths in mm\n100 0 0.2\n300 0 0\n",
+        "100 0 0.2\n300 0 0\nAll lengths in mm.\n",
+        "Lengths in mm:\n100\t0\t0.2\n300\t0\t0\n",
+        "Modified convention, in mm:\n\n| 100 | 0 | 0 |\n| 300 | 0 | 0 |\n",
+        r"\caption{In mm}\begin{tabular}{ccc} 100 & 0 & 0 \\ 300 & 0 & 0 \\ \end{tabular}",
+        "- {a: 0.1, alpha: 0, d: 0}\n- {a: 0.3, alpha: 0, d: 0}\n",
+        '[{"a": 0.1, "alpha": 0, "d": 0}]',
+        "joint,a,alpha,d,lower,upper\nshoulder,0.1,0,0,-1,1\nelbow,0.2,0,0\n",
+        "a,alpha,d\n100,0,0\n# units: {length: mm}\n200,0,0\n",
+    ],
+)
+def test_what_would_be_lost_is_said_first(text: str, catalog: Catalog) -> None:
+    """The words around numbers were dropped in silence, and lines went into one cell each."""
+    assert isinstance(pasting.whole_tables(text, catalog, "standard"), str)
+
+
+def test_commands_of_latex_say_nothing(catalog: Catalog) -> None:
+    text = r"\begin{table}[h]\centering\begin{tabular}{cc} 0.1 & 0 \\ 0.3 & 1 \\ \end{tabular}\label{tab:dh}\end{table}"
+    assert pasting.whole_tables(text, catalog, "standard") == ()
+    assert pasting.cells_of(text) == [["0.1", "0"], ["0.3", "1"]]
+
+
+def test_a_text_that_is_cut_is_no_number(catalog: Catalog) -> None:
+    """The first thousand characters of a sum were read as all of it."""
+    text = "+1" * edits.LONGEST_TEXT
+    table = edits.with_cells(replace(THREE, convention="standard"), {(0, field): text for field in ("a", "alpha", "d")})
+    assert {problem.field for problem in read(table, catalog).errors if problem.row == 0} == {"a", "alpha", "d"}
 
 
 @pytest.mark.parametrize(

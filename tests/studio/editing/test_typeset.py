@@ -104,6 +104,7 @@ def test_a_table_of_a_paper(catalog: Catalog) -> None:
         ("0 –90\N{WHITE BULLET} 1", [["0", "–90\N{WHITE BULLET}", "1"]]),
         (r"0.1 & $\dfrac{\pi}{2}$ & $-2\pi$ \\", [["0.1", "pi/2", "-2*pi"]]),
         (r"0.1 & $\nicefrac{\pi}{2}$ & $-\sfrac{\pi}{4}$ \\", [["0.1", "pi/2", "-pi/4"]]),
+        (r"0.1 & $\boldsymbol{\pi}$ & \multirow{2}{*}{$q_{1}$} \\", [["0.1", "pi", "q_1"]]),
         (r"1 & \unknown{2} \\", [["1", r"\unknown2"]]),  # the reader names what it does not know
         ("-425 mm", [["-425 mm"]]),
         ("0.1 + 0.2\n0.3 + 0.4", [["0.1 + 0.2"], ["0.3 + 0.4"]]),

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 MOST_ROWS = 1000
 """Rows that a table of the studio may have."""
 LONGEST_TEXT = 1000
-"""Characters of one cell; what is longer is cut, and the reader will say what it thinks of it."""
+"""Characters of one cell; what is longer is cut, with a sign that no reader takes for a number."""
 NEW_JOINT = re.compile(r"joint_\d+")
 """A name that the studio itself has given."""
 """Fields that do not begin a row: names and types are filled in before a person begins."""
@@ -24,7 +24,8 @@ _UNWRITABLE = re.compile(r"[^\t\x20-\x7e\xa0-\u2027\u202a-\ud7ff\ue000-\ufffd\U0
 
 def clean(text: str) -> str:
     """A text as a cell can hold it: one line, without characters that no text file has."""
-    return _UNWRITABLE.sub(" ", text).strip()[:LONGEST_TEXT]
+    line = _UNWRITABLE.sub(" ", text).strip()
+    return line if len(line) <= LONGEST_TEXT else f"{line[: LONGEST_TEXT - 1]}…"
 
 
 def with_cell(table: TableText, row: int, field: str, text: str) -> TableText:

@@ -20,7 +20,9 @@ if TYPE_CHECKING:
 
 _DECIMAL_COMMA = re.compile(r"[+-]?\d+,\d+")
 _DECIMAL_POINT = re.compile(r"\d\.\d")
-_KEY = re.compile(r"[A-Za-z_]\w*:(?:\s|$)")
+_IN_GROUPS = re.compile(r"[+-]?[1-9]\d{0,2}(?:,\d{3})+")
+"""A number whose commas may separate thousands: the reader asks which."""
+_YAML = re.compile(r"(?:---\s*\n)?\s*(?:(?:- +)?(?:\{\s*)?[A-Za-z_]\w*:(?:\s|$)|\[?\s*\{)")
 """How a YAML table begins; JSON, which is YAML, begins with a brace."""
 _CODE = re.compile(
     r"(?:[=\[]\s*(?:Link|Revolute|Prismatic)|\b(?:(?:Revolute|Prismatic)M?DH|SerialLink|DHRobot|rigidBodyJoint))\s*\("
@@ -53,23 +55,24 @@ class Put:
 def cells_of(text: str) -> list[list[str]]:
     """The cells of a pasted text, line by line: of LaTeX or Markdown, or with tabs, semicolons or commas between them.
 
-    Decimal commas become points where no number has a point. A comma is a separator only where nothing else is, and
-    where every line has as many of them.
+    Decimal commas become points where no number has a point, and one of the commas can separate no thousands. A comma
+    is a separator only where nothing else is, and where every line has as many of them.
     """
-    lines = text.replace("\r\n", "\n").rstrip("\n").split("\n")
-    if any("\t" in line for line in lines):
-        rows = _split(lines, "\t")
-    elif found := typeset(text):
+    lines = re.sub("\r\n?", "\n", text).rstrip("\n").split("\n")
+    if found := typeset(text):
         rows = found.rows
+    elif any("\t" in line for line in lines):
+        rows = _split(lines, "\t")
     elif any(";" in line for line in lines):
         rows = _split(lines, ";")
-    elif (commas := {line.count(",") for line in lines}) != {0} and len(commas) == 1 and not _decimal(lines):
-        rows = _split(lines, ",")
     else:
-        rows = _split(lines, "\t")
+        rows = _split(lines, ",")
+        if len({len(row) for row in rows}) > 1 or _decimal(lines):
+            rows = _split(lines, "\t")
     stripped = [[cell.strip() for cell in row] for row in rows]
     every = [cell for row in stripped for cell in row]
-    if any(map(_DECIMAL_COMMA.fullmatch, every)) and not any(map(_DECIMAL_POINT.search, every)):
+    commas = [cell for cell in every if _DECIMAL_COMMA.fullmatch(cell)]
+    if not all(map(_IN_GROUPS.fullmatch, commas)) and not any(map(_DECIMAL_POINT.search, every)):
         return [
             [_DECIMAL_COMMA.sub(lambda found: found[0].replace(",", "."), cell) for cell in row] for row in stripped
         ]
@@ -119,10 +122,10 @@ def whole_tables(text: str, catalog: Catalog, convention: str = "") -> tuple[Ope
             "dh2urdf.from_roboticstoolbox(robot).to_csv('arm.csv') and open that file"
         )
     text = _uncommented(text)
-    first = next((line for line in text.splitlines() if line.strip() and not line.lstrip().startswith("#")), "")
+    lines = [line for line in text.splitlines() if line.strip() and not line.lstrip().startswith("#")]
     shown = typeset(text)
-    is_yaml = not shown and (_KEY.match(first) is not None or text.lstrip().startswith("{"))
-    if not is_yaml and not has_header(text):
+    is_yaml = not shown and _YAML.match("\n".join(lines)) is not None
+    if not is_yaml and not has_header(text) and not (shown and shown.says_more):
         return ()
     if shown:
         text = shown.as_csv()
@@ -149,7 +152,10 @@ def has_header(text: str) -> bool:
     lines = [line for line in text.splitlines() if line.strip()]
     if lines and lines[0].lstrip().startswith("#"):
         return True
+    lines = [line for line in lines if not line.lstrip().startswith("#")]
     rows = cells_of("\n".join(lines))
+    if all(len(row) == 1 for row in rows):  # some lines have more commas than others: the reader says which
+        rows = [[cell.strip() for cell in row] for row in _split(lines, ",")]
     widest = 0
     for row, below in pairwise(rows[: MOST_HEADERS + 1]):
         if not all(_is_word(cell) or not cell for cell in row):

@@ -15,6 +15,9 @@ _ARGUMENTS = late_pattern(r"\s*(?:\[[^]]*\]|\{(?:[^{}]|\{[^{}]*\})*\})*")
 _RULES = late_pattern(r"\\(?:(?:top|mid|bottom)rule|hline|addlinespace|c(?:mid)?(?:rule|line)(?:\([^)]*\))?\{[^}]*\})")
 _COMMENT = late_pattern(r"(?<!\\)%.*")
 _NEW_ROW = late_pattern(r"(?:\\\\|\\tabularnewline)(?:\s*\[-?[\d.]+ *[a-z]+\])?")
+_COMMAND = late_pattern(
+    r"\\(?:(?:begin|end|label|vspace|hspace|footnotesize|small)\*?(?:\[[^]]*\])?\{[^}]*\}(?:\[[^]]*\])?|[A-Za-z]+)"
+)
 _CELL = late_pattern(r"(?<!\\)&")
 _BAR = late_pattern(r"(?<!\\)\|")
 _RULE = late_pattern(r"\|?(?:\s*:?-+:?\s*\|)+\s*(?::?-+:?)?\s*")
@@ -67,8 +70,8 @@ _SIUNITX = {
 _FORMULAS = tuple(
     (late_pattern(pattern), plain)
     for pattern, plain in (
-        (r"\\multicolumn\{[^{}]*\}\{[^{}]*\}\{([^{}]*)\}", r"\1"),
-        (r"\\(?:text|mathrm|mathbf|mathit|textbf|textit|texttt|mbox)\{((?:\\.|[^{}])*)\}", r"\1"),
+        (r"\\multi(?:column|row)\{[^{}]*\}\{[^{}]*\}\{((?:[^{}]|\{[^{}]*\})*)\}", r"\1"),
+        (r"\\(?:text|mbox|boldsymbol|bm|emph|(?:math|text)(?:rm|bf|it|sf|tt))\{((?:\\.|[^{}])*)\}", r"\1"),
         (r"\\(?:[dts]|nice)?frac\{(-?[\w.\\]+)\}\{([\w.\\]+)\}", r"\1/\2"),
         (r"\\(?:[dts]|nice)?frac\{([^{}]*)\}\{([^{}]*)\}", r"(\1)/(\2)"),
         *((rf"\\(?:{macro})(?![a-z])", unit) for macro, unit in _SIUNITX.items()),
@@ -100,6 +103,11 @@ class Typeset(NamedTuple):
     rows: list[list[str]]
     around: str = ""
 
+    @property
+    def says_more(self) -> bool:
+        """Whether words are around the table, commands of LaTeX aside."""
+        return any(map(str.isalpha, _COMMAND.sub("", self.around)))
+
     def as_csv(self) -> str:
         """The table as the reader of CSV files takes it, with tabs, and with what the text around it declares."""
         titles = list(takewhile(lambda row: sum(map(bool, row)) == 1 < len(row), self.rows[:-1]))
@@ -127,12 +135,14 @@ def typeset(text: str) -> Typeset | None:
     every = text.translate(_BOX).splitlines()
     comments = [line for line in every if line.lstrip().startswith("#")]  # or headings of Markdown
     lines = [line for line in every if not line.lstrip().startswith("#")]
-    if array := _ARRAY.fullmatch("\n".join(every)):
+    if "{" not in (code := "\n".join(every)) and (array := _ARRAY.fullmatch(code)):
         found = Typeset(_array(array[1]))
     elif any(map(_CELL.search, lines)) and ("\\\\" in text or "\\begin{" in text):
         found = _latex("\n".join(lines))
     elif any(line.strip().startswith("|") for line in lines) or _ruled(lines):
         found = _markdown(lines)
+    elif any("\t" in line.strip() for line in lines):
+        found = _tabbed(lines)
     else:
         found = _spaced([line.strip() for line in lines if line.strip() and not _LINES.fullmatch(line)])
     return found._replace(around="\n".join([*comments, found.around])) if found.rows else None
@@ -181,6 +191,21 @@ def _unmarked(cell: str) -> str:
     return cell
 
 
+def _tabbed(lines: list[str]) -> Typeset:
+    """The table of lines with tabs between the cells and sentences above or below.
+
+    Without such sentences it has no rows: the reader of CSV files reads the text as it is.
+    """
+    tabbed = [number for number, line in enumerate(lines) if "\t" in line]
+    first, last = tabbed[0], tabbed[-1] + 1
+    around = [line for line in (*lines[:first], *lines[last:]) if line.strip()]
+    are_sentences = around and all(len(line.split()) > 1 for line in around)
+    if not are_sentences or any('"' in line for line in lines):  # a cell in quotes may have several lines
+        return Typeset([])
+    rows = [[cell.strip() for cell in line.split("\t")] for line in lines[first:last] if line.strip()]
+    return Typeset(rows, "\n".join(around))
+
+
 def _spaced(lines: list[str]) -> Typeset:
     """The table of lines with spaces between the cells; without rows where it is none, or its cells could be others.
 
@@ -193,8 +218,10 @@ def _spaced(lines: list[str]) -> Typeset:
         if not of_numbers:
             continue
         first, last = of_numbers[0], of_numbers[-1] + 1
-        if first and len(rows[first - 1]) == len(rows[first]) and not any(map(_NUMBER.fullmatch, rows[first - 1])):
-            first -= 1
+        if first and not any(map(_NUMBER.fullmatch, head := rows[first - 1])):
+            if len(head) == len(rows[first]) - 1:  # as pandas prints it, without a word above the names of the rows
+                rows[first - 1] = head = ["", *head]
+            first -= len(head) == len(rows[first])
         table, around = rows[first:last], [*rows[:first], *rows[last:]]
         is_table = last - of_numbers[0] == len(of_numbers) and len({len(row) for row in table}) == 1
         counts = [(len(row), sum(map(bool, map(_NUMBER.fullmatch, row)))) for row in around]

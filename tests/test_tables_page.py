@@ -30,10 +30,11 @@ from dh2urdf.quantities import UNITS, functions as expression_functions, grammar
 from dh2urdf.rotations import RigidTransform
 from dh2urdf_plugins import readers
 from dh2urdf_plugins.readers import csv, parquet, xlsx, yaml
+from dh2urdf_plugins.readers.comments import declared, top
 from dh2urdf_plugins.readers.csv_file import header as csv_header
 from dh2urdf_plugins.readers.header import units as table_units, words as header_words
 from dh2urdf_plugins.readers.rows import cells as row_cells, rows
-from dh2urdf_plugins.readers.statements import csv_comments, plausibility, text, top
+from dh2urdf_plugins.readers.statements import plausibility, text
 from dh2urdf_plugins.readers.table import TableOptions
 from dh2urdf_plugins.readers.tables import tables
 from dh2urdf_plugins.readers.words import fields, names, other_words, unheld
@@ -656,7 +657,7 @@ def test_every_function_and_constant_is_in_the_page() -> None:
 
 def test_every_statement_is_in_the_page(read: Callable[..., Outcome]) -> None:
     """The keys of comment lines, each with an example that is accepted."""
-    assert [key for key, _ in TABLES["statements"]] == list(csv_comments.STATEMENTS)
+    assert [key for key, _ in TABLES["statements"]] == list(declared.STATEMENTS)
     other_form = "`# DH convention = modified`"
     assert other_form in TEXT
     for key, example in [*TABLES["statements"], ("convention", other_form)]:
@@ -760,7 +761,7 @@ def test_every_way_to_write_a_unit_in_a_header_is_read() -> None:
 CONSTANTS = {
     "characters in a line of a CSV file": (text, "MAX_LINE"),
     "characters in the header of a CSV file": (csv_header, "MAX_HEADER"),
-    "characters in a comment line with a statement": (csv_comments, "MAX_STATEMENT"),
+    "characters in a comment line with a statement": (declared, "MAX_STATEMENT"),
     "rows above the header that are no comments": (top, "MAX_TITLES"),
     "characters in a number or an expression": (expressions, "MAX_CHARACTERS"),
     "brackets inside each other in an expression": (expressions, "MAX_NESTING"),

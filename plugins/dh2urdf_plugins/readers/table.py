@@ -14,9 +14,9 @@ from dh2urdf.columns import ManipulatorGroups
 from dh2urdf.errors import TableError
 from dh2urdf.source import Mark
 from dh2urdf.table_text import CellRow
+from dh2urdf_plugins.readers.comments.top import read_top
 from dh2urdf_plugins.readers.options import TableOptions
 from dh2urdf_plugins.readers.rows.source import RowSource
-from dh2urdf_plugins.readers.statements.top import read_top
 from dh2urdf_plugins.readers.tables.cell_rows import CellRows
 from dh2urdf_plugins.readers.tables.row_table import RowTable
 from dh2urdf_plugins.readers.words.cells import Cell

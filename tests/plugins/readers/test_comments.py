@@ -53,6 +53,10 @@ ROWS = "a,alpha,d\n300,90,100\n"
         ",# units: mm/deg,,",
         '"# a table of mine\n# units: mm, deg",,',
         '"",""\n"# units: mm, deg",""',
+        *("# (Units: mm, degrees.)", "# Note: units -> mm, deg", "# 1 unit = 1 mm, 1 angle unit = 1°"),
+        *("# One unit equals one mm; angles in degrees", "# a/mm, alpha/deg, d/mm", "# a [mm], alpha [deg], d [mm]"),
+        *("# standard DH convention, units: mm and degrees.", "# DH parameters (standard, mm, deg)"),
+        *("# convention: standard; units: mm, deg", "# Convention: standard DH (units mm/deg)", "# SDH - mm - deg"),
         "sep=,\n# units: mm, deg",
     ],
 )
@@ -119,6 +123,13 @@ def test_a_name_in_quotes_is_read_as_yaml(comment: str, name: str, read_one: Cal
         ("# notation: Craig", Convention.MODIFIED),
         ("# DH: classic", Convention.STANDARD),
         ('"# convention: standard",,,', Convention.STANDARD),
+        ("# Modified DH parameters", Convention.MODIFIED),
+        ("# (D-H parameters, modified form)", Convention.MODIFIED),
+        ("# Denavit\N{EN DASH}Hartenberg according to Craig, units: m.", Convention.MODIFIED),
+        ("# DH modifiée", Convention.MODIFIED),
+        ("# MDH; m; rad", Convention.MODIFIED),
+        ("# convention: Craig, lengths in m", Convention.MODIFIED),
+        ("# Standard DH convention, units: meters.", Convention.STANDARD),
     ],
 )
 def test_the_convention_of_a_comment_holds(
@@ -145,7 +156,7 @@ def test_the_convention_of_a_comment_holds(
         ("# tool length: 0.1", "did you mean 'tool'?"),
         ("# d_tool = 100 mm", "did you mean 'tool'?"),
         ("# Base height: 0.3", "did you mean 'base'?"),
-        ("# convention: standard; units: mm, deg", "says more than the convention: 'standard; units: mm, deg'"),
+        ("# convention: standard; name: ur5", "says more than the convention: 'standard; name: ur5'"),
         ("# joint 1 is prismatic", "the table has no types"),
         ("# Schubgelenk", "the table has no types"),
         ("# joint types: [R, P]", "the table has no types"),
@@ -347,7 +358,6 @@ def test_prose_about_a_joint_that_slides_is_refused_where_no_joint_has_a_type(
             "수정 DH",
             "модифицированные параметры ДХ",
             "DH modificado",
-            "DH modifiée",
             "modified",
         ),
         *("T_i = Rx(α)·Tx(a)·Rz(θ)·Tz(d)", "A = Rot(x,alpha) Trans(x,a) Rot(z,theta) Trans(z,d)", "Rx Tx Rz Tz"),
@@ -472,3 +482,68 @@ def test_prose_about_another_unit_than_the_declared_one_is_noticed(
     arm = read_one(f"{line}\n# units: {{length: m, angle: rad}}\na,alpha,d\n0.3,0,0.1\n")
     (notice,) = arm.notices
     assert notice.message.startswith(f"this comment mentions {unit}, and")
+
+
+@pytest.mark.parametrize(
+    ("comment", "said"),
+    [
+        ("all angles are in degrees unless noted", "this comment mentions deg"),
+        ("UR5e, standard DH, mm, deg", "this comment mentions deg"),
+        ("UR5e - joint angles - deg", "this comment mentions deg"),
+        ("UR5e DH table (Kuka, mm, deg)", "this comment mentions mm"),
+        ("a/mm alpha/deg", "this comment mentions mm"),
+        ("imperial units", "this comment mentions in"),
+    ],
+)
+def test_a_unit_in_prose_is_seen_behind_other_words(
+    comment: str, said: str, read: Callable[..., list[Manipulator | Rejected]]
+) -> None:
+    """It was passed over: the arm was in m and rad, without a word."""
+    with pytest.raises(TableError, match=said):
+        read(f"# {comment}\na,alpha,d\n0.3,0,0.1\n", convention="standard")
+
+
+@pytest.mark.parametrize("comment", ["1 unit = 10 mm", "1 LU = 1 mm", "scale: 1 = 1 mm", "scale 1:1000"])
+def test_a_scale_is_noticed(comment: str, read_one: Callable[..., Manipulator]) -> None:
+    """It was passed over, where it is not a unit."""
+    (notice,) = read_one(f"# {comment}\na,alpha,d\n0.3,0,0.1\n").notices
+    assert "is a comment, and nothing is read from it" in notice.message
+
+
+@pytest.mark.parametrize(
+    "comment", ["units: mm", "1 unit = 1 mm", "MDH; m; deg", "All units in mm/deg", "DH (standard, mm, deg)"]
+)
+def test_what_a_comment_in_yaml_declares_has_to_be_a_key(
+    comment: str, read: Callable[..., list[Manipulator | Rejected]]
+) -> None:
+    """Some phrases, which a CSV declares units with, were passed over there."""
+    (arm,) = read(f"# {comment}\nconvention: standard\njoints: [{{a: 0.3, alpha: 0, d: 0}}]\n", ".yaml")
+    assert not isinstance(arm, Manipulator)
+    assert any((problem.accepted or "").startswith("`units: {") for problem in arm.problems)
+
+
+def test_the_convention_of_prose_is_in_the_error_that_none_is_declared(
+    read: Callable[..., list[Manipulator | Rejected]],
+) -> None:
+    """With the line to write; a column of conventions decides."""
+    comment = "# the modified DH parameters of my left arm\n"
+    with pytest.raises(TableError, match="if it means this table, write `# convention: modified`"):
+        read(f"{comment}a,alpha,d\n0.3,0,0.1\n")
+    (arm,) = read(f"{comment}convention,a,alpha,d\nstandard,0.3,0,0.1\n")
+    assert isinstance(arm, Manipulator)
+    (rejected,) = read(f"{comment}joints: [{{a: 0.3, alpha: 0, d: 0}}]\n", ".yaml")
+    assert not isinstance(rejected, Manipulator)
+    assert ["write `convention: modified`" in str(problem) for problem in rejected.problems] == [True]
+
+
+def test_a_header_in_a_comment_above_the_header_declares_its_units(
+    read: Callable[..., list[Manipulator | Rejected]],
+) -> None:
+    """The header itself was refused as that of another table. One that names the link before still is."""
+    (arm,) = read("# i, a [mm], alpha [deg], d [mm]\n\ni,a,alpha,d\n1,300,90,100\n", convention="standard")
+    assert isinstance(arm, Manipulator)
+    assert (arm.rows[0].a, arm.rows[0].alpha) == (0.3, pytest.approx(1.5707963267948966))
+    with pytest.raises(TableError, match="this comment mentions cm"):
+        read("# a [cm], alpha [rad], d [m]\na,alpha,d\n0.3,0,0.1\n", convention="standard")
+    (rejected,) = read("# a_{i-1}, alpha_{i-1}, d\na,alpha,d\n0.3,0,0.1\n", convention="modified")
+    assert "is the header of another table" in str(rejected.problems[0])

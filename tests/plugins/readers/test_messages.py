@@ -947,7 +947,7 @@ CASES = [
         "another convention in prose",
         ".csv",
         {"convention": "standard"},
-        "# modified DH parameters (Craig)\njoint,a,alpha,d\nj1,0,0,0.1\n",
+        "# from modified DH parameters (Craig)\njoint,a,alpha,d\nj1,0,0,0.1\n",
         "arm.csv:1: notice: manipulator 'arm', field 'convention': this comment speaks of the modified convention, and the table is read as standard\n"
         "    if it means this table, write `# convention: modified`",
     ),

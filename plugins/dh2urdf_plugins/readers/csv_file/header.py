@@ -12,14 +12,14 @@ from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.patterns import late_pattern
 from dh2urdf.source import Mark, Problem, shown
 from dh2urdf.table_text import REQUIRED, STATEMENTS, CellRow
+from dh2urdf_plugins.readers.comments.top import MAX_TITLES, is_header
 from dh2urdf_plugins.readers.header.columns import TURN_ROUND, are_joints
 from dh2urdf_plugins.readers.header.words import read_header
-from dh2urdf_plugins.readers.statements.top import MAX_TITLES, is_header
 from dh2urdf_plugins.readers.words.cells import SPACES
 from dh2urdf_plugins.readers.words.comment_lines import as_typed, is_comment, is_open, is_quoted, without_marker
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Sequence
+    from collections.abc import Callable, Iterable, Iterator, Sequence
 
 DELIMITERS = {",": "comma", ";": "semicolon", "\t": "tab"}
 MAX_HEADER = 100_000
@@ -32,11 +32,18 @@ _EMPTY = SPACES + "".join(DELIMITERS) + '"'
 _EXCEL_SEPARATOR = late_pattern(r'\s*"?sep=(.)"?[\s,;]*', re.IGNORECASE)  # Excel's own way to name the delimiter
 
 
-def top_rows(lines: Iterable[str], file: str) -> Iterator[tuple[CellRow, str | None]]:
+def top_rows(
+    lines: Iterable[str], file: str, ahead: Callable[[], Sequence[str]]
+) -> Iterator[tuple[CellRow, str | None]]:
     """The lines above the header and the header with its delimiter: comments of one cell each, and titles in cells.
 
-    The header is the first line that names two of a, alpha, d and theta. Where no line does, it is the line that is
-    most like one, so that a message can say what it lacks.
+    The header is the first line that names two of a, alpha, d and theta; one in a comment, unless a header is below it.
+    Where no line does, it is the line that is most like one, so that a message can say what it lacks.
+
+    Args:
+        lines: the lines of the file.
+        file: the file.
+        ahead: returns the lines that follow the one that was read last.
 
     Raises:
         TableError: there is no header.
@@ -56,7 +63,11 @@ def top_rows(lines: Iterable[str], file: str) -> Iterator[tuple[CellRow, str | N
         comment = is_comment(line, top=True)
         header = _header_in(line) if comment else line
         found = delimiter or delimiter_of(header)
-        if found and is_header(row := _cells(header, number, file, found)):
+        if (
+            found
+            and is_header(row := _cells(header, number, file, found))
+            and not (comment and _explains_header(line, row_below(ahead(), number, file, found)))
+        ):
             if not comment and _is_cut(line):
                 raise TableError(_open_header(first, number, file))
             yield from ((above, None) for above in _above(held, file, found))
@@ -75,6 +86,11 @@ def top_rows(lines: Iterable[str], file: str) -> Iterator[tuple[CellRow, str | N
         raise TableError(_no_header(likely.text, likely.number, file, [title.text for title in titles]))
     yield from ((above, None) for above in _above(held[: held.index(likely)], file, found))
     yield _cells(likely.text, likely.number, file, found), found
+
+
+def _explains_header(comment: str, below: tuple[CellRow, int] | None) -> bool:
+    """Whether a header in a comment is above the header itself, and only explains it: it names no link before."""
+    return "1" not in comment and below is not None and is_header(below[0])
 
 
 def _header_in(comment: str) -> str:

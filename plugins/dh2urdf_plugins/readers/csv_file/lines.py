@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, NoReturn
 
 from dh2urdf.errors import SCREENFUL, TableError
 from dh2urdf.source import Mark, Problem, shown
+from dh2urdf_plugins.readers.comments.declared import comment_below
 from dh2urdf_plugins.readers.csv_file.header import starts_of
-from dh2urdf_plugins.readers.statements.csv_comments import comment_below
 from dh2urdf_plugins.readers.statements.text import line_blocks
 from dh2urdf_plugins.readers.words.cells import SPACES
 from dh2urdf_plugins.readers.words.comment_lines import (
@@ -61,7 +61,7 @@ class CsvLines:
         """The lines as they are, one by one: the top of the file."""
         for block in self.blocks:
             self.rest = iter(block)
-            for line in self.rest:
+            while (line := next(self.rest, None)) is not None:
                 self.number += 1
                 yield line
 

@@ -53,7 +53,7 @@ class CsvRows:
 
     def __iter__(self) -> Iterator[CellRow]:
         """The rows down to the header."""
-        for row, delimiter in top_rows(self.lines, self.lines.file):
+        for row, delimiter in top_rows(self.lines, self.lines.file, self.lines.ahead):
             self.delimiter = delimiter or self.delimiter
             yield row
 

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING
 from dh2urdf.errors import InputError
 from dh2urdf.source import Mark, Problem
 from dh2urdf.table_text import FIELDS, Place, TableText, WrittenTable, yaml_word
+from dh2urdf_plugins.readers.comments.top import read_top
 from dh2urdf_plugins.readers.csv_file.rows import CsvRows
-from dh2urdf_plugins.readers.statements.top import read_top
 from dh2urdf_plugins.readers.tables.cell_groups import GroupError, split_cell
 from dh2urdf_plugins.readers.words.cells import SPACES, text_of
 from dh2urdf_plugins.readers.words.comment_lines import SIGNS

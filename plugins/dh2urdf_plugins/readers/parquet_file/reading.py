@@ -20,6 +20,8 @@ from dh2urdf.errors import MissingDependencyError, TableError
 from dh2urdf.patterns import late_pattern
 from dh2urdf.source import Mark, Problem, did_you_mean, shown
 from dh2urdf.table_text import METADATA, STATEMENTS, CellRow
+from dh2urdf_plugins.readers.comments.declared import MAX_STATEMENT
+from dh2urdf_plugins.readers.comments.phrases import unit_of_measure
 from dh2urdf_plugins.readers.header.header_rows import completed
 from dh2urdf_plugins.readers.header.words import read_header
 from dh2urdf_plugins.readers.parquet_file.columns import (
@@ -34,8 +36,6 @@ from dh2urdf_plugins.readers.parquet_file.columns import (
     unread,
     with_unit,
 )
-from dh2urdf_plugins.readers.statements.comment_phrases import unit_of_measure
-from dh2urdf_plugins.readers.statements.csv_comments import MAX_STATEMENT
 from dh2urdf_plugins.readers.table import TableOptions, read_table_columns
 
 if TYPE_CHECKING:

@@ -1,1 +1,1 @@
-"""What a table states besides its rows: base, tool, payload, shapes, comments."""
+"""What a table states besides its rows: base, tool, payload and shapes."""

@@ -40,9 +40,9 @@ if TYPE_CHECKING:
     from dh2urdf.documents import Node
     from dh2urdf.provenance import Trace
     from dh2urdf.source import Mark
+    from dh2urdf_plugins.readers.comments.top import Top
     from dh2urdf_plugins.readers.options import TableOptions
     from dh2urdf_plugins.readers.rows.source import Row, RowSource
-    from dh2urdf_plugins.readers.statements.top import Top
     from dh2urdf_plugins.readers.words.cells import Value
     from dh2urdf_plugins.readers.words.comment_lines import Comment
 
@@ -150,7 +150,7 @@ class RowTable:
         """
         problems: list[Problem] = []
         for comment in comments:
-            from dh2urdf_plugins.readers.statements.judged_comments import comment_problems
+            from dh2urdf_plugins.readers.comments.judged import comment_problems
 
             problems += comment_problems(comment, self.statements, self.columns, below=below)
         slides = [] if self.has_type else [problem for problem in problems if problem.field == "type"]

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 from dh2urdf.errors import MissingDependencyError, TableError
 from dh2urdf.source import Mark, Problem, did_you_mean, listed, shown
 from dh2urdf.stages import Rejected
-from dh2urdf_plugins.readers.statements.top import find_header
+from dh2urdf_plugins.readers.comments.top import find_header
 from dh2urdf_plugins.readers.table import read_table
 from dh2urdf_plugins.readers.words.cells import Cell
 

@@ -73,8 +73,8 @@ def judge_comments(
     for number, line in lines:
         if "#" not in line or found >= _MAX_COMMENTS or (position := _start(line)) is None:
             continue
-        from dh2urdf_plugins.readers.statements.comment_phrases import in_other_words, units_beside
-        from dh2urdf_plugins.readers.statements.judged_comments import types_elsewhere, unread_prose
+        from dh2urdf_plugins.readers.comments.judged import types_elsewhere, unread_prose
+        from dh2urdf_plugins.readers.comments.prose import in_other_words, units_beside
 
         found += 1
         before = line[:position].strip()

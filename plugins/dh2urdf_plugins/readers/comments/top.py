@@ -13,10 +13,10 @@ from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.patterns import late_pattern
 from dh2urdf.source import Mark, Problem, listed, shown
 from dh2urdf.table_text import STATEMENTS
+from dh2urdf_plugins.readers.comments.declared import is_statement_key, name_said, statements_in
 from dh2urdf_plugins.readers.header.columns import TURN_ROUND, Columns, are_joints, name_columns
 from dh2urdf_plugins.readers.header.header_rows import headers_in, join_headers, text_in
 from dh2urdf_plugins.readers.header.words import read_header
-from dh2urdf_plugins.readers.statements.csv_comments import is_statement_key, name_said, statement
 from dh2urdf_plugins.readers.words.cells import SPACES
 from dh2urdf_plugins.readers.words.comment_lines import Comment, is_comment, joined
 from dh2urdf_plugins.readers.words.fields import convention_of
@@ -136,16 +136,14 @@ class _TopReader:
         comment = Comment.of(text, row.mark)
         if not is_comment(text, top=True):
             _refuse_other_comment(text, row.mark)
-        found = statement(comment)
-        if found is None:
+        found = statements_in(comment)
+        if not found:
             self.comments.append(comment)
             if not is_comment(text, top=True):
                 self.titles.append(row)
-            return
-        key, node = found
-        if key == "name" and not self._is_name(comment):
-            return
-        self.said[key] = _both(key, self.said[key], node) if key in self.said else node
+        for key, node in found.items():
+            if key != "name" or self._is_name(comment):
+                self.said[key] = _both(key, self.said[key], node) if key in self.said else node
 
     def _is_name(self, comment: Comment) -> bool:
         """Whether a comment that says a name is the one that holds: `name`, or else the first of the others."""
@@ -170,7 +168,7 @@ def _refuse_other_comment(text: str, mark: Mark) -> None:
         TableError: it is such a comment.
     """
     match = _OTHER_COMMENT.match(text)
-    if match and statement(Comment.of(text[match.end() :], mark)):
+    if match and statements_in(Comment.of(text[match.end() :], mark)):
         message = f"{shown(text)} is no comment here, and says nothing"
         raise TableError(Problem(message=message, mark=mark, found=text, suggestion="a comment begins with #"))
 

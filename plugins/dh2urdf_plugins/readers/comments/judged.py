@@ -12,17 +12,17 @@ from typing import TYPE_CHECKING
 from dh2urdf.manipulator import JointType
 from dh2urdf.patterns import late_pattern
 from dh2urdf.source import Problem, shown
-from dh2urdf_plugins.readers.header.units import SI
-from dh2urdf_plugins.readers.rows.names import speaks_of_slide
-from dh2urdf_plugins.readers.statements.comment_phrases import prose_problems
-from dh2urdf_plugins.readers.statements.csv_comments import (
+from dh2urdf_plugins.readers.comments.declared import (
     EXAMPLES,
     below_header,
     placement_of,
-    statement,
+    statements_in,
     unread_values,
     words_under_key,
 )
+from dh2urdf_plugins.readers.comments.prose import prose_problems
+from dh2urdf_plugins.readers.header.units import SI
+from dh2urdf_plugins.readers.rows.names import speaks_of_slide
 from dh2urdf_plugins.readers.statements.statements import Statements
 from dh2urdf_plugins.readers.words.comment_lines import Comment, is_comment
 from dh2urdf_plugins.readers.words.fields import convention_of, joint_type
@@ -78,13 +78,14 @@ _UNREAD = late_pattern(
     r"|10\s*(?:\^|\*\*|(?=[⁻⁺⁰¹²³⁴-⁹]))|[x×*]\s*10{1,6}\b"
     r"|(?:multiplied|divided|scaled) by|(?:multiples|units) of (?:pi|π)"
     r"|(?:θ|theta|th)\w{0,3}\W{0,3}=\s*[-−]?\s*q\w{0,3}\s*[-+−]\s*(?:[0-9]|pi|π)"
-    r"|revers\w+ order",
+    r"|revers\w+ order|(?<![^\W_])(?:1|one)\s+[^\W\d]{1,12}\s*(?:=|≙|equals)\s*[0-9.]"
+    r"|(?<![^\W_])(?:scale|scaling|scaled|ma(?:ß|ss)stab|[ée]chelle|escala|scala)(?![^\W_])[^.;]{0,24}[0-9]",
     re.IGNORECASE,
 )
 """What prose adds to joints or to all numbers, and no comment can: ``θ2 = q2 - 90°``, ``all × 10⁻³``."""
 _IN_UNREAD = (
-    "= 10 multipl divided scaled units fixed locked coupled mimic reversed inverted opposite negative positive "  # noqa: SIM905
-    "negated horizontal vertical absolute offset shift versatz calage desfase revers".split()
+    "= 10 multipl divided units fixed locked coupled mimic reversed inverted opposite negative positive "  # noqa: SIM905
+    "negated horizontal vertical absolute offset shift versatz calage desfase revers scal ≙ equals stab chelle".split()
 )
 """What such prose has at least one of: most comments have none, and need no search."""
 _BOUNDS = late_pattern(
@@ -130,11 +131,12 @@ def comment_problems(
     """
     prose, typed = prose_problems(comment, statements, columns), "type" in columns.fields
     if below and not is_comment(comment.line):
-        said = statement(comment)
-        if said is None:
+        said = statements_in(comment)
+        if not said:
             return prose + types_elsewhere(comment, typed=typed)
-        return [] if said[0] == "name" or _holds(*said, statements, columns) else [below_header(comment)]
-    problems = [below_header(comment)] if below and prose and statement(comment) else prose
+        holds = all(key == "name" or _holds(key, node, statements, columns) for key, node in said.items())
+        return [] if holds else [below_header(comment)]
+    problems = [below_header(comment)] if below and prose and statements_in(comment) else prose
     problems = problems + types_elsewhere(comment, typed=typed)
     return problems + (unread_values(comment) or unread_prose(comment, statements))
 

@@ -14,13 +14,6 @@ from dh2urdf.quantities import Dimension, QuantityError, evaluate
 from dh2urdf.source import Problem, shown
 from dh2urdf.table_text import STATEMENTS
 from dh2urdf_plugins.readers.header.words import one_slip, read_header
-from dh2urdf_plugins.readers.statements.comment_phrases import (
-    convention_in_prose,
-    convention_said,
-    mentioned_units,
-    unit_of_measure,
-    units_said,
-)
 from dh2urdf_plugins.readers.words.comment_lines import Comment, within
 from dh2urdf_plugins.readers.words.fields import convention_of
 from dh2urdf_plugins.readers.words.word_keys import without_separators
@@ -100,8 +93,8 @@ _MAPPING = late_pattern(r"\s*\{[^,]*:")
 """The beginning of units as YAML, whose places are those of the file; words are put into such a form first."""
 
 
-def statement(comment: Comment) -> tuple[str, Node] | None:
-    """What a comment says, as a key and the YAML value behind it; None where it is only a comment.
+def statements_in(comment: Comment) -> dict[str, Node]:
+    """What a comment says, the YAML values by their keys; nothing where it is only a comment.
 
     Raises:
         TableError: it is a misspelt key, a key of something that nothing reads, or the value is not YAML.
@@ -112,17 +105,23 @@ def statement(comment: Comment) -> tuple[str, Node] | None:
     if (not match or key not in STATEMENTS or key == "name") and (name := name_said(comment)):
         from dh2urdf.table_text import yaml_word
 
-        return "name", _node(comment, yaml_word(name))
-    if match and key in STATEMENTS:
-        value = text[match.end() :]
-        if key != "units" or _MAPPING.match(value) or not units_said(value):
-            return key, _value(comment, key, match.end())
-    if (found := _phrase(comment)) is not None:
-        return found
-    if match and (near := next((word for word in STATEMENTS if one_slip(key, word)), None)):
+        return {"name": _node(comment, yaml_word(name))}
+    is_statement = match and key in STATEMENTS
+    if match and is_statement and not _may_be_phrase(key, text[match.end() :]):
+        return {key: _value(comment, key, match.end())}
+    found = _phrase(comment)
+    if match and is_statement and key not in found:
+        return {key: _value(comment, key, match.end())}
+    if match and not found and (near := next((word for word in STATEMENTS if one_slip(key, word)), None)):
         _refuse(comment, match[1], match.start(1), ", ".join(STATEMENTS), f"did you mean {near!r}?")
-    _refuse_unread(comment)
-    return None
+    if not found:
+        _refuse_unread(comment)
+    return found
+
+
+def _may_be_phrase(key: str, value: str) -> bool:
+    """Whether a statement may be in words, and may say more than its key: ``convention: standard, units: mm``."""
+    return (key == "units" and not _MAPPING.match(value)) or (key == "convention" and not convention_of(value))
 
 
 def is_statement_key(key: str) -> bool:
@@ -145,6 +144,8 @@ def name_said(comment: Comment) -> str | None:
     entry = _entry(comment)
     if entry is None or _field_name(entry[1]) != "robot" or _STRUCTURED.match(entry[2].strip()):
         return None
+    from dh2urdf_plugins.readers.comments.prose import convention_in_prose, mentioned_units
+
     if mentioned_units(entry[2]) or convention_in_prose(entry[2]):
         return None
     value = entry[2].strip()
@@ -161,7 +162,7 @@ def comment_below(line: str, place: Mark) -> Comment:
     """
     comment = Comment.of(line, place)
     match = _STATEMENT.match(comment.text)
-    if match and match[1].casefold() in STATEMENTS and statement(comment):
+    if match and match[1].casefold() in STATEMENTS and statements_in(comment):
         raise TableError(below_header(comment))
     return comment
 
@@ -175,17 +176,18 @@ def below_header(comment: Comment) -> Problem:
     )
 
 
-def _phrase(comment: Comment) -> tuple[str, Node] | None:
-    """The units or the convention that a comment says in words."""
+def _phrase(comment: Comment) -> dict[str, Node]:
+    """The units and the convention that a comment says in words."""
+    from dh2urdf_plugins.readers.comments.phrases import declared, unit_of_measure
+
     entry = _entry(comment)
     text = _BULLET.sub("", comment.text) if comment.text.lstrip()[:1] in _BULLETS else comment.text
-    units = units_said(text) or (unit_of_measure(entry[1], entry[2]) if entry else None)
-    if units:
-        return "units", _node(comment, "{" + ", ".join(f"{key}: {unit}" for key, unit in units.items()) + "}")
-    convention = convention_said(comment.text)
-    if entry and convention is None and _is_convention_key(entry[1]):
-        convention = convention_of(entry[2])
-    return ("convention", _node(comment, str(convention))) if convention else None
+    found = declared(text)
+    if not found and entry and (unit := unit_of_measure(entry[1], entry[2])):
+        found = {"units": unit}
+    if not found and entry and _is_convention_key(entry[1]) and (convention := convention_of(entry[2])):
+        found = {"convention": str(convention)}
+    return {key: _node(comment, value) for key, value in found.items()}
 
 
 def _is_convention_key(key: str) -> bool:

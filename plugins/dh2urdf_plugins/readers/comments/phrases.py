@@ -1,0 +1,125 @@
+"""Phrases in comments that declare units, the convention or both: `MDH, lengths in mm, angles in degrees`.
+
+A phrase that consists of nothing but units, what they measure and the convention is a statement like
+`units: {length: mm}` and `convention: modified`. A comment with any other word is prose.
+"""
+
+from __future__ import annotations
+
+import unicodedata
+from typing import TYPE_CHECKING
+
+from dh2urdf.patterns import late_pattern
+from dh2urdf.quantities import UNITS, unit_word
+from dh2urdf_plugins.readers.header.units import KEY_OF
+from dh2urdf_plugins.readers.words.fields import CONVENTION_CHOICES, convention_of
+
+if TYPE_CHECKING:
+    from dh2urdf.manipulator import Convention
+    from dh2urdf.quantities import Unit
+
+_MEASURES = {
+    "length": "length lengths distance distances dimension dimensions translation translations linear länge längen "
+    "laenge laengen abmessungen longueur longueurs longitud longitudes lunghezza lunghezze",
+    "angle": "angle angles angular rotation rotations winkel ángulo ángulos angulo angulos angolo angoli",
+    "mass": "mass masses weight weights massen gewicht gewichte masa masas",
+    "inertia": "inertia inertias trägheit trägheiten trägheitsmomente inertie inerties inercia inercias inerzia",
+    "effort": "effort efforts torque torques moment momente drehmoment drehmomente couple couples par coppia coppie",
+    "velocity": "velocity velocities speed speeds geschwindigkeit geschwindigkeiten vitesse vitesses velocidad "
+    "velocidades velocità",
+}
+MEASURE_WORDS = {word: key for key, words in _MEASURES.items() for word in words.split()}
+FIELD_WORDS = {"a": "length", "r": "length", "d": "length", "alpha": "angle", "α": "angle"} | {
+    "theta": "angle",
+    "θ": "angle",
+}
+UNIT_WORDS = frozenset(
+    "unit units einheit einheiten unité unités unite unites unidad unidades unità unita uom".split()  # noqa: SIM905
+)
+FILLERS = frozenset(
+    "all the are is in given measured expressed and of with table value values number numbers every both as by for "  # noqa: SIM905
+    "alle alles sind ist und werte die der toutes tous les sont en et valeurs todas todos las los están están y "
+    "valores tutte tutti le gli i sono e valori everything parameters parameter link joint measurement "
+    "measurements used using use uses system here one each this note follows according to form".split()
+)
+_OF_CONVENTIONS = frozenset(
+    "dh denavit hartenberg convention konvention convención convencion convenzione notation mdh sdh".split()  # noqa: SIM905
+)
+"""Words that show that `standard`, or the name of an author, is the convention."""
+_NO_LETTERS = late_pattern(r"\bd-h\b|['\u2019]s\b")
+_PARTS = late_pattern(r"[-\u2010\u2011]")
+_BREAKS = late_pattern(r"[\s,;:=&()\[\]{}|\u2013\u2014\u2192\uff1a\uff0c]+|\.(?=\s|$)|->|(?<=\s)[-/](?=\s)")
+_BETWEEN_UNITS = late_pattern(r"(?<=[^\W\d_°])/(?=[^\W\d_°])|(?<=°)/|/(?=°)")
+_INCHES = late_pattern(r"\bin\b(?=\s*(?:[,;/)\]}&.]|and\b|$))")
+"""The unit, where another word would follow the preposition."""
+_ONE_UNIT = late_pattern(
+    r"\b(?:1|one|each|every|an?)\s+((?:(?:length|linear|angle|angular)\s+)?)(?:units?|einheit|unité|unidad|unità)\s*"
+    r"(?:=|:|\b(?:is|equals|means|represents|ist|est|es)\b)\s*(?:(?:1|one|an?)\b\s*|(?=1[^\W\d])1)"
+)
+"""A unit by what one of it is: ``1 unit = 1 mm``."""
+
+
+def declared(text: str) -> dict[str, str]:
+    """What a phrase declares that says nothing besides, by key, as YAML: the units, the convention, or both.
+
+    ``all lengths in mm, angles in degrees``, ``units [mm, deg]``, ``mm/deg``, ``1 unit = 1 mm``, ``modified DH
+    convention, units: mm``.
+    """
+    said: dict[str, str] = {}
+    named: set[Convention] = set()
+    fields, measured, is_convention = set[str](), set[str](), False
+    for word in () if is_prose(text) else _words(text):
+        if word in UNIT_WORDS or word in FILLERS:
+            continue
+        if key := MEASURE_WORDS.get(word) or FIELD_WORDS.get(word):
+            measured.add(key)
+            fields.update({word.replace("r", "a")} & {"a", "d"})
+            continue
+        unit = unit_called(word)
+        key = KEY_OF.get(unit.dimension) if unit else None
+        if unit and key:
+            if said.setdefault(key, unit.symbol) != unit.symbol:
+                return {}
+            continue
+        for part in _PARTS.split(word):
+            convention = None if part in ("dh", "denavit", "hartenberg") else convention_of(part)
+            if convention is None and part not in _OF_CONVENTIONS:
+                return {}
+            named |= {convention} if convention else set()
+            is_convention |= part in _OF_CONVENTIONS and word != text.casefold()  # `MDH` alone may be a name
+    if len(named) > 1 or (named and not is_convention) or not measured <= said.keys() or len(fields) == 1:
+        return {}
+    found = {"units": "{" + ", ".join(f"{key}: {unit}" for key, unit in said.items()) + "}"} if said else {}
+    return found | ({"convention": str(*named)} if named else {})
+
+
+def unit_of_measure(key: str, value: str) -> str | None:
+    """The unit that a key such as ``length_unit``, ``lengths`` or ``unit of angles`` declares, as YAML; or None."""
+    words = [word for word in _words(key.replace("_", " ").replace("-", " ")) if word not in FILLERS]
+    measures = [MEASURE_WORDS.get(word) for word in words if word not in UNIT_WORDS]
+    if len(measures) != 1 or measures[0] is None:
+        return None
+    said = declared(value)
+    return said["units"] if list(said) == ["units"] and said["units"].startswith(f"{{{measures[0]}:") else None
+
+
+def is_prose(text: str) -> bool:
+    """Whether a text begins with a plain word that is none of a phrase: looked at before any pattern is."""
+    first = text.casefold().partition(" ")[0]
+    if not (first.isascii() and first.isalpha()):
+        return False
+    of_units = first in UNIT_WORDS or first in FILLERS or first in MEASURE_WORDS or first in FIELD_WORDS
+    return not (of_units or first in _OF_CONVENTIONS or first in CONVENTION_CHOICES or unit_called(first))
+
+
+def _words(text: str) -> list[str]:
+    plain = unicodedata.normalize("NFC", text).casefold()
+    plain = _INCHES.sub("inch", plain) if "in" in plain else plain
+    plain = _ONE_UNIT.sub(r"\1 unit ", plain) if "uni" in plain or "ein" in plain else plain
+    plain = _NO_LETTERS.sub(lambda match: "dh" if match[0] == "d-h" else "", plain)
+    return [word for word in _BREAKS.split(_BETWEEN_UNITS.sub(" ", plain) if "/" in plain else plain) if word]
+
+
+def unit_called(word: str) -> Unit | None:
+    """The unit of any dimension that a word stands for."""
+    return UNITS.get(unit_word(word))

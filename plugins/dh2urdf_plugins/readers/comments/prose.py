@@ -1,0 +1,194 @@
+"""Prose of comments: it declares nothing, and may speak of another unit or convention than the table has.
+
+Where nothing else declares a unit and the table would be read in another one than the prose mentions, it is refused,
+since one of the two is wrong.
+"""
+
+from __future__ import annotations
+
+import re
+from typing import TYPE_CHECKING
+
+from dh2urdf.manipulator import Convention
+from dh2urdf.patterns import late_pattern
+from dh2urdf.quantities import UNITS, Dimension, Unit
+from dh2urdf.source import Problem
+from dh2urdf_plugins.readers.comments.phrases import FILLERS, declared, unit_called
+from dh2urdf_plugins.readers.header.units import KEY_OF
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Sequence
+
+    from dh2urdf.source import Mark
+    from dh2urdf_plugins.readers.header.columns import Columns
+    from dh2urdf_plugins.readers.statements.statements import Statements
+    from dh2urdf_plugins.readers.words.comment_lines import Comment
+
+_MENTION = late_pattern(
+    r"(?:(?:\b(?:in|en|unit|units|is|are|einheit|einheiten|unité|unités)\b|[\[(:=,;|\u2013\u2014]|(?<=\s)-(?=\s)|^)\s*"
+    r"|(?<![^\W_])(?:a|d|r|alpha|theta|α|θ|lengths?|angles?)(?:_?i)?\s*/\s*)(?:\b(?:in|is|are|given|expressed)\s+){0,3}"
+    r"(?=((?:(?:[^\W\d_]{1,12}|°)(?:\s*(?:,|;|/|&|\band\b|\bund\b|\bet\b|\by\b|\be\b)\s*)?){1,8}))",
+    re.IGNORECASE,
+)
+"""What units are behind, as in ``angles are in deg``, ``UR5 (mm, deg)`` and ``a/mm``, and the words there."""
+_LETTERS = late_pattern(r"[^\W\d_]+|°")
+_OWN_NUMBER = late_pattern(r"(?<![^\W_])[0-9]")
+_NO_UNIT = late_pattern(r"\bdegrees?\s+of\s+freedom\b|\brev\.?\s*(?:[a-z]|[0-9.]+)\b", re.IGNORECASE)
+"""Where the word of a unit is none: ``6 degrees of freedom``, ``rev. B``."""
+_SYSTEM = {Dimension.LENGTH: "m", Dimension.ANGLE: "rad"}
+
+_PROSE_WORD = late_pattern(r"\w+")
+_SAYS_CONVENTION = late_pattern(
+    r"(?<![a-z])d-?h(?![a-z])|denavit|convention|convenci|convenz|konwenc|notac|notaz|parameters|денавит|параметр|\bдх\b",
+    re.IGNORECASE,
+)
+_PROSE = {
+    Convention.MODIFIED: (frozenset(("mdh", "craig", "proximal", "khalil")), frozenset(("modified", "mod"))),
+    Convention.STANDARD: (frozenset(("sdh", "distal", "spong")), frozenset(("standard", "classic", "classical"))),
+}
+"""Words for the convention in a comment: those that mean nothing else, and those that may."""
+_IN_OTHER_LANGUAGES = {
+    Convention.MODIFIED: "modifizi modifié modifie modifica zmodyfik değiştiril модифицир 改进 改良 修正 수정".split(),  # noqa: SIM905
+    Convention.STANDARD: "estándar standardow klasyczn klasik классич стандартн 标准 標準 표준".split(),  # noqa: SIM905
+}
+_MOVES = late_pattern(r"(?<![^\W_])(?:rot|trans|tr|r|t|d)[\s_({\\]*([xz])(?![a-z])", re.IGNORECASE)
+_OF_MOVES = {"xxzz": Convention.MODIFIED, "zzxx": Convention.STANDARD}
+"""The convention of a product by the axes of its moves: ``Rx(α)·Tx(a)·Rz(θ)·Tz(d)``."""
+_ALONE = late_pattern(
+    r"(?<![\d.,±²³/·*^])(?<!\d\s)(?<!\d[.,]\s)(?<![a-zµ])(?:(?P<mm>mm(?![a-z/·*^²³0-9])|мм\b|миллиметр|毫米|公厘|ミリ|밀리|milimet)"
+    r"|(?P<cm>cm(?![a-z/·*^²³0-9])|см\b|сантиметр|厘米|公分|センチ|센티)"
+    r"|(?P<deg>градус|stopni(?!\w*\s+swobod)|(?<!serbestlik )derece|degr[eé]s\b(?!\s+de\s+libert)"
+    r"|(?:grados|graus)(?!\s+de\s+liber)|gradi\b(?!\s+di\s+libert)|(?:(?<=in )|(?<=[\[(]))grad\b"
+    r"|(?<=[为為は：:，,])\s*度(?!数)|(?<=각도는)\s*도)"
+    r"|(?P<inch>(?<![^\W_])imperial(?= units?\b| system\b)))",
+    re.IGNORECASE,
+)
+"""Units that are no other words, in any prose: ``wymiary w mm``, ``長さの単位はmm``, ``углы в градусах``."""
+_IN_ALONE = ("mm", "cm", "milimet", "stopni", "derece", "degres", "grados", "graus", "grad", "imperial")
+"""What ASCII prose with such a unit has at least one of."""
+
+
+def prose_problems(comment: Comment, statements: Statements, columns: Columns) -> list[Problem]:
+    """What a comment says that the table does not: another convention, or a unit.
+
+    Args:
+        comment: one that says nothing under a key.
+        statements: what the table and the options say.
+        columns: its headers.
+    """
+    by_row = "convention" in columns.fields
+    return in_other_words(comment, statements, columns.units.values(), lead="# ", by_row=by_row)
+
+
+def in_other_words(
+    comment: Comment,
+    statements: Statements,
+    units: Iterable[Unit],
+    *,
+    lead: str,
+    behind: bool = False,
+    by_row: bool = False,
+) -> list[Problem]:
+    """What a comment says that the table does not: another convention, or a unit.
+
+    Args:
+        comment: one that says nothing under a key.
+        statements: what the table and the options say.
+        units: units that hold where the comment is, besides those of the statements.
+        lead: what a line begins with that declares something.
+        behind: whether it is behind a value, of which a number with its unit says no more: ``# 425 mm``.
+        by_row: whether each row has its convention.
+    """
+    if behind and _OWN_NUMBER.search(comment.text):
+        return []
+    # What explains a value may speak of the other convention.
+    problems = [] if behind else _other_convention(comment, statements.convention, lead, by_row=by_row)
+    return problems + _other_units(comment, [*(unit for unit, _ in statements.stated.values()), *units], lead)
+
+
+def units_beside(text: str) -> list[Unit]:
+    """The units that a line names before its comment: ``a: 425 mm``."""
+    return [unit for word in _LETTERS.findall(text) if (unit := unit_called(word))]
+
+
+def convention_in_prose(line: str) -> Convention | None:
+    """The convention that a comment speaks of; None where it speaks of none, or of both."""
+    plain = line.casefold()
+    words = set(_PROSE_WORD.findall(plain))
+
+    def may_mean(convention: Convention, likely: frozenset[str]) -> bool:
+        named = words & likely or any(word in plain for word in _IN_OTHER_LANGUAGES[convention])
+        return bool(named and (len(words) == 1 or _SAYS_CONVENTION.search(line)))
+
+    spoken = [each for each, (sure, likely) in _PROSE.items() if words & sure or may_mean(each, likely)]
+    if not spoken and "x" in plain and "z" in plain:
+        return _OF_MOVES.get("".join(_MOVES.findall(line)).lower())
+    return spoken[0] if len(spoken) == 1 else None
+
+
+def _other_convention(
+    comment: Comment, stated: tuple[Convention, Mark] | None, lead: str, *, by_row: bool
+) -> list[Problem]:
+    spoken = convention_in_prose(comment.text)
+    if spoken is None or (stated is None and by_row) or (stated and stated[0] is spoken):
+        return []
+    read_as = f"the table is read as {stated[0]}" if stated else "nothing declares one"
+    return [
+        Problem(
+            message=f"this comment speaks of the {spoken} convention, and {read_as}",
+            severity="notice" if stated else "error",
+            mark=comment.whole,
+            field="convention",
+            found=comment.line,
+            suggestion=f"if it means this table, write `{lead}convention: {spoken}`",
+        )
+    ]
+
+
+def mentioned_units(text: str) -> list[Unit]:
+    """The units of lengths and angles that a comment mentions, those behind a number left out: ``0.1 mm``."""
+    found = [unit for word in _LETTERS.findall(declared(text).get("units", "")) if (unit := _measured(word))]
+    plain = _NO_UNIT.sub("", text) if any(word in text.casefold() for word in ("freedom", "rev")) else text
+    for match in _MENTION.finditer(plain):
+        for word in _LETTERS.finditer(match[1]):
+            unit = _measured(word[0])
+            is_rate = match[1][word.end() :].lstrip().startswith("/s")
+            if unit is None or is_rate or word[0].casefold() in FILLERS:
+                break
+            found.append(unit)
+    if plain.isascii() and not any(unit in plain.casefold() for unit in _IN_ALONE):
+        return found
+    return found + [UNITS[match.lastgroup] for match in _ALONE.finditer(plain) if match.lastgroup]
+
+
+def _measured(word: str) -> Unit | None:
+    """The unit of a length or of an angle that a word stands for."""
+    unit = unit_called(word)
+    return unit if unit and unit.dimension in _SYSTEM else None
+
+
+def _other_units(comment: Comment, held: Sequence[Unit], lead: str) -> list[Problem]:
+    """What is wrong with units that a comment mentions beside those that hold."""
+    problems, elsewhere = [], "units in the headers" if lead else "numbers with their units"
+    for unit in dict.fromkeys(mentioned_units(comment.text)):
+        others = {other.symbol for other in held if other.dimension is unit.dimension}
+        key, system = KEY_OF[unit.dimension], _SYSTEM[unit.dimension]
+        if unit.symbol in (others or {system}):
+            continue
+        read_in = " and ".join(sorted(others)) if others else f"{system}, since nothing declares a unit"
+        problems.append(
+            Problem(
+                message=f"this comment mentions {unit.symbol}, and {key}s are read in {read_in}",
+                severity="notice" if others else "error",
+                mark=comment.whole,
+                field=f"units.{key}",
+                found=comment.line,
+                accepted=None
+                if others
+                else f"`{lead}units: {{{key}: {unit.symbol}}}` if that is the unit of all {key}s, or {elsewhere}",
+                suggestion=None
+                if others
+                else f"if the {key}s are in {system}, declare that too: `{lead}units: {{{key}: {system}}}`",
+            )
+        )
+    return problems

@@ -205,6 +205,42 @@ except OutputError as error:
             written(module_store, [(name, b"x")])
 
 
+class TestMemory:
+    """A long run leaves the memory of the machine to others."""
+
+    @pytest.mark.skipif(not hasattr(os, "posix_fadvise"), reason="the system takes no advice on files")
+    def test_the_system_keeps_no_copy(self, store: Store, monkeypatch: pytest.MonkeyPatch) -> None:
+        """After each MiB it is told that the file is not needed, from its beginning to what is written by then."""
+        told: list[tuple[int, int, int]] = []
+        advise = os.posix_fadvise
+
+        def noted(file: int, start: int, length: int, advice: int) -> None:
+            assert os.fstat(file).st_size == length
+            told.append((start, length, advice))
+            advise(file, start, length, advice)
+
+        monkeypatch.setattr(os, "posix_fadvise", noted)
+        written(store, [(f"arm_{number}.urdf", bytes(12_000)) for number in range(400)])
+        assert [(start, advice) for start, _, advice in told] == [(0, os.POSIX_FADV_DONTNEED)] * 4
+        assert [length >> 20 for _, length, _ in told] == [1, 2, 3, 4]
+
+    @pytest.mark.parametrize("is_there", [True, False])
+    def test_advice_is_no_condition(self, store: Store, monkeypatch: pytest.MonkeyPatch, *, is_there: bool) -> None:
+        """Where the file system refuses advice, or the system has no such call, shards are the same."""
+
+        def refuse(*_: int) -> None:
+            raise OSError(errno.EINVAL, os.strerror(errno.EINVAL))
+
+        some = [(f"arm_{number}.urdf", bytes(12_000)) for number in range(400)]
+        written(store, some)
+        before = store.read("000001.tar")
+        monkeypatch.setattr(os, "posix_fadvise", refuse, raising=False)
+        if not is_there:
+            monkeypatch.delattr(os, "posix_fadvise")
+        written(store, some)
+        assert store.read("000001.tar") == before
+
+
 class TestDamage:
     @given(st.data())
     def test_a_shard_that_was_cut(self, module_store: Store, data: st.DataObject) -> None:

@@ -19,12 +19,17 @@ from typing import IO, TYPE_CHECKING, Any, cast
 
 from dh2urdf.plugin_system.child_place import ChildPlace
 
+if sys.platform == "linux":
+    from fcntl import F_SETPIPE_SZ, fcntl
+
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
 KEPT_OUTPUT = 64 * 1024
 """Bytes of the output of a call that are kept, half from its beginning and half from its end."""
 
+_PIPE = 1 << 20
+"""Bytes that a pipe holds, the most that Linux allows everyone: whenever it is full, one side waits for the other."""
 _SCRIPT = Path(__file__).with_name("_child.py")
 _LEAVING = 5.0  # [s] to end after the last answer, and to empty a pipe after the end
 
@@ -65,6 +70,10 @@ class Interpreter:
         self._calls = cast("IO[bytes]", self._process.stdin)
         self._answers = cast("IO[bytes]", self._process.stdout)
         self._printed = cast("IO[bytes]", self._process.stderr)
+        if sys.platform == "linux":
+            for pipe in (self._calls, self._answers):
+                with contextlib.suppress(OSError):  # This user has many pipes already.
+                    fcntl(pipe, F_SETPIPE_SZ, _PIPE)
         self._messages: list[Any] = [sys.path]
         self._talk: threading.Thread | None = None
         self._has_ended = False

@@ -106,14 +106,21 @@ class _Pool:
 
     def submit(self, task: Any) -> Future[Any]:  # noqa: ANN401 - a task is the caller's
         """The result to come of a task."""
-        return self._threads.submit(self._do, task)
+        from concurrent.futures import Future
 
-    def _do(self, task: Any) -> Any:  # noqa: ANN401 - a task and its result are the caller's
+        try:
+            data = pickle.dumps((task,))  # here, where no worker waits for it
+        except Exception as error:  # noqa: BLE001 - what a task that cannot be pickled raises, in its turn
+            failed: Future[Any] = Future()
+            failed.set_exception(error)
+            return failed
+        return self._threads.submit(self._do, data)
+
+    def _do(self, task: bytes) -> Any:  # noqa: ANN401 - its result is the caller's
         """The result of one task, from one worker, or from another one where that dies; in a thread."""
-        data = pickle.dumps((task,))
         for tried in range(TRIES):
             worker = self._take(fresh=tried > 0)
-            answer = worker.ask(data)
+            answer = worker.ask(task)
             if answer:
                 if not self._is_ending:  # else it may print that it was ended
                     worker.pass_on(self._whose)

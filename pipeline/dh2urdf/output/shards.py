@@ -26,9 +26,9 @@ _BLOCK = 512
 """Headers and contents begin at multiples of this [byte] (POSIX.1-2017, pax, "ustar Interchange Format")."""
 _RECORD = 20 * _BLOCK
 """A whole archive is a multiple of this [byte]."""
-_AT_ONCE = 1 << 16
+_AT_ONCE = 1 << 18
 """So much is written to the disk at once [byte]: what a cache of the processor holds takes a quarter of the time."""
-_IN_MEMORY = 1 << 20
+_IN_MEMORY = 1 << 22
 """Each time that a shard has grown by so much [byte], the system is asked to keep no copy of it in memory."""
 
 # The fields of a header between name, size and checksum, with the lengths that the standard gives them: mode, user and

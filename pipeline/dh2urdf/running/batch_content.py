@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from dh2urdf.conversion.outcome import ManifestRow
     from dh2urdf.source import Mark, Problem
     from dh2urdf.variations.laws import DrawnValue
-    from dh2urdf.variations.variation import Variation
+    from dh2urdf.variations.variation import Variants
 
 
 class Depth(Enum):
@@ -84,18 +84,20 @@ class BatchContent:
             worker.store, self.earlier, self.recipe.mesh_prefix if self.recipe.copies_meshes else None
         )
         with timed(self.seconds, "draw"):
-            for start, variation, numbers in batch.variants:
-                self._draw(start, variation, numbers)
+            for start, variants in batch.variants:
+                self._draw(start, variants)
         self.keys = self._keys()
 
     # --- What there is to make
 
-    def _draw(self, start: int, variation: Variation, numbers: range) -> None:
+    def _draw(self, start: int, variants: Variants) -> None:
         """The tables of variants."""
-        drawn = variation.drawn(numbers)
-        for place, values in enumerate(drawn, start):
-            self.drawn[place], self.marks[place] = values, variation.mark
-        groups, doomed = variants_from(start, variation, numbers, drawn)
+        variation = variants.variation
+        drawn = variation.drawn(variants.numbers)
+        places = range(start, start + len(variants))
+        self.drawn.update(zip(places, drawn, strict=True))
+        self.marks.update(dict.fromkeys(places, variation.mark))
+        groups, doomed = variants_from(start, variants, drawn)
         self.groups += groups
         self.singles.update(doomed)
 

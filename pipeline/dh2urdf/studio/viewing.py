@@ -147,7 +147,7 @@ def _of_run(path: Path, catalog: Catalog) -> Iterator[Figure]:
     looking = replace(config, loaders=(), execution=StageCall()).written_to(path.parent)
     plan = make_plan(looking, catalog)
     transform, edits = plan.recipe.transform, plan.recipe.edits
-    every = (item.what for item in items(plan, Expected(plan)))
+    every = (what for item in items(plan, Expected(plan)) for what in item.each)
     shown_only = (what for what in every if isinstance(what, Cell | Rejected) or not plan.cells)
     for count, what in enumerate(shown_only):
         if isinstance(what, Rejected):

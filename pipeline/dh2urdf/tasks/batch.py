@@ -8,8 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import field, replace
-from itertools import chain
-from typing import TYPE_CHECKING, Literal, TypeAlias, overload
+from typing import TYPE_CHECKING, TypeAlias
 
 from dh2urdf.cells.cell import Cell, with_tables
 from dh2urdf.cells.wanted_tables import WantedTables
@@ -30,7 +29,7 @@ from dh2urdf.tasks.run_item import RunItem, RunItems
 from dh2urdf.validation.coercion import replace_unchecked
 from dh2urdf.variations.binding import bind
 from dh2urdf.variations.columns import made_variants
-from dh2urdf.variations.variation import Variant, Variation, VariationCall
+from dh2urdf.variations.variation import Variants, VariationCall
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -74,7 +73,7 @@ class Batch:
         stems: the stem of the files of each.
         sources: the file each comes from.
         columns: those that differ in numbers only, with their places in the batch.
-        variants: variations whose variants they are, with the place of the first one and the variants' numbers.
+        variants: variants of variations, with the place of the first one.
         singles: all others, by their places.
         notices: what is known of them before the work begins, by their places.
         of_readers: the notices of their tables, which those in columns are without, by their places.
@@ -87,7 +86,7 @@ class Batch:
     stems: tuple[str, ...]
     sources: tuple[str, ...]
     columns: tuple[TablesAtPlaces, ...] = ()
-    variants: tuple[tuple[int, Variation, range], ...] = ()
+    variants: tuple[tuple[int, Variants], ...] = ()
     singles: Mapping[int, Single] = field(default_factory=dict)
     notices: Mapping[int, tuple[Problem, ...]] = field(default_factory=dict)
     of_readers: Mapping[int, tuple[Problem, ...]] = field(default_factory=dict)
@@ -109,9 +108,9 @@ class Batch:
         """The same as groups of tables that differ in numbers only, and the others by their places."""
         groups: list[TablesAtPlaces] = []
         singles = {place: what for place, what in self.singles.items() if place < count}
-        for first, variation, numbers in self.variants:
-            wanted = numbers[: max(0, count - first)]
-            made, doomed = variants_from(first, variation, wanted, variation.drawn(wanted))
+        for first, variants in self.variants:
+            wanted = variants.part(0, max(0, count - first))
+            made, doomed = variants_from(first, wanted, wanted.variation.drawn(wanted.numbers))
             groups += made
             singles.update(doomed)
         for places, some in self.columns:
@@ -128,10 +127,9 @@ class Batch:
         """Those from one place to before another one."""
         wanted = range(start, stop)
         variants = []
-        for first, variation, numbers in self.variants:
-            inside = numbers[max(0, start - first) : max(0, stop - first)]
-            if inside:
-                variants.append((max(0, first - start), variation, inside))
+        for first, some in self.variants:
+            if inside := some.part(max(0, start - first), max(0, stop - first)):
+                variants.append((max(0, first - start), inside))
         return Batch(
             first=self.first + start,
             names=self.names[start:stop],
@@ -152,20 +150,18 @@ class Batch:
 
 
 def variants_from(
-    first: int, variation: Variation, numbers: range, drawn: Sequence[dict[str, DrawnValue]]
+    first: int, variants: Variants, drawn: Sequence[dict[str, DrawnValue]]
 ) -> tuple[list[TablesAtPlaces], dict[int, Single]]:
-    """The tables of variants that follow each other, and why some have none, by their places in a batch.
+    """The tables of variants, and why some have none, by their places in a batch.
 
     Args:
         first: the place of the first one.
-        variation: what they are variants of.
-        numbers: their numbers.
+        variants: the variants.
         drawn: what was drawn for each.
     """
-    variants = [Variant(variation=variation, number=number) for number in numbers]
     groups, errors = made_variants(variants, drawn)
     doomed: dict[int, Single] = {
-        first + place: Doomed(variants[place].name, error, variation.mark) for place, error in errors.items()
+        first + place: Doomed(variants[place].name, error, variants.variation.mark) for place, error in errors.items()
     }
     return [(tuple([first + place for place in places]), columns) for places, columns in groups], doomed
 
@@ -182,7 +178,7 @@ def batches(plan: Plan, expected: Expected, own_files: Sequence[str] = ()) -> It
     pictures = [(ending,) for ending in picture_endings(plan.recipe)]
     is_beside = plan.layout.form is Form.FILES
     stems = Stems(plan.layout.stem_of, (*written, *pictures), own_files if is_beside else ())
-    waiting = _Waiting(items(plan, expected, columns=True))
+    waiting = _Waiting(items(plan, expected))
     first = 0
     for size in plan.layout.batch_sizes(_sizes(plan)):
         with collected_at_the_end():
@@ -201,14 +197,15 @@ class _Waiting:
 
     def __init__(self, waiting: Iterator[RunItem | RunItems]) -> None:
         self._waiting = waiting
+        self._rest: RunItem | RunItems | None = None
 
     def take(self, size: int) -> list[RunItem | RunItems]:
         """The next manipulators, so many of them or all that are left."""
         taken: list[RunItem | RunItems] = []
-        while size and (item := next(self._waiting, None)):
+        while size and (item := self._rest or next(self._waiting, None)):
+            self._rest = None
             if isinstance(item, RunItems) and item.size > size:
-                item, rest = item.cut(size)
-                self._waiting = chain([rest], self._waiting)
+                item, self._rest = item.cut(size)
             taken.append(item)
             size -= item.size
         return taken
@@ -237,18 +234,13 @@ def _batch(first: int, some: Sequence[RunItem | RunItems], stems: Stems) -> Batc
     singles: dict[int, Single] = {}
     plain: list[tuple[Sequence[int], Manipulator | ManipulatorColumns]] = []
     of_readers: dict[int, tuple[Problem, ...]] = {}
-    variants: list[tuple[int, Variation, range]] = []
+    variants: list[tuple[int, Variants]] = []
     tracebacks: dict[int, str] = {}
     place = 0
     for item in some:
         match what := item.what:
-            case Variant(variation=variation, number=number):
-                # The variants of a variation come one after the other, by their numbers.
-                if variants and variants[-1][1] is variation:
-                    start, _, numbers = variants[-1]
-                    variants[-1] = (start, variation, range(numbers.start, number + 1))
-                else:
-                    variants.append((place, variation, range(number, number + 1)))
+            case Variants():
+                variants.append((place, what))
             case Manipulator():
                 plain.append(((place,), what))
             case ManipulatorGroups(groups=groups):
@@ -301,19 +293,14 @@ def _groups(
     return tuple([(tuple([all_places[k] for k in members]), some) for members, some in in_columns(tables)])
 
 
-@overload
-def items(plan: Plan, expected: Expected, *, columns: Literal[False] = False) -> Iterator[RunItem]: ...
-@overload
-def items(plan: Plan, expected: Expected, *, columns: Literal[True]) -> Iterator[RunItem | RunItems]: ...
-def items(plan: Plan, expected: Expected, *, columns: bool = False) -> Iterator[RunItem | RunItems]:
-    """The manipulators of all inputs, one by one; a bad input ends itself, not the run.
+def items(plan: Plan, expected: Expected) -> Iterator[RunItem | RunItems]:
+    """The manipulators of all inputs, in columns where they can be; a bad input ends itself, not the run.
 
     Cells and variants come last: of the manipulators, only those that they need are kept so long.
 
     Args:
         plan: the run.
         expected: gets how far the reading has come.
-        columns: whether manipulators may come in columns.
     """
     needed = [arm.of for cell in plan.cells for arm in cell.arms] + [call.of for call in plan.variations]
     variations = {call.name: call.of for call in plan.variations}
@@ -323,9 +310,9 @@ def items(plan: Plan, expected: Expected, *, columns: bool = False) -> Iterator[
     for path, call in plan.inputs:
         source, before = str(path), count
         try:
-            for item in read_items(call, path, columns=columns and not plan.meshes):
-                what = meshes.give(item) if not isinstance(item, ManipulatorGroups) else item
-                for part in _first_noticed(what, plan.input_notices.get(path) if count == before else None):
+            for item in read_items(call, path, columns=not plan.meshes):
+                read = meshes.give(item) if not isinstance(item, ManipulatorGroups) else item
+                for part in _first_noticed(read, plan.input_notices.get(path) if count == before else None):
                     gathering.see(part)
                     made = RunItems(part, source) if isinstance(part, ManipulatorGroups) else RunItem(part, source)
                     count += made.size
@@ -346,8 +333,8 @@ def items(plan: Plan, expected: Expected, *, columns: bool = False) -> Iterator[
         yield RunItem(cell, _file(cell.mark))
     for variation in plan.variations:
         source = _file(variation.mark)
-        for variant in _variants(variation, gathering):
-            yield RunItem(variant, source)
+        what = _variants(variation, gathering)
+        yield RunItem(what, source) if isinstance(what, Rejected) else RunItems(what, source)
 
 
 def _first_noticed(
@@ -369,14 +356,12 @@ def _file(mark: Mark | None) -> str:
     return mark.file if mark else ""
 
 
-def _variants(call: VariationCall, gathering: WantedTables) -> Iterator[Variant | Rejected]:
-    """The variants of a variation, one by one; why not, where there can be none."""
+def _variants(call: VariationCall, gathering: WantedTables) -> Variants | Rejected:
+    """The variants of a variation; why not, where there can be none."""
     table = gathering.table(call.of, f"the variation {shown(call.name)}", call.of_mark or call.mark)
     try:
         if not isinstance(table, Manipulator):
             raise ConfigError(table)
-        variation = bind(call, table)
+        return bind(call, table).variants()
     except ConfigError as error:
-        yield Rejected(name=call.name, problems=error.problems, mark=call.mark)
-        return
-    yield from variation.variants()
+        return Rejected(name=call.name, problems=error.problems, mark=call.mark)

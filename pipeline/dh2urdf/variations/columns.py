@@ -8,13 +8,14 @@ from dh2urdf.columns import ManipulatorColumns, in_columns, row_places
 from dh2urdf.errors import ManipulatorError
 from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.validation.coercion import replace_unchecked
-from dh2urdf.variations.variation import FIELDS, Variant, Variation, changed, drawn_notices
+from dh2urdf.variations.variation import FIELDS, Variation, changed, drawn_notices
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from dh2urdf.manipulator import DHRow
     from dh2urdf.variations.laws import DrawnValue
+    from dh2urdf.variations.variation import Variants
 
 
 class MadeVariants(NamedTuple):
@@ -29,12 +30,12 @@ class MadeVariants(NamedTuple):
     errors: dict[int, ManipulatorError]
 
 
-def made_variants(variants: Sequence[Variant], drawn: Sequence[dict[str, DrawnValue]]) -> MadeVariants:
-    """The tables of variants of one variation, for which this was drawn."""
+def made_variants(variants: Variants, drawn: Sequence[dict[str, DrawnValue]]) -> MadeVariants:
+    """The tables of variants, for which this was drawn."""
     made = MadeVariants([], {})
-    if not variants:
+    if not drawn:
         return made
-    found = variant_columns(variants[0].variation, [variant.name for variant in variants], drawn)
+    found = variant_columns(variants.variation, variants.names, drawn)
     if found and found[0]:
         made.groups.append(found)
     places, tables = [], []

@@ -23,7 +23,7 @@ from dh2urdf.variations.laws import DrawnValue, Grid, Law, draw_many
 from dh2urdf.variations.sampling import Sampling, point, points, regrouped
 
 if TYPE_CHECKING:
-    from collections.abc import Collection, Iterator, Mapping, Sequence
+    from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 
 TYPE = "type"
 AXES = "axes"
@@ -135,9 +135,14 @@ class Variation:
         """Whether its tables differ in more than their numbers."""
         return any(factor.field in (TYPE, AXES) for factor in self.factors)
 
-    def variants(self) -> Iterator[Variant]:
-        """All its variants, one by one."""
-        return (Variant(variation=self, number=number) for number in range(1, self.count + 1))
+    def variants(self) -> Variants:
+        """All its variants."""
+        return Variants(variation=self, numbers=range(1, self.count + 1))
+
+    def names(self, numbers: Iterable[int]) -> list[str]:
+        """The names of some of its variants: its own and their numbers, with as many digits as the last one's."""
+        name, digits = self.name, len(str(self.count))
+        return [f"{name}_{number:0{digits}d}" for number in numbers]
 
     def drawn(self, numbers: Sequence[int]) -> list[dict[str, DrawnValue]]:
         """What is drawn for some of its variants, by their numbers: what `Variant.drawn` returns for each of them."""
@@ -166,6 +171,37 @@ class Variation:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Variants:
+    """Manipulators of a variation that follow each other, none of which is made yet.
+
+    Attributes:
+        variation: what they are variants of.
+        numbers: which ones, from 1.
+    """
+
+    variation: Variation
+    numbers: range
+
+    def __len__(self) -> int:
+        return len(self.numbers)
+
+    def __iter__(self) -> Iterator[Variant]:
+        return (Variant(variation=self.variation, number=number) for number in self.numbers)
+
+    def __getitem__(self, place: int) -> Variant:
+        return Variant(variation=self.variation, number=self.numbers[place])
+
+    @property
+    def names(self) -> list[str]:
+        """The name of each."""
+        return self.variation.names(self.numbers)
+
+    def part(self, start: int, stop: int) -> Variants:
+        """Those from one place to before another one."""
+        return Variants(variation=self.variation, numbers=self.numbers[start:stop])
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Variant:
     """One manipulator of a variation, not made yet.
 
@@ -179,8 +215,8 @@ class Variant:
 
     @property
     def name(self) -> str:
-        """The variation's name and the number, with as many digits as the last one's."""
-        return f"{self.variation.name}_{self.number:0{len(str(self.variation.count))}d}"
+        """The variation's name and the number."""
+        return self.variation.names((self.number,))[0]
 
     @property
     def mark(self) -> Mark | None:

@@ -18,7 +18,6 @@ from dh2urdf.stages import Rejected
 from dh2urdf.tasks.batch import LARGE, SMALL, Batch, Doomed, batches
 from dh2urdf.tasks.expected import Expected
 from dh2urdf.testing.comparing import difference
-from dh2urdf.variations.variation import Variant
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -59,8 +58,8 @@ def whats(batch: Batch) -> dict[int, Any]:
     found: list[tuple[int, Any]] = list(batch.singles.items())
     for places, columns in batch.columns:
         found += [(place, columns.pick(member)) for member, place in enumerate(places)]
-    for start, variation, numbers in batch.variants:
-        found += [(start + i, Variant(variation=variation, number=number).name) for i, number in enumerate(numbers)]
+    for start, variants in batch.variants:
+        found += enumerate(variants.names, start)
     assert sorted(place for place, _ in found) == list(range(len(batch)))
     return dict(sorted(found))
 
@@ -146,8 +145,8 @@ class TestCutting:
         first, second = taken(plan(more, one=table(["arm"])))
         assert first.names == ("arm", "pair", "arm_1", "arm_2")
         assert second.names == ("arm_3", "other_1", "other_2", "other_3")
-        assert [(start, numbers) for start, _, numbers in first.variants] == [(2, range(1, 3))]
-        assert [(start, numbers) for start, _, numbers in second.variants] == [(0, range(3, 4)), (1, range(1, 4))]
+        assert [(start, variants.numbers) for start, variants in first.variants] == [(2, range(1, 3))]
+        assert [(start, variants.numbers) for start, variants in second.variants] == [(0, range(3, 4)), (1, range(1, 4))]
         assert list(whats(second).values()) == list(second.names)
         assert Path(first.sources[2]).name == "run.yaml"
 
@@ -192,9 +191,8 @@ class TestParts:
         begun = batch.begin(count)
         assert [what.name for what in begun] == list(batch.names[: max(0, count)])
         made = {place: what for place, what in batch.singles.items() if place < count}
-        for start, variation, numbers in batch.variants:
-            for place, number in enumerate(numbers[: max(0, count - start)], start):
-                variant = Variant(variation=variation, number=number)
+        for start, variants in batch.variants:
+            for place, variant in enumerate(variants.part(0, max(0, count - start)), start):
                 made[place] = variant.manipulator(variant.drawn())
         assert {place: begun[place] for place in made} == made
 

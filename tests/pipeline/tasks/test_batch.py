@@ -146,7 +146,10 @@ class TestCutting:
         assert first.names == ("arm", "pair", "arm_1", "arm_2")
         assert second.names == ("arm_3", "other_1", "other_2", "other_3")
         assert [(start, variants.numbers) for start, variants in first.variants] == [(2, range(1, 3))]
-        assert [(start, variants.numbers) for start, variants in second.variants] == [(0, range(3, 4)), (1, range(1, 4))]
+        assert [(start, variants.numbers) for start, variants in second.variants] == [
+            (0, range(3, 4)),
+            (1, range(1, 4)),
+        ]
         assert list(whats(second).values()) == list(second.names)
         assert Path(first.sources[2]).name == "run.yaml"
 

@@ -244,6 +244,14 @@ def test_a_decimal_comma_between_commas_stands_in_quotes(read_one: Callable[...,
     assert (row.a, row.alpha, row.d, row.limits.lower) == (0.425, -1.5, 1.25, -0.5)
 
 
+@pytest.mark.parametrize("unit", ["rad/s", "rad/min", ""])
+def test_a_decimal_comma_before_a_unit_of_two_parts(unit: str, read_one: Callable[..., Manipulator]) -> None:
+    """`2,25 rad` was read, and `2,25 rad/s` was refused."""
+    (row,) = read_one(f'a,alpha,d,velocity,effort\n1,0,0,"2,25 {unit}","0,5 N·m"\n').rows
+    assert row.limits.velocity == pytest.approx(2.25 / (60.0 if unit == "rad/min" else 1.0), rel=1e-15)
+    assert row.limits.effort == 0.5
+
+
 @pytest.mark.parametrize("title", ["", "DH parameters of the arm\n\n"])
 @pytest.mark.parametrize(
     ("table", "said"),

@@ -206,6 +206,64 @@ def test_expressions_come_back(catalog: Catalog) -> None:
     assert session.table == table
 
 
+COMMAS = (
+    {"a": "0,5", "alpha": "-1,25", "d": "−0,3", "theta": "0,75", "lower": "-2,5", "upper": "2,5", "velocity": "1,5"},
+    {"type": "P", "a": "0,3", "alpha": "0,5 rad", "d": "-0,25", "theta": "1,5", "lower": "0", "upper": "0,4"},
+)
+
+
+@pytest.mark.parametrize("start", [("m", "rad"), ("mm", "rad"), ("cm", "rad")])
+@pytest.mark.parametrize("convention", Convention)
+def test_decimal_commas_are_converted(convention: Convention, start: tuple[str, str], catalog: Catalog) -> None:
+    """Such cells stayed as they were: 0,5 m became 0,5 mm, though the same arm was promised."""
+    table = TableText(convention=convention, length_unit=start[0], angle_unit=start[1], rows=COMMAS)
+    session = Session(catalog, table)
+    arm = arm_of(session.table, catalog)
+    for units in (("mm", "deg"), ("cm", "rad"), ("m", "deg")):
+        session.set_units(*units, convert=True)
+        assert_same_motion(arm, now := arm_of(session.table, catalog))
+        for row, other in zip(arm.rows, now.rows, strict=True):
+            assert row.limits is not None
+            assert other.limits is not None
+            bounds = [(each.lower, each.upper, each.velocity or 0.0) for each in (row.limits, other.limits)]
+            assert bounds[0] == pytest.approx(bounds[1], abs=1e-12)
+    session.set_units(*start, convert=True)
+    assert session.table == table
+
+
+@pytest.mark.parametrize(
+    "texts",
+    [
+        {"base": "{xyz: [0, 0, 5]}"},
+        {
+            "base": "{xyz: [0.1, 0, 5], rpy: [0, 0.3, pi/2]}",
+            "tool": "{xyz: [0, 0, 5]}",
+            "payload": "{mass: 2, com: [0, 0, 5]}",
+        },
+        {"base": "{mass: 3, geometry: {radius: 40}}", "defaults": "{geometry: {radius: 30}}"},
+        {"tool": "{matrix: [[0, -1, 0, 12], [0.6, 0, -0.8, 0], [0.8, 0, 0.6, 7], [0, 0, 0, 1]]}"},
+        {},
+    ],
+    ids=["base", "all", "shapes", "matrix", "rows"],
+)
+@pytest.mark.parametrize("convention", Convention)
+def test_a_converted_table_can_be_read(convention: Convention, texts: dict[str, str], catalog: Catalog) -> None:
+    """Metres and radians are not declared: beside cells with a unit, the reader refused the converted base or speed."""
+    one = {"a": "425 mm", "alpha": "90°", "d": "120", "lower": "-170°", "upper": "170°", "velocity": "2.5"}
+    two = {"type": "P", "a": "12.5 cm", "alpha": "0.3", "d": "0", "theta": "0", "lower": "0", "upper": "200 mm"}
+    table = TableText(convention=convention, length_unit="mm", rows=(one, {**two, "velocity": "100"}), **texts)  # type: ignore[arg-type]  # all are texts
+    session = Session(catalog, table)
+    arm = arm_of(table, catalog)
+    for _ in range(2):
+        session.set_units("m", "rad", convert=True)
+        assert_same_motion(arm, arm_of(session.table, catalog))
+        session.set_convention(OTHER[convention], convert=True)
+        assert_same_motion(arm, arm_of(session.table, catalog))
+        session.set_convention(convention, convert=True)
+        session.set_units("mm", "rad", convert=True)
+        assert session.table == table
+
+
 def test_an_edit_in_between_stays(catalog: Catalog) -> None:
     """What was typed in millimetres is not what was there before; the other cells of the row are."""
     session = Session(catalog, gallery.table("ur5.csv", catalog))

@@ -12,6 +12,7 @@ inertias hold in DH frame i, which is S_i further in the standard convention, an
 from __future__ import annotations
 
 import math
+import re
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -45,6 +46,11 @@ _TO_AND_FRO = 1e-13
 """Relative difference of numbers that went to and fro."""
 _LEFT_OF_ZERO = 1e-16
 """What may be left of a 0 then."""
+_ENTRY = re.compile(r"\b(xyz|com|radius|rpy): (\[[^]]*\]|[^,}]*)")
+_NUMBER = re.compile(r"(?!0[\],]|0$)[^\[\], ][^\[\],]*")
+_TRANSLATION = re.compile(r"(?<=, )(?!0\])([^\[\], ]+)(?=\], \[)")
+"""The last number in a row of a matrix, but of the last row."""
+_ENDS = ("base", "tool", "payload", "defaults")
 _MASS_FIELDS = ("com_x", "com_y", "com_z", "ixx", "iyy", "izz", "ixy", "ixz", "iyz")
 
 
@@ -205,7 +211,7 @@ def _in_unit(field: str, text: str, kind: JointType, old: tuple[Unit, Unit], new
         return text
     before, after = unit_of(dimension, *old), unit_of(dimension, *new)
     try:
-        quantity = evaluate(text, dimension, before)
+        quantity = evaluate(text, dimension, before, decimal_comma=True)
     except QuantityError:
         return text
     if quantity.has_unit or before == after:
@@ -216,6 +222,42 @@ def _in_unit(field: str, text: str, kind: JointType, old: tuple[Unit, Unit], new
     symbol = f"{'-' if quantity.sign < 0 else ''}{quantity.variable.text}"
     added = f" - {number[1:]}" if number.startswith("-") else f" + {number}"
     return symbol + (added if quantity.value else "")
+
+
+# --- Units that nothing declares --------------------------------------------------------------------------------------
+
+
+def _readable(converted: TableText, before: TableText, catalog: Catalog) -> TableText:
+    """A converted table with units behind the numbers that the reader refuses without them.
+
+    Metres and radians are declared nowhere in a table, and beside cells in other units a bare number is in doubt.
+    """
+    arm = read_whole(before, catalog).manipulator
+    length, angle = UNITS[converted.length_unit], UNITS[converted.angle_unit]
+    named, done = converted, set[tuple[int | None, str | None]]()
+    while places := {(problem.row, problem.field) for problem in read_whole(named, catalog).errors}:
+        if arm is None or places & done:
+            return converted
+        done |= places  # there may be others, which the reader sees once these are right
+        rows = [dict(row) for row in named.rows]
+        ends: dict[str, str] = {}
+        for row, field in places:
+            if row is None and field in _ENDS:
+                ends[field] = _with_units_in(getattr(named, field), length, angle)
+            elif row is not None and field in rows[row] and (dimension := dimension_of(field, arm.rows[row].type)):
+                rows[row][field] += f" {unit_of(dimension, length, angle).symbol}"
+        named = replace(named, rows=tuple(rows), **ends)
+    return named
+
+
+def _with_units_in(text: str, length: Unit, angle: Unit) -> str:
+    """A transform, payload or geometry of `table_text` with units behind its numbers."""
+
+    def entry(found: re.Match[str]) -> str:
+        unit = angle if found[1] == "rpy" else length
+        return found[1] + ": " + _NUMBER.sub(lambda number: f"{number[0]} {unit.symbol}", found[2])
+
+    return _TRANSLATION.sub(rf"\1 {length.symbol}", _ENTRY.sub(entry, text))
 
 
 # --- And back ---------------------------------------------------------------------------------------------------------
@@ -229,6 +271,11 @@ def as_typed(converted: TableText, history: History, catalog: Catalog) -> TableT
         history: what it was before; the newest table of the same convention and units is the one that was typed.
         catalog: the installed stages.
     """
+    typed = _with_old_texts(_readable(converted, history.table, catalog), history, catalog)
+    return _readable(typed, history.table, catalog)
+
+
+def _with_old_texts(converted: TableText, history: History, catalog: Catalog) -> TableText:
     old = next((each for each in history.states[history.position :: -1] if _meaning(each) == _meaning(converted)), None)
     if old is None or len(old.rows) != len(converted.rows):
         return converted
@@ -236,17 +283,14 @@ def as_typed(converted: TableText, history: History, catalog: Catalog) -> TableT
     if now is None or was is None:
         return converted
     before = history.table
-    to_before = with_convention(old, was, Convention(before.convention))
-    if (again := read_whole(to_before, catalog).manipulator) is not None:
-        to_before = with_units(to_before, again, before.length_unit, before.angle_unit)
+    to_before = _readable(with_convention(old, was, Convention(before.convention)), old, catalog)
+    same_units = (old.length_unit, old.angle_unit) == (before.length_unit, before.angle_unit)
+    if not same_units and (again := read_whole(to_before, catalog).manipulator) is not None:
+        to_before = _readable(with_units(to_before, again, before.length_unit, before.angle_unit), old, catalog)
     if to_before == before:  # nothing was edited since: a tool and the last row may share a screw in several ways
         return old
     one, other = (table_text(each, converted.length_unit, converted.angle_unit) for each in (now, was))
-    ends = {
-        name: getattr(old, name)
-        for name in ("base", "tool", "payload", "defaults")
-        if getattr(one, name) == getattr(other, name)
-    }
+    ends = {name: getattr(old, name) for name in _ENDS if getattr(one, name) == getattr(other, name)}
     rows = zip(now.rows, converted.rows, old.rows, one.rows, other.rows, strict=True)
     return replace(converted, **ends, rows=tuple(_typed_row(row.type, *texts) for row, *texts in rows))
 

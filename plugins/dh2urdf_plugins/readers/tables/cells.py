@@ -31,7 +31,9 @@ if TYPE_CHECKING:
     from dh2urdf_plugins.readers.rows.rows import RowReader
     from dh2urdf_plugins.readers.words.cells import Units, Value
 
-_DECIMAL_COMMA = late_pattern(rf"[-+−]?[0-9]*,[0-9]+(?:[eE][-+]?[0-9]+)?\s*[^\W\d_]{{0,3}}[{DEGREE_SIGNS}]?")
+_DECIMAL_COMMA = late_pattern(
+    rf"[-+−]?[0-9]*,[0-9]+(?:[eE][-+]?[0-9]+)?\s*(?:[^\W\d_]{{1,3}}|[{DEGREE_SIGNS}])?(?:[/·][^\W\d_]{{1,3}})?"
+)
 
 
 class TableCells:

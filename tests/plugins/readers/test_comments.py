@@ -198,6 +198,7 @@ def test_a_comment_that_seems_to_say_something_is_refused(
         "# 6 degrees of freedom, repeatability 0.1 mm, reach 850 mm, 18.4 kg",
         "# TCP: the middle of the gripper",
         "# Source: manual, p. 12 [3]",
+        "# see fig. 3 in [2]",
         "# lengths in m, angles in rad",
         "# see https://example.org/a?b=c",
         "#################",
@@ -547,3 +548,76 @@ def test_a_header_in_a_comment_above_the_header_declares_its_units(
         read("# a [cm], alpha [rad], d [m]\na,alpha,d\n0.3,0,0.1\n", convention="standard")
     (rejected,) = read("# a_{i-1}, alpha_{i-1}, d\na,alpha,d\n0.3,0,0.1\n", convention="modified")
     assert "is the header of another table" in str(rejected.problems[0])
+
+
+def _with_remark(remark: str, header: str = "Notes") -> str:
+    return f'a,alpha,d,{header}\n0.3,0,0.1,"from the sheet, p. 3"\n0.2,0,0,"{remark}"\n'
+
+
+@pytest.mark.parametrize("header", ["Notes", "Remarks", "Comment", "Bemerkung", "Source"])
+@pytest.mark.parametrize(
+    ("remark", "said"),
+    [
+        ("modified DH", "'modified DH' is in a column that is left out, and may declare the convention"),
+        ("in mm", "'in mm' is in a column that is left out, and may declare the units"),
+        ("MDH, lengths in mm", "may declare the units and convention"),
+        ("limits in degrees", "this comment mentions deg, and angles are read in rad"),
+        ("a, alpha and d of the CAD (mm)", "this comment mentions mm, and lengths are read in m"),
+        ("# all lengths in mm", "may declare the units"),
+        ("tool length: 0.1", "did you mean 'tool'?"),
+        ("tool: {xyz: [0, 0, 0.1]}", "may declare the tool"),
+        ("it is an RRP arm", "speaks of a prismatic joint"),
+    ],
+)
+def test_a_remark_in_a_column_that_contradicts_the_table_is_refused(
+    remark: str, said: str, header: str, read: Callable[..., list[Manipulator | Rejected]]
+) -> None:
+    """As a comment line is. There was only the notice that the column is left out."""
+    (arm,) = read(_with_remark(remark, header), convention="standard")
+    assert not isinstance(arm, Manipulator)
+    (error,) = arm.problems
+    assert said in str(error)
+    assert error.mark
+    assert (error.mark.line, error.mark.column) == (3, 9)
+
+
+@pytest.mark.parametrize(
+    "remark",
+    [
+        *("theta offset -90", "offset: -90°", "theta = q - 90°", "clockwise is positive", "coupled to J2"),
+        *("range: -170 to 170", "tool length 100 mm", "mass: 5 kg", "x1000", "from a modified DH table"),
+    ],
+)
+def test_a_remark_in_a_column_that_columns_could_say_is_noticed(
+    remark: str, read_one: Callable[..., Manipulator]
+) -> None:
+    """It is about the joint of its row. A column that its author wants to be left out is not looked at."""
+    notices = read_one(_with_remark(remark)).notices
+    assert [notice.mark and notice.mark.line for notice in notices] == [1, 3]
+    assert "is a comment, and no" in notices[1].message or "speaks of the modified" in notices[1].message
+    (left_out,) = read_one(_with_remark(remark, "_Notes")).notices
+    assert "as the _ at the beginning asks for" in left_out.message
+
+
+@pytest.mark.parametrize(
+    "remark",
+    [
+        *("Base: cast iron", "shoulder", "from the data sheet, in [2]", "brake 24 V", "18.4 kg of steel"),
+        *("https://x.org/a?b=c", "Name: upper arm", "in", "M", "lengths in m, angles in rad", "standard DH"),
+    ],
+)
+def test_other_remarks_in_a_column_stay_without_a_word(remark: str, read_one: Callable[..., Manipulator]) -> None:
+    """But for the notice of the column."""
+    (notice,) = read_one(_with_remark(remark)).notices
+    assert "is left out: no field is called so" in notice.message
+
+
+def test_a_remark_among_many_manipulators_is_seen_and_noticed_once(
+    read: Callable[..., list[Manipulator | Rejected]],
+) -> None:
+    """The fast reader does not read over it, and does not repeat it."""
+    said = {30: "offset -90", 40: "modified DH", 60: "offset -90"}
+    rows = "".join(f"arm{k},0.3,0,0.1,{said.get(k, 'CAD')}\n" for k in range(80))
+    arms = read(f"robot,a,alpha,d,Notes\n{rows}", convention="standard")
+    assert [k for k, arm in enumerate(arms) if not isinstance(arm, Manipulator)] == [40]
+    assert [k for k, arm in enumerate(arms) if isinstance(arm, Manipulator) and arm.notices] == [0, 30]

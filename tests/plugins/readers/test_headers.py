@@ -408,7 +408,7 @@ def test_the_variable_of_the_row_says_nothing_new(header: str, tmp_path: Path) -
 
 def test_known_headers_and_notes_go_the_fast_way(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """After the first manipulator, whose notice says that a column is left out."""
-    rows = "".join(f"r{k},R,0.3,0,0,1,x{k}\n" for k in range(400))
+    rows = "".join(f"r{k},R,0.3,0,0,1,no {k}\n" for k in range(400))
     (tmp_path / "arms.csv").write_text(MANY + rows)
     fast = 0
     plain = PlainRows.read

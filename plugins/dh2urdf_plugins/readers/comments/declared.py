@@ -56,6 +56,8 @@ _OF_THE_FILE = frozenset(
     "anzahlachsen achsen freiheitsgrade seite abbildung tabelle datum datei jahr fecha data pagina".split()
 )
 """What comments number that is no quantity of the arm."""
+_CITATION = late_pattern(r"\[[0-9]{1,3}\][.,]?")
+"""``see [2]``, whose bracket is the sign behind a key."""
 _STRUCTURED = late_pattern(r"\{.*:.*|\[\s*(?:\[|[+-]?[0-9.])", re.DOTALL)
 _WORD = late_pattern(r"[^\W_]+")
 _CONVENTION_KEYS = frozenset(
@@ -296,7 +298,7 @@ def words_under_key(comment: Comment, keys: Collection[str]) -> list[str]:
 def unread_values(comment: Comment) -> list[Problem]:
     """A notice of a comment that gives a number to something: nothing reads it; a joint gets it from a column."""
     entry = _entry(comment)
-    if entry is None or _plain(entry[1]) in _OF_THE_FILE:
+    if entry is None or _plain(entry[1]) in _OF_THE_FILE or _CITATION.fullmatch(entry[2].strip()):
         return []
     field = read_header(entry[1]).field
     by_joint = field is not None and field.name in _BY_JOINT and _BY_NUMBER.search(entry[2])

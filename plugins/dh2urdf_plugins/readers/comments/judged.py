@@ -7,8 +7,10 @@ what is read, one of the two is wrong.
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from dh2urdf.errors import TableError
 from dh2urdf.manipulator import JointType
 from dh2urdf.patterns import late_pattern
 from dh2urdf.source import Problem, shown
@@ -75,6 +77,7 @@ _UNREAD = late_pattern(
     r"|(?:θ|theta|th|q|j)[\s_{]*[0-9]{1,2}[a-z_}]{0,8}\W{0,3}=[^=]*(?:θ|theta|th|q|j)[\s_{]*[0-9]"
     rf"|{_VARIABLE}[^.;]{{0,32}}?(?<![^\W_])(?:horizontal|vertical|absolute|offset|shifted|versatz|d[ée]calage|desfase)"
     rf"|(?<![^\W_])(?:offset|shift|versatz|d[ée]calage|desfase)(?![^\W_])[^.;]{{0,16}}{_VARIABLE}"
+    r"|(?<![^\W_])offsets?(?:\s+(?:of|is))?\s*[:=]?\s*[-+−±]?\s*(?:[0-9.]|pi|π)"
     r"|10\s*(?:\^|\*\*|(?=[⁻⁺⁰¹²³⁴-⁹]))|[x×*]\s*10{1,6}\b"
     r"|(?:multiplied|divided|scaled) by|(?:multiples|units) of (?:pi|π)"
     r"|(?:θ|theta|th)\w{0,3}\W{0,3}=\s*[-−]?\s*q\w{0,3}\s*[-+−]\s*(?:[0-9]|pi|π)"
@@ -141,8 +144,38 @@ def comment_problems(
     return problems + (unread_values(comment) or unread_prose(comment, statements))
 
 
+def remark_problems(remark: Comment, number: int, statements: Statements, columns: Columns) -> list[Problem]:
+    """What a cell of a column that no field knows declares about the table, as a comment would, or about its joint.
+
+    Args:
+        remark: the cell.
+        number: the number of the row.
+        statements: what the table and the options say.
+        columns: its headers.
+    """
+    try:
+        said = statements_in(remark)
+    except TableError as error:
+        return list(error.problems)
+    words = [key for key, node in said.items() if key not in ("units", "convention") and isinstance(node.value, str)]
+    if all(key in words or _holds(key, node, statements, columns) for key, node in said.items()):
+        problems = prose_problems(remark, statements, columns) + types_elsewhere(remark, typed="type" in columns.fields)
+        about_joint = replace(remark, text=f"joint {number}: {remark.text}")
+        return problems or unread_values(remark) or unread_prose(about_joint, statements)
+    return [
+        Problem(
+            message=f"{shown(remark.line)} is in a column that is left out, and may declare the {' and '.join(said)}",
+            mark=remark.whole,
+            found=remark.line,
+            accepted="what holds for all rows, above the header",
+        )
+    ]
+
+
 def _holds(key: str, node: Node, statements: Statements, columns: Columns) -> bool:
     """Whether a note only repeats what holds for the rows above it."""
+    if key == "convention" and statements.convention is None:
+        return "convention" in columns.fields
     if key == "convention":
         return statements.convention is not None and statements.convention[0] is convention_of(node.text or "")
     if key != "units":

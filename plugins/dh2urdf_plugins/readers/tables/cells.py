@@ -17,23 +17,26 @@ from dh2urdf_plugins.readers.header.unknown_columns import (
     stray_number,
     unread,
 )
+from dh2urdf_plugins.readers.plain.numbers import REMEMBERED
 from dh2urdf_plugins.readers.rows.joint_rows import LABEL
 from dh2urdf_plugins.readers.rows.names import holds_type, kind_of
 from dh2urdf_plugins.readers.words.cells import SPACES, Cell, text_of
-from dh2urdf_plugins.readers.words.comment_lines import SPREADSHEET_ERROR
+from dh2urdf_plugins.readers.words.comment_lines import SPREADSHEET_ERROR, Comment
 from dh2urdf_plugins.readers.words.decimal_signs import DecimalSigns, turns
 from dh2urdf_plugins.readers.words.fields import FIELDS, GROUPS
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterable, Sequence
 
     from dh2urdf_plugins.readers.header.columns import Columns
     from dh2urdf_plugins.readers.rows.rows import RowReader
+    from dh2urdf_plugins.readers.statements.statements import Statements
     from dh2urdf_plugins.readers.words.cells import Units, Value
 
 _DECIMAL_COMMA = late_pattern(
     rf"[-+−]?[0-9]*,[0-9]+(?:[eE][-+]?[0-9]+)?\s*(?:[^\W\d_]{{1,3}}|[{DEGREE_SIGNS}])?(?:[/·][^\W\d_]{{1,3}})?"
 )
+_DIGITS = late_pattern(r"[0-9]{2,}")
 
 
 class TableCells:
@@ -48,6 +51,7 @@ class TableCells:
         self.signs = DecimalSigns(turns(columns.fields, units))
         headers = columns.headers
         self.strays = {k for k, header in enumerate(headers) if not header and not is_beside(k, headers)}
+        self.remarks: dict[str, tuple[Comment, int]] = {}  # of the manipulator: texts of columns that no field knows
         self.first_counts: dict[int, int] = {}  # of the manipulator: where a column without a header begins to count
 
     def read(
@@ -146,11 +150,11 @@ class TableCells:
             accepted="one header; tables of several manipulators have a column robot",
         )
 
-    def _look_for_types(self, text: str, index: int, mark: Mark, number: int, reader: RowReader) -> None:
+    def _look_for_types(self, text: str, index: int, mark: Mark, number: int, reader: RowReader) -> bool:
         """Refuses a column that no field knows where it plainly holds types, since joints without are revolute."""
         word = text.strip(SPACES)
         if self.has_type or not holds_type(word, number):
-            return
+            return False
         header = self.columns.headers[index]
         reader.add(
             Problem(
@@ -164,16 +168,20 @@ class TableCells:
                 suggestion=how_to_leave_out(header) if header else None,
             )
         )
+        return True
 
     def _left_out(self, cell: Cell, index: int, number: int, mark: Mark, reader: RowReader) -> None:
         """Notes that a column that names no field holds something, and refuses quantities in it."""
-        self._look_for_types(cell.text, index, mark, number, reader)
+        is_type = self._look_for_types(cell.text, index, mark, number, reader)
         if index in self.strays and is_number(cell.text) and not self._counts(cell.text, index, number):
             self._refuse(index, stray_number(cell.text, cell.mark, f"joint_{number}"))
             return
         if cell.text and index in self.columns.silent:
             self.left_out.add(index)
-        self._refuse(index, unread(cell, self.columns.headers[index], number))
+        problem = unread(cell, self.columns.headers[index], number)
+        self._refuse(index, problem)
+        if not (is_type or problem) and _is_remark(cell.text):
+            self.remarks.setdefault(cell.text, (Comment.note(cell.text, cell.mark), number))
 
     def _counts(self, text: str, index: int, number: int) -> bool:
         """Whether a number without a header counts the rows: from 0 or 1, or through all manipulators of the table."""
@@ -221,6 +229,54 @@ class TableCells:
             )
         )
         return {}
+
+
+class Remarks:
+    """What cells of columns that no field knows declare about the table or their joint, as comments do, once."""
+
+    def __init__(self, statements: Statements, columns: Columns, whole: Mark) -> None:
+        """Takes what the table and the options declare, its headers, and the place of the table."""
+        self.statements, self.columns, self.whole = statements, columns, whole
+        self.known: set[str] = set()  # there is a notice of them
+        self.quiet: set[str] = set()  # nothing, whatever their longer numbers are
+
+    def problems(self, cells: TableCells, *, slides: bool, rejected: bool) -> list[Problem]:
+        """What is wrong with the remarks of a manipulator, or worth a notice; forgets them.
+
+        Args:
+            cells: what has told its cells apart.
+            slides: whether one of its joints is prismatic, so that no remark speaks of one that is not.
+            rejected: whether it is rejected, with all notices.
+        """
+        remarks, cells.remarks = cells.remarks, {}
+        new = [remark for text, remark in remarks.items() if text not in self.known]
+        found = [problem for remark in new for problem in self._said_in(*remark)]
+        found = [problem for problem in found if not (slides and problem.field == "type")]
+        if not (rejected or any(problem.severity == "error" for problem in found)):
+            self.known.update(remarks)
+        return found
+
+    def say_nothing(self, texts: Iterable[str]) -> bool:
+        """Whether cells say nothing that has not been reported."""
+        for text in texts:
+            shape = _DIGITS.sub("10", text)
+            if text in self.known or shape in self.quiet or not _is_remark(text):
+                continue
+            if self._said_in(Comment.note(text, self.whole), 1):
+                return False
+            if len(self.quiet) < REMEMBERED:
+                self.quiet.add(shape)
+        return True
+
+    def _said_in(self, remark: Comment, number: int) -> list[Problem]:
+        from dh2urdf_plugins.readers.comments.judged import remark_problems
+
+        return remark_problems(remark, number, self.statements, self.columns)
+
+
+def _is_remark(text: str) -> bool:
+    """Whether a cell has words, as what a column of notes holds."""
+    return len(text) > 1 and text != "in" and any(map(str.isalpha, text))
 
 
 def _spreadsheet_error(cell: Cell, name: str, joint: str) -> Problem:

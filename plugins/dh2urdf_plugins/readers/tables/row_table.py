@@ -27,7 +27,7 @@ from dh2urdf_plugins.readers.rows.rows import RowReader
 from dh2urdf_plugins.readers.rows.source import Rows
 from dh2urdf_plugins.readers.statements.plausibility import shortest_plain
 from dh2urdf_plugins.readers.statements.statements import Statements
-from dh2urdf_plugins.readers.tables.cells import TableCells
+from dh2urdf_plugins.readers.tables.cells import Remarks, TableCells
 from dh2urdf_plugins.readers.tables.tables import manipulator, read_rows, stopped, too_many_joints
 from dh2urdf_plugins.readers.words.bounds import MAX_JOINTS
 from dh2urdf_plugins.readers.words.cells import SPACES, Cell, text_of
@@ -92,7 +92,8 @@ class RowTable:
         self.has_type = "type" in columns.fields
         self.cells = TableCells(columns, self.units)
         self.remarked = 0
-        self.plain = PlainRows(columns, self.units, shortest_plain(self.statements))
+        self.remarks = Remarks(self.statements, columns, self.whole)
+        self.plain = PlainRows(columns, self.units, shortest_plain(self.statements), self.remarks.say_nothing)
         self.sample = PlainSample()
         self.seen = SeenNames()
 
@@ -327,6 +328,9 @@ class RowTable:
             for problem in self.slides:
                 reader.add(problem)
         for problem in table_cells.problems():
+            reader.add(problem)
+        slides = any(row and row.type is JointType.PRISMATIC for row in read)
+        for problem in self.remarks.problems(table_cells, slides=slides, rejected=reader.errors > 0):
             reader.add(problem)
         return manipulator(name, statements, read, reader, mark, trace=trace)
 

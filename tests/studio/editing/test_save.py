@@ -10,6 +10,7 @@ import pytest
 from dh2urdf.errors import EmitterError, InputError
 from dh2urdf.studio import gallery
 from dh2urdf.studio.editing import edits, save
+from dh2urdf.table_text import TableText
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -33,6 +34,17 @@ def test_files_are_those_of_convert(
     made = save.robot_file(table, robot, variant, catalog)
     answer = cli("convert", saved.name, "--to", robot, "--variant", variant)
     assert made.content == answer.stdout.encode()
+
+
+@pytest.mark.parametrize("form", ["csv", "yaml"])
+def test_decimal_commas_are_saved(catalog: Catalog, cli: Callable[..., Any], tmp_path: Path, form: str) -> None:
+    """A saved YAML table had them as they were typed, and could not be read."""
+    one = {"joint": "1,2", "a": "0,5", "alpha": "-1,25", "d": "−,3", "velocity": "2,5 rad/s", "effort": "1,5E2"}
+    two = {"joint": "3,4", "type": "P", "a": "12,5 cm", "alpha": "30,5°", "d": "0", "lower": "0", "upper": "+0,4"}
+    table = TableText(name="arm", convention="standard", rows=(one, two))
+    saved = save.table_file(table, form, catalog)
+    (tmp_path / saved.name).write_bytes(saved.content)
+    assert save.robot_file(table, "urdf", "exact", catalog).content == cli("convert", saved.name).stdout.encode()
 
 
 @pytest.mark.parametrize("file", EXHIBITS)

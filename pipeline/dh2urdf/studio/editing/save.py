@@ -7,9 +7,11 @@ Everything goes through the functions of the command line, so that what is hande
 from __future__ import annotations
 
 import io
+import re
 import tempfile
 import zipfile
 from contextlib import suppress
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -24,13 +26,16 @@ from dh2urdf.output.whole_files import safe_stem
 from dh2urdf.plugin_system.calls import Call, default_call
 from dh2urdf.stages import Emitter
 from dh2urdf.studio.editing.reading import transform_call, variant_options
-from dh2urdf.table_text import yaml_word
+from dh2urdf.table_text import NAMES, yaml_word
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from dh2urdf.plugin_system.catalog import Catalog
     from dh2urdf.table_text import TableText
+
+_COMMA = re.compile(r"^([-+−]?[0-9]*),(?=[0-9]+(?:[eE][-+]?[0-9]+)?[^0-9,]*$)")
+"""The comma of a cell that is a number with a decimal comma, with or without a unit."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -55,8 +60,19 @@ def table_file(table: TableText, format_name: str, catalog: Catalog) -> Saved:
         InputError: no such reader is installed, or it only reads.
     """
     reader = catalog.get("reader", format_name)
+    if reader.name != catalog.cell_reader().name:
+        table = _with_points(table)
     written = in_format([table], default_call(catalog, reader))
     return Saved(name=f"{safe_stem(table.name or 'arm')}{reader.suffixes[0]}", content=written.content)
+
+
+def _with_points(table: TableText) -> TableText:
+    """A table without decimal commas, which only the reader of cells takes."""
+    rows = (
+        {field: text if field in NAMES else _COMMA.sub(r"\1.", text) for field, text in row.items()}
+        for row in table.rows
+    )
+    return replace(table, rows=tuple(rows))
 
 
 def table_formats(catalog: Catalog) -> tuple[str, ...]:

@@ -188,11 +188,11 @@ def test_a_row_that_is_gone(studio_address: str, new_tab: Callable[..., Any]) ->
 
 @pytest.mark.long
 def test_no_number_of_axes_takes_no_rows(studio_address: str, new_tab: Callable[..., Any]) -> None:
-    """An emptied field is no answer, nor is -3: the rows stay, and the field says again how many there are."""
+    """An emptied field is no answer, nor are -3 and 6.7: the rows stay, and the field says again how many there are."""
     tab = new_tab(studio_address)
     page = tab.open("ur5")
     axes = page.get_by_label("number of axes")
-    for typed in ("", "-3"):
+    for typed in ("", "-3", "6.7"):
         axes.fill(typed)
         axes.press("Enter")
         page.wait_for_function("axes => axes.value === '6'", arg=axes.element_handle())

@@ -580,6 +580,13 @@ def test_a_joint_box_takes_what_a_cell_takes(tab: Any) -> None:
     assert "'x' is no number" in (box.get_attribute("title") or "")
     assert box.input_value() == "pi/x"
     assert tab.sliders()[0] == 0.0
+    for text in ("0x10", "0b11", "1e-400"):  # numbers to JavaScript, and none to a cell
+        box.fill(text)
+        box.press("Enter")
+        tab.page.wait_for_function(
+            "text => document.querySelector('.joint-slider-number').title.includes(text)", arg=text
+        )
+        assert tab.sliders()[0] == 0.0
 
 
 @pytest.mark.long

@@ -1,5 +1,7 @@
 // A slider and a number for every joint. While one is dragged, the next values are sent when the ones before have been
 // answered, so that a slow machine falls behind by one step and not by many.
+const DECIMAL = /^[+-]?(\d+\.?\d*|\.\d+)$/; // in JavaScript 0x10 is a number, too: to a cell it is none
+
 export default {
   template: `
     <div class="joint-sliders" :aria-busy="busy">
@@ -58,7 +60,7 @@ export default {
     // A number is taken here; what else a cell takes, such as pi/2 or 90°, the server reads.
     enter(index, text) {
       this.refused = null;
-      if (text.trim() && Number.isFinite(Number(text))) this.take(index, Number(text));
+      if (DECIMAL.test(text.trim())) this.take(index, Number(text));
       else if (text.trim()) this.$emit("typed", { index, text });
       else delete this.typed[index];
     },

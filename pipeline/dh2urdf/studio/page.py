@@ -241,10 +241,9 @@ class StudioPage:
             await self._show_opened(await dialogs.choose(found))
 
     def _resize(self, count: float | None) -> None:
-        if count is None or count < 0:  # an emptied field is no answer, and takes no rows away
+        moving = axes.moving_rows(self.session.table, self.session.arm)
+        if count is None or count < 0 or int(count) == len(moving):  # an emptied field takes no rows away
             self._show_words()
-            return
-        if int(count) == len(axes.moving_rows(self.session.table, self.session.arm)):
             return
         if count > edits.MOST_ROWS:
             dialogs.warn(

@@ -156,6 +156,10 @@ def test_the_convention_of_a_comment_holds(
         ("# tool length: 0.1", "did you mean 'tool'?"),
         ("# d_tool = 100 mm", "did you mean 'tool'?"),
         ("# Base height: 0.3", "did you mean 'base'?"),
+        *(
+            (f"# {words}", "did you mean 'base'?")
+            for words in ("底座高度：0.3m", "ベース高さ: 0.3", "Sockelhöhe: 0.3 m")
+        ),
         ("# convention: standard; name: ur5", "says more than the convention: 'standard; name: ur5'"),
         ("# joint 1 is prismatic", "the table has no types"),
         ("# Schubgelenk", "the table has no types"),
@@ -294,15 +298,30 @@ def test_a_note_that_seems_to_say_something_is_refused(
         ("# qlim: -170 .. 170", "no joint gets this value"),
         ("# Tool length 100 mm", "nothing is read from it"),
         ("# the TCP is 0.1 m before the flange", "nothing is read from it"),
+        *(
+            (f"# {words} m ", "nothing is read from it")
+            for words in (
+                *(
+                    "基座高度 0.3",
+                    "基座高度为0.3",
+                    "工具长度 0.1",
+                    "法兰到工具 0.1",
+                    "台座の高さ 0.3",
+                    "베이스 높이 0.3",
+                ),
+                *("wysokość podstawy 0.3", "taban yüksekliği 0.3", "Basishöhe 0.3", "height of the base is 0.3"),
+            )
+        ),
+        ("# высота основания 0.3 м", "nothing is read from it"),
     ],
 )
 def test_numbers_in_a_comment_are_noticed(comment: str, said: str, read_one: Callable[..., Manipulator]) -> None:
     """Several of them, too, and a length of the tool in prose where no tool is declared."""
     (notice,) = read_one(f"{comment}\na,alpha,d\n0.3,0,0.1\n").notices
     assert said in notice.message
-    tool = "# tool: {xyz: [0, 0, 0.1]}"
-    again = read_one(f"{comment}\n{tool}\na,alpha,d\n0.3,0,0.1\n").notices
-    assert len(again) == (0 if "mm" in comment or " m " in comment else 1)
+    placed = "# tool: {xyz: [0, 0, 0.1]}\n# base: {xyz: [0, 0, 0.3]}"
+    again = read_one(f"{comment}\n{placed}\na,alpha,d\n0.3,0,0.1\n").notices
+    assert len(again) == (0 if any(unit in comment for unit in ("mm", " m ", " м")) else 1)
 
 
 @pytest.mark.parametrize(

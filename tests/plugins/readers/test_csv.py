@@ -270,3 +270,20 @@ def test_a_table_of_another_program_is_known_below_a_title(
     with pytest.raises(TableError) as error:
         read(f"{title}{table}", convention="standard")
     assert said in str(error.value)
+
+
+@pytest.mark.parametrize("header", ["Δa,Δα,Δd,Δθ", "delta_a,delta_alpha,delta_d", "da,dalpha,dd,dtheta"])
+def test_a_table_of_differences_is_answered_with_what_takes_it(
+    header: str, read: Callable[..., list[Manipulator | Rejected]]
+) -> None:
+    """Its header was said to be none."""
+    with pytest.raises(TableError, match="which `--calibration` names"):
+        read(f"{header}\n{','.join('0' for _ in header.split(','))}\n", convention="standard")
+
+
+def test_differences_beside_the_parameters_are_refused(read: Callable[..., list[Manipulator | Rejected]]) -> None:
+    """`da` and `dd` were left out, and `dtheta` was a slip of theta. What is 0 changes nothing."""
+    (rejected,) = read("a,alpha,d,da,dalpha,dd,dtheta\n0.3,0,0.1,1e-3,0,1e-3,1e-3\n", convention="standard")
+    assert [problem.field for problem in rejected.problems] == ["da", "dd", "dtheta"]  # type: ignore[union-attr]
+    (arm,) = read("a,alpha,d,da,dalpha,dd,dtheta\n0.3,0,0.1,0,0,0,0\n", convention="standard")
+    assert isinstance(arm, Manipulator)

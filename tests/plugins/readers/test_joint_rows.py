@@ -435,3 +435,48 @@ def test_t_may_be_a_twisting_joint(rows: list[str], is_noticed: bool, read: Read
     assert isinstance(arm, Manipulator)
     assert {row.type for row in arm.rows} <= {JointType.PRISMATIC, JointType.REVOLUTE}
     assert [notice.message for notice in arm.notices] == ["T is read as a translation"] * is_noticed
+
+
+@pytest.mark.parametrize(
+    ("first", "second"),
+    [
+        *(("1 (base)", "2 (shoulder)"), ("Joint 1 (Sockel)", "Joint 2 (Schulter)"), ("base (1)", "shoulder (2)")),
+        *(("1: base", "2: shoulder"), ("1 - base", "2 - shoulder"), ("J1 [base]", "J2 [shoulder]")),
+    ],
+)
+@pytest.mark.parametrize("header", ["i", "joint", "#", "Axis"])
+def test_joint_1_may_be_called_after_the_base(first: str, second: str, header: str, read: Read) -> None:
+    """As that of the Braccio, where all rows have the numbers of joints: it was refused. There is a notice."""
+    (arm,) = read(f"# convention: standard\n{header},a,alpha,d\n{first},0.3,0,0.1\n{second},0.2,0,0\n")
+    assert isinstance(arm, Manipulator), arm.problems
+    assert [(row.joint, row.type) for row in arm.rows] == [(first, JointType.REVOLUTE), (second, JointType.REVOLUTE)]
+    if kind_of(first):
+        (notice,) = arm.notices
+        assert "called like a frame, and has the number of the first joint: it moves" in notice.message
+
+
+@pytest.mark.parametrize(
+    ("first", "second"),
+    [
+        *(("1 (base)", "2 (joint 1)"), ("1 (fixed)", "2 (shoulder)"), ("1 (world)", "2 (shoulder)")),
+        *(("1 (base)", "3 (shoulder)"), ("1 (base)", "2 (tool)"), ("base", "shoulder"), ("Base frame 1", "Arm 2")),
+    ],
+)
+def test_a_base_is_no_joint_where_the_numbers_do_not_show_it(first: str, second: str, read: Read) -> None:
+    """It may be a row that does not move."""
+    (rejected,) = read(f"# convention: standard\njoint,a,alpha,d\n{first},0.3,0,0.1\n{second},0.2,0,0\n")
+    assert not isinstance(rejected, Manipulator)
+    assert "hardly is a revolute joint" in rejected.problems[-1].message
+
+
+def test_numbers_before_a_remark_that_leap_are_noticed(read: Read) -> None:
+    """As those without one are; and the number of a row may have the mark of a footnote."""
+    (arm,) = read(
+        "# convention: standard\njoint,a,alpha,d\nJ1 (yaw),0.3,0,0.1\nJ2 (pitch),0.2,0,0\nJ4 (roll),0.1,0,0\n"
+    )
+    assert isinstance(arm, Manipulator)
+    assert ["leap from 2 to 4" in notice.message for notice in arm.notices] == [True]
+    (arm,) = read("# convention: standard\ni,a,alpha,d\n1*,0.3,0,0.1\n2†,0.2,0,0\n3 *,0.1,0,0\n")
+    assert isinstance(arm, Manipulator), arm.problems
+    (rejected,) = read("# convention: standard\ni,a,alpha,d\n1*,0.3,0,0.1\n3,0.2,0,0\n")
+    assert not isinstance(rejected, Manipulator)

@@ -914,3 +914,25 @@ def test_a_workbook_that_libreoffice_has_saved(sheet: Worksheet, tmp_path: Path)
     assert [(row.a, row.alpha) for row in arm.rows] == [(0.425, QUARTER), (0.0, 0.0)]
     assert arm.rows[0].limits.upper == pytest.approx(math.radians(170))
     assert (arm.rows[1].limits.upper, arm.notices) == (0.05, ())
+
+
+def test_a_strict_workbook_is_answered_with_how_to_save_it(tmp_path: Path) -> None:
+    """Its elements have the names of ISO/IEC 29500-1, which openpyxl does not know: no sheet was found."""
+    book, strict = Workbook(), tmp_path / "arm.xlsx"
+    for row in (HEADER, FIRST, SECOND):
+        book.active.append(row)
+    buffer = io.BytesIO()
+    book.save(buffer)
+    names = {
+        b"http://schemas.openxmlformats.org/spreadsheetml/2006/main": b"http://purl.oclc.org/ooxml/spreadsheetml/main",
+        b"http://schemas.openxmlformats.org/officeDocument/2006/relationships": b"http://purl.oclc.org/ooxml/"
+        b"officeDocument/relationships",
+    }
+    with zipfile.ZipFile(buffer) as archive, zipfile.ZipFile(strict, "w") as out:
+        for part in archive.namelist():
+            content = archive.read(part)
+            for usual, other in names.items():
+                content = content.replace(usual, other)
+            out.writestr(part, content)
+    assert "this is a workbook in the format Strict Open XML" in refusal(str(strict))
+    assert "save it as `Excel Workbook (.xlsx)`" in refusal(str(strict))

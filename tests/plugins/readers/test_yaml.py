@@ -330,3 +330,19 @@ def test_tables_in_the_words_of_other_programs_are_told_ours(
     (rejected,) = read(f"convention: standard\n{text}\n", ".yaml")
     assert isinstance(rejected, Rejected)
     assert any(advice in (problem.suggestion or "") for problem in rejected.problems)
+
+
+def test_the_key_q_may_hold_the_variable_of_its_joint(read: Callable[..., list[Manipulator | Rejected]]) -> None:
+    """As a column q may: it was refused. With an offset, or of another joint, it is no mere variable."""
+
+    def joints(first: str) -> str:
+        rows = f"[{{a: 0.3, alpha: 0, d: 0.1, q: {first}}}, {{a: 0.2, alpha: 0, d: 0, q: q2}}]"
+        return f"convention: standard\njoints: {rows}\n"
+
+    (arm,) = read(joints("q1"), ".yaml")
+    assert isinstance(arm, Manipulator), arm.problems
+    assert arm.notices == ()
+    for other in ("q2", "q1 - pi/2", "-q1", "d1", "0.5"):
+        (rejected,) = read(joints(other), ".yaml")
+        assert not isinstance(rejected, Manipulator)
+        assert "'q' is the joint variable, which no key holds" in rejected.problems[0].message

@@ -81,14 +81,21 @@ _MEANT_BY = {word: key for key, words in _MEANT.items() for word in words.split(
 _PLACED = {
     "tool": "tool tools tcp ee eef flange gripper hand effector endeffector werkzeug flansch greifer endeffektor outil "
     "effecteur herramienta efector utensile",
-    "base": "base basis pedestal mounting mount sockel socle",
+    "base": "base basis pedestal mounting mount sockel socle основание основания podstawa podstawy taban 베이스",
 }
 _PLACED_BY = {word: key for key, words in _PLACED.items() for word in words.split()}
 _OF_PLACES = frozenset(
-    "length height offset distance z d l h t end transform frame pose position link plate to from of the länge höhe "  # noqa: SIM905
-    "abstand versatz longueur hauteur longitud altura lunghezza altezza".split()
+    "is length height offset distance z d l h t end transform frame pose position link plate to from of the länge höhe "  # noqa: SIM905
+    "abstand versatz longueur hauteur longitud altura lunghezza altezza высота длина wysokość długość yüksekliği "
+    "uzunluğu 높이 길이".split()
 )
 """Words beside those in a key that gives the place of the tool or of the base: ``tool length``, ``d_tool``."""
+_COMPOUND = late_pattern(
+    r"(?:(?P<base>基座|底座|基台|台座|ベース|basis|sockel)"
+    r"|(?P<tool>法兰到工具|工具|末端执行器|末端|法兰|夹爪|ツール|フランジ|手先|werkzeug|greifer|flansch))(?:的|の|安装)?"
+    r"(?:高度|高さ|高|长度|長さ|长|偏移|オフセット|距离|距離|höhe|hoehe|länge|laenge|versatz|abstand|offset)?[为為是は]?"
+)
+"""Both in one word: ``基座高度``, ``Sockelhöhe``."""
 
 
 _MAPPING = late_pattern(r"\s*\{[^,]*:")
@@ -284,9 +291,15 @@ def _refuse(comment: Comment, word: str, position: int, accepted: str, suggestio
 def placement_of(key: str) -> str | None:
     """Whether a key gives the place of the tool or of the base: ``tool length``, ``base height``, ``d_tool``."""
     words = _WORD.findall(key.casefold())
-    placed = {_PLACED_BY[word] for word in words if word in _PLACED_BY}
-    others = {word for word in words if word not in _PLACED_BY}
+    named = {word: _PLACED_BY.get(word) or _compound(word) for word in words}
+    placed = set(filter(None, named.values()))
+    others = {word for word in words if not named[word]}
     return placed.pop() if len(placed) == 1 and others <= _OF_PLACES else None
+
+
+def _compound(word: str) -> str | None:
+    match = _COMPOUND.fullmatch(word)
+    return match.lastgroup if match else None
 
 
 def words_under_key(comment: Comment, keys: Collection[str]) -> list[str]:

@@ -16,6 +16,7 @@ from dh2urdf.table_text import STATEMENTS
 from dh2urdf_plugins.readers.comments.declared import is_statement_key, name_said, statements_in
 from dh2urdf_plugins.readers.header.columns import TURN_ROUND, Columns, are_joints, name_columns
 from dh2urdf_plugins.readers.header.header_rows import headers_in, join_headers, text_in
+from dh2urdf_plugins.readers.header.unknown_columns import DIFFERENCES, other_geometry
 from dh2urdf_plugins.readers.header.words import read_header
 from dh2urdf_plugins.readers.words.cells import SPACES
 from dh2urdf_plugins.readers.words.comment_lines import Comment, is_comment, joined
@@ -210,8 +211,15 @@ def _no_header(titles: Sequence[CellRow], whole: Mark) -> Problem:
         else "there is no header and there are no rows",
         mark=titles[0].mark if titles else whole,
         accepted="a header with at least the columns a, alpha and d, and one row for each joint",
-        suggestion=TURN_ROUND if titles and are_joints(headers_in(titles[0])) else None,
+        suggestion=_advice(headers_in(titles[0])) if titles else None,
     )
+
+
+def _advice(headers: Sequence[str]) -> str | None:
+    """What to do about a row that is no header."""
+    if are_joints(headers):
+        return TURN_ROUND
+    return DIFFERENCES if any(other_geometry(header, "column") for header in headers) else None
 
 
 def _title_notices(titles: Sequence[CellRow]) -> list[Problem]:

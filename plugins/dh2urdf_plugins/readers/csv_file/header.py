@@ -14,6 +14,7 @@ from dh2urdf.source import Mark, Problem, shown
 from dh2urdf.table_text import REQUIRED, STATEMENTS, CellRow
 from dh2urdf_plugins.readers.comments.top import MAX_TITLES, is_header
 from dh2urdf_plugins.readers.header.columns import TURN_ROUND, are_joints
+from dh2urdf_plugins.readers.header.unknown_columns import DIFFERENCES, other_geometry
 from dh2urdf_plugins.readers.header.words import read_header
 from dh2urdf_plugins.readers.words.cells import SPACES
 from dh2urdf_plugins.readers.words.comment_lines import as_typed, is_comment, is_open, is_quoted, without_marker
@@ -281,6 +282,8 @@ def _advice(line: str) -> str | None:
         return f"write `# {text}`: what holds for all rows is in comment lines"
     if any(are_joints(split(line, delimiter)) for delimiter in DELIMITERS):
         return TURN_ROUND
+    if any(other_geometry(cell, "column") for delimiter in DELIMITERS for cell in split(line, delimiter)):
+        return DIFFERENCES
     if form := _other_form(line):
         return form
     if "  " in line or "|" in line:

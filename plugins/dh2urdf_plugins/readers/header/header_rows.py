@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from dh2urdf.errors import TableError
 from dh2urdf.patterns import late_pattern
 from dh2urdf.quantities import is_unit
@@ -9,6 +11,9 @@ from dh2urdf.source import Problem, shown
 from dh2urdf.table_text import CellRow
 from dh2urdf_plugins.readers.header.words import read_header
 from dh2urdf_plugins.readers.words.cells import SPACES, text_of
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
 
 _UNIT = late_pattern(r"(.*\S)\s*[\[(]([^\[\]()]*)[\])]")
 _DASHES = frozenset("- – — [-] [–] (-) [] n/a unit units einheit einheiten unité unidad unità".split()) | {""}  # noqa: SIM905
@@ -138,3 +143,13 @@ def _without_dashes(header: CellRow, row: CellRow) -> CellRow:
         for name, text in zip(headers_in(header), headers_in(row), strict=False)
     ]
     return CellRow(texts, header.mark, header.marks)
+
+
+def is_beside(index: int, named: Sequence[object]) -> bool:
+    """Whether a column is beside the table: neither it, nor those right of it, nor its left neighbour has a header.
+
+    Args:
+        index: its number, from 0.
+        named: for each column of the header whether it has one.
+    """
+    return index > 0 and not any(named[index - 1 :])

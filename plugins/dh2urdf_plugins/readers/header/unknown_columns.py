@@ -41,11 +41,13 @@ _FACTOR = late_pattern(
 )
 """A header with a factor: ``Ixx ×10⁻³``, ``Ixx*1e3``."""
 _OTHER_ONE = late_pattern(
-    r"(?:delta|calibrated|corrected|identified|measured|actual|true|real|correction(?: of)?|[δΔ])[\s_]*(.+)"
+    r"(?:delta|d(?=theta|alpha|θ|α|[ad]$)|[δΔ]"
+    r"|calibrated|corrected|identified|measured|actual|true|real|correction(?: of)?)[\s_]*(.+)"
     r"|(.+?)[\s_]+(?:calibrated|corrected|identified|measured|actual|true|real|correction)",
     re.IGNORECASE,
 )
 """A parameter beside the nominal one, or its correction: ``Δd``, ``calibrated a``."""
+DIFFERENCES = "differences are in a table of their own, as a, alpha, d and theta, which `--calibration` names"
 _DIRECTIONS = frozenset(
     "cw ccw clockwise counterclockwise counter-clockwise anticlockwise anti-clockwise reversed inverted -z z-".split()  # noqa: SIM905
 )
@@ -104,7 +106,7 @@ def refusal(text: str, header: Header, what: str = "column") -> Refusal | None:
         return Refusal(
             reason, meaning.accepted, zero=True, counts=meaning.counts, suggestion=meaning.suggestion, varies=varies
         )
-    if geometry := _other_geometry(text, what):
+    if geometry := other_geometry(text, what):
         return geometry
     name = suspected(text) or _with_stray_signs(text) or _with_factor(text)
     if name == "limits" and header.unit and not _measures(header.unit, FIELDS["limits"].dimension):
@@ -118,13 +120,15 @@ def refusal(text: str, header: Header, what: str = "column") -> Refusal | None:
     return _without_words(header)
 
 
-def _other_geometry(text: str, what: str) -> Refusal | None:
+def other_geometry(text: str, what: str) -> Refusal | None:
     """Why a column of a parameter is refused that is not the one which the row has, or not all of it."""
     match = _OTHER_ONE.fullmatch(text)
     named = read_header(match[1] or match[2]).field if match else None
     if named is None or named.name not in ("a", "alpha", "d", "theta"):
         return None
-    return Refusal(f"is another {named.name} or a part of it, which no {what} holds", GEOMETRY, zero=True)
+    return Refusal(
+        f"is another {named.name} or a part of it, which no {what} holds", GEOMETRY, zero=True, suggestion=DIFFERENCES
+    )
 
 
 def _with_factor(text: str) -> str | None:
@@ -302,16 +306,6 @@ def stray_number(text: str, mark: Mark, joint: str) -> Problem:
 def is_number(text: str) -> bool:
     """Whether a cell begins as a number does."""
     return bool(_NUMBER.match(text))
-
-
-def is_beside(index: int, named: Sequence[object]) -> bool:
-    """Whether a column is beside the table: neither it, nor those right of it, nor its left neighbour has a header.
-
-    Args:
-        index: its number, from 0.
-        named: for each column of the header whether it has one.
-    """
-    return index > 0 and not any(named[index - 1 :])
 
 
 def unit_of(text: str) -> str | None:

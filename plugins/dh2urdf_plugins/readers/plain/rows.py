@@ -20,7 +20,8 @@ from dh2urdf.manipulator import JointType, Limits
 from dh2urdf.rotations import HALF_PI, quarter_turns
 from dh2urdf.row_fields import LIMITS
 from dh2urdf.table_text import GEOMETRY
-from dh2urdf_plugins.readers.header.unknown_columns import is_beside, is_number, is_turned_variable, unread
+from dh2urdf_plugins.readers.header.header_rows import is_beside
+from dh2urdf_plugins.readers.header.unknown_columns import is_number, is_turned_variable, unread
 from dh2urdf_plugins.readers.plain.limits import PlainLimits
 from dh2urdf_plugins.readers.plain.numbers import LINE_END, REMEMBERED, PlainNumbers, foreign_unit, names_foreign_unit
 from dh2urdf_plugins.readers.rows.cells import FULL_TURN

@@ -217,3 +217,19 @@ class RowCells:
                 accepted="a number above 0, or nothing where it is not known",
             )
         return number
+
+
+def variables_in(cells: Mapping[str, Cell]) -> dict[str, int | None]:
+    """The numbers of the joint variables that a row names, by the cell: None for one without a number."""
+    found: dict[str, int | None] = {}
+    for name, dimension in (("theta", Dimension.ANGLE), ("d", Dimension.LENGTH)):
+        cell = cells.get(name)
+        if cell is None or not any(map(str.isalpha, cell.text)):
+            continue
+        try:
+            variable = evaluate(cell.text, dimension, decimal_comma=True).variable  # `q1 + 1,57`, too
+        except QuantityError:
+            continue
+        if variable is not None:
+            found[name] = variable.row
+    return found

@@ -13,10 +13,10 @@ from typing import TYPE_CHECKING
 
 from dh2urdf.manipulator import JointType
 from dh2urdf.patterns import late_pattern
-from dh2urdf.quantities import Dimension, QuantityError, evaluate
 from dh2urdf.source import Problem, shown
 from dh2urdf_plugins.readers.header.unknown_columns import is_direction
-from dh2urdf_plugins.readers.rows.names import holds_type, is_base, is_total, kind_of
+from dh2urdf_plugins.readers.rows.cells import variables_in
+from dh2urdf_plugins.readers.rows.names import holds_type, is_base, is_first_joint, is_total, kind_of
 from dh2urdf_plugins.readers.words.cells import Cell
 from dh2urdf_plugins.readers.words.fields import ACCEPTED_TYPES, joint_type
 
@@ -42,8 +42,8 @@ TWISTING = ("T", "t")
 _AT_START = frozenset("+-.,0123456789")
 """What either may begin with."""
 _ZERO = late_pattern(r"0+(?:\.0+)?")
-_LABELLED = late_pattern(rf"(?:[^\W\d_]{{1,12}}[\s_.#-]*)?{NUMBER_TEXT}")
-"""The number of a row behind a word: ``J1``, ``Axis 1``."""
+_LABELLED = late_pattern(rf"(?:[^\W\d_]{{1,12}}[\s_.#-]*)?{NUMBER_TEXT}\s*[*†‡§]?")
+"""The number of a row behind a word, or before the mark of a footnote: ``J1``, ``Axis 1``, ``1*``."""
 _BOUND = late_pattern(r"[1-9]|pi|π", re.IGNORECASE)
 _MEANT: dict[RowKind, str] = {
     "total": "remove the row, or write its type if it is a joint",
@@ -73,7 +73,7 @@ class _Rows:
         self.reader = reader
         self.labels = {place: cells.pop(LABEL) for place, cells, _ in self.rows if LABEL in cells}
         self.indexes = {place: cells.pop("index") for place, cells, _ in self.rows if "index" in cells}
-        variables = {place: _variables(cells) for place, cells, _ in self.rows}
+        variables = {place: variables_in(cells) for place, cells, _ in self.rows}
         self.variables = {place: next(iter(found.values())) for place, found in variables.items() if found}
         numbers = list(self.variables.items())
         reader.from_zero = len(numbers) > 1 and numbers[0] == (0, 0) and all(place == row for place, row in numbers)
@@ -255,7 +255,7 @@ class _Rows:
     def _look_at_twisting(self) -> None:
         """A notice of the type T, a translation to most and a twisting joint to some, where no variable shows which."""
         for place, cells, mark in self.rows:
-            if "type" in cells and cells["type"].text in TWISTING and "d" not in _variables(cells):
+            if "type" in cells and cells["type"].text in TWISTING and "d" not in variables_in(cells):
                 meant = "write R if it is a twisting joint, as beside the letters L, O, R and V"
                 self._add_problem("T is read as a translation", place, cells, mark, suggestion=meant, notice=True)
                 return
@@ -266,8 +266,7 @@ class _Rows:
             return
         name = self._name_of(place, cells)
         kind = kind_of(name) if name else None
-        if kind == "frame" and (place in self.variables or self._is_bounded(place, cells, name)):
-            has = "a joint variable" if place in self.variables else "bounds"
+        if kind == "frame" and (has := self._shows_that_it_moves(place, cells, name)):
             message = f"the row {shown(name)} is called like a frame, and has {has}: it moves"
             meant = "write the type fixed if nothing moves there"
             self._add_problem(message, place, cells, mark, suggestion=meant, notice=True)
@@ -314,10 +313,16 @@ class _Rows:
             return
         cells["type"] = Cell(JointType.REVOLUTE.value, mark)
 
-    def _is_bounded(self, place: int, cells: Cells, name: str) -> bool:
-        """Whether a row says how far its joint moves, in a table without joint variables: a base with ±170°."""
+    def _shows_that_it_moves(self, place: int, cells: Cells, name: str) -> str | None:
+        """What a row has that moves: its variable, or, where no row has one, bounds, or the number of joint 1."""
+        if place in self.variables:
+            return "a joint variable"
         bounds = [cells[bound].text for bound in ("lower", "upper") if bound in cells]
-        return not self.variables and any(map(_BOUND.search, bounds)) and not holds_type(name, place + 1)
+        if not self.variables and any(map(_BOUND.search, bounds)) and not holds_type(name, place + 1):
+            return "bounds"
+        names = [row["joint"].text for _, row, _ in self.rows if "joint" in row]
+        is_first = place == 0 and not self.variables and is_first_joint(names)
+        return "the number of the first joint" if is_first else None
 
     def _name_of(self, place: int, cells: Cells) -> str:
         """What a row is called: its joint, else its link, else what is in a column that no field knows."""
@@ -380,19 +385,3 @@ def _mean(numbers: Sequence[float]) -> float:
 def _type_of(cells: Cells) -> JointType | None:
     cell = cells.get("type")
     return joint_type(cell.text) if cell and cell.text else None
-
-
-def _variables(cells: Cells) -> dict[str, int | None]:
-    """The numbers of the joint variables that a row names, by the cell: None for one without a number."""
-    found: dict[str, int | None] = {}
-    for name, dimension in (("theta", Dimension.ANGLE), ("d", Dimension.LENGTH)):
-        cell = cells.get(name)
-        if cell is None or not any(map(str.isalpha, cell.text)):
-            continue
-        try:
-            variable = evaluate(cell.text, dimension, decimal_comma=True).variable  # `q1 + 1,57`, too
-        except QuantityError:
-            continue
-        if variable is not None:
-            found[name] = variable.row
-    return found

@@ -17,7 +17,7 @@ from dh2urdf_plugins.readers.words.fields import joint_type
 from dh2urdf_plugins.readers.words.word_keys import without_separators
 
 if TYPE_CHECKING:
-    from collections.abc import Collection
+    from collections.abc import Collection, Sequence
 
 RowKind = Literal["total", "frame", "slide"]
 
@@ -49,6 +49,9 @@ _BASES = _words("""
     base basis ground world root origin pedestal foundation mounting mount sockel fundament gestell boden welt socle
     bati monde suelo tierra mundo raiz terra mondo basamento fixed 基座 底座 基坐标系 основание база стойка podstawa
     taban zemin ベース 基台 베이스 받침
+""")
+_TURNING_BASES = _BASES & _words("""
+    base basis pedestal sockel socle basamento 基座 底座 основание база podstawa taban ベース 基台 베이스
 """)
 _FRAMES = _BASES | _words("""
     flange toolflange tool tools ee eef tcp gripper hand tip end effector flansch werkzeug effektor endeffektor greifer
@@ -97,6 +100,7 @@ _TYPE_BEHIND = late_pattern(r"(?:[^\W_].*[(\[]\s*p\s*[)\]]|[a-z].*[0-9][\s_-]+p)
 _TO_FRAME = late_pattern(r"[0-9]{1,3}\s*(?:-+>|[→➔⟶])\s*[a-z]", re.IGNORECASE)
 """The last row of a table whose rows are ``0->1``, ``1->2``: ``6->G`` leads to the gripper."""
 _HINT = late_pattern("|".join(_TOTALS | _FRAMES | _SLIDES | _SLIDING))
+_DIGITS = late_pattern(r"[0-9]+")
 _LONGEST = 60
 
 
@@ -150,6 +154,16 @@ def is_base(name: str) -> bool:
     """Whether a name is that of a base, or of row 0: ``0 (from base)``."""
     key = _key(name[: _LONGEST + 1])
     return len(name) <= _LONGEST and (key == "0" or _consists_of(key, _BASES, _OF_FRAMES))
+
+
+def is_first_joint(names: Sequence[str]) -> bool:
+    """Whether labels have the numbers of their rows and no others, and the first one names the base: ``1 (base)``.
+
+    A base that does not move has the number 0, or none; and in ``1 (base)``, ``2 (joint 1)`` the joints have others.
+    """
+    counts = [_DIGITS.findall(name) for name in names]
+    is_counted = len(names) > 1 and counts == [[str(number)] for number in range(1, len(names) + 1)]
+    return is_counted and _consists_of(_key(names[0]), _TURNING_BASES, _words("joint jnt axis j gelenk achse axe"))
 
 
 def are_joints(names: Collection[str], *, typed: bool) -> bool:

@@ -13,8 +13,8 @@ from dh2urdf.source import Problem, listed, shown
 from dh2urdf.table_text import REQUIRED
 from dh2urdf_plugins.readers.comments.declared import comment_below
 from dh2urdf_plugins.readers.comments.top import comment_text, is_header
-from dh2urdf_plugins.readers.header.header_rows import completed, headers_in, text_in
-from dh2urdf_plugins.readers.header.unknown_columns import is_beside, is_number, stray_number
+from dh2urdf_plugins.readers.header.header_rows import completed, headers_in, is_beside, text_in
+from dh2urdf_plugins.readers.header.unknown_columns import is_number, stray_number
 from dh2urdf_plugins.readers.header.words import read_header
 from dh2urdf_plugins.readers.plain.numbers import LINE_END
 from dh2urdf_plugins.readers.words.cells import SPACES

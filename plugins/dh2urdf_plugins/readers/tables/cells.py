@@ -8,9 +8,9 @@ from dh2urdf.patterns import late_pattern
 from dh2urdf.quantities import DEGREE_SIGNS, is_unit, is_zero
 from dh2urdf.source import Mark, Problem, shown
 from dh2urdf.table_text import REQUIRED
+from dh2urdf_plugins.readers.header.header_rows import is_beside
 from dh2urdf_plugins.readers.header.unknown_columns import (
     how_to_leave_out,
-    is_beside,
     is_number,
     left_out,
     refused,

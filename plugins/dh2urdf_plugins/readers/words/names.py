@@ -21,6 +21,7 @@ MAX_NAME = 200
 RESERVED = (WORLD, ROOT, BASE, *ENDS)
 """Links that every robot description of ours has; `world` is the simulators' own."""
 _NUMBERED = late_pattern(r"(.*?)([0-9]{1,9})", re.DOTALL)
+_REMARK = late_pattern(r"(?<=[0-9])\s*[(\[][^()\[\]]*[)\]]$")
 _STEP = late_pattern(r"(\w+)\s*(?:-+>|[→➔⟶])\s*(\w+)")
 _JOINERS = "\u200c\u200d"  # invisible, but part of how Persian, Hindi and composed emoji are written
 _CLASSES = {"Cc": "a control character", "Cf": "an invisible character", "Cs": "half a character (a lone surrogate)"}
@@ -114,6 +115,8 @@ def order_fault(names: Sequence[str]) -> str | None:
         steps = [first, *filter(None, map(_STEP.fullmatch, names[1:]))]
         wrong = [pair for pair in pairwise(steps) if pair[0][2] != pair[1][1]] if len(steps) == len(names) else []
         return f"do not follow each other: {wrong[0][1][0]} is behind {wrong[0][0][0]}" if wrong else None
+    if names[0][-1:] in ")]":
+        names = [_REMARK.sub("", name) for name in names]  # `Joint 1 (shoulder)`
     parts = [_NUMBERED.fullmatch(name) for name in names] if all(name[-1:].isdecimal() for name in names) else []
     if not parts or not all(parts) or len({part[1] for part in parts if part}) > 1:
         return None

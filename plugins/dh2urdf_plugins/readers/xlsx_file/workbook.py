@@ -29,6 +29,8 @@ MAX_PARTS = 10_000
 """Parts of a workbook."""
 
 _PROLOG = 2**16
+_STRICT = b"http://purl.oclc.org/ooxml/"
+"""What the names of a strict workbook's elements begin with (ISO/IEC 29500-1); openpyxl knows the transitional ones."""
 _MARGIN_CODE = late_pattern(
     r'&(?:(?P<ampersand>&)|(?P<part>[LCR])|"[^"]*"|K(?:[0-9]{2}[+-][0-9]{3}|[0-9A-Fa-f]{6})|[0-9]+|[A-Za-z])'
 )
@@ -96,6 +98,12 @@ def _check_parts(path: Path, archive: zipfile.ZipFile) -> None:
         _refuse(path, "this is a spreadsheet in the OpenDocument format (ods)", "save it as .xlsx")
     if "[Content_Types].xml" not in names or "xl/workbook.bin" in names:
         _refuse(path, "this zip archive is no workbook in XML", "save it as .xlsx")
+    if "xl/workbook.xml" in names and _STRICT in archive.open("xl/workbook.xml").read(_PROLOG):
+        _refuse(
+            path,
+            "this is a workbook in the format Strict Open XML",
+            "save it as `Excel Workbook (.xlsx)`, not as `Strict Open XML Spreadsheet (.xlsx)`",
+        )
     size = sum(part.file_size for part in parts)
     if size > MAX_UNPACKED or len(parts) > MAX_PARTS:
         found = f"{size / 2**20:,.0f} MiB in {len(parts):,} parts"

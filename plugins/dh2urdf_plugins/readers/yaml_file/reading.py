@@ -111,6 +111,7 @@ class _Table:
         self, item: Item, default_name: str, options: TableOptions, lines: Iterable[tuple[int, str]] = ()
     ) -> None:
         self.node = item.node
+        self.number: int | None = None  # of the joint that is being read
         self.typed = True  # as long as no rows without types have been seen
         self.lines = lines  # of the file, whose comments may be about it
         self.options = options
@@ -223,6 +224,7 @@ class _Table:
                 )
                 found.append((None, node.mark))
                 continue
+            self.number = number
             cells = self._cells(node, common, f"joint_{number}")
             unused -= {name for name in unused if name in cells and cells[name].mark == common[name].mark}
             found.append((cells, node.mark))
@@ -378,7 +380,7 @@ class _Table:
         why = refusal(key, header, "key")
         if why and why.zero:
             cell = Cell("" if node.value is None else node.text or node.describe(), mapping.key_mark(key))
-            if problem := refused(cell, key, why, None, what="key"):
+            if problem := refused(cell, key, why, None, number=self.number, what="key"):
                 self.problems.append(problem)
                 self.unknown.add(key)
             return

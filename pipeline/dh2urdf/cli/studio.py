@@ -46,7 +46,7 @@ def command(table: Path | None, robot: str | None, port: int | None, host: str, 
     opened = None
     if table is not None:
         check_file(table, TableError)
-        chosen = _chosen(open_tables(table, installed), robot, table)
+        chosen = _chosen(open_tables(table, installed, wanted=robot), robot, table)
         opened = chosen.table
         for remark in remarks(chosen):
             click.echo(remark, err=True)

@@ -46,6 +46,21 @@ def test_any_table_that_a_reader_takes_can_be_opened(name: str, catalog: Catalog
         assert opened.lost == ()
 
 
+@pytest.mark.parametrize("convention", ["# convention: modified\n", ""])
+def test_a_manipulator_that_cannot_be_read_is_named(convention: str, catalog: Catalog, tmp_path: Path) -> None:
+    """The page opened the other ones without a word, and the command line had never heard of it."""
+    path = tmp_path / "arms.csv"
+    path.write_text(f"{convention}robot,a [mm],alpha,d [m]\ngood,1,0,0\nbad one,wrong,0,0\nworse,0,0,wrong\n")
+    (opened,) = open_tables(path, catalog)
+    assert opened.table.name == "good"
+    assert f"also has bad one, worse, which cannot be read: {path}:{4 if convention else 3}:9: " in opened.notices[-1]
+    assert "'wrong' cannot be read" in opened.notices[-1]
+    if convention:
+        with pytest.raises(InputError, match="'wrong' cannot be read"):
+            open_tables(path, catalog, wanted="worse")
+    assert open_tables(path, catalog, wanted="good") == open_tables(path, catalog, wanted="none") == (opened,)
+
+
 def test_the_texts_of_a_file_are_kept(catalog: Catalog) -> None:
     """`pi/2` and `-130°` are what the file says, and what is shown."""
     ((table, *_),) = open_tables(TABLES / "scara.csv", catalog)

@@ -17,7 +17,7 @@ from dh2urdf.manipulator import Convention, Manipulator
 from dh2urdf.plugin_system.calls import blaming, default_call
 from dh2urdf.plugin_system.stage_answers import whole_records
 from dh2urdf.run_file.config import RUN_SUFFIXES, is_run_file
-from dh2urdf.source import Mark, Problem
+from dh2urdf.source import Mark, Problem, listed, shown
 from dh2urdf.stages import Rejected
 from dh2urdf.studio.editing.reading import read_whole
 from dh2urdf.table_text import FIELDS, TableText, table_text
@@ -28,6 +28,9 @@ if TYPE_CHECKING:
     from dh2urdf.plugin_system.calls import Call
     from dh2urdf.plugin_system.catalog import Catalog
     from dh2urdf.stages import Reader
+
+MOST_NAMES = 5
+"""Names that a notice has of manipulators that cannot be read."""
 
 
 class Opened(NamedTuple):
@@ -44,8 +47,10 @@ class Opened(NamedTuple):
     notices: tuple[str, ...] = ()
 
 
-def open_tables(path: Path, catalog: Catalog, most: int | None = None) -> tuple[Opened, ...]:
-    """The manipulators of a file.
+def open_tables(
+    path: Path, catalog: Catalog, most: int | None = None, *, wanted: str | None = None
+) -> tuple[Opened, ...]:
+    """The manipulators of a file that can be read; what is wrong with the others is among the notices.
 
     Their texts are those of the file where the reader tells them and they read as the same arm; else the texts of the
     numbers that were read. Tables that do not say their convention are opened as they stand, for a person to say it.
@@ -54,9 +59,10 @@ def open_tables(path: Path, catalog: Catalog, most: int | None = None) -> tuple[
         path: the file.
         catalog: the installed stages.
         most: how many manipulators are read; None reads all of them.
+        wanted: the name of a manipulator that has to be among them, if the file has it.
 
     Raises:
-        InputError: the file cannot be read, or none of its manipulators can.
+        InputError: the file cannot be read, or none of its manipulators can, or not the one that is wanted.
     """
     if path.suffix.lower() in RUN_SUFFIXES and is_run_file(path):
         raise InputError(
@@ -69,13 +75,17 @@ def open_tables(path: Path, catalog: Catalog, most: int | None = None) -> tuple[
     reader = catalog.reader_for(path)
     items = list(islice(_items(path, default_call(catalog, reader)), most))
     arms = [item for item in items if isinstance(item, Manipulator)]
+    rejected = [item for item in items if isinstance(item, Rejected)]
     typed = _typed(path, reader, catalog, most)
     if arms:
-        return tuple(_opened(arm, typed.get(arm.name), catalog) for arm in arms)
-    rejected = [item for item in items if isinstance(item, Rejected)]
+        if bad := [item for item in rejected if item.name == wanted]:
+            raise InputError(bad[0].problems, bad[0].notices)
+        return tuple(_with_notice_of(rejected, (_opened(arm, typed.get(arm.name), catalog) for arm in arms)))
     of_any = list(islice(_of_any_convention(path, default_call(catalog, reader), rejected), most))
     if arms := [item for item in of_any if isinstance(item, Manipulator)]:
-        return tuple(_without_convention(_opened(arm, typed.get(arm.name), catalog)) for arm in arms)
+        bad = [item for item in of_any if isinstance(item, Rejected)]
+        opened = (_without_convention(_opened(arm, typed.get(arm.name), catalog)) for arm in arms)
+        return tuple(_with_notice_of(bad, opened))
     if unsaid := [table for item in rejected if (table := _unsaid(item, typed.get(item.name), catalog))]:
         return tuple(map(Opened, unsaid))
     # A person chooses the convention on the page: where something else is wrong, its absence is not.
@@ -84,6 +94,16 @@ def open_tables(path: Path, catalog: Catalog, most: int | None = None) -> tuple[
         [problem for item in rejected for problem in item.problems],
         [notice for item in rejected for notice in item.notices],
     )
+
+
+def _with_notice_of(rejected: Sequence[Rejected], opened: Iterable[Opened]) -> Iterator[Opened]:
+    """Opened manipulators with a notice of those in their file that cannot be read."""
+    if not rejected:
+        yield from opened
+        return
+    names = listed([shown(item.name)[1:-1] for item in rejected], MOST_NAMES)
+    told = f"The file also has {names}, which cannot be read: {rejected[0].problems[0]}"
+    yield from (each._replace(notices=(*each.notices, told)) for each in opened)
 
 
 def _items(path: Path, call: Call[Reader[Any]]) -> Iterator[Manipulator | Rejected]:

@@ -8,6 +8,7 @@ import hashlib
 import os
 import subprocess
 import sys
+from collections import Counter
 from typing import TYPE_CHECKING, Any
 
 import pytest
@@ -20,7 +21,9 @@ from dh2urdf.plugin_system import load
 from dh2urdf.report.manifest_writer import ManifestWriter
 from dh2urdf.running.run import load_plan
 from dh2urdf.tasks.batch import items
+from dh2urdf.tasks.batch_report import BatchReport
 from dh2urdf.tasks.expected import Expected
+from dh2urdf.tasks.manifest_columns import ManifestColumns
 from dh2urdf.tasks.manifest_table import ManifestTable
 
 if TYPE_CHECKING:
@@ -92,7 +95,7 @@ def test_an_input_that_changes_while_it_is_read_fails(folder: Path, change: Call
     found = items(plan, Expected(plan))
     next(found)
     change(path)
-    *others, failed, last = [item.what for item in found]
+    *others, failed, last = [what for item in found for what in item.each]
     assert isinstance(last, Manipulator)
     assert "the file has changed while it was read" in str(failed)
     assert all(isinstance(item, Manipulator) for item in others)
@@ -319,7 +322,11 @@ def test_a_full_disk_is_told_of_the_file_that_it_was(tmp_path: Path, monkeypatch
 
         monkeypatch.setattr(table, "add", full)
         with pytest.raises(OutputError, match=r"cannot write 'out/manifest\.parquet': No space left"):
-            manifest.add(b'{"name": "arm", "status": "ok", "errors": [], "kind": null}\n')
+            manifest.add(
+                BatchReport(
+                    first=0, rows=b"{}\n", statuses=Counter(ok=1), kinds=Counter(), columns=ManifestColumns(1, {})
+                )
+            )
         assert rows.tell()
 
 

@@ -4,18 +4,15 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, BinaryIO
 
-from orjson import loads
-
 from dh2urdf.output.whole_files import reporting_os_errors, write_all
 from dh2urdf.report.axes import AxesOfRun
 from dh2urdf.report.verdicts import Verdicts
 from dh2urdf.tasks.failure_index import FailureIndex
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from dh2urdf.report.overview import Overview
     from dh2urdf.results import Reproduction
+    from dh2urdf.tasks.batch_report import BatchReport
     from dh2urdf.tasks.manifest_table import ManifestTable
 
 REPORTED = 1000
@@ -54,27 +51,20 @@ class ManifestWriter:
         self.overview: Overview | None = None
         self._place = place
 
-    def add(self, block: bytes, telling: Sequence[int] | None = None) -> None:
+    def add(self, report: BatchReport) -> None:
         """Take the rows of a batch.
-
-        Args:
-            block: lines of JSON.
-            telling: the places of those that have to be read, as a `BatchReport` has them.
 
         Raises:
             OutputError: they cannot be written.
         """
         with reporting_os_errors(self._place):
-            write_all(self.rows.fileno(), block)
-        lines = block.splitlines(keepends=True)
-        some = lines if telling is None or self.overview else [lines[place] for place in telling]
-        rows = [loads(line) for line in some]
-        self.index.add_ok(len(lines) - len(some))
-        for row in rows:
+            write_all(self.rows.fileno(), report.rows)
+        self.index.add_ok(report.count - len(report.told))
+        for row in report.told:
             self.index.add(row)
             self.verdicts.add(row)
             if self.overview:
                 self.overview.add(row)
-        if self.table:
+        if self.table and report.columns:
             with reporting_os_errors(self.table.place):
-                self.table.add(rows, lines)
+                self.table.add(report.columns)

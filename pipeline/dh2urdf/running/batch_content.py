@@ -54,6 +54,8 @@ class Assignment:
         journal: folder of it for what is done so far.
         home: the process of the run itself, which a manipulator that hangs must not end.
         effect: what is done in earnest.
+        has_table: whether the run makes a table of its manifest.
+        has_page: whether it makes a page of it.
         children: the children of loaders that are kept, of the process that this is in.
     """
 
@@ -65,6 +67,8 @@ class Assignment:
     journal: str
     home: str
     effect: Depth = Depth.MAKE
+    has_table: bool = False
+    has_page: bool = False
     children: KeptChildren = field(default_factory=KeptChildren, compare=False, repr=False)
 
 
@@ -130,13 +134,14 @@ class BatchContent:
 
     # --- What an earlier run has made
 
-    def kept(self) -> dict[int, bytes]:
-        """The rows of manipulators that are finished, unchanged and whole."""
-        kept: dict[int, bytes] = {}
-        for place, rows in self.batch.rows.items():
-            row = next((row for row in rows if self._is_kept(place, orjson.loads(row))), None)
-            if row is not None:
-                kept[place] = row
+    def kept(self) -> dict[int, tuple[ManifestRow, bytes]]:
+        """The rows of manipulators that are finished, unchanged and whole, with their lines."""
+        kept: dict[int, tuple[ManifestRow, bytes]] = {}
+        for place, lines in self.batch.rows.items():
+            for row, line in zip(map(orjson.loads, lines), lines, strict=True):
+                if self._is_kept(place, row):
+                    kept[place] = row, line
+                    break
         return kept
 
     def _is_kept(self, place: int, row: ManifestRow) -> bool:

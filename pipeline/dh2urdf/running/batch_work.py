@@ -10,11 +10,9 @@ from hashlib import sha256
 from itertools import repeat
 from typing import TYPE_CHECKING, Any
 
-import orjson
-
 from dh2urdf.conversion.column_edits import edited_robots, edited_tables
 from dh2urdf.conversion.one_manipulator import Written, emit_robot, with_copies, with_notices
-from dh2urdf.conversion.outcome import Outcome, kind_of, to_line
+from dh2urdf.conversion.outcome import Outcome, as_written, kind_of, to_line
 from dh2urdf.conversion.robots import make_item, new_notices
 from dh2urdf.conversion.simulators import load_with_all, not_loaded
 from dh2urdf.elementwise import DividedError
@@ -30,12 +28,14 @@ from dh2urdf.source import Mark
 from dh2urdf.stages import EmittedFile, Emitter, Rejected
 from dh2urdf.tasks.batch import Doomed
 from dh2urdf.tasks.batch_report import BatchReport, Tally
+from dh2urdf.tasks.manifest_columns import columns_of
 from dh2urdf.validation.coercion import many_unchecked
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from dh2urdf.columns import ManipulatorColumns, RobotColumns
+    from dh2urdf.conversion.outcome import ManifestRow
     from dh2urdf.output.layouts import Destination
     from dh2urdf.plugin_system.calls import Call
     from dh2urdf.results import FileEntry
@@ -53,36 +53,39 @@ class Work(BatchContent):
         ready = self._side_by_side(set(missing))
         report = Tally(self.batch.first)
         journal = Journal(self.worker.reports, f"{self.worker.journal}/{self.batch.first:09d}.jsonl")
-        rows: list[bytes] = []
-        telling: list[int] = []
-        form: Any = None
+        rows: list[ManifestRow] = []
+        lines: list[bytes] = []
+        told: list[ManifestRow] = []
         makes = self.worker.effect is Depth.MAKE
         is_whole = self.worker.layout.is_whole
         place_of = self.worker.layout.place(self.worker.store, self.batch.first) if missing and makes else nullcontext()
         with place_of as target:
             for place in range(len(self.batch)):
-                if (row := kept.get(place)) is not None:
+                if place in kept:
                     report.keep()
+                    row, line = kept[place]
                     if target is not None and is_whole:
-                        row = to_line(self.earlier.moved(self.batch.first + place, orjson.loads(row), target))
+                        row = self.earlier.moved(self.batch.first + place, row, target)
+                        line = to_line(row)
                 else:
                     outcome = ready.get(place) or self._one(place)
                     if self.recipe.loaders and makes:
                         sampled = self.batch.first + place in self.recipe.sample
                         outcome = replace(outcome, not_loaded=not_loaded(self.recipe, outcome, is_sampled=sampled))
-                    row = to_line(outcome.row(*self._put(place, outcome, target)))
+                    row, line = as_written(outcome.row(*self._put(place, outcome, target)))
                     report.note(outcome)
-                before, form = form, self._form(place) if place in ready else None
-                if form is None or form != before:
-                    telling.append(place)
+                if row["status"] != "ok" or self.recipe.loaders or self.worker.has_page:
+                    told.append(row)
                 rows.append(row)
+                lines.append(line)
                 if makes and not is_whole:
-                    journal.add(row, now=place not in ready)
+                    journal.add(line, now=place not in ready)
         if makes:
-            for row in rows if is_whole else ():
-                journal.add(row)
+            for line in lines if is_whole else ():
+                journal.add(line)
             journal.close()
-        return report.report(b"".join(rows), telling, self.seconds)
+        columns = columns_of(rows) if self.worker.has_table else None
+        return report.report(b"".join(lines), told, columns, self.seconds)
 
     def _put(self, place: int, outcome: Outcome, target: Destination | None) -> tuple[str, list[FileEntry]]:
         """Put the files of a manipulator in their place; its key and where they are."""
@@ -101,11 +104,6 @@ class Work(BatchContent):
         self.seconds["write"] += time.perf_counter() - started
         told = bool(outcome.notices or outcome.errors)
         return self.key(place, noticed=told, mark=self.mark(place) if told else None), facts
-
-    def _form(self, place: int) -> tuple[Any, ...] | None:
-        """What two rows have to have in common so that the second need not be read; None where it has to be."""
-        drawn = self.drawn.get(place, {})
-        return None if self.recipe.loaders else (*drawn, *map(type, drawn.values()))
 
     # --- Many at once
 

@@ -200,6 +200,8 @@ def _make(  # noqa: PLR0917 - what a run has in its hands
         journal=journal,
         home=this_process(),
         effect=effect,
+        has_table=manifest.table is not None,
+        has_page=manifest.overview is not None,
     )
     under_way: deque[Batch] = deque()
     expected = Expected(plan)
@@ -221,10 +223,10 @@ def _make(  # noqa: PLR0917 - what a run has in its hands
             report = _rescued(worker, batch, answer) if isinstance(answer, Lost) else answer
             for line in report.printed:
                 print(printable(line), file=sys.stderr)  # noqa: T201 - where plugins expect their words to go
-            manifest.add(report.rows, report.telling)
+            manifest.add(report)
             result.add(report)
             readable = readable or report.was_read
-            unread.append(replace(report, rows=b""))
+            unread.append(replace(report, rows=b"", told=(), columns=None))
             if readable:
                 for each in unread:
                     if note:

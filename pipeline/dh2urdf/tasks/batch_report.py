@@ -6,14 +6,15 @@ from collections import Counter
 from dataclasses import field, replace
 from typing import TYPE_CHECKING, Any
 
+from dh2urdf.conversion.outcome import ManifestRow, Outcome
 from dh2urdf.errors import SCREENFUL
 from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.source import Problem, in_file_order
+from dh2urdf.tasks.manifest_columns import ManifestColumns
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from dh2urdf.conversion.outcome import Outcome
 
 TIMED = 1000
 """Manipulators of a run whose durations are listed one by one; those of the others are added up."""
@@ -26,8 +27,8 @@ class BatchReport:
     Attributes:
         first: number of its first manipulator in the run.
         rows: its part of the manifest, a line of JSON for each.
-        telling: the places of the rows that have to be read: each of the others is ok, has no loader, and draws the
-            same as the row before it but for the numbers; None where all have to be.
+        told: its rows as data: those of failures, or all, where there are loaders or a page is made of them.
+        columns: what a table of the manifest has of its part; None where there is no table.
         statuses: how many are ok, kept from an earlier run, failed or skipped.
         kinds: how many failed, by kind.
         problems: what was noticed and what failed, a screenful of each; what is noticed of many is there once.
@@ -44,7 +45,8 @@ class BatchReport:
     rows: bytes
     statuses: Counter[str]
     kinds: Counter[str]
-    telling: tuple[int, ...] | None = None
+    told: tuple[ManifestRow, ...] = ()
+    columns: ManifestColumns | None = None
     problems: tuple[Problem, ...] = ()
     severities: Counter[str] = field(default_factory=Counter)
     tracebacks: tuple[str, ...] = ()
@@ -116,12 +118,15 @@ class Tally:
         self.statuses["kept"] += 1
         self._was_read = True
 
-    def report(self, rows: bytes, telling: Sequence[int], seconds: dict[str, float]) -> BatchReport:
+    def report(
+        self, rows: bytes, told: Sequence[ManifestRow], columns: ManifestColumns | None, seconds: dict[str, float]
+    ) -> BatchReport:
         """The report of the batch."""
         return BatchReport(
             first=self._first,
             rows=rows,
-            telling=tuple(telling),
+            told=tuple(told),
+            columns=columns,
             statuses=self.statuses,
             kinds=self._kinds,
             problems=tuple(self._problems),

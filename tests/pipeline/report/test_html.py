@@ -10,10 +10,12 @@ import re
 import shutil
 import subprocess
 import tracemalloc
+from collections import Counter
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+import orjson
 import pytest
 from lxml import etree, html
 from PIL import Image
@@ -24,6 +26,7 @@ from dh2urdf.plugin_system import load
 from dh2urdf.run_file.config import load_config
 from dh2urdf.run_file.plan import make_plan
 from dh2urdf.running.run import execute
+from dh2urdf.tasks.batch_report import BatchReport
 
 pytest.importorskip("jinja2")
 pytest.importorskip("matplotlib")
@@ -348,9 +351,10 @@ class TestManyManipulators:
                 manifest.overview = Overview(FULL, manifest.index)
                 for number in range(count):
                     row = bad if number % 10 == 0 else good
-                    manifest.add(
-                        row.replace(b'"arm"', b'"arm%06d"' % number).replace(b"0.125", b"0.%06d" % (number + 1))
-                    )
+                    line = row.replace(b'"arm"', b'"arm%06d"' % number).replace(b"0.125", b"0.%06d" % (number + 1))
+                    told: Any = (orjson.loads(line),)
+                    statuses = Counter(told[0]["status"] for _ in told)
+                    manifest.add(BatchReport(first=0, rows=line, statuses=statuses, kinds=Counter(), told=told))
                 _, peak = tracemalloc.get_traced_memory()
                 tracemalloc.stop()
             return page(manifest, FirstManipulators(0), plan.recipe, plan.store, plan.layout), peak

@@ -14,6 +14,7 @@ from dh2urdf.output.open_store import open_store
 from dh2urdf.report.json import SCHEMA, run_report, timing, write_reports, write_timing
 from dh2urdf.report.manifest_writer import REPORTED, ManifestWriter
 from dh2urdf.tasks.batch_report import BatchReport
+from dh2urdf.tasks.manifest_columns import columns_of
 from dh2urdf.tasks.manifest_table import ManifestTable
 from dh2urdf.tasks.result import Result
 
@@ -40,7 +41,13 @@ def written_manifest(folder: Path, rows: Iterable[dict[str, Any]], *, with_table
     made = ManifestWriter((folder / "rows").open("w+b"), "manifest.jsonl", TOLD)
     if with_table:
         made.table = ManifestTable(folder / "table", f"{folder}/manifest.parquet")
-    made.add(b"".join(map(to_line, rows)))
+    every: Any = list(rows)
+    lines, statuses = b"".join(map(to_line, every)), Counter(row["status"] for row in every)
+    made.add(
+        BatchReport(
+            first=0, rows=lines, statuses=statuses, kinds=Counter(), told=tuple(every), columns=columns_of(every)
+        )
+    )
     return made
 
 

@@ -2,18 +2,23 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
+import orjson
 import pytest
 
 import dh2urdf
 from dh2urdf.output.whole_files import Stems
 from dh2urdf.report.manifest_writer import ManifestWriter
 from dh2urdf.running.batch_work import Work
+from dh2urdf.tasks.manifest_columns import columns_of
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
     from pathlib import Path
+
+    from dh2urdf.conversion.outcome import ManifestRow
+    from dh2urdf.tasks.batch_report import BatchReport
 
 ARMS = 12
 TABLE = "# convention: standard\n# name: {name}\njoint, a, alpha, d\none, 0.4, 0, {d}\ntwo, 0.3, pi/2, 0\n"
@@ -81,23 +86,22 @@ variations:
 
 
 def test_rows_that_are_not_read_change_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Index and table of a run are the same, whether each row of its manifest is read or only those that tell more."""
+    """Index and table are the same of the lines of the manifest and of what workers send beside these."""
     rows = ["bad,one,x,0,0.1", "arm,one,0.3,0,0.1", "arm,two,0.2,0,0.1", *[f"arm_{d},one,0.3,0,0.{d}" for d in "123"]]
     (tmp_path / "arms.csv").write_text("robot,joint,a,alpha,d\n" + "\n".join(rows) + "\n")
     (tmp_path / "run.yaml").write_text(MANY)
     add = ManifestWriter.add
-    read: list[int] = []
+    told: list[ManifestRow] = []
 
-    def noted(self: ManifestWriter, block: bytes, telling: Sequence[int] | None = None) -> None:
-        assert telling is not None
-        read.append(block.count(b"\n") - len(telling))
-        add(self, block, telling)
+    def of_lines(self: ManifestWriter, report: BatchReport) -> None:
+        told.extend(report.told)
+        rows = [orjson.loads(line) for line in report.rows.splitlines()]
+        add(self, replace(report, told=tuple(rows), columns=columns_of(rows)))
 
-    monkeypatch.setattr(ManifestWriter, "add", noted)
     dh2urdf.run(tmp_path / "run.yaml", tmp_path / "some", settings={"output.layout": "shards"})
-    monkeypatch.setattr(ManifestWriter, "add", lambda self, block, _: add(self, block))
+    monkeypatch.setattr(ManifestWriter, "add", of_lines)
     dh2urdf.run(tmp_path / "run.yaml", tmp_path / "all", settings={"output.layout": "shards"})
-    assert sum(read) > 5  # were not read
+    assert [row["name"] for row in told] == ["bad"]
     for name in ("index.json", "manifest.parquet"):
         assert (tmp_path / "some" / name).read_bytes() == (tmp_path / "all" / name).read_bytes()
 

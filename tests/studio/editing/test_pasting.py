@@ -105,9 +105,13 @@ def test_json_is_yaml(catalog: Catalog, indent: int | None) -> None:
         "          a  alpha  d\nshoulder  0.1  0  0\nelbow  0.3  0  0\n",
         "     a  alpha    d\n0  0.1    0.0  0.0\n1  0.3    0.0  0.0\n",
         "|   | a | alpha | d |\n|---|---|---|---|\n| 0 | 0.1 | 0 | 0 |\n| 1 | 0.3 | 0 | 0 |\n",
+        "| # | a | alpha | d |\n|---|---|---|---|\n| 1 | 0.1 | 0 | 0 |\n| 2 | 0.3 | 0 | 0 |\n",
+        "#  a    alpha  d\n1  0.1  0      0\n2  0.3  0      0\n",
+        "\\# & a & alpha & d \\\\\n1 & 0.1 & 0 & 0 \\\\\n2 & 0.3 & 0 & 0 \\\\\n",
+        "# & a & alpha & d \\\\\n1 & 0.1 & 0 & 0 \\\\\n2 & 0.3 & 0 & 0 \\\\\n",
+        "Table 1: DH parameters\n#;a;alpha;d\n1;0.1;0;0\n2;0.3;0;0\n",
         "---\njoints:\n- {a: 0.1, alpha: 0, d: 0}\n- {a: 0.3, alpha: 0, d: 0}\n",
     ],
-    ids=["quoted comma", "comment", "tabs", "pandas", "pandas with numbers", "pandas as Markdown", "document"],
 )
 def test_a_header_is_not_lost(text: str, catalog: Catalog) -> None:
     """Each line went into one cell, or the header was dropped, and the numbers of the rows became lengths."""

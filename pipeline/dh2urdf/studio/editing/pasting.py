@@ -30,6 +30,8 @@ _CODE = re.compile(
 """What makes a link or a robot in the toolboxes for MATLAB and Python."""
 _COMMENTED = re.compile(r"\s*(?:#+|//+|%+|\*(?=\s)|--(?=\s))[ \t]?")
 """How a line of a comment begins."""
+_NUMBER_SIGN = re.compile(r"^([ \t]*\|?[ \t]*)\\?#(?=[ \t]*[|&;,\t]|[ ]{2,}[^:\n]*$)", re.MULTILINE)
+"""A sign at the head of the column that counts the rows; it begins no comment."""
 _DIGIT = re.compile(r"\d")
 MIN_COLUMNS = 2
 """Of a table with a header."""
@@ -121,7 +123,7 @@ def whole_tables(text: str, catalog: Catalog, convention: str = "") -> tuple[Ope
             "this is code of a robotics toolbox, and not a table: paste the matrix of its numbers, or in Python call "
             "dh2urdf.from_roboticstoolbox(robot).to_csv('arm.csv') and open that file"
         )
-    text = _uncommented(text)
+    text = _NUMBER_SIGN.sub(r"\1no.", _uncommented(text))
     lines = [line for line in text.splitlines() if line.strip() and not line.lstrip().startswith("#")]
     shown = typeset(text)
     is_yaml = not shown and _YAML.match("\n".join(lines)) is not None

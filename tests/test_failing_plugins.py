@@ -468,6 +468,7 @@ def test_every_function_of_every_record_is_tried() -> None:
         "name",
         "summary",
         "suffixes",
+        "not_written",
         "formats",
         "costly_proof",
         "expandable",
@@ -572,6 +573,49 @@ def test_a_record_that_nobody_could_ask_for(  # noqa: PLR0917 - fixtures
     monkeypatch.syspath_prepend(tmp_path)
     monkeypatch.delitem(sys.modules, "odd_lab", raising=False)
     assert f"broken: lab = odd_lab of odd 1.0: {reason}" in cli("plugins").stdout
+
+
+@pytest.mark.parametrize(
+    ("fields", "said"),
+    [
+        ("not_written=('.lab2',)", "the reader 'lab' reads such files, and writes others"),
+        (
+            "not_written=('.lab',)",
+            "not_written of the reader 'lab' is not among its suffixes behind the first",
+        ),
+        (
+            "not_written=('.csv',)",
+            "not_written of the reader 'lab' is not among its suffixes behind the first",
+        ),
+        ("not_written='.lab2'", "TypeError: the not_written of the reader 'lab' are '.lab2', not a tuple of texts"),
+        ("", None),
+    ],
+)
+def test_a_reader_names_the_suffixes_that_it_does_not_write(  # noqa: PLR0917 - fixtures
+    tmp_path: Path,
+    install: Callable[..., None],
+    monkeypatch: pytest.MonkeyPatch,
+    cli: Cli,
+    fields: str,
+    said: str | None,
+) -> None:
+    """Of a plugin, too: a table is not saved under such a name. The host had a list of its own."""
+    source = (
+        "from dataclasses import replace\nfrom dh2urdf.hookspecs import hookimpl\n"
+        "from dh2urdf_plugins.readers.csv import READER\n@hookimpl\ndef dh2urdf_readers():\n"
+        f"    return [replace(replace(READER, not_written=()), name='lab', suffixes=('.lab', '.lab2'), {fields})]\n"
+    )
+    install(tmp_path, "labs", source)
+    monkeypatch.syspath_prepend(tmp_path)
+    monkeypatch.delitem(sys.modules, "labs_lab", raising=False)
+    monkeypatch.chdir(tmp_path)
+    if said and "reads such files" in said:
+        assert said in cli("init", "arm.lab2", status=2).stderr
+        assert cli("init", "arm.lab").stdout.startswith("arm.lab\n")
+    elif said:
+        assert said in cli("plugins").stdout
+    else:
+        assert cli("init", "arm.lab2").stdout.startswith("arm.lab2\n")
 
 
 def test_options_that_cannot_be_described(

@@ -49,6 +49,11 @@ def _facts(item: Provided) -> Iterator[tuple[str, str]]:
     stage: Any = item.stage
     if item.kind == "reader":
         yield "chosen by the suffixes", ", ".join(map(code, stage.suffixes))
+        if stage.write:
+            yield (
+                "written with",
+                ", ".join(code(suffix) for suffix in stage.suffixes if suffix not in stage.not_written),
+            )
     elif item.kind == "emitter":
         yield "suffixes of the main file", ", ".join(map(code, stage.suffixes))
         yield "read back and proved", "yes" if stage.read_back else "no"

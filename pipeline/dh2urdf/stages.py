@@ -127,7 +127,9 @@ class Reader(Generic[O]):
     Attributes:
         name: the stage's name in a run file.
         summary: what it reads, in one line.
-        suffixes: file suffixes that choose it, in lower case with the dot.
+        suffixes: file suffixes that choose it, in lower case with the dot; the first is the usual one.
+        not_written: those of the suffixes whose files it reads and `write` does not make, such as `.tsv` of a reader
+            that writes commas: a table is not saved under such a name. The first suffix is none of them.
         options: its options dataclass.
         read: yields the manipulators of a file one by one, without holding them.
         schema: the JSON Schema (2020-12) of its files, where they are YAML or JSON: `dh2urdf schema table` prints it.
@@ -154,6 +156,7 @@ class Reader(Generic[O]):
     read: Callable[[Path, O], Iterator[Manipulator | Rejected]]
     options: type[O]
     suffixes: tuple[str, ...] = ()
+    not_written: tuple[str, ...] = ()
     schema: Callable[[], dict[str, Any]] | None = None
     write: Callable[[Sequence[TableText]], WrittenTable] | None = None
     texts: Callable[[Path], Iterator[TableText]] | None = None

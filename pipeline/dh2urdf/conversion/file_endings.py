@@ -8,20 +8,22 @@ from dh2urdf.errors import ConfigError, InputError, PluginError, TableError
 from dh2urdf.source import Problem, shown
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable
     from pathlib import Path
 
     from dh2urdf.plugin_system.catalog import Catalog
     from dh2urdf.source import Mark
     from dh2urdf.stages import Emitter, Reader
 
-_NOT_SO = {".json": "holds JSON", ".tsv": "has tabs between its cells"}
-"""Suffixes of readers that also read what else such files hold, which they do not write."""
-
 
 def table_suffixes(catalog: Catalog) -> list[str]:
     """The suffixes of tables that readers write."""
+    return [suffix for stage in _writers(catalog) for suffix in _written(stage)]
+
+
+def _writers(catalog: Catalog) -> list[Reader[Any]]:
     stages: list[Any] = [provided.stage for provided in catalog.provided("reader")]
-    return [suffix for stage in stages if stage.write is not None for suffix in _written(stage)]
+    return [stage for stage in stages if stage.write is not None]
 
 
 def table_writer(catalog: Catalog, file: Path, mark: Mark) -> Reader[Any]:
@@ -31,9 +33,10 @@ def table_writer(catalog: Catalog, file: Path, mark: Mark) -> Reader[Any]:
         TableError: no reader writes such tables.
     """
     suffixes = table_suffixes(catalog)
-    if not file.name.lower().endswith(tuple(suffixes)):
-        reason = _NOT_SO.get(file.suffix.lower())
-        message = f"no reader writes tables like {shown(file.name)}{f': such a file {reason}' if reason else ''}"
+    if not _ends(file, suffixes):
+        only_read = next((each.name for each in _writers(catalog) if _ends(file, each.not_written)), None)
+        reason = f": the reader {only_read!r} reads such files, and writes others" if only_read else ""
+        message = f"no reader writes tables like {shown(file.name)}{reason}"
         advice = "`dh2urdf convert` writes such files" if _known(catalog, "emitter", file) else None
         accepted = f"a file name that ends in {', '.join(suffixes)}"
         raise TableError(
@@ -69,14 +72,18 @@ def refuse_other_ending(catalog: Catalog, file: Path, stage: Reader[Any] | Emitt
         ConfigError: it is.
     """
     suffixes = _written(stage)
-    if not file.name.lower().endswith(suffixes) and any(_known(catalog, kind, file) for kind in ("reader", "emitter")):
+    if not _ends(file, suffixes) and any(_known(catalog, kind, file) for kind in ("reader", "emitter")):
         message = f"{shown(file.name)} is the name of a file in another format than {stage.name}, which is written"
         accepted = f"a name that ends in {' or '.join(suffixes)}"
         raise ConfigError(Problem(message=message, mark=mark, field="out", found=str(file), accepted=accepted))
 
 
 def _written(stage: Reader[Any] | Emitter[Any]) -> tuple[str, ...]:
-    return tuple([suffix for suffix in stage.suffixes if suffix not in _NOT_SO or suffix == stage.suffixes[0]])
+    return tuple([suffix for suffix in stage.suffixes if suffix not in getattr(stage, "not_written", ())])
+
+
+def _ends(file: Path, suffixes: Iterable[str]) -> bool:
+    return file.name.lower().endswith(tuple(suffixes))
 
 
 def _known(catalog: Catalog, kind: str, file: Path) -> bool:

@@ -166,6 +166,8 @@ def _check_choices(kind: Kind, stage: Any) -> None:  # noqa: ANN401 - a record o
         raise ValueError(f"the loader {stage.name!r} has to give either open or load")
     if isinstance(stage, Edit) and stage.edit_table is None and stage.edit_robot is None:
         raise ValueError(f"the edit {stage.name!r} has to give edit_table, edit_robot, or both")
+    if isinstance(stage, Reader) and not {*stage.not_written} <= {*stage.suffixes[1:]}:
+        raise ValueError(f"not_written of the reader {stage.name!r} is not among its suffixes behind the first")
     compared = getattr(stage, "compared", None)
     if compared is not None and compared not in {each.name for each in fields(stage.options)}:
         raise ValueError(f"the {kind} {stage.name!r} compares {compared!r:.60}, which is none of its options")
@@ -188,7 +190,7 @@ def check_record(kind: Kind, stage: Any) -> None:  # noqa: ANN401 - whatever a h
         raise TypeError(f"the summary of the {kind} {stage.name!r} is {stage.summary!r:.60}, not a line of text")
     if not (isinstance(stage.options, type) and is_dataclass(stage.options)):
         raise TypeError(f"the options of the {kind} {stage.name!r} are {stage.options!r:.60}, not a dataclass")
-    for what in ("suffixes", "formats"):
+    for what in ("suffixes", "formats", "not_written"):
         words = getattr(stage, what, ())
         if not isinstance(words, tuple) or not all(isinstance(word, str) for word in words):
             raise TypeError(f"the {what} of the {kind} {stage.name!r} are {words!r:.60}, not a tuple of texts")

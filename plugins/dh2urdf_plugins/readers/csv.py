@@ -81,6 +81,7 @@ READER: Reader[TableOptions] = Reader(
     read=read,
     options=TableOptions,
     suffixes=(".csv", ".tsv"),
+    not_written=(".tsv",),
     write=write,
     texts=typed_texts,
     trace=read,

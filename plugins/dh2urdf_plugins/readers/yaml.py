@@ -68,6 +68,7 @@ READER: Reader[TableOptions] = Reader(
     trace=read,
     options=TableOptions,
     suffixes=(".yaml", ".yml", ".json"),
+    not_written=(".json",),
     schema=schema,
     write=write,
     texts=typed_texts,

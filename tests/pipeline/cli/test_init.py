@@ -103,8 +103,8 @@ def test_nothing_is_overwritten(cli: Cli, tmp_path: Path, words: list[str], kind
     ("words", "message"),
     [
         (["arm.parquet"], "accepted: a file name that ends in .csv, .yaml, .yml"),
-        (["arm.json"], "such a file holds JSON"),
-        (["arm.tsv"], "such a file has tabs between its cells"),
+        (["arm.json"], "the reader 'yaml' reads such files, and writes others"),
+        (["arm.tsv"], "the reader 'csv' reads such files, and writes others"),
         (["arm"], "no reader writes tables like 'arm'"),
         (["--axes", "0"], "0 is not in the range"),
         (["--axes", "3", "--joints", "a,b"], "--axes 3 and --joints, which names 2, contradict each other"),

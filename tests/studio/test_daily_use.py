@@ -257,6 +257,28 @@ def test_cells_of_a_text(tab: Any) -> None:
 
 
 @pytest.mark.long
+def test_a_picture_empties_no_cell(tab: Any) -> None:
+    """A clipboard without a text was read as an empty one. A copied cell that is empty does empty the others."""
+    tab.open("ur5")
+    tab.page.evaluate(
+        """async () => {
+            const canvas = Object.assign(document.createElement("canvas"), {width: 4, height: 4});
+            const picture = await new Promise(done => canvas.toBlob(done));
+            await navigator.clipboard.write([new ClipboardItem({"image/png": picture})]);
+        }"""
+    )
+    tab.cell(1, "a").click()
+    tab.page.keyboard.press("Control+v")
+    tab.page.get_by_text("the clipboard holds no text").wait_for()
+    assert tab.cells(1, "a") == ["-0.425"]
+    tab.cell(1, "theta").click()
+    tab.page.keyboard.press("Control+c")
+    tab.cell(1, "a").click()
+    tab.page.keyboard.press("Control+v")
+    wait_until_empty(tab, 1, "a")
+
+
+@pytest.mark.long
 def test_an_empty_table_takes_what_is_pasted(tab: Any) -> None:
     """Wherever the cursor is: a whole table is there at once, cells begin where they belong, and a number is a number."""
     page = tab.open()

@@ -225,9 +225,12 @@ class StudioPage:
             self.session.look()
             self._show_arm()
 
-    async def _paste(self, row: int, field: str, text: str) -> None:
+    async def _paste(self, row: int, field: str, text: str | None) -> None:
         session = self.session
         if field not in session.columns:
+            return
+        if text is None:  # a picture, for one
+            ui.notify("the clipboard holds no text", type="info")
             return
         found = pasting.whole_tables(text, session.catalog, session.table.convention)
         is_asked = session.table.rows or isinstance(found, str)  # a whole table takes the place of an empty one

@@ -162,7 +162,8 @@
       const cells = range(api);
       if (event.target.tagName === "INPUT" || !cells?.fields.length) return;
       event.preventDefault();
-      emit([cells.first, cells.fields[0], event.clipboardData.getData("text/plain")]);
+      const { types } = event.clipboardData, isText = !types.length || types.includes("text/plain"); // none: an empty cell
+      emit([cells.first, cells.fields[0], isText ? event.clipboardData.getData("text/plain") : null]);
     },
 
     wrong: (params) => problem(params)?.severity === "error",

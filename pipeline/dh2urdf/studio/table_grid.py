@@ -51,7 +51,7 @@ class TableGrid:
         on_typing: is called with row, field and text of a cell that is being typed.
         on_end: is called when typing has ended.
         on_pick: is called with the number of the row that has the cursor.
-        on_paste: is called with row, field and text where cells are pasted.
+        on_paste: is called with row, field and text where cells are pasted; the text is None where there is none.
         on_clear: is called with the first and the last row and the fields of cells that are cut or deleted.
         on_move: is called with two numbers where a row was dragged from one place to another.
         on_act: is called with ``up``, ``down``, ``add`` or ``remove`` and the number of a row.
@@ -64,7 +64,7 @@ class TableGrid:
         on_typing: Callable[[int, str, str], None],
         on_end: Callable[[], None],
         on_pick: Callable[[int | None], None],
-        on_paste: Callable[[int, str, str], Any],
+        on_paste: Callable[[int, str, str | None], Any],
         on_clear: Callable[[int, int, Sequence[str]], None],
         on_move: Callable[[int, int], None],
         on_act: Callable[[str, int], None],

@@ -169,6 +169,22 @@ def test_code_is_no_table(catalog: Catalog, text: str) -> None:
     assert "dh2urdf.from_roboticstoolbox(robot)" in found
 
 
+@pytest.mark.parametrize(
+    "text",
+    [
+        '<?xml version="1.0"?>\n<robot name="arm">\n  <link name="base_link"/>\n</robot>\n',
+        '\n<robot name="arm">\n  <link name="base_link"/>\n</robot>',
+        "<!-- made by hand -->\n<mujoco>\n</mujoco>",
+        "<table><tr><th>a</th><th>alpha</th></tr><tr><td>0.1</td><td>0</td></tr></table>",
+    ],
+)
+def test_markup_is_no_table(catalog: Catalog, text: str) -> None:
+    """Each line of it went into one cell."""
+    found = pasting.whole_tables(text, catalog)
+    assert isinstance(found, str)
+    assert "open a robot description as a file" in found
+
+
 def test_a_header_that_looks_like_code(catalog: Catalog) -> None:
     """A link with its index, and types with their letters."""
     text = "Link (i)\tType\ta [m]\talpha\td [m]\n1\tRevolute (R)\t0.1\tpi/2\t0.2\n2\tRevolute (R)\t0.3\t0\t0\n"

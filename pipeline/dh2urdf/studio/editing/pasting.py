@@ -28,6 +28,8 @@ _CODE = re.compile(
     r"(?:[=\[]\s*(?:Link|Revolute|Prismatic)|\b(?:(?:Revolute|Prismatic)M?DH|SerialLink|DHRobot|rigidBodyJoint))\s*\("
 )
 """What makes a link or a robot in the toolboxes for MATLAB and Python."""
+_MARKUP = re.compile(r"\s*<(?:[?!]|[A-Za-z][\w.:-]*[\s/>])")
+"""How XML and HTML begin."""
 _COMMENTED = re.compile(r"\s*(?:#+|//+|%+|\*(?=\s)|--(?=\s))[ \t]?")
 """How a line of a comment begins."""
 _NUMBER_SIGN = re.compile(r"^([ \t]*\|?[ \t]*)\\?#(?=[ \t]*[|&;,\t]|[ ]{2,}[^:\n]*$)", re.MULTILINE)
@@ -122,6 +124,11 @@ def whole_tables(text: str, catalog: Catalog, convention: str = "") -> tuple[Ope
         return (
             "this is code of a robotics toolbox, and not a table: paste the matrix of its numbers, or in Python call "
             "dh2urdf.from_roboticstoolbox(robot).to_csv('arm.csv') and open that file"
+        )
+    if _MARKUP.match(text):
+        return (
+            "this is the text of an XML or HTML file, and not a table: open a robot description as a file, and copy "
+            "the table of a page as the browser shows it"
         )
     text = _NUMBER_SIGN.sub(r"\1no.", _uncommented(text))
     lines = [line for line in text.splitlines() if line.strip() and not line.lstrip().startswith("#")]

@@ -208,7 +208,7 @@ class TestQuickStart:
         # Of the standard library, what takes as long as several modules of the house.
         assert modules & {"decimal", "email", "fractions", "importlib.metadata", "tempfile", "zipfile"} == set()
         host = {"dh2urdf.inspections", "dh2urdf.load_records", "dh2urdf.cells.cell", "dh2urdf.meshes.conversion"}
-        host |= {"dh2urdf.plugin_system.column_calls", "dh2urdf.isolation.fence", "orjson"}
+        host |= {"dh2urdf.stage_calls.column_calls", "dh2urdf.isolation.fence", "orjson"}
         work = {
             "calibrations.files",
             "emitters.mjcf_model",
@@ -280,7 +280,7 @@ def record_types() -> list[type]:
     """Every dataclass of the host that a plugin is given or gives."""
     found = []
     modules_of_records = (
-        *("source", "manipulator", "robot", "stages", "plugin_system.discovery", "plugin_system.calls"),
+        *("source", "manipulator", "robot", "stages", "plugin_system.discovery", "stage_calls.calls"),
         *("kinematics.proof", "conversion.one_manipulator", "commands.convert", "run_file.plan", "running.run"),
     )
     for name in modules_of_records:

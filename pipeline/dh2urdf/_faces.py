@@ -62,7 +62,7 @@ def function_of(method: str) -> Callable[..., T]:
 
 MOVED = {
     "at_work": "plugin_system",
-    "attribution": "plugin_system.calls",
+    "attribution": "stage_calls.calls",
     "discovery": "plugin_system.discovery",
     "fence": "isolation",
     "mesh_triangles": "meshes",

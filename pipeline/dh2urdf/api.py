@@ -22,20 +22,20 @@ from dh2urdf.documents.text_files import check_file
 from dh2urdf.errors import ConfigError, InputError, TableError
 from dh2urdf.manipulator import Manipulator
 from dh2urdf.output.spooled import STEM
-from dh2urdf.plugin_system.calls import blaming
 from dh2urdf.plugin_system.catalog import load
-from dh2urdf.plugin_system.stage_answers import items_of
 from dh2urdf.robot import Robot
 from dh2urdf.source import Problem, shown
+from dh2urdf.stage_calls.answers import items_of
+from dh2urdf.stage_calls.calls import blaming
 from dh2urdf.validation.arguments import a_name, a_path, check_flags, check_names, mapping, path_or_none, several
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
 
     from dh2urdf.commands.given_tables import Source, StrPath
-    from dh2urdf.plugin_system.calls import Call
     from dh2urdf.plugin_system.catalog import Catalog
     from dh2urdf.results import RunReport
+    from dh2urdf.stage_calls.calls import Call
     from dh2urdf.stages import Inspection, Reader, Rejected
     from dh2urdf.table_text import CellRow
 

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
     from dh2urdf.commands.extract import Chains
     from dh2urdf.manipulator import Manipulator
-    from dh2urdf.plugin_system.calls import Call
+    from dh2urdf.stage_calls.calls import Call
     from dh2urdf.stages import Reader
 
 

@@ -17,18 +17,18 @@ from dh2urdf.conversion.one_manipulator import read_items
 from dh2urdf.conversion.robots import make_robot
 from dh2urdf.errors import ManipulatorError, TableError
 from dh2urdf.manipulator import Manipulator
-from dh2urdf.plugin_system.calls import default_call
 from dh2urdf.provenance import Trace
 from dh2urdf.report.answers.info import brief, details, info_report
 from dh2urdf.report.answers.info_text import lines, markdown, print_on_terminal
 from dh2urdf.source import Mark, Problem, did_you_mean, shown
+from dh2urdf.stage_calls.calls import default_call
 
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from dh2urdf.plugin_system.calls import Call
     from dh2urdf.plugin_system.catalog import Catalog
     from dh2urdf.results import BriefEntry, Detail
+    from dh2urdf.stage_calls.calls import Call
     from dh2urdf.stages import Reader, Rejected
 
 

@@ -12,10 +12,10 @@ from dh2urdf.cli.shared_options import PATH, Command, catalog, option, without_o
 from dh2urdf.conversion.file_endings import table_writer
 from dh2urdf.errors import ConfigError
 from dh2urdf.manipulator import Convention
-from dh2urdf.plugin_system.calls import default_call
 from dh2urdf.plugin_system.options import COMMAND_LINE
 from dh2urdf.scaffold.tables import MOST_AXES, run_template, table_template, write_new
 from dh2urdf.source import Problem
+from dh2urdf.stage_calls.calls import default_call
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -9,9 +9,9 @@ from dh2urdf.commands.described_files import described_files
 from dh2urdf.documents.text_files import check_file
 from dh2urdf.errors import ConfigError, InputError
 from dh2urdf.late_tuples import NamedTuple
-from dh2urdf.plugin_system.calls import Call, depending_on
-from dh2urdf.plugin_system.stage_answers import a_whole_record
 from dh2urdf.source import Mark, Problem, shown
+from dh2urdf.stage_calls.answers import a_whole_record
+from dh2urdf.stage_calls.calls import Call, depending_on
 from dh2urdf.stages import Expansion, Finding, Inspection, Repair
 
 if TYPE_CHECKING:

@@ -18,9 +18,9 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from dh2urdf.commands.options_of_stages import Asker, Setting
-    from dh2urdf.plugin_system.calls import Call
     from dh2urdf.plugin_system.catalog import Catalog
     from dh2urdf.provenance import Trace
+    from dh2urdf.stage_calls.calls import Call
     from dh2urdf.stages import Reader
 
 

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, Any
 from dh2urdf.commands.options_of_stages import stage_calls
 from dh2urdf.documents.text_files import check_file
 from dh2urdf.errors import ConfigError, InputError
-from dh2urdf.plugin_system.calls import depending_on
-from dh2urdf.plugin_system.stage_answers import a_whole_record
 from dh2urdf.source import Mark, Problem
+from dh2urdf.stage_calls.answers import a_whole_record
+from dh2urdf.stage_calls.calls import depending_on
 from dh2urdf.stages import Annotation
 
 if TYPE_CHECKING:

@@ -18,11 +18,11 @@ from dh2urdf.manipulator import Manipulator
 from dh2urdf.meshes.files import FILE, RELATIVE, mesh_files, prefix_of
 from dh2urdf.meshes.kinds import MeshConversion
 from dh2urdf.output.whole_files import refuse_no_file, safe_stem
-from dh2urdf.plugin_system.calls import Call, depending_on
-from dh2urdf.plugin_system.stage_answers import a_record
 from dh2urdf.provenance import Trace
 from dh2urdf.robot import Robot
 from dh2urdf.source import Problem, shown
+from dh2urdf.stage_calls.answers import a_record
+from dh2urdf.stage_calls.calls import Call, depending_on
 from dh2urdf.stages import Edit, Reader
 
 if TYPE_CHECKING:

@@ -15,10 +15,10 @@ from dh2urdf.errors import ConfigError, TableError
 from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.manipulator import Manipulator
 from dh2urdf.output.whole_files import refuse_inputs, write_whole
-from dh2urdf.plugin_system.calls import blaming, default_call
-from dh2urdf.plugin_system.stage_answers import a_record
 from dh2urdf.quantities.units import UNITS
 from dh2urdf.source import Mark, Problem, listed
+from dh2urdf.stage_calls.answers import a_record
+from dh2urdf.stage_calls.calls import blaming, default_call
 from dh2urdf.stages import Reader, Rejected
 from dh2urdf.table_text import table_text, transform_text
 from dh2urdf.unchecked_records import changed
@@ -27,8 +27,8 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence
 
     from dh2urdf.commands.options_of_stages import Asker, Setting
-    from dh2urdf.plugin_system.calls import Call
     from dh2urdf.plugin_system.catalog import Catalog
+    from dh2urdf.stage_calls.calls import Call
 
 
 def description_reader(

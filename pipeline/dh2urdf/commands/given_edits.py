@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING, Any
 
 from dh2urdf.documents.document import load_yaml
 from dh2urdf.errors import ConfigError, InputError
-from dh2urdf.plugin_system.calls import Call
 from dh2urdf.plugin_system.options import make_options, word_node
 from dh2urdf.source import Problem, shown
+from dh2urdf.stage_calls.calls import Call
 
 if TYPE_CHECKING:
     from collections.abc import Iterable

@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING, Any
 
 from dh2urdf.errors import ConfigError
 from dh2urdf.late_tuples import NamedTuple
-from dh2urdf.plugin_system.calls import Call
 from dh2urdf.plugin_system.options import make_options
 from dh2urdf.source import Mark, Problem, did_you_mean, shown
+from dh2urdf.stage_calls.calls import Call
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping, Sequence

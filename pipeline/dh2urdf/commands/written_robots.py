@@ -17,12 +17,12 @@ from dh2urdf.manipulator import JointType
 from dh2urdf.meshes.files import FILE, located, prefix_of
 from dh2urdf.output.spooled import spooled
 from dh2urdf.output.whole_files import safe_stem, write_whole
-from dh2urdf.plugin_system.calls import blaming
 from dh2urdf.plugin_system.catalog import load
-from dh2urdf.plugin_system.stage_answers import a_whole_record, emitted_files
 from dh2urdf.robot import Robot
 from dh2urdf.robot_check import check_robot
 from dh2urdf.source import Problem
+from dh2urdf.stage_calls.answers import a_whole_record, emitted_files
+from dh2urdf.stage_calls.calls import blaming
 from dh2urdf.validation.arguments import path_or_none
 
 if TYPE_CHECKING:

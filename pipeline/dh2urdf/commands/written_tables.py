@@ -14,10 +14,10 @@ from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.output.spooled import spooled
 from dh2urdf.output.whole_files import write_whole
-from dh2urdf.plugin_system.calls import Call, blaming, default_call
 from dh2urdf.plugin_system.catalog import load
-from dh2urdf.plugin_system.stage_answers import a_whole_record
 from dh2urdf.source import Mark, Problem, shown
+from dh2urdf.stage_calls.answers import a_whole_record
+from dh2urdf.stage_calls.calls import Call, blaming, default_call
 from dh2urdf.stages import Rejected
 from dh2urdf.table_text import WrittenTable, table_text
 from dh2urdf.validation.arguments import path_or_none

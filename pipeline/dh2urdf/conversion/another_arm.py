@@ -16,8 +16,8 @@ if TYPE_CHECKING:
 
     from dh2urdf.kinematics.expected_poses import ExpectedPoses
     from dh2urdf.kinematics.proof_vectors import Poses
-    from dh2urdf.plugin_system.calls import Call
     from dh2urdf.robot import Robot
+    from dh2urdf.stage_calls.calls import Call
 
 
 def makers_at_fault(expected: ExpectedPoses, robot: Robot, poses: Poses, calls: Sequence[Call[Any]]) -> str:

@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Any, TypeVar
 from dh2urdf.conversion.robots import refuse_new_name, with_edits
 from dh2urdf.elementwise import DividedError
 from dh2urdf.manipulator import Manipulator
-from dh2urdf.plugin_system.calls import Call, blaming
-from dh2urdf.plugin_system.stage_answers import a_record
 from dh2urdf.robot import Robot
 from dh2urdf.robot_check import sure_columns
+from dh2urdf.stage_calls.answers import a_record
+from dh2urdf.stage_calls.calls import Call, blaming
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence

@@ -20,9 +20,9 @@ from dh2urdf.manipulator import Manipulator
 from dh2urdf.meshes.files import RELATIVE, copy_path, located, mesh_files, prefix_of, read_mesh
 from dh2urdf.meshes.kinds import MeshConversion
 from dh2urdf.output.whole_files import put_in_place, refuse_inputs, staging, write_files, write_whole
-from dh2urdf.plugin_system.calls import Call, blaming
-from dh2urdf.plugin_system.stage_answers import a_record, a_whole_record, emitted_files, items_of, whole_records
 from dh2urdf.source import Mark, Problem, shown
+from dh2urdf.stage_calls.answers import a_record, a_whole_record, emitted_files, items_of, whole_records
+from dh2urdf.stage_calls.calls import Call, blaming
 from dh2urdf.stages import Edit, EmittedFile, Emitter, Loader, Reader, Rejected, Transform
 
 if TYPE_CHECKING:
@@ -369,7 +369,7 @@ def checked_items(
                 if not item.problems:
                     raise ValueError(f"it rejected {shown(item.name)} and did not say why")
             elif isinstance(item, ManipulatorGroups) and columns:
-                from dh2urdf.plugin_system.column_calls import checked_groups
+                from dh2urdf.stage_calls.column_calls import checked_groups
 
                 checked_groups(item)
             else:

@@ -5,12 +5,12 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from dh2urdf.errors import EmitterError
-from dh2urdf.plugin_system.calls import blaming
-from dh2urdf.plugin_system.stage_answers import items_of
 from dh2urdf.source import Problem, shown
+from dh2urdf.stage_calls.answers import items_of
+from dh2urdf.stage_calls.calls import blaming
 
 if TYPE_CHECKING:
-    from dh2urdf.plugin_system.calls import Call
+    from dh2urdf.stage_calls.calls import Call
     from dh2urdf.stages import Emitter
 
 

@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Any
 from dh2urdf.errors import ManipulatorError, RobotError
 from dh2urdf.kinematics.expected_poses import ExpectedPoses
 from dh2urdf.manipulator import Manipulator
-from dh2urdf.plugin_system.calls import Call, blaming, depending_on
-from dh2urdf.plugin_system.stage_answers import a_record, a_whole_record
 from dh2urdf.robot import Robot
 from dh2urdf.robot_check import check_robot
+from dh2urdf.stage_calls.answers import a_record, a_whole_record
+from dh2urdf.stage_calls.calls import Call, blaming, depending_on
 from dh2urdf.stages import Edit
 
 if TYPE_CHECKING:

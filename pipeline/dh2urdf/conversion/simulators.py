@@ -19,9 +19,9 @@ from dh2urdf.isolation.loads import load_in_child
 from dh2urdf.kinematics.chain import KinematicChain
 from dh2urdf.kinematics.proof_vectors import joint_vectors
 from dh2urdf.late_tuples import NamedTuple
-from dh2urdf.plugin_system.calls import Call, blaming, depending_on
-from dh2urdf.plugin_system.stage_answers import a_plain_name, a_record
 from dh2urdf.source import Problem, shown
+from dh2urdf.stage_calls.answers import a_plain_name, a_record
+from dh2urdf.stage_calls.calls import Call, blaming, depending_on
 from dh2urdf.stages import Loader, LoadReport, LoadRequest
 
 if TYPE_CHECKING:

@@ -31,8 +31,8 @@ from dh2urdf.errors import CrashError, LoaderError
 from dh2urdf.isolation.child_process import ChildFailure, outcome, pickled_call, run_in_child, started
 from dh2urdf.isolation.own_process import is_own
 from dh2urdf.measuring.opened_arm import load_function
-from dh2urdf.plugin_system.stage_answers import a_record, a_whole_record, whole_records
 from dh2urdf.source import Problem
+from dh2urdf.stage_calls.answers import a_record, a_whole_record, whole_records
 from dh2urdf.stages import LoadReport
 
 if TYPE_CHECKING:

@@ -13,8 +13,8 @@ from contextlib import contextmanager, suppress
 from typing import TYPE_CHECKING, Any
 
 from dh2urdf.errors import ManipulatorError
-from dh2urdf.plugin_system.calls import Call, blaming
-from dh2urdf.plugin_system.stage_answers import a_record
+from dh2urdf.stage_calls.answers import a_record
+from dh2urdf.stage_calls.calls import Call, blaming
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence

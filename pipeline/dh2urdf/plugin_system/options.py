@@ -18,8 +18,7 @@ from dh2urdf.documents.document import Node, expect_mapping, load_yaml
 from dh2urdf.documents.nodes import LARGEST_BARE
 from dh2urdf.documents.text_files import tidy_path
 from dh2urdf.errors import BrokenPluginError, ConfigError, InputError
-from dh2urdf.plugin_system.discovery import UNKNOWN
-from dh2urdf.plugin_system.faults import reason_of, traceback_of
+from dh2urdf.plugin_system.discovery import UNKNOWN, reason_of, traceback_of
 from dh2urdf.plugin_system.option_types import (
     choices,
     describe_options,

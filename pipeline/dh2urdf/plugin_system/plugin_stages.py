@@ -13,8 +13,7 @@ from dh2urdf import hookspecs
 from dh2urdf.errors import BrokenPluginError
 from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.plugin_system.at_work import AtWork
-from dh2urdf.plugin_system.discovery import Plugin
-from dh2urdf.plugin_system.faults import reason_of, traceback_of
+from dh2urdf.plugin_system.discovery import Plugin, reason_of, traceback_of
 from dh2urdf.stages import Edit, Emitter, Executor, Kind, Loader, Reader, Stage, Transform
 
 if TYPE_CHECKING:

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, Final, cast
 from dh2urdf._version import __version__
 from dh2urdf.errors import BrokenPluginError, IncompatiblePluginError
 from dh2urdf.hookspecs import INTERFACE_VERSION
-from dh2urdf.plugin_system.calls import Call, depending_on
 from dh2urdf.plugin_system.catalog import KINDS
 from dh2urdf.plugin_system.options import describe_options
+from dh2urdf.stage_calls.calls import Call, depending_on
 
 if TYPE_CHECKING:
     from dh2urdf.plugin_system.catalog import Catalog, Provided

@@ -17,8 +17,8 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from dh2urdf.conversion.one_manipulator import Recipe
-    from dh2urdf.plugin_system.calls import Call
     from dh2urdf.results import InputEntry, Reproduction
+    from dh2urdf.stage_calls.calls import Call
     from dh2urdf.variations.variation import VariationCall
 
 MOST_INPUTS = 1000

@@ -16,10 +16,10 @@ from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.output.layouts import Layout
 from dh2urdf.output.open_store import open_store
 from dh2urdf.output.store import Store
-from dh2urdf.plugin_system.calls import Call
 from dh2urdf.run_file.mesh_section import MeshCall
 from dh2urdf.run_file.stages_by_name import AskedStages
 from dh2urdf.source import Problem, in_file_order
+from dh2urdf.stage_calls.calls import Call
 from dh2urdf.stages import Executor, Reader
 from dh2urdf.variations import sampling
 from dh2urdf.variations.variation import VariationCall

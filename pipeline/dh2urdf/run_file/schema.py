@@ -9,13 +9,13 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from dh2urdf.errors import ConfigError
-from dh2urdf.plugin_system.calls import Call, depending_on
 from dh2urdf.plugin_system.catalog import KINDS
 from dh2urdf.plugin_system.option_types import measures_of, type_hints
-from dh2urdf.plugin_system.stage_answers import a_record
 from dh2urdf.run_file.sections import RUN_FILE
 from dh2urdf.run_file.stage_records import stage_names, usual_name
 from dh2urdf.run_file.value_types import NUMBER
+from dh2urdf.stage_calls.answers import a_record
+from dh2urdf.stage_calls.calls import Call, depending_on
 
 if TYPE_CHECKING:
     from dh2urdf.plugin_system.catalog import Catalog, Provided

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Any
 from dh2urdf.documents.text_files import LONG_PATH
 from dh2urdf.errors import InputError, PluginError
 from dh2urdf.output.journal import MANIFEST
-from dh2urdf.plugin_system.calls import Call
 from dh2urdf.plugin_system.options import make_options
 from dh2urdf.source import Problem, listed, shown
+from dh2urdf.stage_calls.calls import Call
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence

@@ -21,10 +21,10 @@ from dh2urdf.isolation.watchdog import watched
 from dh2urdf.kinematics.proof import Proof, prove_columns
 from dh2urdf.manipulator import Manipulator
 from dh2urdf.output.journal import Journal
-from dh2urdf.plugin_system.calls import blaming
-from dh2urdf.plugin_system.column_calls import emit_columns, read_columns, transform_columns
 from dh2urdf.running.batch_content import BatchContent, Depth, timed
 from dh2urdf.source import Mark
+from dh2urdf.stage_calls.calls import blaming
+from dh2urdf.stage_calls.column_calls import emit_columns, read_columns, transform_columns
 from dh2urdf.stages import EmittedFile, Emitter, Rejected
 from dh2urdf.tasks.batch import Doomed
 from dh2urdf.tasks.batch_report import BatchReport, Tally
@@ -37,8 +37,8 @@ if TYPE_CHECKING:
     from dh2urdf.columns import ManipulatorColumns, RobotColumns
     from dh2urdf.conversion.outcome import ManifestRow
     from dh2urdf.output.layouts import Destination
-    from dh2urdf.plugin_system.calls import Call
     from dh2urdf.results import FileEntry
+    from dh2urdf.stage_calls.calls import Call
 
 
 class Work(BatchContent):

@@ -17,9 +17,6 @@ from dh2urdf.isolation.watchdog import this_process
 from dh2urdf.output.journal import JOURNAL, MANIFEST, Earlier, earlier_rows, next_journal
 from dh2urdf.output.leftovers import clear_leftovers
 from dh2urdf.plugin_system.at_work import unmarked
-from dh2urdf.plugin_system.calls import Call, depending_on, fault, own_work
-from dh2urdf.plugin_system.pools import results_of
-from dh2urdf.plugin_system.stage_answers import a_record, items_of
 from dh2urdf.report.first_manipulators import FULL, FirstManipulators
 from dh2urdf.report.json import TABLE, run_report, write_reports, write_timing
 from dh2urdf.report.manifest_writer import ManifestWriter
@@ -33,6 +30,9 @@ from dh2urdf.running.batch_content import Depth
 from dh2urdf.running.run_inputs import OWN_FILES, refuse_overwriting
 from dh2urdf.running.worker import BatchWorker
 from dh2urdf.source import Problem, printable
+from dh2urdf.stage_calls.answers import a_record, items_of
+from dh2urdf.stage_calls.calls import Call, depending_on, fault, own_work
+from dh2urdf.stage_calls.pools import results_of
 from dh2urdf.stages import Executor, Lost
 from dh2urdf.tasks.batch import Batch, Doomed, batches
 from dh2urdf.tasks.batch_report import BatchReport

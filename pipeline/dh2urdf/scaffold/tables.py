@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
     from pathlib import Path
 
-    from dh2urdf.plugin_system.calls import Call
+    from dh2urdf.stage_calls.calls import Call
     from dh2urdf.stages import Reader
 
 MOST_AXES = 100

@@ -15,14 +15,14 @@ from dh2urdf.foreign_robot import ForeignRobot, following, with_followers
 from dh2urdf.kinematics.chain import link_poses
 from dh2urdf.manipulator import TOOL
 from dh2urdf.meshes import mesh_finder, packages_in, with_its_own
-from dh2urdf.plugin_system.calls import blaming, default_call
-from dh2urdf.plugin_system.stage_answers import a_whole_record
 from dh2urdf.robot import Robot
 from dh2urdf.rotations import IDENTITY, RigidTransform, norm, scale
 from dh2urdf.run_file.config import RUN_SUFFIXES, is_run_file, load_config
 from dh2urdf.run_file.plan import make_plan
 from dh2urdf.run_file.records import StageCall
 from dh2urdf.source import Mark, Problem, listed, shown
+from dh2urdf.stage_calls.answers import a_whole_record
+from dh2urdf.stage_calls.calls import blaming, default_call
 from dh2urdf.stages import Expansion, Rejected
 from dh2urdf.studio import joints
 from dh2urdf.studio.drawing.colours import GREY

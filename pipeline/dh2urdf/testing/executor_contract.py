@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import pytest
 
 from dh2urdf.errors import ExecutorError, PluginError
-from dh2urdf.plugin_system.pools import results_of
+from dh2urdf.stage_calls.pools import results_of
 from dh2urdf.stages import Executor, Lost
 from dh2urdf.testing.children.witness import marked, processes
 from dh2urdf.testing.stage_contract import StageContract

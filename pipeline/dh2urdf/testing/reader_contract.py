@@ -12,10 +12,10 @@ from typing import TYPE_CHECKING, Any, ClassVar
 from dh2urdf.columns import ManipulatorGroups
 from dh2urdf.errors import InputError, PluginError, TableError
 from dh2urdf.manipulator import DHRow, Manipulator
-from dh2urdf.plugin_system.column_calls import checked_groups
 from dh2urdf.provenance import Trace
 from dh2urdf.quantities.units import UNITS
 from dh2urdf.source import Mark
+from dh2urdf.stage_calls.column_calls import checked_groups
 from dh2urdf.stages import Reader, Rejected
 from dh2urdf.table_text import CellRow
 from dh2urdf.testing.stage_contract import StageContract, outcome

@@ -14,9 +14,9 @@ from dh2urdf.conversion.one_manipulator import Recipe, write_robot
 from dh2urdf.conversion.robots import make_item, make_robot
 from dh2urdf.errors import EditError, ProofError, RobotError, StageError
 from dh2urdf.manipulator import JointType, Manipulator
-from dh2urdf.plugin_system.calls import Call
 from dh2urdf.robot import Joint, Link, Origin, Robot
 from dh2urdf.source import Problem
+from dh2urdf.stage_calls.calls import Call
 from dh2urdf.stages import Edit, EmittedFile, Emitter, NoOptions, Transform
 from dh2urdf.testing import plain_robot, reference_manipulators
 

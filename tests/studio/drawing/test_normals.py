@@ -12,8 +12,8 @@ from dh2urdf.conversion.robots import make_robot
 from dh2urdf.kinematics import dh_frames
 from dh2urdf.kinematics.facts import Line
 from dh2urdf.manipulator import Convention, DHRow, JointType, Manipulator
-from dh2urdf.plugin_system.calls import default_call
 from dh2urdf.rotations import RigidTransform
+from dh2urdf.stage_calls.calls import default_call
 from dh2urdf.studio import gallery
 from dh2urdf.studio.drawing.normals import (
     Position,

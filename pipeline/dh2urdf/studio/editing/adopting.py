@@ -11,9 +11,9 @@ from dh2urdf.errors import Dh2UrdfError
 from dh2urdf.kinematics.chain import angle_error, forward_kinematics, position_error
 from dh2urdf.kinematics.comparison import DECIMALS, TOLERANCE, compare
 from dh2urdf.manipulator import Convention, JointType, Manipulator
-from dh2urdf.plugin_system.calls import default_call
 from dh2urdf.quantities.units import UNITS
 from dh2urdf.rotations import IDENTITY, RigidTransform
+from dh2urdf.stage_calls.calls import default_call
 from dh2urdf.studio.editing import edits
 from dh2urdf.studio.editing.reading import read_whole
 from dh2urdf.table_text import dimension_of, number_in, table_text, unit_of

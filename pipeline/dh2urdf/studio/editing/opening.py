@@ -14,10 +14,10 @@ from dh2urdf.conversion.one_manipulator import read_items
 from dh2urdf.errors import Dh2UrdfError, InputError
 from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.manipulator import Convention, Manipulator
-from dh2urdf.plugin_system.calls import blaming, default_call
-from dh2urdf.plugin_system.stage_answers import whole_records
 from dh2urdf.run_file.config import RUN_SUFFIXES, is_run_file
 from dh2urdf.source import Mark, Problem, listed, shown
+from dh2urdf.stage_calls.answers import whole_records
+from dh2urdf.stage_calls.calls import blaming, default_call
 from dh2urdf.stages import Rejected
 from dh2urdf.studio.editing.reading import read_whole
 from dh2urdf.table_text import FIELDS, TableText, table_text
@@ -25,8 +25,8 @@ from dh2urdf.table_text import FIELDS, TableText, table_text
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
 
-    from dh2urdf.plugin_system.calls import Call
     from dh2urdf.plugin_system.catalog import Catalog
+    from dh2urdf.stage_calls.calls import Call
     from dh2urdf.stages import Reader
 
 MOST_NAMES = 5

@@ -18,11 +18,11 @@ from dh2urdf.conversion.robots import make_robot
 from dh2urdf.errors import InputError, ManipulatorError
 from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.manipulator import Manipulator
-from dh2urdf.plugin_system.calls import Call, default_call
 from dh2urdf.plugin_system.option_types import choices, type_hints
 from dh2urdf.plugin_system.options import make_options
 from dh2urdf.robot import Robot
 from dh2urdf.source import Mark, Problem, in_file_order
+from dh2urdf.stage_calls.calls import Call, default_call
 from dh2urdf.stages import Rejected, Transform
 from dh2urdf.studio.editing.edits import begun
 from dh2urdf.table_text import FIELDS, STATEMENTS, TableText, WrittenTable

@@ -23,7 +23,7 @@ from dh2urdf.errors import EmitterError
 from dh2urdf.kinematics.proof import Proof
 from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.output.whole_files import safe_stem
-from dh2urdf.plugin_system.calls import Call, default_call
+from dh2urdf.stage_calls.calls import Call, default_call
 from dh2urdf.stages import Emitter
 from dh2urdf.studio.editing.reading import transform_call, variant_options
 from dh2urdf.table_text import NAMES, yaml_word

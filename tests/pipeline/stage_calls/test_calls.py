@@ -8,8 +8,8 @@ import pytest
 
 from dh2urdf.errors import BrokenPluginError, EmitterError, StageError
 from dh2urdf.plugin_system import KINDS, calls as attribution, load
-from dh2urdf.plugin_system.calls import Call, blaming, broken, depending_on, own_work
 from dh2urdf.plugin_system.discovery import Plugin
+from dh2urdf.stage_calls.calls import Call, blaming, broken, depending_on, own_work
 from dh2urdf.stages import Emitter, NoOptions
 
 if TYPE_CHECKING:

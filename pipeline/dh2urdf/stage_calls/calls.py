@@ -30,9 +30,8 @@ from dh2urdf.errors import (
 from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.plugin_system.at_work import AtWork
 from dh2urdf.plugin_system.catalog import RECORDS, Catalog, Plugin, load, load_plugin
-from dh2urdf.plugin_system.discovery import UNKNOWN
-from dh2urdf.plugin_system.faults import reason_of, traceback_of
-from dh2urdf.plugin_system.stage_answers import a_record
+from dh2urdf.plugin_system.discovery import UNKNOWN, reason_of, traceback_of
+from dh2urdf.stage_calls.answers import a_record
 from dh2urdf.stages import Edit, Emitter, Executor, Kind, Loader, Reader, Transform
 
 if TYPE_CHECKING:

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 from dh2urdf.errors import StageError
-from dh2urdf.plugin_system.calls import Call
-from dh2urdf.plugin_system.column_calls import read_columns
 from dh2urdf.robot import Link, Robot
+from dh2urdf.stage_calls.calls import Call
+from dh2urdf.stage_calls.column_calls import read_columns
 from dh2urdf_plugins.emitters.urdf import EMITTER, UrdfOptions
 
 if TYPE_CHECKING:

@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 from dh2urdf.columns import ManipulatorColumns, RobotColumns, columns_of
 from dh2urdf.elementwise import is_column
-from dh2urdf.plugin_system.calls import Call, blaming
-from dh2urdf.plugin_system.stage_answers import a_record, emitted_files
 from dh2urdf.robot import Robot
 from dh2urdf.row_fields import LIMITS, NUMBERS
+from dh2urdf.stage_calls.answers import a_record, emitted_files
+from dh2urdf.stage_calls.calls import Call, blaming
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence

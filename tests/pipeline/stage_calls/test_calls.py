@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 from dh2urdf.errors import BrokenPluginError, EmitterError, StageError
-from dh2urdf.plugin_system import KINDS, calls as attribution, load
+from dh2urdf.plugin_system import KINDS, load
 from dh2urdf.plugin_system.discovery import Plugin
+from dh2urdf.stage_calls import calls as attribution
 from dh2urdf.stage_calls.calls import Call, blaming, broken, depending_on, own_work
 from dh2urdf.stages import Emitter, NoOptions
 

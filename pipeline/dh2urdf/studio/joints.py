@@ -83,6 +83,15 @@ def sliders(
     return tuple(found)
 
 
+def renamed(q: Mapping[str, float], before: Sequence[Slider], after: Sequence[Slider]) -> dict[str, float]:
+    """Joint values by the names that the joints have now, where names are all that has changed."""
+    old, new = ([slider.name for slider in each] for each in (before, after))
+    names = {one: other for one, other in zip(old, new, strict=False) if one != other}
+    if len(old) != len(new) or names.keys() & set(new) or set(names.values()) & set(old):  # others, or in another order
+        return dict(q)
+    return {names.get(name, name): value for name, value in q.items()}
+
+
 def kept(q: Mapping[str, float], of: Sequence[Slider]) -> dict[str, float]:
     """The values of joints that are still there, inside their limits; 0 or what is nearest for those that are new."""
     return {slider.name: slider.inside(q.get(slider.name, 0.0)) for slider in of}

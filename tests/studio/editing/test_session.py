@@ -120,6 +120,45 @@ def test_joint_values_stay_where_they_can(session: Session) -> None:
     assert session.q["wrist_1_joint"] == 1.0
 
 
+def test_half_a_limit_moves_no_joint(session: Session) -> None:
+    """On the way to 2.5 the limit was 2, and the joint stayed there; so it did when the cell was left as it was."""
+    session.move({"elbow_joint": 2.3})
+    for text in ("2", "2.", "2.5"):
+        session.preview(2, "upper", text)
+    assert session.q["elbow_joint"] == 2.3
+    session.preview(2, "upper", "1")
+    assert session.q["elbow_joint"] == 1.0
+    session.look()  # Esc
+    assert session.q["elbow_joint"] == 2.3
+    session.preview(2, "upper", "2")
+    session.move({"wrist_1_joint": 0.7})  # as poses that are played do
+    session.edit(2, "upper", "2.5")
+    assert (session.q["elbow_joint"], session.q["wrist_1_joint"]) == (2.3, 0.7)
+
+
+def test_a_joint_that_is_renamed_stays_where_it_is(session: Session) -> None:
+    """While its name is typed, too: the joint went back to 0, and stored poses lost it."""
+    first, second = (slider.name for slider in session.sliders[:2])
+    session.move({first: 0.5, second: 0.25})
+    session.poses.append(dict(session.q))
+    pose = session.pose
+    for text in ("n", "ne", "new"):
+        session.preview(0, "joint", text)
+        assert session.pose == pose
+    session.look()  # Esc
+    assert (session.pose, session.q[first]) == (pose, 0.5)
+    session.edit(0, "joint", "new")
+    session.edit(1, "joint", "newer")
+    assert session.pose == pose
+    assert {"new": 0.5, "newer": 0.25}.items() <= session.poses[0].items()
+    session.put(edits.moved(session.table, 0, 1))
+    assert (session.q["new"], session.q["newer"]) == (0.5, 0.25)
+    session.undo()
+    session.undo()
+    session.undo()
+    assert (session.pose, session.q[first], session.q[second]) == (pose, 0.5, 0.25)
+
+
 def test_the_pose_is_the_dh_product(session: Session) -> None:
     """The numbers, the link and the DH frame on the screen are one pose."""
     session.move({name: 0.3 * number for number, name in enumerate(session.q)})

@@ -44,8 +44,6 @@ BOTH = "both"
 """The choice of both variants, side by side."""
 COLUMNS = ("joint", "type", "a", "alpha", "d", "theta", "lower", "upper")
 """The columns of the paper's form, and limits; others are shown where the table uses them, or on request."""
-
-
 LEAST_LENGTH = 1e-6
 """What is drawn of a distance at least, in reaches."""
 
@@ -115,7 +113,8 @@ class Session:
         self._described: tuple[Figure, str, str] | None = None
         self.reading = Reading(table=self.table)
         self.problems_of_making: tuple[CellProblem, ...] = ()
-        self._before_preview: tuple[OpenArm | None] | None = None
+        self._before_preview: tuple[OpenArm | None, dict[str, float], list[dict[str, float]], tuple[Slider, ...]] | None
+        self._before_preview = None
         self.look()
 
     def copy(self) -> Session:
@@ -186,7 +185,8 @@ class Session:
         except LookupError:
             return False
         if self._before_preview is None:
-            self._before_preview = (self.arm,)
+            self._before_preview = self.arm, dict(self.q), self.poses, self.sliders
+        _, self.q, self.poses, self.sliders = self._before_preview  # half a limit moves no joint for good
         return self._take(read(table, self.catalog))
 
     @property
@@ -230,6 +230,8 @@ class Session:
     def move(self, values: Mapping[str, float]) -> None:
         """Joint values by name [rad or m]; they are kept inside the limits."""
         self.q = joints.kept({**self.q, **values}, self.sliders)
+        if self._before_preview is not None:
+            self._before_preview[1].update(values)
 
     def strokes(self) -> tuple[Stroke, ...]:
         """The DH parameters that are shown, at the pose on the screen; of an explained row its own, and a frame."""
@@ -309,7 +311,7 @@ class Session:
     def look(self) -> None:
         """Reads the table; what was right last stays on the screen while something is wrong, a preview does not."""
         if self._before_preview is not None:
-            (self.arm,) = self._before_preview
+            self.arm, self.q, self.poses, self.sliders = self._before_preview
             self._before_preview = None
             self._draw()
         self.reading = read(self.table, self.catalog)
@@ -373,9 +375,10 @@ class Session:
             self.beside = beside(described, arm.manipulator, arm.robot, base_link=base, tip_link=tip)
             figures.append(self.beside.figure)
         self.drawing = Drawing.of(figures)
-        table = arm.table
+        before, table = self.sliders, arm.table
         self.sliders = joints.sliders(arm.robot.moving_joints, table.length_unit, table.angle_unit)
-        self.q = joints.kept(self.q, self.sliders)
+        self.poses = [joints.renamed(pose, before, self.sliders) for pose in self.poses]
+        self.q = joints.kept(joints.renamed(self.q, before, self.sliders), self.sliders)
 
     def drag(self, node: str, by: float, *, begins: bool) -> None:
         """A link has been dragged so far since it was taken [rad or m]: its joint moves, inside the limits."""

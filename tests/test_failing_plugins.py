@@ -106,7 +106,7 @@ GOOD = {
     "reader": Reader(name="bad", summary="s", read=read, options=NoOptions, suffixes=(".bad",), schema=dict),
     "transform": replace(TRANSFORM, name="bad", compared=None),
     "edit": Edit(name="bad", summary="s", options=NoOptions, edit_table=same, edit_robot=same),
-    "emitter": replace(EMITTER, name="bad", suffixes=(".bad", ".robot")),
+    "emitter": replace(EMITTER, name="bad", suffixes=(".bad", ".robot"), other_endings=(".urdf",)),
     "loader": Loader(name="bad", summary="s", load=load, options=NoOptions, formats=("urdf", "bad"),
                      poses=lambda _: 2, picture=lambda _: False),
     "executor": Executor(name="bad", summary="s", map=lambda work, tasks, _: map(work, tasks), options=NoOptions),
@@ -469,6 +469,7 @@ def test_every_function_of_every_record_is_tried() -> None:
         "summary",
         "suffixes",
         "not_written",
+        "other_endings",
         "formats",
         "costly_proof",
         "expandable",
@@ -663,7 +664,7 @@ def test_what_an_emitter_prints_is_not_in_its_file(
         "from dataclasses import replace\nfrom dh2urdf.hookspecs import hookimpl\n"
         "from dh2urdf_plugins.emitters.urdf import EMITTER\n"
         "def emit(robot, stem, options):\n    print('at work')\n    return EMITTER.emit(robot, stem, options)\n"
-        "@hookimpl\ndef dh2urdf_emitters():\n    yield replace(EMITTER, name='noisy', emit=emit, suffixes=('.noisy',))\n"
+        "@hookimpl\ndef dh2urdf_emitters():\n    yield replace(EMITTER, name='noisy', emit=emit, suffixes=('.noisy',), other_endings=('.urdf',))\n"
     )
     install(tmp_path / "site", "noisy", source)
     (tmp_path / "arm.csv").write_text("# convention: standard\na, alpha, d\n0.4, 0, 0.1\n")

@@ -192,14 +192,22 @@ def test_a_mesh_of_the_run_file_is_an_input(cli: Cli, folder: Path) -> None:
     assert (folder / "report.json").read_text() == TETRAHEDRON
 
 
-def test_what_only_the_way_shows_is_refused_by_the_store(
-    dh2urdf: Callable[..., object], install: Callable[..., None], folder: Path
+@pytest.mark.parametrize(
+    ("declared", "said", "status"),
+    [
+        ("('.notes',), other_endings=('.csv',)", "the run would overwrite its input", 2),
+        ("('.notes',)", "'arm.csv' has '.csv' behind the stem, which is none of the suffixes and other_endings", 1),
+    ],
+)
+def test_the_second_file_of_an_emitter_is_written_over_no_table(  # noqa: PLR0917 - fixtures
+    dh2urdf: Callable[..., object], install: Callable[..., None], folder: Path, declared: str, said: str, status: int
 ) -> None:
-    """The second file of a third party's emitter, whose name nobody knows before; the table is kept."""
-    install(folder / "lab", "lab-notes", NOTES)
+    """Before the run begins, where the record of a third party's emitter declares it, and else when it comes."""
+    files = NOTES.replace("('.notes',)", declared)
+    install(folder / "lab", "lab-notes", files)
     (folder / "run.yaml").write_text("inputs: arm.csv\nemitters: [urdf, notes]\noutput: {directory: .}\n")
-    answer = dh2urdf("run", "run.yaml", path=[folder / "lab"], status=2)
-    assert "arm.csv' is an input, and would be overwritten" in answer.stderr  # type: ignore[attr-defined]
+    answer = dh2urdf("run", "run.yaml", path=[folder / "lab"], status=status)
+    assert said in answer.stderr  # type: ignore[attr-defined]
     assert (folder / "arm.csv").read_text() == TABLE
 
 
@@ -212,8 +220,42 @@ def emit(robot, stem, options):
 
 @hookimpl
 def dh2urdf_emitters():
-    return [Emitter(name="notes", summary="notes", emit=emit, options=NoOptions, suffixes=(".notes",))]
+    return [Emitter(name="notes", summary="notes", emit=emit, options=NoOptions, suffixes=('.notes',))]
 """
+
+
+def test_a_file_in_a_folder_of_an_emitter_is_written_over_no_table(
+    dh2urdf: Callable[..., object], install: Callable[..., None], folder: Path
+) -> None:
+    """Which files are in the folders of a third party's emitter, nobody knows before: the store refuses them."""
+    source = NOTES.replace('f"{stem}.', 'f"{stem}/{stem}.')
+    install(folder / "lab", "lab-notes", source.replace("('.notes',)", "(), in_folders=lambda stem, options: [stem]"))
+    (folder / "arm").mkdir()
+    (folder / "arm" / "arm.csv").write_text(TABLE)
+    (folder / "run.yaml").write_text("inputs: arm/arm.csv\nemitters: [urdf, notes]\noutput: {directory: .}\n")
+    answer = dh2urdf("run", "run.yaml", path=[folder / "lab"], status=2)
+    assert "arm.csv' is an input, and would be overwritten" in answer.stderr  # type: ignore[attr-defined]
+    assert (folder / "arm" / "arm.csv").read_text() == TABLE
+
+
+@pytest.mark.parametrize("order", [("arm", "arm_parts", "arm_parts_parts"), ("arm_parts", "arm-2", "arm")])
+def test_two_arms_of_an_emitter_of_two_files_share_none(
+    dh2urdf: Callable[..., object], install: Callable[..., None], tmp_path: Path, order: tuple[str, str, str]
+) -> None:
+    """The second file of the arm `arm` and the main file of `arm_parts` were one, and the last one remained."""
+    source = NOTES.replace("{stem}.csv", "{stem}_parts.notes").replace('b"x"', "robot.name.encode()")
+    rows = "".join(f"{name},0.3,0,0.1\n" for name in order)
+    (tmp_path / "arms.csv").write_text(f"# convention: standard\nrobot,a,alpha,d\n{rows}")
+    (tmp_path / "run.yaml").write_text("inputs: arms.csv\nemitters: [urdf, notes]\noutput: {directory: out}\n")
+    install(tmp_path / "old", "lab-notes", source)
+    answer = dh2urdf("run", "run.yaml", path=[tmp_path / "old"], status=1)
+    assert "has '_parts.notes' behind the stem" in answer.stderr  # type: ignore[attr-defined]
+    install(
+        tmp_path / "lab", "lab-notes", source.replace("('.notes',)", "('.notes',), other_endings=('_parts.notes',)")
+    )
+    dh2urdf("run", "run.yaml", path=[tmp_path / "lab"])
+    written = sorted((path.name, path.read_text()) for path in (tmp_path / "out").glob("*.notes"))
+    assert sorted(content for _, content in written) == sorted(order * 2)
 
 
 def test_tables_beside_the_output_are_fine(cli: Cli, folder: Path) -> None:

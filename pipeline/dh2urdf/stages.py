@@ -128,8 +128,7 @@ class Reader(Generic[O]):
         name: the stage's name in a run file.
         summary: what it reads, in one line.
         suffixes: file suffixes that choose it, in lower case with the dot; the first is the usual one.
-        not_written: those of the suffixes whose files it reads and `write` does not make, such as `.tsv` of a reader
-            that writes commas: a table is not saved under such a name. The first suffix is none of them.
+        not_written: those of the suffixes, but the first, whose files it reads and `write` does not make, as `.tsv`.
         options: its options dataclass.
         read: yields the manipulators of a file one by one, without holding them.
         schema: the JSON Schema (2020-12) of its files, where they are YAML or JSON: `dh2urdf schema table` prints it.
@@ -253,6 +252,7 @@ class Emitter(Generic[O]):
         name: the stage's name in a run file, and the format that loaders ask for.
         summary: what it writes, in one line.
         suffixes: suffixes of the main file, in lower case with the dot; the first is the usual one.
+        other_endings: what its other files have behind the stem, as `_macro.xacro`; a run refuses any other file.
         options: its options dataclass.
         emit: the files of a robot, whose names begin with the stem it is given; the first is the main file. It writes
             nothing itself: the pipeline writes all of them whole, or none.
@@ -292,6 +292,7 @@ class Emitter(Generic[O]):
     emit: Callable[[Robot, str, O], Sequence[EmittedFile]]
     options: type[O]
     suffixes: tuple[str, ...]
+    other_endings: tuple[str, ...] = ()
     read_back: Callable[[Path], Robot] | None = None
     read_foreign: Callable[..., Robot | ForeignRobot] | None = None
     expandable: bool = False

@@ -1,4 +1,4 @@
-"""The folders that an emitter names itself: two robots of a run do not share one."""
+"""The folders and files that an emitter names itself: two robots of a run do not share one."""
 
 from __future__ import annotations
 
@@ -10,8 +10,10 @@ from dh2urdf.stage_calls.answers import items_of
 from dh2urdf.stage_calls.calls import blaming
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable, Sequence
+
     from dh2urdf.stage_calls.calls import Call
-    from dh2urdf.stages import Emitter
+    from dh2urdf.stages import EmittedFile, Emitter
 
 
 def refuse_one_folder(call: Call[Emitter[Any]], stem: str) -> None:
@@ -34,6 +36,35 @@ def refuse_one_folder(call: Call[Emitter[Any]], stem: str) -> None:
                 suggestion="name the tables as their packages, or convert them one by one",
             )
         )
+
+
+def refuse_undeclared_files(
+    call: Call[Emitter[Any]], stems: Iterable[str], files: Iterable[Sequence[EmittedFile]]
+) -> None:
+    """Refuses files of a run with an ending that the emitter's record does not have.
+
+    Stems are given out so that no two of them make one name with the endings that are declared: where ``ur5`` has a
+    file ``ur5_parts.csv``, no other robot has the stem ``ur5_parts`` beside the ending ``.csv``.
+
+    Args:
+        call: the emitter.
+        stems: the stem of each robot.
+        files: the files of each.
+
+    Raises:
+        ManipulatorError: there is such a file.
+    """
+    if call.stage.in_folders is not None:
+        return
+    declared = {ending.casefold() for ending in (*call.stage.suffixes, *call.stage.other_endings)}
+    with blaming(call):
+        for stem, own in zip(stems, files, strict=True):
+            for file in own:
+                if (ending := file.name[len(stem) :]).casefold() not in declared:
+                    raise ValueError(
+                        f"{shown(file.name)} has {shown(ending)} behind the stem, which is none of the suffixes and "
+                        "other_endings of its record: another robot of the run may have a file of this name"
+                    )
 
 
 def same_file(first: str, second: str, name: str) -> EmitterError:

@@ -189,7 +189,7 @@ def check_record(kind: Kind, stage: Any) -> None:  # noqa: ANN401 - whatever a h
         raise TypeError(f"the summary of the {kind} {stage.name!r} is {stage.summary!r:.60}, not a line of text")
     if not (isinstance(stage.options, type) and is_dataclass(stage.options)):
         raise TypeError(f"the options of the {kind} {stage.name!r} are {stage.options!r:.60}, not a dataclass")
-    for what in ("suffixes", "formats", "not_written"):
+    for what in ("suffixes", "formats", "not_written", "other_endings"):
         words = getattr(stage, what, ())
         if not isinstance(words, tuple) or not all(isinstance(word, str) for word in words):
             raise TypeError(f"the {what} of the {kind} {stage.name!r} are {words!r:.60}, not a tuple of texts")

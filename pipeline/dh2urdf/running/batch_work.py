@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 from dh2urdf.conversion.column_edits import edited_robots, edited_tables
 from dh2urdf.conversion.one_manipulator import Written, emit_robot, with_copies, with_notices
 from dh2urdf.conversion.outcome import Outcome, as_written, kind_of, to_line
+from dh2urdf.conversion.own_folders import refuse_undeclared_files
 from dh2urdf.conversion.robots import make_item, new_notices
 from dh2urdf.conversion.simulators import load_with_all, not_loaded
 from dh2urdf.elementwise import DividedError
@@ -177,6 +178,7 @@ class Work(BatchContent):
                 files = emit_columns(call, robots, stems)
             if files is None:
                 return {}
+            refuse_undeclared_files(call, stems, files)
             for member, proof in self._proofs(places, columns, robots, files, call).items():
                 made[member].append(Written(stage=call.stage.name, files=files[member], proof=proof))
         meshes = self.copies.of(robots.robot)
@@ -273,6 +275,8 @@ class Work(BatchContent):
                             alone=index == 0,
                             at_once=True,
                         )
+                    for call, made in zip(self.recipe.emitters, written, strict=True):
+                        refuse_undeclared_files(call, [batch.stems[place]], [made.files])
                     outcome = replace(outcome, written=written, meshes=self.copies.of(robot))
                     if loaders:
                         stem = batch.stems[place]

@@ -29,13 +29,14 @@ _SHARD = re.compile(r"[0-9]{6}\.tar")
 def refuse_overwriting(plan: Plan) -> None:
     """Refuses a run that would write over one of its inputs, and protects the others from it.
 
-    Which files a run writes is known before it begins by their names: its own, and those with a suffix of its emitters.
-    The rest, such as the second file of a third party's emitter, the store refuses when it comes.
+    Which files a run writes is known before it begins by their names: its own, and those with the endings that its
+    emitters declare. The rest, such as the files of a ROS package, the store refuses when it comes.
 
     Raises:
         ConfigError: a file that the run writes is one that it reads; it names all of them.
     """
-    suffixes = tuple(suffix for call in plan.recipe.emitters for suffix in call.stage.suffixes)
+    emitters = [call.stage for call in plan.recipe.emitters]
+    suffixes = tuple(ending for each in emitters for ending in (*each.suffixes, *each.other_endings))
     pictures = (".png",) if plan.recipe.loaders else ()
     _refuse_overwriting(plan, plan.store, (*suffixes, *pictures), "output.directory")
     if plan.reports is not None:

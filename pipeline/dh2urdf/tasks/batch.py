@@ -174,7 +174,11 @@ def batches(plan: Plan, expected: Expected, own_files: Sequence[str] = ()) -> It
         expected: gets how far the reading has come.
         own_files: names of files of the run beside those of its manipulators.
     """
-    written = [call.stage.suffixes for call in plan.recipe.emitters]
+    emitters = [call.stage for call in plan.recipe.emitters]
+    written = [
+        *(each.suffixes for each in emitters),
+        *((end.lower(),) for each in emitters for end in each.other_endings),
+    ]
     pictures = [(ending,) for ending in picture_endings(plan.recipe)]
     is_beside = plan.layout.form is Form.FILES
     stems = Stems(plan.layout.stem_of, (*written, *pictures), own_files if is_beside else ())

@@ -47,7 +47,7 @@ class EmitterContract(StageContract):
     # --- The clauses
 
     def test_files_have_plain_names_and_content(self) -> None:
-        """It gives files: plain names that begin with the stem, content in bytes, the main file first."""
+        """It gives files: the stem and an ending of its record as names, content in bytes, the main file first."""
         for robot in self._robots():
             files = self._emit(robot)
             is_sequence = isinstance(files, (list, tuple))  # a generator could be gone through but once
@@ -89,6 +89,15 @@ class EmitterContract(StageContract):
                     accepted=f"a name that ends in {' or '.join(self.stage.suffixes) or 'a suffix of the record'}",
                     remedy="give the main file first, and list its suffix in the record",
                 )
+            declared = {ending.casefold() for ending in (*self.stage.suffixes, *self.stage.other_endings)}
+            for file in () if self.stage.in_folders else files:
+                if (ending := file.name[len(self.stem) :]).casefold() not in declared:
+                    self.breach(
+                        self.test_files_have_plain_names_and_content,
+                        found=f"{file.name!r}, which has {ending!r} behind the stem",
+                        accepted=f"a file with one of the endings {', '.join(sorted(declared)) or 'of the record'}",
+                        remedy="list the ending in suffixes, or in other_endings if it is not that of the main file",
+                    )
 
     def test_files_are_well_formed(self, tmp_path: Path) -> None:
         """Files can be read by programs that know their format, whatever links and joints are called."""

@@ -76,6 +76,7 @@ EMITTER = Emitter(
     name="xacro",
     summary="a xacro macro with the table as its properties, and a file that calls it",
     suffixes=(".urdf.xacro", ".xacro"),
+    other_endings=("_macro.xacro",),
     options=XacroOptions,
     emit=emit,
     read_back=read_xacro,

@@ -137,6 +137,17 @@ class TestStems:
         stems = Stems(lambda name: safe_stem(name).replace(".", "_"))
         assert [stems.claim(name)[0] for name in ("a.1", "a_1", "b")] == ["a_1", "a_1-2", "b"]
 
+    @pytest.mark.parametrize("size", [1, 2, 50])
+    @given(names=st.lists(st.text("ab-_.", max_size=6), max_size=50))
+    def test_no_two_manipulators_share_a_file(self, size: int, names: list[str]) -> None:
+        """Whatever is behind their stems, one by one and in batches: each name is compared with all others."""
+        endings = [(".b", ".a.b"), ("_a.b",), ("-b_a.b",), (".a.a.b",)]
+        stems = Stems(endings=endings)
+        batches = [stems.claim_all(names[start : start + size]) for start in range(0, len(names), size)]
+        given_out = [stem for batch in batches for stem, _ in batch]
+        own = [{stem + ending for some in endings for ending in some} for stem in given_out]
+        assert len(set().union(*own)) == sum(map(len, own))
+
     @given(st.lists(any_text, max_size=20))
     def test_no_two_manipulators_share_a_stem(self, names: list[str]) -> None:
         """Whatever they are called, no two manipulators of a run write the same file, case ignored."""

@@ -127,6 +127,7 @@ class TestSorting(EmitterContract):
 
 
 TestElsewhere = of(EmitterContract, bad_lab.EMITTER, emit=bad_lab.emit_elsewhere)
+TestTwo = of(EmitterContract, bad_lab.EMITTER, emit=bad_lab.emit_two)
 TestUnescaped = of(EmitterContract, bad_lab.EMITTER, emit=bad_lab.emit_unescaped)
 TestToDisk = of(EmitterContract, bad_lab.EMITTER, emit=bad_lab.emit_to_disk)
 TestEmitterByHash = of(EmitterContract, bad_lab.EMITTER, emit=bad_lab.emit_by_hash)

@@ -308,6 +308,10 @@ def emit_elsewhere(_robot: Robot, _stem: str, _options: Any) -> list[EmittedFile
     return [EmittedFile(name="../robot.bad", content=b"")]
 
 
+def emit_two(robot: Robot, stem: str, options: Any) -> list[EmittedFile]:
+    return [*emit(robot, stem, options), EmittedFile(name=f"{stem}_parts.bad", content=b"")]
+
+
 def emit_unescaped(robot: Robot, stem: str, _options: Any) -> list[EmittedFile]:
     return [EmittedFile(name=f"{stem}.bad.xml", content=f"<robot name='{robot.name}'/>".encode())]
 

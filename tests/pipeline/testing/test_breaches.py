@@ -86,6 +86,7 @@ BREACHES = [
     ("TestLambdas", "test_writes_nothing_itself", "what it returns cannot be pickled: "),
     ("TestSorting", "test_keeps_its_input", "].name is once "),
     ("TestElsewhere", "test_files_have_plain_names_and_content", "a file named '../robot.bad' for the stem 'arm-7'"),
+    ("TestTwo", "test_files_have_plain_names_and_content", "'arm-7_parts.bad', which has '_parts.bad' behind the stem"),
     ("TestUnescaped", "test_files_are_well_formed", "arm-7.bad.xml of the robot "),
     ("TestToDisk", "test_writes_nothing_itself", "wrote "),
     ("TestEmitterByHash", "test_is_deterministic", "[0][0].content is once "),

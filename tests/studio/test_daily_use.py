@@ -689,6 +689,39 @@ def test_a_tab_that_is_closed_during_a_dialog(
 
 
 @pytest.mark.long
+def test_a_page_that_is_left_while_it_loads(
+    serving: Callable[..., Any], new_tab: Callable[..., Any], tmp_path: Path
+) -> None:
+    """Loaded anew or closed at once: the terminal had a stack trace for each."""
+    errors = tmp_path / "errors.txt"
+    with serving("studio", TABLES / "ur5.csv", errors=errors, patience=1.0) as address:
+        for pause in (100, 300, 600, 1000):
+            page = new_tab(address, faults=False).page
+            page.goto(address)
+            page.wait_for_timeout(pause)
+            page.reload(wait_until="commit")
+            page.wait_for_timeout(pause)
+            page.close()
+        time.sleep(12.0)  # the server waits ten seconds for the first answer of a page
+    assert errors.read_text("utf-8") == "dh2urdf: interrupted; nothing half-written is left\n"
+
+
+@pytest.mark.long
+def test_what_is_typed_stays_with_its_table(tab: Any) -> None:
+    """A file is dropped while a cell is typed: the text went into the same cell of the table that was dropped."""
+    tab.open("scara")
+    tab.cell(1, "a").click()
+    tab.page.keyboard.type("0.123")
+    tab.drop(".studio-table", TABLES / "ur5.csv")
+    tab.wait_for_table("ur5")
+    tab.wait_for_cell(1, "a", "-0.425")
+    tab.page.locator(".studio-status").first.click()
+    tab.page.get_by_role("button", name="undo", exact=True).click()
+    tab.wait_for_table("scara")
+    tab.wait_for_cell(1, "a", "0.123")
+
+
+@pytest.mark.long
 def test_what_the_reader_noticed_is_shown(tab: Any, tmp_path: Path) -> None:
     """A column that means nothing is not in the table on the page; the page says that it was ignored."""
     tab.open()

@@ -22,7 +22,7 @@ from dh2urdf.studio.viewing import View
 from dh2urdf.table_text import TableText
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Awaitable, Callable
 
     from dh2urdf.plugin_system.catalog import Catalog
 
@@ -94,7 +94,7 @@ def build_studio(catalog: Catalog, table: TableText | None) -> None:
     @ui.page("/")
     async def studio() -> None:
         dress()
-        await StudioPage(await sessions.of_this_tab(), meshes).start()
+        await _unless_left(StudioPage(await sessions.of_this_tab(), meshes).start())
 
 
 def rehearse(catalog: Catalog) -> None:
@@ -141,6 +141,16 @@ def build_view(first: View, meshes: MeshStore) -> None:
     async def view() -> None:
         dress()
         await ViewPage(await views.of_this_tab(), live).start()
+
+
+async def _unless_left(start: Awaitable[None]) -> None:
+    """Shows a page; one that was closed or loaded anew on the way answers no more, and nothing is lost."""
+    client = ui.context.client
+    try:
+        await start
+    except TimeoutError:
+        if client.has_socket_connection:
+            raise
 
 
 def dress() -> None:

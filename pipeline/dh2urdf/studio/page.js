@@ -160,6 +160,12 @@
   // A file that misses what it was meant for does not take the page away, as a browser would show it in its place.
   for (const kind of ["dragover", "drop"])
     document.addEventListener(kind, (event) => brings(event) && event.preventDefault());
+  // What is being typed belongs to the table that is there, and not to the one that is dropped.
+  const leave = () => {
+    window.dhGrid?.stopEditing();
+    document.activeElement?.blur();
+  };
+  document.addEventListener("drop", (event) => brings(event) && leave(), true);
 
   window.dhPage = {
     back: () => document.activeElement === document.body && before?.focus(),

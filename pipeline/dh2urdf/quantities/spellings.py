@@ -151,7 +151,7 @@ def misreading(text: str) -> tuple[str, str] | None:
         factor, exponent, unit = power[1], f"{sign}{power[4]}", f" {power[5]}" if power[5] else ""
         reason = f"it may be {factor} times a power of ten, whose exponent {exponent} is no longer raised"
         return reason, f"write {factor}e{exponent}{unit}, or {factor}*10 {sign} {power[4]}{unit} with spaces"
-    two = _TWO_NUMBERS.fullmatch(text)
+    two = None if "pi" in text else _TWO_NUMBERS.fullmatch(text)
     return _two_numbers(two) if two else None
 
 

@@ -96,6 +96,8 @@ _COMPOUND = late_pattern(
     r"(?:高度|高さ|高|长度|長さ|长|偏移|オフセット|距离|距離|höhe|hoehe|länge|laenge|versatz|abstand|offset)?[为為是は]?"
 )
 """Both in one word: ``基座高度``, ``Sockelhöhe``."""
+_ASCII_COMPOUNDS = ("basis", "sockel", "werkzeug", "greifer", "flansch")
+"""How those of ASCII alone begin."""
 
 
 _MAPPING = late_pattern(r"\s*\{[^,]*:")
@@ -298,8 +300,8 @@ def placement_of(key: str) -> str | None:
 
 
 def _compound(word: str) -> str | None:
-    match = _COMPOUND.fullmatch(word)
-    return match.lastgroup if match else None
+    may_be = word.startswith(_ASCII_COMPOUNDS) or not word.isascii()
+    return match.lastgroup if may_be and (match := _COMPOUND.fullmatch(word)) else None
 
 
 def words_under_key(comment: Comment, keys: Collection[str]) -> list[str]:

@@ -32,6 +32,8 @@ _MENTION = late_pattern(
 )
 """What units are behind, as in ``angles are in deg``, ``UR5 (mm, deg)`` and ``a/mm``, and the words there."""
 _LETTERS = late_pattern(r"[^\W\d_]+|°")
+_TO_SPACES = {code: " " for code in range(128) if not chr(code).isalpha()}
+"""Every ASCII character that is no letter: a table for `str.translate`."""
 _OWN_NUMBER = late_pattern(r"(?<![^\W_])[0-9]")
 _NO_UNIT = late_pattern(r"\bdegrees?\s+of\s+freedom\b|\brev\.?\s*(?:[a-z]|[0-9.]+)\b", re.IGNORECASE)
 """Where the word of a unit is none: ``6 degrees of freedom``, ``rev. B``."""
@@ -147,9 +149,11 @@ def _other_convention(
 
 def mentioned_units(text: str) -> list[Unit]:
     """The units of lengths and angles that a comment mentions, those behind a number left out: ``0.1 mm``."""
-    found = [unit for word in _LETTERS.findall(declared(text).get("units", "")) if (unit := _measured(word))]
+    said = declared(text).get("units")
+    found = [unit for word in _LETTERS.findall(said) if (unit := _measured(word))] if said else []
     plain = _NO_UNIT.sub("", text) if any(word in text.casefold() for word in ("freedom", "rev")) else text
-    for match in _MENTION.finditer(plain):
+    has_unit = not plain.isascii() or any(map(_measured, plain.translate(_TO_SPACES).split()))
+    for match in _MENTION.finditer(plain) if has_unit else ():
         for word in _LETTERS.finditer(match[1]):
             unit = _measured(word[0])
             is_rate = match[1][word.end() :].lstrip().startswith("/s")

@@ -111,7 +111,8 @@ def order_fault(names: Sequence[str]) -> str | None:
     Returns:
         What is wrong with their numbers, as the end of a sentence; None where nothing is.
     """
-    if not names[0].isalnum() and (first := _STEP.fullmatch(names[0])):
+    may_be_step = ">" in names[0] or not names[0].isascii()
+    if may_be_step and (first := _STEP.fullmatch(names[0])):
         steps = [first, *filter(None, map(_STEP.fullmatch, names[1:]))]
         wrong = [pair for pair in pairwise(steps) if pair[0][2] != pair[1][1]] if len(steps) == len(names) else []
         return f"do not follow each other: {wrong[0][1][0]} is behind {wrong[0][0][0]}" if wrong else None

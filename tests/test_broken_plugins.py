@@ -93,7 +93,7 @@ GOOD = {
     "reader": Reader(name="bad", summary="s", read=read, options=NoOptions, suffixes=(".bad",)),
     "transform": replace(TRANSFORM, name="bad", transform_columns=None),
     "edit": Edit(name="bad", summary="s", options=NoOptions, edit_table=lambda table, _: table),
-    "emitter": replace(EMITTER, name="bad", suffixes=(".bad",), **PLAIN),
+    "emitter": replace(EMITTER, name="bad", suffixes=(".bad",), other_endings=(".urdf",), **PLAIN),
     "loader": Loader(name="bad", summary="s", load=load, options=NoOptions, formats=("bad",),
                      poses=lambda _: 2, picture=lambda _: False),
     "executor": Executor(name="bad", summary="s", map=lambda work, tasks, _: map(work, tasks), options=NoOptions),

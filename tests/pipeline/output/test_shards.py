@@ -210,7 +210,7 @@ class TestMemory:
 
     @pytest.mark.skipif(not hasattr(os, "posix_fadvise"), reason="the system takes no advice on files")
     def test_the_system_keeps_no_copy(self, store: Store, monkeypatch: pytest.MonkeyPatch) -> None:
-        """After every 4 MiB it is told that the file is not needed, from its beginning to what is written by then."""
+        """After every 4 MiB the system learns that all that is written by then is not needed."""
         told: list[tuple[int, int, int]] = []
         advise = os.posix_fadvise
 

@@ -150,8 +150,10 @@ class TestErrors:
             list(map_locally(functions.fail, ["otherwise"] * 2, TWO))
         with pytest.raises((pickle.PicklingError, AttributeError), match="return_unpicklable"):
             list(map_locally(functions.return_unpicklable, [1, 2], TWO))
+        results = map_locally(functions.double, [1, 2, lambda: None, 3], TWO)
+        assert [next(results), next(results)] == [2, 4]  # A task has its turn, too.
         with pytest.raises((pickle.PicklingError, AttributeError, TypeError)):
-            list(map_locally(functions.double, [1, lambda: None], TWO))
+            next(results)
 
     def test_an_interpreter_that_is_left_is_left_here(self, functions: ModuleType, options: LocalOptions) -> None:
         """`sys.exit` in a stage does what it does without workers."""

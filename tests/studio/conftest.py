@@ -310,6 +310,10 @@ class Tab:
         for field, text in texts.items():
             self.wait_for_cell(row, field, text)
 
+    def wait_for_mark(self, row: int, field: str, mark: str) -> None:
+        """Waits until a cell has a mark, as a class: the grid gets the marks after the page has the status."""
+        self.page.locator(f"{self._cell(row, field)}.{mark}").wait_for()
+
     def wait_for_lesson(self, progress: float) -> None:
         """Waits until the frame of the explained row has done so many motions."""
         self.page.locator(f'.studio-lesson[data-progress="{progress:.2f}"]').wait_for()

@@ -41,8 +41,8 @@ def test_a_wrong_cell(studio_address: str, new_tab: Callable[..., Any], catalog:
     tab.type_into(1, "alpha", "pi/x")
     tab.wait_for_status("1 problem; the last good arm is shown")
     (problem,) = read_whole(edits.with_cell(gallery.table("ur5.csv", catalog), 1, "alpha", "pi/x"), catalog).errors
-    assert problem.text in page.locator(".studio-problem").inner_text()
-    assert "dh-wrong" in tab.cell(1, "alpha").get_attribute("class")
+    page.locator(".studio-problem", has_text=problem.text).wait_for()
+    tab.wait_for_mark(1, "alpha", "dh-wrong")
     assert "dh-wrong" not in tab.cell(2, "alpha").get_attribute("class")
     assert tab.pose("tool0") == before
     page.get_by_role("button", name="Generate").click()
@@ -50,7 +50,7 @@ def test_a_wrong_cell(studio_address: str, new_tab: Callable[..., Any], catalog:
     page.get_by_role("button", name="Close").click()
     tab.type_into(1, "alpha", "30°")
     tab.wait_for_status("the arm is the table's")
-    assert page.locator(".studio-problem.error").count() == 0
+    page.locator(".studio-problem.error").wait_for(state="detached")
     tab.wait_for_tool0(arm_of(edits.with_cell(gallery.table("ur5.csv", catalog), 1, "alpha", "30°"), catalog))
 
 

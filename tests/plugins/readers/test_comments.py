@@ -130,6 +130,13 @@ def test_a_name_in_quotes_is_read_as_yaml(comment: str, name: str, read_one: Cal
         ("# MDH; m; rad", Convention.MODIFIED),
         ("# convention: Craig, lengths in m", Convention.MODIFIED),
         ("# Standard DH convention, units: meters.", Convention.STANDARD),
+        ("# UR5 - modified DH", Convention.MODIFIED),
+        ("# UR5: modified DH, m, rad", Convention.MODIFIED),
+        ("# UR5e (standard DH)", Convention.STANDARD),
+        ("# KR 16 DH parameters (modified)", Convention.MODIFIED),
+        ("# Modified DH parameters of the UR5 robot", Convention.MODIFIED),
+        ("# Modified DH for Puma 560", Convention.MODIFIED),
+        ("# units: m, rad\n# IRB120, standard DH, m", Convention.STANDARD),
     ],
 )
 def test_the_convention_of_a_comment_holds(
@@ -178,6 +185,8 @@ def test_the_convention_of_a_comment_holds(
         ("# Längen in mm, Winkel in Grad", "this comment mentions mm, and lengths are read in m"),
         ("# a in mm", "this comment mentions mm, and lengths are read in m"),
         ("# UR5 (mm, deg)", "this comment mentions deg, and angles are read in rad"),
+        ("# UR5 - modified DH", "means the standard convention, and arm.csv:1:3 says modified"),
+        ("# units: m\n# UR5 - standard DH, mm", "a comment line says units already"),
         ("# lengths in mm\n# units: {length: cm}", "a comment line says units already"),
         ("# lengths in mm\n# lengths in cm", "a comment line says units already"),
         ("; units: mm", "a comment begins with #"),
@@ -441,6 +450,7 @@ def test_a_unit_in_the_prose_of_any_language_is_refused_where_nothing_declares_o
             "theta = q + offset",
         ),
         *("modified 2024-03-01 by J. Smith", "gear ratio 10", "standardised table", "limit switches at joint 3"),
+        *("offset of 3 rows", "offset 2 lines from the print", "scale model 1:5"),
     ],
 )
 def test_other_prose_stays_without_a_word(comment: str, read_one: Callable[..., Manipulator]) -> None:
@@ -508,7 +518,7 @@ def test_prose_about_another_unit_than_the_declared_one_is_noticed(
     ("comment", "said"),
     [
         ("all angles are in degrees unless noted", "this comment mentions deg"),
-        ("UR5e, standard DH, mm, deg", "this comment mentions deg"),
+        ("UR5e, as in the manual, mm, deg", "this comment mentions deg"),
         ("UR5e - joint angles - deg", "this comment mentions deg"),
         ("UR5e DH table (Kuka, mm, deg)", "this comment mentions mm"),
         ("a/mm alpha/deg", "this comment mentions mm"),
@@ -556,6 +566,33 @@ def test_the_convention_of_prose_is_in_the_error_that_none_is_declared(
     assert ["write `convention: modified`" in str(problem) for problem in rejected.problems] == [True]
 
 
+@pytest.mark.parametrize("comment", ["Joint 3: modified DH", "Table 3 - modified DH", "UR5 versus UR10, modified DH"])
+def test_a_title_that_is_no_model_declares_no_convention(
+    comment: str, read: Callable[..., list[Manipulator | Rejected]]
+) -> None:
+    """It may speak of a part, or of another table."""
+    with pytest.raises(TableError, match="speaks of the modified convention, and nothing declares one"):
+        read(f"# {comment}\na,alpha,d\n0.3,0,0.1\n")
+
+
+@pytest.mark.parametrize(
+    "comment", ["not modified DH", "not the modified convention", "non-modified DH", "unlike Craig"]
+)
+def test_prose_that_denies_a_convention_speaks_of_the_other(
+    comment: str, read: Callable[..., list[Manipulator | Rejected]]
+) -> None:
+    """There was a notice that it speaks of the convention that it denies."""
+    table = f"# {comment}\na,alpha,d\n0.3,0,0.1\n"
+    (arm,) = read(table, convention="standard")
+    assert isinstance(arm, Manipulator)
+    assert arm.notices == ()
+    (arm,) = read(table, convention="modified")
+    assert isinstance(arm, Manipulator)
+    assert "speaks of the standard convention" in arm.notices[0].message
+    with pytest.raises(TableError, match="if it means this table, write `# convention: standard`"):
+        read(table)
+
+
 def test_a_header_in_a_comment_above_the_header_declares_its_units(
     read: Callable[..., list[Manipulator | Rejected]],
 ) -> None:
@@ -563,6 +600,11 @@ def test_a_header_in_a_comment_above_the_header_declares_its_units(
     (arm,) = read("# i, a [mm], alpha [deg], d [mm]\n\ni,a,alpha,d\n1,300,90,100\n", convention="standard")
     assert isinstance(arm, Manipulator)
     assert (arm.rows[0].a, arm.rows[0].alpha) == (0.3, pytest.approx(1.5707963267948966))
+    (arm,) = read("# a, alpha, d\n\n# measured\n# units: mm\n\na,alpha,d\n300,0,100\n", convention="standard")
+    assert isinstance(arm, Manipulator)
+    assert arm.rows[0].a == 0.3
+    with pytest.raises(TableError, match="this comment mentions mm"):
+        read("# a [mm], alpha, d [mm]\n\n# measured\na,alpha,d\n300,0,100\n", convention="standard")
     with pytest.raises(TableError, match="this comment mentions cm"):
         read("# a [cm], alpha [rad], d [m]\na,alpha,d\n0.3,0,0.1\n", convention="standard")
     (rejected,) = read("# a_{i-1}, alpha_{i-1}, d\na,alpha,d\n0.3,0,0.1\n", convention="modified")

@@ -469,6 +469,18 @@ def test_a_base_is_no_joint_where_the_numbers_do_not_show_it(first: str, second:
     assert "hardly is a revolute joint" in rejected.problems[-1].message
 
 
+@pytest.mark.parametrize("header", ["link", "body", "n", "k"])
+def test_joint_1_may_be_called_after_the_base_in_a_column_of_links_or_rows(header: str, read: Read) -> None:
+    """It was refused there."""
+    (arm,) = read(f"# convention: standard\n{header},a,alpha,d\n1 (base),0.3,0,0.1\n2 (shoulder),0.2,0,0\n")
+    assert isinstance(arm, Manipulator), arm.problems
+    assert [row.type for row in arm.rows] == [JointType.REVOLUTE] * 2
+    assert "has the number of the first joint: it moves" in arm.notices[0].message
+    for first, second in (("1 (base)", "3 (shoulder)"), ("0 (base)", "1 (shoulder)"), ("1 (base)", "2 (joint 1)")):
+        (rejected,) = read(f"# convention: standard\n{header},a,alpha,d\n{first},0.3,0,0.1\n{second},0.2,0,0\n")
+        assert not isinstance(rejected, Manipulator)
+
+
 def test_numbers_before_a_remark_that_leap_are_noticed(read: Read) -> None:
     """As those without one are; and the number of a row may have the mark of a footnote."""
     (arm,) = read(

@@ -346,3 +346,4 @@ def test_the_key_q_may_hold_the_variable_of_its_joint(read: Callable[..., list[M
         (rejected,) = read(joints(other), ".yaml")
         assert not isinstance(rejected, Manipulator)
         assert "'q' is the joint variable, which no key holds" in rejected.problems[0].message
+        assert str(rejected.problems[0].accepted).startswith("0 under this key, or a table of a, alpha, d and theta")

@@ -189,11 +189,13 @@ def below_header(comment: Comment) -> Problem:
 
 def _phrase(comment: Comment) -> dict[str, Node]:
     """The units and the convention that a comment says in words."""
-    from dh2urdf_plugins.readers.comments.phrases import declared, unit_of_measure
+    from dh2urdf_plugins.readers.comments.phrases import declared, unit_of_measure, without_model
 
     entry = _entry(comment)
     text = _BULLET.sub("", comment.text) if comment.text.lstrip()[:1] in _BULLETS else comment.text
     found = declared(text)
+    if not found and (rest := without_model(text)) and "convention" in (said := declared(rest)):
+        found = said
     if not found and entry and (unit := unit_of_measure(entry[1], entry[2])):
         found = {"units": unit}
     if not found and entry and _is_convention_key(entry[1]) and (convention := convention_of(entry[2])):
@@ -313,7 +315,8 @@ def words_under_key(comment: Comment, keys: Collection[str]) -> list[str]:
 def unread_values(comment: Comment) -> list[Problem]:
     """A notice of a comment that gives a number to something: nothing reads it; a joint gets it from a column."""
     entry = _entry(comment)
-    if entry is None or _plain(entry[1]) in _OF_THE_FILE or _CITATION.fullmatch(entry[2].strip()):
+    is_other = entry and (_plain(entry[1]) in _OF_THE_FILE or "scale model" in entry[1].casefold())
+    if entry is None or is_other or _CITATION.fullmatch(entry[2].strip()):
         return []
     field = read_header(entry[1]).field
     by_joint = field is not None and field.name in _BY_JOINT and _BY_NUMBER.search(entry[2])

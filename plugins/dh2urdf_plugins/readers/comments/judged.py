@@ -77,12 +77,13 @@ _UNREAD = late_pattern(
     r"|(?:θ|theta|th|q|j)[\s_{]*[0-9]{1,2}[a-z_}]{0,8}\W{0,3}=[^=]*(?:θ|theta|th|q|j)[\s_{]*[0-9]"
     rf"|{_VARIABLE}[^.;]{{0,32}}?(?<![^\W_])(?:horizontal|vertical|absolute|offset|shifted|versatz|d[ée]calage|desfase)"
     rf"|(?<![^\W_])(?:offset|shift|versatz|d[ée]calage|desfase)(?![^\W_])[^.;]{{0,16}}{_VARIABLE}"
-    r"|(?<![^\W_])offsets?(?:\s+(?:of|is))?\s*[:=]?\s*[-+−±]?\s*(?:[0-9.]|pi|π)"
+    r"|(?<![^\W_])offsets?(?:\s+(?:of|is))?\s*[:=]?\s*[-+−±]?\s*(?:(?![0-9]+\s+(?:rows?|lines?|columns?|cells?|pages?"
+    r"|figures?|tables?|characters?|digits?)\b)[0-9.]|pi|π)"
     r"|10\s*(?:\^|\*\*|(?=[⁻⁺⁰¹²³⁴-⁹]))|[x×*]\s*10{1,6}\b"
     r"|(?:multiplied|divided|scaled) by|(?:multiples|units) of (?:pi|π)"
     r"|(?:θ|theta|th)\w{0,3}\W{0,3}=\s*[-−]?\s*q\w{0,3}\s*[-+−]\s*(?:[0-9]|pi|π)"
     r"|revers\w+ order|(?<![^\W_])(?:1|one)\s+[^\W\d]{1,12}\s*(?:=|≙|equals)\s*[0-9.]"
-    r"|(?<![^\W_])(?:scale|scaling|scaled|ma(?:ß|ss)stab|[ée]chelle|escala|scala)(?![^\W_])[^.;]{0,24}[0-9]",
+    r"|(?<![^\W_])(?:scale(?!\s+models?\b)|scaling|scaled|ma(?:ß|ss)stab|[ée]chelle|escala|scala)(?![^\W_])[^.;]{0,24}[0-9]",
     re.IGNORECASE,
 )
 """What prose adds to joints or to all numbers, and no comment can: ``θ2 = q2 - 90°``, ``all × 10⁻³``."""

@@ -15,6 +15,8 @@ from dh2urdf_plugins.readers.header.units import KEY_OF
 from dh2urdf_plugins.readers.words.fields import CONVENTION_CHOICES, convention_of
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from dh2urdf.manipulator import Convention
     from dh2urdf.quantities import Unit
 
@@ -46,6 +48,12 @@ _OF_CONVENTIONS = frozenset(
     "dh denavit hartenberg convention konvention convención convencion convenzione notation mdh sdh".split()  # noqa: SIM905
 )
 """Words that show that `standard`, or the name of an author, is the convention."""
+_COUNTED = frozenset(
+    "joint joints axis axes link links row rows line fig figure table tab eq equation section sec chapter page version "  # noqa: SIM905
+    "rev step example case note part frame frames theta alpha dh th".split()
+)
+"""What has a number and is no model of a robot."""
+_AROUND_MODELS = frozenset(("the", "a", "robot", "arm", "manipulator"))
 _NO_LETTERS = late_pattern(r"\bd-h\b|['\u2019]s\b")
 _PARTS = late_pattern(r"[-\u2010\u2011]")
 _BREAKS = late_pattern(r"[\s,;:=&()\[\]{}|\u2013\u2014\u2192\uff1a\uff0c]+|\.(?=\s|$)|->|(?<=\s)[-/](?=\s)")
@@ -91,6 +99,32 @@ def declared(text: str) -> dict[str, str]:
         return {}
     found = {"units": "{" + ", ".join(f"{key}: {unit}" for key, unit in said.items()) + "}"} if said else {}
     return found | ({"convention": str(*named)} if named else {})
+
+
+def without_model(text: str) -> str | None:
+    """A comment without the model of a robot at one of its ends: ``UR5 - modified DH``; None where it has none.
+
+    Only a name with a number is known as a model: ``UR5e``, ``KR 16``, in ``modified DH parameters of the UR5e`` too.
+    """
+    words = text.split()
+    lead = next((count for count in (2, 1) if _is_model(words[:count])), 0)
+    if lead:
+        return " ".join(words[lead:]).lstrip("-\u2013\u2014:,; ") or None
+    ends = [place for place, word in enumerate(words) if word in ("of", "for")]
+    if not ends:
+        return None
+    named = [word for word in words[ends[-1] + 1 :] if word.casefold() not in _AROUND_MODELS]
+    return " ".join(words[: ends[-1]]) if _is_model(named) else None
+
+
+def _is_model(words: Sequence[str]) -> bool:
+    if not words or len(words) > 2:  # noqa: PLR2004 - a name and its number
+        return False
+    first, *number = (word.strip("-\u2013\u2014.,:;()") for word in words)
+    letters = "".join(character for character in first if character.isalpha())
+    if len(letters) < len("UR") or not first[0].isalpha() or letters.casefold() in _COUNTED:
+        return False
+    return number[0].isdecimal() and first[0].isupper() if number else letters != first and first.isalnum()
 
 
 def unit_of_measure(key: str, value: str) -> str | None:

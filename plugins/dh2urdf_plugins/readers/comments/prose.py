@@ -53,6 +53,9 @@ _IN_OTHER_LANGUAGES = {
     Convention.MODIFIED: "modifizi modifié modifie modifica zmodyfik değiştiril модифицир 改进 改良 修正 수정".split(),  # noqa: SIM905
     Convention.STANDARD: "estándar standardow klasyczn klasik классич стандартн 标准 標準 표준".split(),  # noqa: SIM905
 }
+_NEGATIONS = frozenset(("not", "non", "no", "unlike", "nicht", "kein", "keine", "pas"))
+_BEFORE_DENIED = frozenset("the a an any in using with by to der die das in la le el".split())  # noqa: SIM905
+"""Words between a negation and what is denied."""
 _MOVES = late_pattern(r"(?<![^\W_])(?:rot|trans|tr|r|t|d)[\s_({\\]*([xz])(?![a-z])", re.IGNORECASE)
 _OF_MOVES = {"xxzz": Convention.MODIFIED, "zzxx": Convention.STANDARD}
 """The convention of a product by the axes of its moves: ``Rx(α)·Tx(a)·Rz(θ)·Tz(d)``."""
@@ -114,18 +117,44 @@ def units_beside(text: str) -> list[Unit]:
 
 
 def convention_in_prose(line: str) -> Convention | None:
-    """The convention that a comment speaks of; None where it speaks of none, or of both."""
+    """The convention that a comment speaks of; None where it speaks of none, or of both.
+
+    Prose that denies one, as ``not modified DH`` does, speaks of the other.
+    """
     plain = line.casefold()
-    words = set(_PROSE_WORD.findall(plain))
+    words = _PROSE_WORD.findall(plain)
+    denied = [] if _NEGATIONS.isdisjoint(words) else _denied(words)
+    said = [word for place, word in enumerate(words) if place not in denied]
 
-    def may_mean(convention: Convention, likely: frozenset[str]) -> bool:
-        named = words & likely or any(word in plain for word in _IN_OTHER_LANGUAGES[convention])
-        return bool(named and (len(words) == 1 or _SAYS_CONVENTION.search(line)))
+    def spoken_in(some: list[str]) -> list[Convention]:
+        return [
+            each
+            for each, (sure, likely) in _PROSE.items()
+            if not sure.isdisjoint(some)
+            or (
+                (
+                    not likely.isdisjoint(some)
+                    or any(stem in word for stem in _IN_OTHER_LANGUAGES[each] for word in some)
+                )
+                and (len(set(words)) == 1 or _SAYS_CONVENTION.search(line))
+            )
+        ]
 
-    spoken = [each for each, (sure, likely) in _PROSE.items() if words & sure or may_mean(each, likely)]
+    spoken = spoken_in(said)
+    if not spoken and (others := spoken_in([words[place] for place in denied])):
+        spoken = [each for each in _PROSE if each not in others]
     if not spoken and "x" in plain and "z" in plain:
         return _OF_MOVES.get("".join(_MOVES.findall(line)).lower())
     return spoken[0] if len(spoken) == 1 else None
+
+
+def _denied(words: list[str]) -> list[int]:
+    """The places of the words right behind a negation, articles aside."""
+    found = []
+    for place in (place for place, word in enumerate(words) if word in _NEGATIONS):
+        behind = next((k for k in range(place + 1, len(words)) if words[k] not in _BEFORE_DENIED), None)
+        found += [] if behind is None else [behind]
+    return found
 
 
 def _other_convention(

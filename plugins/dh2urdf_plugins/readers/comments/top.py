@@ -181,12 +181,17 @@ def _both(key: str, earlier: Node, node: Node) -> Node:
         TableError: both say the same.
     """
     one, other = earlier.value, node.value
-    if key == "units" and isinstance(one, dict) and isinstance(other, dict) and one.keys().isdisjoint(other):
+    if key == "units" and isinstance(one, dict) and isinstance(other, dict) and _agree(one, other):
         return replace(earlier, value={**one, **other}, key_places={**earlier.key_places, **node.key_places})
     if key == "convention" and convention_of(earlier.text or "") == convention_of(node.text or ""):
         return earlier
     message = f"a comment line says {key} already, in {earlier.mark.in_file or earlier.file}"
     raise TableError(Problem(message=message, mark=replace(node.mark, column=None), field=key))
+
+
+def _agree(one: Mapping[str, Node], other: Mapping[str, Node]) -> bool:
+    """Whether two mappings of words contradict each other nowhere."""
+    return all(one[key].text == other[key].text is not None for key in one.keys() & other)
 
 
 def comment_text(row: CellRow) -> str:

@@ -67,7 +67,7 @@ def top_rows(
         if (
             found
             and is_header(row := _cells(header, number, file, found))
-            and not (comment and _explains_header(line, row_below(ahead(), number, file, found)))
+            and not (comment and _explains_header(line, ahead(), number, file, found))
         ):
             if not comment and _is_cut(line):
                 raise TableError(_open_header(first, number, file))
@@ -89,9 +89,12 @@ def top_rows(
     yield _cells(likely.text, likely.number, file, found), found
 
 
-def _explains_header(comment: str, below: tuple[CellRow, int] | None) -> bool:
+def _explains_header(comment: str, below: Sequence[str], number: int, file: str, delimiter: str) -> bool:
     """Whether a header in a comment is above the header itself, and only explains it: it names no link before."""
-    return "1" not in comment and below is not None and is_header(below[0])
+    if "1" in comment:
+        return False
+    found = row_below([line for line in below[:MAX_TITLES] if not is_comment(line, top=True)], number, file, delimiter)
+    return found is not None and is_header(found[0])
 
 
 def _header_in(comment: str) -> str:

@@ -168,18 +168,22 @@ def refused(
         number: the number of the row, where it is one of a table with columns.
         what: whether it is a column or a key.
     """
-    counted = why.counts and cell.text.casefold() in (str(number), f"j{number}")
+    label = _REMARK.sub("", cell.text).rstrip() if cell.text[-1:] in ")]" else cell.text
+    counted = why.counts and label.casefold() in (str(number), f"j{number}")
     if not cell.text or counted or (why.zero and is_zero(cell.text)):
         return None
     if why.varies and _is_variable_of(cell.text, number):
         return None
+    accepted = why.accepted
+    if what == "key":
+        accepted = accepted.replace("in this column", "under this key").replace("column", "key")
     return Problem(
         message=f"{shown(header)} {why.reason}, and it is {shown(cell.text)}",
         mark=cell.mark,
         joint=joint,
         field=why.field or header,
         found=cell.text,
-        accepted=why.accepted,
+        accepted=accepted,
         suggestion=why.suggestion or (None if why.accepted == GEOMETRY else how_to_leave_out(header, what)),
     )
 

@@ -320,7 +320,7 @@ class _Rows:
         bounds = [cells[bound].text for bound in ("lower", "upper") if bound in cells]
         if not self.variables and any(map(_BOUND.search, bounds)) and not holds_type(name, place + 1):
             return "bounds"
-        names = [row["joint"].text for _, row, _ in self.rows if "joint" in row]
+        names = [self._name_of(row, cells) for row, cells, _ in self.rows]
         is_first = place == 0 and not self.variables and is_first_joint(names)
         return "the number of the first joint" if is_first else None
 

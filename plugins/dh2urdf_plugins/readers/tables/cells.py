@@ -115,10 +115,14 @@ class TableCells:
 
     def _label(self, texts: Sequence[str], marks: Sequence[Mark]) -> dict[str, Cell]:
         """What a column that no field knows calls the row, where no joint is called so."""
-        for name, text, mark in zip(self.columns.fields, texts, marks, strict=False):
-            if name is None and kind_of(text.strip(SPACES)) in ("total", "frame"):
-                return {LABEL: Cell(text.strip(SPACES), mark)}
-        return {}
+        counted: dict[str, Cell] = {}
+        for index, (name, text, mark) in enumerate(zip(self.columns.fields, texts, marks, strict=False)):
+            label = Cell(text.strip(SPACES), mark)
+            if name is None and kind_of(label.text) in ("total", "frame"):
+                return {LABEL: label}
+            if index in self.columns.unheld and self.columns.unheld[index].counts and label.text:
+                counted = counted or {LABEL: label}
+        return counted
 
     def _are_units(self, texts: Sequence[str]) -> bool:
         """Whether what is in the columns of geometry are units, and nothing else."""

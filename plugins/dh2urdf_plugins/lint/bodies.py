@@ -11,7 +11,7 @@ from dh2urdf.source import shown
 from dh2urdf_plugins.lint.document.description import ALL, MOVING, Hit, few
 from dh2urdf_plugins.lint.gazebo import kept, mass_of, merged as merged_by_gazebo, without_centre
 from dh2urdf_plugins.lint.merged import head_of, inertial_of, merged_inertial
-from dh2urdf_plugins.lint.numbers import ROUNDED, SMALLEST_MOMENT
+from dh2urdf_plugins.lint.numbers import ROUNDED, SMALLEST_MOMENT, is_no_inertia
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -103,6 +103,7 @@ def _inertia(description: Description, link: LinkNode, inertial: Element) -> Ite
         return
     body = inertial_of(inertial)
     if body is None:
+        yield from _moments_alone(inertia, about)
         return
     if body.inertia == WEIGHTLESS.inertia:
         merged = merged_inertial(description, head := head_of(description, link))
@@ -128,6 +129,15 @@ def _moments(description: Description, link: LinkNode, inertia: Element, body: I
         yield Hit("inertia-triangle-inequality", inertia, moments, minding - _gazebo_takes(description, link))
     elif low < SMALLEST_MOMENT:
         yield Hit("inertia-semidefinite", inertia, moments)
+
+
+def _moments_alone(inertia: Element, about: str) -> Iterator[Hit]:
+    """Of an inertia whose mass or origin is no number: MuJoCo reads nan and inf there, and looks at the inertia."""
+    numbers = [inertia.number(name) for name in INERTIA]
+    tensor = tuple(number for number in numbers if number is not None)
+    if len(tensor) == len(INERTIA) and is_no_inertia(tensor, moves=False):
+        message = f"the inertia of {about} is that of no body"
+        yield Hit("inertia-not-positive-definite", inertia, message, {"mujoco"})
 
 
 def _gazebo_takes(description: Description, link: LinkNode) -> set[str]:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from dh2urdf.rotations import norm
 from dh2urdf.source import did_you_mean, shown
 from dh2urdf_plugins.lint.document.description import ALL, MOVING, TURNING_OR_SLIDING, Hit, few
-from dh2urdf_plugins.lint.numbers import drake_numbers, mujoco_numbers
+from dh2urdf_plugins.lint.numbers import drake_number, drake_numbers, mujoco_numbers
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -131,23 +131,32 @@ def _limits(joint: JointNode, *, is_actuated: bool) -> Iterator[Hit]:
     for name in ("effort", "velocity"):
         if limit.get(name) is None:
             yield Hit(f"missing-{name}", limit, f"the limit of {about} has no {name}")
-        elif (value := limit.number(name)) is not None and value < 0.0 and joint.kind in MOVING:
-            of = ALL - {"drake"} if name == "effort" and not is_actuated else None
-            yield Hit(f"negative-{name}", limit, f"the {name} of {about} is {value:g}", of)
+        elif joint.kind in MOVING:
+            not_read = {"drake"} if name == "effort" and not is_actuated else set[str]()
+            yield from _negative(limit, name, about, ALL - not_read)
     if joint.kind in TURNING_OR_SLIDING:
         yield from _range(joint, limit)
 
 
 def _range(joint: JointNode, limit: Element) -> Iterator[Hit]:
     about, needs_range = f"joint {shown(joint.name)}", joint.kind in {"revolute", "prismatic"}
-    lower, upper = limit.number("lower"), limit.number("upper")
+    lower, upper = drake_number(limit.get("lower")), drake_number(limit.get("upper"))
     if lower is None or upper is None:
         return
+    is_plain = None not in {limit.number("lower"), limit.number("upper")}
     if lower > upper:
-        of = None if needs_range else {"drake"}
+        of = None if needs_range and is_plain else {"drake"}
         yield Hit("swapped-limits", limit, f"{about} has lower {lower:g} and upper {upper:g}", of)
-    elif lower == upper and needs_range:
+    elif lower == upper and needs_range and is_plain:
         yield Hit("equal-limits", limit, f"{about} has lower and upper {lower:g}")
+
+
+def _negative(element: Element, name: str, about: str, readers: frozenset[str]) -> Iterator[Hit]:
+    """Findings about a number that may not be below 0; Drake alone reads the number that another text begins with."""
+    value = drake_number(element.get(name))
+    of = readers if element.number(name) is not None else readers & {"drake"}
+    if value is not None and value < 0.0 and of:
+        yield Hit(f"negative-{name}", element, f"the {name} of {about} is {value:g}", of)
 
 
 def _dynamics(joint: JointNode) -> Iterator[Hit]:
@@ -155,9 +164,8 @@ def _dynamics(joint: JointNode) -> Iterator[Hit]:
     if dynamics := joint.element.first("dynamics"):
         if dynamics.get("damping") is None and dynamics.get("friction") is None:
             yield Hit("empty-dynamics", dynamics, f"the dynamics of {about} have neither damping nor friction")
-        for name in ("damping", "friction"):
-            if (value := dynamics.number(name)) is not None and value < 0.0 and joint.kind in MOVING:
-                yield Hit(f"negative-{name}", dynamics, f"the {name} of {about} is {value:g}")
+        for name in ("damping", "friction") if joint.kind in MOVING else ():
+            yield from _negative(dynamics, name, about, ALL)
     safety = joint.element.first("safety_controller")
     if safety and safety.get("k_velocity") is None:
         yield Hit("safety-without-velocity", safety, f"the safety controller of {about} has no k_velocity")

@@ -23,8 +23,9 @@ if TYPE_CHECKING:
 _DECIMAL = r"[-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]+)?"
 _WHOLE = re.compile(rf"\s*({_DECIMAL})", re.ASCII)
 _STREAM = re.compile(rf"\s*({_DECIMAL})(?![0-9]*[eE][-+]?(?![0-9]))", re.ASCII)
+_HEXADECIMAL = r"0x(?:[0-9a-f]+\.?[0-9a-f]*|\.[0-9a-f]+)(?:p[-+]?[0-9]+)?"
 _STRTOD = re.compile(
-    rf"{_DECIMAL}|[-+]?(?:nan|inf|infinity|0x[0-9a-f]+\.?[0-9a-f]*(?:p[-+]?[0-9]+)?)", re.ASCII | re.IGNORECASE
+    rf"{_DECIMAL}|[-+]?(?:nan(?:\([0-9a-z_]*\))?|inf|infinity|{_HEXADECIMAL})", re.ASCII | re.IGNORECASE
 )
 XACRO = re.compile(r"\$[{(]")
 
@@ -57,6 +58,12 @@ def drake_numbers(text: str) -> tuple[float, ...]:
     return tuple(numbers)
 
 
+def drake_number(text: str | None) -> float | None:
+    """The number that a text begins with; None where Drake refuses the text."""
+    numbers = drake_numbers(text or "")
+    return numbers[0] if len(numbers) == 1 else None
+
+
 def drake_scale(text: str) -> tuple[float, ...]:
     """The factors of a mesh: three where there is a blank in the text, else one; none where it refuses the text."""
     numbers = drake_numbers(text)
@@ -68,9 +75,17 @@ def mujoco_numbers(text: str, count: int) -> tuple[float, ...] | None:
     words = text.split()
     if len(words) != count or not all(_STRTOD.fullmatch(word) for word in words):
         return None
-    numbers = tuple(float.fromhex(word) if "x" in word.lower() else float(word) for word in words)
+    numbers = tuple(map(_of_strtod, words))
     overflows = any(math.isinf(n) and "i" not in word.lower() for n, word in zip(numbers, words, strict=True))
     return None if overflows else numbers
+
+
+def _of_strtod(word: str) -> float:
+    """The value of a word that `_STRTOD` matches."""
+    try:
+        return float.fromhex(word) if "x" in word.lower() else float(word.partition("(")[0])
+    except OverflowError:
+        return math.inf
 
 
 class _Place(NamedTuple):
@@ -173,12 +188,13 @@ def _of_inertial(inertial: Element, *, moves: bool) -> Iterator[_Place]:
     if inertia := inertial.first("inertia"):
         read = [mujoco_numbers(inertia.get(name) or "", 1) for name in INERTIA]
         tensor = tuple(numbers[0] for numbers in read if numbers)
-        is_wrong = len(tensor) == len(INERTIA) and _is_no_inertia(tensor, moves=moves)
+        is_wrong = len(tensor) == len(INERTIA) and is_no_inertia(tensor, moves=moves)
         for name in INERTIA:
             yield _Place(inertia, name, 1, "inertial", required=True, no_body=is_wrong)
 
 
-def _is_no_inertia(tensor: tuple[float, ...], *, moves: bool) -> bool:
+def is_no_inertia(tensor: tuple[float, ...], *, moves: bool) -> bool:
+    """Whether MuJoCo refuses a tensor, of which it reads all six elements."""
     if not all(map(math.isfinite, tensor)):
         return moves
     low, middle, high = principal_moments(Inertia(**dict(zip(INERTIA, tensor, strict=True))))

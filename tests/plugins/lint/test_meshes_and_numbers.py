@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 from consumers import behaviours, require
-from faulty_files import BOX, CYLINDER, LINK_2_BODY, SOUND, write_meshes
+from faulty_files import BOX, CYLINDER, ELBOW_LIMIT, LINK_2_BODY, LINK_2_INERTIA, SOUND, write_meshes
 
 from dh2urdf_plugins.lint.document.mesh_sizes import read_mesh
 from dh2urdf_plugins.lint.inspection import inspect_urdf
@@ -250,18 +250,25 @@ def stray_one_by_one(lines: list[str]) -> int | None:
 BASE = SOUND.replace(CYLINDER, '<mesh filename="part.obj" scale="1 1 1"/>').replace(
     LINK_2_BODY, f'{LINK_2_BODY}<collision><geometry><cylinder radius="0.02" length="0.05"/></geometry></collision>'
 )
+BASE = BASE.replace(ELBOW_LIMIT, f'{ELBOW_LIMIT}<dynamics damping="1" friction="0"/>')
 SCALES = ("2", "2 ", "2x", "2x 1 1", "0x10", "0x10 1 1", "1 1 0x10", "1e-9 1 1", "1e-8 1 1", "2,2,2", "2 2 2x", "0 1 1")
 
 
 def with_odd_numbers() -> list[str]:
     """The sound description, each time with another number of it in a form that not all readers take."""
     texts = [BASE.replace('scale="1 1 1"', f'scale="{scale}"') for scale in SCALES]
-    for match in re.finditer(r' (value|i[xyz]{2}|xyz|rpy|size|lower)="([-0-9. ]+)"', BASE):
+    for match in re.finditer(r' (value|i[xyz]{2}|xyz|rpy|size|lower|upper|velocity|damping)="([-0-9. ]+)"', BASE):
         words = match[2].split()
-        for odd in ("nan", "-inf", "0x10", "-0x10", "0x1p-6", "0x0"):
+        for odd in ("nan", "-inf", "0x10", "-0x10", "0x.8", "0x0", "NaN(1)", "1e5x", "-3x"):
             text = " ".join([*words[:-1], odd])
             texts.append(BASE[: match.start(2)] + text + BASE[match.end(2) :])
-    return texts
+    mass, impossible = '<mass value="1"/>', LINK_2_INERTIA.replace("0.005", "-1")
+    no_body = [
+        BASE.replace(LINK_2_INERTIA, impossible),
+        BASE.replace(LINK_2_INERTIA, LINK_2_INERTIA.replace("0.007", "7")),
+    ]
+    texts += [text.replace(mass, '<mass value="inf"/>') for text in no_body]
+    return [*texts, BASE.replace(mass, '<mass value="0x1p9999"/>')]
 
 
 @pytest.mark.long

@@ -26,7 +26,7 @@ from dh2urdf.studio.editing.keeping import kept_text
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
-    from playwright.sync_api import Browser, BrowserContext, Page
+    from playwright.sync_api import Browser, BrowserContext, Locator, LocatorAssertions, Page
 
     from dh2urdf.manipulator import Manipulator
     from dh2urdf.plugin_system import Catalog
@@ -36,6 +36,8 @@ CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or ""
 ARGUMENTS = ("--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--no-sandbox")
 CHEAP = ("--disable-gpu-compositing", "--webgl-antialiasing-mode=none")
 """There is no GPU here: a page is put together by the processor twice as fast as by a GPU that the processor plays."""
+PATIENCE = 120_000
+"""Only a fault waits so long, on a busy machine too [ms]."""
 SMOOTH = """localStorage.setItem(
   "dh2urdf-look", JSON.stringify({ ...JSON.parse(localStorage.getItem("dh2urdf-look") ?? "{}"), edges: "smooth" }))"""
 STILL = """
@@ -120,6 +122,7 @@ def chromium(request: pytest.FixtureRequest) -> Iterator[Browser]:
     with api.sync_playwright() as playwright:
         arguments = ARGUMENTS if request.config.getoption("--renew") else ARGUMENTS + CHEAP
         browser = playwright.chromium.launch(executable_path=CHROMIUM, args=arguments)
+        api.expect.set_options(timeout=PATIENCE)
         yield browser
         browser.close()
 
@@ -190,8 +193,55 @@ class Tab:
     def _wait_for_arm(self, name: str) -> None:
         self.wait_for_table(name)
         self.page.wait_for_function("document.querySelector('.arm-view').scene.getObjectByName('tool0')")
+        self.page.locator(".studio-matrix").wait_for()  # which comes after the sliders
 
     # --- What stands on the page ---
+
+    @staticmethod
+    def expect(locator: Locator) -> LocatorAssertions:
+        """What an element will be like, which Playwright waits for.
+
+        The server sends what an act changes in several messages: first all properties of elements, such as texts and
+        values, then one message each for the cells, the marks in them, the arm, the sliders and the numbers.
+        """
+        from playwright.sync_api import expect
+
+        return expect(locator)
+
+    @contextmanager
+    def another_drawing(self) -> Iterator[None]:
+        """Waits, after its block, until another drawing is in the scene."""
+        shown = self.page.evaluate("document.querySelector('.arm-view').shown ?? 0")
+        yield
+        self.page.wait_for_function("shown => document.querySelector('.arm-view').shown > shown", arg=shown)
+
+    @contextmanager
+    def other_joints(self) -> Iterator[None]:
+        """Waits, after its block, until the sliders have moved."""
+        self.wait_for_sliders()
+        before = self.sliders()
+        yield
+        script = """before => {
+            const sliders = [...document.querySelectorAll('.joint-slider input[type=range]')];
+            return sliders.some((slider, i) => slider.valueAsNumber !== before[i]);
+        }"""
+        self.page.wait_for_function(script, arg=before)
+
+    def wait_for_sliders(self) -> None:
+        """Waits until the axes of the table, where there is one, have their sliders."""
+        script = """() => {
+            const axes = document.querySelector('.studio-status')?.textContent.match(/^(\\d+) ax/);
+            return !axes || document.querySelectorAll('.joint-slider').length === Number(axes[1]);
+        }"""
+        self.page.wait_for_function(script)
+
+    def wait_for_joint(self, index: int, value: float) -> None:
+        """Waits until a slider is at a value, in its unit."""
+        script = """([index, value]) => {
+            const slider = document.querySelectorAll('.joint-slider input[type=range]')[index];
+            return Math.abs(slider?.valueAsNumber - value) < 1e-6;
+        }"""
+        self.page.wait_for_function(script, arg=[index, value])
 
     def cell(self, row: int, field: str) -> Any:
         return self.page.locator(self._cell(row, field))
@@ -222,11 +272,11 @@ class Tab:
 
     def open_from_gallery(self, name: str) -> None:
         """Opens a table of the gallery as a person does."""
-        shown = self.page.evaluate("document.querySelector('.arm-view').shown")
-        self.page.get_by_role("button", name="Open", exact=True).click()
-        self.page.locator(f".studio-gallery-table[data-name='{name}']").click()
-        self.wait_for_table(name)
-        self.page.wait_for_function("shown => document.querySelector('.arm-view').shown > shown", arg=shown)
+        with self.another_drawing():
+            self.page.get_by_role("button", name="Open", exact=True).click()
+            self.page.locator(f".studio-gallery-table[data-name='{name}']").click()
+            self.wait_for_table(name)
+        self.wait_for_sliders()
 
     def drop(self, where: str, *paths: Path) -> None:
         """Drops files and folders of the machine on a part of the page, as the browser reports it."""
@@ -251,6 +301,7 @@ class Tab:
 
     def set_sliders(self, values: list[float]) -> None:
         """Types joint values, in the units of the page, and waits until they are those of the arm that is drawn."""
+        self.wait_for_sliders()
         for box, value in zip(self.page.locator(".joint-slider-number").all(), values, strict=True):
             box.fill(str(value))
             box.press("Enter")
@@ -293,13 +344,8 @@ class Tab:
 
     def press(self, name: str) -> None:
         """Presses a button that moves the joints, and waits until the sliders have moved."""
-        before = self.sliders()
-        self.page.get_by_role("button", name=name).click()
-        script = """before => {
-            const sliders = [...document.querySelectorAll('.joint-slider input[type=range]')];
-            return sliders.some((slider, i) => slider.valueAsNumber !== before[i]);
-        }"""
-        self.page.wait_for_function(script, arg=before)
+        with self.other_joints():
+            self.page.get_by_role("button", name=name).click()
 
     def wait_for_cell(self, row: int, field: str, text: str) -> None:
         """Waits until a text stands in a cell."""
@@ -309,10 +355,6 @@ class Tab:
         """Waits until texts stand in cells of a row: the grid fills one after the other."""
         for field, text in texts.items():
             self.wait_for_cell(row, field, text)
-
-    def wait_for_mark(self, row: int, field: str, mark: str) -> None:
-        """Waits until a cell has a mark, as a class: the grid gets the marks after the page has the status."""
-        self.page.locator(f"{self._cell(row, field)}.{mark}").wait_for()
 
     def wait_for_lesson(self, progress: float) -> None:
         """Waits until the frame of the explained row has done so many motions."""
@@ -370,7 +412,7 @@ def profile(chromium: Browser, request: pytest.FixtureRequest) -> Iterator[Brows
     context = chromium.new_context(accept_downloads=True)
     if request.config.getoption("--renew"):  # pictures are those of a browser with a graphics card
         context.add_init_script(SMOOTH)
-    context.set_default_timeout(120_000)  # Only a fault waits so long, on a busy machine too.
+    context.set_default_timeout(PATIENCE)
     yield context
     context.close()
 

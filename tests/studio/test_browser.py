@@ -42,7 +42,7 @@ def test_a_wrong_cell(studio_address: str, new_tab: Callable[..., Any], catalog:
     tab.wait_for_status("1 problem; the last good arm is shown")
     (problem,) = read_whole(edits.with_cell(gallery.table("ur5.csv", catalog), 1, "alpha", "pi/x"), catalog).errors
     page.locator(".studio-problem", has_text=problem.text).wait_for()
-    tab.wait_for_mark(1, "alpha", "dh-wrong")
+    tab.expect(tab.cell(1, "alpha")).to_have_class(re.compile(r"\bdh-wrong\b"))
     assert "dh-wrong" not in tab.cell(2, "alpha").get_attribute("class")
     assert tab.pose("tool0") == before
     page.get_by_role("button", name="Generate").click()
@@ -229,6 +229,7 @@ def test_a_reload_in_the_table(studio_address: str, new_tab: Callable[..., Any])
     tab.wait_for_cell(3, "alpha", "pi/2")
     page.reload()  # the cursor is no longer in the table
     tab.wait_for_cell(3, "alpha", "pi/2")
+    page.wait_for_function("document.querySelector('.arm-view')?.shown > 0")  # which comes after the cursor
     assert page.evaluate(cursor) is None
 
 
@@ -272,11 +273,12 @@ def test_a_reload_and_another_tab(studio_address: str, new_tab: Callable[..., An
     page.locator(".joint-slider-number").first.fill("0.5")
     page.keyboard.press("Enter")
     arm = arm_of(edits.with_cell(gallery.table("scara.csv", catalog), 0, "a", "0.45"), catalog)
-    page.wait_for_function("document.querySelector('.joint-slider input[type=range]').valueAsNumber === 0.5")
+    tab.wait_for_joint(0, 0.5)
     tab.wait_for_tool0(arm)
 
     other = new_tab(studio_address)
     other.open()
+    other.wait_for_status("choose the number of axes")
     assert other.status == "choose the number of axes, or paste a table"
     other.open_from_gallery("ur5")
 
@@ -291,7 +293,7 @@ def test_a_reload_and_another_tab(studio_address: str, new_tab: Callable[..., An
     page.wait_for_function("document.querySelector('.arm-view').camera.isOrthographicCamera")
     assert other.page.locator(".arm-view-projection[aria-pressed=false]").count() == 1
     tab.wait_for_cells(0, joint="shoulder", a="0.45")
-    assert tab.sliders()[0] == 0.5
+    tab.wait_for_joint(0, 0.5)
     tab.wait_for_tool0(arm)
     assert other.cells(0, "joint") == ["shoulder_pan_joint"]
     page.get_by_role("button", name="undo").click()
@@ -313,7 +315,7 @@ def test_sliders_move_the_arm(studio_address: str, new_tab: Callable[..., Any], 
     limits = [(row.limits.lower, row.limits.upper) for row in arm.moving_rows]
     assert all(low <= value <= high for value, (low, high) in zip(q, limits, strict=True))
     assert q[3] == pytest.approx(-0.0698)
-    assert "0.9249" in page.locator(".studio-matrix").inner_text()
+    tab.expect(page.locator(".studio-matrix")).to_contain_text("0.9249")
 
 
 @pytest.mark.long
@@ -328,10 +330,9 @@ def test_a_picked_row_stands_out(studio_address: str, new_tab: Callable[..., Any
             && part.userData.outline)).map(node => node.name + ' ' + node.children[0].material.color.getHexString());
     }"""
     page.wait_for_function(f"JSON.stringify(({script})()) === '[\"link_3 ed8021\"]'")
-    assert page.locator(".arm-view-picked").all_inner_texts() == ["{3}"]
-    assert "dh-picked" in page.locator(".dh-table .ag-center-cols-container .ag-row[row-index='2']").get_attribute(
-        "class"
-    )
+    tab.expect(page.locator(".arm-view-picked:visible")).to_have_text(["{3}"])
+    row = page.locator(".dh-table .ag-center-cols-container .ag-row[row-index='2']")
+    tab.expect(row).to_have_class(re.compile(r"\bdh-picked\b"))
 
 
 @pytest.mark.long
@@ -446,12 +447,14 @@ def test_convention_and_units_are_converted_or_reinterpreted(
     page = tab.open("ur5")
     before = tab.pose("tool0")
     page.get_by_role("button", name="modified").click()
-    page.get_by_text("Convert: the same arm, other numbers.").click()
+    with tab.another_drawing():
+        page.get_by_text("Convert: the same arm, other numbers.").click()
     page.wait_for_function("document.querySelector('.ag-header-cell[col-id=a]').innerText.includes('ᵢ₋₁')")
     tab.wait_for_cells(2, a="-0.425", alpha="0")
     assert np.allclose(tab.pose("tool0"), before, atol=1e-8)
     page.get_by_role("button", name="mm", exact=True).click()
-    page.get_by_text("Convert: the same arm, its numbers").click()
+    with tab.another_drawing():
+        page.get_by_text("Convert: the same arm, its numbers").click()
     tab.wait_for_cell(2, "a", "-425")
     assert np.allclose(tab.pose("tool0"), before, atol=1e-8)
     page.get_by_role("button", name="standard").click()

@@ -36,6 +36,11 @@ ALL_SEEN = """() => {
         return Math.abs(point.x) < 1 && Math.abs(point.y) < 1;
     });
 }"""
+ANSWERED = """() => {
+    const view = getElement(Number(document.querySelector('.arm-view').id.slice(1)));
+    return !view.asked && !view.wanted;
+}"""
+"""Nothing that a person has dragged is on its way to the server, or back; the sliders come before the answer."""
 CAMERA = "document.querySelector('.arm-view').camera.matrixWorld.elements.map(x => Number(x.toFixed(6)))"
 
 
@@ -55,7 +60,7 @@ class Hand:
         for step in range(1, 9):
             self.page.mouse.move(*(start + np.array(by) * step / 8))
         self.page.mouse.up()
-        self.page.wait_for_timeout(200)
+        self.page.wait_for_function(ANSWERED)
         return list(self.tab.sliders())
 
     def look(self, key: str) -> None:

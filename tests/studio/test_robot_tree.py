@@ -121,31 +121,31 @@ def test_links_are_picked_hidden_and_unfolded(
         page.wait_for_function(script, arg=0.07)
 
         # The sliders of a robot fold.
-        assert page.locator(".joint-slider:visible").count() == 7
+        tab.expect(page.locator(".joint-slider:visible")).to_have_count(7)
         page.get_by_role("button", name="ur5").click()
-        assert page.locator(".joint-slider:visible").count() == 1
+        tab.expect(page.locator(".joint-slider:visible")).to_have_count(1)
 
         # The tree, by keys: one tab stop.
         tree = page.get_by_role("tree", name="Robots")
-        assert tree.locator("[tabindex='0']").count() == 1
+        tab.expect(tree.locator("[tabindex='0']")).to_have_count(1)
         items = tree.get_by_role("treeitem")
-        assert items.all_inner_texts() == ["gripper (3)", "ur5 (10)"]
+        tab.expect(items).to_have_text(["gripper (3)", "ur5 (10)"])
         tree.locator("[tabindex='0']").focus()
         for key in ("ArrowRight", "ArrowRight", "ArrowDown", "ArrowDown", "ArrowRight", "ArrowRight"):
             page.keyboard.press(key)
         focused = page.locator("*:focus")
         follows = "joint r: prismatic along (0, 1, 0), -0.08 m to 0 m, follows -1 · l"
-        assert focused.inner_text().replace("\xa0", " ").replace("\n", "") == follows
+        tab.expect(focused).to_have_text(follows)
         page.keyboard.press("ArrowLeft")
-        assert focused.inner_text() == "right"
+        tab.expect(focused).to_have_text("right")
         page.keyboard.press("Enter")
         page.wait_for_function(OUTLINED, arg="gripper/right")
         assert not page.evaluate(OUTLINED, "gripper/left")
-        assert focused.get_attribute("aria-selected") == "true"
+        tab.expect(focused).to_have_attribute("aria-selected", "true")
         page.keyboard.press("Space")
         page.wait_for_function(HIDDEN, arg="gripper/right")
-        assert focused.get_attribute("aria-checked") == "false"
-        assert items.nth(0).get_attribute("aria-checked") == "mixed"
+        tab.expect(focused).to_have_attribute("aria-checked", "false")
+        tab.expect(items.nth(0)).to_have_attribute("aria-checked", "mixed")
 
         # From the scene into the tree: nothing that is hidden can be picked.
         page.evaluate(

@@ -149,6 +149,10 @@ class Eye:
         self.scene.focus()
         for key in keys:
             self.page.keyboard.press(key)
+        self.wait_for_picture()
+
+    def wait_for_picture(self) -> None:
+        """Waits until what the scene has got is drawn: camera and labels have their places in the picture then."""
         self.page.evaluate("new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))")
 
     def nodes(self) -> Any:
@@ -158,7 +162,8 @@ class Eye:
     def sees_all(self, *, parallel: bool, ends_on: bool = False) -> None:
         """Waits for a way to draw: all of the arm is in the picture, and the x axis is a point or is not."""
         self.page.wait_for_function(f"parallel => ({SEEN})()[0] === parallel", arg=parallel)
-        assert self.switch.get_attribute("aria-pressed") == str(parallel).lower()
+        self.page.locator(f".arm-view-projection[aria-pressed={str(parallel).lower()}]").wait_for()
+        self.wait_for_picture()
         _, nodes, near, far = self.page.evaluate(SEEN)
         assert 0.2 < np.abs(np.array(nodes)[:, :2]).max() < 1.0
         assert np.abs(np.array(nodes)[:, 2]).max() < 1.0, "nothing is cut off"

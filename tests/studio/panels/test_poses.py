@@ -90,6 +90,7 @@ def test_two_frames_are_measured(studio_address: str, new_tab: Callable[..., Any
     page.get_by_role("button", name="measure between frames, and show the workspace").click()
     words = page.locator(".studio-measured")
     changed = "before => document.querySelector('.studio-measured').innerText !== before"
+    tab.expect(words).to_contain_text("distance")
     before = words.inner_text()
     tab.press("random pose")
     tab.wait_for_tool0(arm)

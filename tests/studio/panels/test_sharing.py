@@ -64,7 +64,7 @@ def test_a_link_holds_the_table(studio_address: str, new_tab: Callable[..., Any]
     other = new_tab(link)
     page = other.open()
     other.wait_for_status("7 axes and 1 fixed joint; the arm is the table's")
-    assert other.cells(2, "a") == ["0.0825 + 1e-3"]
+    other.wait_for_cell(2, "a", "0.0825 + 1e-3")
     assert page.url == studio_address
     assert [url for url in other.asked if word[:20] in url] == []
     page.reload()

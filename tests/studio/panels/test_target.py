@@ -80,7 +80,7 @@ def test_a_pose_is_typed(opened: Callable[[str], Any], catalog: Catalog) -> None
     whole = "() => [...document.querySelectorAll('.studio-target-box input')].every(box => box.scrollWidth <= box.clientWidth)"
     tab.page.wait_for_function(whole)
     put_pose(tab)
-    assert box(tab, "x").input_value() == "0.35"
+    tab.expect(box(tab, "x")).to_have_value("0.35")
     assert np.abs(matrix_of(tab, arm)[:3, 3] - (0.35, -0.2, 0.4)).max() < 5e-4  # sliders have four digits
 
 
@@ -89,8 +89,9 @@ def test_what_is_no_pose_or_out_of_reach(opened: Callable[[str], Any], catalog: 
     """A message, and the arm as near as it comes, which the message measures."""
     tab, arm = opened("ur5"), arm_of("ur5.csv", catalog)
     put(tab, "x", "far away")
-    tab.page.locator(".studio-target-answer", has_text="x: 'far away'").wait_for(timeout=5000)
-    put(tab, "x", "3")
+    tab.page.locator(".studio-target-answer", has_text="x: 'far away'").wait_for()
+    with tab.other_joints():
+        put(tab, "x", "3")
     tab.page.get_by_text("The arm cannot reach this pose").wait_for()
     words = tab.page.locator(".studio-target-answer").inner_text()
     told = float(words.split("tool0 is ")[1].split(" mm")[0])

@@ -34,12 +34,22 @@ export default {
   created() {
     this.pending = false;
     this.number = 0; // of the values that were sent last
+    window.addEventListener("dh-back", this.back);
+  },
+
+  beforeUnmount() {
+    window.removeEventListener("dh-back", this.back);
   },
 
   methods: {
+    // Where only limits are others, what is being typed stays, and so do values that are not answered yet.
     show(joints, values) {
+      const named = (all) => all.map(({ name, unit }) => `${name} ${unit}`).join();
+      const isSame = named(joints) === named(this.joints);
       this.joints = joints;
+      if (isSame && this.busy) return;
       this.values = values;
+      if (isSame) return;
       this.typed = {};
       this.busy = this.pending = false;
     },
@@ -101,6 +111,13 @@ export default {
       this.busy = true;
       this.number += 1;
       this.$emit("values", { values: [...this.values], number: this.number });
+    },
+
+    // The connection is another one: values that were not answered are sent again.
+    back() {
+      if (!this.busy) return;
+      this.busy = false;
+      this.send();
     },
 
     text(index) {

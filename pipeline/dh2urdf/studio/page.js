@@ -68,7 +68,7 @@
     page.inert = lost;
     page.classList.toggle("studio-lost", lost);
     document.querySelector(".studio-away")?.remove();
-    if (!lost) return;
+    if (!lost) return void window.dispatchEvent(new Event("dh-back")); // what was asked for may be lost, or its answer
     const told = document.createElement("div");
     told.className = "studio-away";
     told.setAttribute("role", "alert");

@@ -262,8 +262,8 @@ class StudioPage:
             self._table.focus(0, "a")
 
     def _act(self, act: str, row: int) -> None:
-        """What was done to a row by key."""
-        self.session.row = row
+        """What was done to a row by key; the page may not know yet that there are fewer rows."""
+        self.session.row = min(row, max(len(self.session.table.rows) - 1, 0))
         match act:
             case "add":
                 self._add_row()

@@ -177,8 +177,10 @@
       if (event.altKey && !editing) {
         const act = { ArrowUp: "up", ArrowDown: "down", Insert: "add", Delete: "remove" }[event.key];
         if (act) emitEvent("dh-act", [act, node.rowIndex]);
-        const to = node.rowIndex + ({ up: -1, down: 1 }[act] ?? 0); // The cursor goes with the row before the next key.
-        if (to !== node.rowIndex && to >= 0 && to < api.getDisplayedRowCount()) api.setFocusedCell(to, column);
+        // The cursor goes with the row, or to a new one, before the next key; a new last row is there before the answer.
+        const count = api.getDisplayedRowCount(), to = node.rowIndex + ({ up: -1, down: 1, add: 1 }[act] ?? 0);
+        if (to === count && act === "add") api.applyTransaction({ add: [{ id: count }] });
+        if (to !== node.rowIndex && to >= 0 && to < api.getDisplayedRowCount()) api.setFocusedCell(to, act === "add" ? "a" : column);
         if (event.key.length > 1) return true;
         if (event.key <= "\x7f") return false;
         event.preventDefault(); // Option+P is a π: the grid begins no cell with a key that Alt is held with
@@ -297,7 +299,9 @@
         row.classList.toggle("dh-picked", row.getAttribute("row-id") === String(picked));
     },
 
+    // A cursor that is in the table already stays: its person has gone on while the answer was on its way.
     focus(api, row, field, edit) {
+      if (!edit && document.activeElement.closest(".dh-table .ag-cell")) return;
       field ??= api.getFocusedCell()?.column.colId ?? "a";
       if (row < 0 || row >= api.getDisplayedRowCount()) return;
       api.ensureIndexVisible(row);

@@ -1,0 +1,186 @@
+"""A person who is faster than the network: what is done while answers are on their way is neither lost nor undone."""
+
+from __future__ import annotations
+
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Any
+
+import pytest
+
+from dh2urdf.studio import gallery
+from dh2urdf.studio.editing.reading import read_whole
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+    from dh2urdf.plugin_system import Catalog
+
+HELD = """{
+    // While `held` is true, what the server sends waits, in its order; while `lost` is, nothing that the page sends arrives.
+    const answers = window.answers = { held: false, lost: false, waiting: [], pass(count = Infinity) {
+        for (const act of this.waiting.splice(0, count)) act();
+    } };
+    const own = Object.getOwnPropertyDescriptor(WebSocket.prototype, "onmessage");
+    Object.defineProperty(WebSocket.prototype, "onmessage", { ...own, set(handler) {
+        own.set.call(this, (event) => {
+            const act = Object.assign(() => handler.call(this, event), { text: String(event.data) });
+            answers.held || answers.waiting.length ? answers.waiting.push(act) : act();
+        });
+    } });
+    const { send } = WebSocket.prototype;
+    WebSocket.prototype.send = function (data) {
+        if (!answers.lost) send.call(this, data);
+    };
+}"""
+
+
+class Network:
+    """The way between a page and its server, on which answers can be held back, and what is sent can be lost."""
+
+    def __init__(self, page: Any) -> None:
+        self.page = page
+
+    def hold(self) -> None:
+        """From now on answers wait."""
+        self.page.evaluate("answers.held = true")
+
+    def wait_for(self, text: str) -> int:
+        """Waits until an answer with a text is held back; gives how many are."""
+        script = "text => answers.waiting.some(act => act.text.includes(text)) && answers.waiting.length"
+        return int(self.page.wait_for_function(script, arg=text).json_value())
+
+    def release(self) -> None:
+        """Lets all answers through."""
+        self.page.evaluate("answers.held = false, answers.pass()")
+
+    @contextmanager
+    def broken(self) -> Iterator[None]:
+        """A connection over which nothing goes in the block, and which is another one afterwards."""
+        self.page.evaluate("answers.lost = true")
+        yield
+        self.page.evaluate("answers.lost = false, socket.io.engine.close()")
+
+
+@pytest.fixture
+def slow(studio_address: str, new_tab: Callable[..., Any]) -> Iterator[tuple[Any, Network]]:
+    """A tab with a UR5, and its network."""
+    tab = new_tab(studio_address)
+    tab.page.add_init_script(HELD)
+    tab.open("ur5")
+    yield tab, Network(tab.page)
+    tab.page.close()  # what it holds back is for these tests only
+
+
+@pytest.mark.long
+def test_a_row_goes_on_up(slow: tuple[Any, Network]) -> None:
+    """A key that is held down moves one row, though the answer to its first move comes after its second."""
+    tab, network = slow
+    tab.cell(5, "d").click()
+    network.hold()
+    tab.page.keyboard.press("Alt+ArrowUp")
+    count = network.wait_for("dhGrid.mark")
+    tab.page.keyboard.press("Alt+ArrowUp")
+    tab.page.evaluate("count => answers.pass(count)", count)
+    tab.page.keyboard.press("Alt+ArrowUp")
+    network.release()
+    tab.wait_for_cells(2, joint="wrist_3_joint")
+    tab.wait_for_cells(4, joint="wrist_1_joint")
+    tab.wait_for_cells(5, joint="wrist_2_joint")
+
+
+@pytest.mark.long
+def test_a_new_row_is_typed_at_once(slow: tuple[Any, Network]) -> None:
+    """What is typed after Alt+Insert goes into the new row, and not over the one above it; letters after the answer too."""
+    tab, network = slow
+    for row in (2, 6):  # in the middle, and at the end
+        tab.cell(row, "alpha").click()
+        network.hold()
+        tab.page.keyboard.press("Alt+Insert")
+        tab.page.keyboard.type("0.1")
+        network.wait_for("dhGrid.mark")
+        network.release()
+        tab.page.keyboard.type("23")
+        tab.page.keyboard.press("Enter")
+        tab.wait_for_cell(row + 1, "a", "0.123")
+    tab.wait_for_cells(2, joint="elbow_joint", a="-0.39225", alpha="0")
+    tab.wait_for_cells(6, joint="wrist_3_joint", a="0", alpha="0")
+
+
+@pytest.mark.long
+def test_the_last_rows_are_removed(slow: tuple[Any, Network]) -> None:
+    """Alt+Delete three times in the last row removes three rows."""
+    tab, network = slow
+    tab.cell(5, "d").click()
+    network.hold()
+    for _ in range(3):
+        tab.page.keyboard.press("Alt+Delete")
+    network.wait_for("dhGrid.mark")
+    network.release()
+    tab.wait_for_status("3 axes; the arm is the table's")
+
+
+@pytest.mark.long
+def test_a_joint_is_moved_while_its_limit_changes(slow: tuple[Any, Network]) -> None:
+    """A number that is being typed stays in its box, and the last place of a slider that is dragged holds."""
+    tab, network = slow
+    box = tab.page.locator(".joint-slider-number").first
+    network.hold()
+    tab.type_into(0, "upper", "3")
+    network.wait_for("dhGrid.mark")
+    box.fill("0.")
+    network.release()
+    tab.page.locator(".joint-slider[title$='to 3 rad']").wait_for()
+    tab.page.keyboard.type("25")
+    tab.page.keyboard.press("Enter")
+    tab.wait_for_joint(0, 0.25)
+
+    network.hold()
+    tab.type_into(0, "upper", "2")
+    network.wait_for("dhGrid.mark")
+    tab.page.get_by_role("slider", name="shoulder_pan_joint").focus()
+    for _ in range(3):
+        tab.page.keyboard.press("ArrowRight")
+    network.release()
+    tab.page.locator(".joint-slider[title$='to 2 rad']").wait_for()
+    tab.page.locator(".joint-sliders[aria-busy=false]").wait_for()
+    assert tab.sliders()[0] == pytest.approx(0.28)
+
+
+@pytest.mark.long
+def test_a_joint_moves_on_over_another_connection(slow: tuple[Any, Network], catalog: Catalog) -> None:
+    """Values of a slider that were lost with the connection are sent again; the slider moved nothing any more."""
+    tab, network = slow
+    with network.broken():
+        tab.page.get_by_role("slider", name="shoulder_pan_joint").focus()
+        for _ in range(3):
+            tab.page.keyboard.press("ArrowRight")
+    arm = read_whole(gallery.table("ur5.csv", catalog), catalog).manipulator
+    assert arm is not None
+    tab.wait_for_tool0(arm, [0.03, 0, 0, 0, 0, 0])
+    tab.press("zero")
+    tab.wait_for_tool0(arm)
+
+
+@pytest.mark.long
+def test_a_handle_is_dragged_over_another_connection(slow: tuple[Any, Network]) -> None:
+    """So is the place that the handle was dragged to."""
+    tab, network = slow
+    page = tab.page
+    tab.set_sliders([-2.5, -1.9, 2.0, -1.7, -1.57, 0.0])  # far from limits and singularities
+    page.get_by_role("button", name="set the pose of tool0").click()
+    page.wait_for_function("document.querySelector('.arm-view').scene.getObjectByName('handle').visible")
+    script = """() => {
+        const view = document.querySelector('.arm-view'), box = view.querySelector('canvas').getBoundingClientRect();
+        const at = view.scene.getObjectByName('handle').position.clone().project(view.camera);
+        return [box.left + (at.x + 1) / 2 * box.width, box.top + (1 - at.y) / 2 * box.height];
+    }"""
+    x, y = page.evaluate(script)
+    with network.broken():
+        page.mouse.move(x, y)
+        page.mouse.down()
+        page.mouse.move(x - 10, y + 8)
+        page.mouse.move(x - 20, y + 15)
+        page.mouse.up()
+    page.wait_for_function(
+        f"([x, y]) => {{ const [a, b] = ({script})(); return Math.hypot(a - x, b - y) < 2; }}", arg=[x - 20, y + 15]
+    )

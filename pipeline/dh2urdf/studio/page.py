@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 from nicegui import ui
 
-from dh2urdf.studio import dialogs, joints, words
-from dh2urdf.studio.editing import axes, edits, pasting
+from dh2urdf.studio import dialogs, joints, pasting, words
+from dh2urdf.studio.editing import axes, edits
 from dh2urdf.studio.editing.keeping import finish_typing, kept_table, kept_text
 from dh2urdf.studio.layout.dropping import lay_drop
 from dh2urdf.studio.layout.head import StudioHead

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from dh2urdf.quantities.units import UNITS
 from dh2urdf.source import listed
+from dh2urdf.studio.drawing.digits import decimals, plain
 from dh2urdf.studio.editing.axes import moving_rows
 from dh2urdf.table_text import number_in
 
@@ -95,37 +96,26 @@ def place(found: CellProblem, table: TableText) -> str:
     return f"row {found.row + 1}, {name}{f', {found.field}' if found.field else ''}: "
 
 
-_SMALL = 0.1
-"""Of an arm that is smaller [m], lengths have more digits: as many that count."""
-
-
 def numbers(pose: RigidTransform, table: TableText, reach: float) -> str:
     """T(base → tool0) and the reach as HTML; numbers only, nothing that a person has typed."""
     r, t = pose
     length, angle = UNITS[table.length_unit], UNITS[table.angle_unit]
     factor = 10.0**-length.power
-    digits = 5 + min(0, length.power)
-    if 0.0 < reach < _SMALL:
-        digits += math.ceil(math.log10(_SMALL / reach))
+    digits = decimals(length, reach)
     rows = [
-        " ".join(f"{_plain(x, 4):>7}" for x in r[3 * i : 3 * i + 3]) + f" {_plain(t[i] * factor, max(2, digits)):>9}"
+        " ".join(f"{plain(x, 4):>7}" for x in r[3 * i : 3 * i + 3]) + f" {plain(t[i] * factor, digits):>9}"
         for i in range(3)
     ]
     rows.append(" ".join(f"{x:>7}" for x in "000") + f" {'1':>9}")
     matrix = "\n".join(rows)
-    turn = ", ".join(_plain(math.degrees(x) if angle.degrees else x, 4) for x in pose.rpy)
+    turn = ", ".join(plain(math.degrees(x) if angle.degrees else x, 4) for x in pose.rpy)
     sign = "°" if angle.degrees else " rad"
     return (
         f'<div><b>T(base_link → tool0)</b></div><pre class="studio-matrix">{matrix}</pre>'
         f"<div>rpy <b>{turn}</b>{sign}</div>"
-        f"<div>distance <b>{_plain(math.hypot(*t) * factor, max(2, digits))}</b> {length.symbol}, "
-        f"reach at most <b>{_plain(float(number_in(reach, length)), max(2, digits))}</b> {length.symbol}</div>"
+        f"<div>distance <b>{plain(math.hypot(*t) * factor, digits)}</b> {length.symbol}, "
+        f"reach at most <b>{plain(float(number_in(reach, length)), digits)}</b> {length.symbol}</div>"
     )
-
-
-def _plain(number: float, digits: int) -> str:
-    text = f"{number:.{digits}f}"
-    return text.lstrip("-") if float(text) == 0 else text
 
 
 def remark(session: Session) -> str:

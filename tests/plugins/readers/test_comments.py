@@ -181,6 +181,8 @@ def test_the_convention_of_a_comment_holds(
         ("# robot: ur5, lengths in mm", "did you mean 'name'?"),
         ("# visuals: {shape: none}", "which nothing is called"),
         ("# convetion: standard", "did you mean 'convention'?"),
+        ("# base: # none", "field 'base': the comment line says nothing behind 'base'"),
+        ("# tool: #", "field 'tool': the comment line says nothing behind 'tool'"),
         ("# joint limits in degrees", "this comment mentions deg, and angles are read in rad"),
         ("# Längen in mm, Winkel in Grad", "this comment mentions mm, and lengths are read in m"),
         ("# a in mm", "this comment mentions mm, and lengths are read in m"),

@@ -264,6 +264,34 @@ def test_a_converted_table_can_be_read(convention: Convention, texts: dict[str, 
         assert session.table == table
 
 
+@pytest.mark.parametrize("convention", [*Convention])
+@pytest.mark.parametrize(
+    "steps", [["cm rad", "other", "back"], ["other", "mm rad", "m deg", "cm rad", "back", "mm rad"]]
+)
+def test_a_row_has_its_a_and_alpha_back_in_other_units(
+    convention: Convention, steps: list[str], catalog: Catalog
+) -> None:
+    """Those of the first row, or of the last, were left in the base or the tool; the arm was the same."""
+    rows = tuple({"a": a, "alpha": alpha, "d": "20"} for a, alpha in (("50", "33.3"), ("425.3", "90"), ("71", "-12.7")))
+    ends = {"base": "{xyz: [10, 0, 300], rpy: [30, 0, 0]}", "tool": "{xyz: [0, 20, 100]}"}
+    table = TableText(name="x", convention=str(convention), length_unit="mm", angle_unit="deg", rows=rows, **ends)
+    session = Session(catalog, table)
+    arm = arm_of(session.table, catalog)
+    for step in steps:
+        if step in ("other", "back"):
+            session.set_convention(OTHER[convention] if step == "other" else convention, convert=True)
+        else:
+            session.set_units(*step.split(), convert=True)
+        if step == "other":
+            session.edit(1, "mass", "2")
+    found = arm_of(session.table, catalog)
+    assert_same_motion(found, arm)
+    for new, old in zip(found.rows, arm.rows, strict=True):
+        assert (new.a, new.alpha) == pytest.approx((old.a, old.alpha), rel=1e-12)
+    assert found.base.translation == pytest.approx(arm.base.translation, rel=1e-12)
+    assert found.tool.translation == pytest.approx(arm.tool.translation, rel=1e-12)
+
+
 def test_an_edit_in_between_stays(catalog: Catalog) -> None:
     """What was typed in millimetres is not what was there before; the other cells of the row are."""
     session = Session(catalog, gallery.table("ur5.csv", catalog))

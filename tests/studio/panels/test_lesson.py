@@ -15,6 +15,7 @@ from dh2urdf.manipulator import Convention
 from dh2urdf.studio import gallery
 from dh2urdf.studio.editing.session import Session
 from dh2urdf.studio.panels.lesson_words import explained
+from dh2urdf.table_text import TableText
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -44,6 +45,14 @@ def evaluated(cells: list[list[str]], a: float, alpha: float, d: float, theta: f
         return sign * float(np.prod([values[each] if each in values else float(each) for each in factors]))
 
     return np.array([[number(cell) for cell in row] for row in cells])
+
+
+def test_lengths_of_a_tiny_arm_have_digits_that_count(catalog: Catalog) -> None:
+    """Those of an arm of nanometres were 0.0000."""
+    session = Session(catalog, TableText(convention="standard", rows=({"a": "3.25e-9", "alpha": "0", "d": "1.5e-9"},)))
+    assert session.arm is not None
+    _, a, *_ = matrices(explained(session.arm.manipulator, 0, {}, session.table))
+    assert [float(row[3]) for row in a[:3]] == [3.25e-9, 0.0, 1.5e-9]
 
 
 @pytest.mark.parametrize("file", ["ur5.csv", "panda.yaml", "scara.csv"])

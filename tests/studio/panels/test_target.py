@@ -85,6 +85,17 @@ def test_a_pose_is_typed(opened: Callable[[str], Any], catalog: Catalog) -> None
 
 
 @pytest.mark.long
+def test_a_tiny_arm_has_digits_that_count(studio_address: str, new_tab: Callable[..., Any]) -> None:
+    """The boxes of an arm of nanometres were 0."""
+    row = {"a": "3.25e-9", "alpha": "0", "d": "1.5e-9"}
+    tab = new_tab(studio_address)
+    tab.open_table(TableText(name="tiny", convention="standard", rows=(row, row)))
+    tab.page.get_by_role("button", name="set the pose of tool0").click()
+    box(tab, "x").wait_for()
+    assert [float(box(tab, name).input_value()) for name in ("x", "y", "z")] == [6.5e-9, 0.0, 3e-9]
+
+
+@pytest.mark.long
 def test_what_is_no_pose_or_out_of_reach(opened: Callable[[str], Any], catalog: Catalog) -> None:
     """A message, and the arm as near as it comes, which the message measures."""
     tab, arm = opened("ur5"), arm_of("ur5.csv", catalog)

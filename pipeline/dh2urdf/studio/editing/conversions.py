@@ -34,7 +34,7 @@ from dh2urdf.table_text import (
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Mapping, Sequence
 
     from dh2urdf.manipulator import Manipulator
     from dh2urdf.plugin_system.catalog import Catalog
@@ -44,6 +44,8 @@ _VARIABLE_FIELDS = {"d", "theta", "offset", "sign"}
 """Fields of which one cell may say several: ``-q2 + pi/2`` is an angle, an offset and a sign."""
 _TO_AND_FRO = 1e-13
 """Relative difference of numbers that went to and fro."""
+_MOVED_TO_AND_FRO = 1e-12
+"""That of products of transforms."""
 _LEFT_OF_ZERO = 1e-16
 """What may be left of a 0 then."""
 _ENTRY = re.compile(r"\b(xyz|com|radius|rpy): (\[[^]]*\]|[^,}]*)")
@@ -71,7 +73,9 @@ class CommonNormal(NamedTuple):
         return RigidTransform(rotation_x(*cos_sin(self.alpha)), (self.a, 0.0, 0.0))
 
 
-def with_convention(table: TableText, manipulator: Manipulator, convention: Convention) -> TableText:
+def with_convention(
+    table: TableText, manipulator: Manipulator, convention: Convention, earlier: Manipulator | None = None
+) -> TableText:
     """The same arm in a convention.
 
     Texts of a and alpha move as they are; the base, the tool, centres of mass and inertias become numbers where they
@@ -81,6 +85,8 @@ def with_convention(table: TableText, manipulator: Manipulator, convention: Conv
         table: the table.
         manipulator: what a reader makes of it.
         convention: the convention wanted.
+        earlier: what the table was when it had this convention; its first or last row has its a and alpha back where
+            the base or the tool still is what came of them.
     """
     if manipulator.convention is convention:
         return replace(table, convention=str(convention))
@@ -90,15 +96,16 @@ def with_convention(table: TableText, manipulator: Manipulator, convention: Conv
     base, tool = manipulator.base, manipulator.tool
     if to_modified:
         last = manipulator.rows[-1]
-        first = _screw_of(base)
-        base, tool = (IDENTITY if first else base), CommonNormal(last.a, last.alpha).transform @ tool
+        first, base = _left_over(base, earlier, to_modified=True)
+        tool = CommonNormal(last.a, last.alpha).transform @ tool
         shifted = [_texts(first or CommonNormal(), length, angle), *screws[:-1]]
     else:
         row = manipulator.rows[0]
-        final = _screw_of(tool)
-        base, tool = base @ CommonNormal(row.a, row.alpha).transform, (IDENTITY if final else tool)
+        base = base @ CommonNormal(row.a, row.alpha).transform
+        final, tool = _left_over(tool, earlier, to_modified=False)
         shifted = [*screws[1:], _texts(final or CommonNormal(), length, angle)]
-    bodies = [_body_texts(row, to_modified=to_modified, length=length) for row in _cut(manipulator, convention)]
+    cuts = _cut(manipulator, convention, None if to_modified else final)
+    bodies = [_body_texts(cut, to_modified=to_modified, length=length) for cut in cuts]
     rows = tuple(
         {
             **{field: text for field, text in row.items() if field not in _MASS_FIELDS or field not in body},
@@ -115,6 +122,25 @@ def with_convention(table: TableText, manipulator: Manipulator, convention: Conv
         tool=table.tool if tool == manipulator.tool else transform_text(tool, length, angle),
         rows=rows,
     )
+
+
+def _left_over(
+    end: RigidTransform, earlier: Manipulator | None, *, to_modified: bool
+) -> tuple[CommonNormal | None, RigidTransform]:
+    """The screw at the base, or at the tool, that goes into a row, and what is left of the base or tool."""
+    if earlier is not None:
+        row, rest = (earlier.rows[0], earlier.base) if to_modified else (earlier.rows[-1], earlier.tool)
+        screw = CommonNormal(row.a, row.alpha)
+        moved = rest @ screw.transform if to_modified else screw.transform @ rest
+        if all(_is_near(*pair) for pair in zip(moved, end, strict=True)):
+            return screw, rest
+    found = _screw_of(end)
+    return found, IDENTITY if found else end
+
+
+def _is_near(one: Sequence[float], other: Sequence[float]) -> bool:
+    """Whether rotations or translations are the same, rounding aside."""
+    return math.dist(one, other) <= _MOVED_TO_AND_FRO * math.hypot(*other) + _LEFT_OF_ZERO
 
 
 def _screw_of(transform: RigidTransform) -> CommonNormal | None:
@@ -137,14 +163,13 @@ class _Cut(NamedTuple):
     between: RigidTransform
 
 
-def _cut(manipulator: Manipulator, convention: Convention) -> list[_Cut]:
+def _cut(manipulator: Manipulator, convention: Convention, final: CommonNormal | None) -> list[_Cut]:
     """Every row with S_i, which leads from its modified frame to its standard one, in the screws that it will have."""
     rows = manipulator.rows
     if convention is Convention.MODIFIED:
         return [_Cut(row, CommonNormal(row.a, row.alpha).transform) for row in rows]
-    final = _screw_of(manipulator.tool) or CommonNormal()
     return [
-        _Cut(row, (CommonNormal(after.a, after.alpha) if after else final).transform)
+        _Cut(row, (CommonNormal(after.a, after.alpha) if after else final or CommonNormal()).transform)
         for row, after in zip(rows, (*rows[1:], None), strict=True)
     ]
 
@@ -261,6 +286,13 @@ def _with_units_in(text: str, length: Unit, angle: Unit) -> str:
 
 
 # --- And back ---------------------------------------------------------------------------------------------------------
+
+
+def earlier_arm(history: History, convention: Convention, catalog: Catalog) -> Manipulator | None:
+    """What the table was when it last had a convention."""
+    states = history.states[history.position :: -1]
+    state = next((each for each in states if each.convention == str(convention) and each.rows), None)
+    return read_whole(state, catalog).manipulator if state else None
 
 
 def as_typed(converted: TableText, history: History, catalog: Catalog) -> TableText:

@@ -197,7 +197,8 @@ class Session:
     def set_convention(self, convention: Convention, *, convert: bool) -> None:
         """The other convention: the same arm with new numbers, or the same numbers with a new meaning."""
         if convert and self.convertible is not None:
-            converted = conversions.with_convention(self.table, self.convertible, convention)
+            earlier = conversions.earlier_arm(self.history, convention, self.catalog)
+            converted = conversions.with_convention(self.table, self.convertible, convention, earlier)
             self.put(conversions.as_typed(converted, self.history, self.catalog))
         else:
             self.put(replace(self.table, convention=str(convention)))

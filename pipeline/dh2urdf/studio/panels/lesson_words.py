@@ -5,9 +5,10 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from dh2urdf.kinematics.chain import dh_frames, dh_transform, joint_variables, row_transform
+from dh2urdf.kinematics.chain import dh_frames, dh_transform, joint_variables, reach, row_transform
 from dh2urdf.manipulator import Convention, JointType
 from dh2urdf.quantities.units import UNITS
+from dh2urdf.studio.drawing.digits import decimals, plain
 from dh2urdf.studio.drawing.motions import NAMES, order
 from dh2urdf.studio.drawing.normals import where_x_is
 
@@ -15,6 +16,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
 
     from dh2urdf.manipulator import Manipulator
+    from dh2urdf.quantities.units import Unit
     from dh2urdf.rotations import RigidTransform
     from dh2urdf.table_text import TableText
 
@@ -65,7 +67,7 @@ def explained(table: Manipulator, number: int, q: Mapping[str, float], typed: Ta
         else:
             text = f"{size * 10.0**-unit.power:.6g} {unit.symbol}"
         told.append(f"{symbol} = {text}{' (moves)' if field == moves else ''}")
-    index = number + 1
+    index, far = number + 1, reach(table)
     other = Convention.MODIFIED if table.convention is Convention.STANDARD else Convention.STANDARD
     neighbour = number + (1 if other is Convention.STANDARD else -1)
     whose, a, alpha = "a = 0 and α = 0", 0.0, 0.0
@@ -79,14 +81,14 @@ def explained(table: Manipulator, number: int, q: Mapping[str, float], typed: Ta
         f"<div>{', '.join(told)}</div>"
         f"<div><b>A<sub>{index}</sub> = {_product(table.convention)}</b></div>"
         f'<div class="studio-matrices">{_matrix(_SYMBOLS[table.convention])}<span>=</span>'
-        f"{_matrix(_numbers(row_transform(table.convention, row, value), unit.power))}</div>"
+        f"{_matrix(_numbers(row_transform(table.convention, row, value), unit, far))}</div>"
         f'<div class="studio-matrices"><b>T<sub>0{index}</sub> = {product}</b><span>=</span>'
-        f"{_matrix(_numbers(frame, unit.power))}</div>"
+        f"{_matrix(_numbers(frame, unit, far))}</div>"
         f"<div>{_MEANING[table.convention]}</div>"
         f"<div>{where_x_is(table, q, number)}</div>"
         f"<details><summary>The {other} convention</summary><div>A = {_product(other)}</div>"
         f'<div class="studio-matrices">{_matrix(_SYMBOLS[other])}<span>=</span>'
-        f"{_matrix(_numbers(there, unit.power))}</div>"
+        f"{_matrix(_numbers(there, unit, far))}</div>"
         f"<div>The same arm has d and θ of this row there, and {whose}.</div><div>{_MEANING[other]}</div></details>"
     )
 
@@ -95,15 +97,13 @@ def _product(convention: Convention) -> str:
     return " ".join(NAMES[field] for field in order(convention))
 
 
-def _numbers(transform: RigidTransform, power: int) -> list[list[str]]:
-    r, t = transform
-    rows = [[*(_plain(x) for x in r[3 * row : 3 * row + 3]), _plain(t[row] * 10.0**-power)] for row in range(3)]
-    return [*rows, ["0", "0", "0", "1"]]
-
-
-def _plain(number: float) -> str:
-    text = f"{number:.{_DIGITS}f}"
-    return text.lstrip("-") if float(text) == 0 else text.replace("-", "−")
+def _numbers(transform: RigidTransform, length: Unit, reach: float) -> list[list[str]]:
+    digits = max(_DIGITS, decimals(length, reach))
+    rows = [
+        [*(plain(x, _DIGITS) for x in transform.rotation[3 * row : 3 * row + 3]), plain(length.number(place), digits)]
+        for row, place in enumerate(transform.translation)
+    ]
+    return [[text.replace("-", "−") for text in row] for row in (*rows, ["0", "0", "0", "1"])]
 
 
 def _matrix(rows: Iterable[Sequence[str]]) -> str:

@@ -21,6 +21,7 @@ from dh2urdf.rotations import (
     rotation_from_quaternion,
     rotation_from_rpy,
 )
+from dh2urdf.studio.drawing.digits import decimals, plain
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -104,7 +105,8 @@ class TargetPanel:
         for name, box in self._boxes.items():
             if not self._keeps_texts and name != self._focused:
                 unit, value = values[name]
-                box.set_value(_short(unit.number(value)))
+                digits = max(_DIGITS, decimals(length, self._session.reach)) if name in PLACE else _DIGITS
+                box.set_value(_short(unit.number(value), digits))
                 self._shown[name] = box.value, value
             box.set_visibility(name in PLACE or name in TURNS[self._turn.value])
         self._numbers.set_text(_words_of(arm.manipulator, self._session))
@@ -236,6 +238,6 @@ def _words_of(arm: Manipulator, session: Session) -> str:
     return "; ".join(parts)
 
 
-def _short(number: float) -> str:
-    text = f"{number:.{_DIGITS}f}".rstrip("0").rstrip(".")
-    return "0" if text == "-0" else text
+def _short(number: float, digits: int) -> str:
+    text = plain(number, digits).rstrip("0").rstrip(".")
+    return text if digits == _DIGITS else f"{float(text):.{_DIGITS}g}"

@@ -212,7 +212,7 @@ def _value(comment: Comment, key: str, start: int) -> Node:
         message = f"the comment line has {len(comment.line)} characters"
         accepted = f"at most {MAX_STATEMENT} where it says {key}"
         raise TableError(Problem(message=message, mark=comment.whole, accepted=accepted))
-    if not comment.text[start:].strip():
+    if comment.text[start:].lstrip()[:1] in ("", "#"):  # `# base: # none`, as YAML has comments behind values
         word = comment.text[:start].strip().rstrip(":=\uff1a").strip()
         raise TableError(
             Problem(

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from dh2urdf.studio.editing import edits, pasting
+from dh2urdf.studio import pasting
+from dh2urdf.studio.editing import edits
 from dh2urdf.studio.editing.reading import read
 from dh2urdf.table_text import TableText
 

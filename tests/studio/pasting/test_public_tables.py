@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from dh2urdf.studio.editing import pasting
+from dh2urdf.studio import pasting
 from dh2urdf.studio.editing.opening import tables_of
 
 if TYPE_CHECKING:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.studio.editing.edits import MOST_ROWS, resized, with_cells
 from dh2urdf.studio.editing.opening import Opened, tables_of
-from dh2urdf.studio.editing.typeset import is_value, typeset
+from dh2urdf.studio.pasting.typeset import is_value, typeset
 from dh2urdf.table_text import TableText
 
 if TYPE_CHECKING:

@@ -63,6 +63,12 @@ def lengths(arm: Manipulator | Rejected) -> list[tuple[float, float]] | None:
         ("9.000;0;1,000", None),
         ("0.250;0;0.125", (0.25, 0.125)),  # no number of thousands begins with 0
         ("1250;0;425", (1250.0, 425.0)),
+        ("87.456;0;300", (87.456, 300.0)),  # no link is 87 m long
+        ("87,456;0;1,250", (87.456, 1.25)),
+        ("−87.456;0;300", (-87.456, 300.0)),
+        ("49.999;0;300", None),
+        ("87.456 mm;0;300", None),
+        ("87.456;0;0,5", (87.456, 0.5)),
     ],
 )
 @pytest.mark.parametrize("delimiter", [";", "\t"])
@@ -81,6 +87,32 @@ def test_a_point_is_the_decimal_sign_where_a_comma_separates_cells(read_text: Re
     """And a quoted comma is refused there, as ever."""
     assert lengths(read_text(TOP + "a,alpha,d\n1.250,0,1.100\n")[0]) == [(0.00125, 0.0011)]
     assert lengths(read_text(TOP + 'a,alpha,d\n"1,250",0,1.100\n')[0]) is None
+
+
+@pytest.mark.parametrize("careful", [False, True], ids=["fast", "careful"])
+@pytest.mark.parametrize(
+    ("units", "row", "a"),
+    [
+        ("m, deg", "1.250;0;1", 1.25),  # 1250 m
+        ("cm, deg", "5.123;0;1", 0.05123),
+        ("cm, deg", "1.250;0;1", None),
+        ("mm, deg", "1.250;90.000;1", 0.00125),  # 90000 degrees
+        ("mm, deg", "1.250;-1,571;1", None),
+        ("mm, deg", "1,250;-1,571;1", 0.00125),
+    ],
+)
+def test_a_number_that_is_none_with_thousands_shows_the_sign(
+    units: str, row: str, a: float | None, *, careful: bool, read_text: ReadText, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """It was asked about, though no table has such a length or angle."""
+    if careful:
+        monkeypatch.setattr(PlainRows, "read", lambda *_: None)
+    (arm,) = read_text(f"# units: {units}\na;alpha;d\n{row}\n")
+    assert (lengths(arm) or [(None,)])[0][0] == (pytest.approx(a, rel=1e-15) if a else None)
+    (arm,) = read_text("a;alpha;d\n87.456;0;30\n")  # mm or m, which nobody declares
+    assert lengths(arm) == [(87.456, 30.0)]
+    (arm,) = read_text("a;alpha;d\n1.250;0;425\n")
+    assert lengths(arm) is None
 
 
 @pytest.mark.parametrize("careful", [False, True], ids=["fast", "careful"])

@@ -22,7 +22,7 @@ from dh2urdf_plugins.readers.rows.joint_rows import LABEL
 from dh2urdf_plugins.readers.rows.names import holds_type, kind_of
 from dh2urdf_plugins.readers.words.cells import SPACES, Cell, text_of
 from dh2urdf_plugins.readers.words.comment_lines import SPREADSHEET_ERROR, Comment
-from dh2urdf_plugins.readers.words.decimal_signs import DecimalSigns, turns
+from dh2urdf_plugins.readers.words.decimal_signs import DecimalSigns, largest
 from dh2urdf_plugins.readers.words.fields import FIELDS, GROUPS
 
 if TYPE_CHECKING:
@@ -48,7 +48,7 @@ class TableCells:
         self.has_type = "type" in columns.fields
         self.left_out = set[int]()
         self.refused: dict[int, Problem] = {}  # of the manipulator: the first cell of each column that is refused
-        self.signs = DecimalSigns(turns(columns.fields, units))
+        self.signs = DecimalSigns(largest(columns.fields, units))
         headers = columns.headers
         self.strays = {k for k, header in enumerate(headers) if not header and not is_beside(k, headers)}
         self.remarks: dict[str, tuple[Comment, int]] = {}  # of the manipulator: texts of columns that no field knows

@@ -1,9 +1,10 @@
 """Points and commas that may separate thousands: ``1.250`` is 1.25 to one spreadsheet and 1250 to another.
 
 Where cells are separated by semicolons or tabs, a number with three digits behind its only sign can be read in two
-ways. The other numbers of the same arm decide: ``0.5`` or ``12.25`` in it shows that the point is its decimal sign. An
-arm without such a number is refused, and so is one in which both signs are decimal signs. Other arms of the file count
-for nothing, so that a row means the same wherever it stands.
+ways. The other numbers of the same arm decide: ``0.5`` or ``12.25`` in it shows that the point is its decimal sign, and
+so does an ``87.456`` among its lengths in mm, since no link is 87 m long. An arm without such a number is refused, and
+so is one in which both signs are decimal signs. Other arms of the file count for nothing, so that a row means the same
+wherever it stands.
 """
 
 from __future__ import annotations
@@ -13,7 +14,9 @@ from itertools import accumulate
 from typing import TYPE_CHECKING, Any
 
 from dh2urdf.patterns import late_pattern
+from dh2urdf.quantities import UNITS, Dimension
 from dh2urdf.source import Problem, shown
+from dh2urdf_plugins.readers.words.bounds import LONG_ARM
 from dh2urdf_plugins.readers.words.fields import FIELDS
 
 if TYPE_CHECKING:
@@ -34,17 +37,20 @@ _SURE = {
     for sign in ".,"
 }
 """A number whose sign can only be the decimal one."""
-_PLAIN = {sign: late_pattern(rf"^[ \t]*[+-]?[0-9]*[{sign}][0-9]+[ \t]*$", re.MULTILINE) for sign in ".,"}
+_PLAIN = {sign: late_pattern(rf"^[ \t]*[-+−–]?[0-9]*[{sign}][0-9]+[ \t]*$", re.MULTILINE) for sign in ".,"}
 
 
-def turns(fields: Sequence[str | None], units: Units) -> frozenset[str]:
-    """The columns of angles in rad: a thousand of them is no angle of a table, so that their sign is a decimal one."""
+_THOUSAND = 1000
+"""The smallest number that may have a sign between thousands; in rad and in degrees it is no angle of a table."""
 
-    def in_degrees(name: str) -> bool:
-        unit = units.columns.get(name) or units.angle
-        return unit is not None and unit.degrees
 
-    return frozenset(name for name in ("alpha", "theta") if name in fields and not in_degrees(name))
+def largest(fields: Iterable[str | None], units: Units) -> dict[str, float]:
+    """The number in each column of geometry from which on it is none of a table, so that its sign is a decimal one."""
+    found = dict.fromkeys(("alpha", "theta"), float(_THOUSAND))
+    for name in ("a", "d"):
+        unit = units.columns.get(name) or units.of(Dimension.LENGTH) or UNITS["mm"]  # which may be meant
+        found[name] = LONG_ARM / unit.si(1.0)
+    return {name: number for name, number in found.items() if name in fields}
 
 
 class DecimalSigns:
@@ -54,9 +60,9 @@ class DecimalSigns:
         has_commas: whether any arm so far had a number with a decimal comma.
     """
 
-    def __init__(self, turns: frozenset[str]) -> None:
-        """Takes the columns of angles in rad."""
-        self._turns = turns
+    def __init__(self, largest: Mapping[str, float]) -> None:
+        """Takes the numbers of `largest`."""
+        self._largest = largest
         self._sure: dict[str, Cell] = {}
         self._grouped: dict[str, tuple[Cell, str, int]] = {}
         self.has_commas = False
@@ -67,10 +73,16 @@ class DecimalSigns:
             if sign not in cell.text:
                 continue
             self.has_commas |= sign == "," and any(form[sign].search(cell.text) for form in (_SURE, _GROUPED))
-            if _SURE[sign].search(cell.text) or (name in self._turns and _PLAIN[sign].fullmatch(cell.text)):
+            if _SURE[sign].search(cell.text) or self._is_too_large(cell.text, name, sign):
                 self._sure.setdefault(sign, cell)
             elif sign not in self._grouped and _GROUPED[sign].search(cell.text):
                 self._grouped[sign] = (cell, name, number)
+
+    def _is_too_large(self, text: str, name: str, sign: str) -> bool:
+        """Whether a number would be none of a table if the sign separated thousands."""
+        if name not in self._largest or not _PLAIN[sign].fullmatch(text):
+            return False
+        return int(text.strip(" \t+-−–").replace(sign, "")) >= self._largest[name]
 
     def note_list(self, cell: Cell, parts: Iterable[str]) -> None:
         """Looks at a cell of several numbers: a comma between them is no decimal sign, so that a point is one."""
@@ -125,7 +137,7 @@ class PlainPoints:
 
     def __init__(self, column: Mapping[str, int], units: Units) -> None:
         """Takes the places of the columns, and the units of the table."""
-        sure = turns(list(column), units) if units.decimal_comma else frozenset()
+        sure = [name for name, number in largest(column, units).items() if number <= _THOUSAND]
         numbers = [name for name in column if units.decimal_comma and FIELDS[name].dimension is not None]
         self._numbers = [(column[name], _PLAIN["."] if name in sure else _SURE["."]) for name in numbers]
 

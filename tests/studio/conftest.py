@@ -193,7 +193,7 @@ class Tab:
     def _wait_for_arm(self, name: str) -> None:
         self.wait_for_table(name)
         self.page.wait_for_function("document.querySelector('.arm-view').scene.getObjectByName('tool0')")
-        self.page.locator(".studio-matrix").wait_for()  # which comes after the sliders
+        self.settle()
 
     # --- What stands on the page ---
 
@@ -218,7 +218,7 @@ class Tab:
     @contextmanager
     def other_joints(self) -> Iterator[None]:
         """Waits, after its block, until the sliders have moved."""
-        self.wait_for_sliders()
+        self.settle()
         before = self.sliders()
         yield
         script = """before => {
@@ -227,13 +227,13 @@ class Tab:
         }"""
         self.page.wait_for_function(script, arg=before)
 
-    def wait_for_sliders(self) -> None:
-        """Waits until the axes of the table, where there is one, have their sliders."""
-        script = """() => {
-            const axes = document.querySelector('.studio-status')?.textContent.match(/^(\\d+) ax/);
-            return !axes || document.querySelectorAll('.joint-slider').length === Number(axes[1]);
-        }"""
-        self.page.wait_for_function(script)
+    def settle(self) -> None:
+        """Waits until the server has done all that the page has sent, and the page has all of what was answered.
+
+        This is the call by which NiceGUI has the page report, every few seconds, how far it has got.
+        """
+        told = "{ client_id: clientId, next_message_id: nextMessageId }"
+        self.page.evaluate(f"new Promise(done => socket.emit('ack', {told}, done))")
 
     def wait_for_joint(self, index: int, value: float) -> None:
         """Waits until a slider is at a value, in its unit."""
@@ -276,7 +276,7 @@ class Tab:
             self.page.get_by_role("button", name="Open", exact=True).click()
             self.page.locator(f".studio-gallery-table[data-name='{name}']").click()
             self.wait_for_table(name)
-        self.wait_for_sliders()
+        self.settle()
 
     def drop(self, where: str, *paths: Path) -> None:
         """Drops files and folders of the machine on a part of the page, as the browser reports it."""
@@ -294,6 +294,7 @@ class Tab:
         with self.page.expect_download() as saving:
             self.page.get_by_role("button", name="Save").click()
             self.page.locator(".q-menu").get_by_text(what, exact=True).click()
+        self.page.locator(".q-menu").wait_for(state="detached")  # it holds the cursor
         return saving.value.suggested_filename, saving.value.path().read_bytes()
 
     def sliders(self) -> list[float]:
@@ -301,7 +302,7 @@ class Tab:
 
     def set_sliders(self, values: list[float]) -> None:
         """Types joint values, in the units of the page, and waits until they are those of the arm that is drawn."""
-        self.wait_for_sliders()
+        self.settle()
         for box, value in zip(self.page.locator(".joint-slider-number").all(), values, strict=True):
             box.fill(str(value))
             box.press("Enter")

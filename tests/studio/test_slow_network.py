@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from contextlib import contextmanager
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import pytest
@@ -15,9 +16,11 @@ if TYPE_CHECKING:
 
     from dh2urdf.plugin_system import Catalog
 
+TABLES = Path(__file__).parents[2] / "configs" / "tables"
 HELD = """{
-    // While `held` is true, what the server sends waits, in its order; while `lost` is, nothing that the page sends arrives.
-    const answers = window.answers = { held: false, lost: false, waiting: [], pass(count = Infinity) {
+    // While `held` is true, what the server sends waits, in its order; while `lost` is, nothing that the page sends arrives,
+    // and it arrives `late` by so many milliseconds.
+    const answers = window.answers = { held: false, lost: false, late: 0, sending: 0, waiting: [], pass(count = Infinity) {
         for (const act of this.waiting.splice(0, count)) act();
     } };
     const own = Object.getOwnPropertyDescriptor(WebSocket.prototype, "onmessage");
@@ -29,7 +32,9 @@ HELD = """{
     } });
     const { send } = WebSocket.prototype;
     WebSocket.prototype.send = function (data) {
-        if (!answers.lost) send.call(this, data);
+        if (answers.lost) return;
+        answers.sending += 1;
+        setTimeout(() => ((answers.sending -= 1), send.call(this, data)), answers.late);
     };
 }"""
 
@@ -184,3 +189,41 @@ def test_a_handle_is_dragged_over_another_connection(slow: tuple[Any, Network]) 
     page.wait_for_function(
         f"([x, y]) => {{ const [a, b] = ({script})(); return Math.hypot(a - x, b - y) < 2; }}", arg=[x - 20, y + 15]
     )
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("field", ["cell", "name"])
+def test_a_file_does_not_overtake_what_was_typed(slow: tuple[Any, Network], field: str) -> None:
+    """What was being typed as a file was dropped belongs to the table before, though the file is sent faster."""
+    tab, _ = slow
+    (tab.cell(1, "a") if field == "cell" else tab.page.locator(".studio-name input")).click()
+    tab.page.keyboard.type("0.123")
+    tab.page.evaluate("answers.late = 1000")
+    tab.drop(".studio-table", TABLES / "stanford.csv")
+    tab.wait_for_table("stanford")
+    tab.page.evaluate("answers.late = 0")
+    tab.page.wait_for_function("!answers.sending")
+    tab.page.get_by_role("button", name="undo", exact=True).click()
+    if field == "cell":
+        tab.wait_for_table("ur5")
+        tab.wait_for_cell(1, "a", "0.123")
+    else:
+        tab.wait_for_table("ur50.123")
+
+
+@pytest.mark.long
+def test_a_cell_that_is_begun_while_a_file_is_read(slow: tuple[Any, Network]) -> None:
+    """It belongs to the table before as well."""
+    tab, network = slow
+    network.hold()
+    tab.drop(".studio-table", TABLES / "stanford.csv")
+    network.wait_for("reading stanford.csv")
+    network.wait_for("dhPage.")
+    tab.cell(1, "a").click()
+    tab.page.keyboard.type("0.123")
+    network.release()
+    tab.wait_for_table("stanford")
+    tab.wait_for_cell(1, "a", "0")
+    tab.page.get_by_role("button", name="undo", exact=True).click()
+    tab.wait_for_table("ur5")
+    tab.wait_for_cell(1, "a", "0.123")

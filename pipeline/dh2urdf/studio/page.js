@@ -19,8 +19,7 @@
     (event) => {
       const key = event.key.toLowerCase();
       if ((event.ctrlKey || event.metaKey) && key === "enter" && !event.repeat && !document.querySelector(".q-dialog")) {
-        window.dhGrid?.stopEditing(); // what is being typed belongs to the table
-        document.activeElement?.blur();
+        leave(); // what is being typed belongs to the table
         emitEvent("dh-generate");
       }
       if (!(event.ctrlKey || event.metaKey) || event.altKey || !["z", "y"].includes(key)) return;
@@ -160,17 +159,17 @@
   // A file that misses what it was meant for does not take the page away, as a browser would show it in its place.
   for (const kind of ["dragover", "drop"])
     document.addEventListener(kind, (event) => brings(event) && event.preventDefault());
-  // What is being typed belongs to the table that is there, and not to the one that is dropped.
+  // Nothing is being typed any more: cells and texts are sent.
   const leave = () => {
     window.dhGrid?.stopEditing();
     document.activeElement?.blur();
   };
-  document.addEventListener("drop", (event) => brings(event) && leave(), true);
 
   window.dhPage = {
     back: () => document.activeElement === document.body && before?.focus(),
     choose,
     drop,
+    leave,
     link,
     linked,
     keep(table) {

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from contextlib import suppress
 from typing import TYPE_CHECKING, Any
 from urllib.parse import unquote
 
@@ -16,6 +17,9 @@ if TYPE_CHECKING:
 
     from dh2urdf.plugin_system.catalog import Catalog
     from dh2urdf.table_text import TableText
+
+PATIENCE = 10.0
+"""The time that a page has to finish what is being typed [s]."""
 
 
 def lay_drop(page: ui.element, catalog: Catalog, on_table: Callable[[TableText | None], Awaitable[None]]) -> None:
@@ -40,7 +44,11 @@ def lay_drop(page: ui.element, catalog: Catalog, on_table: Callable[[TableText |
             busy.dismiss()
         if isinstance(tables, str):
             dialogs.warn(tables)
-        elif not page.is_deleted:
+            return
+        # What is being typed, and what is on its way by the socket, belongs to the table that is still there.
+        with suppress(TimeoutError):
+            await page.client.run_javascript("dhPage.leave()", timeout=PATIENCE)
+        if not page.is_deleted:
             await on_table(await dialogs.choose(tables))
 
     suffixes = dialogs.table_suffixes(catalog)

@@ -227,3 +227,32 @@ def test_a_cell_that_is_begun_while_a_file_is_read(slow: tuple[Any, Network]) ->
     tab.page.get_by_role("button", name="undo", exact=True).click()
     tab.wait_for_table("ur5")
     tab.wait_for_cell(1, "a", "0.123")
+
+
+def drag_row(tab: Any, row: int, to: int) -> None:
+    """Drags a row by its number to the place of another one."""
+    tab.cell(row, "number").hover(position={"x": 12, "y": 12})  # once it stands still
+    start, end = (tab.cell(number, "number").bounding_box() for number in (row, to))
+    tab.page.mouse.down()
+    for share in (0.25, 0.5, 0.75, 1.0):
+        y = (1 - share) * start["y"] + share * end["y"] + 0.6 * end["height"]
+        tab.page.mouse.move(start["x"] + 12, y)
+    tab.page.mouse.up()
+
+
+@pytest.mark.long
+def test_rows_are_dragged_one_after_the_other(slow: tuple[Any, Network]) -> None:
+    """The second drag moves the row that was taken, and a text goes where it was typed, though no answer is there yet."""
+    tab, network = slow
+    network.hold()
+    for joint in ("shoulder_pan_joint", "shoulder_lift_joint"):
+        tab.wait_for_cell(0, "joint", joint)
+        drag_row(tab, 0, 3)
+    tab.wait_for_cell(0, "joint", "elbow_joint")
+    tab.type_into(0, "a", "0.7")
+    network.release()
+    tab.settle()
+    for row, (joint, a) in enumerate(
+        (("elbow", "0.7"), ("wrist_1", "0"), ("shoulder_pan", "0"), ("shoulder_lift", "-0.425"))
+    ):
+        tab.wait_for_cells(row, joint=f"{joint}_joint", a=a)

@@ -274,6 +274,14 @@
       return true;
     },
 
+    // A row was dragged elsewhere: at once, all rows have the numbers of their new places.
+    dragged({ api, node }) {
+      emitEvent("dh-row", [node.data.id, node.rowIndex]);
+      const rows = [];
+      api.forEachNode(({ data }) => rows.push({ ...data, id: rows.length }));
+      api.setGridOption("rowData", rows);
+    },
+
     // A cell as the table has it: what was sent before it was typed may have overtaken it.
     put(api, row, field, text) {
       const node = api.getRowNode(String(row));

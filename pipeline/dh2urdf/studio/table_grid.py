@@ -100,7 +100,7 @@ class TableGrid:
                 "stopEditingWhenCellsLoseFocus": True,
                 "rowDragManaged": True,
                 "suppressMoveWhenRowDragging": True,
-                ":onRowDragEnd": "e => emitEvent('dh-row', [Number(e.node.data.id), e.node.rowIndex])",
+                ":onRowDragEnd": "e => dhGrid.dragged(e)",
                 "overlayNoRowsTemplate": "<span>choose the number of axes, or paste a table</span>",
             },
             theme="balham",

@@ -18,9 +18,6 @@ if TYPE_CHECKING:
     from dh2urdf.plugin_system.catalog import Catalog
     from dh2urdf.table_text import TableText
 
-PATIENCE = 10.0
-"""The time that a page has to finish what is being typed [s]."""
-
 
 def lay_drop(page: ui.element, catalog: Catalog, on_table: Callable[[TableText | None], Awaitable[None]]) -> None:
     """A file that is dropped anywhere on a page is opened as if it had been chosen.
@@ -47,7 +44,7 @@ def lay_drop(page: ui.element, catalog: Catalog, on_table: Callable[[TableText |
             return
         # What is being typed, and what is on its way by the socket, belongs to the table that is still there.
         with suppress(TimeoutError):
-            await page.client.run_javascript("dhPage.leave()", timeout=PATIENCE)
+            await page.client.run_javascript("dhPage.leave()", timeout=10.0)
         if not page.is_deleted:
             await on_table(await dialogs.choose(tables))
 

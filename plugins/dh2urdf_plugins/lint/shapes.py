@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-import math
 import os
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.meshes import FILE, PACKAGE, path_of_address
 from dh2urdf.source import did_you_mean, shown
 from dh2urdf_plugins.lint.document.description import ALL, SHAPES, Hit
-from dh2urdf_plugins.lint.document.mesh_sizes import SOLID
+from dh2urdf_plugins.lint.document.mesh_faults import Use, faults_of
 from dh2urdf_plugins.lint.document.tree import numbers_of
 from dh2urdf_plugins.lint.numbers import drake_numbers, drake_scale, mujoco_numbers
 from dh2urdf_plugins.lint.rules import rules
@@ -20,17 +18,12 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from dh2urdf_plugins.lint.document.description import Description, LinkNode
-    from dh2urdf_plugins.lint.document.mesh_sizes import MeshFile
     from dh2urdf_plugins.lint.document.tree import Element
 
 SMALLEST = 1e-3
 """The size that CoppeliaSim makes of a smaller one [m]."""
 SMALLEST_SCALE = 1e-8
 """The factor of a mesh that Drake takes for 0."""
-SMALLEST_VOLUME = 1e-15
-"""What MuJoCo takes for no volume of a mesh [m³]."""
-MOST_TRIANGLES = 200_000
-"""The largest number of triangles in an STL that MuJoCo takes."""
 _COUNT = {"size": 3}
 _TAKES = {
     "pybullet": {".stl", ".obj", ".dae", ".vtk", ".cdf"},
@@ -51,17 +44,9 @@ CONTACTS = (
 _MODEL = "model://"
 
 
-class _Use(NamedTuple):
-    """A mesh where it is used."""
-
-    element: Element
-    is_collision: bool
-    address: str
-
-
 def hits(description: Description) -> Iterator[Hit]:
     """Findings about every shape."""
-    meshes: list[_Use] = []
+    meshes: list[Use] = []
     compiler = description.root.first("mujoco", "compiler")
     draws = compiler is not None and compiler.get("discardvisual") == "false"
     capsules: list[Element] = []
@@ -82,7 +67,7 @@ def hits(description: Description) -> Iterator[Hit]:
                     message = f"a visual of link {shown(link.name)} is a capsule"
                     yield Hit("unknown-geometry", body, message, {"coppeliasim"})
                 if body.tag == "mesh" and (address := body.get("filename")):
-                    meshes.append(_Use(body, shape.tag == "collision", address))
+                    meshes.append(Use(body, shape.tag == "collision", address))
     if capsules:
         message = f"{len(capsules)} capsules" if len(capsules) > 1 else "a capsule"
         yield Hit("capsule", capsules[0], message, None if touches else ALL - {"coppeliasim"})
@@ -186,10 +171,10 @@ def _tiny(description: Description) -> Iterator[Hit]:
 # Meshes.
 
 
-def _meshes(description: Description, uses: list[_Use], *, draws: bool) -> Iterator[Hit]:
+def _meshes(description: Description, uses: list[Use], *, draws: bool) -> Iterator[Hit]:
     """A fault of a file is reported for every mesh; a fact about a format or a form of address, once."""
-    formats: dict[tuple[str, tuple[str, ...]], list[_Use]] = {}
-    forms: dict[str, list[_Use]] = {}
+    formats: dict[tuple[str, tuple[str, ...]], list[Use]] = {}
+    forms: dict[str, list[Use]] = {}
     for use in uses:
         read_by_mujoco = use.is_collision or draws
         rest = {"pybullet", "pinocchio", "drake", "ros", "gazebo", "coppeliasim"}
@@ -212,7 +197,7 @@ def _meshes(description: Description, uses: list[_Use], *, draws: bool) -> Itera
             yield Hit("missing-mesh", use.element, message, {"pybullet"})
             continue
         if file := description.mesh(path):
-            yield from _of_file(file, use, rest)
+            yield from faults_of(file, use, rest, _readers_of(use.address))
         if of := _strangers(path, use, read_by_mujoco=read_by_mujoco):
             formats.setdefault((path.suffix.lower(), tuple(sorted(of))), []).append(use)
     for (name, of_names), found in formats.items():
@@ -220,52 +205,7 @@ def _meshes(description: Description, uses: list[_Use], *, draws: bool) -> Itera
     yield from _addresses(forms, description, draws=draws)
 
 
-def _of_file(file: MeshFile, use: _Use, readers: set[str]) -> Iterator[Hit]:
-    """What is wrong in a mesh file; `readers` are those that read the shape."""
-    about, of = f"the mesh {shown(use.address)}", readers & _readers_of(use.address)
-    if file.is_hollow:
-        yield Hit("hollow-mesh", use.element, f"{about} lacks its geometries, or numbers in one of them")
-    if file.problem:
-        needs = {"pybullet": not file.is_hollow, "mujoco": file.vertices != SOLID, "drake": use.is_collision}
-        hit = {reader for reader in of if needs.get(reader, True)}
-        yield Hit("unreadable-mesh", use.element, f"{about}: {file.problem}", hit)
-    elif file.stray is not None:
-        yield from _of_stray(file.stray, use, of)
-    elif not file.has_area:
-        hit = of - {"pybullet", "drake", "coppeliasim"}
-        yield Hit("unreadable-mesh", use.element, f"{about}: no triangle of it has three different corners", hit)
-    elif file.of_pybullet:
-        yield Hit("unreadable-mesh", use.element, f"{about}: {file.of_pybullet}", {"pybullet"})
-    if file.is_text:
-        yield Hit("text-stl", use.element, f"{about} is an STL of text", readers)
-        of.discard("mujoco")  # It does not come so far.
-    if file.vertices and not file.sides:
-        refused = {"mujoco", "coppeliasim", *(["drake"] * (file.is_nowhere and use.is_collision))}
-        yield Hit("mesh-without-volume", use.element, f"{about} has a vertex that is not finite", of & refused)
-    elif "mujoco" in of and _is_flat(file, use.element.numbers("scale", 3) or (1.0, 1.0, 1.0)):
-        message = f"{about} is flat, or has less than {SOLID} different vertices"
-        yield Hit("mesh-without-volume", use.element, message, {"mujoco"})
-    if "mujoco" in of and file.triangles > MOST_TRIANGLES:
-        yield Hit("many-triangles", use.element, f"{about} has {file.triangles:,} triangles")
-
-
-def _of_stray(vertex: int, use: _Use, of: set[str]) -> Iterator[Hit]:
-    """Of a face with a vertex that is not there: PyBullet leaves a mesh with a vertex 0 out, and reads any other."""
-    has = "vertices are counted from 1" if vertex == 0 else "has fewer" if vertex > 0 else "has fewer before it"
-    message = f"the mesh {shown(use.address)} has a face with the vertex {vertex:,}, and {has}"
-    loses = of & {"pybullet"} if vertex == 0 else set()
-    yield Hit("missing-vertex", use.element, message, of - loses - (set() if use.is_collision else {"drake"}))
-    if loses:
-        yield Hit("unreadable-mesh", use.element, message, loses)
-
-
-def _is_flat(file: MeshFile, scale: tuple[float, ...]) -> bool:
-    """Whether MuJoCo finds no volume in it; of a scale of 0 another rule speaks."""
-    is_thin = file.sides is not None and abs(math.prod((*file.sides, *scale))) < SMALLEST_VOLUME and 0.0 not in scale
-    return is_thin or (file.vertices or SOLID) < SOLID
-
-
-def _addresses(forms: dict[str, list[_Use]], description: Description, *, draws: bool) -> Iterator[Hit]:
+def _addresses(forms: dict[str, list[Use]], description: Description, *, draws: bool) -> Iterator[Hit]:
     for form, found in forms.items():
         of = set() if form in {"", "file-address"} else {"drake", "pinocchio", "coppeliasim"}
         if form and (draws or any(use.is_collision for use in found)):
@@ -276,7 +216,7 @@ def _addresses(forms: dict[str, list[_Use]], description: Description, *, draws:
             yield Hit(form, found[0].element, f"{_count_of(found, 'has', 'have')} such an address", of)
 
 
-def _count_of(uses: list[_Use], one: str, many: str) -> str:
+def _count_of(uses: list[Use], one: str, many: str) -> str:
     first = shown(uses[0].address)
     return f"the mesh {first} {one}" if len(uses) == 1 else f"{len(uses)} meshes, {first} the first, {many}"
 
@@ -342,7 +282,7 @@ def _readers_of(address: str) -> set[str]:
     return set(ALL) - {reader for reader, formats in _TAKES.items() if suffix not in formats}
 
 
-def _strangers(path: Path, use: _Use, *, read_by_mujoco: bool) -> set[str]:
+def _strangers(path: Path, use: Use, *, read_by_mujoco: bool) -> set[str]:
     """The readers that do not take a format."""
     readers = {"pybullet", *(["mujoco"] if read_by_mujoco else []), *(["drake"] if use.is_collision else [])}
     return {reader for reader in readers if path.suffix.lower() not in _TAKES[reader]}

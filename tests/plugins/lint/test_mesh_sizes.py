@@ -71,7 +71,6 @@ NO_MESHES = {
     "cut.stl": bytes(80) + struct.pack("<I", 1000) + bytes(50),
     "endless.stl": bytes(80) + b"\xff\xff\xff\xff",
     "nan.obj": b"v nan 0 0\nv 1 1 1\n",
-    "words.obj": b"v a b c\n",
     "entities.dae": b'<!DOCTYPE a [<!ENTITY b "c">]><COLLADA>&b;</COLLADA>',
     "not.dae": b"hello",
     "bare.dae": b"<COLLADA/>",

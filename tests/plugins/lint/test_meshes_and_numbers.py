@@ -68,7 +68,95 @@ def further(old: str, new: str) -> bytes:
     return collada("</library_geom", f"<geometry id='h'>{FURTHER.replace(old, new)}</geometry></library_geom")
 
 
+SLOPE = [(0.0, 0.0, 0.0625), (0.0625, 0.0, 0.0), (0.0, 0.0625, 0.0), (0.03125, 0.03125, 0.0)]
+"""Numbers that are exact, all in one plane that is none of two coordinates."""
+CROSS = [(-1, 0, -1), (1, 0, -1), (1, 0, 1), (-1, 0, 1), (0, -1, -1), (0, 1, -1), (0, 1, 1), (0, -1, 1)]
+WALLS = [(0, 1, 2), (0, 2, 3), (4, 5, 6), (4, 6, 7)]
+
+
+def larger(corners: Sequence[tuple[float, ...]], factor: float) -> list[tuple[float, ...]]:
+    return [tuple(factor * number for number in corner) for corner in corners]
+
+
+def with_vertex(*texts: str) -> bytes:
+    """The whole OBJ with other texts for its last vertices."""
+    lines = obj(FACES).decode().splitlines()
+    lines[len(CORNERS) - len(texts) : len(CORNERS)] = texts
+    return "\n".join([*lines, ""]).encode()
+
+
+def with_normals(*normals: str) -> bytes:
+    """The whole OBJ with normals, of which all its corners use the first."""
+    lines = [
+        re.sub(r"(\d+)", r"\1//1", line) if line.startswith("f") else line for line in obj(FACES).decode().split("\n")
+    ]
+    return "\n".join([*normals, *lines]).encode()
+
+
+VERTICES_OF_WORDS = {
+    f"vertex-{number}.obj": with_vertex(*texts)
+    for number, texts in enumerate(
+        [
+            *(["v a b c"] * count for count in (1, 2, 3, 4)),
+            *(
+                [f"v {text}"]
+                for text in ("x 0 0.1", "0 0", "0", "", "0,0 0,0 0,1", "0,0,0.1", "0m 0m 0.1m", "0 0 1e 0")
+            ),
+            *(
+                [f"v {text}"]
+                for text in ("0 0 0x1p-3", "0 0 .1", ". . .1", "0 0 -.1", "0 0 1d-1", "0 0 0.1f", "0 0 0.1 # z")
+            ),
+            *([f"v {text}"] for text in ("0 0 inf", "0 0 1e999", "0 0 nan", "0 0 -nan(ind)", "nan 0 0.1", "0 0 1e ")),
+            ["v 0 0 0.1 1 0 0"],
+            ["v 0 0 0.1 red"],
+            ["v 0 0 \\\n 0.1"],
+            ["  v 0 0 0.1"],
+            ["v\t0\t0\t0.1"],
+            ["v  0   0  0.1  "],
+            ["v 0 0 0.1", "v 0 0 0.1"],
+        ]
+    )
+}
 MESHES = {
+    **VERTICES_OF_WORDS,
+    "further-word.obj": obj(FACES) + b"v a b c\n",
+    "slope.stl": stl([(0, 1, 2), (1, 3, 2)], SLOPE),
+    "slope.obj": obj([(0, 1, 2), (1, 3, 2)], SLOPE),
+    "large-slope.stl": stl([(0, 1, 2), (1, 3, 2)], SLOPE, 256),
+    "large-slope.obj": obj([(0, 1, 2), (1, 3, 2)], larger(SLOPE, 256)),
+    "vertices-of-a-slope.obj": obj([], SLOPE),
+    "slope-and-a-vertex.obj": obj([(0, 1, 2), (1, 3, 2)], [*SLOPE, (1, 1, 1)]),
+    "cross.obj": obj(WALLS, larger(CROSS, 0.0625)),
+    "cross.stl": stl(WALLS, CROSS, 0.0625),
+    "tilted.stl": stl(
+        [(0, 1, 2), (0, 2, 3)],
+        [(0.0, 0.0, 0.0), (0.0921, 0.0, -0.0389), (0.1072, 0.0955, -0.0092), (0.0151, 0.0955, 0.0297)],
+    ),
+    "thin.obj": obj(FACES, [*CORNERS[:3], (0.0, 0.0, 1e-11)]),
+    "thinner.obj": obj(FACES, [*CORNERS[:3], (0.0, 0.0, 1e-13)]),
+    "twice.obj": obj([(2 * a, 2 * b, 2 * c) for a, b, c in FACES], [each for each in CORNERS for _ in range(2)]),
+    "triangle-twice.obj": obj([(0, 2, 4), (1, 3, 5)], [each for each in CORNERS[:3] for _ in range(2)]),
+    "line.obj": obj([(0, 1, 2), (1, 2, 3)], [(i / 10, i / 10, i / 10) for i in range(4)]),
+    "one-of-four.obj": obj(FACES[:1]),
+    "inside-out.obj": obj([face[::-1] for face in FACES]),
+    "small.obj": obj(FACES, larger(CORNERS, 1e-4)),
+    "far.stl": stl(FACES, scale=1e20),
+    "far.obj": obj(FACES, larger(CORNERS, 1e20)),
+    "infinite-corner.stl": stl(FACES, [(float("inf"), 0.0, 0.0), *CORNERS[1:]]),
+    "edges.obj": obj([]) + b"l 1 2\nl 2 3\n",
+    "unused-normal.obj": obj(FACES) + b"vn 0 0 1\n",
+    "normals-of-all.obj": with_normals("vn 0 0 1"),
+    "normals-of-some.obj": with_normals("vn 0 0 1") + b"f 1 2 3\n",
+    "normal-beyond.obj": with_normals("vn 0 0 1") + b"f 1//2 2//1 3//1\n",
+    "normal-of-words.obj": with_normals("vn a b c"),
+    "normal-of-two.obj": with_normals("vn 0 1"),
+    "normal-of-points.obj": with_normals("vn .5 .5 -.5"),
+    "texture-of-one.obj": obj(FACES) + b"vt 0\n",
+    "texture-of-points.obj": obj(FACES) + b"vt .5 .5\n",
+    "texture-of-two.obj": obj(FACES) + b"vt 0.5 -.5\n",
+    "face-of-decimals.obj": obj(FACES) + b"f 1.0 2.0 3.0\n",
+    "faces-after-blanks.obj": obj(FACES).replace(b"f", b"  f"),
+    "vertices-after-blanks.obj": obj(FACES).replace(b"v", b"  v"),
     "whole.stl": stl(FACES),
     "empty.stl": b"",
     "none.stl": stl([]),

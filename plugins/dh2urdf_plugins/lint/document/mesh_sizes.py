@@ -7,11 +7,23 @@ from __future__ import annotations
 
 import math
 import re
-from itertools import islice, product
+from itertools import product
 from typing import TYPE_CHECKING, Any
 from xml.etree import ElementTree as ET
 
 from dh2urdf.late_tuples import NamedTuple
+from dh2urdf_plugins.lint.document.corners import (
+    FACE,
+    VERTEX,
+    dimensions,
+    has_area,
+    lacks_normals,
+    problem_of_assimp,
+    stray_corner,
+    summed_volume,
+    triangles_of,
+    vertices_of,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -24,18 +36,8 @@ if TYPE_CHECKING:
 LARGEST = 2**25
 """Size of a mesh file that is read [B]."""
 STL_HEADER, STL_TRIANGLE = 84, 50  # bytes: 80 of any text, then the number of triangles in 4
-_CORNER = {
-    ".stl": re.compile(rb"^[ \t]*vertex[ \t]+(\S+)[ \t]+(\S+)[ \t]+(\S+)", re.MULTILINE),
-    ".obj": re.compile(rb"^[ \t]*v[ \t]+(\S+)[ \t]+(\S+)[ \t]+(\S+)", re.MULTILINE),
-}
-_FACE = re.compile(rb"^[ \t]*f((?:[ \t]+\S+){3,})", re.MULTILINE)
 _INSTANCES = ("instance_geometry", "instance_controller")
 _PRIMITIVES = ("triangles", "polylist", "polygons", "trifans", "tristrips")
-_CHUNK = 4096
-_BLOCK = 2**20
-"""How much of an OBJ is looked at together [B]."""
-_DIGITS = 18
-"""Digits of a number that 8 bytes hold."""
 _NO_ELEMENT = re.compile(
     rb"(?:\xef\xbb\xbf)?\s*(?:<(?:\?.*?\?>|!--.*?-->|!\[CDATA\[.*?\]\]>|![^>]*>)\s*)+\0*", re.DOTALL
 )
@@ -56,7 +58,14 @@ class MeshFile(NamedTuple):
         vertices: how many different ones there are, counted up to `SOLID`; None where they are not known.
         stray: a number in a face of an OBJ that is none of a vertex; None where there is no such one.
         has_area: whether a triangle of it has three different corners, as far as that is known.
+        of_assimp: why assimp alone, with which Pinocchio reads meshes, cannot read one.
+        lacks_normals: whether it is an OBJ with normals, and with a face that has none of them.
         is_nowhere: whether no coordinate of any vertex is finite.
+        is_finite: whether all coordinates are finite in single precision.
+        has_nan: whether one of them is not a number.
+        farthest: the largest coordinate, in the unit of the file.
+        volume: what MuJoCo computes of the triangles, in the unit of the file; None where it is not known.
+        dimensions: 0 where all vertices are at one place, 1 in one line, 2 in one plane, else 3.
         sides: the sides of the box around the mesh in its own axes, in the unit of the file or, of COLLADA, in metres;
             None where they are not known.
         is_hollow: whether it is a COLLADA file without an element, without `library_geometries` or with an empty list
@@ -70,7 +79,14 @@ class MeshFile(NamedTuple):
     vertices: int | None = None
     stray: int | None = None
     has_area: bool = True
+    of_assimp: str = ""
+    lacks_normals: bool = False
     is_nowhere: bool = False
+    is_finite: bool = True
+    has_nan: bool = False
+    farthest: float = 0.0
+    volume: float | None = None
+    dimensions: int = 3
     sides: Vec3 | None = None
     is_hollow: bool = False
 
@@ -83,7 +99,7 @@ def read_mesh(path: Path) -> MeshFile | None:
         too large, no more than the header is read.
     """
     suffix = path.suffix.lower()
-    if suffix not in {*_CORNER, ".dae"}:
+    if suffix not in {*VERTEX, ".dae"}:
         return None
     try:
         size = path.stat().st_size
@@ -119,112 +135,50 @@ def _of_binary_stl(content: bytes, count: int) -> MeshFile:
     first, second, third = corners[0::3], corners[1::3], corners[2::3]
     pairs = ((first, second), (second, third), (third, first))
     is_line = np.logical_or.reduce([(one == other).all(axis=1) for one, other in pairs])
-    vertices, sides = _distinct(corners), _sides(_around(corners))
-    return MeshFile(triangles=count, vertices=vertices, sides=sides, has_area=not is_line.all())
+    return MeshFile(triangles=count, has_area=not is_line.all())._replace(
+        **_extent(corners, np.arange(len(corners)).reshape(-1, 3))
+    )
+
+
+def _extent(vertices: NDArray[Any], triangles: NDArray[Any] | None) -> dict[str, Any]:
+    """What follows from the vertices, which readers keep in single precision, and from the triangles."""
+    import numpy as np
+
+    with np.errstate(over="ignore"):
+        read = vertices.astype(np.float32).astype(float)
+    sides = _sides(_around(vertices))
+    is_finite = bool(np.isfinite(read).all())
+    return {
+        "vertices": _distinct(vertices),
+        "sides": sides,
+        "is_nowhere": not np.isfinite(vertices).any(),
+        "has_nan": bool(np.isnan(read).any()),
+        "is_finite": is_finite,
+        "farthest": float(np.abs(read).max(initial=0.0)),
+        "volume": summed_volume(read, triangles) if is_finite and triangles is not None else None,
+        "dimensions": dimensions(read) if is_finite else 3,
+    }
 
 
 def _of_text(content: bytes, suffix: str) -> MeshFile:
     lines = content.replace(b"\r", b"\n")
-    chunks = list(_chunks(match.groups() for match in _CORNER[suffix].finditer(lines)))
-    has_faces = suffix == ".obj" and _FACE.search(lines) is not None
-    if not chunks:
+    vertices = vertices_of(lines, suffix)
+    has_faces = suffix == ".obj" and FACE.search(lines) is not None
+    if not len(vertices):
         what = "triangles of text, nor the size of an STL of numbers" if suffix == ".stl" else "vertices"
         return MeshFile(f"it has no {what}", vertices=0, is_hollow=has_faces)
-    box = _around_all(map(_around, chunks))
-    vertices = next((SOLID for chunk in chunks if _distinct(chunk) == SOLID), _distinct(chunks[0]))
-    problem = "it has no faces" if suffix == ".obj" and not has_faces else ""
-    stray = _stray_corner(lines, sum(map(len, chunks))) if has_faces else None
-    has_area = not has_faces or any(_has_area(match[1]) for match in _FACE.finditer(lines))
-    is_nowhere = not any(_has_finite(chunk) for chunk in chunks)
-    returns = "its lines end with a carriage return alone" if suffix == ".obj" and b"\n" not in content else ""
+    if suffix == ".stl":
+        return MeshFile(is_text=True)._replace(**_extent(vertices, None))
+    stray = stray_corner(lines, len(vertices)) if has_faces else None
+    triangles = triangles_of(lines) if stray is None else None
     return MeshFile(
-        problem,
-        returns,
-        is_text=suffix == ".stl",
-        vertices=vertices,
+        "" if has_faces else "it has no faces",
+        "its lines end with a carriage return alone" if b"\n" not in content else "",
         stray=stray,
-        has_area=has_area,
-        is_nowhere=is_nowhere,
-        sides=_sides(box),
-    )
-
-
-def _chunks(texts: Iterator[tuple[bytes, ...]]) -> Iterator[NDArray[Any]]:
-    import numpy as np
-
-    while chunk := list(islice(texts, _CHUNK)):
-        yield np.array(chunk).astype(float)
-
-
-def _stray_corner(lines: bytes, count: int) -> int | None:
-    """A number in the faces of an OBJ that is none of its vertices, which are counted from 1.
-
-    A corner is ``vertex/texture/normal``, and a negative vertex is counted from the last one before the face.
-    """
-    is_backwards = False
-    for start, end in _blocks(lines):
-        numbers = _vertex_numbers(b"".join(_FACE.findall(lines, start, end)))
-        for odd in (numbers[numbers > count], numbers[numbers == 0]):
-            if len(odd):
-                return int(odd[0])
-        is_backwards |= bool((numbers < 0).any())
-    return _stray_backwards(lines) if is_backwards else None
-
-
-def _stray_backwards(lines: bytes) -> int | None:
-    """A negative number in the faces of an OBJ that goes back beyond its first vertex."""
-    count = 0
-    for start, end in _blocks(lines):
-        numbers = _vertex_numbers(b"".join(_FACE.findall(lines, start, end)))
-        if (numbers < -count).any():
-            for line in lines[start:end].split(b"\n"):
-                count += _CORNER[".obj"].match(line) is not None
-                if match := _FACE.match(line):
-                    for number in _vertex_numbers(match[1]).tolist():
-                        if number < -count:
-                            return int(number)
-        else:
-            count += sum(1 for _ in _CORNER[".obj"].finditer(lines, start, end))
-    return None
-
-
-def _blocks(lines: bytes) -> Iterator[tuple[int, int]]:
-    """The beginnings and ends of blocks of whole lines."""
-    start = 0
-    while start < len(lines):
-        end = lines.find(b"\n", start + _BLOCK) + 1 or len(lines)
-        yield start, end
-        start = end
-
-
-def _vertex_numbers(corners: bytes) -> NDArray[Any]:
-    """The first number of each of some corners, as the function ``atoi`` of C reads it: 0 where there is none."""
-    import numpy as np
-
-    text = np.frombuffer(corners + b" ", np.uint8)
-    at = np.flatnonzero((text[:-1] <= ord(" ")) & (text[1:] > ord(" "))) + 1
-    is_negative = text[at] == ord("-")
-    at = at + (is_negative | (text[at] == ord("+")))
-    numbers = np.zeros(len(at), np.int64)
-    for _ in range(_DIGITS):
-        digits = text[at] - ord("0")  # of what is no digit, 10 or more: the difference has no sign
-        going = digits < 10  # noqa: PLR2004 - a decimal digit
-        if not going.any():
-            break
-        numbers = np.where(going, 10 * numbers + digits, numbers)
-        at = at + going
-    return np.where(is_negative, -numbers, numbers)
-
-
-def _has_area(face: bytes) -> bool:
-    """Whether a face has three different vertices."""
-    return len({corner.partition(b"/")[0] for corner in face.split()}) > 2  # noqa: PLR2004 - two are a line
-
-
-def _has_finite(corners: NDArray[Any]) -> bool:
-    import numpy as np
-
-    return bool(np.isfinite(corners).any())
+        has_area=not has_faces or has_area(match[1] for match in FACE.finditer(lines)),
+        of_assimp=problem_of_assimp(lines, len(vertices), triangles) if has_faces and triangles is not None else "",
+        lacks_normals=has_faces and lacks_normals(lines),
+    )._replace(**_extent(vertices, triangles))
 
 
 def _distinct(corners: NDArray[Any]) -> int:

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from dh2urdf.plugin_system import Catalog
 
 TABLES = sorted((Path(__file__).parents[3] / "configs" / "tables").glob("*.[cy]*"))
+CODED = [["0", "0.1", "pi/2", "0"], ["0", "-0.2", "0", "0.5"]]
 IN_A_PLACE = """# convention: standard
 # base: {xyz: [0, 0, 0.3], rpy: [0, 0, pi]}
 # tool: {xyz: [0, 0.1, 0]}
@@ -113,6 +114,21 @@ def test_a_table_of_a_paper(catalog: Catalog) -> None:
         ("shoulder 0 pi/2 0.1\nelbow 0.4 0 0", [["shoulder", "0", "pi/2", "0.1"], ["elbow", "0.4", "0", "0"]]),
         ("[[0, 1.5708, 0.09],\n [-0.425, 0, 0]]", [["0", "1.5708", "0.09"], ["-0.425", "0", "0"]]),
         ("dh = np.array([\n  [0, np.pi/2, 1],  # one\n  [2, 0, 0],\n])\n", [["0", "pi/2", "1"], ["2", "0", "0"]]),
+        ("[(0, 0.1, pi/2, 0), (0, -0.2, 0, 0.5)]", CODED),
+        ("dh_params = (\n    (0, 0.1, math.pi/2, 0),  # joint 1\n    (0, -0.2, 0, 0.5),\n)", CODED),
+        ("(0, 0.1, pi/2, 0),\n(0, -0.2, 0, 0.5)", CODED),
+        ("[0, 0.1, pi/2, 0],\n[0, -0.2, 0, 0.5],", CODED),
+        ("DH = np.array([[0, 0.1, np.pi/2, 0],\n               [0, -0.2, 0, 0.5]], dtype=np.float64)", CODED),
+        ("T = sp.Matrix([[0, 0.1, sp.pi/2, 0], [0, -0.2, 0, 0.5]])", CODED),
+        ("DH = [ 0   0.1  pi/2  0 ; ...\n       0  -0.2  0   0.5 ];", CODED),
+        ("double dh[2][4] = {{0, 0.1, M_PI/2, 0}, {0, -0.2f, 0, 0.5f}};", CODED),
+        ("static constexpr double DH[2][4] = {\n  {0, 0.1, M_PI_2, 0}, // shoulder\n  {0, -0.2, 0, 0.5},\n};", CODED),
+        ("{0, 0.1, Pi/2, 0},\n{0, -0.2, 0, 0.5}", CODED),
+        ("Eigen::MatrixXd dh(2, 4);\ndh << 0, 0.1, M_PI/2, 0,\n      0, -0.2, 0, 0.5;", CODED),
+        (
+            "dh = [('waist', 0.1, deg2rad(90), 1), ('elbow', 2, 0, 0)]",
+            [["waist", "0.1", "90°", "1"], ["elbow", "2", "0", "0"]],
+        ),
         ("DH = [0 pi/2 0.089; -0.425 0 0];  ", [["0", "pi/2", "0.089"], ["-0.425", "0", "0"]]),
         ("[0.5]", [["[0.5]"]]),
     ],
@@ -121,6 +137,58 @@ def test_cells_without_a_header(text: str, cells: list[list[str]], catalog: Cata
     """Spaces are between cells only where nothing but numbers is there, and as many in every line."""
     assert cells_of(text) == cells
     assert whole_tables(text, catalog) == ()
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "dh = np.array([[0, 0.1], [1, 2]]).T",
+        "dh = [0 0.1; 1 2]';",
+        "dh = np.deg2rad([[0, 90], [1, 2]])",
+        "dh = [0 90; 1 2]*pi/180;",
+        "dh = 0.001 * np.array([[0, 90], [1, 2]])",
+        "dh = [[0, 0.1], [1]]",
+    ],
+)
+def test_an_array_that_is_changed_where_it_is_made_is_none(text: str) -> None:
+    """Its numbers would be others, or in other places."""
+    assert typeset(text) is None
+    assert all("[" in cell or "]" in cell or len(row) == 1 for row in cells_of(text) for cell in row[:1])
+
+
+@pytest.mark.parametrize(
+    ("text", "row"),
+    [
+        (
+            "# theta, d, a, alpha\ndh = [\n  [0.1, 0.2, 0.3, pi/2],  # joint 1\n  [0.4, 0.5, 0.6, 0],\n]",
+            {"theta": "0.1", "d": "0.2", "a": "0.3", "alpha": "pi/2"},
+        ),
+        (
+            "%  theta_i   d_i[mm]   a_i[mm]  alpha_i\nDH = [0.1 200 300 pi/2\n      0.4 0 0 0];",
+            {"theta": "0.1", "d": "200", "a": "300", "alpha": "pi/2"},
+        ),
+        (
+            "double dh[2][4] = { // a, alpha, d, theta\n  {0.3, M_PI_2, 0.2, 0.1},\n  {0.6, 0, 0, 0}};",
+            {"theta": "0.1", "d": "0.2", "a": "0.3", "alpha": "pi/2"},
+        ),
+    ],
+)
+def test_a_comment_names_the_columns_of_an_array(text: str, row: dict[str, str], catalog: Catalog) -> None:
+    """Their order is that of the comment, and not that of the screen."""
+    found = whole_tables(text, catalog, "standard")
+    assert isinstance(found, tuple), found
+    ((table, *_),) = found
+    assert row.items() <= dict(table.rows[0]).items()
+
+
+def test_a_comment_beside_an_array_is_a_comment_of_the_table(catalog: Catalog) -> None:
+    """It may say the convention, a unit or a type."""
+    text = "# modified DH, mm\n# a, alpha, d\ndh = [(300, pi/2, 0), (0, 0, 100)]"
+    arm = arm_of(whole_tables(text, catalog, "standard"), catalog)
+    assert str(arm.convention) == "modified"
+    assert [row.a for row in arm.rows] == [0.3, 0]
+    found = whole_tables("# a, alpha, d\ndh = [(300, pi/2, 0), # prismatic\n (0, 0, 100)]", catalog, "standard")
+    assert "speaks of a prismatic joint" in str(found)
 
 
 @pytest.mark.parametrize(

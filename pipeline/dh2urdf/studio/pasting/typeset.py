@@ -9,6 +9,7 @@ from itertools import takewhile
 from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.patterns import late_pattern
 from dh2urdf.quantities.spellings import DEGREE_SIGNS
+from dh2urdf.studio.pasting.arrays import code_array
 
 _BODY = late_pattern(r"\\begin\{(tabular[*xy]?|longtable|array|[bpv]?matrix)\}(.*?)\\end\{\1\}", re.DOTALL)
 _ARGUMENTS = late_pattern(r"\s*(?:\[[^]]*\]|\{(?:[^{}]|\{[^{}]*\})*\})*")
@@ -31,11 +32,6 @@ _BOX = str.maketrans(dict.fromkeys("│┃║┌┬┐├┼┤└┴┘╔╦�
 """The lines of a table in a terminal, as those of Markdown; the Robotics Toolbox writes the α of APL."""
 _LINES = late_pattern(r"[=\-+ ]*[=\-]{3}[=\-+ ]*")
 """A line that rules a table off, as reStructuredText and others have it."""
-_ARRAY = late_pattern(r"\s*(?:[\w.]+\s*=\s*)?(?:[\w.]+\()?\s*\[(.*)\]\s*\)?\s*;?\s*", re.DOTALL)
-"""An array of NumPy or a matrix of MATLAB, as code has it."""
-_NEXT = late_pattern(r"\]\s*,|;|\n")
-_REMARK = late_pattern(r"[#%].*")
-_MODULE = late_pattern(r"\b(?:np|numpy|math)\.")
 _JOINT = late_pattern(r"^(joint|link|axis)\s+(\d+)(?=\s)", re.IGNORECASE)
 """The name of a row that is two words."""
 _GAP = late_pattern(r"\s{2,}")
@@ -135,9 +131,9 @@ def typeset(text: str) -> Typeset | None:
     every = text.translate(_BOX).splitlines()
     comments = [line for line in every if line.lstrip().startswith("#")]  # or headings of Markdown
     lines = [line for line in every if not line.lstrip().startswith("#")]
-    if "{" not in (code := "\n".join(every)) and (array := _ARRAY.fullmatch(code)):
-        found = Typeset(_array(array[1]))
-    elif any(map(_CELL.search, lines)) and ("\\\\" in text or "\\begin{" in text):
+    if array := code_array(text):
+        return Typeset(array.rows, array.around)
+    if any(map(_CELL.search, lines)) and ("\\\\" in text or "\\begin{" in text):
         found = _latex("\n".join(lines))
     elif any(line.strip().startswith("|") for line in lines) or _ruled(lines):
         found = _markdown(lines)
@@ -229,13 +225,6 @@ def _spaced(lines: list[str]) -> Typeset:
         if is_table and is_text:
             return Typeset(table, "\n".join([*lines[:first], *lines[last:]]))
     return Typeset([])
-
-
-def _array(body: str) -> list[list[str]]:
-    """The cells of an array of NumPy, or of a matrix of MATLAB; none where its rows differ in length."""
-    texts = (_MODULE.sub("", _REMARK.sub("", row)).strip(" \t[],") for row in _NEXT.split(body))
-    rows = [[cell.strip() for cell in (row.split(",") if "," in row else row.split())] for row in texts if row]
-    return rows if len({len(row) for row in rows}) == 1 and len(rows[0]) > 1 else []
 
 
 def _are_numbers(row: list[str]) -> bool:

@@ -1,0 +1,145 @@
+"""Arrays of programs: lists of tuples, NumPy and SymPy, matrices of MATLAB, braces of C, and Eigen, as cells.
+
+The rows are taken as they stand. A comment that has as many words as a row has cells names the columns.
+"""
+
+from __future__ import annotations
+
+import re
+
+from dh2urdf.late_tuples import NamedTuple
+from dh2urdf.patterns import late_pattern
+
+_HEAD = late_pattern(r"\s*(?:[\w.:<>*&,\[\]() \t]*;\s*)?[\w.:<>*& \t\[\]]*(?:=(?!=)|<<)\s*")
+"""What is before the value: ``dh =``, ``static const double DH[6][4] =``, ``dh <<``."""
+_CALL = late_pattern(
+    r"\s*(?:\w+(?:\.|::))*(?:as)?(?:array|mat|matrix|tensor|list|tuple|sym|double|single|DM|SX|MX)\s*\(\s*(?=[\[({])",
+    re.IGNORECASE,
+)
+"""What makes an array, and leaves its numbers as they are: ``np.array(``."""
+_TAIL = late_pattern(r"(?:\s|,\s*[A-Za-z_]\w*\s*=\s*[\w.'\"]+|[,;)])*")
+"""What is behind it: ``, dtype=float)``."""
+_REMARK = late_pattern(r"(?:#|//|%|/\*).*")
+_OF_A_ROW = late_pattern(
+    r"(?!pris|trans|slid|lin|fix|deg|inch|mod|craig)[^\W\d_]{3,}[\s_.-]*\d*|[jli]?\s*\d*|\d+\s*(?:-+>|→)\s*\d+",
+    re.IGNORECASE,
+)
+"""What a comment says that is only the number of a row, or its name."""
+_SYMBOL = late_pattern(r"(?:a|r|d|alpha|α|theta|θ|th)i?(?![^\W\d_])", re.IGNORECASE)
+_WORDS = late_pattern(r"[\s,;|&]+")
+_SPELLINGS = tuple(
+    (late_pattern(pattern), plain)
+    for pattern, plain in (
+        (r"\bM_PI_([24])\b", r"pi/\1"),
+        (r"\bM_PI\b|\bPi\b|\bPI\b", "pi"),
+        (r"\b(?:(?:np|numpy|math|sp|sympy|std|torch|jnp|cas|ca)\.|std::)", ""),
+        (r"\b(?:deg2rad|radians)\(\s*([-+]?[\d.]+)\s*\)", r"\1°"),
+        (r"(?<![\w.])(\d+\.\d*|\.\d+|\d+(?=f))f\b", r"\1"),
+        (r"\*\*|\.\*|\./", lambda found: {"**": "^", ".*": "*", "./": "/"}[found[0]]),
+    )
+)
+"""What programs have in numbers, as a person would type it."""
+_PAIRS = {"[": "]", "(": ")", "{": "}"}
+
+
+class CodeArray(NamedTuple):
+    """An array of a program.
+
+    Attributes:
+        rows: its cells, below the names of the columns where a comment has them.
+        around: the comments that are neither those names nor the number of a row.
+    """
+
+    rows: list[list[str]]
+    around: str = ""
+
+
+def code_array(text: str) -> CodeArray | None:
+    """The array that a text is, with its comments; None where it is none, or its rows differ in length."""
+    if not any(sign in text for sign in (*_PAIRS, "<<")) or "\\" in text:
+        return None
+    lines = [line.replace("...", "") for line in text.splitlines()]
+    code = "\n".join(_REMARK.sub("", line) for line in lines).strip()
+    head = _HEAD.match(code)
+    is_stream = head is not None and head[0].rstrip().endswith("<<")
+    code = code[head.end() :] if head else code
+    while call := _CALL.match(code):
+        code = code[call.end() :]
+    rows = _streamed(code) if is_stream else _rows(code)
+    if not rows or len({len(row) for row in rows}) > 1 or len(rows[0]) < 2:  # noqa: PLR2004 - a table
+        return None
+    cells = [[_plain(cell) for cell in row] for row in rows]
+    if not all(cells[0]) or any(sign in cell for row in cells for cell in row for sign in "[]{}=:;'\""):
+        return None
+    comments = [found[0].lstrip("#/%* ").rstrip("*/ ") for line in lines if (found := _REMARK.search(line))]
+    names = next((words for each in comments if len(words := _names(each, cells)) == len(cells[0])), None)
+    around = [each for each in comments if _names(each, cells) != names and not _OF_A_ROW.fullmatch(each)]
+    return CodeArray([names, *cells] if names else cells, "\n".join(around))
+
+
+def _names(comment: str, cells: list[list[str]]) -> list[str]:
+    """The words of a comment where they name the columns: as many as a row has cells, and symbols among them."""
+    words = [word for word in _WORDS.split(comment.strip("[](){} ")) if word]
+    return words if len(words) == len(cells[0]) and len([*filter(_SYMBOL.match, words)]) > 1 else []
+
+
+def _rows(code: str) -> list[list[str]]:
+    """The rows of an array without its name and its comments; none where it is none."""
+    parts = _parts(code, ",;\n")
+    if code[:1] in _PAIRS and (close := _closing(code)) and _TAIL.fullmatch(code, close + 1):
+        inner = code[1:close]
+        if not (items := [item for item in _parts(inner, ",;\n") if item]):
+            return []
+        if not all(map(_is_group, items)):  # one row, or rows of MATLAB
+            lines = [line for line in _parts(inner, ";\n") if line] if code[0] == "[" else []
+            return [_cells(line.rstrip(",")) for line in lines]
+        return [_cells(item[1:-1]) for item in items]
+    items = [item for item in parts if item]
+    return [_cells(item[1:-1]) for item in items] if all(map(_is_group, items)) else []  # rows alone
+
+
+def _streamed(code: str) -> list[list[str]]:
+    """The rows that are handed to a matrix of Eigen, line by line."""
+    return [_cells(line.strip().rstrip(",;")) for line in code.split("\n") if line.strip()]
+
+
+def _cells(row: str) -> list[str]:
+    """The cells of a row: with commas, or with spaces between them."""
+    found = _parts(row, ",") if "," in row else row.split()
+    return [cell.strip() for cell in (found[:-1] if found and not found[-1].strip() else found)]
+
+
+def _parts(text: str, separators: str) -> list[str]:
+    """The parts of a text between separators that are in no bracket."""
+    parts, depth = [""], 0
+    for character in text:
+        depth += (character in _PAIRS) - (character in _PAIRS.values())
+        if character in separators and depth == 0:
+            parts.append("")
+        else:
+            parts[-1] += character
+    return [part.strip() for part in parts]
+
+
+def _closing(text: str) -> int | None:
+    """Where the bracket is closed that a text begins with."""
+    depth = 0
+    for place, character in enumerate(text):
+        depth += (character in _PAIRS) - (character in _PAIRS.values())
+        if depth == 0:
+            return place if character == _PAIRS[text[0]] else None
+    return None
+
+
+def _is_group(item: str) -> bool:
+    """Whether a text is in brackets as a whole."""
+    return item[:1] in _PAIRS and _closing(item) == len(item) - 1
+
+
+def _plain(cell: str) -> str:
+    """A cell of a program as a person would type it."""
+    if len(cell) > 1 and cell[0] == cell[-1] and cell[0] in "'\"":
+        cell = cell[1:-1]
+    for pattern, plain in _SPELLINGS if any(map(str.isalpha, cell)) or "*" in cell or "." in cell else ():
+        cell = pattern.sub(plain, cell)
+    return cell

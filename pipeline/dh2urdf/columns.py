@@ -14,7 +14,7 @@ from itertools import chain, repeat
 from operator import attrgetter, is_, ne
 from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar, cast
 
-from dh2urdf.elementwise import is_column
+from dh2urdf.elementwise import array_of, is_column
 from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.manipulator import DHRow, Inertia, JointType, Limits, Manipulator
 from dh2urdf.robot import Robot
@@ -278,9 +278,7 @@ def column(entries: Sequence[Any]) -> Any:  # noqa: ANN401 - None, a float or an
     first = entries[0]
     if first is None or entries.count(first) == len(entries):
         return first
-    import numpy as np
-
-    return np.array(entries, dtype=float)
+    return array_of(entries)
 
 
 def _joined(entries: Sequence[Any], counts: Sequence[int]) -> Any:  # noqa: ANN401 - None, a float or an array

@@ -11,6 +11,7 @@ from dataclasses import replace
 from itertools import accumulate, pairwise
 from typing import TYPE_CHECKING, Any
 
+from dh2urdf.elementwise import array_of
 from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.manipulator import Limits
 from dh2urdf.robot import Joint, Link, Origin, Robot
@@ -142,10 +143,10 @@ class Form:
         self._pieces[::2] = [b'"%b"' % text for text in between]
         self._pieces[0], self._pieces[-1] = self._pieces[0][1:], self._pieces[-1][:-1]
         # The quote before a number is looked at: where it is not in its place, the file is of another form.
-        steps = [b".{%d}" % len(between[0])]
+        steps = [b".{%d}+" % len(between[0])]
         for (place, trace), text in zip(traces.items(), between[1:], strict=True):
             name, is_first = b"_%d" % groups[first[trace]], place in groups
-            steps += (b'"', b'(?P<%b>[^"]*+)' % name if is_first else b"(?P=%b)" % name, b".{%d}" % (len(text) + 1))
+            steps += (b'"', b'(?P<%b>[^"]*+)' % name if is_first else b"(?P=%b)" % name, b".{%d}+" % (len(text) + 1))
         self._match = re.compile(b"".join(steps), re.DOTALL).fullmatch
         self._fillings = picker([groups[first[trace]] for trace in traces.values()])
         values = pieces[1::2]
@@ -194,25 +195,28 @@ class Form:
         """
         import numpy as np
 
-        good = [(place, row) for place, row in enumerate(self._read(texts)) if row is not None]
+        good, read = list(range(len(texts))), self._read(texts)
+        if read is None:
+            alone = {place: row for place, text in enumerate(texts) if (row := self._read([text])) is not None}
+            good, read = list(alone), np.array([*alone.values()]).reshape(len(alone), len(self._columns))
         table = np.empty((len(good), len(self._row)))
         table[:] = self._row
-        if good and self._columns:
-            table[:, self._columns] = [row for _, row in good]
-        return [place for place, _ in good], table
+        table[:, self._columns] = read
+        return good, table
 
-    def _read(self, texts: Sequence[bytes]) -> list[list[float] | None]:
-        """The numbers of joints among those that are read; None of a file in which something else is there."""
-        if not self._count:
-            return [[] for _ in texts]
-        text = b",".join(texts)
-        # As there is a comma at least between two values, none is in them, and each has its own number of spaces.
-        if between_numbers(text) == b",".join([self._between] * len(texts)):
-            numbers = numbers_in(text)
-            if numbers is not None:
-                width = len(self._columns)
-                return [numbers[start : start + width] for start in range(0, len(numbers), self._count)]
-        return [None] if len(texts) == 1 else [row for each in texts for row in self._read([each])]
+    def _read(self, texts: Sequence[bytes]) -> Any | None:  # noqa: ANN401 - an array
+        """The numbers of joints among those that are read, a row for each file; None if one holds something else."""
+        numbers: list[float] = []
+        if self._count:
+            text = b",".join(texts)
+            # As there is a comma at least between two values, none is in them, and each has its own number of spaces.
+            if between_numbers(text) != b",".join([self._between] * len(texts)):
+                return None
+            found = numbers_in(text)
+            if found is None:
+                return None
+            numbers = found
+        return array_of(numbers).reshape(len(texts), self._count)[:, : len(self._columns)]
 
 
 def _columns(rows: Any) -> list[Any]:  # noqa: ANN401 - an array

@@ -105,6 +105,10 @@ _ADVICE = (
         "write the number alone, without the words behind it: 290 mm",
     ),
     (
+        late_pattern(r"[-+−–0-9.,/*\s°πa-z]*[0-9π]\s*[a-z]{0,3}\s*\([A-Za-z]_?[0-9]{1,2}\)\s*$"),
+        "write the number alone, without the symbol behind it: 290 mm",
+    ),
+    (
         late_pattern(
             r"(?:[-+−–0-9.,/*\s°π]|pi|deg|rad)+(?:\((?=.*[0-9π])[^()]*\)|=[-+−–0-9.,/*\s°π]*(?:pi|deg|rad)?[/0-9]*)\s*$"
         ),
@@ -119,12 +123,32 @@ _ADVICE = (
     (late_pattern(r".*([$€£¥]|\b(eur|usd|gbp|chf)\b)", re.IGNORECASE), "write the number without a currency"),
     (late_pattern(r"\s*[+-]?[0-9.]+[dD][+-]?[0-9]+\s*"), "write the exponent with e: 1e-3"),
     (late_pattern(r"\s*[-+−–]?\s*(?:pi|π)\s*[0-9]+\s*$"), "write the fraction with its sign: pi/2"),
-    (late_pattern(r".*[0-9](pi|π)"), "write the product with its sign: 2*pi"),
+    (late_pattern(r".*[0-9]\s*(pi|π)"), "write the product with its sign: 2*pi"),
     (late_pattern(r"\s*[0-9][0-9.,]*\s*[^\W\d]{0,3}\s*-\s*$"), "write the minus before the number: -5"),
     (late_pattern(r"\s*([-–—−]+|/|n\.?/?a\.?|none|null)\s*$", re.IGNORECASE), "write 0 if that is meant"),
     (
         late_pattern(r"\s*[^*†‡]*[0-9°a-zπ]\s*[*†‡]+\s*$", re.IGNORECASE),
         "take out the mark at the end, of a footnote or of a product that is cut off",
+    ),
+    (late_pattern(r"\s*[-+−–]?\s*[0-9.]*\s*(?:n|п|[Il]{2}|[TТтr]{2})\s*/\s*[0-9]+\s*$"), "write π as pi: pi/2"),
+    (late_pattern(r".*(?:θ|th|theta|q)_?[0-9]+\*?\s+[0-9]"), "write the sign that is missing: q1 - 90 deg"),
+    (late_pattern(r"\s*[-+−–]?[0-9.]+\s*(?:''|[\"″”])\s*$"), "write inches as in: 11.8 in"),
+    (late_pattern(r"\s*[*†‡•]+\s*$"), "write the joint variable as q1, or the number of the row"),
+    (late_pattern(r"\s*[—―]\s*[0-9.pπ]"), "write the minus as a hyphen: -pi/2"),
+    (late_pattern(r"\s*(?:[≈~∼≃≅]|ca?\.)\s*[-+−–]?\s*[0-9.]"), "write the number alone: 290 mm"),
+    (late_pattern(r".*[0-9]\s*(?:±|\+/-)\s*[0-9.]"), "write the number alone, without its tolerance"),
+    (late_pattern(r".*[0-9π]\s*(?:deg|rad|mm|cm|m)\.\s*$"), "take out the point at its end"),
+    (
+        late_pattern(r"\s*[-+−–]?\s*[0-9]*(?:[.,]\s+|\s+[.,]\s*|\s+(?=[0-9]{3}(?![0-9])))[0-9]"),
+        "take out the space in it",
+    ),
+    (
+        late_pattern(r"\s*[-+−–]?\s*[a-zA-Z][\s_]*\{?[0-9₀-₉]{1,2}\}?\s*$"),
+        "write the number that it stands for: 290 mm",
+    ),
+    (
+        late_pattern(r"\s*[-+−–]?(?=[0-9.,]*[OoIl|])[0-9OoIl|]*[.,]?[0-9OoIl|]+\s*(?:mm|cm|m|°|deg|rad)?\s*$"),
+        "write the number with digits alone: 0 for the letter O, 1 for l or I",
     ),
     (late_pattern(r"\s*(±|\+/-|\+-|-\+)"), "write the two numbers, lower and upper, each with its own sign"),
     (late_pattern(rf".*[0-9]\s*[{DEGREE_SIGNS}]\s*[0-9]"), "write decimal degrees: 12.5° for 12°30'"),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import pytest
 from readings import STANDARD, notices_of, problems_of
@@ -436,6 +436,64 @@ def test_tables_of_other_programs_and_their_cells_are_refused_with_what_to_do(ta
         dh2urdf.read(f"# convention: standard\n{table}\n", reader="csv")
     assert said in str(raised.value)
     assert "thousands" not in str(raised.value)
+
+
+@pytest.mark.parametrize(
+    ("field", "cell", "said"),
+    [
+        *(("a", cell, "digits alone: 0 for the letter O") for cell in ("O.3", "O", "l.3", "0.O5", "1O0 mm", "-l", "I")),
+        *(("a", cell, "write the number that it stands for") for cell in ("l1", "L2", "L_1", "a_2", "a1")),
+        *(("a", cell, "take out the space in it") for cell in ("0. 3", "0 .3", "-12. 5")),
+        *(("alpha", cell, "write the minus as a hyphen") for cell in ("—90", "—π/2", "― 0.3")),
+        *(("a", cell, "write the number alone") for cell in ("≈0.3", "~0.2", "ca. 0.3", "0.3±0.001", "0.3 +/- 0.001")),
+        *(("d", cell, "without the symbol behind it") for cell in ("0.3 (L1)", "300 mm (d4)", "-0.3 (a_2)")),
+        *(("alpha", cell, "take out the point at its end") for cell in ("90 deg.", "1.5 rad.")),
+        *(("alpha", cell, "write π as pi: pi/2") for cell in ("n/2", "II/2", "-п/2", "TT/2")),
+        ("alpha", "1/2 π", "write the product with its sign"),
+        ("d", '"11.8"""', "write inches as in: 11.8 in"),
+        *(("theta", cell, "write the joint variable as q1") for cell in ("*", "O1")),
+        ("theta", "θ1 90", "write the sign that is missing"),
+    ],
+)
+def test_slips_of_a_scan_are_refused_with_what_to_do(field: str, cell: str, said: str, read: Read) -> None:
+    """They were refused without advice."""
+    cells = {"a": "0.3", "alpha": "0", "d": "0", "theta": "q1"} | {field: cell}
+    problems = problems_of(read, f"{STANDARD}{','.join(cells)}\n{','.join(cells.values())}\n")
+    assert said in "".join(map(str, problems))
+
+
+@pytest.mark.parametrize(
+    "table",
+    [
+        "parameter,J1,J2,J3\na,0,0.3,0.2\nalpha,pi/2,0,0\nd,0.1,0,0",
+        "param;1;2;3\na [mm];0;300;200\nalpha;90;0;0\nd;100;0;0",
+        "a,0,0.3,0.2\nalpha,0,0,0\nd,0.1,0,0",
+    ],
+)
+def test_a_table_whose_joints_are_in_columns_is_to_be_turned_round(table: str) -> None:
+    """The advice was that no field is called '0.3'."""
+    with pytest.raises(TableError, match="turn the table round, so that each joint has a row"):
+        dh2urdf.read(f"# convention: standard\n{table}\n", reader="csv")
+
+
+@pytest.mark.parametrize("arms", [1, 300])
+def test_a_theta_that_is_the_number_of_its_row_is_no_angle_in_silence(arms: int) -> None:
+    """`01` is a θ1 whose letter was read as a zero: it was 1 rad, without a word."""
+
+    def read(*thetas: str) -> list[Any]:
+        rows = [f"r{arm},{theta},0.1,0.3,0" for arm in range(arms) for theta in thetas]
+        table = "\n".join(["robot,theta,d,a,alpha", *rows])
+        return list(dh2urdf.read_all(table, reader="csv", convention="standard"))
+
+    for thetas in (("01", "02", "03"), ("q1", "02"), ("01", " 02")):
+        found = read(*thetas)
+        assert len(found) == arms
+        assert not any(isinstance(arm, Manipulator) for arm in found)
+        assert "whose letter became a zero" in str(found[0].problems)
+    found = read("1", "2", "3")
+    assert all("theta counts the rows: '1, 2, 3'" in str(arm.notices) for arm in found)
+    for thetas in (("1", "2"), ("1", "0", "3"), ("0.1", "0.2", "0.3"), ("2", "1", "3")):
+        assert not any(arm.notices for arm in read(*thetas))
 
 
 @pytest.mark.parametrize("arms", [1, 300])

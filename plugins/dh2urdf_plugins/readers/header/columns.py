@@ -12,7 +12,7 @@ from dh2urdf.patterns import late_pattern
 from dh2urdf.quantities import Dimension, QuantityError, Unit, find_unit, is_unit
 from dh2urdf.source import Mark, Problem, listed, shown
 from dh2urdf.table_text import REQUIRED
-from dh2urdf_plugins.readers.header.unknown_columns import Refusal, ignored, refusal
+from dh2urdf_plugins.readers.header.unknown_columns import Refusal, ignored, is_number, refusal
 from dh2urdf_plugins.readers.header.words import Header, bounds_theta, misspelt, parts_of, read_header
 from dh2urdf_plugins.readers.words.fields import FIELDS
 from dh2urdf_plugins.readers.words.unheld import IGNORED, THETA_OFFSETS
@@ -276,7 +276,8 @@ def _missing(name: str, columns: Columns) -> Problem:
     suggestion = f"no field is called {listed([shown(text) for text in others])}" if others else None
     if name == "d" and "offset" in columns.fields:
         suggestion = f"if {shown(columns.header_of('offset'))} is the length along z, call it d"
-    if are_joints(columns.headers):
+    is_row_of_field = 1 < len(others) == len(columns.headers) - 1 and all(map(is_number, others))
+    if are_joints(columns.headers) or is_row_of_field:
         suggestion = TURN_ROUND
     return Problem(
         message=f"there is no column for {name} in the header",

@@ -47,6 +47,7 @@ Rows: TypeAlias = slice | list[int]
 """Where the same row of many manipulators is among the rows of all."""
 
 _WORDS = ("robot", "convention", "index", "joint", "link", "type")
+_FIRST = frozenset(("1", "01", 1.0))
 _HASH = methodcaller("startswith", "#")
 
 
@@ -132,7 +133,8 @@ class PlainRows:
             return None
         kinds = [self.kinds[word] for word in words]
         plain = "offset" not in values or self._are_plain_offsets(kinds, offset, columns[self.column["offset"]])
-        if self._are_foreign(columns) or not (plain and self.points.are_sure(columns, sizes)):
+        counts = "theta" in values and _may_count(columns[self.column["theta"]])
+        if counts or self._are_foreign(columns) or not (plain and self.points.are_sure(columns, sizes)):
             return None
         geometry = {"a": a, "alpha": alpha, "d": d, "theta": theta, "offset": offset}
         return [
@@ -315,6 +317,12 @@ def _forms(
     for members in forms.values():
         rows = range(sizes[members[0]])
         yield members, [[starts[member] + row for member in members] for row in rows]
+
+
+def _may_count(thetas: Sequence[Value]) -> bool:
+    """Whether a theta is the number of the first row."""
+    numbers = thetas if isinstance(thetas[0], float) else map(str.strip, thetas)  # type: ignore[arg-type]  # texts
+    return not _FIRST.isdisjoint(numbers)
 
 
 def _row_in_columns(  # noqa: PLR0917 - what a row consists of

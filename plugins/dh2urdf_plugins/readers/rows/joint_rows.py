@@ -6,7 +6,6 @@ fixed only where the other rows have one.
 
 from __future__ import annotations
 
-import math
 import re
 from itertools import pairwise
 from typing import TYPE_CHECKING
@@ -16,14 +15,13 @@ from dh2urdf.patterns import late_pattern
 from dh2urdf.source import Problem, shown
 from dh2urdf_plugins.readers.header.unknown_columns import is_direction
 from dh2urdf_plugins.readers.rows.cells import variables_in
-from dh2urdf_plugins.readers.rows.names import holds_type, is_base, is_first_joint, is_total, kind_of
+from dh2urdf_plugins.readers.rows.names import holds_type, is_base, is_first_joint, kind_of
 from dh2urdf_plugins.readers.words.cells import Cell
 from dh2urdf_plugins.readers.words.fields import ACCEPTED_TYPES, joint_type
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from dh2urdf.manipulator import DHRow
     from dh2urdf.source import Mark
     from dh2urdf_plugins.readers.rows.names import RowKind
     from dh2urdf_plugins.readers.rows.rows import RowReader
@@ -39,6 +37,8 @@ AXIS = late_pattern(r"([-+−–])?\s*[xyz]\s*([-+−–])?", re.IGNORECASE)
 DECIMAL = late_pattern(r"[-+]?[0-9]*[.,][0-9]+")
 TWISTING = ("T", "t")
 """A type that may be that of a joint that turns about the axis of its link."""
+MOST_CHANCE = 3
+"""From this number of rows on, a theta that has the number of each row counts them."""
 _AT_START = frozenset("+-.,0123456789")
 """What either may begin with."""
 _ZERO = late_pattern(r"0+(?:\.0+)?")
@@ -89,6 +89,7 @@ class _Rows:
             place, cells, mark = self.rows[0]
             message = "the joint variables are counted from 0: the first row has number 0"
             self._add_problem(message, place, cells, mark, notice=True, field="theta")
+        self._look_at_counts()
         if self._index_has_names():
             for place, cells, _ in self.rows:
                 cells["joint"] = self.indexes.pop(place)
@@ -235,6 +236,21 @@ class _Rows:
     def _is_base(self, place: int) -> bool:
         return place == 0 and self.first == 0
 
+    def _look_at_counts(self) -> None:
+        """Refuses a theta that is a joint variable whose letter became a zero; a notice of one that counts the rows."""
+        texts = {place: cells["theta"].text for place, cells, _ in self.rows if "theta" in cells}
+        for place, cells, mark in self.rows:
+            if texts.get(place) == f"0{place + 1}":
+                message = f"{shown(texts[place])} may be the joint variable θ{place + 1}, whose letter became a zero"
+                advice = f"write q{place + 1}, or the angle without a zero before it"
+                self._add_problem(message, place, cells, mark, field="theta", suggestion=advice, accepted=None)
+                return
+        if len(texts) >= MOST_CHANCE and all(text == str(place + 1) for place, text in texts.items()):
+            place, cells, mark = self.rows[0]
+            message = f"theta counts the rows: {shown(', '.join(texts.values()))}"
+            meant = "write q1, q2 … if these are the joint variables"
+            self._add_problem(message, place, cells, mark, field="theta", suggestion=meant, notice=True)
+
     # --- Types --------------------------------------------------------------------------------------------------------
 
     def _take_types(self) -> None:
@@ -342,6 +358,7 @@ class _Rows:
         suggestion: str | None = None,
         notice: bool = False,
         field: str = "type",
+        accepted: str | None = ACCEPTED_TYPES,
     ) -> None:
         cell = cells.get(field)
         self.reader.add(
@@ -352,34 +369,10 @@ class _Rows:
                 joint=(cells["joint"].text if "joint" in cells else "") or f"joint_{place + 1}",
                 field=field,
                 found=cell.text if cell else None,
-                accepted=None if notice else ACCEPTED_TYPES,
+                accepted=None if notice else accepted,
                 suggestion=suggestion,
             )
         )
-
-
-def total_problem(row: DHRow, above: Sequence[DHRow | None]) -> Problem | None:
-    """Why a row with a type is a total all the same: it is called so, and its lengths are made of those above it."""
-    rows = [other for other in above if other is not None]
-    if not is_total(row.joint) or len(rows) < len((row.a, row.d)):
-        return None
-    columns = (([abs(other.a) for other in rows], row.a), ([abs(other.d) for other in rows], row.d))
-    for make in (sum, max, min, _mean):
-        if any(number for _, number in columns) and all(
-            math.isclose(make(numbers), abs(number), rel_tol=1e-3, abs_tol=1e-9) for numbers, number in columns
-        ):
-            return Problem(
-                message=f"the row {shown(row.joint)} seems to be no joint: its lengths sum up those of the rows above",
-                mark=row.mark,
-                joint=row.joint,
-                accepted="one row for each joint",
-                suggestion="remove the row, or name it otherwise if it is a joint",
-            )
-    return None
-
-
-def _mean(numbers: Sequence[float]) -> float:
-    return math.fsum(numbers) / len(numbers)
 
 
 def _type_of(cells: Cells) -> JointType | None:

@@ -6,6 +6,7 @@ and `base_yaw` do not. A type behind a name counts always: `J2 prismatic`, `Join
 
 from __future__ import annotations
 
+import math
 import re
 import unicodedata
 from functools import lru_cache
@@ -13,11 +14,14 @@ from typing import TYPE_CHECKING, Literal
 
 from dh2urdf.manipulator import JointType
 from dh2urdf.patterns import late_pattern
+from dh2urdf.source import Problem, shown
 from dh2urdf_plugins.readers.words.fields import joint_type
 from dh2urdf_plugins.readers.words.word_keys import without_separators
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Sequence
+
+    from dh2urdf.manipulator import DHRow
 
 RowKind = Literal["total", "frame", "slide"]
 
@@ -179,6 +183,30 @@ def are_joints(names: Collection[str], *, typed: bool) -> bool:
     doubtful = doubtful or any(map(_TYPE_BEHIND.fullmatch, names)) or any(map(_TO_FRAME.fullmatch, names))
     kinds = set(map(kind_of, names)) if doubtful else set()
     return "total" not in kinds and (typed or kinds <= {None})
+
+
+def total_problem(row: DHRow, above: Sequence[DHRow | None]) -> Problem | None:
+    """Why a row with a type is a total all the same: it is called so, and its lengths are made of those above it."""
+    rows = [other for other in above if other is not None]
+    if not is_total(row.joint) or len(rows) < len((row.a, row.d)):
+        return None
+    columns = (([abs(other.a) for other in rows], row.a), ([abs(other.d) for other in rows], row.d))
+    for make in (sum, max, min, _mean):
+        if any(number for _, number in columns) and all(
+            math.isclose(make(numbers), abs(number), rel_tol=1e-3, abs_tol=1e-9) for numbers, number in columns
+        ):
+            return Problem(
+                message=f"the row {shown(row.joint)} seems to be no joint: its lengths sum up those of the rows above",
+                mark=row.mark,
+                joint=row.joint,
+                accepted="one row for each joint",
+                suggestion="remove the row, or name it otherwise if it is a joint",
+            )
+    return None
+
+
+def _mean(numbers: Sequence[float]) -> float:
+    return math.fsum(numbers) / len(numbers)
 
 
 def _consists_of(key: str, words: frozenset[str], others: frozenset[str]) -> bool:

@@ -11,7 +11,8 @@ from dh2urdf.source import Mark, Problem, shown
 from dh2urdf.stages import Rejected
 from dh2urdf_plugins.readers.header.units import bare_beside_cells
 from dh2urdf_plugins.readers.header.unknown_columns import is_turned_variable
-from dh2urdf_plugins.readers.rows.joint_rows import settle, total_problem
+from dh2urdf_plugins.readers.rows.joint_rows import settle
+from dh2urdf_plugins.readers.rows.names import total_problem
 from dh2urdf_plugins.readers.rows.rows import MAX_PROBLEMS
 from dh2urdf_plugins.readers.rows.six_parameters import extra_problems, with_four_parameters
 from dh2urdf_plugins.readers.statements.plausibility import arm_length, plausibility

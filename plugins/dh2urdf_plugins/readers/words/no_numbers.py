@@ -13,6 +13,8 @@ _ENDLESS = late_pattern(
     r"|illimitato|no limits?",
     re.IGNORECASE,
 )
+_SYMBOL = late_pattern(r"\s*[-+−–]?\s*[^\W\d]_?\{?[0-9]{1,2}\}?\s*")
+"""A letter with a number: in theta it is the joint variable, whose letter was another one."""
 _BOUNDS = ("limits", "lower", "upper")
 _GEOMETRY = (*REQUIRED, "theta")
 
@@ -26,6 +28,8 @@ def advice_for(name: str, text: str) -> str | None:
     """
     if name in _BOUNDS and _ENDLESS.fullmatch(text.strip()):
         return "if the joint turns without end, give it the type continuous, and leave its bounds empty"
+    if name == "theta" and _SYMBOL.fullmatch(text):
+        return "write the joint variable as q1, and what is added to it behind: q1 + pi/2"
     if name not in _GEOMETRY and _NONE.fullmatch(text.strip()):
         return "leave the cell empty if there is none"
     return None

@@ -183,6 +183,7 @@ def test_orthographic(studio_address: str, new_tab: Callable[..., Any]) -> None:
     eye.sees_all(parallel=False)
     page.get_by_text("joint axes", exact=True).click()
     page.get_by_text("frames", exact=True).click()
+    tab.settle()
     one, other = silhouettes(page)
     assert (one != other[:, ::-1]).mean() > 0.005
     eye.press("5")  # as the number pad of modellers has it
@@ -194,6 +195,7 @@ def test_orthographic(studio_address: str, new_tab: Callable[..., Any]) -> None:
     # It stays over the standard views, by key and by cube, and sees all after a person was near.
     page.get_by_text("joint axes", exact=True).click()
     page.get_by_text("frames", exact=True).click()
+    tab.settle()
     for key, side in (("7", (0, 0, 1)), ("9", (0.62, -0.62, 0.5)), ("3", (0, -1, 0))):
         eye.press(*"+++++++++", key)
         page.wait_for_function(LOOKS_FROM, arg=list(side))

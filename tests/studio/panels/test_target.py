@@ -174,6 +174,7 @@ def test_tool0_is_dragged(opened: Callable[[str], Any], catalog: Catalog) -> Non
     page.wait_for_function(
         "([x, y]) => { const [a, b] = (" + script + ")(); return Math.hypot(a - x, b - y) < 2; }", arg=[x - 20, y + 15]
     )
+    tab.settle()  # the sliders follow the arm
     after = matrix_of(tab, arm)
     assert np.abs(after[:3, :3] - before[:3, :3]).max() < 5e-4
     assert np.linalg.norm(after[:3, 3] - before[:3, 3]) > 0.02

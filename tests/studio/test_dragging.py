@@ -126,6 +126,7 @@ def test_a_link_follows_the_pointer(new_tab: Callable[..., Any], serving: Callab
         # With the hand it needs no Shift; the joint stops at its limit, 0.7 rad.
         page.get_by_role("button", name="drag links").click()
         page.locator("button[aria-pressed=true]").wait_for()
+        tab.settle()
         start = hand.pixel("arm", 0.45, 0, 0.05)
         page.mouse.move(*(start + 1))
         page.wait_for_function("document.querySelector('.arm-view canvas').style.cursor === 'grab'")

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 from dh2urdf.studio import gallery
+from dh2urdf.studio.editing import edits
 from dh2urdf.studio.editing.reading import read_whole
 
 if TYPE_CHECKING:
@@ -163,6 +164,19 @@ def test_a_joint_moves_on_over_another_connection(slow: tuple[Any, Network], cat
     assert arm is not None
     tab.wait_for_tool0(arm, [0.03, 0, 0, 0, 0, 0])
     tab.press("zero")
+    tab.wait_for_tool0(arm)
+
+
+@pytest.mark.long
+def test_cells_are_taken_over_another_connection(slow: tuple[Any, Network], catalog: Catalog) -> None:
+    """Cells that were lost with the connection are sent again; they were on the screen, and in no table."""
+    tab, network = slow
+    with network.broken():
+        tab.type_into(1, "a", "-0.9")
+        tab.type_into(2, "a", "-0.5")
+    table = edits.with_cells(gallery.table("ur5.csv", catalog), {(1, "a"): "-0.9", (2, "a"): "-0.5"})
+    arm = read_whole(table, catalog).manipulator
+    assert arm is not None
     tab.wait_for_tool0(arm)
 
 

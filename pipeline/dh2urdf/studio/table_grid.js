@@ -38,6 +38,8 @@
 
   let asked = false; // whether the arm of what is being typed has been asked for, and is not on the screen yet
   let typed = null; // what has been typed since; of several letters the last one counts
+  let sent = []; // cells that were typed and are not answered yet: they may be lost with the connection
+  window.addEventListener("dh-back", () => sent.forEach((cell) => emitEvent("dh-edit", cell)));
   let home = null; // the column where the row that is being typed began
 
   // The table is one stop on the way through the page: Tab goes to what comes after it, Shift+Tab to what is before.
@@ -177,6 +179,7 @@
       if (event.altKey && !editing) {
         const act = { ArrowUp: "up", ArrowDown: "down", Insert: "add", Delete: "remove" }[event.key];
         if (act) emitEvent("dh-act", [act, node.rowIndex]);
+        if (act) sent = []; // rows have other numbers from now on
         // The cursor goes with the row, or to a new one, before the next key; a new last row is there before the answer.
         const count = api.getDisplayedRowCount(), to = node.rowIndex + ({ up: -1, down: 1, add: 1 }[act] ?? 0);
         if (to === count && act === "add") api.applyTransaction({ add: [{ id: count }] });
@@ -270,13 +273,15 @@
     // At once for the same reason.
     edited({ data, colDef, newValue }) {
       data[colDef.field] = newValue ?? "";
-      emitEvent("dh-edit", [data.id, colDef.field, newValue ?? ""]);
+      sent.push([data.id, colDef.field, newValue ?? ""]);
+      emitEvent("dh-edit", sent.at(-1));
       return true;
     },
 
     // A row was dragged elsewhere: at once, all rows have the numbers of their new places.
     dragged({ api, node }) {
       emitEvent("dh-row", [node.data.id, node.rowIndex]);
+      sent = [];
       const rows = [];
       api.forEachNode(({ data }) => rows.push({ ...data, id: rows.length }));
       api.setGridOption("rowData", rows);
@@ -291,6 +296,7 @@
     // Problems by row and field, and which row is picked. What is being typed is left alone.
     mark(api, problems, picked) {
       grid = api;
+      sent = [];
       api.forEachNode((node) => {
         node.data.problems = problems[node.data.id] ?? {};
         node.data.picked = node.data.id === picked;

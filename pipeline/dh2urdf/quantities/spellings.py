@@ -16,7 +16,8 @@ DEGREE_SIGNS = "°º˚◦∘"
 """What is written for the degree sign: keyboards have ordinals beside it, and LaTeX makes it of a ring or a bullet."""
 # What typesetting and PDF copies make of the signs. The raised dot is missing: it is a decimal point to some.
 SIGNS = {
-    **str.maketrans({"−": "-", "–": "-", "‐": "-", "‑": "-", "×": "*", "∗": "*", "÷": "/", "⁄": "/", "∕": "/"}),
+    **str.maketrans(dict.fromkeys("−–‒‐‑﹣－", "-")),
+    **str.maketrans({"＋": "+", "×": "*", "∗": "*", "÷": "/", "⁄": "/", "∕": "/"}),
     **str.maketrans(dict.fromkeys(DEGREE_SIGNS, "°")),
 }
 """The signs of numbers, by the code points of the characters that are written in their place."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
 import pytest
 
 from dh2urdf.studio.editing.opening import tables_of
@@ -179,6 +180,44 @@ def test_a_comment_names_the_columns_of_an_array(text: str, row: dict[str, str],
     assert isinstance(found, tuple), found
     ((table, *_),) = found
     assert row.items() <= dict(table.rows[0]).items()
+
+
+SIX = {
+    "paper": "Link θ d a α\n1 θ1 0.0892 0 π/2\n2 θ2 0 – 0.425 0\n3 θ3 – π/2 0.109 − 0.392 0\n",
+    "org": "| i | theta | d | a | alpha |\n|---+-------+---+---+-------|\n| 1 | q1 | 0.0892 | 0 | pi/2 |\n"
+    "| 2 | q2 | 0 | -0.425 | 0 |\n| 3 | q3-pi/2 | 0.109 | -0.392 | 0 |\n",
+    "joints in a list": "- {a: 0, alpha: pi/2, d: 0.0892, theta: q1}\n- {a: -0.425, alpha: 0, d: 0, theta: q2}\n"
+    "- {a: -0.392, alpha: 0, d: 0.109, theta: q3 - pi/2}",
+    "dictionaries": "[{'a': 0, 'alpha': 'pi/2', 'd': 0.0892},\n {'a': -0.425, 'alpha': 0, 'd': 0},\n"
+    " {'a': -0.392, 'alpha': 0, 'd': 0.109, 'offset': '-pi/2'}]",
+    "columns": "a = [0, -0.425, -0.392]\nalpha = [pi/2, 0, 0]\nd = [0.0892, 0, 0.109]\ntheta = [0, 0, -pi/2]",
+    "columns of MATLAB": "p.a = [0 -0.425 -0.392]; % m\np.alpha = [pi/2 0 0];\np.d = [0.0892 0 0.109];\np.theta = [0 0 -pi/2];",
+    "a header inside": "DH = [\n    # a,     alpha,  d,      theta\n    (0,      pi/2,   0.0892, 0),\n"
+    "    (-0.425, 0,      0,      0),  # upper arm\n    (-0.392, 0,      0.109,  -pi/2),\n]",
+    "a header with units": "// alpha[deg] a[mm] theta[deg] d[mm]\n"
+    "float dh[3][4] = {{90, 0, 0, 89.2},{0,-425,0,0},{0,-392,-90,109}};",
+    "other signs": "a\talpha\td\ttheta\n0\tπ/2\t0.0892\t0\n‒0.425\t0\t0\t0\n﹣0.392\t0\t0.109\t－π/2\n",
+}
+
+
+def product(*rows: tuple[float, float, float, float]) -> Any:
+    """The standard product of rows of a, alpha, d, theta."""
+    pose = np.eye(4)
+    for a, alpha, d, theta in rows:
+        (ct, st), (ca, sa) = ((np.cos(angle), np.sin(angle)) for angle in (theta, alpha))
+        pose = pose @ np.array(
+            [[ct, -st * ca, st * sa, a * ct], [st, ct * ca, -ct * sa, a * st], [0, sa, ca, d], [0, 0, 0, 1]]
+        )
+    return pose
+
+
+@pytest.mark.parametrize("text", SIX.values(), ids=SIX)
+def test_forms_of_papers_and_programs_are_the_arm_that_they_show(text: str, catalog: Catalog) -> None:
+    """They were refused, or cells of other columns."""
+    arm = arm_of(whole_tables(text, catalog, "standard"), catalog)
+    q = (0.3, -0.7, 1.1)
+    meant = product((0.0, np.pi / 2, 0.0892, q[0]), (-0.425, 0.0, 0.0, q[1]), (-0.392, 0.0, 0.109, q[2] - np.pi / 2))
+    assert np.abs(arm.fk(np.array([q]))[0] - meant).max() < 1e-12
 
 
 def test_a_comment_beside_an_array_is_a_comment_of_the_table(catalog: Catalog) -> None:

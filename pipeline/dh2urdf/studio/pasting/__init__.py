@@ -134,8 +134,10 @@ def whole_tables(text: str, catalog: Catalog, convention: str = "") -> tuple[Ope
     lines = [line for line in text.splitlines() if line.strip() and not line.lstrip().startswith("#")]
     shown = typeset(text)
     is_yaml = not shown and _YAML.match("\n".join(lines)) is not None
-    if not is_yaml and not has_header(text) and not (shown and shown.says_more):
+    if not is_yaml and not has_header(text) and not (shown and (shown.says_more or _is_headed(shown.rows))):
         return ()
+    if is_yaml and "joints" not in text and text.lstrip()[:1] in ("-", "["):
+        text = "joints:\n" + "\n".join(f"  {line}" for line in text.splitlines())
     if shown:
         text = shown.as_csv()
     found = tables_of("clipboard.yaml" if is_yaml else "clipboard.csv", text.encode(), catalog)
@@ -165,6 +167,11 @@ def has_header(text: str) -> bool:
     rows = cells_of("\n".join(lines))
     if all(len(row) == 1 for row in rows):  # some lines have more commas than others: the reader says which
         rows = [[cell.strip() for cell in row] for row in _split(lines, ",")]
+    return _is_headed(rows)
+
+
+def _is_headed(rows: Sequence[Sequence[str]]) -> bool:
+    """Whether rows of words are above rows of numbers."""
     widest = 0
     for row, below in pairwise(rows[: MOST_HEADERS + 1]):
         if not all(_is_word(cell) or not cell for cell in row):

@@ -21,12 +21,14 @@ _TAIL = late_pattern(r"(?:\s|,\s*[A-Za-z_]\w*\s*=\s*[\w.'\"]+|[,;)])*")
 """What is behind it: ``, dtype=float)``."""
 _REMARK = late_pattern(r"(?:#|//|%|/\*).*")
 _OF_A_ROW = late_pattern(
-    r"(?!pris|trans|slid|lin|fix|deg|inch|mod|craig)[^\W\d_]{3,}[\s_.-]*\d*|[jli]?\s*\d*|\d+\s*(?:-+>|→)\s*\d+",
+    r"(?!.*(?:pris|trans|slid|lin|fix|deg|inch|mod|craig|\b[cm]?m\b))[^\W\d_]{3,}(?:[\s_.-]+\w+){0,2}|[jli]?\s*\d*"
+    r"|\d+\s*(?:-+>|→)\s*\d+",
     re.IGNORECASE,
 )
 """What a comment says that is only the number of a row, or its name."""
 _SYMBOL = late_pattern(r"(?:a|r|d|alpha|α|theta|θ|th)i?(?![^\W\d_])", re.IGNORECASE)
 _WORDS = late_pattern(r"[\s,;|&]+")
+_COLUMN = late_pattern(r"(?:\w+\.)?(\w+)\s*=\s*(?:(?:\w+\.)?(?:array|list)\()?\[([^\[\]{}=;]*)\]\)?")
 _SPELLINGS = tuple(
     (late_pattern(pattern), plain)
     for pattern, plain in (
@@ -59,6 +61,8 @@ def code_array(text: str) -> CodeArray | None:
     if not any(sign in text for sign in (*_PAIRS, "<<")) or "\\" in text:
         return None
     lines = [line.replace("...", "") for line in text.splitlines()]
+    if columns := _columns("\n".join(_REMARK.sub("", line) for line in lines)):
+        return CodeArray(columns)
     code = "\n".join(_REMARK.sub("", line) for line in lines).strip()
     head = _HEAD.match(code)
     is_stream = head is not None and head[0].rstrip().endswith("<<")
@@ -77,9 +81,19 @@ def code_array(text: str) -> CodeArray | None:
     return CodeArray([names, *cells] if names else cells, "\n".join(around))
 
 
+def _columns(code: str) -> list[list[str]]:
+    """The cells of arrays of one column each, named after it: ``a = [0 1]``, ``alpha = [pi/2 0]``, ``d = [1 0]``."""
+    found = _COLUMN.findall(code)
+    if _COLUMN.sub("", code).strip(" \t\n;,") or not all(_SYMBOL.match(name) for name, _ in found):
+        return []
+    columns = [[name, *map(_plain, _cells(" ".join(cells.split())))] for name, cells in found]
+    return [list(row) for row in zip(*columns, strict=True)] if len({len(column) for column in columns}) == 1 else []
+
+
 def _names(comment: str, cells: list[list[str]]) -> list[str]:
     """The words of a comment where they name the columns: as many as a row has cells, and symbols among them."""
-    words = [word for word in _WORDS.split(comment.strip("[](){} ")) if word]
+    inner = comment.strip("[](){} ") if comment[:1] in _PAIRS else comment
+    words = [word for word in _WORDS.split(inner) if word]
     return words if len(words) == len(cells[0]) and len([*filter(_SYMBOL.match, words)]) > 1 else []
 
 

@@ -21,13 +21,13 @@ _COMMAND = late_pattern(
 )
 _CELL = late_pattern(r"(?<!\\)&")
 _BAR = late_pattern(r"(?<!\\)\|")
-_RULE = late_pattern(r"\|?(?:\s*:?-+:?\s*\|)+\s*(?::?-+:?)?\s*")
-"""The line below the header of a Markdown table."""
+_RULE = late_pattern(r"\|?(?:\s*:?-+:?\s*[|+])+\s*(?::?-+:?)?\s*\|?\s*")
+"""The line below the header of a table of Markdown, or of Org."""
 _TERM = (
     rf"(?:(?:\d+(?:[.,]\d*)?|[.,]\d+)(?<!,)(?:e[-+]?\d+)?[{DEGREE_SIGNS}]?"
     r"|(?:\d*\*?)?(?:pi|π)(?:/\d+)?|(?:[θqd]|theta|th)_?\d+\*?)"
 )
-_NUMBER = late_pattern(rf"[-+−–‐‑±]?{_TERM}(?:[-+−–]{_TERM})*", re.IGNORECASE)
+_NUMBER = late_pattern(rf"[-+−–‒‐‑±]?{_TERM}(?:[-+−–‒]{_TERM})*", re.IGNORECASE)
 _BOX = str.maketrans(dict.fromkeys("│┃║┌┬┐├┼┤└┴┘╔╦╗╠╬╣╚╩╝╒╤╕╞╪╡╘╧╛╭╮╰╯", "|") | dict.fromkeys("─━═", "-") | {"⍺": "α"})
 """The lines of a table in a terminal, as those of Markdown; the Robotics Toolbox writes the α of APL."""
 _LINES = late_pattern(r"[=\-+ ]*[=\-]{3}[=\-+ ]*")
@@ -37,6 +37,8 @@ _JOINT = late_pattern(r"^(joint|link|axis)\s+(\d+)(?=\s)", re.IGNORECASE)
 _GAP = late_pattern(r"\s{2,}")
 _UNIT_APART = late_pattern(r"\s+(?=[\[(][^\s\])]*[\])](?:\s|$))")
 """The space before a unit: ``a (mm)`` is one header."""
+_SIGN_APART = late_pattern(r"(?:((?:[θq]|theta)_?\d+\*?)\s+|(?<=\s))([-+−–‒])\s+(?=[\d.πp])")
+"""A sign with spaces beside it, as copies of PDFs have it: ``– 0.425``, ``θ3 – π/2``."""
 _POSE = late_pattern(r"^\s*(base|tool):\s*(\S.*)$", re.IGNORECASE | re.MULTILINE)
 _UNIT = late_pattern(r"\[(?:(m|cm|mm)|(rad|deg|°))\]")
 _MIXED = late_pattern(r"\s*\[(?:rad|deg|°), ?(?:m|cm|mm)\]")
@@ -209,7 +211,12 @@ def _spaced(lines: list[str]) -> Typeset:
     aside. Lines of text before and after it, as a caption, have fewer than two numbers.
     """
     lines = [_JOINT.sub(r"\1_\2", line) for line in lines]
-    for rows in ([_UNIT_APART.sub("", line).split() for line in lines], [_GAP.split(line) for line in lines]):
+    together = [_SIGN_APART.sub(r"\1\2", line) for line in lines]
+    for rows in (
+        [_UNIT_APART.sub("", line).split() for line in lines],
+        [_GAP.split(line) for line in lines],
+        [line.split() for line in together] if together != lines else [],
+    ):
         of_numbers = [number for number, row in enumerate(rows) if _are_numbers(row)]
         if not of_numbers:
             continue
@@ -222,7 +229,8 @@ def _spaced(lines: list[str]) -> Typeset:
         is_table = last - of_numbers[0] == len(of_numbers) and len({len(row) for row in table}) == 1
         counts = [(len(row), sum(map(bool, map(_NUMBER.fullmatch, row)))) for row in around]
         is_text = all(words != len(table[0]) and numbers < min(words, 2) for words, numbers in counts)
-        if is_table and is_text:
+        is_split = rows[0] == lines[0].split() or not _are_numbers(table[0])  # `0.1 + 0.2` may be a cell
+        if is_table and is_text and is_split:
             return Typeset(table, "\n".join([*lines[:first], *lines[last:]]))
     return Typeset([])
 

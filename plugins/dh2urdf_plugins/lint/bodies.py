@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING
 
 from dh2urdf.mass_properties import inertia_problem, principal_moments
@@ -9,9 +10,9 @@ from dh2urdf.robot import WEIGHTLESS
 from dh2urdf.row_fields import INERTIA
 from dh2urdf.source import shown
 from dh2urdf_plugins.lint.document.description import ALL, MOVING, Hit, few
-from dh2urdf_plugins.lint.gazebo import kept, mass_of, merged as merged_by_gazebo, without_centre
 from dh2urdf_plugins.lint.merged import head_of, inertial_of, merged_inertial
 from dh2urdf_plugins.lint.numbers import ROUNDED, SMALLEST_MOMENT, is_no_inertia
+from dh2urdf_plugins.lint.single_readers.gazebo import kept, mass_of, merged as merged_by_gazebo, without_centre
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -19,6 +20,10 @@ if TYPE_CHECKING:
     from dh2urdf.robot import Inertial
     from dh2urdf_plugins.lint.document.description import Description, LinkNode
     from dh2urdf_plugins.lint.document.tree import Element
+
+
+SMALLEST_MASS = 1e-15
+"""A mass that MuJoCo takes for 0 [kg]."""
 
 
 def hits(description: Description) -> Iterator[Hit]:
@@ -85,8 +90,15 @@ def _mass(description: Description, link: LinkNode, inertial: Element) -> Iterat
     elif value == 0.0 and _moves(description, link):
         of = ALL if description.is_body_weightless(link) else {"drake"}
         yield Hit("zero-mass", mass, f"{about} moves and has the mass 0", of)
+    elif value and _moves(description, link) and _mass_of_body(description, link) < SMALLEST_MASS:
+        yield Hit("zero-mass", mass, f"{about} moves and has the mass {value:g}, which MuJoCo takes for 0", {"mujoco"})
     elif value == 0.0 and (body := inertial_of(inertial)) and body.inertia != WEIGHTLESS.inertia:
         yield Hit("zero-mass", mass, f"{about} has the mass 0, and an inertia", {"drake"})
+
+
+def _mass_of_body(description: Description, link: LinkNode) -> float:
+    """The mass of a link and of all that is fixed to it; infinite where one is not known."""
+    return sum(math.inf if each.mass is None else each.mass for each in description.body(link) if each.inertial)
 
 
 def _inertia(description: Description, link: LinkNode, inertial: Element) -> Iterator[Hit]:

@@ -10,6 +10,7 @@ from dh2urdf.rotations import norm
 from dh2urdf.source import did_you_mean, shown
 from dh2urdf_plugins.lint.document.description import ALL, MOVING, TURNING_OR_SLIDING, Hit, few
 from dh2urdf_plugins.lint.numbers import drake_number, drake_numbers, mujoco_numbers
+from dh2urdf_plugins.lint.single_readers.drake import actuated_joints
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -34,11 +35,11 @@ _SMALLEST_AXIS = {
 def hits(description: Description) -> Iterator[Hit]:
     """Findings about every joint."""
     kinds = {joint.name: joint.kind for joint in description.joints}
-    roots = {root.name for root in description.roots}
+    static = _static_in_mujoco(description)
     actuated = actuated_joints(description)
     for joint in description.joints:
         of_itself = (
-            _type(joint, roots),
+            _type(joint, static),
             _axis(joint),
             _limits(joint, is_actuated=joint.name in actuated),
             _dynamics(joint),
@@ -46,7 +47,6 @@ def hits(description: Description) -> Iterator[Hit]:
         for hit in chain(*of_itself):
             yield _not_of(hit, "drake") if joint.is_left_out_by_drake else hit
         yield from _mimic(joint, kinds)
-    yield from _transmissions(description, kinds)
     yield from _of_many(description)
 
 
@@ -54,49 +54,27 @@ def _not_of(hit: Hit, reader: str) -> Hit:
     return hit._replace(of=frozenset(ALL if hit.of is None else hit.of) - {reader})
 
 
-def actuated_joints(description: Description) -> set[str]:
-    """Names of the joints for which Drake reads a transmission."""
-    return {
-        joint.get("name") or ""
-        for transmission in description.root.all("transmission")
-        if (kind := transmission.first("type")) and "SimpleTransmission" in kind.text
-        if (joint := transmission.first("joint")) and transmission.first("actuator")
-    }
+def _static_in_mujoco(description: Description) -> set[str]:
+    """Names of the links that are the world of MuJoCo: what is fixed to it is merged into it, if it may be."""
+    compiler = description.root.first("mujoco", "compiler")
+    keeps = compiler is not None and compiler.get("fusestatic") == "false"
+    if keeps:
+        return {root.name for root in description.roots if root.name == "world"}
+    return {node.name for root in description.roots for node in description.body(root)}
 
 
-def _transmissions(description: Description, kinds: dict[str, str]) -> Iterator[Hit]:
-    """Drake reads those of the type that it knows, and passes over the others."""
-    for transmission in description.root.all("transmission"):
-        kind = transmission.first("type")
-        if kind is None:
-            yield Hit("transmission-incomplete", transmission, "a transmission has no type")
-        elif not kind.text:
-            yield Hit("transmission-type-empty", kind, "a transmission has an empty type")
-        elif "SimpleTransmission" in kind.text:
-            joint, actuator = transmission.first("joint"), transmission.first("actuator")
-            if joint is None or actuator is None:
-                missing = "joint" if joint is None else "actuator"
-                yield Hit("transmission-incomplete", transmission, f"a transmission has no {missing}")
-            elif not joint.get("name") or not actuator.get("name"):
-                yield Hit(
-                    "transmission-incomplete", transmission, "a transmission has a joint or actuator without a name"
-                )
-            elif joint.get("name") not in kinds:
-                message = f"a transmission is of joint {shown(joint.get('name') or '')}, and there is no such joint"
-                yield Hit("transmission-incomplete", joint, message)
-
-
-def _type(joint: JointNode, roots: set[str]) -> Iterator[Hit]:
+def _type(joint: JointNode, static: set[str]) -> Iterator[Hit]:
     if joint.kind in {"floating", "planar"}:
-        of = ALL - {"mujoco"} if joint.kind == "floating" and joint.parent in roots else None
+        of = ALL - {"mujoco"} if joint.kind == "floating" and joint.parent in static else None
         yield Hit(f"{joint.kind}-joint", joint.element, f"joint {shown(joint.name)} is {joint.kind}", of)
 
 
 def _axis(joint: JointNode) -> Iterator[Hit]:
-    if joint.kind not in MOVING or joint.kind == "floating":
-        return
     axis = joint.element.first("axis")
-    if axis is None:
+    if joint.kind not in MOVING or joint.kind == "floating":
+        if axis is not None and axis.get("xyz") is None:
+            yield Hit("axis-without-direction", axis, f"the axis of joint {shown(joint.name)} has no xyz", {"mujoco"})
+    elif axis is None:
         yield Hit("missing-axis", joint.element, f"joint {shown(joint.name)} has no axis")
     elif axis.get("xyz") is None:
         yield Hit("axis-without-direction", axis, f"the axis of joint {shown(joint.name)} has no xyz")
@@ -192,9 +170,24 @@ def _mimic(joint: JointNode, kinds: dict[str, str]) -> Iterator[Hit]:
     if is_fixed and not leader_is_fixed:
         yield Hit("mimic-while-fixed", mimic, f"{message}, and is fixed")
     elif leader_is_fixed and not is_fixed:
-        yield Hit("mimic-of-fixed", mimic, f"{message}, which is fixed")
+        of = ALL - {"drake"} if joint.kind == "floating" else None  # Drake leaves it out, with its mimic.
+        yield Hit("mimic-of-fixed", mimic, f"{message}, which is fixed", of)
+    elif not is_fixed and {joint.kind, kinds[leader]} & {"floating", "planar"}:
+        yield Hit(
+            "mimic-of-fixed",
+            mimic,
+            f"{message}, and they are {joint.kind} and {kinds[leader]}",
+            _minding(joint, kinds[leader]),
+        )
     elif not is_fixed:
         yield Hit("mimic-joint", mimic, message)
+
+
+def _minding(joint: JointNode, leader: str) -> set[str]:
+    """The readers that mind a joint that follows another, where one of them is floating or planar."""
+    is_left_out = joint.kind == "floating" and leader != "floating"  # by Drake, with its mimic
+    takes = is_left_out or (joint.kind == leader and leader != "floating")
+    return {"mujoco"} if takes else {"mujoco", "drake"}
 
 
 def _of_many(description: Description) -> Iterator[Hit]:

@@ -148,7 +148,8 @@ def _said(place: _Place, text: str) -> Iterator[Hit]:
     if numbers_of(text, count) is not None:
         message = f"{place.attribute} of {element.tag} is {shown(text)}: urdfdom takes blanks between numbers alone"
         refused &= _URDFDOM
-    altering = {"coppeliasim"} if kind == "vector" and numbers_of(text, count) is None else set()
+    is_read = kind == "vector" and numbers_of(text, count) is None and place.readers != {"mujoco"}
+    altering = {"coppeliasim"} if is_read else set()
     if kind == "number" and numbers_of(text, count) is None and "pybullet" in place.readers:
         yield Hit("invalid-number", element, message, (refused & place.readers) | {"coppeliasim"})
     elif refused := refused & place.readers:
@@ -239,8 +240,9 @@ def _in_joint(joint: Element) -> Iterator[_Place]:
     kind = joint.get("type")
     at_rest = {"mujoco"} if kind == "fixed" else set()
     yield from _of_origin(joint, "joint")
-    if kind not in {"fixed", "floating"} and (axis := joint.first("axis")):
-        yield _Place(axis, "xyz", 3, "joint", required=True)
+    if axis := joint.first("axis"):
+        readers = _ALL if kind not in {"fixed", "floating"} else frozenset({"mujoco"})
+        yield _Place(axis, "xyz", 3, "joint", readers, required=True)
     if limit := joint.first("limit"):
         moving = kind not in {"fixed", "floating"}
         readers = _ALL if moving else _URDFDOM

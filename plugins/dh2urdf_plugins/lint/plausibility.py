@@ -10,9 +10,9 @@ from dh2urdf.mass_properties import principal_moments
 from dh2urdf.rotations import ZERO, add, rotate
 from dh2urdf.source import shown
 from dh2urdf_plugins.lint.document.description import ALL, TURNING_OR_SLIDING, Hit
-from dh2urdf_plugins.lint.joints import actuated_joints
 from dh2urdf_plugins.lint.merged import inertial_of, pose_of
 from dh2urdf_plugins.lint.shapes import is_there, resolved
+from dh2urdf_plugins.lint.single_readers.drake import actuated_joints
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

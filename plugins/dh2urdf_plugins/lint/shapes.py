@@ -84,6 +84,8 @@ def _contact(link: LinkNode) -> Iterator[Hit]:
 
 
 def _of_shape(shape: Element, about: str) -> Iterator[Hit]:
+    if (shape.get("name") or "x").isspace() or shape.get("name") == "":
+        yield Hit("missing-name", shape, f"{about} has a blank name", {"drake"})
     geometries = shape.all("geometry")
     if len(geometries) > 1:
         yield Hit("repeated-element", geometries[1], f"{about} has a second geometry", {"mujoco"})
@@ -192,6 +194,9 @@ def _meshes(description: Description, uses: list[Use], *, draws: bool) -> Iterat
                 formats.setdefault((Path(use.address).suffix.lower(), ("pybullet",)), []).append(use)
             continue
         forms.setdefault(_form(use.address), []).append(use)
+        if use.address.startswith(FILE) and not use.address.startswith(f"{FILE}/"):
+            message = f"there is no absolute path behind {FILE} in {shown(use.address)}"
+            yield Hit("missing-mesh", use.element, message, {"drake"})
         if not in_pybullet and not use.address.startswith(PACKAGE):
             message = f"there is no mesh file {shown(use.address)} in the folders above the description"
             yield Hit("missing-mesh", use.element, message, {"pybullet"})
@@ -252,7 +257,7 @@ def resolved(address: str, description: Description) -> Path | None:
 def _is_found_by_pybullet(address: str, description: Path) -> bool:
     """PyBullet knows no packages: it looks for the path behind `package://` in the folder and in all above it."""
     if address.startswith(FILE):
-        return is_there(Path(path_of_address(address)), is_file=True)
+        address = path_of_address(address)
     rest = address.removeprefix(PACKAGE).removeprefix(_MODEL).lstrip("/")
     folder = Path(os.path.abspath(description)).parent  # noqa: PTH100 - links in the path stay
     places = [above / rest for above in (folder, *folder.parents)]

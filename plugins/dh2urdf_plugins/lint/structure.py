@@ -9,7 +9,7 @@ from dh2urdf.manipulator import WORLD
 from dh2urdf.robot_check import LONGEST_NAME
 from dh2urdf.source import did_you_mean, shown
 from dh2urdf_plugins.lint.document.description import ALL, MOVING, TYPES, Hit, few
-from dh2urdf_plugins.lint.gazebo import kept
+from dh2urdf_plugins.lint.single_readers.gazebo import kept
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

@@ -10,17 +10,16 @@ from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING
 
 import pytest
-from consumers import behaviours, require
+from consumers import require
 from faulty_files import BOX, CYLINDER, ELBOW_LIMIT, LINK_2_BODY, LINK_2_INERTIA, SOUND, write_meshes
+from foretelling import effects_of, unforeseen
 
 from dh2urdf_plugins.lint.document.mesh_sizes import read_mesh
-from dh2urdf_plugins.lint.inspection import inspect_urdf
-from dh2urdf_plugins.lint.rules import Outcome, rules
+from dh2urdf_plugins.lint.rules import Outcome
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from consumers import Behaviour
 
 CORNERS = [(0.0, 0.0, 0.0), (0.1, 0.0, 0.0), (0.0, 0.1, 0.0), (0.0, 0.0, 0.1)]
 FACES = [(0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3)]
@@ -231,27 +230,6 @@ MESHES = {
     "polygons.dae": collada("triangles", "polygons"),
 }
 """Mesh files, of which the whole ones are right."""
-FATAL = {Outcome.REFUSES, Outcome.CRASHES}
-
-
-def effects_of(path: Path, consumer: str) -> dict[str, Outcome]:
-    """By rule, what the findings about a file foretell for a consumer."""
-    return {
-        finding.rule: rules()[finding.rule].outcomes[consumer]
-        for finding in inspect_urdf(path).findings
-        for effect in finding.effects
-        if effect.consumer == consumer
-    }
-
-
-def unforeseen(consumer: str, paths: list[Path]) -> tuple[list[str], list[Behaviour]]:
-    """Where a consumer loads a file although a finding says that it does not, or the other way round."""
-    found, wrong = behaviours(consumer, paths), []
-    for path, behaviour in zip(paths, found, strict=True):
-        fatal = [rule for rule, outcome in effects_of(path, consumer).items() if outcome in FATAL]
-        if bool(fatal) != (behaviour.end != "loads"):
-            wrong.append(f"{path.name} {behaviour.end}: {fatal} {behaviour.extra.get('raised')}")
-    return wrong, found
 
 
 @pytest.mark.long

@@ -1,0 +1,1 @@
+"""Rules of what one reader alone does, and what it alone reads."""

@@ -1,0 +1,37 @@
+"""What the findings about a file foretell, beside what a consumer does with it."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from consumers import behaviours
+
+from dh2urdf_plugins.lint.inspection import inspect_urdf
+from dh2urdf_plugins.lint.rules import Outcome, rules
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from consumers import Behaviour
+
+FATAL = {Outcome.REFUSES, Outcome.CRASHES}
+
+
+def effects_of(path: Path, consumer: str) -> dict[str, Outcome]:
+    """By rule, what the findings about a file foretell for a consumer."""
+    return {
+        finding.rule: rules()[finding.rule].outcomes[consumer]
+        for finding in inspect_urdf(path).findings
+        for effect in finding.effects
+        if effect.consumer == consumer
+    }
+
+
+def unforeseen(consumer: str, paths: list[Path]) -> tuple[list[str], list[Behaviour]]:
+    """Where a consumer loads a file although a finding says that it does not, or the other way round."""
+    found, wrong = behaviours(consumer, paths), []
+    for path, behaviour in zip(paths, found, strict=True):
+        fatal = [rule for rule, outcome in effects_of(path, consumer).items() if outcome in FATAL]
+        if bool(fatal) != (behaviour.end != "loads"):
+            wrong.append(f"{path.name} {behaviour.end}: {fatal} {behaviour.extra.get('raised')}")
+    return wrong, found

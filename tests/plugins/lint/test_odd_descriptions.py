@@ -1,0 +1,149 @@
+"""Descriptions with a single oddity each: every reader loads them, or does not, as the findings foretell."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import pytest
+from consumers import require
+from faulty_files import BOX, ELBOW, ELBOW_LIMIT, END, SOUND, write_meshes
+from foretelling import unforeseen
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from pathlib import Path
+
+FIRST = '<joint name="base_link-base_link_inertia" type="fixed">'
+SHOULDER = '<joint name="shoulder" type="revolute">'
+MASS, WITHOUT_MASS = '<mass value="1"/>', '<mass value="0"/>'
+KEPT = ' fusestatic="false"'
+ACTUATOR = '<actuator name="motor"/>'
+GROUP = "drake:collision_filter_group"
+MEMBER = '<drake:member link="link_1"/>'
+
+
+def changed(*pairs: tuple[str, str]) -> str:
+    """The sound description with other texts."""
+    text = SOUND
+    for old, new in pairs:
+        assert old in text
+        text = text.replace(old, new)
+    return text
+
+
+def driven(joint: str = "elbow", actuator: str = ACTUATOR) -> str:
+    return f'<transmission><type>SimpleTransmission</type><joint name="{joint}"/>{actuator}</transmission>'
+
+
+def floating() -> list[str]:
+    """Joints of type floating, below roots of several names that MuJoCo may merge into the world."""
+    return [
+        changed((of, of.replace(kind, "floating")), ('"base_link"', f'"{root}"'), (KEPT, keeps))
+        for of, kind in ((FIRST, "fixed"), (SHOULDER, "revolute"))
+        for root in ("base_link", "world")
+        for keeps in (KEPT, "", ' fusestatic="true"')
+    ]
+
+
+def axes() -> list[str]:
+    """Axes of joints that do not turn about them."""
+    child = '<child link="base_link_inertia"/>'
+    return [
+        changed((FIRST, FIRST.replace("fixed", kind)), (KEPT, ""), (child, f"{child}<axis{xyz}/>"))
+        for kind in ("fixed", "floating")
+        for xyz in ("", *(f' xyz="{text}"' for text in ("", "1 2", "0 0 0", "a b c", "nan 0 0")))
+    ]
+
+
+def followers() -> list[str]:
+    """Joints of all types that follow joints of all types."""
+    kinds = ("revolute", "continuous", "prismatic", "floating", "planar", "fixed")
+    return [
+        changed(
+            (SHOULDER, SHOULDER.replace("revolute", leader)),
+            (ELBOW, ELBOW.replace("revolute", kind)),
+            (ELBOW_LIMIT, f'{ELBOW_LIMIT}<mimic joint="shoulder"/>'),
+            (KEPT, ""),
+        )
+        for leader in kinds
+        for kind in kinds
+    ]
+
+
+def masses() -> list[str]:
+    """Masses near 1e-15, of a link and of what is fixed to it."""
+    inertia = 'ixx="0" ixy="0" ixz="0" iyy="0" iyz="0" izz="0"'
+    heavy = [(WITHOUT_MASS, MASS), (inertia, 'ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"')]
+    return [
+        changed((MASS, f'<mass value="{mass}"/>'), *tools)
+        for mass in ("1e-14", "1.1e-15", "9e-16", "1e-300")
+        for tools in ([], heavy)
+    ]
+
+
+def names_and_addresses() -> list[str]:
+    """Names of shapes, and addresses of files that are found in the folder of the description."""
+    texts = [
+        changed((f"<{shape}>", f'<{shape} name="{name}">'))
+        for shape in ("visual", "collision")
+        for name in ("", " ", "&#9;", "a", " a ")
+    ]
+    addresses = ("file:///part.obj", "file://part.obj", "file:////part.obj", "file://./part.obj", "file:///x/part.obj")
+    return [*texts, *(changed((BOX, f'<mesh filename="{address}"/>')) for address in addresses)]
+
+
+def of_drake() -> list[str]:
+    """Elements that Drake alone reads."""
+    numbers = ("1", "x", "nan", "-1", "0", "", "1 2", "1e5x")
+    kinds = ("fixed", "floating", "planar", "prismatic", "continuous")
+    frames = (
+        *(
+            'name="f" link="link_1"',
+            'name="f" link="nowhere"',
+            'name="f"',
+            'link="link_1"',
+            'name="link_1" link="link_2"',
+        ),
+        *('name="f" link="world"', 'name="" link="link_1"', 'name="elbow" link="link_1"'),
+        *(f'name="f" link="link_1" xyz="{xyz}"' for xyz in ("1 2", "1 2 3x", "", "a b c", "1 2 3")),
+    )
+    groups = (
+        *("", f' name="g">{MEMBER}', f' name="">{MEMBER}', ' name="g">', ' name="g"><drake:member link="nowhere"/>'),
+        *(' name="g"><drake:member/>', ' name="g" ignore="true"><drake:member link="nowhere"/>'),
+        *(
+            f' name="g">{MEMBER}<drake:ignored_collision_filter_group{name}/>'
+            for name in ("", ' name="g"', ' name="h"')
+        ),
+    )
+    elements = [
+        *(
+            driven(actuator=f'<actuator name="motor"><drake:{kind} value="{number}"/></actuator>')
+            for kind in ("gear_ratio", "rotor_inertia")
+            for number in numbers
+        ),
+        driven(actuator='<actuator name="motor"><drake:rotor_inertia/></actuator>'),
+        driven() + driven("shoulder"),
+        driven() + driven(actuator='<actuator name="other"/>'),
+        driven("link_2-tool0"),
+        *(f"<frame {frame}/>" for frame in frames),
+        '<frame name="f" link="link_1"/><frame name="f" link="link_2"/>',
+        *(f"<{GROUP}{group if '>' in group else '>'}</{GROUP}>" for group in groups),
+        2 * f'<{GROUP} name="g">{MEMBER}</{GROUP}>',
+        "<loop_joint/>",
+    ]
+    texts = [changed((END, element + END)) for element in elements]
+    return [*texts, *(changed((ELBOW, ELBOW.replace("revolute", kind)), (END, driven() + END)) for kind in kinds)]
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("consumer", ["pybullet", "mujoco", "pinocchio", "drake", "ros", "gazebo"])
+@pytest.mark.parametrize("texts", [floating, axes, followers, masses, names_and_addresses, of_drake])
+def test_an_oddity_is_foretold(tmp_path: Path, consumer: str, texts: Callable[[], list[str]]) -> None:
+    """A reader refuses a description, or ends, where a finding says so, and loads it where none does."""
+    require(consumer)
+    write_meshes(tmp_path)
+    paths = []
+    for number, text in enumerate(texts()):
+        paths.append(tmp_path / f"{number}.urdf")
+        paths[-1].write_text(text)
+    assert unforeseen(consumer, paths)[0] == []

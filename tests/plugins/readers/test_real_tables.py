@@ -485,7 +485,7 @@ def test_a_theta_that_is_the_number_of_its_row_is_no_angle_in_silence(arms: int)
         table = "\n".join(["robot,theta,d,a,alpha", *rows])
         return list(dh2urdf.read_all(table, reader="csv", convention="standard"))
 
-    for thetas in (("01", "02", "03"), ("q1", "02"), ("01", " 02")):
+    for thetas in (("01", "02", "03"), ("q1", "02"), ("01", " 02"), ("01+pi/2", "02")):
         found = read(*thetas)
         assert len(found) == arms
         assert not any(isinstance(arm, Manipulator) for arm in found)

@@ -47,7 +47,7 @@ Rows: TypeAlias = slice | list[int]
 """Where the same row of many manipulators is among the rows of all."""
 
 _WORDS = ("robot", "convention", "index", "joint", "link", "type")
-_FIRST = frozenset(("1", "01", 1.0))
+_FIRST = frozenset(("1", "01"))
 _HASH = methodcaller("startswith", "#")
 
 
@@ -133,7 +133,7 @@ class PlainRows:
             return None
         kinds = [self.kinds[word] for word in words]
         plain = "offset" not in values or self._are_plain_offsets(kinds, offset, columns[self.column["offset"]])
-        counts = "theta" in values and _may_count(columns[self.column["theta"]])
+        counts = "theta" in values and self._may_count(columns[self.column["theta"]])
         if counts or self._are_foreign(columns) or not (plain and self.points.are_sure(columns, sizes)):
             return None
         geometry = {"a": a, "alpha": alpha, "d": d, "theta": theta, "offset": offset}
@@ -141,6 +141,15 @@ class PlainRows:
             (members, tuple([_row_in_columns(*names, kinds, limits, geometry, where) for where in places]))
             for members, places in _forms((*names, kinds), limits, sizes)
         ]
+
+    def _may_count(self, thetas: Sequence[Value]) -> bool:
+        """Whether a theta is the number of the first row, or begins with that behind a zero: ``01 + pi/2``."""
+        if isinstance(thetas[0], float):
+            return 1.0 in thetas
+        begins = self.numbers["theta"].has_expressions and any(
+            text_of(theta).strip().startswith("01") for theta in set(thetas)
+        )
+        return begins or not _FIRST.isdisjoint(map(str.strip, thetas))  # type: ignore[arg-type]  # texts, like the first
 
     def _are_left_out(self, columns: Sequence[Sequence[str]]) -> bool:
         """Whether columns that name no field hold nothing to speak of: what was spoken of, no quantities, no types."""
@@ -317,12 +326,6 @@ def _forms(
     for members in forms.values():
         rows = range(sizes[members[0]])
         yield members, [[starts[member] + row for member in members] for row in rows]
-
-
-def _may_count(thetas: Sequence[Value]) -> bool:
-    """Whether a theta is the number of the first row."""
-    numbers = thetas if isinstance(thetas[0], float) else map(str.strip, thetas)  # type: ignore[arg-type]  # texts
-    return not _FIRST.isdisjoint(numbers)
 
 
 def _row_in_columns(  # noqa: PLR0917 - what a row consists of

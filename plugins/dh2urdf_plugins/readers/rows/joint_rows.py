@@ -240,8 +240,9 @@ class _Rows:
         """Refuses a theta that is a joint variable whose letter became a zero; a notice of one that counts the rows."""
         texts = {place: cells["theta"].text for place, cells, _ in self.rows if "theta" in cells}
         for place, cells, mark in self.rows:
-            if texts.get(place) == f"0{place + 1}":
-                message = f"{shown(texts[place])} may be the joint variable θ{place + 1}, whose letter became a zero"
+            number, text = f"0{place + 1}", texts.get(place, "")
+            if text.startswith(number) and text[len(number) :].lstrip()[:1] in ("", *"+-−–"):
+                message = f"{shown(text)} may be the joint variable θ{place + 1}, whose letter became a zero"
                 advice = f"write q{place + 1}, or the angle without a zero before it"
                 self._add_problem(message, place, cells, mark, field="theta", suggestion=advice, accepted=None)
                 return

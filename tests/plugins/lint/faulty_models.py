@@ -211,6 +211,7 @@ MJCF_FAULTS: dict[str, Change] = {
     "mjcf-duplicate-name": Change('<geom type="sphere"', '<geom name="shape" type="sphere"', 'type="sphere"'),
     "mjcf-unknown-joint-type": Change('type="slide"', 'type="prismatic"', "prismatic"),
     "mjcf-unknown-geom-type": Change('type="sphere"', 'type="ball"', "ball"),
+    "mjcf-quaternion-zero": Change('pos="0.2 0 0"', 'pos="0.2 0 0" quat="0 0 0 0"', "quat="),
     "mjcf-axis-zero": Change('axis="0 0 1"', 'axis="0 0 0"', 'axis="0 0 0"'),
     "mjcf-axis-not-unit": Change('axis="0 0 1"', 'axis="0 0 2"', 'axis="0 0 2"'),
     "mjcf-swapped-range": Change(

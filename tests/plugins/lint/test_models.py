@@ -308,6 +308,20 @@ def test_a_mesh_may_be_beside_the_file_that_names_it(tmp_path: Path, *, beside: 
             mujoco.MjModel.from_xml_path(str(path))
 
 
+@pytest.mark.parametrize("length", ["0", "1e-170"])
+def test_a_quaternion_without_a_length_stops_no_check(tmp_path: Path, length: str) -> None:
+    """The arm cannot be read then, and the rest of the file is checked all the same."""
+    quaternion = f"{length} 0 0 0"
+    pose = f'<pose rotation_format="quat_xyzw">0.2 0 0.1 {quaternion}</pose>'
+    texts = {
+        "arm.xml": MJCF.replace('pos="0.2 0 0"', f'pos="0.2 0 0" quat="{quaternion}"'),
+        "arm.sdf": SDF.replace("<pose>0.2 0 0.1 0 0 0</pose>", pose),
+    }
+    for name, text in texts.items():
+        (tmp_path / name).write_text(text)
+        assert inspected(tmp_path / name).robot is None
+
+
 @pytest.mark.parametrize("bomb", ["sdf", "mujoco"])
 def test_entities_are_not_expanded(tmp_path: Path, bomb: str) -> None:
     """A thousand million of one letter are no memory."""

@@ -148,6 +148,8 @@ def _is_default(element: etree._Element) -> bool:
 def _values(element: etree._Element) -> Iterator[Hit]:
     for name, count in _COUNT[element.tag].items():
         text = element.get(name)
+        if name == "quat" and (quat := numbers(text, 4)) and not any(quat):
+            yield Hit("quaternion-zero", element, f"quat of {_about(element)} is {shown(text or '')}")
         if text is None or (count and numbers(text, count) is not None):
             continue
         if not count and any(numbers(text, most) for most in (1, 2, 3)):

@@ -134,7 +134,12 @@ class Elements(FileElements):
     def _rotation(self, element: etree._Element, attributes: dict[str, str]) -> Rotation:
         if "quat" in attributes:
             w, x, y, z = self.numbers(element, attributes, "quat", (1.0, 0.0, 0.0, 0.0))
-            return rotation_from_quaternion((x, y, z, w))
+            try:
+                return rotation_from_quaternion((x, y, z, w))
+            except ZeroDivisionError:
+                raise self.error(
+                    element, f"quat of {element.tag} gives no rotation", "four numbers with a length"
+                ) from None
         if "axisangle" in attributes:
             *axis, angle = self.numbers(element, attributes, "axisangle", (*Z_AXIS, 0.0))
             return axis_rotation(self._unit(element, "axisangle", (axis[0], axis[1], axis[2])), angle * self.angle)

@@ -48,7 +48,10 @@ class SdfElements(FileElements):
             return _HERE
         if pose.get("rotation_format") == "quat_xyzw":
             x, y, z, *quaternion = self._read(element, "pose", text, 7)
-            return Origin.of(RigidTransform(rotation_from_quaternion(quaternion), (x, y, z)))
+            try:
+                return Origin.of(RigidTransform(rotation_from_quaternion(quaternion), (x, y, z)))
+            except ZeroDivisionError:
+                raise self.error(element, f"the pose of {element.tag} has a quaternion of length 0") from None
         x, y, z, roll, pitch, yaw = self._read(element, "pose", text, 6)
         if pose.get("degrees") in {"1", "true"}:
             roll, pitch, yaw = radians(roll), radians(pitch), radians(yaw)

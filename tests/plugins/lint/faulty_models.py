@@ -212,6 +212,9 @@ MJCF_FAULTS: dict[str, Change] = {
     "mjcf-unknown-joint-type": Change('type="slide"', 'type="prismatic"', "prismatic"),
     "mjcf-unknown-geom-type": Change('type="sphere"', 'type="ball"', "ball"),
     "mjcf-quaternion-zero": Change('pos="0.2 0 0"', 'pos="0.2 0 0" quat="0 0 0 0"', "quat="),
+    "mjcf-several-orientations": Change('pos="0.2 0 0"', 'pos="0.2 0 0" quat="1 0 0 0" euler="0 0 1"', "quat="),
+    "mjcf-swapped-limits": Change('range="-1 2"', 'range="2 -1"', 'range="2 -1"'),
+    "mjcf-equal-limits": Change('range="-1 2"', 'range="1 1"', 'range="1 1"'),
     "mjcf-axis-zero": Change('axis="0 0 1"', 'axis="0 0 0"', 'axis="0 0 0"'),
     "mjcf-axis-not-unit": Change('axis="0 0 1"', 'axis="0 0 2"', 'axis="0 0 2"'),
     "mjcf-swapped-range": Change(

@@ -36,6 +36,8 @@ if TYPE_CHECKING:
 JOINTS = ("hinge", "slide", "ball", "free")
 GEOMS = ("plane", "hfield", "sphere", "capsule", "ellipsoid", "cylinder", "box", "mesh", "sdf")
 _SIZED = ("sphere", "capsule", "ellipsoid", "cylinder", "box")
+_TURNS = ("quat", "axisangle", "euler", "xyaxes", "zaxis")
+"""Attributes that turn a frame."""
 BODIES = ("worldbody", "body", "frame", "replicate")
 """What holds bodies, with the same elements in each."""
 _OF_BODIES = {
@@ -146,6 +148,9 @@ def _is_default(element: etree._Element) -> bool:
 
 
 def _values(element: etree._Element) -> Iterator[Hit]:
+    turns = [name for name in _TURNS if element.get(name)]
+    if len(turns) > 1 and element.tag in {"body", "geom", "inertial"}:
+        yield Hit("several-orientations", element, f"{_about(element)} has {turns[0]} and {turns[1]}")
     for name, count in _COUNT[element.tag].items():
         text = element.get(name)
         if name == "quat" and (quat := numbers(text, 4)) and not any(quat):
@@ -188,6 +193,10 @@ def _range(joint: etree._Element, root: etree._Element) -> Iterator[Hit]:
     ends = numbers(joint.get("range"), 2)
     if ends and ends[0] > ends[1] and by_range and joint.get("limited") in {None, "auto"}:
         yield Hit("swapped-range", joint, f"the range of {about} is {shown(joint.get('range') or '')}")
+    is_one_value = joint.get("type") in {None, "hinge", "slide"} and not _is_default(joint)
+    if ends and ends[0] >= ends[1] and joint.get("limited") == "true" and is_one_value:
+        rule = "swapped-limits" if ends[0] > ends[1] else "equal-limits"
+        yield Hit(rule, joint, f"{about} is limited, and its range is {shown(joint.get('range') or '')}")
     if joint.get("limited") == "true" and not joint.get("range") and not _may_inherit(joint, "range", root):
         yield Hit("limited-without-range", joint, f"{about} is limited and has no range")
 

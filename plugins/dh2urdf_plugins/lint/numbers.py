@@ -34,6 +34,23 @@ _URDFDOM = frozenset({"pinocchio", "ros", "gazebo"})
 _ALL = frozenset({"pybullet", "mujoco", "drake"}) | _URDFDOM
 _READ_BY_COPPELIASIM = frozenset({"mass", "inertia", "limit", "cylinder", "sphere"})
 """The elements of which CoppeliaSim reads single numbers."""
+_GAZEBO = {
+    *(
+        "mu1",
+        "mu2",
+        "kp",
+        "kd",
+        "dampingFactor",
+        "maxVel",
+        "minDepth",
+        "maxContacts",
+        "laserRetro",
+        "stopCfm",
+        "stopErp",
+    ),
+    *("springStiffness", "springReference", "fudgeFactor"),
+}
+"""The elements of `gazebo` of which sdformat reads a number itself."""
 ROUNDED = 1e-9
 """By what share of the largest a principal moment may be off."""
 SMALLEST_MOMENT = 1e-14
@@ -88,6 +105,16 @@ def _of_strtod(word: str) -> float:
         return math.inf
 
 
+def _ends_stod(text: str) -> bool:
+    """Whether `std::stod` raises an exception for a text: it begins with no number, or with one out of range."""
+    if (match := _STRTOD.match(text)) is None:
+        return True
+    value = _of_strtod(match[0])
+    mantissa = match[0].lower().partition("e")[0]
+    is_too_small = value == 0.0 and any(digit in mantissa for digit in "123456789")
+    return is_too_small or (math.isinf(value) and "i" not in match[0].lower())
+
+
 class _Place(NamedTuple):
     """Numbers that readers read.
 
@@ -126,6 +153,16 @@ def hits(description: Description) -> Iterator[Hit]:
         ):
             message = f"{place.attribute} of {place.element.tag} is {shown(text)}, with blanks around the number"
             yield Hit("misread-number", place.element, message, {"coppeliasim"})
+    yield from _of_gazebo(description)
+
+
+def _of_gazebo(description: Description) -> Iterator[Hit]:
+    """Numbers in the elements of Gazebo, whatever they refer to: sdformat catches no exception there."""
+    for gazebo in description.root.all("gazebo"):
+        for child in gazebo.children:
+            if child.tag in _GAZEBO and _ends_stod(child.text):
+                message = f"{child.tag} of gazebo is {shown(child.text)}, not one finite number"
+                yield Hit("invalid-number", child, message, {"gazebo"})
 
 
 def _said(place: _Place, text: str) -> Iterator[Hit]:

@@ -135,9 +135,35 @@ def of_drake() -> list[str]:
     return [*texts, *(changed((ELBOW, ELBOW.replace("revolute", kind)), (END, driven() + END)) for kind in kinds)]
 
 
+def of_gazebo() -> list[str]:
+    """Texts in the elements of Gazebo."""
+    tags = (
+        "mu1",
+        "mu2",
+        "kp",
+        "kd",
+        "dampingFactor",
+        "maxVel",
+        "minDepth",
+        "maxContacts",
+        "laserRetro",
+        "stopCfm",
+        "stopErp",
+    )
+    tags += ("springStiffness", "springReference", "fudgeFactor", "material", "selfCollide", "provideFeedback")
+    texts = ("", "1x", "nan", "1e999", "1e-999", " 1 ", "0x10", ".5")
+    elements = [
+        *(f'<gazebo reference="link_1"><{tag}>x</{tag}></gazebo>' for tag in tags),
+        *(f'<gazebo reference="link_1"><mu1>{text}</mu1></gazebo>' for text in texts),
+        *(f"<gazebo{to}><mu1>x</mu1></gazebo>" for to in ("", ' reference="nowhere"', ' reference="tool0"')),
+        '<gazebo reference="link_1"><mu1 value="x"/></gazebo>',
+    ]
+    return [changed((END, element + END)) for element in elements]
+
+
 @pytest.mark.long
 @pytest.mark.parametrize("consumer", ["pybullet", "mujoco", "pinocchio", "drake", "ros", "gazebo"])
-@pytest.mark.parametrize("texts", [floating, axes, followers, masses, names_and_addresses, of_drake])
+@pytest.mark.parametrize("texts", [floating, axes, followers, masses, names_and_addresses, of_drake, of_gazebo])
 def test_an_oddity_is_foretold(tmp_path: Path, consumer: str, texts: Callable[[], list[str]]) -> None:
     """A reader refuses a description, or ends, where a finding says so, and loads it where none does."""
     require(consumer)

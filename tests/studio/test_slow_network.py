@@ -270,3 +270,68 @@ def test_rows_are_dragged_one_after_the_other(slow: tuple[Any, Network]) -> None
         (("elbow", "0.7"), ("wrist_1", "0"), ("shoulder_pan", "0"), ("shoulder_lift", "-0.425"))
     ):
         tab.wait_for_cells(row, joint=f"{joint}_joint", a=a)
+
+
+@pytest.mark.long
+def test_two_clicks_open_one_dialog(slow: tuple[Any, Network]) -> None:
+    """A person who clicks again since nothing has happened yet gets one dialog, and another one when it is closed."""
+    tab, network = slow
+    button = tab.page.get_by_role("button", name="Open", exact=True)
+    for _ in range(2):
+        network.hold()
+        button.dblclick()
+        network.wait_for("Open a table")
+        button.click()
+        tab.page.wait_for_function("!answers.sending")
+        network.release()
+        tab.page.locator(".q-dialog").wait_for()
+        tab.settle()
+        assert tab.page.locator(".q-dialog").count() == 1
+        tab.page.keyboard.press("Escape")
+        tab.page.locator(".q-dialog").wait_for(state="detached")
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("way", ["Generate", "Control+Enter", "Save"])
+def test_two_clicks_save_one_file(slow: tuple[Any, Network], way: str) -> None:
+    """So does a person who saves a file; afterwards it can be saved again."""
+    tab, network = slow
+    page, files = tab.page, []
+    page.on("download", lambda download: files.append(download.suggested_filename))
+    for count in (1, 2):
+        if way == "Save":
+            page.get_by_role("button", name="Save").click()
+            page.locator(".q-menu").wait_for()
+        network.hold()
+        for _ in range(2):
+            match way:
+                case "Generate":
+                    page.get_by_role("button", name="Generate").click()
+                case "Save":
+                    page.locator(".q-menu").get_by_text("Table as csv", exact=True).click(force=True)
+                case _:
+                    page.keyboard.press(way)
+            network.wait_for("download")
+        with page.expect_download():
+            network.release()
+        page.locator(".q-menu").wait_for(state="detached")
+        tab.settle()
+        page.wait_for_function("!answers.sending")
+        assert len(files) == count
+
+
+@pytest.mark.long
+def test_two_choices_of_units_ask_one_question(slow: tuple[Any, Network]) -> None:
+    """Of mm and then deg at once, the question is about both."""
+    tab, network = slow
+    network.hold()
+    for unit in ("mm", "deg"):
+        tab.page.get_by_role("button", name=unit, exact=True).click()
+    network.wait_for("To mm and deg")
+    network.release()
+    tab.page.get_by_role("dialog", name="To mm and deg").get_by_text("Convert").click()
+    tab.page.locator(".q-dialog").wait_for(state="detached")
+    tab.wait_for_cell(1, "a", "-425")
+    tab.wait_for_cell(0, "alpha", "90")
+    tab.settle()
+    assert tab.page.locator(".q-dialog").count() == 0

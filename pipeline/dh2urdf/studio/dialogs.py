@@ -7,7 +7,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from nicegui import run, ui
+from nicegui import ElementFilter, run, ui
 
 from dh2urdf.errors import Dh2UrdfError
 from dh2urdf.manipulator import Convention
@@ -86,7 +86,12 @@ async def ask_units(length: str, angle: str, *, possible: bool) -> bool | None:
 
 
 async def _ask(title: str, convert: str, reinterpret: str, *, possible: bool) -> bool | None:
+    for asked in ElementFilter(
+        kind=ui.dialog, marker="conversion"
+    ):  # and another choice came before it was on the page
+        asked.submit(None)
     with card(title) as dialog:
+        dialog.mark("conversion")
         button = ui.button(convert, on_click=lambda: dialog.submit("convert")).props("unelevated align=left autofocus")
         button.classes("studio-choice").set_enabled(possible)
         if not possible:

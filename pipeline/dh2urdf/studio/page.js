@@ -20,7 +20,7 @@
       const key = event.key.toLowerCase();
       if ((event.ctrlKey || event.metaKey) && key === "enter" && !event.repeat && !document.querySelector(".q-dialog")) {
         leave(); // what is being typed belongs to the table
-        emitEvent("dh-generate");
+        document.querySelector(".studio-generate")?.click();
       }
       if (!(event.ctrlKey || event.metaKey) || event.altKey || !["z", "y"].includes(key)) return;
       const { target } = event;
@@ -121,6 +121,17 @@
   let before = null;
   document.addEventListener("focusin", ({ target }) => target.closest(".q-dialog, .q-menu") || (before = target), true);
 
+  // What opens a dialog or makes a file does so once: more clicks on it do nothing while the answer to the first is on its way.
+  const waiting = new Set(); // ids of elements
+  const once = (event) => {
+    const id = event.target.closest("[data-once]")?.id;
+    if (id && waiting.has(id)) event.stopPropagation();
+    else if (id) waiting.add(id);
+  };
+  document.addEventListener("click", once, true);
+  document.addEventListener("focusin", ({ target }) => target.closest(".q-dialog") && waiting.clear(), true);
+  window.addEventListener("dh-back", () => waiting.clear()); // a click may be lost, or its answer
+
   // Files that a person chooses or drops go to an address of the studio, with the folders that they are in; those whose
   // names end otherwise than is wanted stay here, and so do all of them where they are too much.
   const send = async (address, { ends, most, largest, refused }, given) => {
@@ -166,6 +177,7 @@
   };
 
   window.dhPage = {
+    answered: (id) => waiting.delete(id),
     back: () => document.activeElement === document.body && before?.focus(),
     choose,
     drop,

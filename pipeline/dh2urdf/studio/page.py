@@ -46,7 +46,6 @@ class StudioPage:
         self.session, self._meshes = session, meshes
         ui.on_exception(dialogs.show_fault)
         ui.on("dh-undo", lambda event: self._do(self.session.redo if event.args else self.session.undo))
-        ui.on("dh-generate", self._generate)
         with ui.element("div").classes("studio") as page:
             lay_drop(page, session.catalog, self._show_opened)
             with ui.element("header").classes("studio-head"):

@@ -6,7 +6,6 @@ import contextlib
 import math
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from nicegui import ui
 from nicegui.element import Element
 from nicegui.elements import scene as _scene  # noqa: F401 - it makes three.js known to the page as nicegui-scene
 
@@ -141,11 +140,6 @@ class ArmView(Element, component="arm_view.js", esm={"dh2urdf-scene": "scene3d"}
     def fit(self, *, keep: bool = False) -> None:
         """The camera where it sees all of the arm; from where it looks now, if it is to keep its direction."""
         self.run_method("fit", keep)
-
-
-def lay_menu_item(told: str, act: Callable[[], Any]) -> None:
-    """Lay out an entry of a menu; a list's, which Quasar makes of it, is none to a screen reader."""
-    ui.menu_item(told, on_click=act).props("role=menuitem")
 
 
 class LiveHtml(Element, component="live_html.js"):  # type: ignore[call-arg]

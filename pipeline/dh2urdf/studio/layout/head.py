@@ -10,7 +10,7 @@ from nicegui import ui
 from dh2urdf.studio import dialogs
 from dh2urdf.studio.layout.look import lay_look
 from dh2urdf.studio.panels import sharing
-from dh2urdf.studio.widgets import lay_menu_item
+from dh2urdf.studio.panels.clicks import act_once, lay_menu_item
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable
@@ -55,14 +55,15 @@ class StudioHead:
         self._redo.tooltip("redo (Ctrl+Shift+Z)")
         ui.element("div").classes("studio-space")
         ui.button("New", on_click=on_new).props(_QUIET)
-        ui.button("Open", icon="folder_open", on_click=on_open).props(_QUIET)
+        act_once(ui.button("Open", icon="folder_open").props(_QUIET), on_open)
         with ui.button("Save", icon="save").props(_QUIET), ui.menu():
             for kind, name, told in dialogs.savings(session.catalog):
                 lay_menu_item(told, partial(dialogs.save, session, kind, name))
             self._menu = ui.element("div")
         lay_look()
-        generate = ui.button("Generate", icon="precision_manufacturing", on_click=on_generate)
+        generate = ui.button("Generate", icon="precision_manufacturing")
         generate.props("unelevated dense no-caps").classes("studio-generate").tooltip("the URDF (Ctrl+Enter)")
+        act_once(generate, on_generate)
 
     def share(self, view: ArmView) -> None:
         """Add to the menu what is made of the scene."""

@@ -10,7 +10,7 @@ from nicegui import ui
 
 from dh2urdf.studio.drawing.colours import GREY
 from dh2urdf.studio.drawing.scene import LAYERS
-from dh2urdf.studio.widgets import lay_menu_item
+from dh2urdf.studio.panels.clicks import lay_menu_item
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping

@@ -16,7 +16,7 @@ from dh2urdf.studio.drawing.fading import faded
 from dh2urdf.studio.drawing.scene_file import glb
 from dh2urdf.studio.editing.keeping import kept_table, kept_text
 from dh2urdf.studio.editing.save import Saved
-from dh2urdf.studio.widgets import lay_menu_item
+from dh2urdf.studio.panels.clicks import lay_menu_item
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -200,3 +200,14 @@ def test_what_cannot_be_read_is_said(catalog: Catalog) -> None:
     assert isinstance(found, str)
     assert found.startswith("clipboard.csv:3:")
     assert "'x' cannot be read" in found
+
+
+@pytest.mark.parametrize(
+    "form", ["{0}", "[{0}]", "[1{0}f]", r"\begin{{tabular}}{{cc}}{0}\end{{tabular}}", "a\talpha\td\n1\t0\t0\n{0}"]
+)
+@pytest.mark.parametrize("atom", [" ", "\t", "\n", "1", "a", "(", "deg2rad(", "a = [", "|", "&", "\\frac{"])
+def test_no_clipboard_is_costly(catalog: Catalog, form: str, atom: str) -> None:
+    """Twenty thousand characters of one kind: blanks took a minute, digits half of one."""
+    text = form.format(atom * (20_000 // len(atom)))
+    assert isinstance(pasting.whole_tables(text, catalog), (str, tuple))
+    assert pasting.cells_of(text)

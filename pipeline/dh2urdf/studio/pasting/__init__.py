@@ -34,6 +34,8 @@ _COMMENTED = re.compile(r"\s*(?:#+|//+|%+|\*(?=\s)|--(?=\s))[ \t]?")
 """How a line of a comment begins."""
 _NUMBER_SIGN = re.compile(r"^([ \t]*\|?[ \t]*)\\?#(?=[ \t]*[|&;,\t]|[ ]{2,}[^:\n]*$)", re.MULTILINE)
 """A sign at the head of the column that counts the rows; it begins no comment."""
+_GAP = re.compile(r"([^\S\n]{200})[^\S\n]+")
+"""Blanks of which the first ones are enough: some patterns here look at each of them as often as there are any."""
 _DIGIT = re.compile(r"\d")
 MIN_COLUMNS = 2
 """Of a table with a header."""
@@ -62,7 +64,8 @@ def cells_of(text: str) -> list[list[str]]:
     Decimal commas become points where no number has a point, and one of the commas can separate no thousands. A comma
     is a separator only where nothing else is, and where every line has as many of them.
     """
-    lines = re.sub("\r\n?", "\n", text).rstrip("\n").split("\n")
+    text = _GAP.sub(r"\1", re.sub("\r\n?", "\n", text))
+    lines = text.rstrip("\n").split("\n")
     if found := typeset(text):
         rows = found.rows
     elif any("\t" in line for line in lines):
@@ -120,6 +123,7 @@ def whole_tables(text: str, catalog: Catalog, convention: str = "") -> tuple[Ope
     Returns:
         The tables; none where the text has no header, and so is cells. A message where it has one and cannot be read.
     """
+    text = _GAP.sub(r"\1", text)
     if _CODE.search(text):
         return (
             "this is code of a robotics toolbox, and not a table: paste the matrix of its numbers, or in Python call "

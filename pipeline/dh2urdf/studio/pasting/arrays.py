@@ -28,7 +28,7 @@ _OF_A_ROW = late_pattern(
 """What a comment says that is only the number of a row, or its name."""
 _SYMBOL = late_pattern(r"(?:a|r|d|alpha|α|theta|θ|th)i?(?![^\W\d_])", re.IGNORECASE)
 _WORDS = late_pattern(r"[\s,;|&]+")
-_COLUMN = late_pattern(r"(?:\w+\.)?(\w+)\s*=\s*(?:(?:\w+\.)?(?:array|list)\()?\[([^\[\]{}=;]*)\]\)?")
+_COLUMN = late_pattern(r"(?<![\w.])(?:\w++\.)?(\w++)\s*+=\s*(?:(?:\w+\.)?(?:array|list)\()?\[([^\[\]{}=;]*)\]\)?")
 _SPELLINGS = tuple(
     (late_pattern(pattern), plain)
     for pattern, plain in (
@@ -125,14 +125,13 @@ def _cells(row: str) -> list[str]:
 
 def _parts(text: str, separators: str) -> list[str]:
     """The parts of a text between separators that are in no bracket."""
-    parts, depth = [""], 0
-    for character in text:
+    parts, depth, start = [], 0, 0
+    for place, character in enumerate(text):
         depth += (character in _PAIRS) - (character in _PAIRS.values())
         if character in separators and depth == 0:
-            parts.append("")
-        else:
-            parts[-1] += character
-    return [part.strip() for part in parts]
+            parts.append(text[start:place].strip())
+            start = place + 1
+    return [*parts, text[start:].strip()]
 
 
 def _closing(text: str) -> int | None:

@@ -335,3 +335,24 @@ def test_two_choices_of_units_ask_one_question(slow: tuple[Any, Network]) -> Non
     tab.wait_for_cell(0, "alpha", "90")
     tab.settle()
     assert tab.page.locator(".q-dialog").count() == 0
+
+
+@pytest.mark.long
+def test_the_camera_is_turned_before_a_linked_table_is_there(slow: tuple[Any, Network]) -> None:
+    """A person who looks from the front while the page is filled goes on looking from there, and sees all of the arm."""
+    tab, _ = slow
+    tab.page.goto(f"{tab.address}favicon.ico")
+    tab.page.add_init_script("""
+        answers.late = 300;
+        const wait = setInterval(() => {
+            if (!document.querySelector(".arm-view")?.drawn) return;
+            clearInterval(wait);
+            const key = new KeyboardEvent("keydown", { key: "1", bubbles: true });
+            document.querySelector(".arm-view").dispatchEvent(key);
+            window.wasEmpty = !document.querySelector(".arm-view").scene.getObjectByName("tool0");
+        }, 10);
+    """)
+    tab.open("ur5")
+    assert tab.page.evaluate("wasEmpty")
+    axis = "new Array(3).fill(0).map((_, i) => document.querySelector('.arm-view').camera.matrixWorld.elements[8 + i])"
+    assert tab.page.evaluate(axis) == pytest.approx([1, 0, 0], abs=1e-3)

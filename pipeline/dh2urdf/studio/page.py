@@ -365,11 +365,11 @@ class StudioPage:
     async def _open(self) -> None:
         await self._show_opened(await dialogs.ask_table(self.session.catalog))
 
-    async def _show_opened(self, table: TableText | None) -> None:
+    async def _show_opened(self, table: TableText | None, *, keep_view: bool = False) -> None:
         if table is not None:
             self.session.open(table)
             self.show(all_cells=True)
-            self._view.fit()
+            self._view.fit(keep=keep_view)
 
     def _new(self) -> None:
         self.session.open(type(self.session.table)(name="arm"))
@@ -387,9 +387,9 @@ class StudioPage:
         self._view.fade(self.session.opacities)
         self.show()
         self._view.highlight(self.session.row)
-        self._view.fit()
+        self._view.fit(keep=True)  # a person may have turned the camera already
         if (linked := await sharing.linked_table()) is not None:
-            await self._show_opened(linked)
+            await self._show_opened(linked, keep_view=True)
             return
         if is_new and kept is not None and kept != self.session.table:
             self._keep(kept)  # The page may be loaded again before the question is answered.

@@ -130,7 +130,7 @@ class ViewPage:
         self._scene.hide(self.view.hidden)
         self._scene.fade(self.view.opacities)
         self._show()
-        self._scene.fit(keep=True)  # a person may have turned the camera already
+        self._scene.fit()
         PageFollower(self._live, self._scene, self._show_pose)
 
     def _show(self) -> None:

@@ -157,11 +157,15 @@ def hits(description: Description) -> Iterator[Hit]:
 
 
 def _of_gazebo(description: Description) -> Iterator[Hit]:
-    """Numbers in the elements of Gazebo, whatever they refer to: sdformat catches no exception there."""
+    """Numbers in the elements of Gazebo, whatever they refer to: sdformat catches no exception there.
+
+    Where there is an attribute `value`, sdformat reads it, and not the text.
+    """
     for gazebo in description.root.all("gazebo"):
         for child in gazebo.children:
-            if child.tag in _GAZEBO and _ends_stod(child.text):
-                message = f"{child.tag} of gazebo is {shown(child.text)}, not one finite number"
+            text = child.attributes.get("value", child.text).strip()
+            if child.tag in _GAZEBO and _ends_stod(text):
+                message = f"{child.tag} of gazebo is {shown(text)}, not one finite number"
                 yield Hit("invalid-number", child, message, {"gazebo"})
 
 

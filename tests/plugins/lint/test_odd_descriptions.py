@@ -151,12 +151,13 @@ def of_gazebo() -> list[str]:
         "stopErp",
     )
     tags += ("springStiffness", "springReference", "fudgeFactor", "material", "selfCollide", "provideFeedback")
-    texts = ("", "1x", "nan", "1e999", "1e-999", " 1 ", "0x10", ".5")
+    texts = ("", "1x", "nan", "1e999", "1e-999", " 1 ", "0x10", ".5", "1<!-- -->", "<![CDATA[1]]>")
+    values = ('value="1">', 'value="x">', 'value="1">x', 'value="x">1', 'value="">1', 'value=" 1 ">')
     elements = [
         *(f'<gazebo reference="link_1"><{tag}>x</{tag}></gazebo>' for tag in tags),
         *(f'<gazebo reference="link_1"><mu1>{text}</mu1></gazebo>' for text in texts),
         *(f"<gazebo{to}><mu1>x</mu1></gazebo>" for to in ("", ' reference="nowhere"', ' reference="tool0"')),
-        '<gazebo reference="link_1"><mu1 value="x"/></gazebo>',
+        *(f'<gazebo reference="link_1"><mu1 {text}</mu1></gazebo>' for text in values),
     ]
     return [changed((END, element + END)) for element in elements]
 

@@ -134,8 +134,7 @@ class _Reading:
                     raise self._error("there is text before the first element", first)
                 self._odd_at("loose-xml", first, "there is text behind the last element")
                 return
-            if not self._open[-1].text and not self._open[-1].children:
-                self._open[-1].text = between.strip()
+            self._begin_with(between)
             if start < 0:
                 break
             self._at = start
@@ -144,6 +143,11 @@ class _Reading:
         if len(self._open) > 1 or self._too_deep:
             last = self._open[-1]
             raise NotXmlError(f"the element {last.tag} is not closed", last.line, last.column)
+
+    def _begin_with(self, text: str) -> None:
+        """Take a text for that of the open element, if nothing is before it."""
+        if not self._open[-1].text and not self._open[-1].children:
+            self._open[-1].text = text.strip()
 
     def odd(self, rule: str, line: int, column: int, message: str) -> None:
         """Note what not every parser takes, once of a kind."""
@@ -177,6 +181,7 @@ class _Reading:
         elif text.startswith("<![CDATA[", at):
             if (end := text.find("]]>", at)) < 0:
                 raise self._error("a CDATA section is not closed", at)
+            self._begin_with(text[at + len("<![CDATA[") : end])
             self._at = end + 3
         elif text.startswith("<!", at):
             return self._document_type()

@@ -10,6 +10,7 @@ import pytest
 
 from dh2urdf.studio import gallery
 from dh2urdf.studio.editing import edits
+from dh2urdf.studio.editing.keeping import kept_text
 from dh2urdf.studio.editing.reading import read_whole
 
 if TYPE_CHECKING:
@@ -19,15 +20,16 @@ if TYPE_CHECKING:
 
 TABLES = Path(__file__).parents[2] / "configs" / "tables"
 HELD = """{
-    // While `held` is true, what the server sends waits, in its order; while `lost` is, nothing that the page sends arrives,
-    // and it arrives `late` by so many milliseconds.
-    const answers = window.answers = { held: false, lost: false, late: 0, sending: 0, waiting: [], pass(count = Infinity) {
+    // While `held` is true, what the server sends waits, in its order, and so does all `from` a message with a text on;
+    // while `lost` is true, nothing that the page sends arrives, and it arrives `late` by so many milliseconds.
+    const answers = window.answers = { held: false, from: "", lost: false, late: 0, sending: 0, waiting: [], pass(count = Infinity) {
         for (const act of this.waiting.splice(0, count)) act();
     } };
     const own = Object.getOwnPropertyDescriptor(WebSocket.prototype, "onmessage");
     Object.defineProperty(WebSocket.prototype, "onmessage", { ...own, set(handler) {
         own.set.call(this, (event) => {
             const act = Object.assign(() => handler.call(this, event), { text: String(event.data) });
+            answers.held ||= Boolean(answers.from) && act.text.includes(answers.from);
             answers.held || answers.waiting.length ? answers.waiting.push(act) : act();
         });
     } });
@@ -356,3 +358,27 @@ def test_the_camera_is_turned_before_a_linked_table_is_there(slow: tuple[Any, Ne
     assert tab.page.evaluate("wasEmpty")
     axis = "new Array(3).fill(0).map((_, i) => document.querySelector('.arm-view').camera.matrixWorld.elements[8 + i])"
     assert tab.page.evaluate(axis) == pytest.approx([1, 0, 0], abs=1e-3)
+
+
+@pytest.mark.long
+def test_a_table_is_begun_before_the_kept_one_is_known(
+    studio_address: str, new_tab: Callable[..., Any], catalog: Catalog
+) -> None:
+    """The kept table of a server that is gone is offered though a person has begun a new one before it is known."""
+    tab = new_tab(studio_address)
+    page, network = tab.page, Network(tab.page)
+    page.add_init_script(HELD)
+    tab.open()
+    tab.settle()
+    page.evaluate("text => sessionStorage.setItem('dh2urdf-table', text)", kept_text(gallery.table("ur5.csv", catalog)))
+    page.add_init_script("answers.from = 'dhPage.kept()'")
+    page.reload()
+    network.wait_for("dhPage.kept()")
+    page.get_by_label("number of axes").fill("3")
+    page.get_by_label("number of axes").press("Enter")
+    network.wait_for("dhPage.keep(")
+    page.evaluate("answers.from = ''")
+    network.release()
+    page.get_by_role("button", name="Bring it back").click()
+    tab.wait_for_cells(5, joint="wrist_3_joint")
+    page.close()  # what it holds back is for this test only

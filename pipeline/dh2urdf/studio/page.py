@@ -380,9 +380,9 @@ class StudioPage:
 
     async def start(self) -> None:
         """Shows the session for the first time."""
+        is_new = not self.session.history.can_undo  # before the answer, in whose time a person may begin a table
         text, left = await ui.run_javascript("return [dhPage.kept(), dhPage.unfinished()]", timeout=10.0)
-        kept, is_new = kept_table(text), not self.session.history.can_undo
-        finish_typing(self.session, left, kept)
+        finish_typing(self.session, left, kept := kept_table(text), is_new=is_new)
         self._view.set_layers(self.session.shown_layers)
         self._view.fade(self.session.opacities)
         self.show()

@@ -48,13 +48,13 @@ def test_a_cell_that_was_being_typed_is_finished(catalog: Catalog) -> None:
     session = Session(catalog, table)
     other = edits.with_cell(table, 1, "d", "7")
     for kept in (None, table, edits.with_cell(other, 0, "d", "0.5")):
-        finish_typing(session, [0, "d", "0.5"], kept)
+        finish_typing(session, [0, "d", "0.5"], kept, is_new=not session.history.can_undo)
         assert session.table == table, "a new session is offered the whole table"
     session.edit(0, "d", "0.25")
     for cell in (None, [], "0d1", ["0", "d", "1"], [0, "d", 1], [99, "d", "1"], {"row": 0}):
-        finish_typing(session, cell, None)
+        finish_typing(session, cell, None, is_new=not session.history.can_undo)
     assert session.table.rows[0]["d"] == "0.25"
-    finish_typing(session, [0, "d", "0.5"], None)
+    finish_typing(session, [0, "d", "0.5"], None, is_new=not session.history.can_undo)
     assert session.table.rows[0]["d"] == "0.5"
     session.undo()
     assert session.table.rows[0]["d"] == "0.25"
@@ -65,7 +65,7 @@ def test_the_first_cell_of_an_opened_table_is_finished(catalog: Catalog) -> None
     table = gallery.table("ur5.csv", catalog)
     session = Session(catalog, table)
     session.preview(0, "d", "0.5")
-    finish_typing(session, [0, "d", "0.5"], edits.with_cell(table, 0, "d", "0.5"))
+    finish_typing(session, [0, "d", "0.5"], edits.with_cell(table, 0, "d", "0.5"), is_new=not session.history.can_undo)
     assert session.table.rows[0]["d"] == "0.5"
     assert session.history.can_undo
 
@@ -76,12 +76,12 @@ def test_a_text_of_the_whole_table_is_finished(catalog: Catalog) -> None:
     before = session.table
     named = replace(before, name="my arm")
     for left in ([None, "rows", "x"], [None, "convention", "mine"], [None, "name"], ["name", "my arm"]):
-        finish_typing(session, left, named)
+        finish_typing(session, left, named, is_new=not session.history.can_undo)
         assert session.table == before
-    finish_typing(session, [None, "name", "my arm"], before)
+    finish_typing(session, [None, "name", "my arm"], before, is_new=not session.history.can_undo)
     assert session.table == before, "a new session is offered the whole table"
-    finish_typing(session, [None, "name", "my arm"], named)
-    finish_typing(session, [None, "base", "{xyz: [0, 0, 1]}"], None)
+    finish_typing(session, [None, "name", "my arm"], named, is_new=not session.history.can_undo)
+    finish_typing(session, [None, "base", "{xyz: [0, 0, 1]}"], None, is_new=not session.history.can_undo)
     assert session.table == replace(named, base="{xyz: [0, 0, 1]}")
     session.undo()
     assert session.table == named
@@ -93,6 +93,6 @@ def test_no_arm_of_a_text_that_is_gone(catalog: Catalog) -> None:
     before = session.arm
     assert session.preview(0, "d", "0.5")
     assert session.arm != before
-    finish_typing(session, None, None)
+    finish_typing(session, None, None, is_new=not session.history.can_undo)
     assert session.arm == before
     assert not session.previews

@@ -41,14 +41,15 @@ def kept_table(text: str) -> TableText | None:
     return TableText(**texts, rows=cells) if cells else None
 
 
-def finish_typing(session: Session, left: object, kept: TableText | None) -> None:
+def finish_typing(session: Session, left: object, kept: TableText | None, *, is_new: bool) -> None:
     """A session takes the text that was being typed when its page lost the connection or was loaded anew.
 
     Args:
-        session: the session; one that has no table yet is offered the whole kept table instead.
+        session: the session.
         left: row, field and text of a cell, as the browser has kept them, or None, name and text of a text of the whole
             table; None where nothing was being typed.
         kept: the table with that text, as the browser has kept it.
+        is_new: whether the session had no table when the page asked: it is offered the whole kept table instead.
     """
     if session.previews:  # nobody types on in a page that is gone
         session.look()
@@ -59,5 +60,5 @@ def finish_typing(session: Session, left: object, kept: TableText | None) -> Non
                 table = with_cell(table, row, field, text)
         case [None, str(field), str(text)] if field in _TEXTS and field not in _WORDS:
             table = replace(table, **{field: clean(text)})  # type: ignore[arg-type]  # all others are texts
-    if table != session.table and (session.history.can_undo or table == kept):
+    if table != session.table and (not is_new or table == kept):
         session.put(table)

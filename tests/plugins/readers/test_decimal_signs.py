@@ -68,7 +68,8 @@ def lengths(arm: Manipulator | Rejected) -> list[tuple[float, float]] | None:
         ("−87.456;0;300", (-87.456, 300.0)),
         ("49.999;0;300", None),
         ("87.456 mm;0;300", None),
-        ("87.456;0;0,5", (87.456, 0.5)),
+        ("87.456;0;0,5", None),  # who writes commas may have meant thousands, and another unit
+        ("0,5;0;87.456", None),
     ],
 )
 @pytest.mark.parametrize("delimiter", [";", "\t"])
@@ -87,6 +88,9 @@ def test_a_point_is_the_decimal_sign_where_a_comma_separates_cells(read_text: Re
     """And a quoted comma is refused there, as ever."""
     assert lengths(read_text(TOP + "a,alpha,d\n1.250,0,1.100\n")[0]) == [(0.00125, 0.0011)]
     assert lengths(read_text(TOP + 'a,alpha,d\n"1,250",0,1.100\n')[0]) is None
+    assert lengths(read_text(TOP + 'a,alpha,d\n"87,456",0,"0,5"\n')[0]) == [(0.087456, 0.0005)]
+    assert lengths(read_text(TOP + 'a,alpha,d\n"87,456",0,0.5\n')[0]) is None
+    assert lengths(read_text(TOP + 'a,alpha,d\n"0,5",0,1.250\n')[0]) == [(0.0005, 0.00125)]
 
 
 @pytest.mark.parametrize("careful", [False, True], ids=["fast", "careful"])
@@ -99,6 +103,8 @@ def test_a_point_is_the_decimal_sign_where_a_comma_separates_cells(read_text: Re
         ("mm, deg", "1.250;90.000;1", 0.00125),  # 90000 degrees
         ("mm, deg", "1.250;-1,571;1", None),
         ("mm, deg", "1,250;-1,571;1", 0.00125),
+        ("m, deg", "1,250;0;0.5", None),
+        ("m, deg", "1.250;0;2,500", None),
     ],
 )
 def test_a_number_that_is_none_with_thousands_shows_the_sign(

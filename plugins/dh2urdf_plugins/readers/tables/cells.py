@@ -105,6 +105,8 @@ class TableCells:
         elif self.columns.quoted_commas and "," in cell.text and _DECIMAL_COMMA.fullmatch(cell.text):
             self.signs.note(cell, name, number)
             return cell._replace(text=cell.text.replace(",", "."))
+        elif self.columns.quoted_commas and "." in cell.text:
+            self.signs.note_point(cell)
         return cell
 
     def _refuse(self, index: int, problem: Problem | None) -> None:

@@ -73,9 +73,10 @@ class DecimalSigns:
             if sign not in cell.text:
                 continue
             self.has_commas |= sign == "," and any(form[sign].search(cell.text) for form in (_SURE, _GROUPED))
-            if _SURE[sign].search(cell.text) or self._is_too_large(cell.text, name, sign):
+            is_grouped = not _SURE[sign].search(cell.text)
+            if not is_grouped or self._is_too_large(cell.text, name, sign):
                 self._sure.setdefault(sign, cell)
-            elif sign not in self._grouped and _GROUPED[sign].search(cell.text):
+            if is_grouped and sign not in self._grouped and _GROUPED[sign].search(cell.text):
                 self._grouped[sign] = (cell, name, number)
 
     def _is_too_large(self, text: str, name: str, sign: str) -> bool:
@@ -83,6 +84,10 @@ class DecimalSigns:
         if name not in self._largest or not _PLAIN[sign].fullmatch(text):
             return False
         return int(text.strip(" \t+-−–").replace(sign, "")) >= self._largest[name]
+
+    def note_point(self, cell: Cell) -> None:
+        """Looks at a number whose point separates no thousands, since commas separate the cells."""
+        self._sure.setdefault(".", cell)
 
     def note_list(self, cell: Cell, parts: Iterable[str]) -> None:
         """Looks at a cell of several numbers: a comma between them is no decimal sign, so that a point is one."""

@@ -294,7 +294,7 @@ class Tab:
         with self.page.expect_download() as saving:
             self.page.get_by_role("button", name="Save").click()
             self.page.locator(".q-menu").get_by_text(what, exact=True).click()
-        self.page.locator(".q-menu").wait_for(state="detached")  # it holds the cursor
+        self.page.wait_for_function("!document.querySelector('.q-menu')")  # it holds the cursor
         return saving.value.suggested_filename, saving.value.path().read_bytes()
 
     def sliders(self) -> list[float]:
@@ -341,7 +341,7 @@ class Tab:
         for name in names:
             self.page.get_by_role("dialog", name="more layers").get_by_role("checkbox", name=name, exact=True).click()
         self.page.keyboard.press("Escape")
-        self.page.locator(".q-menu").wait_for(state="detached")
+        self.page.wait_for_function("!document.querySelector('.q-menu')")
 
     def press(self, name: str) -> None:
         """Presses a button that moves the joints, and waits until the sliders have moved."""

@@ -65,13 +65,13 @@ def parts(tab: Any, folder: Path, look: str, size: str) -> Iterator[tuple[str, s
         page.locator(".studio-panel:visible").wait_for()
         yield name, "[...document.querySelectorAll('.studio-panel')].find(panel => panel.offsetParent)"
         button.click()
-        page.locator(".studio-panel:visible").wait_for(state="hidden")
+        tab.expect(page.locator(".studio-panel:visible")).to_have_count(0)
     for name in MENUS:
         page.get_by_role("button", name=name).click()
         page.locator(".q-menu").wait_for()
         yield name, "document.querySelector('.q-menu')"
         page.keyboard.press("Escape")
-        page.locator(".q-menu").wait_for(state="detached")
+        page.wait_for_function("!document.querySelector('.q-menu')")
     page.get_by_role("button", name="Save").click()
     page.locator(".q-menu").get_by_text("Link with this table").click()
     yield from _dialog(page, "a link", "Close")

@@ -316,7 +316,7 @@ def test_two_clicks_save_one_file(slow: tuple[Any, Network], way: str) -> None:
             network.wait_for("download")
         with page.expect_download():
             network.release()
-        page.locator(".q-menu").wait_for(state="detached")
+        page.wait_for_function("!document.querySelector('.q-menu')")
         tab.settle()
         page.wait_for_function("!answers.sending")
         assert len(files) == count

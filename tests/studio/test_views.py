@@ -59,7 +59,7 @@ def test_each_looks_from_its_side(studio_address: str, new_tab: Callable[..., An
         else:
             page.get_by_role("button", name="look from a side").click()
             page.locator(".q-menu").get_by_text(name, exact=True).click()
-            page.locator(".q-menu").wait_for(state="hidden")
+            page.wait_for_function("!document.querySelector('.q-menu')")
         page.wait_for_function("drawn => document.querySelector('.arm-view').drawn > drawn", arg=drawn)
         page.wait_for_function(LOOKS_FROM, arg=list(wanted))
         _, nodes = page.evaluate(DIRECTION)

@@ -118,7 +118,7 @@ def drop_all(tab: Any, folder: Path, drawn: str) -> None:
     for dropped, answer in (([notes], "This is not a file that can be opened"), ([UR5, other], "Drop one file")):
         tab.drop(".arm-view", *dropped)
         page.locator(".q-notification", has_text=answer).get_by_role("button", name="Close").click()
-        page.locator(".q-notification", has_text=answer).wait_for(state="detached")
+        tab.expect(page.locator(".q-notification", has_text=answer)).to_have_count(0)
     script = """async name => {
         const {id} = document.querySelector('.studio > .q-uploader'), form = new FormData();
         form.append(name, new File([new Uint8Array(2 ** 26 + 1)], name));

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 def choose(tab: Any, entry: str) -> None:
     tab.page.get_by_role("button", name="Save").click()
     tab.page.locator(".q-menu").get_by_text(entry, exact=True).click()
-    tab.page.locator(".q-menu").wait_for(state="detached")
+    tab.page.wait_for_function("!document.querySelector('.q-menu')")
 
 
 def link_of(tab: Any) -> str:

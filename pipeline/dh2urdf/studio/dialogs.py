@@ -86,9 +86,8 @@ async def ask_units(length: str, angle: str, *, possible: bool) -> bool | None:
 
 
 async def _ask(title: str, convert: str, reinterpret: str, *, possible: bool) -> bool | None:
-    for asked in ElementFilter(
-        kind=ui.dialog, marker="conversion"
-    ):  # and another choice came before it was on the page
+    # Another choice may have come before the dialog was on the page.
+    for asked in ElementFilter(kind=ui.dialog, marker="conversion"):
         asked.submit(None)
     with card(title) as dialog:
         dialog.mark("conversion")

@@ -34,22 +34,9 @@ _URDFDOM = frozenset({"pinocchio", "ros", "gazebo"})
 _ALL = frozenset({"pybullet", "mujoco", "drake"}) | _URDFDOM
 _READ_BY_COPPELIASIM = frozenset({"mass", "inertia", "limit", "cylinder", "sphere"})
 """The elements of which CoppeliaSim reads single numbers."""
-_GAZEBO = {
-    *(
-        "mu1",
-        "mu2",
-        "kp",
-        "kd",
-        "dampingFactor",
-        "maxVel",
-        "minDepth",
-        "maxContacts",
-        "laserRetro",
-        "stopCfm",
-        "stopErp",
-    ),
-    *("springStiffness", "springReference", "fudgeFactor"),
-}
+_GAZEBO = frozenset(
+    {"mu1", "mu2", "kp", "kd", "dampingFactor", "maxVel", "minDepth", "maxContacts", "laserRetro"}
+) | frozenset({"stopCfm", "stopErp", "springStiffness", "springReference", "fudgeFactor"})
 """The elements of `gazebo` of which sdformat reads a number itself."""
 ROUNDED = 1e-9
 """By what share of the largest a principal moment may be off."""

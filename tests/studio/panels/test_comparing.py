@@ -130,5 +130,3 @@ def drop_all(tab: Any, folder: Path, drawn: str) -> None:
     tab.wait_for_table("scara")
     page.get_by_role("button", name="undo").click()
     tab.wait_for_table("ur5")
-    tab.drop(".studio-panel:visible", folder)
-    page.wait_for_function(f"({drawn})() === 1280")

@@ -61,6 +61,10 @@ class Network:
         """Lets all answers through."""
         self.page.evaluate("answers.held = false, answers.pass()")
 
+    def forget(self) -> None:
+        """Loses all answers that are held back, with the connection; the next one works."""
+        self.page.evaluate("answers.waiting.length = 0, answers.held = false, socket.io.engine.close()")
+
     @contextmanager
     def broken(self) -> Iterator[None]:
         """A connection over which nothing goes in the block, and which is another one afterwards."""
@@ -180,6 +184,143 @@ def test_cells_are_taken_over_another_connection(slow: tuple[Any, Network], cata
     arm = read_whole(table, catalog).manipulator
     assert arm is not None
     tab.wait_for_tool0(arm)
+
+
+JOINTS = ["shoulder_pan", "shoulder_lift", "elbow", "wrist_1", "wrist_2", "wrist_3"]
+
+
+def wait_for_joints(tab: Any, names: list[str]) -> None:
+    """Waits until the table has these joints, without the ends that all of their names have."""
+    tab.settle()
+    tab.page.locator(f".dh-table [aria-rowcount='{len(names) + 1}']").wait_for()
+    for row, name in enumerate(names):
+        tab.wait_for_cell(row, "joint", name if name == "joint_7" else f"{name}_joint")
+
+
+ROW_ACTS: dict[str, tuple[Callable[[Any], None], list[str]]] = {
+    "a new row": (lambda tab: tab.page.keyboard.press("Alt+Insert"), [*JOINTS[:3], "joint_7", *JOINTS[3:]]),
+    "a removed row": (lambda tab: tab.page.keyboard.press("Alt+Delete"), [*JOINTS[:2], *JOINTS[3:]]),
+    "a row that goes up": (
+        lambda tab: tab.page.keyboard.press("Alt+ArrowUp"),
+        ["shoulder_pan", "elbow", "shoulder_lift", *JOINTS[3:]],
+    ),
+    "a row that is dragged": (lambda tab: drag_row(tab, 2, 4), [*JOINTS[:2], *JOINTS[3:5], "elbow", "wrist_3"]),
+    "a button": (lambda tab: tab.page.get_by_role("button", name="remove the row").click(), [*JOINTS[:2], *JOINTS[3:]]),
+}
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("act", ROW_ACTS)
+def test_rows_are_changed_over_another_connection(slow: tuple[Any, Network], act: str) -> None:
+    """What is done to rows while the connection is broken is done when it is back, and cells behind it go into their rows."""
+    tab, network = slow
+    do, after = ROW_ACTS[act]
+    tab.cell(2, "d").click()
+    tab.settle()
+    with network.broken():
+        do(tab)
+    tab.page.locator(".studio-lost").wait_for(state="detached")
+    wait_for_joints(tab, after)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("act", [act for act in ROW_ACTS if act != "a row that is dragged"])
+def test_an_act_whose_answer_is_lost_is_done_once(slow: tuple[Any, Network], act: str) -> None:
+    """A row is added, removed or moved once, where the connection broke after the server had done so."""
+    tab, network = slow
+    do, after = ROW_ACTS[act]
+    tab.cell(2, "d").click()
+    tab.settle()
+    network.hold()
+    do(tab)
+    network.wait_for("dhGrid.mark")
+    network.forget()
+    wait_for_joints(tab, after)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("label", ["base", "payload", "name of the arm"])
+def test_a_text_is_taken_over_another_connection(slow: tuple[Any, Network], label: str) -> None:
+    """A text of the whole table that was lost with the connection is sent again: the page loaded anew has it."""
+    tab, network = slow
+    text = "other" if label == "name of the arm" else {"base": "{xyz: [0, 0, 0.5]}", "payload": "{mass: 2}"}[label]
+    with network.broken():
+        tab.page.get_by_label(label, exact=True).fill(text)
+        tab.page.keyboard.press("Enter")
+        tab.page.keyboard.press("Tab")
+    tab.settle()
+    tab.page.reload()
+    tab.page.wait_for_function(
+        "([label, text]) => document.querySelector(`input[aria-label='${label}']`)?.value === text", arg=[label, text]
+    )
+
+
+@pytest.mark.long
+def test_what_is_being_typed_while_the_connection_breaks(slow: tuple[Any, Network]) -> None:
+    """A text that was begun in a field, or a cell, is taken, and the cursor comes back to where it was."""
+    tab, network = slow
+    page = tab.page
+    page.get_by_label("base", exact=True).click()
+    for text, where, kept in (("{xyz: [0, 0, 0.5]}", "[aria-label=base]", "0.5"), ("0.123", "[col-id=d]", "0.123")):
+        with network.broken():
+            page.keyboard.type(text)
+        page.locator(".studio-lost").wait_for(state="detached")
+        page.wait_for_function("text => dhPage.kept().includes(text)", arg=kept)
+        page.wait_for_function("where => document.activeElement.matches(where)", arg=where)
+        tab.cell(1, "d").click()
+    page.reload()
+    tab.wait_for_cell(1, "d", "0.123")
+    page.wait_for_function("document.querySelector('[aria-label=base]').value === '{xyz: [0, 0, 0.5]}'")
+
+
+@pytest.mark.long
+def test_cells_are_pasted_and_dialogs_opened_over_another_connection(slow: tuple[Any, Network]) -> None:
+    """So are cells that are pasted, and a click that opens a dialog opens one."""
+    tab, network = slow
+    tab.cell(2, "a").click()
+    tab.settle()
+    script = """text => {
+        const data = new DataTransfer();
+        data.setData("text/plain", text);
+        document.activeElement.dispatchEvent(new ClipboardEvent("paste", { clipboardData: data, bubbles: true }));
+    }"""
+    with network.broken():
+        tab.page.evaluate(script, "-0.3\tpi/4")
+        tab.page.get_by_role("button", name="Open", exact=True).dblclick()
+    tab.wait_for_cells(2, a="-0.3", alpha="pi/4")
+    tab.page.locator(".q-dialog").wait_for()
+    tab.page.keyboard.press("Escape")
+    tab.page.locator(".q-dialog").wait_for(state="detached")
+
+
+@pytest.mark.long
+def test_what_is_lost_is_told(slow: tuple[Any, Network]) -> None:
+    """A page that is loaded anew while the connection is broken names what has not arrived, and nothing else."""
+    tab, network = slow
+    page, told = tab.page, tab.page.locator(".q-notification")
+    network.hold()
+    tab.type_into(0, "a", "0.25")
+    network.wait_for("dhGrid.mark")  # it has arrived, though the page does not know it
+    page.evaluate("answers.lost = true")
+    tab.type_into(1, "a", "-0.9")
+    page.keyboard.press("Alt+ArrowUp")
+    page.get_by_label("base", exact=True).fill("{xyz: [0, 0, 0.5]}")
+    page.get_by_role("button", name="New").click()
+    page.reload()
+    told.wait_for()
+    lines = told.locator(".q-notification__message").inner_text().splitlines()
+    assert lines[1:] == ["row 2, a: -0.9", "row 3: up", "base: {xyz: [0, 0, 0.5]}", "New"]
+    tab.wait_for_cell(0, "a", "0.25")
+    tab.wait_for_cell(1, "a", "-0.425")
+    told.get_by_role("button", name="Close").click()
+    told.wait_for(state="detached")
+    network.hold()
+    tab.type_into(1, "a", "-0.9")
+    network.wait_for("dhGrid.mark")
+    page.reload()
+    tab.wait_for_cell(1, "a", "-0.9")
+    tab.settle()
+    assert told.count() == 0
 
 
 @pytest.mark.long

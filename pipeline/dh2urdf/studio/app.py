@@ -12,6 +12,8 @@ from fastapi import Response
 from nicegui import app, ui
 
 from dh2urdf.errors import OutputError
+from dh2urdf.studio import dialogs, words
+from dh2urdf.studio.connection.acts import Arrivals
 from dh2urdf.studio.drawing.mesh_store import MeshStore
 from dh2urdf.studio.driving.live_joints import LiveJoints
 from dh2urdf.studio.driving.routes import serve_joints
@@ -22,7 +24,7 @@ from dh2urdf.studio.viewing import View
 from dh2urdf.table_text import TableText
 
 if TYPE_CHECKING:
-    from collections.abc import Awaitable, Callable
+    from collections.abc import Awaitable, Callable, Sequence
 
     from dh2urdf.plugin_system.catalog import Catalog
 
@@ -85,6 +87,8 @@ def build_studio(catalog: Catalog, table: TableText | None) -> None:
         catalog: the installed stages.
         table: what a new tab begins with; None for an empty table.
     """
+    arrivals = Arrivals()
+    arrivals.serve()
     sessions = Sessions(lambda: Session(catalog, table))
     meshes = MeshStore({})
     app.on_shutdown(meshes.close)
@@ -94,7 +98,14 @@ def build_studio(catalog: Catalog, table: TableText | None) -> None:
     @ui.page("/")
     async def studio() -> None:
         dress()
+        ui.on("dh-lost", lambda event: tell_lost(arrivals.lost(*event.args)))
         await _unless_left(StudioPage(await sessions.of_this_tab(), meshes).start())
+
+
+def tell_lost(acts: Sequence[str]) -> None:
+    """Shows what the page before this one could not send."""
+    if acts:
+        dialogs.warn(words.lost(acts))
 
 
 def rehearse(catalog: Catalog) -> None:
@@ -132,6 +143,7 @@ def build_view(first: View, meshes: MeshStore) -> None:
         first: what the page of the first tab shows.
         meshes: reads their mesh files.
     """
+    Arrivals().serve()
     live = LiveJoints(first)
     views = Sessions(lambda: live.begin(View(first.figures)))
     serve_joints(live, views.all)
@@ -156,6 +168,6 @@ async def _unless_left(start: Awaitable[None]) -> None:
 def dress() -> None:
     """The style sheet and the scripts of a page."""
     ui.add_css((_HERE / "studio.css").read_text("utf-8"))
-    for script in ("look.js", "view_cube.js", "table_grid.js", "page.js"):
+    for script in ("connection/acts.js", "look.js", "view_cube.js", "table_grid.js", "page.js"):
         ui.add_head_html(f"<script>{(_HERE / script).read_text('utf-8')}</script>")
     ui.colors(primary="#1864ab", positive="#237032", info="#1864ab")  # white text on them can be read

@@ -85,7 +85,6 @@ export default {
     this.scene.add(this.sun, this.sun.target);
     this.looks = () => this.dress();
     window.addEventListener("dh-look", this.looks);
-    window.addEventListener("dh-back", this.again);
     this.camera = new THREE.PerspectiveCamera(36, 1, 0.01, 100);
     this.camera.up.set(0, 0, 1);
     this.level = new THREE.OrthographicCamera();
@@ -125,7 +124,6 @@ export default {
 
   beforeUnmount() {
     window.removeEventListener("dh-look", this.looks);
-    window.removeEventListener("dh-back", this.again);
     this.observer.disconnect();
     this.controls.dispose();
     this.renderer?.dispose();

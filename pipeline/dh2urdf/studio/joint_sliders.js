@@ -34,11 +34,6 @@ export default {
   created() {
     this.pending = false;
     this.number = 0; // of the values that were sent last
-    window.addEventListener("dh-back", this.back);
-  },
-
-  beforeUnmount() {
-    window.removeEventListener("dh-back", this.back);
   },
 
   methods: {
@@ -111,13 +106,6 @@ export default {
       this.busy = true;
       this.number += 1;
       this.$emit("values", { values: [...this.values], number: this.number });
-    },
-
-    // The connection is another one: values that were not answered are sent again.
-    back() {
-      if (!this.busy) return;
-      this.busy = false;
-      this.send();
     },
 
     text(index) {

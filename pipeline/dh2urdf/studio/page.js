@@ -63,11 +63,11 @@
   const away = (lost) => {
     const page = document.querySelector(".studio");
     if (!page) return;
-    if (lost) keepUnfinished();
+    if (lost) keepUnfinished(), leave(); // it is sent when the connection is back, unless the page is loaded anew
     page.inert = lost;
     page.classList.toggle("studio-lost", lost);
     document.querySelector(".studio-away")?.remove();
-    if (!lost) return void window.dispatchEvent(new Event("dh-back")); // what was asked for may be lost, or its answer
+    if (!lost) return void comeBack();
     const told = document.createElement("div");
     told.className = "studio-away";
     told.setAttribute("role", "alert");
@@ -117,9 +117,14 @@
   };
   window.addEventListener("hashchange", () => location.hash.startsWith(LINK) && location.reload());
 
-  // Where the cursor was before a dialog.
+  // Where the cursor was before a dialog, or before the connection broke.
   let before = null;
   document.addEventListener("focusin", ({ target }) => target.closest(".q-dialog, .q-menu") || (before = target), true);
+
+  const comeBack = () => {
+    if (document.activeElement !== document.body) return;
+    before?.isConnected ? before.focus() : window.dhGrid?.focusAgain();
+  };
 
   // What opens a dialog or makes a file does so once: more clicks on it do nothing while the answer to the first is on its way.
   const waiting = new Set(); // ids of elements
@@ -130,7 +135,6 @@
   };
   document.addEventListener("click", once, true);
   document.addEventListener("focusin", ({ target }) => target.closest(".q-dialog") && waiting.clear(), true);
-  window.addEventListener("dh-back", () => waiting.clear()); // a click may be lost, or its answer
 
   // Files that a person chooses or drops go to an address of the studio, with the folders that they are in; those whose
   // names end otherwise than is wanted stay here, and so do all of them where they are too much.
@@ -178,7 +182,7 @@
 
   window.dhPage = {
     answered: (id) => waiting.delete(id),
-    back: () => document.activeElement === document.body && before?.focus(),
+    back: comeBack,
     choose,
     drop,
     leave,

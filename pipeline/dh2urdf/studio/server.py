@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 from dh2urdf.errors import InputError, MissingDependencyError
 from dh2urdf.source import Mark, Problem
-from dh2urdf.studio.guard import Guard
+from dh2urdf.studio.connection.guard import Guard
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -38,8 +38,6 @@
 
   let asked = false; // whether the arm of what is being typed has been asked for, and is not on the screen yet
   let typed = null; // what has been typed since; of several letters the last one counts
-  let sent = []; // cells that were typed and are not answered yet: they may be lost with the connection
-  window.addEventListener("dh-back", () => sent.forEach((cell) => emitEvent("dh-edit", cell)));
   let home = null; // the column where the row that is being typed began
 
   // The table is one stop on the way through the page: Tab goes to what comes after it, Shift+Tab to what is before.
@@ -143,6 +141,7 @@
       return cell && { row: Number(cell.closest(".ag-row").getAttribute("row-id")), field: cell.getAttribute("col-id"), text: input.value };
     },
     stopEditing: () => grid?.stopEditing(),
+    focusAgain: () => grid?.getFocusedCell() && grid.setFocusedCell(place(grid).row, place(grid).column),
     inRange: ({ colDef, node }) =>
       Boolean(shown) && shown.first <= node.rowIndex && node.rowIndex <= shown.last && shown.fields.includes(colDef.field),
 
@@ -179,7 +178,6 @@
       if (event.altKey && !editing) {
         const act = { ArrowUp: "up", ArrowDown: "down", Insert: "add", Delete: "remove" }[event.key];
         if (act) emitEvent("dh-act", [act, node.rowIndex]);
-        if (act) sent = []; // rows have other numbers from now on
         // The cursor goes with the row, or to a new one, before the next key; a new last row is there before the answer.
         const count = api.getDisplayedRowCount(), to = node.rowIndex + ({ up: -1, down: 1, add: 1 }[act] ?? 0);
         if (to === count && act === "add") api.applyTransaction({ add: [{ id: count }] });
@@ -273,15 +271,13 @@
     // At once for the same reason.
     edited({ data, colDef, newValue }) {
       data[colDef.field] = newValue ?? "";
-      sent.push([data.id, colDef.field, newValue ?? ""]);
-      emitEvent("dh-edit", sent.at(-1));
+      emitEvent("dh-edit", [data.id, colDef.field, newValue ?? ""]);
       return true;
     },
 
     // A row was dragged elsewhere: at once, all rows have the numbers of their new places.
     dragged({ api, node }) {
       emitEvent("dh-row", [node.data.id, node.rowIndex]);
-      sent = [];
       const rows = [];
       api.forEachNode(({ data }) => rows.push({ ...data, id: rows.length }));
       api.setGridOption("rowData", rows);
@@ -296,7 +292,6 @@
     // Problems by row and field, and which row is picked. What is being typed is left alone.
     mark(api, problems, picked) {
       grid = api;
-      sent = [];
       api.forEachNode((node) => {
         node.data.problems = problems[node.data.id] ?? {};
         node.data.picked = node.data.id === picked;
@@ -334,7 +329,6 @@
 
     // The letter that opens an editor is in it already: the editor gets it like those that follow.
     started({ event }) {
-      asked = false; // an answer may have been lost with the connection
       if (event?.key?.length !== 1) return;
       const tell = (input) => input?.dispatchEvent(new Event("input", { bubbles: true }));
       setTimeout(() => tell(document.querySelector(".dh-table .ag-cell-inline-editing input")));

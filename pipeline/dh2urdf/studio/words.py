@@ -29,7 +29,7 @@ EMPTY = (
 _LARGE = 100_000
 """From this size on, the size of a file is written in megabytes [B]."""
 MOST_LOST = 6
-"""What a table cannot hold, as far as it is reported."""
+"""What a table cannot hold, or what was lost, as far as it is reported."""
 
 
 def status(session: Session, errors: int) -> tuple[str, str]:
@@ -72,6 +72,13 @@ def remarks(opened: Opened) -> list[str]:
 def without(lost: Sequence[str]) -> str:
     """What a table that was opened says, and the table on the screen does not."""
     return f"The studio's table has no place for {some_of(lost)}: what is made here is without."
+
+
+def lost(acts: Sequence[str]) -> str:
+    """The message where the connection has taken acts along."""
+    more = len(acts) - MOST_LOST
+    lines = [*acts[:MOST_LOST], *([f"and {more} more"] if more > 0 else ())]
+    return "\n".join(["The connection broke before this arrived, and the table is without it:", *lines])
 
 
 def some_of(things: Sequence[str]) -> str:

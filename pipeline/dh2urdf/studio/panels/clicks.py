@@ -24,7 +24,7 @@ def act_once(element: ui.button | ui.menu_item, act: Callable[[], Any]) -> None:
             if inspect.isawaitable(done := act()):
                 await done
         finally:
-            if element.client.has_socket_connection:
+            if not element.is_deleted:
                 element.client.run_javascript(f"dhPage.answered('{element.html_id}')")
 
     element.props("data-once").on_click(acted)

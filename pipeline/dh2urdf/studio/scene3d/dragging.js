@@ -91,15 +91,9 @@ export const dragging = {
     if (this.asked || !this.wanted) return;
     this.asked = true;
     const [kind, what] = this.wanted;
-    this.sent = [kind, { ...what, begins: this.begins }];
-    this.$emit(...this.sent);
+    this.$emit(kind, { ...what, begins: this.begins });
     this.wanted = null;
     this.begins = false;
-  },
-
-  // The connection is another one: what was not answered is sent again.
-  again() {
-    if (this.asked) this.$emit(...this.sent);
   },
 
   answered() {

@@ -148,6 +148,7 @@ def test_what_is_typed_can_be_read(studio_address: str, new_tab: Callable[..., A
     dress(page, look, "usual")
     for name in PANELS:
         page.get_by_role("button", name=name).click()
+    tab.expect(page.locator(".studio-panel:visible")).to_have_count(len(PANELS))
     found = {}
     for field in page.locator("input:not([type=range], [type=checkbox], [type=file]):visible").all():
         field.focus()

@@ -596,7 +596,7 @@ def test_a_hundred_axes(studio_address: str, new_tab: Callable[..., Any], catalo
 
 
 @pytest.mark.long
-def test_faults_of_the_server_are_told(studio_address: str, new_tab: Callable[..., Any]) -> None:
+def test_faults_of_the_server_are_told(studio_address: str, new_tab: Callable[..., Any], catalog: Catalog) -> None:
     """What the server cannot do is said on the page, and the studio goes on."""
     tab = new_tab(studio_address)
     page = tab.open("ur5")
@@ -604,4 +604,4 @@ def test_faults_of_the_server_are_told(studio_address: str, new_tab: Callable[..
     page.get_by_text(re.compile("The studio failed at this")).wait_for()
     page.get_by_role("button", name="Close").click()
     tab.type_into(1, "a", "-0.5")
-    tab.wait_for_status("the arm is the table's")
+    tab.wait_for_tool0(arm_of(edits.with_cell(gallery.table("ur5.csv", catalog), 1, "a", "-0.5"), catalog))

@@ -68,14 +68,15 @@ def test_a_description_lies_upon_the_arm(studio_address: str, new_tab: Callable[
     page.get_by_text("With these entries the table is the same arm").wait_for()
 
     # They move together, and the panel takes the description along when it closes.
+    before = tab.pose("tool0")[0][3]
     tab.press("random pose")
-    script = """() => {
+    script = """before => {
         const {scene} = document.querySelector('.arm-view');
         scene.updateMatrixWorld();
         const [one, other] = ['tool0', 'description/tool0'].map(name => scene.getObjectByName(name).matrixWorld.elements);
-        return one.every((x, i) => Math.abs(other[i] - x - (i === 14 ? 0.003 : 0)) < 1e-6);
+        return one[12] !== before && one.every((x, i) => Math.abs(other[i] - x - (i === 14 ? 0.003 : 0)) < 1e-6);
     }"""
-    page.wait_for_function(script)
+    page.wait_for_function(script, arg=before)
 
     # With the folder of its meshes it is drawn as it is; a mesh that is not there is named.
     folder = with_meshes(tmp_path / "arm_description", text)

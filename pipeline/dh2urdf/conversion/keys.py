@@ -70,7 +70,7 @@ def column_keys(columns: ManipulatorColumns, recipe: str, contexts: Sequence[obj
         forms.append((*words, given))
     common = key_of((table.convention.value, _others_of(table), forms, table.notices), recipe)
     rows = zip(columns.names, contexts, _bytes_of(numbers, len(columns)), strict=True)
-    return [key_of((name, context, row), common) for name, context, row in rows]
+    return [key_of((name, context), common, row) for name, context, row in rows]
 
 
 def whole(what: object) -> object:
@@ -86,9 +86,10 @@ def whole(what: object) -> object:
     return what
 
 
-def key_of(what: object, recipe: str) -> str:
-    """The key of anything, by its text; `whole` is for records."""
-    return sha256(f"{recipe} {what!r}".encode(errors="surrogatepass")).hexdigest()[:DIGITS]
+def key_of(what: object, recipe: str, numbers: bytes = b"") -> str:
+    """The key of anything, by its text, and of numbers by their bytes; `whole` is for records."""
+    text = f"{recipe} {what!r}".encode(errors="surrogatepass")
+    return sha256(b"%b\0%b" % (text, numbers) if numbers else text).hexdigest()[:DIGITS]
 
 
 _others_of = attrgetter(*(name for name in COMMON if name not in {"convention", "notices"}))

@@ -114,19 +114,17 @@ class Work(BatchContent):
         if self.worker.effect is Depth.LOOK or not recipe.makes_many_at_once:
             return {}
         ready: dict[int, Outcome] = {}
+        # Of the others there is more to do than to write files and to prove them.
+        plain = missing - self.batch.notices.keys() - self.singles.keys()
+        if recipe.loaders:
+            plain = {place for place in plain if self.batch.first + place not in recipe.sample}
         for places, columns in self.groups:
-            wanted = [member for member, place in enumerate(places) if self._is_plain(place, missing)]
+            wanted = [member for member, place in enumerate(places) if place in plain]
             if wanted:
                 some = columns if len(wanted) == len(places) else columns.take(wanted)
                 with watched(self.worker.home, self.recipe.time_limit):
                     ready.update(self._group([places[member] for member in wanted], some))
         return ready
-
-    def _is_plain(self, place: int, missing: set[int]) -> bool:
-        """Whether there is nothing to do but to write files and to prove them."""
-        is_loaded = self.recipe.loaders and self.batch.first + place in self.recipe.sample
-        others = self.batch.notices.keys() | self.singles.keys()
-        return place in missing and not is_loaded and place not in others
 
     def _group(self, places: list[int], columns: ManipulatorColumns) -> dict[int, Outcome]:
         """The outcomes of manipulators that differ in numbers only; what fails here is made one by one, to say why.

@@ -152,19 +152,13 @@ class Form:
         values = pieces[1::2]
         of_joints = skeleton.of_joints
         moving = [place for place in of_joints if place in traces]
-        said = {first[traces[place]] for place in moving}
-        lone = [*(first[traces[place]] for place in moving), *(place for place in groups if place not in said)]
-        text = b",".join([values[place] for place in lone])
-        counts = [values[place].count(b" ") + 1 for place in of_joints]
-        spans = {
-            place: range(end - count, end)
-            for place, count, end in zip(of_joints, counts, accumulate(counts), strict=True)
-        }
+        columns, sources = _spans(values, of_joints), _spans(values, groups)
+        text = b",".join([values[place] for place in groups])
         self.joints = skeleton.joints
-        self._lone = picker([groups[place] for place in lone])
         self._between = between_numbers(text)
-        self._count = text.count(b" ") + text.count(b",") + 1 if lone else 0
-        self._columns = [column for place in moving for column in spans[place]]
+        self._count = text.count(b" ") + text.count(b",") + 1 if groups else 0
+        self._columns = [column for place in moving for column in columns[place]]
+        self._sources = [source for place in moving for source in sources[first[traces[place]]]]
         self._row = numbers_in(b",".join([values[place] for place in of_joints])) or []
 
     def numbers(self, content: bytes, start: int) -> bytes | None:
@@ -181,7 +175,7 @@ class Form:
         pieces = self._pieces.copy()
         pieces[0] = content[:start] + pieces[0]
         pieces[1::2] = self._fillings(texts)
-        return b",".join(self._lone(texts)) if content == b"".join(pieces) else None
+        return b",".join(texts) if content == b"".join(pieces) else None
 
     def rows(self, texts: Sequence[bytes]) -> tuple[list[int], Any]:
         """The numbers of the joints of files of this form.
@@ -216,7 +210,14 @@ class Form:
             if found is None:
                 return None
             numbers = found
-        return array_of(numbers).reshape(len(texts), self._count)[:, : len(self._columns)]
+        return array_of(numbers).reshape(len(texts), self._count)[:, self._sources]
+
+
+def _spans(values: Sequence[bytes], places: Iterable[int]) -> dict[int, range]:
+    """Where the numbers of some values are among all of theirs, by the places of the values."""
+    counts = {place: values[place].count(b" ") + 1 for place in places}
+    ends = accumulate(counts.values())
+    return {place: range(end - count, end) for (place, count), end in zip(counts.items(), ends, strict=True)}
 
 
 def _columns(rows: Any) -> list[Any]:  # noqa: ANN401 - an array

@@ -395,8 +395,9 @@ def test_labels_keep_clear(studio_address: str, new_tab: Callable[..., Any]) -> 
         assert aside or one["bottom"] < other["top"] or other["bottom"] < one["top"]
     lines = "document.querySelector('.arm-view-leaders path').getAttribute('d').split('M').length - 1"
     page.get_by_text("a α d θ", exact=True).click()
-    page.wait_for_function(f"{lines} > 0")
-    assert page.evaluate(lines) < page.locator(".arm-view-label").count() / 2, "most are beside their points"
+    page.locator(".arm-view-stroke").first.wait_for()
+    # Most are beside their points.
+    page.wait_for_function(f"0 < {lines} && {lines} < document.querySelectorAll('.arm-view-label').length / 2")
 
     # At the wrist of a Stanford arm all frames from {3} on are at one point.
     tab.open_from_gallery("stanford")
@@ -560,6 +561,7 @@ def test_rows_are_added_removed_and_moved(studio_address: str, new_tab: Callable
     tab.cell(1, "joint").click()
     page.keyboard.press("Alt+ArrowUp")
     page.keyboard.press("Alt+Delete")  # at once: the cursor has gone with the row
+    tab.wait_for_status("3 axes")
     tab.wait_for_cell(0, "joint", "shoulder")
     page.keyboard.press("Alt+Insert")
     tab.wait_for_status("3 problems")

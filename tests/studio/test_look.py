@@ -98,8 +98,8 @@ def test_light_dark_and_projector(
         .filter(cell => cell.scrollWidth > cell.clientWidth).map(cell => cell.textContent)"""
     for width, height, columns in ((1280, 720, 7), (1920, 1080, 10)):
         page.set_viewport_size({"width": width, "height": height})
-        page.wait_for_function(f"!({cut})().length")
         page.wait_for_function(WITHOUT_SCROLLING, arg=columns)
+        page.wait_for_function(f"!({cut})().length")
         page.wait_for_function(f"document.querySelector('.arm-view').getBoundingClientRect().width > {0.4 * width}")
     with serving("view", TABLES / "ur5.csv") as address:
         other = new_tab(address).page

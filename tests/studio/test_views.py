@@ -86,8 +86,8 @@ def test_the_cube(studio_address: str, new_tab: Callable[..., Any]) -> None:
         page.wait_for_function(LOOKS_FROM, arg=list(direction))
         page.wait_for_function(UPRIGHT, arg=name)
     page.locator(".arm-view").focus()
-    page.keyboard.press("9")
-    page.wait_for_function(f"({seen})() === 'front,right,top'")
+    page.keyboard.press("1")
+    page.wait_for_function(UPRIGHT, arg="front")
     page.locator(".view-cube-corner:visible").first.click()
     page.wait_for_function(f"({seen})().split(',').length === 3")
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import importlib.metadata
 import re
 import struct
+import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -135,3 +136,21 @@ def test_a_mesh_in_millimetres_is_found_unless_it_is_scaled(tmp_path: Path) -> N
     assert twice == ["2 meshes are too large; the first, 'part.obj' measures 120 m"]
     ground = f'<robot name="a"><link name="b"><visual><geometry>{whole}</geometry></visual></link></robot>'
     assert rule_of(tmp_path, whole, lambda _: ground) == []
+
+
+def test_a_plain_obj_is_read_in_blocks(tmp_path: Path) -> None:
+    """No function is called for each of its lines, whatever they are: large meshes would take seconds."""
+    size = 10_000
+    vertices = [f"v {i % 7}.5 {i % 5}.25 {i % 3}e-05\nvt 0.5 -0.25\nvn 0 0 1\n" for i in range(size)]
+    faces = [f"f {i}/{i}/{i} {i + 1}/{i}/{i + 1} {i + 2}/{i}/{i}\n" for i in range(1, size - 1)]
+    path, calls = tmp_path / "part.obj", []
+    path.write_text("# exported\nmtllib part.mtl\n" + "".join(vertices) + "usemtl grey\ns off\n" + "".join(faces))
+    read_mesh(path)  # imports numpy
+    sys.setprofile(lambda _, event, __: calls.append(event))
+    try:
+        file = read_mesh(path)
+    finally:
+        sys.setprofile(None)
+    assert file is not None
+    assert (file.problem, file.of_assimp, file.stray, file.vertices) == ("", "", None, 4)
+    assert len(calls) < size

@@ -107,6 +107,27 @@ VERTICES_OF_WORDS = {
             ),
             *([f"v {text}"] for text in ("0 0 inf", "0 0 1e999", "0 0 nan", "0 0 -nan(ind)", "nan 0 0.1", "0 0 1e ")),
             ["v 0 0 0.1 1 0 0"],
+            *(
+                [f"v 0 0 0.1 {more}"]
+                for more in (
+                    "0",
+                    "1",
+                    "-1",
+                    "x",
+                    "0x1",
+                    "1e-400",
+                    "1e-40",
+                    "0 # c",
+                    "0#",
+                    "# 0",
+                    ".0",
+                    "-.0",
+                    "inf",
+                    "1 x",
+                )
+            ),
+            *([f"v 0 0 0.1 {more}"] for more in ("0 0", "1 0", "0 0 0", "1 0 0 0", "x 1 1", "x 0")),
+            *([f"v 0 0 {z}"] for z in ("1e38", "3.5e38", "1e300", "1.7e308", "1e309", "-1e39", "0.1_0", "0_1")),
             ["v 0 0 0.1 red"],
             ["v 0 0 \\\n 0.1"],
             ["  v 0 0 0.1"],
@@ -116,8 +137,38 @@ VERTICES_OF_WORDS = {
         ]
     )
 }
+MARK = b"\xef\xbb\xbf"
+ADDED = {
+    f"added-{number}.obj": obj(FACES) + f"{line}\n".encode()
+    for number, line in enumerate(
+        [
+            *(
+                f"f 1 2 3{comment}"
+                for comment in (" # comment", " #comment", "# comment", " # 4", " #", " # 9", "/1 # 9")
+            ),
+            *("f 1 2 # 3", "f # 1 2 3", "f 1 2 x # c", "f 1 2 3.5 # c", "f 1#2 2 3", "f 0_1 2 3", "f 1_0 2 3"),
+            *("f 0 1", "f x 1", "f 0", "f 9 1", "f -9 1", "f 1 2"),
+            *("l 1 2", "l 0 1", "l 1 9", "l -9 1", "l 1 x", "l 1 2 # c", "l", "l\t0 2", "l 1/9 2/9", "l 1.5 2"),
+            *("p 1", "p 0", "p 9", "p x", "p 1 # c"),
+            *("v 1 1 1 0", "v 0 0 1e39", "v 0 0 1e308", "v 0 0 1e15", "vn 0 0 1 # c", "vt 0 0 # c"),
+        ]
+    )
+}
+"""The whole OBJ with a line more."""
 MESHES = {
     **VERTICES_OF_WORDS,
+    **ADDED,
+    "mark.obj": MARK + obj(FACES),
+    "mark-and-comment.obj": MARK + b"# exported\n" + obj(FACES),
+    "mark-and-blank.obj": MARK + b" " + obj(FACES),
+    "marks.obj": MARK + MARK + obj(FACES),
+    "line-first.obj": b"l 0 1\n" + obj(FACES),
+    "commented-faces.obj": obj(FACES).replace(b"f 1 3 2\n", b"f 1 3 2 # a\n"),
+    "far-corners.obj": with_vertex("v 1e30 0 0", "v 0 1e30 0", "v 0 0 1e30"),
+    "far-plane.obj": with_vertex("v 0 1e20 0", "v 0 0 -1e20"),
+    "far-line.obj": with_vertex("v 0 0 1e15", "v 0 0 -1e15"),
+    "far-cube.obj": obj(FACES, [(1e15 * (10 + a), 1e16 * (1 + b), 1e16 * (1 + c)) for a, b, c in CORNERS]),
+    "decimetre.obj": obj(FACES).replace(b"v 0.1", b"v 0_1"),
     "further-word.obj": obj(FACES) + b"v a b c\n",
     "slope.stl": stl([(0, 1, 2), (1, 3, 2)], SLOPE),
     "slope.obj": obj([(0, 1, 2), (1, 3, 2)], SLOPE),

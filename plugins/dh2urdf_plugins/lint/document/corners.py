@@ -1,119 +1,20 @@
-"""The vertices and faces of OBJ and STL files, as the readers take them that look into them."""
+"""What the readers compute of the vertices and triangles of a mesh."""
 
 from __future__ import annotations
 
-import re
-from itertools import islice
 from typing import TYPE_CHECKING, Any
 
-from dh2urdf.source import shown
-
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
-
     from numpy.typing import NDArray
 
-VERTEX = {
-    ".stl": re.compile(rb"^[ \t]*vertex[ \t]+(\S+)[ \t]+(\S+)[ \t]+(\S+)", re.MULTILINE),
-    ".obj": re.compile(rb"^[ \t]*v[ \t]+(?:([^\s#]\S*)(?:[ \t]+(\S+)(?:[ \t]+(\S+))?)?)?", re.MULTILINE),
-}
-FACE = re.compile(rb"^[ \t]*f((?:[ \t]+\S+){3,})", re.MULTILINE)
-_NUMBER = re.compile(
-    rb"[-+]?(?:0x(?:[0-9a-f]+\.?[0-9a-f]*|\.[0-9a-f]+)(?:p[-+]?[0-9]+)?"
-    rb"|(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:e[-+]?[0-9]+)?|inf|nan)",
-    re.IGNORECASE,
-)
-_LINE = re.compile(rb"^[ \t]*l[ \t]", re.MULTILINE)
-_BEGINS = rb"(?:[-+]?[0-9]|[-+]\.[0-9]|[-+]?(?:nan|inf))"
-"""The beginnings of texts that assimp counts as numbers."""
-_ODD_VERTEX = re.compile(
-    rb"^(?:[ \t]+v[ \t]|v[ \t](?![ \t]*(?:%b\S*[ \t]+){2}%b))[^\n]*" % (_BEGINS, _BEGINS), re.MULTILINE | re.IGNORECASE
-)
-"""A vertex that assimp passes over: it begins with a blank, or is not three numbers."""
-_ODD_LINE = re.compile(
-    rb"^(?:vn[ \t](?![ \t]*(?:(?:\.|%b)\S*[ \t]+){2}(?:\.|%b))|vt[ \t](?![ \t]*%b\S*[ \t]+%b)"
-    rb"|f[ \t](?=[^\n#]*[^-+0-9/ \t\n#\\])|v[ \t](?=[^\n#]*[0-9.]e[-+]?[ \t\n]))[^\n]*" % (4 * (_BEGINS,)),
-    re.MULTILINE | re.IGNORECASE,
-)
-"""A line of an OBJ with something else than numbers, for which assimp refuses the file."""
-_PLAIN_FACE = re.compile(rb"^f[ \t]", re.MULTILINE)
-_NORMAL = re.compile(rb"^[ \t]*vn[ \t]", re.MULTILINE)
-_WITH_NORMAL = re.compile(rb"[^\s/]+/[^\s/]*/([-+]?[0-9]+)(?=\s|\Z)")
-_CHUNK = 4096
-_BLOCK = 2**20
-"""How much of an OBJ is looked at together [B]."""
-_DIGITS = 18
-"""Digits of a number that 8 bytes hold."""
 _TRIANGLES = 2**16
 """How many triangles are looked at together."""
 FLAT = 1e-14
 """How far from a plane or line vertices may be that are in it, as a share of the largest coordinate."""
-POINT = 1e-12
-"""The size of a mesh that Drake takes for a point [m]."""
-
-
-def vertices_of(lines: bytes, suffix: str) -> NDArray[Any]:
-    """The vertices of a file of text, of shape (n, 3); 0 for what is missing or begins with no number.
-
-    Raises:
-        ValueError: a text in an STL is no number.
-    """
-    import numpy as np
-
-    chunks, texts = [], (match.groups(b"") for match in VERTEX[suffix].finditer(lines))
-    while chunk := list(islice(texts, _CHUNK)):
-        try:
-            chunks.append(np.array(chunk).astype(float))
-        except ValueError:
-            if suffix != ".obj":
-                raise
-            chunks.append(np.array([[_begin(text) for text in corner] for corner in chunk]))
-    return np.concatenate(chunks) if chunks else np.empty((0, 3))
-
-
-def _begin(text: bytes) -> float:
-    if (match := _NUMBER.match(text)) is None:
-        return 0.0
-    return float.fromhex(match[0].decode()) if b"x" in match[0].lower() else float(match[0])
-
-
-def problem_of_assimp(lines: bytes, count: int, triangles: NDArray[Any]) -> str:
-    """Why assimp refuses an OBJ with as many vertices, and with faces; empty where it takes it."""
-    if match := _ODD_LINE.search(lines):
-        return f"the line {_shown(match[0])} has something else than numbers"
-    if not _PLAIN_FACE.search(lines):
-        return "its faces begin with blanks"
-    found = (match[0].rstrip() for match in _ODD_VERTEX.finditer(lines))
-    odd = [line for line in found if not line.endswith(b"\\")]  # It goes on in the next line.
-    if odd and int(triangles.max(initial=0)) >= count - len(odd):
-        return f"the vertex {_shown(odd[0])} begins with a blank, or is not three numbers"
-    return ""
-
-
-def _shown(line: bytes) -> str:
-    return shown(line.decode("utf-8", "replace").rstrip())
-
-
-def triangles_of(lines: bytes) -> NDArray[Any] | None:
-    """The triangles of the faces of an OBJ, by vertices counted from 0.
-
-    None where one is counted from the end, or where there are neither faces nor lines: MuJoCo makes a hull then.
-    """
-    import numpy as np
-
-    if not FACE.search(lines) and not _LINE.search(lines):
-        return None
-    found = []
-    for start, end in _blocks(lines):
-        faces = FACE.findall(lines, start, end)
-        numbers = _vertex_numbers(b"".join(faces))
-        if (numbers < 0).any():
-            return None
-        counts = np.array([len(face.split()) for face in faces], np.int64)
-        first = np.repeat(np.cumsum(counts) - counts, counts)
-        at = np.flatnonzero(np.arange(len(numbers)) - first >= 2)  # noqa: PLR2004 - a fan from its first corner
-        found.append(np.stack([numbers[first[at]], numbers[at - 1], numbers[at]], axis=1) - 1)
-    return np.concatenate(found) if found else np.empty((0, 3), np.int64)
+_SAMPLE = 64
+"""How many vertices are looked at first."""
+NOTHING = 1e-12
+"""What Drake takes for no distance [m]."""
 
 
 def summed_volume(vertices: NDArray[Any], triangles: NDArray[Any]) -> float:
@@ -146,97 +47,79 @@ def _facets(corners: NDArray[Any]) -> tuple[NDArray[Any], NDArray[Any]]:
     return corners.mean(axis=1), np.cross(second - first, third - first) / 2.0
 
 
-def dimensions(vertices: NDArray[Any]) -> int:
-    """Of finite vertices: 0 at one place, 1 in one line, 2 in one plane, else 3; as nearly as their numbers can be."""
+def is_planar(vertices: NDArray[Any]) -> bool:
+    """Whether finite vertices are in one plane, in one line or at one place, as nearly as their numbers can be."""
+    import numpy as np
+
+    nearly = FLAT * float(np.abs(vertices).max())
+    return all(_is_planar(each, nearly) for each in (_sample(vertices), vertices))
+
+
+def _sample(vertices: NDArray[Any]) -> NDArray[Any]:
+    """Some of the vertices: where these are in no plane, all are in none."""
+    return vertices[:: max(1, len(vertices) // _SAMPLE)]
+
+
+def _is_planar(vertices: NDArray[Any], nearly: float) -> bool:
     import numpy as np
 
     arms = vertices - vertices[0]
     along = arms[np.argmax(np.einsum("ij,ij->i", arms, arms))]
     normals = np.cross(arms, along)
     sizes = np.linalg.norm(normals, axis=1)
-    length, largest = float(np.linalg.norm(along)), float(np.abs(vertices).max())
-    if length < POINT:
-        return 0
-    if sizes.max() <= FLAT * largest * length:
-        return 1
-    normal = normals[np.argmax(sizes)] / sizes.max()
-    return 2 if np.abs(arms @ normal).max() <= FLAT * largest else 3
+    if sizes.max() <= nearly * float(np.linalg.norm(along)):
+        return True
+    return bool(np.abs(arms @ (normals[np.argmax(sizes)] / sizes.max())).max() <= nearly)
 
 
-def lacks_normals(lines: bytes) -> bool:
-    """Whether an OBJ has normals, and a face with a corner that has none."""
-    count = sum(1 for _ in _NORMAL.finditer(lines))
-    for start, end in _blocks(lines) if count else ():
-        corners = b"".join(FACE.findall(lines, start, end))
-        numbers = abs(_vertex_numbers(b" " + b" ".join(_WITH_NORMAL.findall(corners))))
-        if len(numbers) != len(corners.split()) or not ((numbers > 0) & (numbers <= count)).all():
-            return True
-    return False
+def has_hull(vertices: NDArray[Any]) -> bool:
+    """Whether Drake makes a hull of the vertices of an OBJ: it takes 0 for what is not finite.
 
-
-def stray_corner(lines: bytes, count: int) -> int | None:
-    """A number in the faces of an OBJ that is none of its vertices, which are counted from 1.
-
-    A corner is ``vertex/texture/normal``, and a negative vertex is counted from the last one before the face.
+    It does not where all are at one place or in one line, nor where qhull takes what is left for flat. To vertices in a
+    plane, Drake adds one at a distance of 1 (`geometry/proximity/make_convex_hull_mesh_impl.cc`).
     """
-    is_backwards = False
-    for start, end in _blocks(lines):
-        numbers = _vertex_numbers(b"".join(FACE.findall(lines, start, end)))
-        for odd in (numbers[numbers > count], numbers[numbers == 0]):
-            if len(odd):
-                return int(odd[0])
-        is_backwards |= bool((numbers < 0).any())
-    return _stray_backwards(lines) if is_backwards else None
-
-
-def _stray_backwards(lines: bytes) -> int | None:
-    """A negative number in the faces of an OBJ that goes back beyond its first vertex."""
-    count = 0
-    for start, end in _blocks(lines):
-        numbers = _vertex_numbers(b"".join(FACE.findall(lines, start, end)))
-        if (numbers < -count).any():
-            for line in lines[start:end].split(b"\n"):
-                count += VERTEX[".obj"].match(line) is not None
-                if match := FACE.match(line):
-                    for number in _vertex_numbers(match[1]).tolist():
-                        if number < -count:
-                            return int(number)
-        else:
-            count += sum(1 for _ in VERTEX[".obj"].finditer(lines, start, end))
-    return None
-
-
-def _blocks(lines: bytes) -> Iterator[tuple[int, int]]:
-    """The beginnings and ends of blocks of whole lines."""
-    start = 0
-    while start < len(lines):
-        end = lines.find(b"\n", start + _BLOCK) + 1 or len(lines)
-        yield start, end
-        start = end
-
-
-def _vertex_numbers(corners: bytes) -> NDArray[Any]:
-    """The first number of each of some corners, as the function ``atoi`` of C reads it: 0 where there is none."""
     import numpy as np
 
-    text = np.frombuffer(corners + b" ", np.uint8)
-    at = np.flatnonzero((text[:-1] <= ord(" ")) & (text[1:] > ord(" "))) + 1
-    is_negative = text[at] == ord("-")
-    at = at + (is_negative | (text[at] == ord("+")))
-    numbers = np.zeros(len(at), np.int64)
-    for _ in range(_DIGITS):
-        digits = text[at] - ord("0")  # of what is no digit, 10 or more: the difference has no sign
-        going = digits < 10  # noqa: PLR2004 - a decimal digit
-        if not going.any():
-            break
-        numbers = np.where(going, 10 * numbers + digits, numbers)
-        at = at + going
-    return np.where(is_negative, -numbers, numbers)
+    with np.errstate(all="ignore"):
+        vertices = np.where(np.isfinite(vertices), vertices, 0.0)
+        rounding = _rounding(vertices)
+        return _has_hull(_sample(vertices), rounding, of_plane=False) or _has_hull(vertices, rounding, of_plane=True)
 
 
-def has_area(faces: Iterable[bytes]) -> bool:
-    """Whether one of some faces has three different vertices."""
-    return any(
-        len({corner.partition(b"/")[0] for corner in face.split()}) > 2  # noqa: PLR2004 - two are a line
-        for face in faces
-    )
+def _has_hull(vertices: NDArray[Any], rounding: float, *, of_plane: bool) -> bool:
+    import numpy as np
+
+    arms = vertices - vertices[0]
+    lengths = np.linalg.norm(arms, axis=1)
+    first = int(np.argmax(lengths >= NOTHING))
+    normals = np.cross(arms[first] / lengths[first], arms)
+    sizes = np.linalg.norm(normals, axis=1)
+    second = int(np.argmax(sizes >= NOTHING))
+    if not (lengths[first] >= NOTHING and sizes[second] >= NOTHING):
+        return False
+    normal = normals[second] / sizes[second]
+    if of_plane and (np.abs(arms @ normal) <= NOTHING).all():
+        vertices = np.vstack([vertices, vertices.mean(axis=0) + normal])
+    return _depth(vertices) > 4.0 * rounding  # The common centre is at a quarter of the height.
+
+
+def _depth(vertices: NDArray[Any]) -> float:
+    """The least height of a large simplex of vertices."""
+    import numpy as np
+
+    axis = np.argmax(np.ptp(vertices, axis=0))
+    start, end = vertices[np.argmin(vertices[:, axis])], vertices[np.argmax(vertices[:, axis])]
+    arms, along = vertices - start, end - start
+    third = arms[np.argmax(np.linalg.norm(np.cross(arms, along), axis=1))]
+    fourth = arms[np.argmax(np.abs(arms @ np.cross(along, third)))]
+    sides = ((along, third), (along, fourth), (third, fourth), (third - along, fourth - along))
+    return float(abs(fourth @ np.cross(along, third)) / max(np.linalg.norm(np.cross(*pair)) for pair in sides))
+
+
+def _rounding(vertices: NDArray[Any]) -> float:
+    """What qhull takes for a rounding error of a distance (`qh_distround`)."""
+    import numpy as np
+
+    each = np.abs(vertices).max(axis=0)
+    largest, total = float(each.max()), float(each.sum())
+    return float(np.finfo(float).eps * (3.0 * min(3.0**0.5 * largest, total) * 1.01 + largest))

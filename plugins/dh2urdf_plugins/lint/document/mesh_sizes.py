@@ -12,17 +12,14 @@ from typing import TYPE_CHECKING, Any
 from xml.etree import ElementTree as ET
 
 from dh2urdf.late_tuples import NamedTuple
-from dh2urdf_plugins.lint.document.corners import (
-    FACE,
-    VERTEX,
-    dimensions,
+from dh2urdf_plugins.lint.document.corners import has_hull, is_planar, summed_volume
+from dh2urdf_plugins.lint.document.obj import (
+    KNOW_COMMENTS,
     has_area,
-    lacks_normals,
     problem_of_assimp,
-    stray_corner,
-    summed_volume,
+    read_obj,
+    read_obj_as,
     triangles_of,
-    vertices_of,
 )
 
 if TYPE_CHECKING:
@@ -43,6 +40,7 @@ _NO_ELEMENT = re.compile(
 )
 """Declarations, comments and the like, and nothing else."""
 _MOST_NODES = 10_000
+_VERTEX = re.compile(rb"^[ \t]*vertex[ \t]+([^\r\n]+)", re.MULTILINE)
 SOLID = 4
 """The least number of vertices that enclose anything."""
 
@@ -57,15 +55,17 @@ class MeshFile(NamedTuple):
         triangles: how many an STL of numbers has; of other files, 0.
         vertices: how many different ones there are, counted up to `SOLID`; None where they are not known.
         stray: a number in a face of an OBJ that is none of a vertex; None where there is no such one.
+        stray_in_line: the same of a line or point, 0 or too far back.
+        stray_to_none_of: the readers to which no such number is one of a face, line or point, but of a comment.
         has_area: whether a triangle of it has three different corners, as far as that is known.
         of_assimp: why assimp alone, with which Pinocchio reads meshes, cannot read one.
         lacks_normals: whether it is an OBJ with normals, and with a face that has none of them.
-        is_nowhere: whether no coordinate of any vertex is finite.
         is_finite: whether all coordinates are finite in single precision.
         has_nan: whether one of them is not a number.
         farthest: the largest coordinate, in the unit of the file.
         volume: what MuJoCo computes of the triangles, in the unit of the file; None where it is not known.
-        dimensions: 0 where all vertices are at one place, 1 in one line, 2 in one plane, else 3.
+        is_planar: whether all vertices are in one plane, or in one line.
+        has_hull: whether Drake makes a hull of the vertices, as far as that is known.
         sides: the sides of the box around the mesh in its own axes, in the unit of the file or, of COLLADA, in metres;
             None where they are not known.
         is_hollow: whether it is a COLLADA file without an element, without `library_geometries` or with an empty list
@@ -78,15 +78,17 @@ class MeshFile(NamedTuple):
     triangles: int = 0
     vertices: int | None = None
     stray: int | None = None
+    stray_in_line: int | None = None
+    stray_to_none_of: frozenset[str] = frozenset()
     has_area: bool = True
     of_assimp: str = ""
     lacks_normals: bool = False
-    is_nowhere: bool = False
     is_finite: bool = True
     has_nan: bool = False
     farthest: float = 0.0
     volume: float | None = None
-    dimensions: int = 3
+    is_planar: bool = False
+    has_hull: bool = True
     sides: Vec3 | None = None
     is_hollow: bool = False
 
@@ -99,7 +101,7 @@ def read_mesh(path: Path) -> MeshFile | None:
         too large, no more than the header is read.
     """
     suffix = path.suffix.lower()
-    if suffix not in {*VERTEX, ".dae"}:
+    if suffix not in _READ:
         return None
     try:
         size = path.stat().st_size
@@ -120,7 +122,7 @@ def _of_content(content: bytes, suffix: str) -> MeshFile:
     if content.startswith(b"version https://git-lfs"):
         return MeshFile("it is a pointer of Git LFS, which `git lfs pull` replaces")
     try:
-        return _of_collada(content) if suffix == ".dae" else _of_text(content, suffix)
+        return _READ[suffix](content)
     except ValueError:
         return MeshFile()
 
@@ -151,34 +153,44 @@ def _extent(vertices: NDArray[Any], triangles: NDArray[Any] | None) -> dict[str,
     return {
         "vertices": _distinct(vertices),
         "sides": sides,
-        "is_nowhere": not np.isfinite(vertices).any(),
         "has_nan": bool(np.isnan(read).any()),
         "is_finite": is_finite,
         "farthest": float(np.abs(read).max(initial=0.0)),
         "volume": summed_volume(read, triangles) if is_finite and triangles is not None else None,
-        "dimensions": dimensions(read) if is_finite else 3,
+        "is_planar": is_finite and is_planar(read),
     }
 
 
-def _of_text(content: bytes, suffix: str) -> MeshFile:
-    lines = content.replace(b"\r", b"\n")
-    vertices = vertices_of(lines, suffix)
-    has_faces = suffix == ".obj" and FACE.search(lines) is not None
-    if not len(vertices):
-        what = "triangles of text, nor the size of an STL of numbers" if suffix == ".stl" else "vertices"
-        return MeshFile(f"it has no {what}", vertices=0, is_hollow=has_faces)
-    if suffix == ".stl":
-        return MeshFile(is_text=True)._replace(**_extent(vertices, None))
-    stray = stray_corner(lines, len(vertices)) if has_faces else None
-    triangles = triangles_of(lines) if stray is None else None
+def _of_text_stl(content: bytes) -> MeshFile:
+    import numpy as np
+
+    texts = [match[1].decode() for match in _VERTEX.finditer(content)]
+    if not texts:
+        return MeshFile("it has no triangles of text, nor the size of an STL of numbers", vertices=0)
+    vertices = np.loadtxt(texts, comments=None, usecols=(0, 1, 2), ndmin=2)
+    return MeshFile(is_text=True)._replace(**_extent(vertices, None))
+
+
+def _of_obj(content: bytes) -> MeshFile:
+    lines = content.replace(b"\r", b"\n") if b"\r" in content else content
+    found = read_obj(lines)
+    has_faces = len(found.counts) > 0
+    if not len(found.vertices):
+        return MeshFile("it has no vertices", vertices=0, is_hollow=has_faces)
+    triangles = triangles_of(found) if found.stray is None else None
+    seen = {reader: found if found.is_sound else read_obj_as(reader, lines) for reader in KNOW_COMMENTS}
+    is_taken = not has_faces or has_area(found)
     return MeshFile(
         "" if has_faces else "it has no faces",
-        "its lines end with a carriage return alone" if b"\n" not in content else "",
-        stray=stray,
-        has_area=not has_faces or has_area(match[1] for match in FACE.finditer(lines)),
-        of_assimp=problem_of_assimp(lines, len(vertices), triangles) if has_faces and triangles is not None else "",
-        lacks_normals=has_faces and lacks_normals(lines),
-    )._replace(**_extent(vertices, triangles))
+        "its lines end with a carriage return alone" if lines is not content and b"\n" not in content else "",
+        stray=found.stray,
+        stray_in_line=found.stray_in_line,
+        stray_to_none_of=frozenset(reader for reader, each in seen.items() if each.is_sound),
+        has_area=is_taken,
+        of_assimp=problem_of_assimp(seen["pinocchio"]) if has_faces and is_taken else "",
+        lacks_normals=has_faces and found.lacks_normals,
+        has_hull=has_hull(found.vertices),
+    )._replace(**_extent(found.vertices, triangles))
 
 
 def _distinct(corners: NDArray[Any]) -> int:
@@ -339,3 +351,7 @@ def _turn(x: float, y: float, z: float, degrees: float) -> NDArray[Any]:
     length, angle = math.hypot(x, y, z) or 1.0, math.radians(degrees)
     k = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]]) / length
     return np.eye(3) + math.sin(angle) * k + (1.0 - math.cos(angle)) * k @ k
+
+
+_READ = {".stl": _of_text_stl, ".obj": _of_obj, ".dae": _of_collada}
+"""What reads the text of a file, by its suffix."""

@@ -12,6 +12,10 @@ _SMALL = 0.1
 """Of an arm that is smaller [m], lengths have more digits."""
 
 
+USUAL = 6
+"""Digits behind the point of a number that a person reads or changes, where its arm is not small."""
+
+
 def decimals(length: Unit, reach: float) -> int:
     """The digits behind the point of a length.
 
@@ -27,3 +31,9 @@ def plain(number: float, digits: int) -> str:
     """A number with some digits behind the point, and without a minus before a zero."""
     text = f"{number:.{digits}f}"
     return text.lstrip("-") if float(text) == 0 else text
+
+
+def short(number: float, digits: int) -> str:
+    """The same without zeros at its end; with more digits than is usual, as many as count."""
+    text = plain(number, digits).rstrip("0").rstrip(".")
+    return text if digits <= USUAL else f"{float(text):.{USUAL}g}"

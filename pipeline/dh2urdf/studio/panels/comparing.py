@@ -13,8 +13,10 @@ from nicegui import run, ui
 from dh2urdf.errors import InputError
 from dh2urdf.kinematics.comparison import TOLERANCE, changes
 from dh2urdf.meshes import named_files
+from dh2urdf.quantities.units import UNITS
 from dh2urdf.studio import dialogs, words
 from dh2urdf.studio.drawing import mesh_files
+from dh2urdf.studio.drawing.digits import decimals, short
 from dh2urdf.studio.drawing.scene import Drawing
 from dh2urdf.studio.editing.adopting import adopted, changed_cells, own_table
 from dh2urdf.studio.editing.comparing import Apart, Beside, differences
@@ -30,6 +32,8 @@ if TYPE_CHECKING:
     from dh2urdf.table_text import TableText
 
 _LIKELIEST = "the likeliest"
+_DIGITS = 3
+_MM = UNITS["mm"]
 
 
 class ComparingPanel:
@@ -120,7 +124,7 @@ class ComparingPanel:
         here: tuple[Apart, ...] = ()
         if found.chain is not None:
             here = differences(found.chain, table, [session.q.get(row.joint, 0.0) for row in table.moving_rows])
-        self._numbers.set_content(_as_html(found, table, here) if here else "")
+        self._numbers.set_content(_as_html(found, table, here, 1 + decimals(_MM, session.reach)) if here else "")
 
     async def _take(self, event: Any) -> None:  # noqa: ANN401 - NiceGUI's
         self._close()
@@ -236,22 +240,19 @@ def _words(found: Beside, table: Manipulator) -> Iterator[str]:
         yield from changes(table, agreement.corrected)
 
 
-def _as_html(found: Beside, table: Manipulator, here: tuple[Apart, ...]) -> str:
+def _as_html(found: Beside, table: Manipulator, here: tuple[Apart, ...], digits: int) -> str:
     """The differences as a table: now, and at the worst of the joint vectors that a proof takes."""
     names = [f"axis of {row.joint}" for row in table.moving_rows]
     tip = found.agreement.tip_link if found.agreement else ""
     rows = "".join(
-        f"<tr><th scope='row'>{escape(name)}</th>{_cells(now)}{_cells(worst)}</tr>"
+        f"<tr><th scope='row'>{escape(name)}</th>{_cells(now, digits)}{_cells(worst, digits)}</tr>"
         for name, now, worst in zip((*names, f"tool0 and {tip}"), here, found.worst, strict=True)
     )
     head = "".join(f"<th scope='col'>{name}</th>" for name in ("mm now", "° now", "mm at most", "° at most"))
     return f"<table class='studio-differences'><thead><tr><td></td>{head}</tr></thead><tbody>{rows}</tbody></table>"
 
 
-def _cells(apart: Apart) -> str:
+def _cells(apart: Apart, digits: int) -> str:
     kind = "" if max(apart) <= TOLERANCE else " class='studio-differs'"
-    return f"<td{kind}>{_short(1000.0 * apart.distance)}</td><td{kind}>{_short(math.degrees(apart.angle))}</td>"
-
-
-def _short(number: float) -> str:
-    return f"{number:.3f}".rstrip("0").rstrip(".")
+    distance, angle = short(_MM.number(apart.distance), digits), short(math.degrees(apart.angle), _DIGITS)
+    return f"<td{kind}>{distance}</td><td{kind}>{angle}</td>"

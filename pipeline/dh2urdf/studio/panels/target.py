@@ -21,7 +21,7 @@ from dh2urdf.rotations import (
     rotation_from_quaternion,
     rotation_from_rpy,
 )
-from dh2urdf.studio.drawing.digits import decimals, plain
+from dh2urdf.studio.drawing.digits import USUAL, decimals, short
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -33,7 +33,6 @@ if TYPE_CHECKING:
 PLACE = ("x", "y", "z")
 TURNS = {"roll, pitch, yaw": ("roll", "pitch", "yaw"), "quaternion": ("qx", "qy", "qz", "qw")}
 _BARE = Unit(symbol="", dimension=Dimension.NUMBER)
-_DIGITS = 6
 _NO_LENGTH = 1e-9  # of a quaternion
 _SINGULAR = 1e-9  # a singular value that is less is rounding
 _PATIENCE = 0.2  # of a person who waits for an answer [s]
@@ -105,8 +104,8 @@ class TargetPanel:
         for name, box in self._boxes.items():
             if not self._keeps_texts and name != self._focused:
                 unit, value = values[name]
-                digits = max(_DIGITS, decimals(length, self._session.reach)) if name in PLACE else _DIGITS
-                box.set_value(_short(unit.number(value), digits))
+                digits = max(USUAL, decimals(length, self._session.reach)) if name in PLACE else USUAL
+                box.set_value(short(unit.number(value), digits))
                 self._shown[name] = box.value, value
             box.set_visibility(name in PLACE or name in TURNS[self._turn.value])
         self._numbers.set_text(_words_of(arm.manipulator, self._session))
@@ -236,8 +235,3 @@ def _words_of(arm: Manipulator, session: Session) -> str:
         margin = nearest.shown(here.margins[nearest.name])
         parts.append(f"nearest limit: {nearest.name}, {margin:.4g} {nearest.unit.symbol}")
     return "; ".join(parts)
-
-
-def _short(number: float, digits: int) -> str:
-    text = plain(number, digits).rstrip("0").rstrip(".")
-    return text if digits == _DIGITS else f"{float(text):.{_DIGITS}g}"

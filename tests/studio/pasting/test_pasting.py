@@ -160,6 +160,16 @@ def test_a_text_that_is_cut_is_no_number(catalog: Catalog) -> None:
         "L(1) = Link([0 0.1 0.2 pi/2]);\nL(2) = Link([0 0 0.4 0]);",
         "L(1) = Link('d', 0.1, 'a', 0.2, 'alpha', pi/2);\nrobot = SerialLink(L, 'name', 'x');",
         "robot = DHRobot([\n    RevoluteDH(d=0.1, a=0.2, alpha=pi/2),\n    PrismaticMDH(a=0.4),\n])",
+        "Link(d=0.1, a=0, alpha=pi/2),\nLink(d=0, a=0.4, alpha=0),",
+        "Link([0 0.1 0 pi/2])\nLink([0 0 0.4 0])",
+        "d=0.1, a=0, alpha=pi/2\nd=0, a=0.4, alpha=0",
+        "'d', 0.1, 'a', 0, 'alpha', pi/2\n'd', 0, 'a', 0.4, 'alpha', 0",
+        "L(1).d = 0.1; L(1).a = 0;\nL(2).d = 0; L(2).a = 0.4;",
+        "L1 = [0 0.1 0 pi/2];\nL2 = [0 0 0.4 0];",
+        "E1 = ET.tz(0.333) * ET.Rz()\nE2 = ET.Rx(-pi/2) * ET.Rz()",
+        "dh_matrix(0, 0.1, 0, pi/2)\ndh_matrix(0, 0, 0.4, 0)",
+        "setFixedTransform(jnt1,dhparams(1,:),'dh');\nsetFixedTransform(jnt2,dhparams(2,:),'dh');",
+        "chain.addSegment(Segment(Joint(Joint::RotZ), Frame::DH(0.1, pi/2, 0, 0)));",
     ],
 )
 def test_code_is_no_table(catalog: Catalog, text: str) -> None:
@@ -168,6 +178,21 @@ def test_code_is_no_table(catalog: Catalog, text: str) -> None:
     assert isinstance(found, str)
     assert "paste the matrix of its numbers" in found
     assert "dh2urdf.from_roboticstoolbox(robot)" in found
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "atan2(1, 2)\t0.1\nsqrt(2)*0.1\tcos(pi/3)",
+        '"a (m)","alpha (rad)","d (m)"\n"0.1","pi/2","0"',
+        "a(i-1) (m, link), alpha(i-1), d\n0.1, pi/2, 0",
+        "np.array([[0.1, np.deg2rad(90), 0], [0.4, 0, 0]])",
+        '"j1",0.1,0\n"j2",0.4,0',
+    ],
+)
+def test_what_is_no_code(catalog: Catalog, text: str) -> None:
+    """Functions that a cell may have, units in brackets, and arrays."""
+    assert "code of a program" not in str(pasting.whole_tables(text, catalog))
 
 
 @pytest.mark.parametrize(

@@ -28,6 +28,12 @@ _CODE = re.compile(
     r"(?:[=\[]\s*(?:Link|Revolute|Prismatic)|\b(?:(?:Revolute|Prismatic)M?DH|SerialLink|DHRobot|rigidBodyJoint))\s*\("
 )
 """What makes a link or a robot in the toolboxes for MATLAB and Python."""
+_STATEMENT = re.compile(
+    r"\s*+[A-Za-z_][\w.]*+(?:[({]\w++[)}])?(?:\.\w++)?\s*+=(?!=)"
+    r"|\s*+['\"](?:a|alpha|d|offset|theta)['\"]\s*+,\s*+[-+.\d]"
+    r"|.*?(?<![\w.:])(?!(?:arc|a)tan2\b)[A-Za-z_](?:\w*+\s*+\((?:\s*+[\['\"]|[^(),]*+,)|\w*+[.:]++[A-Za-z_][\w.:]*+\s*+\()"
+)
+"""A line of a program: an assignment, what a toolbox's link is made of, a call with several values or of a module."""
 _MARKUP = re.compile(r"\s*<(?:[?!]|[A-Za-z][\w.:-]*[\s/>])")
 """How XML and HTML begin."""
 _COMMENTED = re.compile(r"\s*(?:#+|//+|%+|\*(?=\s)|--(?=\s))[ \t]?")
@@ -37,6 +43,10 @@ _NUMBER_SIGN = re.compile(r"^([ \t]*\|?[ \t]*)\\?#(?=[ \t]*[|&;,\t]|[ ]{2,}[^:\n
 _GAP = re.compile(r"([^\S\n]{200})[^\S\n]+")
 """Blanks of which the first ones are enough: some patterns here look at each of them as often as there are any."""
 _DIGIT = re.compile(r"\d")
+_PROGRAM = (
+    "this is code of a program, and not a table: paste the matrix of its numbers, or in Python call "
+    "dh2urdf.from_roboticstoolbox(robot).to_csv('arm.csv') and open that file"
+)
 MIN_COLUMNS = 2
 """Of a table with a header."""
 _NAME = re.compile(r"(?!pi\b)[^\W\d_][\w -]*", re.IGNORECASE)
@@ -125,10 +135,7 @@ def whole_tables(text: str, catalog: Catalog, convention: str = "") -> tuple[Ope
     """
     text = _GAP.sub(r"\1", text)
     if _CODE.search(text):
-        return (
-            "this is code of a robotics toolbox, and not a table: paste the matrix of its numbers, or in Python call "
-            "dh2urdf.from_roboticstoolbox(robot).to_csv('arm.csv') and open that file"
-        )
+        return _PROGRAM
     if _MARKUP.match(text):
         return (
             "this is the text of an XML or HTML file, and not a table: open a robot description as a file, and copy "
@@ -138,6 +145,8 @@ def whole_tables(text: str, catalog: Catalog, convention: str = "") -> tuple[Ope
     lines = [line for line in text.splitlines() if line.strip() and not line.lstrip().startswith("#")]
     shown = typeset(text)
     is_yaml = not shown and _YAML.match("\n".join(lines)) is not None
+    if not is_yaml and not shown and 2 * sum(map(bool, map(_STATEMENT.match, lines))) > len(lines):
+        return _PROGRAM
     if not is_yaml and not has_header(text) and not (shown and (shown.says_more or _is_headed(shown.rows))):
         return ()
     if is_yaml and "joints" not in text and text.lstrip()[:1] in ("-", "["):

@@ -475,6 +475,27 @@ def test_convention_and_units_are_converted_or_reinterpreted(
 
 
 @pytest.mark.long
+def test_both_units_are_chosen_in_the_question(studio_address: str, new_tab: Callable[..., Any]) -> None:
+    """Numbers in mm and degrees are typed into a table in m and rad: one question about both units is enough."""
+    tab = new_tab(studio_address)
+    page = tab.open("ur5")
+    tab.type_into(1, "a", "-425")
+    tab.type_into(0, "alpha", "90")
+    tab.settle()
+    page.get_by_role("button", name="mm", exact=True).click()
+    asked = page.get_by_role("dialog", name="To other units")
+    asked.get_by_text("the same numbers, now mm and rad").wait_for()
+    asked.get_by_role("button", name="deg", exact=True).click()
+    asked.get_by_text("its numbers in mm and deg").wait_for()
+    asked.get_by_text("Reinterpret: the same numbers, now mm and deg").click()
+    for head in ("a", "alpha"):
+        unit = "mm" if head == "a" else "deg"
+        page.locator(f".ag-header-cell[col-id={head}]", has_text=f"[{unit}]").wait_for()
+    tab.wait_for_cell(1, "a", "-425")
+    tab.wait_for_cell(0, "alpha", "90")
+
+
+@pytest.mark.long
 def test_a_wrong_table_is_not_reinterpreted_unasked(studio_address: str, new_tab: Callable[..., Any]) -> None:
     """Numbers that cannot be converted, as one of them is wrong, mean something else only when a person says so."""
     tab = new_tab(studio_address)

@@ -685,7 +685,7 @@ def test_a_tab_that_is_closed_during_a_dialog(
     with serving("studio", TABLES / "ur5.csv", errors=errors, patience=1.0) as address:
         for button, told in (
             ("Open", "or one of the gallery"),
-            ("deg", "To m and deg"),
+            ("deg", "To other units"),
             ("modified", "To the convention"),
         ):
             page = new_tab(address).open()

@@ -470,9 +470,9 @@ def test_two_choices_of_units_ask_one_question(slow: tuple[Any, Network]) -> Non
     network.hold()
     for unit in ("mm", "deg"):
         tab.page.get_by_role("button", name=unit, exact=True).click()
-    network.wait_for("To mm and deg")
+    network.wait_for("now mm and deg")
     network.release()
-    tab.page.get_by_role("dialog", name="To mm and deg").get_by_text("Convert").click()
+    tab.page.get_by_role("dialog", name="To other units").get_by_text("Convert").click()
     tab.page.locator(".q-dialog").wait_for(state="detached")
     tab.wait_for_cell(1, "a", "-425")
     tab.wait_for_cell(0, "alpha", "90")

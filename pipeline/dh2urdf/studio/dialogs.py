@@ -14,9 +14,10 @@ from dh2urdf.manipulator import Convention
 from dh2urdf.studio import gallery, words
 from dh2urdf.studio.editing import save as saving
 from dh2urdf.studio.editing.opening import Opened, tables_of
+from dh2urdf.table_text import ANGLE_UNITS, LENGTH_UNITS
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Callable, Iterator, Mapping, Sequence
 
     from dh2urdf.plugin_system.catalog import Catalog
     from dh2urdf.studio.editing.save import Saved
@@ -67,39 +68,62 @@ async def ask_convention(convention: Convention, *, possible: bool) -> bool | No
         if convention is Convention.MODIFIED
         else "a and α move up by one row; what is left over goes into the base."
     )
-    return await _ask(
-        f"To the convention {_MEANINGS[convention]}",
+    both = (
         f"Convert: the same arm, other numbers. {moved}",
         "Reinterpret: the same numbers, another arm. They were meant so from the beginning.",
-        possible=possible,
     )
+    answer = await _ask(f"To the convention {_MEANINGS[convention]}", lambda: both, possible=possible)
+    return None if answer is None else bool(answer[0])
 
 
-async def ask_units(length: str, angle: str, *, possible: bool) -> bool | None:
-    """Whether to convert to units (True) or to reinterpret (False); None for neither."""
-    return await _ask(
-        f"To {length} and {angle}",
-        f"Convert: the same arm, its numbers in {length} and {angle}. Cells that name their unit stay as they are.",
-        f"Reinterpret: the same numbers, now {length} and {angle}: another arm.",
+async def ask_units(length: str, angle: str, *, possible: bool) -> tuple[str, str, bool] | None:
+    """Units, which can be chosen again here, and whether to convert to them or to reinterpret; None for neither."""
+    answer = await _ask(
+        "To other units",
+        lambda *units: (
+            f"Convert: the same arm, its numbers in {' and '.join(units)}. Cells that name their unit stay.",
+            f"Reinterpret: the same numbers, now {' and '.join(units)}: another arm.",
+        ),
         possible=possible,
+        units={"unit of lengths": (LENGTH_UNITS, length), "unit of angles": (ANGLE_UNITS, angle)},
     )
+    return answer and (answer[0], answer[1], answer[2])
 
 
-async def _ask(title: str, convert: str, reinterpret: str, *, possible: bool) -> bool | None:
+async def _ask(
+    title: str,
+    told: Callable[..., tuple[str, str]],
+    *,
+    possible: bool,
+    units: Mapping[str, tuple[Sequence[str], str]] | None = None,
+) -> tuple[Any, ...] | None:
     # Another choice may have come before the dialog was on the page.
     for asked in ElementFilter(kind=ui.dialog, marker="conversion"):
         asked.submit(None)
+
+    def show() -> None:
+        for button, text in zip((convert, again), told(*(each.value for each in chosen)), strict=True):
+            button.set_text(text)
+
     with card(title) as dialog:
         dialog.mark("conversion")
-        button = ui.button(convert, on_click=lambda: dialog.submit("convert")).props("unelevated align=left autofocus")
-        button.classes("studio-choice").set_enabled(possible)
+        with ui.element("div").classes("studio-row") as row:
+            chosen = [
+                ui.toggle(list(every), value=unit, on_change=show).props(
+                    f'dense unelevated no-caps aria-label="{name}"'
+                )
+                for name, (every, unit) in (units or {}).items()
+            ]
+        row.set_visibility(bool(chosen))
+        convert = ui.button(on_click=lambda: dialog.submit(True)).props("unelevated align=left autofocus")
+        convert.classes("studio-choice").set_enabled(possible)
         if not possible:
             ui.label("A table that is not right yet cannot be converted.").classes("studio-status")
-        again = ui.button(reinterpret, on_click=lambda: dialog.submit("reinterpret")).props("outline align=left")
-        again.classes("studio-choice")
+        again = ui.button(on_click=lambda: dialog.submit(False)).props("outline align=left").classes("studio-choice")
         ui.button("Cancel", on_click=lambda: dialog.submit(None)).props("flat")
+        show()
     answer = await answer_of(dialog)
-    return None if answer is None else answer == "convert"
+    return None if answer is None else (*(each.value for each in chosen), answer)
 
 
 # --- Opening ----------------------------------------------------------------------------------------------------------

@@ -328,11 +328,11 @@ class StudioPage:
 
     async def _choose_units(self, length: str, angle: str) -> None:
         session = self.session
-        convert: bool | None = False
+        chosen: tuple[str, str, bool] | None = (length, angle, False)
         if edits.begun(session.table):
-            convert = await dialogs.ask_units(length, angle, possible=session.convertible is not None)
-        if convert is not None:
-            session.set_units(length, angle, convert=convert)
+            chosen = await dialogs.ask_units(length, angle, possible=session.convertible is not None)
+        if chosen is not None:
+            session.set_units(*chosen[:2], convert=chosen[2])
         self.show(all_cells=True)
 
     def _choose_layers(self, layers: frozenset[str]) -> None:

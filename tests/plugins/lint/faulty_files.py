@@ -228,6 +228,7 @@ FAULTS: dict[str, Fault] = {
     "missing-name": Fault('<joint name="elbow"', "<joint", '<joint type="revolute"'),
     "no-link": Fault(SOUND, '<?xml version="1.0"?>\n<robot name="arm">\n</robot>\n', "<robot"),
     "repeated-element": Fault('<mass value="1"/>', '<mass value="1"/>\n      <mass value="5"/>', '<mass value="5"/>'),
+    "mujoco-extension": Fault('discardvisual="false"/>', 'discardvisual="false" angle="rad"/>', "<compiler"),
     "unknown-element": Fault(ELBOW_AXIS, f'{ELBOW_AXIS}\n    <limits lower="0"/>', "<limits"),
     "invalid-number": Fault(
         'lower="-2" upper="2"',

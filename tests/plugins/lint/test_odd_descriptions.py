@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 
 FIRST = '<joint name="base_link-base_link_inertia" type="fixed">'
 SHOULDER = '<joint name="shoulder" type="revolute">'
+SHOULDER_LIMIT = '<limit lower="-1" upper="1.5" effort="50" velocity="3"/>'
 MASS, WITHOUT_MASS = '<mass value="1"/>', '<mass value="0"/>'
 KEPT = ' fusestatic="false"'
 ACTUATOR = '<actuator name="motor"/>'
@@ -162,9 +163,51 @@ def of_gazebo() -> list[str]:
     return [changed((END, element + END)) for element in elements]
 
 
+def extensions() -> list[str]:
+    """What the extension of MuJoCo has, and limits beside `autolimits="false"`."""
+    options = (
+        *(f'autolimits="{word}"' for word in ("false", "true", "no", "False")),
+        *(f'coordinate="{word}"' for word in ("global", "local", "x")),
+        *('angle="rad"', 'angle="degree"', 'eulerseq="xy"', 'eulerseq="abc"', 'boundmass="x"', 'boundmass="-1"'),
+        *('inertiagrouprange="0"', 'inertiafromgeom="auto"', 'inertiafromgeom="x"', 'strippath="1"', 'unknown="1"'),
+    )
+    elements = (
+        *(
+            f"<option {text}/>"
+            for text in ('timestep="x"', 'timestep="0"', 'integrator="RK5"', 'gravity="0 0"', 'a="b"')
+        ),
+        *('<size njmax="x"/>', '<size njmax="10"/>', "<asset/>", '<option><flag gravity="no"/></option>'),
+    )
+    compiler = 'discardvisual="false"/>'
+    never = (compiler, compiler.replace("/>", ' autolimits="false"/>'))
+    still = (SHOULDER_LIMIT, "")
+    limits = [
+        f'<limit{ends}{effort} velocity="3"/>'
+        for ends in (
+            "",
+            *(f' lower="{lower}" upper="{upper}"' for lower, upper in ((-2, 2), (0, 0), (2, 1))),
+            ' upper="2"',
+        )
+        for effort in ("", ' effort="0"', ' effort="20"')
+    ]
+    return [
+        *(changed((compiler, compiler.replace("/>", f" {text}/>"))) for text in options),
+        *(changed((compiler, f"{compiler}{element}")) for element in elements),
+        *(
+            changed(
+                never, still, (SHOULDER, SHOULDER.replace("revolute", "fixed")), (ELBOW, elbow), (ELBOW_LIMIT, limit)
+            )
+            for elbow in (ELBOW.replace("revolute", kind) for kind in ("revolute", "continuous", "prismatic", "planar"))
+            for limit in limits
+        ),
+    ]
+
+
 @pytest.mark.long
 @pytest.mark.parametrize("consumer", ["pybullet", "mujoco", "pinocchio", "drake", "ros", "gazebo"])
-@pytest.mark.parametrize("texts", [floating, axes, followers, masses, names_and_addresses, of_drake, of_gazebo])
+@pytest.mark.parametrize(
+    "texts", [floating, axes, followers, masses, names_and_addresses, of_drake, of_gazebo, extensions]
+)
 def test_an_oddity_is_foretold(tmp_path: Path, consumer: str, texts: Callable[[], list[str]]) -> None:
     """A reader refuses a description, or ends, where a finding says so, and loads it where none does."""
     require(consumer)

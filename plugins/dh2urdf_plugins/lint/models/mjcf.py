@@ -5,6 +5,8 @@ The elements and attributes are those that MuJoCo 4.0.0 prints of its own schema
 
 from __future__ import annotations
 
+import math
+import re
 from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -22,6 +24,8 @@ from dh2urdf_plugins.lint.models.models import (
     inspect_model,
     numbers,
 )
+from dh2urdf_plugins.lint.numbers import mujoco_numbers
+from dh2urdf_plugins.lint.single_readers.mujoco import READ, fault_of
 from dh2urdf_plugins.read_back.mjcf.elements import compiler_of
 from dh2urdf_plugins.read_back.mjcf.includes import include_files
 from dh2urdf_plugins.read_back.mjcf.reader import read_model
@@ -49,9 +53,12 @@ _COUNT = {
     "joint": {"axis": 3, "pos": 3, "range": 2, "damping": 0, "armature": 1, "frictionloss": 1},
     "inertial": {"mass": 1, "pos": 3, "quat": 4, "diaginertia": 3, "fullinertia": 6},
     "body": {"pos": 3, "quat": 4, "euler": 3, "axisangle": 4},
-    "geom": {"pos": 3, "quat": 4, "euler": 3, "fromto": 6, "mass": 1},
+    "geom": {"pos": 3, "quat": 4, "euler": 3, "fromto": 6, "mass": 1, "size": 0},
     "site": {"pos": 3, "quat": 4, "euler": 3},
 }
+_ODD = re.compile("nan|inf", re.IGNORECASE)
+SMALLEST = 1e-15
+"""Mass or moment of inertia that MuJoCo takes for 0 [kg, kg·m²]."""
 
 
 def inspect_mjcf(path: Path) -> Inspection:
@@ -72,6 +79,8 @@ def hits(model: Model) -> Iterator[Hit]:
     yield from hits_of_compiled(model, complete=not missing)
     for element in elements_of(model.root, *_COUNT):
         yield from _values(element)
+    for element in elements_of(model.root, *READ):
+        yield from _words(element)
     yield from _joints(model.root)
     for element in elements_of(model.root, "inertial"):
         yield from _inertial(element, model.root)
@@ -155,13 +164,46 @@ def _values(element: etree._Element) -> Iterator[Hit]:
         text = element.get(name)
         if name == "quat" and (quat := numbers(text, 4)) and not any(quat):
             yield Hit("quaternion-zero", element, f"quat of {_about(element)} is {shown(text or '')}")
-        if text is None or (count and numbers(text, count) is not None):
-            continue
-        if not count and any(numbers(text, most) for most in (1, 2, 3)):
+        if text is None or any(numbers(text, each) for each in ((count,) if count else (1, 2, 3))):
             continue
         rule = "invalid-number" if count == 1 else "invalid-vector"
         what = "one finite number" if count == 1 else f"{count or 'up to 3'} finite numbers"
-        yield Hit(rule, element, f"{name} of {_about(element)} is {shown(text)}, not {what}")
+        message = f"{name} of {_about(element)} is {shown(text)}, not {what}"
+        is_taken = _is_taken(element, name, text, (count,) if count else (1, 2, 3))
+        not_read = ({"mujoco"} if is_taken else set()) | (
+            {"drake"} if element.tag == "site" or name == "damping" else set()
+        )
+        yield Hit(rule, element, message, {"mujoco", "drake", "pybullet"} - not_read)
+        if is_taken and _ODD.search(text):
+            yield Hit("not-finite", element, message)
+
+
+def _is_taken(element: etree._Element, name: str, text: str, counts: tuple[int, ...]) -> bool:
+    """Whether MuJoCo takes a text that is not finite numbers: it reads nan, inf and 0x10, and blanks as nothing."""
+    in_inertial = element.tag == "inertial"
+    if not text.strip():
+        return not in_inertial or name in {"quat", "diaginertia"}
+    read = next((found for count in counts if (found := mujoco_numbers(text, count))), None)
+    if read is None or (name == "fromto" and any(map(math.isnan, read))):
+        return False
+    if not in_inertial or name in {"pos", "quat"}:
+        return True
+    if name == "mass":
+        return read[0] > 0.0 or not _moves(element)
+    return math.inf not in read and not _moves(element)
+
+
+def _moves(inertial: etree._Element) -> bool:
+    body = inertial.getparent()
+    return body is not None and any(child.tag in {"joint", "freejoint"} for child in body)
+
+
+def _words(element: etree._Element) -> Iterator[Hit]:
+    """Words and counts of numbers that MuJoCo does not know; Drake reads `limited` alone."""
+    for name, text in element.attrib.items():
+        if fault := fault_of(str(element.tag), str(name), str(text)):
+            of = {"mujoco", "drake", "pybullet"} if name == "limited" else {"mujoco"}
+            yield Hit("unknown-word", element, fault, of)
 
 
 def _joints(root: etree._Element) -> Iterator[Hit]:
@@ -226,9 +268,10 @@ def _inertial(inertial: etree._Element, root: etree._Element) -> Iterator[Hit]:
     compiler = compiler_of(root)
     if any(compiler.get(name) for name in CHANGES_MASSES):
         return
-    moves = any(child.tag in {"joint", "freejoint"} for child in body)
-    if mass and mass[0] <= 0.0 and moves:
-        yield Hit("mass-not-positive", inertial, f"the mass of {about} is {mass[0]:g}")
+    moves = _moves(inertial)
+    if mass and mass[0] < SMALLEST and moves:
+        of = None if mass[0] <= 0.0 else {"mujoco"}
+        yield Hit("mass-not-positive", inertial, f"the mass of {about} is {mass[0]:g}", of)
     if found := numbers(inertial.get("fullinertia"), 6):
         moments = list(found)
     elif diagonal := numbers(inertial.get("diaginertia"), 3):
@@ -238,6 +281,9 @@ def _inertial(inertial: etree._Element, root: etree._Element) -> Iterator[Hit]:
     if moves and (rule := fault_of_inertia(moments)):
         what = "breaks the triangle inequality" if "triangle" in rule else "is not positive definite"
         yield Hit(rule, inertial, f"the inertia of {about} {what}")
+    elif moves and any(moments) and min(moments[:3]) < SMALLEST:
+        message = f"a moment of inertia of {about} is {min(moments[:3]):g}"
+        yield Hit("inertia-not-positive-definite", inertial, message, {"mujoco"})
 
 
 def _geoms(root: etree._Element) -> Iterator[Hit]:

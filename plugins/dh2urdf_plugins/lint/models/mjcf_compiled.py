@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from dh2urdf.errors import ProofError
 from dh2urdf.source import shown
 from dh2urdf_plugins.lint.models.models import Hit, Model, elements_of, numbers
+from dh2urdf_plugins.lint.numbers import mujoco_numbers
 from dh2urdf_plugins.read_back.mjcf.elements import Elements, compiler_of
 from dh2urdf_plugins.read_back.mjcf.masses import WITHOUT_MASS
 from dh2urdf_plugins.read_back.xml_files import mark_of
@@ -26,6 +27,8 @@ _FILES = {
     "skin": ("meshdir", ("file",)),
     "texture": ("texturedir", ("file", *(f"file{side}" for side in ("right", "left", "up", "down", "front", "back")))),
 }
+_MEASURES = {"sphere": 1, "capsule": 2, "cylinder": 2, "box": 3, "ellipsoid": 3}
+"""How many sizes a geom needs; one with `fromto`, the radius."""
 _SIZES = {"free": (7, 6), "ball": (4, 3)}
 """Positions and velocities of joints that have several."""
 
@@ -41,6 +44,7 @@ def hits(model: Model, *, complete: bool) -> Iterator[Hit]:
         elements = Elements(root, str(model.path))
         try:
             found = [*_keyframes(root, elements), *_masses(root, elements)]
+            found += [*_free_joints(root, elements), *_sizes(root, elements)]
         except ProofError:  # of a class or a number, about which other rules speak
             return
         yield from found
@@ -76,6 +80,39 @@ def _body(element: etree._Element) -> etree._Element | None:
     while above is not None and above.tag == "frame":
         above = above.getparent()
     return above if above is not None and above.tag == "body" else None
+
+
+def _free_joints(root: etree._Element, elements: Elements) -> Iterator[Hit]:
+    for joint in elements_of(root, "joint", "freejoint"):
+        body = _body(joint)
+        if body is None or _body(body) is None:
+            continue
+        if joint.tag == "freejoint" or elements.attributes(joint).get("type") == "free":
+            message = f"a free joint in body {shown(body.get('name') or '')}, which is in another body"
+            yield Hit("free-joint-below", joint, message)
+
+
+def _sizes(root: etree._Element, elements: Elements) -> Iterator[Hit]:
+    """Sizes that are not above 0, or too few; of none at all another rule speaks. Drake takes a sphere of 0."""
+    for geom in elements_of(root, "geom"):
+        above = geom.getparent()
+        if above is None or above.tag == "default":
+            continue
+        given = elements.attributes(geom)
+        kind, text = given.get("type", "sphere"), given.get("size", "")
+        count = 1 if given.get("fromto") else _MEASURES.get(kind, 0)
+        read = next((found for most in (1, 2, 3) if (found := mujoco_numbers(text, most))), ())
+        if (
+            not count
+            or (text.strip() and not read)
+            or "size" not in given
+            or given.get("mesh")
+            or (count == 1 and kind in {"box", "ellipsoid"})
+        ):
+            continue
+        if len(read) < count or not all(size > 0.0 for size in read[:count]):
+            of = {"mujoco"} if kind == "sphere" and read and not read[0] < 0.0 else {"mujoco", "drake"}
+            yield Hit("size-not-positive", geom, f"size of a {kind} is {shown(text)}: it needs {count} above 0", of)
 
 
 def _keyframes(root: etree._Element, elements: Elements) -> Iterator[Hit]:

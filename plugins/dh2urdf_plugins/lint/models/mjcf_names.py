@@ -50,8 +50,10 @@ def hits(model: Model, *, complete: bool) -> Iterator[Hit]:
     for element in elements_of(root):
         parent = element.getparent()
         kind = _kind(element, parent)
-        if element.tag == "default" and element.get("class"):
-            names["class"].add(element.get("class") or "")
+        if element.tag == "default" and (of_class := element.get("class")):
+            if of_class in names["class"] and parent is not None and parent.tag == "default":
+                yield Hit("duplicate-name", element, f"another default class has the name {shown(of_class)}")
+            names["class"].add(of_class)
         name = element.get("name") or (_stem(element) if kind == "mesh" else None)
         if kind is None or not name:
             continue
@@ -62,6 +64,7 @@ def hits(model: Model, *, complete: bool) -> Iterator[Hit]:
         known.add(name)
     if complete and not any(True for _ in elements_of(root, *MAKERS)):
         yield from _references(root, names)
+        yield from _of_one(root)
         yield from _of_assets(Elements(root, str(model.path)), names)
 
 
@@ -101,6 +104,17 @@ def _references(root: etree._Element, names: dict[str, set[str]]) -> Iterator[Hi
             )  # A body's frame of inertia is called by body, its own xbody.
             if kind in {"body", "joint", "geom", "site", "camera", "tendon", "actuator"}:
                 yield from _missing(element, attribute, kind, names, "undefined-name")
+
+
+def _of_one(root: etree._Element) -> Iterator[Hit]:
+    """Equalities of a thing with itself; Drake reads those of points alone."""
+    for equality in root.iterfind("equality/*"):
+        for kind in ("body", "joint", "site", "tendon", "geom"):
+            one = equality.get(f"{kind}1")
+            if one and one == equality.get(f"{kind}2"):
+                of = {"mujoco", "drake"} if (equality.tag, kind) == ("connect", "body") else {"mujoco"}
+                message = f"an equality of the {kind} {shown(one)} with itself"
+                yield Hit("equality-with-itself", equality, message, of)
 
 
 def _of_assets(elements: Elements, names: dict[str, set[str]]) -> Iterator[Hit]:

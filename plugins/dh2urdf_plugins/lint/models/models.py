@@ -22,7 +22,7 @@ from dh2urdf_plugins.lint.rules import Rule, rules_of
 from dh2urdf_plugins.read_back.xml_files import FILE, LARGEST, mark_of, tree_of
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator, Sequence
+    from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 
     from dh2urdf.robot import Robot
 
@@ -40,11 +40,13 @@ class Hit(NamedTuple):
         rule: the rule's name without the format.
         at: the element.
         message: what is there.
+        of: the consumers that it matters to, where the rule as such names more.
     """
 
     rule: str
     at: etree._Element
     message: str
+    of: Collection[str] | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -93,13 +95,19 @@ def inspect_model(
     if root.tag != tag:
         message = f"the outermost element is {root.tag}, not {tag}"
         return _inspection(name, [_finding(name, f"not-{tag}", message, mark_of(root))])
-    found = [_finding(name, hit.rule, hit.message, mark_of(hit.at)) for hit in hits(Model(root, path))]
+    found = [_finding(name, hit.rule, hit.message, mark_of(hit.at), hit.of) for hit in hits(Model(root, path))]
     robot: Robot | None
     try:
         robot = read(path)
     except Dh2UrdfError:  # Findings report what is wrong; a model need not be an arm.
         robot = None
-    return _inspection(name, sorted(found, key=lambda finding: finding.mark.line or 0 if finding.mark else 0), robot)
+    return _inspection(
+        name,
+        sorted(
+            (each for each in found if each.effects), key=lambda finding: finding.mark.line or 0 if finding.mark else 0
+        ),
+        robot,
+    )
 
 
 def parsed(content: bytes, path: Path) -> etree._Element:
@@ -135,9 +143,10 @@ def fault_of_inertia(moments: Sequence[float]) -> str | None:
     return "inertia-triangle-inequality" if "triangle" in problem else "inertia-not-positive-definite"
 
 
-def _finding(name: str, rule: str, message: str, mark: Mark) -> Finding:
+def _finding(name: str, rule: str, message: str, mark: Mark, of: Collection[str] | None = None) -> Finding:
     found = model_rules(name)[f"{name}-{rule}"]
-    return Finding(rule=found.name, message=message, fix=found.fix, effects=found.effects, mark=mark)
+    effects = tuple(effect for effect in found.effects if of is None or effect.consumer in of)
+    return Finding(rule=found.name, message=message, fix=found.fix, effects=effects, mark=mark)
 
 
 def _inspection(name: str, findings: list[Finding], robot: Robot | None = None) -> Inspection:

@@ -523,3 +523,28 @@ def test_a_table_is_begun_before_the_kept_one_is_known(
     page.get_by_role("button", name="Bring it back").click()
     tab.wait_for_cells(5, joint="wrist_3_joint")
     page.close()  # what it holds back is for this test only
+
+
+@pytest.mark.long
+def test_what_is_done_meanwhile_waits_for_what_was_lost(slow: tuple[Any, Network]) -> None:
+    """What is done before the server knows the page again, as after a handshake of its own, overtakes no lost act."""
+    tab, network = slow
+    script = """() => {
+        const { query } = socket.io.opts, { emit } = socket;
+        query.implicit_handshake = false;
+        socket.on("connect", () => emitEvent("dh-edit", [0, "d", "0.7"]));
+    }"""
+    tab.page.evaluate(script)
+    with network.broken():
+        tab.type_into(1, "a", "-0.9")
+    tab.page.wait_for_function("dhPage.kept().includes('0.7') && dhPage.kept().includes('-0.9')")
+
+
+@pytest.mark.long
+def test_what_is_too_large_is_in_nobodys_way(studio_address: str, new_tab: Callable[..., Any]) -> None:
+    """NiceGUI sends nothing of more than a megabyte; what is done afterwards arrives."""
+    tab = new_tab(studio_address, faults=False)
+    page = tab.open("ur5")
+    page.evaluate("emitEvent('dh-edit', [0, 'd', '1'.repeat(1_100_000)])")
+    tab.type_into(1, "a", "-0.9")
+    page.wait_for_function("dhPage.kept().includes('-0.9')")

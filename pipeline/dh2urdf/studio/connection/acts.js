@@ -2,6 +2,7 @@
 // has answered that it is there, and sent again over the next connection. Loaded before NiceGUI makes the socket.
 (() => {
   const KINDS = ["event", "javascript_response"];
+  const LARGEST = 999_000; // characters: NiceGUI sends no message of a megabyte, and shows so
   const LOST = "dh2urdf-lost";
   let acts = []; // [number, kind, message] of those that are not answered yet
   let count = 0;
@@ -37,7 +38,7 @@
       made.emit = (kind, message, answered) => {
         // A page that the browser had loaded in advance is known to the server after its handshake only.
         if (kind === "handshake") return emit(kind, message, (ok) => (answered(ok), sendAgain()));
-        if (!KINDS.includes(kind)) return answered ? emit(kind, message, answered) : emit(kind, message);
+        if (!KINDS.includes(kind) || JSON.stringify(message).length > LARGEST) return answered ? emit(kind, message, answered) : emit(kind, message);
         acts.push([(count += 1), kind, message]);
         if (made.connected) send(acts.at(-1));
         return made;

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable
 
 MOST_PAGES = 1000
-"""Pages of which it is known what has arrived; the one that was not heard of for the longest time goes first."""
+"""Pages of which it is known what has arrived; of those that are gone, the one that was heard of first goes first."""
 KINDS = ("event", "javascript_response")
 """The messages of NiceGUI that are acts: what was done to an element, and what the page was asked for."""
 
@@ -25,14 +25,21 @@ class Arrivals:
     def __init__(self) -> None:
         self._last: OrderedDict[str, int] = OrderedDict()
 
-    def is_new(self, page: str, number: int) -> bool:
-        """Whether an act arrives for the first time; those of a page arrive in their order."""
-        is_new = number > self._last.get(page, 0)
-        self._last[page] = max(number, self._last.get(page, 0))
+    def take(self, page: str, number: int) -> bool | None:
+        """Whether an act of a page arrives for the first time; None where one before it is missing.
+
+        What was lost with a connection is sent again as soon as the page is known to the server, and what a person does
+        meanwhile may overtake it.
+        """
+        last = self._last.get(page, 0)
+        if number > last + 1:
+            return None
+        self._last[page] = max(number, last)
         self._last.move_to_end(page)
-        while len(self._last) > MOST_PAGES:
-            self._last.popitem(last=False)
-        return is_new
+        if len(self._last) > MOST_PAGES:
+            gone = next((each for each in self._last if each not in Client.instances), page)
+            del self._last[gone]
+        return number > last
 
     def lost(self, page: str, acts: Iterable[tuple[int, str]]) -> list[str]:
         """The words of those acts of a page that have not arrived."""
@@ -42,12 +49,13 @@ class Arrivals:
         """Takes acts from pages; the answer is whether an act is here and need not be sent again."""
         do = {kind: core.sio.handlers["/"][kind] for kind in KINDS}
 
-        def take(sid: str, number: int, kind: str, message: dict[str, Any]) -> bool:
+        def answer(sid: str, number: int, kind: str, message: dict[str, Any]) -> bool:
             client = Client.instances.get(message["client_id"])
             if client is None or not client.has_socket_connection:
                 return False
-            if self.is_new(client.id, number):
+            is_new = self.take(client.id, number)
+            if is_new:
                 do[kind](sid, message)
-            return True
+            return is_new is not None
 
-        core.sio.on("act", take)
+        core.sio.on("act", answer)

@@ -565,6 +565,7 @@ def test_the_first_key_pays_for_nothing_else(tab: Any) -> None:
     before, shown = tab.page.evaluate(shaders), tab.page.evaluate("document.querySelector('.arm-view').shown")
     tab.cell(2, "a").click()
     tab.page.locator(".arm-view-picked").first.wait_for()
+    tab.settle()
     tab.page.evaluate("updates = 0")
     tab.page.keyboard.type("-0.4")
     tab.page.wait_for_function("shown => document.querySelector('.arm-view').shown > shown", arg=shown)

@@ -173,7 +173,9 @@ def test_links_are_picked_hidden_and_unfolded(
         lines_between_frames(tab)
 
         # What is hidden stays hidden in another drawing and after a reload.
-        page.get_by_role("button", name="side by side").click()
+        with tab.another_drawing():
+            page.get_by_role("button", name="side by side").click()
+        page.wait_for_function(HIDDEN, arg="gripper/right")
         page.reload()
         page.wait_for_function(HIDDEN, arg="gripper/right")
         page.close()

@@ -248,7 +248,7 @@ def test_a_text_is_taken_over_another_connection(slow: tuple[Any, Network], labe
         tab.page.get_by_label(label, exact=True).fill(text)
         tab.page.keyboard.press("Enter")
         tab.page.keyboard.press("Tab")
-    tab.settle()
+    tab.page.wait_for_function("text => dhPage.kept().includes(text)", arg=text)  # which the server has answered
     tab.page.reload()
     tab.page.wait_for_function(
         "([label, text]) => document.querySelector(`input[aria-label='${label}']`)?.value === text", arg=[label, text]

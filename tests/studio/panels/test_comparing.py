@@ -113,9 +113,10 @@ def test_differences_of_a_tiny_arm_have_digits_that_count(
         "j1,R,0,pi/2,1e-8,-pi,pi\nj2,R,1e-8,0,0,-pi,pi\nj3,R,1e-8,0,0,-pi,pi\n"
     )
     text = dh2urdf.convert(table).text
-    assert text.count('xyz="0 0 1e-8"') == 1
+    elbow = '<joint name="j2" type="revolute">\n    <origin xyz="0 0 1{}e-8"'
+    assert text.count(elbow.format("")) == 1
     path = tmp_path / "measured.urdf"
-    path.write_text(text.replace('xyz="0 0 1e-8"', 'xyz="0 0 1.3e-8"'))
+    path.write_text(text.replace(elbow.format(""), elbow.format(".3")))
     tab = new_tab(studio_address)
     page = tab.open()
     tab.drop(".studio-table", table)

@@ -261,6 +261,8 @@ def test_a_decimal_comma_before_a_unit_of_two_parts(unit: str, read_one: Callabl
             "\\begin{tabular}{ccc}\nLink & $a$ & $d$ \\\\ \\hline\n1 & 0.3 & 0 \\\\\n\\end{tabular}\n",
             "a table of LaTeX",
         ),
+        ('{| class="wikitable"\n! Link !! a !! d\n|-\n| 1 || 0.3 || 0\n|}\n', "a table of MediaWiki"),
+        ("|-\n! Link\n! a\n|-\n| 1\n| 0.3\n", "a table of MediaWiki"),
     ],
 )
 def test_a_table_of_another_program_is_known_below_a_title(

@@ -839,6 +839,40 @@ CASES = [
         "    accepted: one header; tables of several manipulators have a column robot",
     ),
     Case(
+        "a header that returns in the middle",
+        ".csv",
+        {"convention": "standard"},
+        "joint,a,alpha,d,theta\nj1,0,0,0.1,q1\nj2,0.3,0,0,q2\njoint,a,alpha,d,theta\nj3,0.2,0,0,q3\n",
+        "arm.csv:4: error: joint 'joint_3': row 3 is the header of line 1 again\n"
+        "    accepted: one header; tables of several manipulators have a column robot",
+    ),
+    Case(
+        "units above joint variables",
+        ".csv",
+        {"convention": "standard"},
+        "joint,a,alpha,d,theta\nas drawn,mm,deg,mm,deg\nj1,0,0,0.1,q1\nj2,0.3,0,0,q2\n",
+        "arm.csv:2: error: joint 'joint_1', field 'a': row 1 holds units, not a joint\n"
+        "    accepted: units in the headers, such as `a [mm]`",
+    ),
+    Case(
+        "degrees that are added to a joint variable",
+        ".csv",
+        {"convention": "standard"},
+        "joint,a,alpha,d,theta\nj1,0.1,pi/2,0.1,q1\nj2,0.3,0,0,q2-90\n",
+        "arm.csv:3:12: error: joint 'j2', field 'theta': 'q2-90' is more than a full turn in rad, and no unit is declared for it\n"
+        "    accepted: at most 2π rad where no unit is declared\n"
+        "    if these are degrees, say so: `theta [deg]` in the header, `units: {angle: deg}`, or `--angle-unit deg`",
+    ),
+    Case(
+        "a joint variable whose letter became a zero",
+        ".csv",
+        {"convention": "standard"},
+        "joint,a,alpha,d,theta\nj1,0.1,pi/2,0.1,0₁\n",
+        "arm.csv:2:17: error: joint 'j1', field 'theta': '0₁' cannot be read: '₁' is no unit that is known\n"
+        "    accepted: a number such as 0.5 or an expression such as pi/2, bare or with a unit (rad, deg, °)\n"
+        "    write the joint variable as q1, and what is added to it behind: q1 + pi/2",
+    ),
+    Case(
         "a row behind a hash",
         ".csv",
         {"convention": "standard"},

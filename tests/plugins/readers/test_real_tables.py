@@ -9,7 +9,7 @@ import pytest
 from readings import STANDARD, notices_of, problems_of
 
 import dh2urdf
-from dh2urdf.errors import TableError
+from dh2urdf.errors import Dh2UrdfError, TableError
 from dh2urdf.manipulator import Convention, Manipulator
 
 if TYPE_CHECKING:
@@ -494,6 +494,13 @@ def test_a_theta_that_is_the_number_of_its_row_is_no_angle_in_silence(arms: int)
     assert all("theta counts the rows: '1, 2, 3'" in str(arm.notices) for arm in found)
     for thetas in (("1", "2"), ("1", "0", "3"), ("0.1", "0.2", "0.3"), ("2", "1", "3")):
         assert not any(arm.notices for arm in read(*thetas))
+
+
+@pytest.mark.parametrize("theta", ["0₁", "0 1", "O₁", "-0₁", "0₁ + π/2", "0 1 - 90°"])
+def test_a_theta_of_a_scan_is_refused_with_what_to_write(theta: str) -> None:
+    """The message was about a unit or a sign alone."""
+    with pytest.raises(Dh2UrdfError, match="write the joint variable as q1, and what is added"):
+        dh2urdf.read(f"# convention: standard\na,alpha,d,theta\n0.1,0,0.2,{theta}\n", reader="csv")
 
 
 @pytest.mark.parametrize("arms", [1, 300])

@@ -387,3 +387,27 @@ def test_a_yaml_table(table: Path, catalog: Catalog) -> None:
         arm_of(tables_of(table.name, table.read_bytes(), catalog), catalog).rows
     )
     assert "clipboard.yaml" in str(whole_tables("convention: standard\njoints: [{a: x}]\n", catalog))
+
+
+@pytest.mark.parametrize(
+    "table",
+    [
+        (
+            '{| class="wikitable"\n|+ Modified DH\n|-\n! i !! a [m] !! alpha !! d [m] !! theta\n|-\n'
+            "| 1 || 0.1 || {\\pi/2} || 0 || θ1\n|-\n| 2 || -0.2 || 0 || 0.5 || θ2\n|}\n"
+        ),
+        (
+            'The table:\n{|\n! scope="col" | i\n! a\n! <math>\\alpha</math>\n! d\n! θ\n|- style="text-align:right"\n'
+            '| 1\n| style="color:red" | 0.1\n| <math>\\pi/2</math>\n| 0\n| θ<sub>1</sub>\n|-\n'
+            "| 2\n| −0.2\n| 0\n| 0.5\n| θ<sub>2</sub>\n|}\n"
+        ),
+    ],
+)
+def test_a_table_of_mediawiki(table: str, catalog: Catalog) -> None:
+    """The source of a table of Wikipedia, in both forms of its rows; its lines went into one cell each."""
+    found = whole_tables(table, catalog, "modified")
+    assert not isinstance(found, str), found
+    arm = read_whole(found[0].table, catalog).manipulator
+    assert arm is not None
+    assert [(row.a, row.alpha, row.d) for row in arm.rows] == [(0.1, np.pi / 2, 0.0), (-0.2, 0.0, 0.5)]
+    assert arm.convention == "modified"

@@ -47,12 +47,15 @@ _CONVENTION = late_pattern(r"\b(standard|modified) (?:convention|dh parameters)\
 _MARKS = tuple(
     (late_pattern(pattern, re.IGNORECASE), plain)
     for pattern, plain in (
-        (r"</?(?:sub|sup|b|i|em|strong|code|var|span|br)(?: [^<>]*)?/?>", ""),
+        (r"</?(?:sub|sup|b|i|em|strong|code|var|span|br|math)(?: [^<>]*)?/?>", ""),
         (r"(\*\*|__|`)(.+?)\1", r"\2"),
         (r"(?<![\w*])([*_])([^*_\s][^*_]*)\1(?![\w*])", r"\2"),
     )
 )
-"""Bold, slanted and lowered text in a cell of Markdown."""
+"""Bold, slanted and lowered text in a cell of Markdown, and formulas of MediaWiki."""
+_WIKI_CELL = late_pattern(r"\|\||!!")
+_ATTRIBUTES = late_pattern(r"\s*+(?:[\w-]++\s*+=\s*+(?:\"[^\"]*+\"|[\w-]++)\s*+)++\|")
+"""What is before a cell of MediaWiki: ``style="text-align:right" |``."""
 _SIUNITX = {
     r"milli\s*\\met(?:re|er)|mm": "mm",
     r"centi\s*\\met(?:re|er)|cm": "cm",
@@ -133,9 +136,11 @@ def typeset(text: str) -> Typeset | None:
     every = text.translate(_BOX).splitlines()
     comments = [line for line in every if line.lstrip().startswith("#")]  # or headings of Markdown
     lines = [line for line in every if not line.lstrip().startswith("#")]
-    if array := code_array(text):
+    if any(line.strip().startswith("{|") for line in lines):
+        found = _wiki(lines)
+    elif array := code_array(text):
         return Typeset(array.rows, array.around)
-    if any(map(_CELL.search, lines)) and ("\\\\" in text or "\\begin{" in text):
+    elif any(map(_CELL.search, lines)) and ("\\\\" in text or "\\begin{" in text):
         found = _latex("\n".join(lines))
     elif any(line.strip().startswith("|") for line in lines) or _ruled(lines):
         found = _markdown(lines)
@@ -173,6 +178,23 @@ def _markdown(lines: list[str]) -> Typeset:
     rows = [[_plain(_unmarked(cell)) for cell in row] for row in cells]
     width = len(rows[0]) if rows else 0
     return Typeset([row + [""] * (width - len(row)) for row in rows], around)
+
+
+def _wiki(lines: list[str]) -> Typeset:
+    """The table of MediaWiki: rows begin with ``|-``, cells of a head with ``!``, others with ``|``."""
+    rows: list[list[str]] = [[]]
+    around, is_inside = [], False
+    for line in map(str.strip, lines):
+        if line.startswith(("{|", "|}")):
+            is_inside = line.startswith("{|")
+        elif not is_inside or line.startswith("|+"):
+            around.append(line.removeprefix("|+"))
+        elif line.startswith("|-"):
+            rows.append([])
+        elif line.startswith(("|", "!")):
+            cells = (_ATTRIBUTES.sub("", cell) for cell in _WIKI_CELL.split(line[1:]))
+            rows[-1] += [_plain(_unmarked(cell)) for cell in cells]
+    return Typeset([row for row in rows if row], "\n".join(around))
 
 
 def _ruled(lines: list[str]) -> bool:

@@ -7,6 +7,7 @@ A phrase that consists of nothing but units, what they measure and the conventio
 from __future__ import annotations
 
 import unicodedata
+from itertools import takewhile
 from typing import TYPE_CHECKING
 
 from dh2urdf.patterns import late_pattern
@@ -54,6 +55,13 @@ _COUNTED = frozenset(
 )
 """What has a number and is no model of a robot."""
 _AROUND_MODELS = frozenset(("the", "a", "robot", "arm", "manipulator"))
+_ROBOTS = frozenset(
+    "abb agilex aubo baxter comau denso dobot doosan emika epson fanuc franka gofa iiwa interbotix jaco jaka kawasaki "  # noqa: SIM905
+    "kinova kuka lbr mico mitsubishi motoman nachi niryo panda puma rethink sawyer scara stanford staubli stäubli "
+    "techman ufactory unimate unimation viperx widowx yaskawa yumi".split()
+)
+"""Names of makers and models that are no other words where a convention is behind them."""
+_SIGNS = "-\u2013\u2014.,:;()"
 _NO_LETTERS = late_pattern(r"\bd-h\b|['\u2019]s\b")
 _PARTS = late_pattern(r"[-\u2010\u2011]")
 _BREAKS = late_pattern(r"[\s,;:=&()\[\]{}|\u2013\u2014\u2192\uff1a\uff0c]+|\.(?=\s|$)|->|(?<=\s)[-/](?=\s)")
@@ -104,23 +112,34 @@ def declared(text: str) -> dict[str, str]:
 def without_model(text: str) -> str | None:
     """A comment without the model of a robot at one of its ends: ``UR5 - modified DH``; None where it has none.
 
-    Only a name with a number is known as a model: ``UR5e``, ``KR 16``, in ``modified DH parameters of the UR5e`` too.
+    A name with a number is known as a model: ``UR5e``, ``KR 16``, in ``modified DH parameters of the UR5e`` too; of
+    others those that robots alone have: ``Panda``, ``KUKA iiwa``.
     """
     words = text.split()
-    lead = next((count for count in (2, 1) if _is_model(words[:count])), 0)
-    if lead:
+    if lead := _model_words(words):
         return " ".join(words[lead:]).lstrip("-\u2013\u2014:,; ") or None
     ends = [place for place, word in enumerate(words) if word in ("of", "for")]
     if not ends:
         return None
     named = [word for word in words[ends[-1] + 1 :] if word.casefold() not in _AROUND_MODELS]
-    return " ".join(words[: ends[-1]]) if _is_model(named) else None
+    return " ".join(words[: ends[-1]]) if named and _model_words(named) == len(named) else None
+
+
+def _model_words(words: Sequence[str]) -> int:
+    """How many words at the beginning name a robot: its maker, and its model."""
+    plain = [word.strip(_SIGNS).casefold() for word in words]
+    makers = sum(1 for _ in takewhile(_ROBOTS.__contains__, plain))
+    model = next((count for count in (2, 1) if _is_model(words[makers : makers + count])), 0)
+    if makers and not model:  # `Puma 560`
+        model = int("".join(plain[makers : makers + 1]).isdecimal())
+    named = min(makers + model, len(words))
+    return named + (sum(1 for _ in takewhile(_AROUND_MODELS.__contains__, plain[named:])) if named else 0)
 
 
 def _is_model(words: Sequence[str]) -> bool:
     if not words or len(words) > 2:  # noqa: PLR2004 - a name and its number
         return False
-    first, *number = (word.strip("-\u2013\u2014.,:;()") for word in words)
+    first, *number = (word.strip(_SIGNS) for word in words)
     letters = "".join(character for character in first if character.isalpha())
     if len(letters) < len("UR") or not first[0].isalpha() or letters.casefold() in _COUNTED:
         return False

@@ -264,7 +264,9 @@ _ARRAY = (
     "this is an array of a program: write its rows on lines of their own with commas between the numbers, below a "
     "header that names the columns, such as `theta,d,a,alpha`: programs differ in their order"
 )
+_WIKI = "this is a table of MediaWiki: put commas in place of || and !!, and take out {|, |-, |} and what begins cells"
 _OTHER_FORMS = (
+    (late_pattern(r"^\s*(?:\{\||!.*!!|\|[-+}])"), _WIKI),
     (late_pattern(r"[─-╿]|^\s*\+[-=]{2}|^\s*\|.*\|\s*$"), _BARS),
     (late_pattern(r"\\\\|\\hline|\\begin\{|[^&]&[^&]*&"), _LATEX),
     (late_pattern(r"^\s*(?:[\w.]+\s*=\s*)?(?:[\w.]+\(\s*)?\["), _ARRAY),

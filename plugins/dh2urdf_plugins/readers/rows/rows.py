@@ -142,7 +142,12 @@ class RowReader(RowCells):
 
     def _turn(self, name: str) -> float:
         quantity = self._quantity(name)
-        if abs(quantity.value) > FULL_TURN and name not in self._unit_said:
+        self._look_at_turn(name, quantity.value)
+        return quantity.value
+
+    def _look_at_turn(self, name: str, angle: float) -> None:
+        """Refuses an angle of more than a full turn for which no unit is declared."""
+        if abs(angle) > FULL_TURN and name not in self._unit_said:
             self._error(
                 f"{shown(self._cells[name].text)} is more than a full turn in rad, and no unit is declared for it",
                 name,
@@ -151,8 +156,7 @@ class RowReader(RowCells):
                 "or `--angle-unit deg`",
             )
         else:
-            self._odd_angle(name, quantity.value)
-        return quantity.value
+            self._odd_angle(name, angle)
 
     def _six_parameters(self) -> None:
         """Takes what the row has of Hayati, and of Khalil and Kleinfinger."""
@@ -196,7 +200,10 @@ class RowReader(RowCells):
         theta = self._quantity("theta", variables=_ROTARY_VARIABLES if moves and not linear else ())
         offset = self._quantity("offset", linear=linear).value
         sign = self._sign()
-        self._odd_angle("theta", theta.value)
+        if theta.variable:  # what is added to one is typed, and no place of a joint
+            self._look_at_turn("theta", theta.value)
+        else:
+            self._odd_angle("theta", theta.value)
         if not linear:
             self._odd_angle("offset", offset)
         if not moves and offset:

@@ -67,12 +67,6 @@ class TableCells:
             reader: what takes the problems.
         """
         columns, joint, texts = self.columns, f"joint_{number}", list(map(text_of, row))
-        if number == 1 and self._are_units(texts):
-            reader.add(self._row_of_units(texts, mark))
-            return None
-        if [text.strip(SPACES) for text in texts[: len(columns.headers)]] == columns.headers:
-            reader.add(self._header_again(mark, number))
-            return None
         cells = self._label(texts, marks)
         for index, (name, text) in enumerate(zip(columns.fields, texts, strict=False)):
             if index in columns.ignored:
@@ -94,6 +88,13 @@ class TableCells:
                 is_text = FIELDS[part].dimension is not None and isinstance(row[index], str)
                 cells[part] = self._number(of_part, part, number) if is_text else of_part
         return cells
+
+    def no_joint(self, texts: Sequence[str], mark: Mark, number: int) -> Problem | None:
+        """What is wrong with a row that is no joint: it holds units, or is the header again; it does not count."""
+        if number == 1 and self._are_units(texts):
+            return self._row_of_units(texts, mark)
+        is_header = [text.strip(SPACES) for text in texts[: len(self.columns.headers)]] == self.columns.headers
+        return self._header_again(mark, number) if is_header else None
 
     def _number(self, cell: Cell, name: str, number: int) -> Cell:
         """A number as text, whose decimal sign is remembered where it may be a comma.

@@ -339,8 +339,11 @@ class RowTable:
     ) -> list[DHRow | None]:
         """The rows as far as they can be read, and what they declare about the convention."""
         found: list[tuple[dict[str, Cell] | None, Mark]] = []
-        for number, (key, row) in enumerate(zip(rows.keys, rows.cells, strict=True), start=1):
-            mark, texts = self._mark(key), list(map(text_of, row))
+        for key, row in zip(rows.keys, rows.cells, strict=True):
+            mark, texts, number = self._mark(key), list(map(text_of, row)), len(found) + 1
+            if problem := table_cells.no_joint(texts, mark, number):
+                reader.add(problem)
+                continue
             found.append((None, mark))
             if problems := list(self.source.row_problems(key, texts, number)):
                 for problem in problems:
@@ -353,7 +356,7 @@ class RowTable:
                 found[-1] = (cells, mark)
             if stopped(reader):
                 return [None]
-        return read_rows(found, reader)
+        return read_rows(found, reader) if found or not rows.keys else [None]
 
     def _mark(self, key: Any) -> Mark:  # noqa: ANN401 - a key of the source's own
         (mark,) = self.source.row_marks([key])

@@ -13,8 +13,10 @@ _ENDLESS = late_pattern(
     r"|illimitato|no limits?",
     re.IGNORECASE,
 )
-_SYMBOL = late_pattern(r"\s*[-+−–]?\s*[^\W\d]_?\{?[0-9]{1,2}\}?\s*")
-"""A letter with a number: in theta it is the joint variable, whose letter was another one."""
+_SYMBOL = late_pattern(
+    r"\s*[-+−–]?\s*(?:[^\W\d]_?\{?[0-9]{1,2}\}?|(?:[^\W\d]|[0Oo])[₀-₉]{1,2}|[0Oo]\s+[0-9]{1,2})(?:\s*[-+−–].*|\s*)"
+)
+"""A letter with a number: in theta it is the joint variable; its letter was another one, or a zero: ``0₁``, ``0 1``."""
 _BOUNDS = ("limits", "lower", "upper")
 _GEOMETRY = (*REQUIRED, "theta")
 

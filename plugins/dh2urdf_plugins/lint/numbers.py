@@ -154,6 +154,26 @@ def _of_gazebo(description: Description) -> Iterator[Hit]:
             if child.tag in _GAZEBO and _ends_stod(text):
                 message = f"{child.tag} of gazebo is {shown(text)}, not one finite number"
                 yield Hit("invalid-number", child, message, {"gazebo"})
+            else:
+                yield from _in_link(description, gazebo.get("reference"), child, text)
+
+
+def _in_link(description: Description, name: str | None, child: Element, text: str) -> Iterator[Hit]:
+    """What sdformat refuses of what an element of Gazebo adds to a link, or friction to its collision shapes."""
+    link = description.link.get(name or "")
+    is_joint = any(joint.name == name for joint in description.joints)
+    about = f"{child.tag} of gazebo is {shown(text)}"
+    if child.tag == "pose" and numbers_of(text, 6) is None and (link or is_joint or name is None):
+        yield Hit("invalid-vector", child, f"{about}, not 6 finite numbers", {"gazebo"})
+    if child.tag == "sensor" and (link or is_joint) and not (child.get("name") and child.get("type")):
+        yield Hit("missing-name", child, "a sensor has no name, or no type", {"gazebo"})
+    if link is None or link.element.first("collision") is None:
+        return
+    numbers = drake_numbers(text)
+    if child.tag in {"mu1", "mu2"} and numbers and numbers[0] < 0.0:
+        yield Hit("invalid-number", child, f"{about}, which is below 0", {"gazebo"})
+    if child.tag == "fdir1" and text and len(numbers) < len("xyz"):
+        yield Hit("invalid-vector", child, f"{about}, not 3 finite numbers", {"gazebo"})
 
 
 def _said(place: _Place, text: str) -> Iterator[Hit]:

@@ -160,6 +160,22 @@ def of_gazebo() -> list[str]:
         *(f"<gazebo{to}><mu1>x</mu1></gazebo>" for to in ("", ' reference="nowhere"', ' reference="tool0"')),
         *(f'<gazebo reference="link_1"><mu1 {text}</mu1></gazebo>' for text in values),
     ]
+    added = (
+        *(
+            "<pose>a b c 0 0 0</pose>",
+            "<pose>1 2</pose>",
+            "<pose>0 0 1 0 0 0</pose>",
+            "<mu1>-1</mu1>",
+            "<mu1>-0.0</mu1>",
+        ),
+        *(f"<fdir1>{text}</fdir1>" for text in ("a b c", "1 0", "1 0 0x", "", "1 0 0 0")),
+        *(f"<sensor{text}/>" for text in (' type="imu"', ' name="a"', ' name="" type="imu"', ' name="a" type="imu"')),
+        *('<mu2 value="-1"/>', '<fdir1 value="1 0"/>'),
+    )
+    names = ("link_1", "link_2", "tool0", "base_link", "elbow", "nowhere")
+    elements += [
+        f"<gazebo{to}>{each}</gazebo>" for to in ("", *(f' reference="{name}"' for name in names)) for each in added
+    ]
     return [changed((END, element + END)) for element in elements]
 
 

@@ -119,7 +119,7 @@
 
   // Where the cursor was before a dialog, or before the connection broke.
   let before = null;
-  document.addEventListener("focusin", ({ target }) => target.closest(".q-dialog, .q-menu") || (before = target), true);
+  document.addEventListener("focusin", ({ target }) => target.closest(".q-dialog, .q-menu") || document.querySelector(".q-dialog") || (before = target), true);
 
   const comeBack = () => {
     if (document.activeElement !== document.body) return;

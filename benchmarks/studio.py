@@ -8,23 +8,29 @@ and three.js. Wants the extra `studio`, Playwright and a Chromium:
     python benchmarks/studio.py --meshes
     python benchmarks/studio.py --meshes robot.urdf
 
-With `--meshes` it is how soon `dh2urdf view` shows an arm whose meshes have 30 MB, or another description.
+At the end it is how many poses of an arm are drawn in a second, while a program sends 100. With `--meshes` it is how soon
+`dh2urdf view` shows an arm whose meshes have 30 MB, or another description.
 """
 
 from __future__ import annotations
 
 import argparse
+import http.client
+import itertools
+import json
 import re
 import shutil
 import signal
 import subprocess
 import sys
 import tempfile
+import threading
 import time
 from contextlib import contextmanager
 from pathlib import Path
 from statistics import median
 from typing import TYPE_CHECKING
+from urllib.parse import urlsplit
 
 from measuring import machine, table
 from playwright.sync_api import sync_playwright
@@ -105,6 +111,43 @@ def slid(page: Page, address: str, rounds: int) -> list[float]:
         page.keyboard.press("ArrowRight")
         page.wait_for_function("count => times.length === count", arg=number + 1, polling=POLLING)
     return page.evaluate("times")
+
+
+def driven(page: Page, address: str, rounds: int) -> list[int]:
+    """Poses that are drawn in a second, while a program sends 100."""
+    page.goto(address)
+    page.wait_for_function("document.querySelector('.arm-view')?.shown > 0")
+    stop = threading.Event()
+
+    def send() -> None:
+        program = http.client.HTTPConnection(urlsplit(address).netloc)
+        for step in itertools.count():
+            names = json.dumps({"names": ["panda_joint1"], "positions": [step % 1000 / 1000]})
+            program.request("POST", "/set_joint_positions", names, {"Content-Type": "application/json"})
+            answer = program.getresponse()
+            if answer.status != http.HTTPStatus.OK:
+                raise RuntimeError(answer.read())
+            answer.read()
+            if stop.wait(0.01):
+                return
+
+    driving = threading.Thread(target=send)
+    driving.start()
+    script = """() => {
+        const node = document.querySelector('.arm-view').scene.getObjectByName('tool0');
+        const poses = new Set(), end = performance.now() + 1000;
+        return new Promise((done) => {
+            const look = () => {
+                poses.add(node.matrix.elements.join());
+                performance.now() < end ? requestAnimationFrame(look) : done(poses.size);
+            };
+            look();
+        });
+    }"""
+    counts = [page.evaluate(script) for _ in range(rounds)]
+    stop.set()
+    driving.join()
+    return counts
 
 
 def mesh_arm(folder: Path, suffix: str, size: float) -> Path:
@@ -189,7 +232,11 @@ def main() -> None:
                     first, *others = measure(page, address, rounds + 1)
                     page.close()
                     rows.append((f"{arm}: {told}", *(f"{x:.0f}" for x in (median(others), max(others), first))))
+        with studio(PANDA, "view") as address:
+            page = browser.new_page(viewport={"width": 640, "height": 400})
+            _, *counts = driven(page, address, min(rounds, 20) + 1)
         browser.close()
+    print(f"poses that are drawn in a second: median {median(counts):.0f}, at least {min(counts)}\n")
     table(("from a key to the screen", "median, ms", "maximum, ms", "before them, the first, ms"), rows)
 
 

@@ -113,8 +113,9 @@ def parts(tab: Any, folder: Path, look: str, size: str) -> Iterator[tuple[str, s
 def _dialog(page: Any, name: str, closes: str = "Cancel") -> Iterator[tuple[str, str]]:
     page.locator(".studio-card h2").wait_for()
     page.wait_for_function("!document.querySelector('[class*=-enter-]')")  # it has come in
-    # axe takes the veil behind the card for what its texts are on.
-    page.add_style_tag(content=".q-dialog__backdrop { display: none }")
+    # axe takes the veil behind the card for what its texts are on, and the text of a button, whose z-index is 0, for one
+    # behind the button.
+    page.add_style_tag(content=".q-dialog__backdrop { display: none } .q-dialog .q-btn__content { z-index: auto }")
     yield name, "document.querySelector('.q-dialog')"
     page.locator(".q-dialog").get_by_role("button", name=closes, exact=True).click()
     page.locator(".q-dialog").wait_for(state="detached")

@@ -109,9 +109,7 @@ async def _ask(
         dialog.mark("conversion")
         with ui.element("div").classes("studio-row") as row:
             chosen = [
-                ui.toggle(list(every), value=unit, on_change=show).props(
-                    f'dense unelevated no-caps aria-label="{name}"'
-                )
+                ui.toggle(list(every), value=unit, on_change=show).props(f'unelevated no-caps aria-label="{name}"')
                 for name, (every, unit) in (units or {}).items()
             ]
         row.set_visibility(bool(chosen))

@@ -8,8 +8,8 @@ and three.js. Wants the extra `studio`, Playwright and a Chromium:
     python benchmarks/studio.py --meshes
     python benchmarks/studio.py --meshes robot.urdf
 
-At the end it is how many poses of an arm are drawn in a second, while a program sends 100. With `--meshes` it is how soon
-`dh2urdf view` shows an arm whose meshes have 30 MB, or another description.
+At the end it is how many poses of an arm are drawn in a second, while a program sends 100. With `--meshes` it is how
+soon `dh2urdf view` shows an arm whose meshes have 30 MB, or another description.
 """
 
 from __future__ import annotations

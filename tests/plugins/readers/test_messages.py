@@ -855,6 +855,14 @@ CASES = [
         "    accepted: units in the headers, such as `a [mm]`",
     ),
     Case(
+        "a first row that is shorter than the header",
+        ".csv",
+        {"convention": "standard"},
+        "joint,a,alpha,d\nj1\n",
+        "arm.csv:2: error: joint 'joint_1': row 1 has 1 cells, and the header has 4 columns\n"
+        "    accepted: one cell for each column, with a comma between them",
+    ),
+    Case(
         "degrees that are added to a joint variable",
         ".csv",
         {"convention": "standard"},

@@ -129,12 +129,10 @@ class TableCells:
 
     def _are_units(self, texts: Sequence[str]) -> bool:
         """Whether what is in the columns of geometry are units, and nothing else."""
-        words = [
-            text.strip(f"{SPACES}[]()")
-            for name, text in zip(self.columns.fields, texts, strict=False)
-            if name in REQUIRED
-        ]
-        return all(map(is_unit, words))
+        words = dict(zip(self.columns.fields, texts, strict=False))
+        return all(
+            is_unit(words.get(name, "").strip(f"{SPACES}[]()")) for name in self.columns.fields if name in REQUIRED
+        )
 
     def _row_of_units(self, texts: Sequence[str], mark: Mark) -> Problem:
         index = self.columns.fields.index("a")

@@ -14,9 +14,11 @@ _ENDLESS = late_pattern(
     re.IGNORECASE,
 )
 _SYMBOL = late_pattern(
-    r"\s*[-+−–]?\s*(?:[^\W\d]_?\{?[0-9]{1,2}\}?|(?:[^\W\d]|[0Oo])[₀-₉]{1,2}|[0Oo]\s+[0-9]{1,2})(?:\s*[-+−–].*|\s*)"
+    r"\s*[-+−–]?\s*(?:[^\W\d]_?\{?[0-9]{1,2}\}?|(?:[^\W\d]|[0Oo])[₀-₉]{1,2}|[0Oo]\s+[0-9]{1,2})"
+    r"(?:\s*[-+−–](?!.*[^\W\d]_?\{?[0-9₀-₉]).*|\s*)"
 )
-"""A letter with a number: in theta it is the joint variable; its letter was another one, or a zero: ``0₁``, ``0 1``."""
+"""A letter with a number: in theta it is the joint variable; its letter was another one, or a zero: ``0₁``, ``0 1``.
+One more of them behind it is no offset."""
 _BOUNDS = ("limits", "lower", "upper")
 _GEOMETRY = (*REQUIRED, "theta")
 

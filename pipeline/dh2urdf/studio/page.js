@@ -121,9 +121,12 @@
   let before = null;
   document.addEventListener("focusin", ({ target }) => target.closest(".q-dialog, .q-menu") || document.querySelector(".q-dialog") || (before = target), true);
 
-  const comeBack = () => {
-    if (document.activeElement !== document.body) return;
-    before?.isConnected ? before.focus() : window.dhGrid?.focusAgain();
+  const focusAgain = () => (before?.isConnected ? before.focus() : window.dhGrid?.focusAgain());
+  const comeBack = () => document.activeElement === document.body && focusAgain();
+  // Behind a dialog, which may be on its way out, nothing else was meant to get the cursor: Tab leaves it there for a moment.
+  const back = () => {
+    const around = document.activeElement.closest(".q-dialog, .q-menu");
+    around ? around.matches(".q-dialog") && requestAnimationFrame(back) : focusAgain();
   };
 
   // What opens a dialog or makes a file does so once: more clicks on it do nothing while the answer to the first is on its way.
@@ -182,7 +185,7 @@
 
   window.dhPage = {
     answered: (id) => waiting.delete(id),
-    back: comeBack,
+    back,
     choose,
     drop,
     leave,

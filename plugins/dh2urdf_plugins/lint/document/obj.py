@@ -35,8 +35,6 @@ _COMMENTS = {"drake": re.compile(rb"(?<=[ \t])#[^\n]*"), "pinocchio": re.compile
 """The comments behind something else that a reader knows; to others, their words are corners of faces."""
 _IN_FACES = b"0123456789/-+ \t\nflp"
 _VERTEX_LINE = re.compile(rb"^[ \t]*v[ \t].*", re.MULTILINE)
-
-
 _BLOCK = 2**18
 """How much is looked at together [B]."""
 _DIGITS = 18
@@ -46,8 +44,6 @@ _COMPONENTS = (3, 4, 6)
 _WEIGHTED = 4
 _SMALLEST_WEIGHT = 7e-46
 """Weight that assimp takes for 0: it has single precision."""
-
-
 KNOW_COMMENTS = tuple(_COMMENTS)
 """The readers that know comments behind faces."""
 

@@ -13,7 +13,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from dh2urdf.elementwise import Condition, Number, atan2, hypot, is_column, mapped
+from dh2urdf.elementwise import Condition, Number, array_of, atan2, hypot, is_column
 from dh2urdf.late_tuples import NamedTuple
 
 if TYPE_CHECKING:
@@ -95,7 +95,8 @@ def exact_cos_sin(angle: Number) -> tuple[Number, Number]:
         return cos_sin(angle)
     import numpy as np
 
-    cosine, sine = mapped(math.cos, angle), mapped(math.sin, angle)
+    angles = angle.tolist()
+    cosine, sine = array_of(tuple(map(math.cos, angles))), array_of(tuple(map(math.sin, angles)))
     turns, is_whole = nearest_quarter(angle)
     if is_whole.any():
         quarter = (turns % 4).astype(int)

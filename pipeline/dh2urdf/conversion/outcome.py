@@ -101,7 +101,6 @@ class Outcome:
             key: what its files depend on, as a hash.
             files: where its files are.
         """
-        proofs = {written.stage: written.proof for written in self.written}
         row: ManifestRow = {
             "name": self.name,
             "status": self.status,
@@ -111,7 +110,7 @@ class Outcome:
             "drawn": self.drawn,
             "keeps_kinematics": self.keeps_kinematics,
             "files": files,
-            "proof": {stage: proof_facts(proof) if proof else None for stage, proof in proofs.items()},
+            "proof": {each.stage: proof_facts(each.proof) if each.proof else None for each in self.written},
             "loaders": {name: verdict.entry() for name, verdict in self.loads.items()},
             "notices": [problem.as_json() for problem in self.notices],
             "errors": [problem.as_json() for problem in self.errors],

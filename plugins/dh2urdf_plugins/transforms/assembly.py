@@ -153,18 +153,19 @@ def assemble(
     touching = options.collisions == "all" if manipulator.collisions is None else manipulator.collisions
     bodies = [link_body(part, density) for part in parts]
     payload = payload_body(manipulator, density)
-    carried = [placed(payload, tool0.transform)] if payload else []
-    efforts = static_efforts(parts, [*bodies[:-1], compound([bodies[-1], *carried])] if carried else bodies)
+    laden = [*bodies[:-1], compound([bodies[-1], placed(payload, tool0.transform)])] if payload else bodies
+    lacks_effort = any(part.limits.effort is None for part in parts if part.row.type is not JointType.FIXED)
+    efforts = static_efforts(parts, laden) if lacks_effort else ()
     base_body = base_of(manipulator, base, density)
     links = [
         own.link(name=ROOT),
         _link(BASE, base_body, base.visuals if seen else (), base.collisions if touching else ()),
     ]
     joints = [fixed_joint(ROOT, BASE, base.origin)]
-    for part, body, effort in zip(parts, bodies, efforts, strict=True):
+    for number, (part, body) in enumerate(zip(parts, bodies, strict=True)):
         row, limits = part.row, part.limits
         if row.type is not JointType.FIXED and limits.effort is None:
-            limits = replace(limits, effort=effort)
+            limits = replace(limits, effort=efforts[number])
         joints.append(
             own.joint(
                 name=row.joint,

@@ -246,3 +246,64 @@ def test_a_force_is_no_torque(form: str, kind: str, unit: str, files: Files) -> 
         assert files.errors(form, cells_of(field, kind, "80"), said={"units": {"effort": unit}})
         if form != "yaml":
             assert files.errors(form, cells_of(field, kind, "80"), headers={field: unit})
+
+
+MIXED = {
+    "a": ("a, alpha, d", "300 mm, 0, 0", "2, 0, 0"),
+    "d beside a": ("a, alpha, d", "300 mm, 0, 0", "250 mm, 0, 2"),
+    "inches": ("a, alpha, d", "12 in, 0, 0", "10, 0, 0"),
+    "alpha": ("a, alpha, d", "0.3, 90°, 0", "0.2, 3, 0"),
+    "theta beside alpha": ("a, alpha, d, theta", "0.3, 90°, 0, 0", "0.2, 0, 0, 5"),
+    "variables": ("a, alpha, d, theta", "0.3, 0, 0, q1 + 90°", "0.2, 0, 0, q2 + 5"),
+    "offset": ("a, alpha, d, offset", "0.3, 0, 0, 90°", "0.2, 0, 0, 5"),
+    "offset beside limits": ("a, alpha, d, offset, lower, upper", "0.3, 0, 0, 0, -90°, 90°", "0.2, 0, 0, 5,,"),
+    "bounds": ("a, alpha, d, lower, upper", "0.3, 0, 0, -170°, 170°", "0.2, 0, 0, -5, 5"),
+    "upper beside lower": ("a, alpha, d, lower, upper", "0.3, 0, 0, -170°, 170°", "0.2, 0, 0, 0, 5"),
+    "ranges": ("a, alpha, d, limits", "0.3, 0, 0, ±170°", "0.2, 0, 0, ±5"),
+    "velocity": ("a, alpha, d, velocity", "0.3, 0, 0, 30 rpm", "0.2, 0, 0, 20"),
+    "effort": ("a, alpha, d, effort", "0.3, 0, 0, 12 kgf·cm", "0.2, 0, 0, 12"),
+    "mass": ("a, alpha, d, mass", "0.3, 0, 0, 300 g", "0.2, 0, 0, 25"),
+    "com": ("a, alpha, d, com_x, com_y, com_z", "0.3, 0, 0, 30 mm, 0, 0", "0.2, 0, 0, 0, 0.3, 0"),
+    "radius": ("a, alpha, d, radius", "0.3, 0, 0, 40 mm", "0.2, 0, 0, 0.4"),
+}
+"""Numbers without a unit beside others that name one: a header, and two rows."""
+
+
+@pytest.mark.parametrize("case", MIXED)
+@pytest.mark.parametrize("turned", [False, True], ids=["below", "above"])
+def test_numbers_without_a_unit_beside_cells_that_name_one_get_a_notice(
+    read_one: Callable[..., Manipulator], case: str, *, turned: bool
+) -> None:
+    header, *rows = MIXED[case]
+    rows = [row.replace("q1", "q").replace("q2", "q") for row in (rows[::-1] if turned else rows)]
+    arm = read_one("\n".join((header, *rows)))
+    assert "has no unit and is read in" in "\n".join(notice.message for notice in arm.notices)
+
+
+@pytest.mark.parametrize(
+    "table",
+    [
+        "a, alpha, d\n300 mm, 90°, 0\n0, pi/2, 0",
+        "a, alpha, d, velocity\n0.3, 0, 0, 180 deg/s\n0.2, 0, 0, pi",
+        "a, alpha, d\n0.3 m, 1 rad, 0\n0.2, 0.5, 0",
+        "type, a, alpha, d, lower, upper\nR, 0.3, 0, 0, -170°, 170°\nP, 0.2, 0, 0, 0, 0.5",
+        "type, a, alpha, d, velocity\nR, 0.3, 0, 0, 180 deg/s\nP, 0.2, 0, 0, 0.5",
+        "# units: mm, deg\na, alpha, d\n300, 90, 0\n0.2 m, 1 rad, 0",
+        "a [mm], alpha [deg], d\n300, 90, 0\n0.2 m, 1 rad, 0",
+    ],
+)
+def test_what_is_sure_beside_cells_with_units_gets_none(read_one: Callable[..., Manipulator], table: str) -> None:
+    assert "has no unit and is read" not in "\n".join(notice.message for notice in read_one(table).notices)
+
+
+def test_limits_with_and_without_units_are_looked_at_wherever_they_are_in_a_file(
+    read: Callable[..., list[Manipulator | Rejected]],
+) -> None:
+    cells = {"named": "-170°, 170°", "bare": "-2, 2"}
+    arms = ["named", "bare", "named named", "bare bare", "named bare", "bare named", "named", "bare"]
+    rows = [f"arm {n}, 0.3, 0, 0, {cells[word]}" for n, words in enumerate(arms) for word in words.split()]
+    read_arms = read("\n".join(("robot, a, alpha, d, lower, upper", *rows)), convention="standard")
+    noticed = [
+        isinstance(arm, Manipulator) and any("has no unit" in n.message for n in arm.notices) for arm in read_arms
+    ]
+    assert noticed == [len(set(words.split())) > 1 for words in arms]

@@ -12,10 +12,13 @@ from dh2urdf_plugins.readers.words.fields import FIELDS
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
+    from typing import TypeAlias
 
     from dh2urdf.quantities import Quantity, Unit
     from dh2urdf_plugins.readers.header.columns import Columns
     from dh2urdf_plugins.readers.words.cells import Cell
+
+    Cells: TypeAlias = Mapping[tuple[str, Dimension], Cell]
 
 UNIT_KEYS = {
     "length": (Dimension.LENGTH,),
@@ -55,6 +58,11 @@ _GROUPS = (
     ),
 )
 """Columns that are beside each other, and are hardly in two units."""
+
+
+def group_of(name: str) -> tuple[str, ...]:
+    """The fields beside a field that hardly have another unit, and the field itself."""
+    return next((group for group in _GROUPS if name in group), (name,))
 
 
 def table_units(stated: Mapping[Dimension, Unit], columns: Columns | None = None) -> Units:
@@ -199,20 +207,38 @@ def refuse_doubt(quantity: Quantity, name: str, cell: Cell, dimension: Dimension
         )
 
 
-def bare_beside_cells(units: Units, foreign: Mapping[str, Cell], bare: Iterable[str]) -> Iterator[Problem]:
+def bare_beside_cells(units: Units, foreign: Cells, bare: Cells) -> Iterator[Problem]:
     """What is wrong with bare numbers outside of rows where all lengths, or all angles, of rows name another unit.
 
+    Bare numbers of rows are worth a notice where other cells of their column, or of one beside it, name such a unit.
+
     Args:
-        units: the units of the table, with the bare numbers.
-        foreign: of the columns of geometry, the first cell that names another unit than the SI unit.
-        bare: the fields of rows that have a bare number.
+        units: the units of the table, with the bare numbers outside of rows.
+        foreign: the first cell that names another unit than the SI unit, by field and by what it measures.
+        bare: the first cell that has no unit and is read in the SI unit, by the same.
     """
+    seen = set[tuple[tuple[str, ...], Dimension]]()
+    for (name, dimension), cell in bare.items():
+        group = group_of(name)
+        named = next((each for each in (name, *group) if (each, dimension) in foreign), None)
+        if named is None or (group, dimension) in seen:
+            continue
+        seen.add((group, dimension))
+        system, other = SI[dimension], foreign[named, dimension].text
+        yield Problem(
+            message=f"{shown(cell.text)} has no unit and is read in {system}, and {named} is {shown(other)} elsewhere",
+            severity="notice",
+            mark=cell.mark,
+            field=name,
+            found=cell.text,
+            suggestion=f"write its unit behind it: '{cell.text.strip()} {system}' if that is meant",
+        )
     for dimension, names in _GEOMETRY.items():
-        cell = next((foreign[name] for name in names if name in foreign), None)
-        if dimension not in units.bare or cell is None or not set(names).isdisjoint(bare):
+        cells = {name: foreign[name, dimension] for name in names if (name, dimension) in foreign}
+        if dimension not in units.bare or not cells or any((name, dimension) in bare for name in names):
             continue
         field, number = units.bare[dimension]
-        named = next(name for name in names if name in foreign)
+        named, cell = next(iter(cells.items()))
         yield Problem(
             message=f"{shown(number.text)} has no unit, and {named} is {shown(cell.text)} in the rows",
             mark=number.mark,

@@ -10,7 +10,13 @@ from dh2urdf import unchecked_records as own
 from dh2urdf.manipulator import JointType, Limits
 from dh2urdf.quantities import Dimension
 from dh2urdf.row_fields import LIMITS
-from dh2urdf_plugins.readers.plain.numbers import REMEMBERED, PlainNumbers, names_foreign_unit, plain_quantity
+from dh2urdf_plugins.readers.plain.numbers import (
+    REMEMBERED,
+    PlainNumbers,
+    is_declared,
+    names_foreign_unit,
+    plain_quantity,
+)
 from dh2urdf_plugins.readers.rows.rows import NO_LIMITS, REMARKABLE_LIMIT
 from dh2urdf_plugins.readers.words.bounds import (
     FASTEST_SLIDE,
@@ -29,6 +35,8 @@ if TYPE_CHECKING:
 
     from dh2urdf_plugins.readers.words.cells import Units, Value
 
+_SAME_AS = {"upper": "lower"}
+"""A column that hardly has another unit than the one beside it."""
 _FEW = 20
 """New limits among some rows that are read one by one; of more, all are read by column."""
 
@@ -50,6 +58,12 @@ class PlainLimits:
         # A speed of joints that turn, or that slide, has no unit but that of its cell.
         self.bare_speed = {linear: is_bare_speed(units, columns, linear=linear) for linear in (False, True)}
         self.known: dict[tuple[Any, ...], Limits] = {}
+        self._undeclared = {
+            linear: {name for name in self.columns if not is_declared(units, name, linear=linear)}
+            for linear in (False, True)
+        }
+        self.named = set[tuple[str, bool]]()  # columns of which a cell names a unit, of joints that turn or slide
+        self._bare = set[tuple[str, bool]]()  # those of which one names none
 
     def read(self, words: Sequence[str], columns: Sequence[Sequence[Any]]) -> list[Limits] | None:
         """The limits of the joints, or None where there is anything to say about one of them.
@@ -121,13 +135,12 @@ class PlainLimits:
                 if (value := plain_quantity(text, self.units, name, linear=linear)) is None:
                     return None
                 values[name] = value
+                if value and name in self._undeclared[linear]:
+                    named = names_foreign_unit(text, name, linear=linear)
+                    (self.named if named else self._bare).add((_SAME_AS.get(name, name), linear))
         if not values:
             return NO_LIMITS
-        if self.bare_speed[linear] and any(
-            names_foreign_unit(text_of(cell), name, linear=linear)
-            for name, cell in zip(self.columns, cells, strict=True)
-            if name in ("lower", "upper")
-        ):
+        if self._are_in_doubt(cells, linear=linear):
             return None
         lower, upper, velocity, effort = map(values.get, LIMITS)
         smallest, largest = (LONGEST_ARM, LONGEST_ARM) if linear else self.bounds
@@ -142,6 +155,17 @@ class PlainLimits:
         if is_short or not _are_usual(() if linear else ranges, speeds, efforts, slowest, linear=linear):
             return None
         return Limits(lower=lower, upper=upper, velocity=velocity, effort=effort)
+
+    def _are_in_doubt(self, cells: Sequence[Value], *, linear: bool) -> bool:
+        """Whether other cells name a unit where a number among the limits names none."""
+        if not self.named.isdisjoint(self._bare):
+            self.known.clear()  # so that all limits to come are in doubt
+            return True
+        return self.bare_speed[linear] and any(
+            names_foreign_unit(text_of(cell), name, linear=linear)
+            for name, cell in zip(self.columns, cells, strict=True)
+            if name in ("lower", "upper")
+        )
 
 
 def _is_short(stroke: float) -> bool:

@@ -22,6 +22,8 @@ REMEMBERED = 10_000
 """Texts, or sets of texts, whose meaning is remembered."""
 LINE_END = "\n"
 """What a cell in quotes may hold, and no plain one does."""
+_WITHOUT_UNIT = frozenset("0123456789.+-*/() eEpiPI")
+"""What numbers and multiples of pi consist of."""
 _TINY = late_pattern("[eE]-[0-9]{3}")
 """An exponent, or what looks like one, of numbers too small for a double."""
 
@@ -43,6 +45,8 @@ class PlainNumbers:
         self._is_si = unit is None
         self._shifts = bool(unit and unit.power)
         self._known: dict[Any, float] = {}
+        self._is_declared = is_declared(units, name)
+        self._named = set[Any]()  # cells that name a unit where nothing declares one
 
     def read(self, column: Sequence[Any]) -> list[float] | None:
         """The SI numbers of a column of texts, or of numbers; None where one of them is not plain."""
@@ -80,7 +84,17 @@ class PlainNumbers:
             if value is None:
                 return None
             known[cell] = value
+            if not self._is_declared and names_foreign_unit(text_of(cell), self.name):
+                self._named.add(cell)
         return list(map(known.__getitem__, column))
+
+    def names_units(self, column: Sequence[Any]) -> bool:
+        """Whether a cell of the column that was read last names a unit, not the SI unit, that nothing declares."""
+        return bool(self._named) and self.has_expressions and not self._named.isdisjoint(column)
+
+    def has_bare(self, column: Sequence[Any], numbers: Sequence[float]) -> bool:
+        """Whether a cell of that column is no 0 and names no such unit."""
+        return any(number and cell not in self._named for cell, number in zip(column, numbers, strict=True))
 
 
 def plain_quantity(text: str, units: Units, name: str, *, linear: bool = False) -> float | None:
@@ -111,12 +125,21 @@ def plain_quantity(text: str, units: Units, name: str, *, linear: bool = False) 
 
 def names_foreign_unit(text: str, name: str, *, linear: bool = False) -> bool:
     """Whether a cell that is a quantity names another unit than the SI unit."""
+    if _WITHOUT_UNIT.issuperset(text):
+        return False
     field = FIELDS[name]
     with suppress(QuantityError):
         return evaluate(
             text.strip(SPACES), (field.linear if linear else None) or field.dimension or Dimension.NUMBER
         ).foreign
     return False
+
+
+def is_declared(units: Units, name: str, *, linear: bool = False) -> bool:
+    """Whether a table declares the unit of a column, or of its cells in the rows of prismatic joints."""
+    field = FIELDS[name]
+    dimension = (field.linear if linear else None) or field.dimension or Dimension.NUMBER
+    return (units.columns.get(name) or units.of(dimension)) is not None
 
 
 def foreign_unit(units: Units, name: str, *, linear: bool = False) -> Unit | None:

@@ -21,6 +21,7 @@ from dh2urdf.rotations import HALF_PI, quarter_turns
 from dh2urdf.row_fields import LIMITS
 from dh2urdf.table_text import GEOMETRY
 from dh2urdf_plugins.readers.header.header_rows import is_beside
+from dh2urdf_plugins.readers.header.units import group_of
 from dh2urdf_plugins.readers.header.unknown_columns import is_number, is_turned_variable, unread
 from dh2urdf_plugins.readers.plain.limits import PlainLimits
 from dh2urdf_plugins.readers.plain.numbers import LINE_END, REMEMBERED, PlainNumbers, foreign_unit, names_foreign_unit
@@ -134,7 +135,8 @@ class PlainRows:
         kinds = [self.kinds[word] for word in words]
         plain = "offset" not in values or self._are_plain_offsets(kinds, offset, columns[self.column["offset"]])
         counts = "theta" in values and self._may_count(columns[self.column["theta"]])
-        if counts or self._are_foreign(columns) or not (plain and self.points.are_sure(columns, sizes)):
+        in_doubt = counts or self._are_foreign(columns) or self._are_mixed(columns, values)
+        if in_doubt or not (plain and self.points.are_sure(columns, sizes)):
             return None
         geometry = {"a": a, "alpha": alpha, "d": d, "theta": theta, "offset": offset}
         return [
@@ -239,6 +241,17 @@ class PlainRows:
         with_words = [name for name in names if self.numbers[name].has_expressions]
         cells = ((name, cell) for name in with_words for cell in set(columns[self.column[name]]))
         return any(names_foreign_unit(text_of(cell), name) for name, cell in cells)
+
+    def _are_mixed(self, columns: Sequence[Sequence[Any]], values: Mapping[str, list[float]]) -> bool:
+        """Whether cells have no unit in a column of which others, or those of one beside it, name one."""
+        named = [name for name, numbers in self.numbers.items() if numbers.names_units(columns[self.column[name]])]
+        if "offset" in values and (self.limits.named or (named and self.limits.columns)):
+            return True
+        return any(
+            beside in values and self.numbers[beside].has_bare(columns[self.column[beside]], values[beside])
+            for name in named
+            for beside in group_of(name)
+        )
 
     def _are_of_one(self, limits: Sequence[Limits], columns: Sequence[Sequence[Any]], sizes: Sequence[int]) -> bool:
         """Whether a limit is that of one joint of a manipulator alone, in a column with empty cells."""

@@ -31,8 +31,8 @@ class RowCells:
         units: the units of the table.
         problems: what was found so far, errors and notices.
         errors: how many of them are errors.
-        bare: the first cell of each field that was read in the SI unit since nothing says its unit.
-        foreign: the first cell of each field that names another unit than the SI unit.
+        bare: the first cell that was read in the SI unit since nothing says its unit, by field and by what it measures.
+        foreign: the first cell that names another unit than the SI unit, by the same.
         from_zero: whether the joint variables are counted from 0: q0 in the first row.
     """
 
@@ -42,8 +42,8 @@ class RowCells:
         self._angle = units.in_functions
         self.problems: list[Problem] = []
         self.errors = 0
-        self.bare: dict[str, Cell] = {}
-        self.foreign: dict[str, Cell] = {}
+        self.bare: dict[tuple[str, Dimension], Cell] = {}
+        self.foreign: dict[tuple[str, Dimension], Cell] = {}
         self.from_zero = False
         self._foreign: set[str] = set()  # of the row: fields whose cells name another unit than the SI unit
         self._bare: set[str] = set()  # of the row: fields that are read in the SI unit since nothing says their unit
@@ -149,7 +149,7 @@ class RowCells:
     def _look_at_unit(self, name: str, dimension: Dimension, quantity: Quantity, unit: Unit | None) -> None:
         """Refuses a bare number whose unit is another dimension's, or not sure; remembers which cells have one."""
         if quantity.foreign:
-            self.foreign.setdefault(name, self._cells[name])
+            self.foreign.setdefault((name, dimension), self._cells[name])
             self._foreign.add(name)
         if not quantity.value or quantity.has_unit or quantity.is_radians(dimension):
             return
@@ -158,7 +158,7 @@ class RowCells:
         elif doubt := self.units.doubt(dimension, name):
             self._doubtful_unit(name, dimension, doubt)
         elif unit is None:
-            self.bare.setdefault(name, self._cells[name])
+            self.bare.setdefault((name, dimension), self._cells[name])
             self._bare.add(name)
 
     def _foreign_unit(self, name: str, what: Field, dimension: Dimension, unit: Unit) -> None:

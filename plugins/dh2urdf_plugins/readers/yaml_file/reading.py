@@ -131,7 +131,7 @@ class _Table:
         self._state()
         reader = RowReader(self.statements.units(), type_is_given=False, traced=trace is not None)
         rows = self._rows(reader)
-        if effort := reader.bare.get("effort"):
+        if effort := next((cell for (name, _), cell in reader.bare.items() if name == "effort"), None):
             self.problems += effort_notice(reader.units, effort.mark)
         if self.ignored:
             self.problems.append(ignored(self.ignored, next(iter(self.ignored.values())), "key"))

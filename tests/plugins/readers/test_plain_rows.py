@@ -16,7 +16,16 @@ from dh2urdf_plugins.readers import csv
 from dh2urdf_plugins.readers.plain.numbers import PlainNumbers
 from dh2urdf_plugins.readers.plain.rows import PlainRows
 from dh2urdf_plugins.readers.plain.sample import EVERY, HEAD, PlainSample, compare
+from dh2urdf_plugins.readers.rows.rows import REMARKABLE_LIMIT
 from dh2urdf_plugins.readers.table import TableOptions
+from dh2urdf_plugins.readers.words.bounds import (
+    FASTEST_SLIDE,
+    FASTEST_TURN,
+    LONGEST_ARM,
+    SMALL_ANGLE,
+    STRONGEST,
+    WIDEST_LIMIT,
+)
 from dh2urdf_plugins.readers.words.cells import Units
 
 if TYPE_CHECKING:
@@ -247,6 +256,47 @@ def test_the_fast_way_reads_what_the_careful_one_reads(tmp_path_factory: pytest.
     fast = outcome(path, content, **options)
     with without_the_fast_way():
         assert fast == outcome(path, content, **options)
+
+
+OWN_LIMITS = {
+    "lower": (-3.0, -WIDEST_LIMIT, -REMARKABLE_LIMIT, -LONGEST_ARM, 0.0, 2.75, 3.0, 3.5),
+    "upper": (3.0, WIDEST_LIMIT, REMARKABLE_LIMIT, LONGEST_ARM, 0.0, -2.75, -2.9995, -2.999, -3.5),
+    "velocity": (1.0, 0.0, -1.0, 0.01, SMALL_ANGLE, FASTEST_SLIDE, FASTEST_TURN, math.inf, math.nan),
+    "effort": (20.0, 0.0, -1.0, STRONGEST, math.inf),
+}
+"""For each limit a usual one, and such as are at the edge of what needs no word."""
+
+
+@st.composite
+def tables_of_own_limits(draw: st.DrawFn) -> str:
+    """Arms whose joints have limits of their own, one of which is odd now and then."""
+    names = draw(st.sets(st.sampled_from(list(OWN_LIMITS)), min_size=1))
+    columns = [name for name in OWN_LIMITS if name in names or {"lower", "upper"} == {name, *names}]
+    types = draw(st.sampled_from(["R", "P", "RP", "RC", "RF"]))
+    rate = draw(st.sampled_from(["velocity", "velocity", "velocity [deg/s]"]))
+    rows = [
+        [types[k % len(types)], *(repr(OWN_LIMITS[name][0] * (1.0 + k / 1000.0)) for name in columns)]
+        for k in range(draw(st.sampled_from([19, 20, 21, 24, 40])))
+    ]
+    for _ in range(draw(st.integers(0, 2))):
+        place = draw(st.integers(0, len(columns) - 1))
+        number = draw(st.sampled_from(OWN_LIMITS[columns[place]]))
+        odd = draw(st.sampled_from([number, math.nextafter(number, math.inf), math.nextafter(number, -math.inf)]))
+        draw(st.sampled_from(rows))[1 + place] = draw(st.sampled_from([repr(odd), repr(odd), "", "1 rad", "pi"]))
+    header = ",".join(["robot,type", *(rate if name == "velocity" else name for name in columns), "a,alpha,d"])
+    return "\n".join([header, *(f"r{k // 4}_{len(rows)},{','.join(row)},0.3,0,0.1" for k, row in enumerate(rows))])
+
+
+@given(tables_of_own_limits())
+@settings(max_examples=150)
+def test_limits_of_their_own_are_read_by_column_as_one_by_one(
+    tmp_path_factory: pytest.TempPathFactory, content: str
+) -> None:
+    """Of more joints than a few, and at the edges of what there is nothing to say about."""
+    path = tmp_path_factory.getbasetemp() / "limits.csv"
+    fast = outcome(path, content, convention="standard")
+    with without_the_fast_way():
+        assert fast == outcome(path, content, convention="standard")
 
 
 def test_the_fast_way_is_taken_by_plain_tables(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

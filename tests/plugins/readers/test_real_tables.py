@@ -466,6 +466,7 @@ def test_slips_of_a_scan_are_refused_with_what_to_do(field: str, cell: str, said
     "table",
     [
         "parameter,J1,J2,J3\na,0,0.3,0.2\nalpha,pi/2,0,0\nd,0.1,0,0",
+        "parameter,J1,J2\na,0,0.3\nalpha,pi/2,0\nd,0.1,0",
         "param;1;2;3\na [mm];0;300;200\nalpha;90;0;0\nd;100;0;0",
         "a,0,0.3,0.2\nalpha,0,0,0\nd,0.1,0,0",
     ],

@@ -690,3 +690,137 @@ def test_a_remark_among_many_manipulators_is_seen_and_noticed_once(
     arms = read(f"robot,a,alpha,d,Notes\n{rows}", convention="standard")
     assert [k for k, arm in enumerate(arms) if not isinstance(arm, Manipulator)] == [40]
     assert [k for k, arm in enumerate(arms) if isinstance(arm, Manipulator) and arm.notices] == [0, 30]
+
+
+TURNED = "joint,type,a,alpha,d,theta\nj1,R,0.3,pi/2,0.1,0\nj2,R,0.2,0,0,0\nj3,R,0.1,0,0,0\n"
+UNTYPED = TURNED.replace("type,", "").replace("R,", "")
+
+
+@pytest.mark.parametrize(
+    "comment",
+    [
+        *(
+            "zero position: arm stretched upwards, theta2 = -90 deg",
+            "zero pose: theta2 = -90",
+            "zero of joint 3 is at +90",
+        ),
+        *(
+            "home position q = [0, -90, 90]",
+            "at the home position joint 2 is at 90 degrees",
+            "joint 2 zero is 90 deg off",
+        ),
+        *("initial configuration 0, 90, 0", "J2 encoder zero differs by 90 degrees", "qlim = [-pi pi]"),
+        *(
+            "add 90 deg to theta2",
+            "add pi to q3",
+            "subtract pi/2 from joint 2",
+            "-90 deg offset",
+            "q2-90",
+            "theta - 90",
+        ),
+        *("theta_2 -> theta_2 - pi/2", "phi2 = theta2 + pi/2", "J1 +-170", "J1 +/- 170 deg", "limits +-170, +-120"),
+        *("J3 welded", "joint 3 does not move", "joint 2 is not used", "joint 2 is passive", "J1 and J2 are swapped"),
+        *("CW positive", "mirror of the right arm", "signs: + - +", "values in 0.1 mm", "lengths in 1e-3 m"),
+        *("values are times 1000", "multiply by L", "normalised lengths", "all dimensionless"),
+    ],
+)
+@pytest.mark.parametrize("suffix", [".csv", ".yaml"])
+def test_what_only_columns_can_say_is_noticed_in_more_words(
+    comment: str, suffix: str, read_one: Callable[..., Manipulator]
+) -> None:
+    """Nothing was said of them; of `q = [0, -90, 90]` and the like nothing was in a YAML table."""
+    joints = "convention: standard\njoints: [{type: R, a: 0.3, alpha: 0, d: 0}, {type: R, a: 0.3, alpha: 0, d: 0}]\n"
+    arm = read_one(f"# {comment}\n{TURNED if suffix == '.csv' else joints}", suffix)
+    assert "is a comment, and no" in " ".join(notice.message for notice in arm.notices)
+
+
+@pytest.mark.parametrize("comment", ["R R P", "R, R, P", "2R+P", "J3 = P", "joint 3: P", "q3 = d3"])
+def test_a_joint_that_slides_by_its_letter_is_refused_in_a_table_without_types(
+    comment: str, read: Callable[..., list[Manipulator | Rejected]]
+) -> None:
+    with pytest.raises(TableError, match="speaks of a prismatic joint, and the table has no types"):
+        read(f"# {comment}\n{UNTYPED}", convention="standard")
+    (arm,) = read(f"# {comment}\n{TURNED}", convention="standard")
+    assert isinstance(arm, Manipulator)
+
+
+@pytest.mark.parametrize(
+    ("comment", "said"),
+    [
+        *(
+            (comment, "mostly has a prismatic joint")
+            for comment in ("gantry", "telescopic third link", "stroke 200 mm")
+        ),
+        *(
+            (comment, "mostly has a prismatic joint")
+            for comment in ("wrist: linear motion", "a ball screw lifts the arm")
+        ),
+        *((comment, "a row that may not move") for comment in ("the last row is the tool", "row 3: flange")),
+    ],
+)
+def test_a_comment_about_what_types_would_say_is_noticed_in_a_table_without_types(
+    comment: str, said: str, read_one: Callable[..., Manipulator]
+) -> None:
+    assert said in " ".join(notice.message for notice in read_one(f"# {comment}\n{UNTYPED}").notices)
+    assert not read_one(f"# {comment}\n{TURNED}").notices
+
+
+@pytest.mark.parametrize(
+    "comment",
+    [
+        *("UR5, DH parameters from the manual", "joint 1: shoulder pan", "q1-q6 are the joint angles", "theta 1-6"),
+        *("reference [12]", "zero is the stretched arm", "in the zero position all axes are parallel", "TX2-60"),
+        *("the rest is from the data sheet", "used in 1 project", "IRB 120-3/0.6", "repeatability +-0.1 mm", "R-30iB"),
+        *("calibrated, not nominal", "P. Corke 2017", "roll, pitch, yaw: R, P, Y", "max speed of the linear encoder"),
+        *("positive angles are counterclockwise", "no offsets", "offset in column 5", "measured on 2024-01-02"),
+    ],
+)
+def test_prose_with_the_same_words_stays_without_a_word(comment: str, read_one: Callable[..., Manipulator]) -> None:
+    assert read_one(f"# {comment}\n{UNTYPED}").notices == ()
+
+
+def test_a_comment_behind_a_row_is_about_its_joint(read_one: Callable[..., Manipulator]) -> None:
+    """It was passed over where it declares nothing."""
+    table = "joint,a,alpha,d,theta\nj1,0.3,0,0.1,0, # offset -90\nj2,0.3,0,0,0, # reversed\nj3,0.3,0,0,0,, # elbow\n"
+    notices = [(notice.mark and notice.mark.line, notice.found) for notice in read_one(table).notices]
+    assert notices == [(2, "# offset -90"), (3, "# reversed")]
+
+
+@pytest.mark.parametrize(
+    ("comment", "said"),
+    [
+        ("tool: {xyz: [0, 0, 0.1]}", "if it is part of the arm"),
+        ("base: [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0.3], [0, 0, 0, 1]]", "if it is part of the arm"),
+        ("payload: {mass: 2}", "if it is part of the arm"),
+        ("limits: [-170, 170]", "write a key limits if it is meant for the joints"),
+        ("v_max: 2.0", "no joint gets this value"),
+        ("home: 90", "nothing is read from it"),
+    ],
+)
+def test_what_a_comment_of_yaml_declares_as_one_of_csv_does_is_noticed(
+    comment: str, said: str, read_one: Callable[..., Manipulator]
+) -> None:
+    """A table that was a CSV file lost its tool without a word."""
+    joints = "joints: [{type: R, a: 0.3, alpha: 0, d: 0}]\n"
+    (notice,) = read_one(f"# {comment}\nconvention: standard\n{joints}", ".yaml").notices
+    assert said in str(notice)
+    key = comment.partition(":")[0]
+    if key in ("tool", "payload"):
+        declared = "payload: {mass: 2, com: [0, 0, 0], inertia: {ixx: 0.01, iyy: 0.01, izz: 0.01}}"
+        declared = declared if key == "payload" else f"{key}: {{xyz: [0, 0, 0.1]}}"
+        assert read_one(f"# {comment}\nconvention: standard\n{declared}\n{joints}", ".yaml").notices == ()
+
+
+@pytest.mark.parametrize("word", ["modifiziert convention", "modifizierte convention", "modificada convention"])
+def test_a_convention_of_another_language_before_the_word_convention_is_read(
+    word: str, read: Callable[..., list[Manipulator | Rejected]]
+) -> None:
+    """`convention modifiziert` was; the other order was refused as prose."""
+    try:
+        (arm,) = read(f"# {word}\na,alpha,d\n0.3,0,0.1\n")
+    except TableError as error:
+        assert "write `# convention: modified`" in str(error)
+        assert word.startswith("modifizierte")
+    else:
+        assert isinstance(arm, Manipulator)
+        assert str(arm.convention) == "modified"

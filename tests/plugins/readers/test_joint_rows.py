@@ -492,3 +492,21 @@ def test_numbers_before_a_remark_that_leap_are_noticed(read: Read) -> None:
     assert isinstance(arm, Manipulator), arm.problems
     (rejected,) = read("# convention: standard\ni,a,alpha,d\n1*,0.3,0,0.1\n3,0.2,0,0\n")
     assert not isinstance(rejected, Manipulator)
+
+
+@pytest.mark.parametrize("cell", ["+", "-", "−", "CW", "ccw", "n/a"])
+def test_a_sign_that_is_no_number_is_answered_with_the_two_that_are(cell: str, read: Read) -> None:
+    """The advice for `-` was to leave the cell empty, which means +1."""
+    (arm,) = read(f"a,alpha,d,sign\n0.3,0,0,{cell}\n", convention="standard")
+    assert not isinstance(arm, Manipulator)
+    (problem,) = arm.problems
+    assert problem.accepted == "1 or -1"
+    assert "-1 where the positive direction is the other one" in str(problem)
+
+
+@pytest.mark.parametrize("cell", ["0.1 # measured", "0.1 // measured"])
+def test_a_comment_in_a_cell_is_answered_with_its_place(cell: str, read: Read) -> None:
+    (arm,) = read(f"a,alpha,d\n0.3,0,{cell}\n", convention="standard")
+    assert not isinstance(arm, Manipulator)
+    (problem,) = arm.problems
+    assert "put the comment on a line of its own" in str(problem)

@@ -49,7 +49,7 @@ _NUMBERS = late_pattern(rf"\s*{_ONE}(?:(?:\s*(?:[,;|/]|\.\.+|…|\bto\b)\s*|\s+)
 _BY_JOINT = ("limits", "lower", "upper", "velocity", "effort", "mass", "offset", "sign", "flip")
 _BY_NUMBER = late_pattern(r"[0-9].*[0-9]")
 """Numbers for one joint after the other: ``limits: J1 ±170, J2 ±90``."""
-_LIST = late_pattern(r"\s*\[\s*[+-]?[0-9.]")
+_LIST = late_pattern(r"\s*\[\s*[-+−]?(?:[0-9.]|pi\b|π)")
 _OF_THE_FILE = frozenset(
     "version rev revision release edition date year page pages figure fig table chapter section equation eq line sheet "  # noqa: SIM905
     "no nr id serial serialnumber dof dofs axes joints links rows columns degreesoffreedom numberofjoints numberofaxes "
@@ -312,8 +312,8 @@ def words_under_key(comment: Comment, keys: Collection[str]) -> list[str]:
     return _WORD.findall(entry[2]) if entry and _plain(entry[1]) in keys else []
 
 
-def unread_values(comment: Comment) -> list[Problem]:
-    """A notice of a comment that gives a number to something: nothing reads it; a joint gets it from a column."""
+def unread_values(comment: Comment, *, place: str = "column") -> list[Problem]:
+    """A notice of a comment that gives a number to something: nothing reads it; a joint has it in a column."""
     entry = _entry(comment)
     is_other = entry and (_plain(entry[1]) in _OF_THE_FILE or "scale model" in entry[1].casefold())
     if entry is None or is_other or _CITATION.fullmatch(entry[2].strip()):
@@ -331,7 +331,7 @@ def unread_values(comment: Comment) -> list[Problem]:
             mark=comment.whole,
             field=field.name if field and of_joints else None,
             found=comment.line,
-            suggestion=f"write a column {field.name} if it is meant for the joints" if field and of_joints else None,
+            suggestion=f"write a {place} {field.name} if it is meant for the joints" if field and of_joints else None,
         )
     ]
 

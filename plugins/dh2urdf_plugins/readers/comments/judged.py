@@ -41,16 +41,25 @@ _TYPE_KEYS = frozenset(
 _SEQUENCE = late_pattern(
     r"(?<![\w-])(?:(?=[\w-]*P)(?:(?:[2-9]?[RP]-?){3,8}(?![\w-])"
     r"|[2-9]?[RP]-?[2-9]?[RP](?=\s*(?:robot|arm|manipulator)\b|\s*$))"
-    r"|[1-9]R\s?\+?\s?[1-9]P(?![\w-])|[1-9]P\s?\+?\s?[1-9]R(?![\w-]))"
+    r"|[1-9]R\s?\+?\s?[1-9]P(?![\w-])|[1-9]P\s?\+?\s?[1-9]R(?![\w-])|[1-9]R\s?\+\s?P(?!\w)|P\s?\+\s?[1-9]R(?!\w)"
+    r"|(?=[R, ]{0,16}P)[RP](?:(?:,\s?|\s)[RP]){2,8}(?![\w-]|\s[A-Z]\b))"
 )
-"""The joints of an arm by their letters: ``RRP``, ``R-R-P-R``, ``RP robot``, ``2R1P``."""
+"""The joints of an arm by their letters: ``RRP``, ``R-R-P-R``, ``R R P``, ``RP robot``, ``2R1P``."""
 _SLIDING_ARM = late_pattern(
     r"(?<![^\W_])(?:scara|(?:cartesian|cylindrical|gantry) (?:robot|arm|manipulator)|stanford (?:arm|manipulator)"
+    r"|(?:polar|spherical) (?:robot|arm|manipulator)|gantry|telescop\w*|(?:ball|lead)[ -]?screw|moves? linearly|stroke"
+    r"|linear (?:motion|actuator|drive|slide|guide|module|unit|rail)s?(?! speed| veloc| accel)"
     r"|[1-9] (?:linear ax[ei]s|translations?|traslaci[oó]n(?:es)?|traslazion[ei]|translationen|transla[cç](?:ão|ões)))"
     r"(?![^\W_])",
     re.IGNORECASE,
 )
-"""What an arm is called that mostly has a joint that slides."""
+"""Words for an arm that mostly has a joint that slides."""
+_STILL_ROW = late_pattern(
+    r"(?<![^\W_])(?:(?:last|first|final|[0-9]{1,2}(?:st|nd|rd|th))\s+(?:row|line)|row\s*[0-9]{1,2})(?![^\W_])[^.;]{0,24}"
+    r"(?<![^\W_])(?:tool|flange|end[ -]?effector|base|tcp|gripper|hand|ee|fixed)(?![^\W_])",
+    re.IGNORECASE,
+)
+"""A row that is no joint, in prose: ``the last row is the tool``."""
 _NTH = (
     r"(?:(?:joint|axis|link|gelenk|achse|axe|articulation|articulaci[oó]n|articulação|eje|giunto|asse|junta|eixo|关节|轴|関節|軸"
     r"|관절|축|przegub|eklem|сочленение|ось|j|q)[\s_.#-]*[0-9]{1,2}|第?\s?[0-9一二三四五六七](?:关节|轴|関節|軸)"
@@ -60,19 +69,31 @@ _NTH = (
 """A joint by its number, as prose names it."""
 _NTH_SLIDES = late_pattern(
     rf"{_NTH}[^.;,]{{0,24}}?(?<![^\W_])(?:slides?|sliding|translat\w*|prism\w*\.?|schub\w*|glissi\w*"
-    r"|linear(?:achse)?(?!\s*(?:speed|veloc|accel|interpol|motion|encoder)))(?![^\W_])",
+    r"|linear(?:achse)?(?!\s*(?:speed|veloc|accel|interpol|motion|encoder)))(?![^\W_])"
+    rf"|{_NTH}\s*[:=(]\s*P(?!\w)",
     re.IGNORECASE,
 )
 _SLIDE_VARIABLE = late_pattern(
     r"(?<![^\W_])d_?[0-9]{1,2}\*?\s+(?:is\s+)?(?:an?\s+|the\s+)?(?:joint\s+)?variable"
     r"|variables?\b[^.]*?(?<![^\W_])d_?[0-9]{1,2}\b"
-    r"|(?<![^\W_])q\s*=\s*[\[({][^\])}]*(?<![^\W_])d_?[0-9]",
+    r"|(?<![^\W_])q\s*=\s*[\[({][^\])}]*(?<![^\W_])d_?[0-9]|(?<![^\W_])q_?[0-9]\s*=\s*d_?[0-9]",
     re.IGNORECASE,
 )
 """``d3`` among the variables of an arm: ``q = [θ1, θ2, d3]``."""
 _VARIABLE = rf"(?:{_NTH}|(?<![^\W_])(?:θ|theta|th|q|d)[\s_{{]*(?:[0-9]{{1,2}}|[₁-₉])\}}?)"
+_ADDED = r"(?:[0-9]{2,}|[0-9]+(?:[.,][0-9]+|\s*(?:°|deg|rad|mm|cm))|[0-9]*\s?\*?\s?(?:pi|π))"
+"""What is added to a joint variable, and no number of a joint: ``q1-6`` are six joints."""
 _UNREAD = late_pattern(
-    rf"{_NTH}[^.;]{{0,24}}?(?<![^\W_])(?:fixed|locked|coupled|mimic|reversed|inverted|opposite|negative|negated)"
+    rf"{_NTH}[^.;]{{0,24}}?(?<![^\W_])(?:fixed|locked|coupled|mimic|reversed|inverted|opposite|negative|negated|welded"
+    r"|frozen|blocked|clamped|passive|unused|disabled|swapped|exchanged|mirrored|flipped|dependent|follows"
+    r"|(?:not|never|n['’]t)\s+(?:mov|used|actuated|driven|turn|rotat))"
+    rf"|(?<![^\W_])(?:add|subtract|plus|minus)(?:ed)?\s[^.;]{{0,24}}?(?:[0-9]|pi|π)[^.;]{{0,24}}{_VARIABLE}"
+    r"|(?:[0-9]|pi|π)\s*(?:°|deg\w*|rad\w*|mm|cm|m)?\s*(?:offset|shift|versatz)(?![^\W_])"
+    rf"|(?<![^\W_])(?:zero|home|rest|initial|reference)\b[^.;]{{0,24}}(?:{_VARIABLE}|(?:position|pose|configuration|angle)s?)"
+    rf"[^;]{{0,40}}?(?<![\w.,])[-+−]?{_ADDED}|{_VARIABLE}[^.;]{{0,24}}(?<![^\W_])(?:zero|home)\b[^.;]{{0,24}}{_ADDED}"
+    r"|(?<![^\W_])signs?\s*[:=]\s*[\[(]?\s*[-+−](?!\s?[0-9])"
+    r"|(?<![^\W_])in (?:(?:units|steps) of )?[01][0-9.]*(?:e[-+]?[0-9]+)?\s*(?:µm|mm|cm|m|deg|rad|°)(?![^\W_])"
+    r"|(?<![^\W_])times\s+[0-9]{2,}|multiply by|normali[sz]ed|dimensionless"
     rf"|(?<![^\W_])(?:reversed|inverted|opposite|negative|positive)\s+(?:direction|sense|sign)\b[^.;]{{0,24}}{_NTH}"
     r"|(?:θ|theta|th|q|j)[\s_{]*[0-9]{1,2}[a-z_}]{0,8}\W{0,3}=[^=]*(?:θ|theta|th|q|j)[\s_{]*[0-9]"
     rf"|{_VARIABLE}[^.;]{{0,32}}?(?<![^\W_])(?:horizontal|vertical|absolute|offset|shifted|versatz|d[ée]calage|desfase)"
@@ -87,20 +108,34 @@ _UNREAD = late_pattern(
     re.IGNORECASE,
 )
 """What prose adds to joints or to all numbers, and no comment can: ``θ2 = q2 - 90°``, ``all × 10⁻³``."""
+_ADDS = late_pattern(
+    rf"(?<![^\W_])(?:θ|theta|th|q|phi|φ)[\s_{{]*[0-9₁-₉]?[}}'\s]{{0,3}}[-+−]\s?{_ADDED}", re.IGNORECASE
+)
+"""A joint variable with what is added to it: ``q2-90``."""
+_IN_ADDS = ("q", "theta", "θ", "phi", "φ")
 _IN_UNREAD = (
-    "= 10 multipl divided units fixed locked coupled mimic reversed inverted opposite negative positive "  # noqa: SIM905
-    "negated horizontal vertical absolute offset shift versatz calage desfase revers scal ≙ equals stab chelle".split()
+    *"= 10 multipl divided units fixed locked coupled mimic reversed inverted opposite negative positive negated "  # noqa: SIM905
+    "horizontal vertical absolute offset shift versatz calage desfase revers scal ≙ equals stab chelle welded frozen "
+    "blocked clamped passive unused disabled swapped exchanged mirror flipped depend follows n't never n’t added "
+    "subtract plus minus zero home initial reference sign: sign= signs times normali dimensionless".split(),
+    "add ",
+    "in 0",
+    "in 1",
+    "not ",
+    "rest ",
 )
 """What such prose has at least one of: most comments have none, and need no search."""
 _BOUNDS = late_pattern(
-    rf"{_VARIABLE}[^.;]{{0,32}}?(?:[∈±]|[<≤>≥]=?\s?[-+−]?\s?(?:[0-9]|pi|π)|(?<![^\W_])ranges?(?![^\W_])"
+    r"(?<![^\W_])(?:limit|range)s?(?![^\W_])[^.;]{0,24}(?:±|\+\s?/?\s?[-−])\s?[0-9]"
+    rf"|{_VARIABLE}[^.;]{{0,32}}?(?:[∈±]|\+\s?/?\s?[-−]\s?[0-9]|[<≤>≥]=?\s?[-+−]?\s?(?:[0-9]|pi|π)|(?<![^\W_])ranges?(?![^\W_])"
     r"|[0-9]\s?(?:°|deg)?\s?(?:\.\.|…|to|bis|~|～)\s?[-+−]?[0-9])",
     re.IGNORECASE,
 )
 """How far a joint moves, in prose: ``d₃ ∈ [0.2, 1]``, ``q1: -170..170``."""
-_IN_BOUNDS = ("∈", "<", "≤", ">", "≥", "±", "range", "..", "…", "to", "bis", "~", "～")
+_IN_BOUNDS = ("∈", "+", "limit", "<", "≤", ">", "≥", "±", "range", "..", "…", "to", "bis", "~", "～")
 _TURNED = late_pattern(
-    r"(?<!counter)(?<!counter-)(?<!anti)(?<!anti-)(?<![^\W_])clockwise|(?<!gegen den )uhrzeigersinn"
+    r"(?<!counter)(?<!counter-)(?<!anti)(?<!anti-)(?<![^\W_])(?:clockwise|cw(?![^\W_]))"
+    r"|(?<![^\W_])mirror(?:ed|s)?(?![^\W_])|(?<!gegen den )uhrzeigersinn"
     r"|顺时针|(?<!反)時計回り|(?<!반)시계 ?방향|(?<!против )часовой"
     r"|(?<!anti)(?<!anti-)(?<![^\W_])h?or[aá](?:ire|rio)(?![^\W_])"
     r"|upside[ -]down|(?<![^\W_])(?:ceiling(?! height)|wall[ -]mounted|left[ -]handed|kopfüber|hängend|hang(?:s|ing))"
@@ -110,8 +145,8 @@ _TURNED = late_pattern(
 )
 """Joints that turn the other way, and a base that is turned: ``clockwise is positive``, ``mounted upside down``."""
 _IN_TURNED = (
-    "clockwise uhrzeiger 顺时针 時計 시계 horaire horario horário orario часовой upside ceiling wall handed kopf "  # noqa: SIM905
-    "häng hang 装 z0 z_0 z₀".split()
+    "clockwise cw mirror uhrzeiger 顺时针 時計 시계 horaire horario horário orario часовой upside ceiling wall handed "  # noqa: SIM905
+    "kopf häng hang 装 z0 z_0 z₀".split()
 )
 _NUMBER = late_pattern(r"(?<![^\W])[-+−]?(?:[0-9]*\.)?[0-9]+")
 _SIZE = late_pattern(
@@ -149,12 +184,17 @@ def comment_problems(
 def remark_problems(remark: Comment, number: int, statements: Statements, columns: Columns) -> list[Problem]:
     """What a cell of a column that no field knows declares about the table, as a comment would, or about its joint.
 
+    What a comment behind the cells of a row declares is looked at elsewhere.
+
     Args:
         remark: the cell.
         number: the number of the row.
         statements: what the table and the options say.
         columns: its headers.
     """
+    about_joint = replace(remark, text=f"joint {number}: {remark.text}")
+    if is_comment(remark.line):
+        return unread_values(remark) or unread_prose(about_joint, statements)
     try:
         said = statements_in(remark)
     except TableError as error:
@@ -162,7 +202,6 @@ def remark_problems(remark: Comment, number: int, statements: Statements, column
     words = [key for key, node in said.items() if key not in ("units", "convention") and isinstance(node.value, str)]
     if all(key in words or _holds(key, node, statements, columns) for key, node in said.items()):
         problems = prose_problems(remark, statements, columns) + types_elsewhere(remark, typed="type" in columns.fields)
-        about_joint = replace(remark, text=f"joint {number}: {remark.text}")
         return problems or unread_values(remark) or unread_prose(about_joint, statements)
     return [
         Problem(
@@ -206,10 +245,13 @@ def types_elsewhere(comment: Comment, *, typed: bool) -> list[Problem]:
     slides = JointType.PRISMATIC in kinds and None not in kinds
     patterns = (_SEQUENCE, _NTH_SLIDES, _SLIDE_VARIABLE)
     if not (slides or speaks_of_slide(comment.text) or any(pattern.search(comment.text) for pattern in patterns)):
-        mostly = _SLIDING_ARM.search(comment.text) if len(comment.text) > len("scara") - 1 else None
+        mostly = len(comment.text) > len("scara") - 1 and _SLIDING_ARM.search(comment.text)
+        still = not mostly and _STILL_ROW.search(comment.text)
         message = f"{shown(comment.line)} speaks of an arm that mostly has a prismatic joint, and no joint is one"
+        if still:
+            message = f"{shown(comment.line)} speaks of a row that may not move, and the table has no types"
         notice = Problem(message=message, severity="notice", mark=comment.whole, field="type", found=comment.line)
-        return [notice] if mostly else []
+        return [notice] if mostly or still else []
     return [
         Problem(
             message=f"{shown(comment.line)} speaks of a prismatic joint, and the table has no types: every joint would "
@@ -241,7 +283,7 @@ def unread_prose(comment: Comment, statements: Statements, *, lead: str = "# ") 
     if what in statements.placed or not (what and (_is_bare(comment.text) or _SIZE.search(comment.text))):
         what = None
     plain = comment.text.casefold()
-    searches = ((_IN_UNREAD, _UNREAD), (_IN_BOUNDS, _BOUNDS), (_IN_TURNED, _TURNED))
+    searches = ((_IN_UNREAD, _UNREAD), (_IN_ADDS, _ADDS), (_IN_BOUNDS, _BOUNDS), (_IN_TURNED, _TURNED))
     if what is None and not any(
         any(word in plain for word in words) and pattern.search(comment.text) for words, pattern in searches
     ):

@@ -162,7 +162,9 @@ def is_prose(text: str) -> bool:
     if not (first.isascii() and first.isalpha()):
         return False
     of_units = first in UNIT_WORDS or first in FILLERS or first in MEASURE_WORDS or first in FIELD_WORDS
-    return not (of_units or first in _OF_CONVENTIONS or first in CONVENTION_CHOICES or unit_called(first))
+    if of_units or first in _OF_CONVENTIONS or first in CONVENTION_CHOICES or unit_called(first):
+        return False
+    return "onven" not in text.casefold() or convention_of(first) is None  # `modifiziert convention`
 
 
 def _words(text: str) -> list[str]:

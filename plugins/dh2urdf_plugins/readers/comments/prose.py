@@ -41,7 +41,7 @@ _SYSTEM = {Dimension.LENGTH: "m", Dimension.ANGLE: "rad"}
 
 _PROSE_WORD = late_pattern(r"\w+")
 _SAYS_CONVENTION = late_pattern(
-    r"(?<![a-z])d-?h(?![a-z])|denavit|convention|convenci|convenz|konwenc|notac|notaz|parameters|денавит|параметр|\bдх\b",
+    r"(?<![a-z])d-?h(?![a-z])|denavit|[ck]onvention|convenci|convenz|konwenc|notac|notaz|parameters|денавит|параметр|\bдх\b",
     re.IGNORECASE,
 )
 _PROSE = {

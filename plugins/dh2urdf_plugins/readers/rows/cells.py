@@ -132,7 +132,8 @@ class RowCells:
             from dh2urdf_plugins.readers.words.no_numbers import advice_for
 
             suggestion = advice_for(name, text) or error.suggestion
-            self._error(error.message, name, accepted=error.accepted, suggestion=suggestion)
+            accepted = "1 or -1" if name == "sign" else error.accepted
+            self._error(error.message, name, accepted=accepted, suggestion=suggestion)
             return Quantity(0.0)
         if not quantity.has_unit:
             self._read_in[name] = unit.symbol if unit else ""

@@ -21,7 +21,7 @@ from dh2urdf_plugins.readers.plain.numbers import REMEMBERED
 from dh2urdf_plugins.readers.rows.joint_rows import LABEL
 from dh2urdf_plugins.readers.rows.names import holds_type, kind_of
 from dh2urdf_plugins.readers.words.cells import SPACES, Cell, text_of
-from dh2urdf_plugins.readers.words.comment_lines import SPREADSHEET_ERROR, Comment
+from dh2urdf_plugins.readers.words.comment_lines import SPREADSHEET_ERROR, Comment, marks_a_comment
 from dh2urdf_plugins.readers.words.decimal_signs import DecimalSigns, largest
 from dh2urdf_plugins.readers.words.fields import FIELDS, GROUPS
 
@@ -68,6 +68,9 @@ class TableCells:
         """
         columns, joint, texts = self.columns, f"joint_{number}", list(map(text_of, row))
         cells = self._label(texts, marks)
+        for place in range(len(columns.fields), len(texts)):  # a comment behind the row
+            if marks_a_comment(texts[place]) and _is_remark(texts[place]):
+                self.remarks.setdefault(texts[place], (Comment.of(texts[place].strip(SPACES), marks[place]), number))
         for index, (name, text) in enumerate(zip(columns.fields, texts, strict=False)):
             if index in columns.ignored:
                 continue

@@ -24,12 +24,16 @@ _GEOMETRY = (*REQUIRED, "theta")
 
 
 def advice_for(name: str, text: str) -> str | None:
-    """What to do about a cell that says that there is no number; None for any other cell.
+    """What to do about a cell that says that there is no number, or more than one; None for any other cell.
 
     Args:
         name: the field of the cell.
         text: the cell.
     """
+    if name == "sign":
+        return "write 1, or -1 where the positive direction is the other one"
+    if "#" in text or "//" in text:
+        return "put the comment on a line of its own, above the row"
     if name in _BOUNDS and _ENDLESS.fullmatch(text.strip()):
         return "if the joint turns without end, give it the type continuous, and leave its bounds empty"
     if name == "theta" and _SYMBOL.fullmatch(text):

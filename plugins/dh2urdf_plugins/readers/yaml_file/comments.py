@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 _MAX_COMMENTS = 1000
 _JOINT = late_pattern(r"-\s.*\b(?:a|alpha|d)\s*:\s*[-+]?(?:[0-9.]|pi)")
 """A joint, in the list of which it is no more."""
+_STATEMENT = late_pattern(r"(base|tool|payload|defaults)\s*[:=]\s*[\[{]")
 _TURNED = frozenset("reversed inverted negative negated flipped mirrored cw clockwise".split())  # noqa: SIM905
 _BEFORE_QUOTES = ("", ":", ",", "[", "{", "-", "?")
 """What a text in quotes comes after."""
@@ -73,6 +74,7 @@ def judge_comments(
     for number, line in lines:
         if "#" not in line or found >= _MAX_COMMENTS or (position := _start(line)) is None:
             continue
+        from dh2urdf_plugins.readers.comments.declared import unread_values
         from dh2urdf_plugins.readers.comments.judged import types_elsewhere, unread_prose
         from dh2urdf_plugins.readers.comments.prose import in_other_words, units_beside
 
@@ -86,8 +88,21 @@ def judge_comments(
             *types_elsewhere(comment, typed=typed),
             *unread_prose(comment, statements, lead=""),
         ]
+        if not (before or problems):
+            problems = unread_values(comment, place="key") or _left_out(comment, statements)
         for problem in problems or _about_joint(comment, before, typed=typed):
             add(problem)
+
+
+def _left_out(comment: Comment, statements: Statements) -> list[Problem]:
+    """A notice of a base, a tool or a payload that is declared as in a CSV table, and that no key declares."""
+    match = _STATEMENT.match(comment.text)
+    if match is None or match[1] in statements.placed:
+        return []
+    message = f"{shown(comment.line)} is a comment, and nothing is read from it"
+    meant = f"if it is part of the arm, write the key `{match[1]}:` without #"
+    notice = Problem(message=message, severity="notice", mark=comment.whole, found=comment.line, suggestion=meant)
+    return [notice]
 
 
 def _about_joint(comment: Comment, before: str, *, typed: bool) -> list[Problem]:

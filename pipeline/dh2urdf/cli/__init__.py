@@ -18,6 +18,7 @@ import signal
 import sys
 import time
 import warnings
+from contextlib import suppress
 from importlib import import_module
 from itertools import pairwise, takewhile
 from typing import IO, TYPE_CHECKING, Any, NoReturn
@@ -26,7 +27,7 @@ import click
 
 from dh2urdf._version import __version__
 from dh2urdf.cli.shared_options import Command, option, without_option
-from dh2urdf.errors import Dh2UrdfError, OutputError
+from dh2urdf.errors import BrokenPluginError, Dh2UrdfError, OutputError
 from dh2urdf.isolation.own_process import claim
 from dh2urdf.plugin_system.at_work import at_work_here
 
@@ -38,6 +39,8 @@ SETTLED = f"{__name__}.settled"
 """The key in a context for an exit status that is sure before all is printed: no reader who leaves early changes it."""
 INTERNAL_ERROR = 1
 LAST_STREAM = 2
+PATIENCE = 2.0
+"""How long threads that plugins have left may go on when a command has ended [s]."""
 SOON = 0.01
 """After which an interrupt that came at a bad moment comes again [s]."""
 
@@ -170,7 +173,32 @@ def main(arguments: list[str] | None = None) -> None:
     if not sys.warnoptions:
         warnings.simplefilter("ignore")  # what libraries warn their callers of is not for the user of a command
     words = sys.argv[1:] if arguments is None else arguments
-    sys.exit(exit_status_of(words))
+    status = exit_status_of(words)
+    _wait_for_threads(status)
+    sys.exit(status)
+
+
+def _wait_for_threads(status: int) -> None:
+    """Ends this process though a plugin has left a thread at work: Python would wait for that thread for ever."""
+    if "threading" not in sys.modules:
+        return
+    import threading
+
+    left = [each for each in threading.enumerate() if not each.daemon and each is not threading.main_thread()]
+    if not left:
+        return
+
+    def end() -> None:
+        time.sleep(PATIENCE)
+        names = ", ".join(repr(each.name) for each in left if each.is_alive())
+        text = f"dh2urdf: threads that plugins have left are still at work and end here: {names}\n"
+        os.write(LAST_STREAM, text.encode(errors="backslashreplace"))
+        os._exit(status)
+
+    for stream in filter(None, (sys.stdout, sys.stderr)):
+        with suppress(OSError, ValueError):
+            stream.flush()
+    _thread.start_new_thread(end, ())
 
 
 def _tell_of_the_end() -> None:
@@ -189,6 +217,7 @@ def _tell_of_the_end() -> None:
         who = at_work_here()
         if os.getpid() == own and who is not None and who.plugin is not None and not who.plugin.is_builtin:
             os.write(2, f"dh2urdf: {who} left the process (exit status {status}), and nothing came of it\n".encode())
+            status = status or BrokenPluginError.exit_status
         end(status)
 
     os._exit = leave

@@ -56,7 +56,7 @@ def kept_apart() -> Iterator[IO[str]]:
     own = os.fdopen(os.dup(_STDOUT), "w", encoding=sys.stdout.encoding, errors="backslashreplace")
     try:
         os.dup2(_STDERR, _STDOUT)
-        with redirect_stdout(NamedLines(_print)) as lines:
+        with redirect_stdout(NamedLines(_print, sys.stderr)) as lines:
             yield own
             lines.finish()
     finally:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from contextlib import contextmanager
 from dataclasses import replace
 from types import NoneType
 from typing import TYPE_CHECKING, Any
@@ -25,7 +26,7 @@ from dh2urdf.stage_calls.calls import Call, blaming, depending_on
 from dh2urdf.stages import Loader, LoadReport, LoadRequest
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterator, Sequence
     from pathlib import Path
 
     from dh2urdf.conversion.one_manipulator import Recipe, Written
@@ -195,11 +196,32 @@ def load_written(
         mark=expected.mark,
         picture=picture if pictured else None,
     )
-    with blaming(call):
+    with blaming(call), _kept(path.parent, written if call.plugin and not call.plugin.is_builtin else ()):
         report = load_in_child(loader, request, call.options, f"the {call.at_work}", children)
         if report.picture and not picture.with_name(a_plain_name(report.picture)).is_file():
             raise ValueError(f"it reported a picture {shown(report.picture)} and wrote none")
         return report
+
+
+@contextmanager
+def _kept(folder: Path, written: Sequence[Written]) -> Iterator[None]:
+    """Has the next loader, too, find the files as they were written.
+
+    Raises:
+        ValueError: they were changed or removed meanwhile.
+    """
+    changed = ""
+    try:
+        yield
+    finally:
+        for file in (file for each in written for file in each.files):
+            path = folder / file.name
+            if not path.is_file() or path.read_bytes() != file.content:
+                path.parent.mkdir(parents=True, exist_ok=True)
+                path.write_bytes(file.content)
+                changed = changed or file.name
+    if changed:
+        raise ValueError(f"it changed or removed the file {shown(changed)} that it was given")
 
 
 def _elements(frame: RigidTransform) -> tuple[float, ...]:

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import os
 from _thread import _local  # `threading.local`, without an import that takes as long as all of this
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -51,12 +51,15 @@ class AtWork:
 
     What a consumer does between two items of a generator is not the plugin's work: a context is entered for each item.
 
+    A plugin is met in the folder where the last one was, wherever that one went. A process that a plugin has forked off
+    ends here: it would do the rest of the run a second time.
+
     Args:
         what: what is done, such as ``emitter 'usd'``.
         plugin: the plugin; None where the stage came from none.
     """
 
-    __slots__ = ("_before", "plugin", "what")
+    __slots__ = ("_before", "_folder", "_process", "plugin", "what")
 
     def __init__(self, what: str, plugin: _NamedPlugin | None) -> None:
         self.what, self.plugin = what, plugin
@@ -67,27 +70,47 @@ class AtWork:
     def __enter__(self) -> None:
         self._before = _here.at_work
         _here.at_work = self
+        if self._is_foreign:
+            self._process, self._folder = os.getpid(), _folder()
         if _shared is not None:
             self.tell(_shared)
 
     def __exit__(
         self, _kind: type[BaseException] | None, error: BaseException | None, _traceback: TracebackType | None
     ) -> None:
+        if self._is_foreign:
+            if self._process != os.getpid():
+                os._exit(1)
+            if self._folder and self._folder != _folder():
+                with suppress(OSError):  # It was removed meanwhile.
+                    os.chdir(self._folder)
         _here.at_work = before = self._before
-        if _shared is not None:
+        if isinstance(error, KeyboardInterrupt):
+            if self._is_foreign and not getattr(error, "__notes__", ()):
+                error.add_note(f"{self} was at work")
+        elif _shared is not None:  # An interrupt ends a child, which was at this work to its end.
             if before is None:
                 _shared[len(MAGIC)] = 0
             else:
                 before.tell(_shared)
-        is_foreign = self.plugin is not None and not self.plugin.is_builtin
-        if is_foreign and isinstance(error, KeyboardInterrupt) and not getattr(error, "__notes__", ()):
-            error.add_note(f"{self} was at work")
+
+    @property
+    def _is_foreign(self) -> bool:
+        return self.plugin is not None and not self.plugin.is_builtin
 
     def tell(self, shared: mmap) -> None:
         """Write it where the parent of this process reads it."""
         text = f"{self.what}\n{self.plugin.name if self.plugin else ''}".encode(errors="replace")
         text = text[: SIZE - len(MAGIC) - 1]
         shared[len(MAGIC) : len(MAGIC) + len(text) + 1] = text + b"\0"
+
+
+def _folder() -> str:
+    """The current folder; empty where it was removed."""
+    try:
+        return os.getcwd()  # noqa: PTH109 - asked at each call of a plugin
+    except OSError:
+        return ""
 
 
 class _Here(_local):

@@ -7,30 +7,53 @@ words if it dies, and the parent passes on only what has no mark, which C code a
 
 from __future__ import annotations
 
+import codecs
 import io
 import sys
 from contextlib import contextmanager, redirect_stderr, redirect_stdout
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from dh2urdf.plugin_system.at_work import MARK, at_work_here, has_parent
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
+    from typing import TextIO
 
 MOST_LINES = 100
 """Lines of one batch that are passed on; the rest is counted."""
+LONGEST = 10_000
+"""Characters after which a line ends, as a bar that shows how far something is has no end."""
 
 
 class NamedLines(io.TextIOBase):
     """A text stream that hands over whole lines with the name of the stage at work.
 
+    It is what a library expects of standard output: bytes may be written to its `buffer`, and a program may be given
+    it, which then prints to standard error, without a name.
+
     Args:
         put: takes what is to be printed, a line with the name of its plugin, and the line alone; both without an end.
+        stderr: where what programs print goes.
     """
 
-    def __init__(self, put: Callable[[str, str], object]) -> None:
+    encoding = "utf-8"
+    errors = "backslashreplace"
+
+    def __init__(self, put: Callable[[str, str], object], stderr: TextIO) -> None:
         self._put = put
         self._who = self._line = ""
+        self._stderr = stderr
+        self.buffer = _Bytes(self)
+
+    def fileno(self) -> int:
+        """The number of the file that programs print to."""
+        return self._stderr.fileno()
+
+    def reconfigure(self, **_changes: object) -> None:
+        """Stay as it is: it takes any text."""
+
+    def close(self) -> None:
+        """Stay open for the next one that prints."""
 
     def writable(self) -> bool:
         """True."""
@@ -46,6 +69,8 @@ class NamedLines(io.TextIOBase):
         *lines, self._line = (self._line + text).split("\n")
         for line in lines:
             self._hand_over(line)
+        if len(self._line) > LONGEST:
+            self.finish()
         return len(text)
 
     def finish(self) -> None:
@@ -56,6 +81,27 @@ class NamedLines(io.TextIOBase):
 
     def _hand_over(self, line: str) -> None:
         self._put(f"{self._who} prints: {line}" if self._who else line, line)
+
+
+class _Bytes(io.RawIOBase):
+    """What is printed as bytes goes to the same lines."""
+
+    def __init__(self, lines: NamedLines) -> None:
+        self._lines = lines
+        self._text = codecs.getincrementaldecoder(lines.encoding)(lines.errors)
+
+    def writable(self) -> bool:
+        """True."""
+        return True
+
+    def write(self, data: Any) -> int:  # noqa: ANN401 - anything that has bytes
+        """Take bytes; those of a character that is not whole wait for the others."""
+        taken = bytes(data)
+        self._lines.write(self._text.decode(taken))
+        return len(taken)
+
+    def close(self) -> None:
+        """Stay open for the next one that prints."""
 
 
 @contextmanager
@@ -77,7 +123,7 @@ def collected_lines(*, is_worker: bool) -> Iterator[list[str]]:
             stderr.write(f"{MARK}{line}\n")
             stderr.flush()
 
-    stream = NamedLines(put)
+    stream = NamedLines(put, stderr)
     try:
         with redirect_stdout(stream), redirect_stderr(stream):
             yield lines

@@ -244,6 +244,7 @@ def _answers(
     """Every batch with what the executor has of it.
 
     A result that is none, or none of a batch, fails the manipulators of this batch; one that comes twice counts once.
+    An executor that gives results of nothing is not asked again, as it may never end.
 
     Args:
         plan: the run.
@@ -262,7 +263,7 @@ def _answers(
         while True:
             with depending_on(call):  # What is done with a result is not the executor's work.
                 result = next(results, end)
-            if result is end:
+            if result is end or (not under_way and _is_nobodys(result, some)):
                 break
             if isinstance(result, BatchReport) and result.first not in {batch.first for batch in under_way}:
                 continue  # It is reported already.
@@ -285,6 +286,11 @@ def _answers(
         pass  # An executor that ended too early has not taken them: each is under way now.
     while under_way:
         yield under_way[0], _undone(worker, under_way.popleft(), call, _no_result())
+
+
+def _is_nobodys(result: object, some: Iterator[Batch]) -> bool:
+    """Whether a result that no batch waits for cannot be one that comes twice before the next batch."""
+    return not isinstance(result, BatchReport) or getattr(some, "gi_frame", None) is None
 
 
 def _no_result() -> ValueError:

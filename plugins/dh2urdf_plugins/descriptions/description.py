@@ -24,6 +24,7 @@ from dh2urdf_plugins.read_back import urdf_reader
 from dh2urdf_plugins.read_back.mjcf import reader as mjcf_reader
 from dh2urdf_plugins.read_back.mjcf.elements import Elements, compiler_of
 from dh2urdf_plugins.read_back.sdf import reader as sdf_reader
+from dh2urdf_plugins.read_back.sdf.elements import is_true
 from dh2urdf_plugins.read_back.xml_files import LARGEST, mark_of, tree_of
 
 if TYPE_CHECKING:
@@ -241,8 +242,10 @@ def _read_sdf(root: etree._Element, extras: _Extras) -> Robot:
 def _meant_sdf(root: etree._Element, extras: _Extras) -> etree._Element:
     meant = deepcopy(root)
     for pose in meant.iter("pose"):
+        if pose.get("rotation_format") == "quat_xyzw" or is_true(pose.get("degrees")):
+            continue
         words, found = repaired(pose.text or "", pose.sourceline, first=3)  # type: ignore[arg-type]  # wrong in the stubs
-        if found and pose.get("degrees") != "true":
+        if found:
             pose.text = words
             extras.rounded += found
     return meant

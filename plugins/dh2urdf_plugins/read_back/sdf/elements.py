@@ -53,7 +53,7 @@ class SdfElements(FileElements):
             except ZeroDivisionError:
                 raise self.error(element, f"the pose of {element.tag} has a quaternion of length 0") from None
         x, y, z, roll, pitch, yaw = self._read(element, "pose", text, 6)
-        if pose.get("degrees") in {"1", "true"}:
+        if is_true(pose.get("degrees")):
             roll, pitch, yaw = radians(roll), radians(pitch), radians(yaw)
         return Origin(xyz=(x, y, z), rpy=(roll, pitch, yaw))
 
@@ -81,3 +81,8 @@ class SdfElements(FileElements):
             wanted = "one number" if count == 1 else f"{count} numbers with spaces between them"
             raise self.error(element, f"{path} of {element.tag} is {shown(text)}", accepted=wanted)
         return numbers
+
+
+def is_true(word: str | None) -> bool:
+    """Whether a word is that of SDF for true."""
+    return (word or "").strip().lower() in {"1", "true"}

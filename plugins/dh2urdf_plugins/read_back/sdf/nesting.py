@@ -11,31 +11,35 @@ from typing import TYPE_CHECKING
 from lxml import etree
 
 from dh2urdf.manipulator import WORLD
+from dh2urdf_plugins.read_back.sdf.versions import MODEL
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-MODEL = "__model__"
+PLACED_BY = "placement_frame"
+"""The attribute of a model, and of the frame that is made of it, with the frame whose pose the pose of the model is."""
 _NAMED = ("link", "joint", "frame")
 
 
-def flatten(model: etree._Element, refuse: Callable[[etree._Element], None]) -> None:
+def flatten(model: etree._Element) -> str | None:
     """Takes the links, joints and frames of nested models into a model.
 
     Args:
         model: the model; it is changed.
-        refuse: takes a nested model that cannot be taken in, as its place depends on one of its frames; it stays out.
+
+    Returns:
+        The canonical link, which the frame of the model moves with: the one that it names, else its first own link,
+        else that of the first model in it. None where it has no link.
     """
+    canonical = model.get("canonical_link") or next((link.get("name") for link in model.iterchildren("link")), None)
     for inner in model.findall("model"):
-        flatten(inner, refuse)
-        name, place = inner.get("name", ""), model.index(inner)
+        own, name, place = flatten(inner), inner.get("name", ""), model.index(inner)
         model.remove(inner)
-        canonical = inner.get("canonical_link") or next((link.get("name") for link in inner.iterchildren("link")), None)
-        if inner.get("placement_frame") or canonical is None:
-            refuse(inner)
-            continue
-        frame = etree.Element("frame", name=name, attached_to=f"{name}::{canonical}")
+        frame = etree.Element("frame", name=name, attached_to=f"{name}::{own}" if own else MODEL)
+        canonical = canonical or (f"{name}::{own}" if own else None)
         frame.sourceline = inner.sourceline
+        if placed := inner.get(PLACED_BY):
+            frame.set(PLACED_BY, _outside(placed, name))
         pose = inner.find("pose")
         pose = etree.SubElement(frame, "pose") if pose is None else pose
         pose.text = pose.text or "0 0 0 0 0 0"
@@ -46,6 +50,7 @@ def flatten(model: etree._Element, refuse: Callable[[etree._Element], None]) -> 
             _rename(child, name)
         for child in reversed([frame, *children]):
             model.insert(place, child)
+    return canonical
 
 
 def leave_out_attached(model: etree._Element, not_read: Callable[[etree._Element, str], None]) -> None:
@@ -76,24 +81,25 @@ def _references(element: etree._Element) -> set[str]:
 
 def _rename(element: etree._Element, name: str) -> None:
     """Makes an element of the model `name` one of the model around that."""
-
-    def outside(word: str | None) -> str:
-        return word or "" if word == WORLD else name if word in {None, "", MODEL} else f"{name}::{word}"
-
-    element.set("name", outside(element.get("name")))
+    element.set("name", _outside(element.get("name"), name))
     if element.tag == "frame":
-        element.set("attached_to", outside(element.get("attached_to")))
+        element.set("attached_to", _outside(element.get("attached_to"), name))
     for each in element.iter("parent", "child"):
-        each.text = outside((each.text or "").strip())
+        each.text = _outside((each.text or "").strip(), name)
     for each in element.iter("mimic"):
-        each.set("joint", outside(each.get("joint")))
-    for each in element.iter("pose", "xyz"):
-        for attribute in ("relative_to", "expressed_in"):
+        each.set("joint", _outside(each.get("joint"), name))
+    for each in element.iter("pose", "xyz", "frame"):
+        for attribute in ("relative_to", "expressed_in", PLACED_BY):
             if each.get(attribute):
-                each.set(attribute, outside(each.get(attribute)))
+                each.set(attribute, _outside(each.get(attribute), name))
     if element.tag == "link":
         pose = element.find("pose")
         if pose is None:
             pose = etree.SubElement(element, "pose")
             pose.text = "0 0 0 0 0 0"
         pose.set("relative_to", pose.get("relative_to") or name)
+
+
+def _outside(word: str | None, name: str) -> str:
+    """What the model around the model `name` calls something in that."""
+    return WORLD if word == WORLD else name if word in {None, "", MODEL} else f"{name}::{word}"

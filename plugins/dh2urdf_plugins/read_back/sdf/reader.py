@@ -32,7 +32,9 @@ from dh2urdf.rotations import (
 from dh2urdf.source import Mark, Problem, shown
 from dh2urdf_plugins.read_back.capsules import Placed, capsule
 from dh2urdf_plugins.read_back.sdf.elements import SdfElements
-from dh2urdf_plugins.read_back.sdf.nesting import MODEL, flatten, leave_out_attached
+from dh2urdf_plugins.read_back.sdf.nesting import flatten, leave_out_attached
+from dh2urdf_plugins.read_back.sdf.places import Places
+from dh2urdf_plugins.read_back.sdf.versions import IN_MODEL, modernise
 from dh2urdf_plugins.read_back.whole_robots import not_of_a_manipulator, whole
 from dh2urdf_plugins.read_back.xml_files import content_of, tree_of, written_tree_of
 
@@ -48,8 +50,6 @@ UNLIMITED = 1e16
 _ACCEPTED = ", ".join(JOINT_TYPES)
 _LOOSE = ("ball", "gearbox", "revolute2", "screw", "universal")
 """Joints that no table has."""
-_OWN_AXES_SINCE = (1, 5)
-"""Since this version the axis of a joint is in the joint's own frame; before, in that of the model."""
 
 
 class Model(NamedTuple):
@@ -119,54 +119,37 @@ def model_of(root: etree._Element, file: str) -> Model:
     return _Reader(deepcopy(root) if is_nested else root, file).model()
 
 
-class _Place(NamedTuple):
-    """Where a link, joint or frame of a model is.
-
-    Attributes:
-        kind: which of the three.
-        reference: the frame that its pose is relative to.
-        pose: its frame in that one.
-        moves_with: what a joint or frame is rigidly joined to.
-    """
-
-    kind: str
-    reference: str
-    pose: RigidTransform
-    moves_with: str
-
-
 class _Reader(SdfElements):
-    """Reads the first model of one tree; where models are nested, it changes the tree."""
+    """Reads the first model of one tree, which it changes."""
 
     def __init__(self, root: etree._Element, file: str) -> None:
         super().__init__(file)
+        modernise(root)
         self._loose: dict[str, str] = {}
         self._model, *others = [*root.iterchildren("model"), *root.iterfind("world/model")]
         for other in others:
             self.not_read(other, "a model besides the first one")
-        for include in (*self._model.iter("include"), *root.iterfind("world/include")):
+        for include in (*self._model.iter("include"), *root.iterfind("include"), *root.iterfind("world/include")):
             self.not_read(include, "an included model")
-        flatten(self._model, lambda inner: self.not_read(inner, "a nested model that is placed by one of its frames"))
+        for joint in root.iterfind("world/joint"):
+            self.not_read(joint, "a joint of the world")
+        for word in self._model.iterfind(f".//joint/axis/{IN_MODEL}"):
+            self.not_read(word, f"{IN_MODEL}, which SDF has no more since version 1.7,")
+        canonical = flatten(self._model)
         if self._model.find("include") is not None:
             leave_out_attached(self._model, self.not_read)
-        version = [int(word) for word in (root.get("version") or "").split(".") if word.isdecimal()]
-        self._axes_in_model = bool(version) and tuple(version) < _OWN_AXES_SINCE
-        self._links = {self.name(link) for link in self._model.iterchildren("link")}
-        self._places = {
-            self._key(element): self._place(element)
-            for tag in ("link", "joint", "frame")
-            for element in self._model.iterchildren(tag)
-        }
+        self._places = Places(self, self._model, canonical)
         # A joint holds the link that its child is, or is rigidly joined to.
         self._joint_to: dict[str, etree._Element] = {}
         self._doubly = set[str]()
         for joint in self._model.iterchildren("joint"):
-            if self._joint_to.setdefault(body := self._body(self.word(joint, "child")), joint) is not joint:
+            if (body := self._places.body(self.word(joint, "child"))) == WORLD:
+                raise self.error(joint, "the joint moves the world", "a child that is a link, or is attached to one")
+            if self._joint_to.setdefault(body, joint) is not joint:
                 self.not_read(joint, "a second joint of a link")
                 self._doubly.add(body)
-        self._in_world = self.pose(self._model)
-        if placed := self._model.get("placement_frame"):
-            self._in_world = self._in_world @ self._at_rest(placed).inverse
+        if self._is_at_rest(canonical):  # Then what is in the model is in the world.
+            self._places.canonical = WORLD
 
     def model(self) -> Model:
         links, joints = [Link(name=WORLD)], []
@@ -187,88 +170,40 @@ class _Reader(SdfElements):
 
     # Frames
 
-    def _key(self, element: etree._Element) -> str:
-        """The name by which an element is found; before version 1.7 a joint may have that of a link."""
-        name = self.name(element)
-        return f"joint {name}" if element.tag == "joint" and name in self._links else name
-
-    def _place(self, element: etree._Element) -> _Place:
-        # A link has no such attribute, and is placed in the model; so is a frame that has none.
-        moves_with = self.word(element, "child") if element.tag == "joint" else element.get("attached_to") or MODEL
-        pose = element.find("pose")
-        named = None if pose is None else pose.get("relative_to")
-        return _Place(element.tag, named or moves_with, self.pose(element), moves_with)
+    def _is_at_rest(self, link: str | None) -> bool:
+        """Whether no joint moves a link; what nothing holds is at rest in the world."""
+        way: list[str] = []
+        while link is not None and link not in way and (joint := self._joint_to.get(link)) is not None:
+            if _type(joint) != JointType.FIXED.value:
+                return False
+            way.append(link)
+            link = self._places.body(self.word(joint, "parent"))
+        return True
 
     def _held(self, element: etree._Element) -> list[Joint]:
         """The joints, one after the other, that hold a link or frame."""
-        name = self.name(element)
-        place, joint = self._places[name], self._joint_to.get(name)
+        name, places = self.name(element), self._places
+        joint = self._joint_to.get(name)
         if element.tag == "frame" or joint is None:  # What nothing holds is in the model, and that in the world.
-            body = self._body(name) if element.tag == "frame" else WORLD
-            return [self._fixed(name, self._holder(place, body))]
-        holder = self._holder(place, self._body(self.word(joint, "parent")))
-        joint_name = self._key(joint)
-        to_link = self._between(joint_name, name)
+            body = places.body(name) if element.tag == "frame" else WORLD
+            return [self._fixed(name, places.holder(name, body))]
+        holder = places.holder(name, places.body(self.word(joint, "parent")))
+        joint_name = places.key(joint)
+        to_link = places.between(joint_name, name)
         if to_link == IDENTITY:
-            return [self._joint(joint, name, holder, self._between(holder, name))]
+            return [self._joint(joint, name, holder, places.between(holder, name))]
         moved = f"{self.name(joint)} frame"
-        return [self._joint(joint, moved, holder, self._between(holder, joint_name)), self._fixed(name, moved, to_link)]
+        origin = places.between(holder, joint_name)
+        return [self._joint(joint, moved, holder, origin), self._fixed(name, moved, to_link)]
 
     def _fixed(self, name: str, holder: str, pose: RigidTransform | None = None) -> Joint:
-        origin = Origin.of(pose or self._between(holder, name))
+        origin = Origin.of(pose or self._places.between(holder, name))
         return Joint(name=f"{holder} holds {name}", type=JointType.FIXED, parent=holder, child=name, origin=origin)
-
-    def _holder(self, place: _Place, body: str) -> str:
-        """What holds a link or frame: the frame that it is posed in, where that is on the same body, else the body."""
-        is_link = place.reference in self._places and self._places[place.reference].kind != "joint"
-        return place.reference if is_link and self._body(place.reference) == body else body
-
-    def _body(self, name: str) -> str:
-        """The link, or the world, that a frame is rigidly joined to."""
-        way = [name]
-        while way[-1] not in {WORLD, MODEL}:
-            place = self._known(way[-1])
-            if place.kind == "link":
-                return way[-1]
-            if place.moves_with in way:
-                raise self.error(self._model, f"frame {shown(place.moves_with)} is attached to itself")
-            way.append(place.moves_with)
-        return WORLD
-
-    def _between(self, base: str, name: str) -> RigidTransform:
-        """The pose of one frame in another at q = 0; where it is written so, without a rounding."""
-        if base == WORLD and self._in_world != IDENTITY:
-            return self._in_world @ self._between(MODEL, name)
-        if name in (WORLD, MODEL):
-            out = self._in_world.inverse if name == WORLD else IDENTITY
-            return self._at_rest(base).inverse @ out
-        place = self._known(name)
-        if place.reference == base or {place.reference, base} <= {WORLD, MODEL}:
-            return place.pose
-        if base in self._places and self._places[base].reference == name:
-            return self._places[base].pose.inverse
-        return self._at_rest(base).inverse @ self._at_rest(name)
-
-    def _at_rest(self, name: str) -> RigidTransform:
-        """The pose of a frame in the model at q = 0."""
-        pose, way = IDENTITY, [name]
-        while way[-1] not in {WORLD, MODEL}:
-            place = self._known(way[-1])
-            if place.reference in way:
-                raise self.error(self._model, f"the pose of {shown(place.reference)} is relative to itself")
-            pose = place.pose @ pose
-            way.append(place.reference)
-        return pose
-
-    def _known(self, name: str) -> _Place:
-        if name not in self._places:
-            raise self.error(self._model, f"there is no link, joint or frame {shown(name)}")
-        return self._places[name]
 
     # Links and joints
 
     def _joint(self, element: etree._Element, child: str, parent: str, pose: RigidTransform) -> Joint:
-        word = element.get("type", "")
+        word = _type(element)
         kind = JointType.FIXED if word in _LOOSE else JOINT_TYPES.get(word)
         if kind is None:
             raise ProofError(not_of_a_manipulator(word, _ACCEPTED, self.mark(element)))
@@ -281,8 +216,9 @@ class _Reader(SdfElements):
         if kind is not JointType.FIXED:
             x, y, z = self.numbers(element, "axis/xyz", 3, Z_AXIS)
             axis = (x, y, z)
-            if (frame := self._frame_of_axis(element)) is not None:
-                axis = rotate(self._between(self._key(element), frame).rotation, axis)
+            xyz = element.find("axis/xyz")
+            if xyz is not None and (frame := xyz.get("expressed_in")):
+                axis = rotate(self._places.between(self._places.key(element), frame).rotation, axis)
         return Joint(
             name=self.name(element),
             type=kind,
@@ -295,14 +231,6 @@ class _Reader(SdfElements):
             friction=self.optional(element, "axis/dynamics/friction"),
             mark=self.mark(element),
         )
-
-    def _frame_of_axis(self, joint: etree._Element) -> str | None:
-        """The frame that the axis of a joint is given in; None for that of the joint."""
-        xyz = joint.find("axis/xyz")
-        if xyz is not None and (frame := xyz.get("expressed_in")):
-            return frame
-        in_model = (joint.findtext("axis/use_parent_model_frame") or "").strip().lower() in {"1", "true"}
-        return MODEL if in_model or self._axes_in_model else None
 
     def _limit(self, joint: etree._Element, name: str) -> float | None:
         """A limit; None where there is none: no word of it, an endless one, or the −1 of an endless effort or speed."""
@@ -351,7 +279,7 @@ class _Reader(SdfElements):
         link = self.name(element.getparent())  # type: ignore[arg-type]  # it has one
         if reference is None or reference == link:
             return self.origin(element)
-        return Origin.of(self._between(link, reference) @ self.pose(element))
+        return Origin.of(self._places.between(link, reference) @ self.pose(element))
 
     def _material(self, element: etree._Element) -> Material | None:
         """The colour of a shape; colours have no names in SDF."""
@@ -398,3 +326,7 @@ class _Reader(SdfElements):
                 self.not_read(shape, f"a shape {shown(str(word))}")
                 parts = []
         return parts
+
+
+def _type(joint: etree._Element) -> str:
+    return joint.get("type", "").lower()

@@ -1,0 +1,150 @@
+"""Where the links, joints and frames of a model of SDF are at q = 0, and which of its bodies each moves with.
+
+From the specification (http://sdformat.org/tutorials, "Pose Frame Semantics"): a pose is relative to the frame that it
+names, else a joint's to its child, a frame's to what it is attached to, and a link's to the model. The frame of a model
+is ``__model__``; it moves with the model's canonical link, the first one where none is named.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from dh2urdf.late_tuples import NamedTuple
+from dh2urdf.manipulator import WORLD
+from dh2urdf.rotations import IDENTITY, RigidTransform
+from dh2urdf.source import shown
+from dh2urdf_plugins.read_back.sdf.nesting import PLACED_BY
+from dh2urdf_plugins.read_back.sdf.versions import MODEL
+
+if TYPE_CHECKING:
+    from lxml import etree
+
+    from dh2urdf_plugins.read_back.sdf.elements import SdfElements
+
+
+class _Place(NamedTuple):
+    """Where a link, joint or frame of a model is.
+
+    Attributes:
+        kind: which of the three.
+        reference: the frame that its pose is relative to.
+        pose: its frame in that one.
+        moves_with: what a joint or frame is rigidly joined to.
+    """
+
+    kind: str
+    reference: str
+    pose: RigidTransform
+    moves_with: str
+
+
+class Places:
+    """The places of everything in a model.
+
+    Args:
+        elements: reads the elements.
+        model: the model; what was nested in it is in it.
+        canonical: the link that the frame of the model moves with; None where there is none.
+
+    Attributes:
+        canonical: what the frame of the model moves with.
+
+    Raises:
+        ProofError: a pose cannot be read, or is relative to what is not there.
+    """
+
+    def __init__(self, elements: SdfElements, model: etree._Element, canonical: str | None) -> None:
+        self._elements, self._model = elements, model
+        self.canonical = canonical or WORLD
+        self._links = {elements.name(link) for link in model.iterchildren("link")}
+        self._places = {
+            self.key(element): self._place(element)
+            for tag in ("link", "joint", "frame")
+            for element in model.iterchildren(tag)
+        }
+        placed = {elements.name(each): by for each in model.iterchildren("frame") if (by := each.get(PLACED_BY))}
+        for name in sorted(placed, key=lambda name: -name.count("::")):  # The innermost models first.
+            place = self._places[name]
+            self._places[name] = place._replace(pose=place.pose @ self._at_rest(placed[name], name).inverse)
+        self._in_world = self._model_in_world()
+        if by := model.get(PLACED_BY):
+            self._in_world = self._in_world @ self._at_rest(by).inverse
+
+    def key(self, element: etree._Element) -> str:
+        """The name by which an element is found; before version 1.7 a joint may have that of a link."""
+        name = self._elements.name(element)
+        return f"joint {name}" if element.tag == "joint" and name in self._links else name
+
+    def holder(self, name: str, body: str) -> str:
+        """What holds a link or frame: the frame that it is posed in, where that is on the same body, else the body."""
+        reference = self._places[name].reference
+        is_link = reference in self._places and self._places[reference].kind != "joint"
+        return reference if is_link and self.body(reference) == body else body
+
+    def body(self, name: str) -> str:
+        """The link, or the world, that a frame is rigidly joined to."""
+        way = [name]
+        while way[-1] != WORLD:
+            place = None if way[-1] == MODEL else self._known(way[-1])
+            if place is not None and place.kind == "link":
+                return way[-1]
+            onto = self.canonical if place is None else place.moves_with
+            if onto in way:
+                raise self._elements.error(self._model, f"frame {shown(onto)} is attached to itself")
+            way.append(onto)
+        return WORLD
+
+    def between(self, base: str, name: str) -> RigidTransform:
+        """The pose of one frame in another at q = 0; where it is written so, without a rounding."""
+        if base == WORLD and self._in_world != IDENTITY:
+            return self._in_world @ self.between(MODEL, name)
+        if name in (WORLD, MODEL):
+            out = self._in_world.inverse if name == WORLD else IDENTITY
+            return self._at_rest(base).inverse @ out
+        place = self._known(name)
+        if place.reference == base or {place.reference, base} <= {WORLD, MODEL}:
+            return place.pose
+        if base in self._places and self._places[base].reference == name:
+            return self._places[base].pose.inverse
+        return self._at_rest(base).inverse @ self._at_rest(name)
+
+    def _place(self, element: etree._Element) -> _Place:
+        # A link has no such attribute, and is placed in the model; so is a frame that has none.
+        moves_with = (
+            self._elements.word(element, "child") if element.tag == "joint" else element.get("attached_to") or MODEL
+        )
+        pose = element.find("pose")
+        named = None if pose is None else pose.get("relative_to")
+        return _Place(element.tag, named or moves_with, self._elements.pose(element), moves_with)
+
+    def _at_rest(self, name: str, base: str = MODEL) -> RigidTransform:
+        """The pose of a frame in the model, or in a frame that it is placed by, at q = 0."""
+        pose, way = IDENTITY, [name]
+        while way[-1] not in {WORLD, MODEL, base}:
+            place = self._known(way[-1])
+            if place.reference in way:
+                raise self._elements.error(self._model, f"the pose of {shown(place.reference)} is relative to itself")
+            pose = place.pose @ pose
+            way.append(place.reference)
+        return pose
+
+    def _known(self, name: str) -> _Place:
+        if name not in self._places:
+            raise self._elements.error(self._model, f"there is no link, joint or frame {shown(name)}")
+        return self._places[name]
+
+    def _model_in_world(self) -> RigidTransform:
+        """The pose of the model in its world, by the frames and models of the world that it is relative to."""
+        around = self._model.getparent()
+        others = {} if around is None else {each.get("name"): each for each in around.iterchildren("frame", "model")}
+        pose, way = IDENTITY, [self._model]
+        while True:
+            own = way[-1].find("pose")
+            pose = self._elements.pose(way[-1]) @ pose
+            named = (None if own is None else own.get("relative_to")) or way[-1].get("attached_to") or WORLD
+            if named == WORLD:
+                return pose
+            if (onto := others.get(named)) is None or onto in way or (onto.tag == "model" and onto.get(PLACED_BY)):
+                message = f"the model is placed by {shown(named)}, which is not read here"
+                raise self._elements.error(self._model, message, "a frame of the world, or a model in it")
+            way.append(onto)

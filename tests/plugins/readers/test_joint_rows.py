@@ -209,6 +209,8 @@ KINOVA = """{header}
         ("i,a,alpha,d,theta", "0"),
         ("i,a,alpha,d,theta", "0 (from base)"),
         ("i,a,alpha,d,theta", "base"),
+        ("joint,a,alpha,d,theta", "0"),
+        ("link,a,alpha,d,theta", "0"),
         ("joint,a,alpha,d,theta", "base"),
         ("joint,a,alpha,d,theta", "Base frame"),
         ("link,a,alpha,d,theta", "ground"),
@@ -308,7 +310,7 @@ def test_axes_are_no_names(axes: list[str], said: str | None, read: Read) -> Non
     if said is None:
         assert isinstance(arm, Manipulator)
         assert [row.joint for row in arm.rows] == axes
-        assert not arm.notices
+        assert [notice.message for notice in arm.notices if "and have no types" not in notice.message] == []
     elif "direction" in said:
         assert not isinstance(arm, Manipulator)
         assert any(said in problem.message for problem in arm.problems)
@@ -510,3 +512,32 @@ def test_a_comment_in_a_cell_is_answered_with_its_place(cell: str, read: Read) -
     assert not isinstance(arm, Manipulator)
     (problem,) = arm.problems
     assert "put the comment on a line of its own" in str(problem)
+
+
+def test_a_first_row_called_0_is_fixed_where_a_flange_follows_the_joints(read_one: Callable[..., Manipulator]) -> None:
+    """Six errors spoke of rows that are counted from 1."""
+    rows = "0,0,0,0.35,0\n1,0.1,pi/2,0.4,q1\n2,0.4,0,0,q2\nTCP,0,0,0.1,0\n"
+    arm = read_one(f"joint,a,alpha,d,theta\n{rows}")
+    assert [str(row.type) for row in arm.rows] == ["fixed", "revolute", "revolute", "fixed"]
+
+
+@pytest.mark.parametrize("names", ["X Y Z", "x y", "Z X Y"])
+@pytest.mark.parametrize("suffix", [".csv", ".yaml"])
+def test_joints_called_as_the_axes_of_a_gantry_get_a_notice(
+    names: str, suffix: str, read_one: Callable[..., Manipulator]
+) -> None:
+    """They were revolute, without a word; with a type, or a joint variable, nothing is said."""
+
+    def table(*cells: tuple[str, str]) -> str:
+        if suffix == ".yaml":
+            others = ", ".join(f"{name}: {text}" for name, text in cells)
+            rows = ", ".join(f"{{name: {name}, a: 0.1, alpha: 0, d: 0, {others}}}" for name in names.split())
+            return f"joints: [{rows}]"
+        header, texts = (",".join(part) for part in zip(("joint", ""), *cells, strict=True)) if cells else ("joint", "")
+        rows = "".join(f"{name},0.1,0,0{texts}\n" for name in names.split())
+        return f"joint,a,alpha,d{header.removeprefix('joint')}\n{rows}"
+
+    (notice,) = read_one(table(("radius", "0.05")), suffix).notices
+    assert "and have no types: they turn" in notice.message
+    assert read_one(table(("type", "R")), suffix).notices == ()
+    assert read_one(table(("theta", "q")), suffix).notices == ()

@@ -307,3 +307,21 @@ def test_limits_with_and_without_units_are_looked_at_wherever_they_are_in_a_file
         isinstance(arm, Manipulator) and any("has no unit" in n.message for n in arm.notices) for arm in read_arms
     ]
     assert noticed == [len(set(words.split())) > 1 for words in arms]
+
+
+@pytest.mark.parametrize("words", ["mm/deg", "mm / deg", "mm and degrees", "mm & deg", "[mm, deg]"])
+def test_units_in_words_are_read_in_yaml_as_in_a_comment(words: str, read_one: Callable[..., Manipulator]) -> None:
+    arms = [
+        read_one(f"units: {words}\njoints: [{{a: 300, alpha: 90, d: 0}}]", ".yaml"),
+        read_one(f"# units: {words}\na,alpha,d\n300,90,0\n"),
+    ]
+    assert [(arm.rows[0].a, arm.rows[0].alpha) for arm in arms] == [(0.3, math.pi / 2)] * 2
+
+
+@pytest.mark.parametrize("words", ["N/mm", "kg/m", "mm/furlong", "mm or deg"])
+def test_other_words_with_a_slash_are_no_units_of_a_table(
+    words: str, read: Callable[..., list[Manipulator | Rejected]]
+) -> None:
+    (arm,) = read(f"convention: standard\nunits: {words}\njoints: [{{a: 0.3, alpha: 1, d: 0}}]", ".yaml")
+    assert not isinstance(arm, Manipulator)
+    assert f"units is the text '{words}'" in str(arm.problems[0])

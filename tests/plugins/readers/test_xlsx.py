@@ -404,6 +404,8 @@ def test_cells_merged_across_columns_are_refused(sheet: Worksheet, cells: str) -
         ('0.0" m";-0.0" m";0', "m"),
         ('[>100]0" mm";0" mm"', "mm"),
         ('+0.0" mm";-0.0" mm"', "mm"),
+        ("#'##0.00", ""),
+        ('#\'##0.00" mm"', "mm"),
     ],
 )
 def test_what_a_number_format_shows(number_format: str, unit: str) -> None:
@@ -415,11 +417,12 @@ def test_what_a_number_format_shows(number_format: str, unit: str) -> None:
     "number_format",
     [
         *("0%", "0.00%", "0,", '0.0" pcs"', "#,##0.00 [$€-407]", "$0.00", '"d = "0.00', '"mm "0.0'),
+        *(";;;", ";;", ";-0.0", '0.0"\'"', "0.0'", "0.0\"''\""),
         *('"-"0.0', "\\-0.00", "-0", "(0.0)", '[<1]0.0" mm";0.000" m"', '[Red][<1]0.0" mm";0" m"', '[=0]0;0" mm"'),
     ],
 )
 def test_formats_that_show_something_else(number_format: str) -> None:
-    """A percentage, thousands, another sign, one unit or another, and what is no unit."""
+    """A percentage, thousands, another sign, one unit or another, nothing, feet or minutes, and what is no unit."""
     with pytest.raises(ShownOtherwiseError):
         shown_unit(number_format)
 

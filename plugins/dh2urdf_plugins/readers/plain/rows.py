@@ -25,10 +25,9 @@ from dh2urdf_plugins.readers.header.units import group_of
 from dh2urdf_plugins.readers.header.unknown_columns import is_number, is_turned_variable, unread
 from dh2urdf_plugins.readers.plain.limits import PlainLimits
 from dh2urdf_plugins.readers.plain.numbers import LINE_END, REMEMBERED, PlainNumbers, foreign_unit, names_foreign_unit
-from dh2urdf_plugins.readers.rows.cells import FULL_TURN
+from dh2urdf_plugins.readers.rows.cells import FULL_TURN, NEARLY
 from dh2urdf_plugins.readers.rows.joint_rows import AXIS, DECIMAL, NUMBER, TWISTING
 from dh2urdf_plugins.readers.rows.names import are_joints, is_plain_label
-from dh2urdf_plugins.readers.rows.rows import NEARLY
 from dh2urdf_plugins.readers.statements.plausibility import longest_plain
 from dh2urdf_plugins.readers.words.bounds import SMALL_ANGLE, SMALLEST_LENGTH, are_radians
 from dh2urdf_plugins.readers.words.cells import SPACES, Cell, text_of

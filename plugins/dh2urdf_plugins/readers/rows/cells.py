@@ -6,6 +6,7 @@ import math
 from typing import TYPE_CHECKING
 
 from dh2urdf.quantities import Dimension, Quantity, QuantityError, accepted_units, evaluate
+from dh2urdf.rotations import HALF_PI, rounded_quarter_turn
 from dh2urdf.source import Mark, Problem, shown
 from dh2urdf_plugins.readers.header.units import unit_advice
 from dh2urdf_plugins.readers.words.fields import FIELDS, Field
@@ -20,6 +21,8 @@ if TYPE_CHECKING:
 FULL_TURN = 2 * math.pi
 LARGEST_ANGLE = 1000 * FULL_TURN
 """Angle of a table beyond which its sum with a joint value loses what a micrometre at the tool needs [rad]."""
+NEARLY = 1e-3
+"""How near an angle has to be to a quarter turn to be taken for a rounded one, relative."""
 ACCEPTED_ANGLE = "an angle of at most 2000π rad, or 360000°"
 _TURNS = ("alpha", "theta", "offset")
 
@@ -218,6 +221,15 @@ class RowCells:
                 accepted="a number above 0, or nothing where it is not known",
             )
         return number
+
+
+def meant_by(angle: float) -> str | None:
+    """The multiple of π/2 that an angle is when it is rounded, as ``-pi/2``; None where it is exact, or is none."""
+    turns = rounded_quarter_turn(angle)
+    if not turns or abs(angle - turns * HALF_PI) > NEARLY * abs(turns * HALF_PI):
+        return None
+    meant = {1: "pi/2", 2: "pi"}.get(abs(turns), f"{abs(turns)}*pi/2")
+    return meant if turns > 0 else f"-{meant}"
 
 
 def variables_in(cells: Mapping[str, Cell]) -> dict[str, int | None]:

@@ -108,6 +108,11 @@ class _Rows:
 
     # --- Numbers ------------------------------------------------------------------------------------------------------
 
+    def _variables_are_places(self) -> bool:
+        """Whether joint variables are counted from the row behind the first one."""
+        numbers = [(place, number) for place, number in self.variables.items() if number]
+        return bool(numbers) and all(place == number for place, number in numbers)
+
     def _index_has_names(self) -> bool:
         """Whether the column of numbers holds names, as it may where no column is for names."""
         if not self.indexes or any("joint" in cells for _, cells, _ in self.rows):
@@ -121,8 +126,7 @@ class _Rows:
             return False
         if 0 in self.indexes:
             return is_base(self.indexes[0].text)
-        numbers = [(place, number) for place, number in self.variables.items() if number]
-        return bool(numbers) and all(place == number for place, number in numbers)
+        return self._variables_are_places()
 
     def _settle_indexes(self) -> None:
         """Leaves out a column of numbers that has other labels, where another one names the joints."""
@@ -152,7 +156,14 @@ class _Rows:
         axes = [(place, AXIS.fullmatch(cell.text)) for place, cell in named.items()]
         signs = {place: match[1] or match[2] or "" for place, match in axes if match}
         are_names = len({cell.text.casefold() for cell in named.values()}) == len(self.rows) and not any(signs.values())
-        if not named or len(signs) < len(named) or are_names:
+        if not named or len(signs) < len(named):
+            return
+        if are_names:
+            if named.keys() - {0} and not self.variables and not any(_type_of(cells) for _, cells, _ in self.rows):
+                called = ", ".join(cell.text for cell in named.values())
+                meant = "write the type prismatic if they slide, as the axes of a gantry do"
+                message = f"the joints are called {called} and have no types: they turn"
+                self._add_problem(message, *self.rows[0], suggestion=meant, notice=True)
             return
         first = next(iter(named.values()))
         message = f"the column of joints holds axes, not names, and is left out: {shown(first.text)}"
@@ -218,6 +229,9 @@ class _Rows:
                 )
             )
         names = {place: f"{field}_{match[1]}" for place, match in matches.items() if match}
+        base = next((row[field] for place, row, _ in self.rows if field in row and self._is_base(place)), None)
+        if base and _ZERO.fullmatch(base.text):
+            names, cells = {0: f"{field}_0", **names}, {0: base, **cells}
         for place, row, _ in self.rows:
             if place in names:
                 row[field] = cells[place]._replace(text=names[place])
@@ -296,7 +310,11 @@ class _Rows:
             cells["type"] = Cell(JointType.PRISMATIC.value, mark)
             return
         still = self.variables and place not in self.variables
-        is_zero = place in self.indexes and place == 0 and is_base(self.indexes[0].text)
+        is_zero = place == 0 and (
+            is_base(self.indexes[0].text)
+            if place in self.indexes
+            else bool(_ZERO.fullmatch(name)) and self._variables_are_places()
+        )
         if still and kind not in ("total", "slide") and (kind or is_zero):
             called = shown(name or self.indexes[0].text)
             self._add_problem(

@@ -10,12 +10,11 @@ from dh2urdf.manipulator import ENDS, DHRow, Inertia, JointType, Limits
 from dh2urdf.mass_properties import inertia_problem
 from dh2urdf.provenance import Said
 from dh2urdf.quantities import Dimension, accepted_units
-from dh2urdf.rotations import HALF_PI, rounded_quarter_turn
 from dh2urdf.row_fields import COM, INERTIA, NUMBERS, ROW_FIELDS
 from dh2urdf.source import Mark, did_you_mean, shown
 from dh2urdf.table_text import REQUIRED
 from dh2urdf_plugins.readers.header.units import SI
-from dh2urdf_plugins.readers.rows.cells import FULL_TURN, RowCells
+from dh2urdf_plugins.readers.rows.cells import FULL_TURN, RowCells, meant_by
 from dh2urdf_plugins.readers.rows.six_parameters import Extra
 from dh2urdf_plugins.readers.words.bounds import MEASURABLE_ARM
 from dh2urdf_plugins.readers.words.fields import ACCEPTED_FLIPS, ACCEPTED_TYPES, TYPE_CHOICES, flip_of, joint_type
@@ -28,8 +27,6 @@ if TYPE_CHECKING:
 
 MAX_PROBLEMS = 1000
 """Problems of one manipulator that are collected; reading it stops there."""
-NEARLY = 1e-3
-"""How near an angle has to be to a quarter turn to be taken for a rounded one, relative."""
 LARGEST_LIMIT = 20 * math.pi
 """Bound of a revolute joint beyond which it is taken for degrees [rad]."""
 REMARKABLE_LIMIT = 4 * math.pi
@@ -184,10 +181,7 @@ class RowReader(RowCells):
                 f"{shown(text)} is more than a full turn", name, raised if name in self._unit_said else declare
             )
             return
-        turns = rounded_quarter_turn(angle)
-        if turns and abs(angle - turns * HALF_PI) <= NEARLY * abs(turns * HALF_PI):
-            meant = {1: "pi/2", 2: "pi"}.get(abs(turns), f"{abs(turns)}*pi/2")
-            meant = meant if turns > 0 else f"-{meant}"
+        if meant := meant_by(angle):
             self._notice(
                 f"{shown(self._cells[name].text)} is kept as it is; {meant} was probably meant", name, f"write {meant}"
             )

@@ -9,7 +9,7 @@ from dh2urdf.quantities import Dimension, Quantity, QuantityError, Unit, evaluat
 from dh2urdf.rotations import RigidTransform, Rotation, Vec3, nearest_rotation
 from dh2urdf.source import Mark, Problem, shown
 from dh2urdf_plugins.readers.header.units import refuse_doubt
-from dh2urdf_plugins.readers.rows.cells import ACCEPTED_ANGLE, FULL_TURN, LARGEST_ANGLE
+from dh2urdf_plugins.readers.rows.cells import ACCEPTED_ANGLE, FULL_TURN, LARGEST_ANGLE, meant_by
 from dh2urdf_plugins.readers.statements.shapes import refuse_unknown_keys
 from dh2urdf_plugins.readers.words.bounds import LONGEST_ARM, MEASURABLE_ARM, SMALLEST_LENGTH, are_radians
 from dh2urdf_plugins.readers.words.cells import Cell
@@ -181,10 +181,13 @@ class TransformReader:
         text = (node.text or "").strip()
         message, suggestion = f"{shown(text)} is more than a full turn", None
         if abs(quantity.value) <= FULL_TURN:
-            if not (unit and unit.degrees and not quantity.has_unit and are_radians(quantity.value)):
+            if unit and unit.degrees and not quantity.has_unit and are_radians(quantity.value):
+                message = f"{shown(text)} is a part of π, and the unit of angles is deg"
+                suggestion = f"if it is in rad, say so: '{text} rad'"
+            elif meant := meant_by(quantity.value):
+                message, suggestion = f"{shown(text)} is kept as it is; {meant} was probably meant", f"write {meant}"
+            else:
                 return
-            message = f"{shown(text)} is a part of π, and the unit of angles is deg"
-            suggestion = f"if it is in rad, say so: '{text} rad'"
         self.add(Problem(message=message, severity="notice", mark=node.mark, field=field, suggestion=suggestion))
 
     def _matrix(self, node: Node, what: str) -> RigidTransform | None:

@@ -5,12 +5,14 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING
 
-from dh2urdf.quantities import is_unit
+from dh2urdf.patterns import late_pattern
+from dh2urdf.quantities import UNITS, Dimension, is_unit, unit_word
 from dh2urdf_plugins.readers.words.cells import Cell
 
 if TYPE_CHECKING:
     from dh2urdf.documents import Node
 
+_BETWEEN = late_pattern(r"\s*[/&]\s*|\s+(?:and|und|et|y|e)\s+|\s+")
 MEANT_KEYS = {
     **dict.fromkeys(("torque", "force", "friction"), "did you mean 'effort'?"),
     **dict.fromkeys(("speed", "rate"), "did you mean 'velocity'?"),
@@ -22,9 +24,18 @@ MEANT_KEYS = {
 
 
 def words_of_units(node: Node) -> list[Cell]:
-    """The units that a text or a list names: at its commas, or at its spaces where that makes units of all."""
+    """The units that a text or a list names: at its commas, or at spaces and such where that makes units of all."""
     if isinstance(node.value, list):
         return [word for item in node.value for word in words_of_units(item)]
     parts = [part.strip() for part in re.split("[,;]", node.text or "") if part.strip()] if node.value else []
-    words = [word for part in parts for word in ([part] if is_unit(part) else part.split())]
-    return [Cell(word, node.mark) for word in words]
+    return [Cell(word, node.mark) for part in parts for word in _words(part)]
+
+
+def _words(part: str) -> list[str]:
+    """The units of a part: one, or several with spaces, with a slash as in ``mm/deg`` or with a word between them."""
+    if is_unit(part):
+        return [part]
+    several = _BETWEEN.split(part)
+    units = [UNITS.get(unit_word(word)) for word in several]
+    are_measures = all(unit and unit.dimension in (Dimension.LENGTH, Dimension.ANGLE) for unit in units)
+    return several if are_measures else part.split()

@@ -15,8 +15,8 @@ _TOKENS = re.compile(
 """The parts of a section of a number format (ECMA-376-1, 18.8.31)."""
 _CONDITION = re.compile(r"\s*(?:\[[^\]<>=]*\]\s*)*\[[<>=]")
 """What a section begins with that holds for some numbers only: ``[<1]0.0" mm"``."""
-_NEUTRAL = frozenset("()+-−' ")
-"""Characters beside a number that do not change what it means."""
+_NEUTRAL = "()+-− \u00a0\u202f"
+"""Characters beside a number that do not change what it means; between digits, apostrophes do not, either."""
 
 
 class ShownOtherwiseError(ValueError):
@@ -35,7 +35,7 @@ def shown_unit(number_format: str, *, negative: bool = False, zero: bool = False
         zero: whether it is 0.
 
     Raises:
-        ShownOtherwiseError: the format shows a percentage, a multiple, another sign, or text that is no unit.
+        ShownOtherwiseError: the format shows a percentage, a multiple, another sign, nothing, or text that is no unit.
     """
     sections = _sections(number_format)
     if any(map(_CONDITION.match, sections)):  # the cell's number is not known here
@@ -44,6 +44,8 @@ def shown_unit(number_format: str, *, negative: bool = False, zero: bool = False
             raise ShownOtherwiseError("one unit for some numbers and another for others")
         return unit
     index = 1 if negative and len(sections) > 1 else 2 if zero and len(sections) > 2 else 0  # noqa: PLR2004 - positive; negative; zero; text
+    if not zero and not sections[index].strip():
+        raise ShownOtherwiseError("nothing")
     return _unit_of(sections[index], minus=None if zero else index == 1)
 
 
@@ -55,10 +57,11 @@ def _unit_of(section: str, *, minus: bool | None = None) -> str:
         minus: whether it is that of negative numbers alone, which shows their sign or a colour for it; None where the
             sign does not matter.
     """
-    before, behind, codes = "", "", ""
+    before, between, behind, codes = "", "", "", ""
     for match in _TOKENS.finditer(section):
         if match["code"]:
             codes += match["code"]
+            between, behind = between + behind, ""
             continue
         text = match["quoted"] or match["escaped"] or match["currency"] or match["bare"] or ""
         if codes:
@@ -72,9 +75,9 @@ def _unit_of(section: str, *, minus: bool | None = None) -> str:
     signed = "-" in before or "−" in before or "(" in before
     if (minus is False and signed) or (minus and not (signed or "-" in behind or "[" in section)):
         raise ShownOtherwiseError("another sign")
-    unit = behind.strip("".join(_NEUTRAL) + "\u00a0\u202f")
-    if before.strip("".join(_NEUTRAL) + "\u00a0\u202f") or (unit and not is_unit(unit)):
-        raise ShownOtherwiseError(f"the text '{(before + behind).strip()}'")
+    unit = behind.strip(_NEUTRAL)
+    if before.strip(_NEUTRAL) or between.strip(f"{_NEUTRAL}'") or (unit and not is_unit(unit)):
+        raise ShownOtherwiseError(f"the text '{(before + between + behind).strip()}'")
     return unit
 
 

@@ -18,6 +18,7 @@ from dh2urdf_plugins.readers.plain.rows import PlainRows
 from dh2urdf_plugins.readers.table import TableOptions
 from dh2urdf_plugins.readers.tables.cell_groups import GroupError, split_cell
 from dh2urdf_plugins.readers.words.fields import FIELDS
+from dh2urdf_plugins.readers.words.unheld import UNHELD
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -461,6 +462,13 @@ def test_brackets_marks_and_prefixes_change_nothing(text: str, field: str | None
     """Units in any brackets, footnotes, `DH` before a name, a symbol behind its words."""
     header = read_header(text)
     assert (header.field and header.field.name, header.unit) == (field, unit)
+
+
+@pytest.mark.parametrize("name", ["mimic", "home", "stiffness", "coupled with"])
+def test_a_footnote_behind_a_known_header_of_no_field_changes_nothing(name: str) -> None:
+    """A header that other tables have, and no field holds, is known by its name."""
+    assert read_header(name).key in UNHELD
+    assert read_header(f"{name}¹") == read_header(f"{name}*") == read_header(name)
 
 
 @pytest.mark.parametrize(

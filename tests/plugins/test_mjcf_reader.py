@@ -11,6 +11,7 @@ from dh2urdf.errors import ProofError
 from dh2urdf.kinematics import KinematicChain
 from dh2urdf.manipulator import JointType
 from dh2urdf.robot import Box, Cylinder, Mesh, Sphere
+from dh2urdf_plugins.descriptions.description import mjcf_description
 from dh2urdf_plugins.read_back.mjcf.reader import parse_mjcf, read_mjcf
 
 if TYPE_CHECKING:
@@ -70,6 +71,64 @@ def test_frames_are_where_mujoco_has_them(sequence: str, angle: str) -> None:
             frame = data.site(link) if link == "tool0" else data.body(link)
             assert np.abs(frame.xpos - pose.translation).max() < 1e-13
             assert np.abs(frame.xmat - pose.rotation).max() < 1e-13
+
+
+ARM = """<mujoco><default><equality active="false"/><default class="near"><site pos="0.1 0.2 0.3"/></default>
+    <default class="far"><site pos="1 2 3"/></default><default class="ends"><site type="capsule" fromto="0 0 1 1 0.5 0" size="0.1"/>
+    </default></default><worldbody><body name="a" euler="10 20 30"><inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/>
+    <joint name="j" axis="0 1 0"{}/>{}</body></worldbody>{}</mujoco>"""
+SITES = {
+    "given by its ends": '<site name="s" type="box" size="0.1 0.1 0.1" fromto="0 0 0 1 2 3"/>',
+    "given by its ends in a class": '<site name="s" class="ends"/>',
+    "in a frame with a class": '<frame class="near"><frame euler="0 10 0"><site name="s"/></frame></frame>',
+    "in a frame with a class for what is in it": '<frame class="near" childclass="far"><site name="s"/></frame>',
+}
+
+
+@pytest.mark.parametrize("site", SITES)
+def test_a_site_is_where_mujoco_has_it(site: str) -> None:
+    """The tip of an arm was in the origin of its body."""
+    mujoco = pytest.importorskip("mujoco")
+    text = ARM.format("", SITES[site], "")
+    model = mujoco.MjModel.from_xml_string(text)
+    data = mujoco.MjData(model)
+    data.joint("j").qpos[0] = 0.7
+    mujoco.mj_kinematics(model, data)
+    pose = KinematicChain.between(parse_mjcf(text.encode(), "x"), "world", "s").forward_kinematics([0.7])
+    assert pose.translation == pytest.approx(data.site("s").xpos, abs=1e-13)
+    assert pose.rotation == pytest.approx(data.site("s").xmat, abs=1e-13)
+
+
+@pytest.mark.parametrize("limited", ["", "true", "false"])
+@pytest.mark.parametrize("ends", ["0 0", "1 1", "2 -1", "-1 2"])
+@pytest.mark.parametrize(("name", "switch"), [("range", "limited"), ("actuatorfrcrange", "actuatorfrclimited")])
+def test_a_range_counts_where_it_counts_in_mujoco(name: str, switch: str, ends: str, limited: str) -> None:
+    """One that is empty held the joint at one value, and a force that is not limited was its effort."""
+    mujoco = pytest.importorskip("mujoco")
+    text = ARM.format(f' {name}="{ends}"' + (f' {switch}="{limited}"' if limited else ""), "", "")
+    try:
+        model = mujoco.MjModel.from_xml_string(text)
+    except ValueError:  # limited by an empty range
+        return
+    (joint,) = parse_mjcf(text.encode(), "x").moving_joints
+    counts = (model.jnt_limited if name == "range" else model.jnt_actfrclimited)[0]
+    limits = joint.limits
+    assert (limits.lower is not None or limits.effort is not None) == counts
+    assert (joint.type is JointType.REVOLUTE) == (bool(counts) and name == "range")
+
+
+def test_constraints_are_those_that_hold(tmp_path: Path) -> None:
+    """One that its class switches off made the joint a follower; one of tendons, which couples joints, had no notice."""
+    mujoco = pytest.importorskip("mujoco")
+    path = tmp_path / "arm.xml"
+    for tag, words in (("joint", 'joint1="j"'), ("connect", 'body1="a" anchor="0 0 0"'), ("tendon", 'tendon1="t"')):
+        for active in ("", ' active="true"'):
+            tendon = '<tendon><fixed name="t"><joint joint="j" coef="1"/></fixed></tendon>' if tag == "tendon" else ""
+            path.write_text(ARM.format("", "", f"{tendon}<equality><{tag} {words}{active}/></equality>"))
+            found = mjcf_description(path)
+            holds = bool(found.followers or found.notices)
+            assert holds == bool(mujoco.MjModel.from_xml_path(str(path)).eq_active0[0])
+            assert bool(found.doubly) == (holds and tag == "connect")
 
 
 def test_what_it_holds() -> None:

@@ -272,10 +272,10 @@ def _read_mjcf(root: etree._Element, extras: _Extras) -> Robot:
     extras.loose.update(model.loose)
     extras.doubly.update(model.doubly)
     extras.notices += [_left_out(what, marks) for what, marks in model.unread.items()]
-    for joint in root.iterfind("equality/joint"):
-        if joint.get("active") != "false":
-            extras.followers[joint.get("joint1", "")] = _mjcf_follower(joint, model.references)
     elements = Elements(root, extras.file)
+    for joint in root.iterfind("equality/joint"):
+        if elements.is_active(joint):
+            extras.followers[joint.get("joint1", "")] = _mjcf_follower(joint, model.references)
     extras.unheld += extras.left_out(unheld.of_mjcf(elements))
     efforts = unheld.efforts_of_mjcf(elements)
     joints = tuple(

@@ -99,15 +99,8 @@ def _effort(actuator: etree._Element, given: dict[str, str], elements: Elements)
         reaches.append(("ctrlrange", "ctrllimited"))
     try:
         gear = elements.numbers(actuator, given, "gear", (1.0,), most=6)[0]
-        found = [
-            max(map(abs, elements.numbers(actuator, given, name, (0.0, 0.0))))
-            for name, limited in reaches
-            if name in given and _counts(given.get(limited, "auto"), elements)
-        ]
+        ranges = [elements.limits(actuator, given, name, limited) for name, limited in reaches]
+        found = [max(map(abs, limits)) for limits in ranges if limits]
     except ProofError:  # numbers that are none; the effort is unknown then
         return None
     return abs(gear) * min(found) if found else None
-
-
-def _counts(limited: str, elements: Elements) -> bool:
-    return limited == "true" or (limited == "auto" and elements.compiler.get("autolimits") != "false")

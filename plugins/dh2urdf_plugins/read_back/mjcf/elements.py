@@ -20,6 +20,7 @@ from dh2urdf.rotations import (
     RigidTransform,
     Rotation,
     Vec3,
+    add,
     cross,
     multiply,
     norm,
@@ -59,7 +60,7 @@ class Elements(FileElements):
         self.compiler = compiler_of(root)
         self.angle = 1.0 if self.compiler.get("angle") == "radian" else math.pi / 180.0
         self._has_frames = root.find(".//frame") is not None
-        self._gives_classes = root.find(".//*[@childclass]") is not None
+        self._gives_classes = any(root.find(f".//{path}") is not None for path in ("*[@childclass]", "frame[@class]"))
         self._defaults = self._read_defaults()
 
     def _read_defaults(self) -> dict[str, dict[str, dict[str, str]]]:
@@ -86,7 +87,9 @@ class Elements(FileElements):
         name = element.get("class")
         above = element.getparent() if self._gives_classes else None
         while name is None and above is not None:
-            name, above = above.get("childclass"), above.getparent()
+            # MuJoCo takes the class of a frame for the class of what is in it, too.
+            name = above.get("childclass") or (above.get("class") if above.tag == "frame" else None)
+            above = above.getparent()
         if (name := name or "main") not in self._defaults:
             raise self.error(element, f"there is no class {shown(name)}")
         defaults = self._defaults[name]
@@ -94,6 +97,10 @@ class Elements(FileElements):
         for tag in kin:
             given = _over(given, defaults.get(tag, {}))
         return _over(given, _attributes(element))
+
+    def is_active(self, constraint: etree._Element) -> bool:
+        """Whether a constraint holds at first."""
+        return self.attributes(constraint, "equality").get("active") != "false"
 
     # Frames
 
@@ -129,7 +136,18 @@ class Elements(FileElements):
 
     def own_pose(self, element: etree._Element, attributes: dict[str, str]) -> RigidTransform:
         """The frame of an element in what is around it."""
+        if "fromto" in attributes:
+            return self.between_ends(element, attributes)[0]
         return RigidTransform(self._rotation(element, attributes), self.vector(element, attributes, "pos", ZERO))
+
+    def between_ends(self, element: etree._Element, attributes: dict[str, str]) -> tuple[RigidTransform, float]:
+        """The frame of a shape or site that is given by its ends, and half of its length [m]."""
+        numbers = self.numbers(element, attributes, "fromto", (0.0,) * 6)
+        start, end = (numbers[0], numbers[1], numbers[2]), (numbers[3], numbers[4], numbers[5])
+        along = subtract(start, end)
+        if not (length := norm(along)):
+            raise self.error(element, f"fromto of {element.tag} has the same point twice")
+        return RigidTransform(z_rotation(scale(1.0 / length, along)), scale(0.5, add(start, end))), 0.5 * length
 
     def _rotation(self, element: etree._Element, attributes: dict[str, str]) -> Rotation:
         if "quat" in attributes:
@@ -201,6 +219,26 @@ class Elements(FileElements):
             wanted = "one finite number" if count == 1 else f"{count} finite numbers with spaces between them"
             raise self.error(element, f"{name} of {element.tag} is {shown(text)}", accepted=wanted)
         return numbers if len(numbers) == count else numbers[:count]
+
+    def limits(
+        self, element: etree._Element, attributes: dict[str, str], name: str, limited: str
+    ) -> Sequence[float] | None:
+        """The lower and the upper end of a range that counts; None where there is none, or it does not count.
+
+        Where nothing says whether it does, a range counts whose lower end is below the upper one.
+
+        Args:
+            element: what has the range.
+            attributes: its attributes, those of its class included.
+            name: the range.
+            limited: the attribute that tells whether it counts.
+        """
+        if name not in attributes:
+            return None
+        lower, upper = self.numbers(element, attributes, name, (0.0, 0.0))
+        word = attributes.get(limited, "auto")
+        is_clear = word == "auto" and lower < upper and self.compiler.get("autolimits") != "false"
+        return (lower, upper) if word == "true" or is_clear else None
 
 
 def z_rotation(axis: Vec3) -> Rotation:

@@ -154,7 +154,6 @@ class _Reader:
         self._shapes = Shapes(self._elements)
         self._loose: dict[str, str] = {}
         self._references: dict[str, float] = {}
-        self._needs_limited = self._elements.compiler.get("autolimits") == "false"
 
     def model(self) -> Model:
         root = self._elements.root
@@ -183,8 +182,10 @@ class _Reader:
         doubly = set[str]()
         named = {(each.tag, each.get("name")): each for world in worlds for each in world.iter("body", "site")}
         for constraint in root.iterfind("equality/*"):
-            if constraint.tag in _HOLDING_BODIES and constraint.get("active") != "false":
-                self._elements.not_read(constraint, f"the constraint {constraint.tag}")
+            if constraint.tag == "joint" or not self._elements.is_active(constraint):
+                continue
+            self._elements.not_read(constraint, f"the constraint {constraint.tag}")
+            if constraint.tag in _HOLDING_BODIES:
                 doubly |= {names[body] for body in self._looped(constraint, named)}
         robot = Robot(name=root.get("model") or "MuJoCo Model", links=tuple(links), joints=tuple(joints))
         return Model(robot, self._loose, self._references, self._elements.unread, doubly)
@@ -260,11 +261,6 @@ class _Reader:
         (reference,) = self._elements.numbers(element, attributes, "ref", (0.0,))
         return reference * (1.0 if kind is JointType.PRISMATIC else self._elements.angle)
 
-    def _is_bounded(self, attributes: dict[str, str]) -> bool:
-        """Whether the range of a joint counts."""
-        limited = attributes.get("limited", "auto")
-        return limited == "true" or (limited == "auto" and "range" in attributes and not self._needs_limited)
-
     def _motion(self, element: etree._Element, attributes: dict[str, str]) -> tuple[JointType, Vec3]:
         """How a joint moves, and about or along which unit vector; one that no table has is fixed."""
         kind = _type(element, attributes)
@@ -278,7 +274,8 @@ class _Reader:
             case "slide":
                 return JointType.PRISMATIC, axis
             case "hinge":
-                return (JointType.REVOLUTE if self._is_bounded(attributes) else JointType.CONTINUOUS), axis
+                is_bounded = self._elements.limits(element, attributes, "range", "limited") is not None
+                return (JointType.REVOLUTE if is_bounded else JointType.CONTINUOUS), axis
         accepted = "hinge, slide, ball, free"
         raise self._elements.error(element, f"there is no joint type {shown(kind)}", accepted)
 
@@ -294,12 +291,11 @@ class _Reader:
         origin: RigidTransform,
     ) -> Joint:
         lower, upper = None, None
-        if "range" in attributes and kind is not JointType.FIXED and self._is_bounded(attributes):
+        bounds = self._elements.limits(element, attributes, "range", "limited")
+        if bounds and kind is not JointType.FIXED:
             unit = 1.0 if kind is JointType.PRISMATIC else self._elements.angle
-            lower, upper = (unit * value for value in self._elements.numbers(element, attributes, "range", (0.0, 0.0)))
-        effort = None
-        if "actuatorfrcrange" in attributes:
-            _, effort = self._elements.numbers(element, attributes, "actuatorfrcrange", (0.0, 0.0))
+            lower, upper = (unit * value for value in bounds)
+        _, effort = self._elements.limits(element, attributes, "actuatorfrcrange", "actuatorfrclimited") or (None, None)
         damping, friction, armature = [
             self._elements.numbers(element, attributes, name, (0.0,), most=3)[0] if name in attributes else None
             for name in ("damping", "frictionloss", "armature")

@@ -13,17 +13,12 @@ from dh2urdf.rotations import (
     ZERO,
     RigidTransform,
     Vec3,
-    add,
-    norm,
     rotate,
     rotation_from_quaternion,
-    scale,
-    subtract,
     transpose,
 )
 from dh2urdf.source import shown
 from dh2urdf_plugins.read_back.capsules import Placed, capsule
-from dh2urdf_plugins.read_back.mjcf.elements import z_rotation
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -104,7 +99,7 @@ class Shapes:
             attributes = self._elements.attributes(element)
             kind = attributes.get("type", "sphere")
             if "fromto" in attributes and kind in _LONG:
-                own, half = self._between(element, attributes)
+                own, half = self._elements.between_ends(element, attributes)
                 (radius,) = self._elements.numbers(element, attributes, "size", (0.0,), most=3)
                 if radius <= 0.0:
                     raise self._elements.error(
@@ -121,15 +116,6 @@ class Shapes:
                 x, y, z, *_ = (*numbers, 0.0, 0.0, 0.0)
                 size = (x, y, z)
             yield Geom(element, attributes, kind, size, self._elements.around(element, own))
-
-    def _between(self, geom: etree._Element, attributes: dict[str, str]) -> tuple[RigidTransform, float]:
-        """The frame of a shape that is given by its ends, and half of its length."""
-        numbers = self._elements.numbers(geom, attributes, "fromto", (0.0,) * 6)
-        start, end = (numbers[0], numbers[1], numbers[2]), (numbers[3], numbers[4], numbers[5])
-        along = subtract(start, end)
-        if not (length := norm(along)):
-            raise self._elements.error(geom, f"fromto of {geom.tag} has the same point twice")
-        return RigidTransform(z_rotation(scale(1.0 / length, along)), scale(0.5, add(start, end))), 0.5 * length
 
     def _parts(self, geom: Geom) -> list[Placed]:
         """MuJoCo counts sizes from the middle, and the length of a capsule without its ends."""

@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import gc
 import io
+import math
 import os
 import re
 import warnings
@@ -289,3 +290,33 @@ def test_differences_beside_the_parameters_are_refused(read: Callable[..., list[
     assert [problem.field for problem in rejected.problems] == ["da", "dd", "dtheta"]  # type: ignore[union-attr]
     (arm,) = read("a,alpha,d,da,dalpha,dd,dtheta\n0.3,0,0.1,0,0,0,0\n", convention="standard")
     assert isinstance(arm, Manipulator)
+
+
+@pytest.mark.parametrize(
+    ("header", "cell", "field", "number"),
+    [
+        ("max [°/s]", "180", "velocity", math.pi),
+        ("max rpm", "30", "velocity", math.pi),
+        ("max. (deg/s)", "90", "velocity", math.pi / 2),
+        ("upper limit [rad/s]", "2", "velocity", 2.0),
+        ("limit [deg/s]", "180", "velocity", math.pi),
+        ("max [Nm]", "87", "effort", 87.0),
+        ("max [kgf·cm]", "100", "effort", 9.80665),
+    ],
+)
+def test_a_largest_value_is_what_its_unit_measures(
+    header: str, cell: str, field: str, number: float, read_one: Callable[..., Manipulator]
+) -> None:
+    """It was a bound of the joint, whose unit was refused; beside bounds it was one more of them."""
+    for others, bounds in (("", ""), (",min [°],max [°]", ",-170,170")):
+        arm = read_one(f"a,alpha,d{others},{header}\n0.3,0,0{bounds},{cell}\n")
+        assert getattr(arm.rows[0].limits, field) == pytest.approx(number, rel=1e-15)
+        assert arm.rows[0].limits.upper == (pytest.approx(math.radians(170)) if bounds else None)
+
+
+def test_an_index_of_the_link_behind_is_answered_with_what_to_call_it(
+    read: Callable[..., list[Manipulator | Rejected]],
+) -> None:
+    """The advice was a list of units."""
+    with pytest.raises(TableError, match=r"a_\{i-1\} and alpha_\{i-1\} where they are of the link before"):
+        read("alpha_{i},a_{i},theta_{i+1},d_{i+1}\n0,0.3,0,0.1\n", convention="modified")

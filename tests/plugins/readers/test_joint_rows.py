@@ -541,3 +541,24 @@ def test_joints_called_as_the_axes_of_a_gantry_get_a_notice(
     assert "and have no types: they turn" in notice.message
     assert read_one(table(("type", "R")), suffix).notices == ()
     assert read_one(table(("theta", "q")), suffix).notices == ()
+
+
+@pytest.mark.parametrize(
+    ("header", "row"),
+    [
+        ("a,alpha,d,theta,offset", "0.3,0,0,-1.2,-1.2"),
+        ("a,alpha,d,theta,offset", "0.3,0,0,q - 1.2,-1.2"),
+        ("a,alpha,d,theta,offset", "0.3,0,0,-90°,-pi/2"),
+        ("a,alpha,d,theta,offset", "0.3,0,0,1.2 - q,1.2"),
+        ("type,a,alpha,d,offset", "P,0.3,0,0.25,0.25"),
+        ("type,a,alpha,d,offset", "P,0.3,0,q + 0.25,0.25"),
+    ],
+)
+def test_an_offset_that_theta_or_d_seems_to_have_already_gets_a_notice(
+    header: str, row: str, read_one: Callable[..., Manipulator]
+) -> None:
+    """They are added, so that -90° beside `q2 - 90°` is -180°: it was read without a word."""
+    arm = read_one(f"{header}\n{row}\n{row}\n")
+    assert [": they are added" in notice.message for notice in arm.notices].count(True) == 1
+    other = row.replace(",-1.2", ",0.1").replace(",1.2", ",0.1").replace(",-pi/2", ",0.1").replace(",0.25", ",0.1")
+    assert not any(": they are added" in notice.message for notice in read_one(f"{header}\n{other[:-3]}0.7\n").notices)

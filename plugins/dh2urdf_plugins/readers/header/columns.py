@@ -240,6 +240,13 @@ def _measure(columns: Columns, header: Header, text: str, mark: Mark, problems: 
         columns.of_theta.add(len(columns.fields) - 1)
 
 
+_NEXT = (
+    "call columns of a row theta_i and d_i, and a and alpha beside them a_{i-1} and alpha_{i-1} where they are of the "
+    "link before, as those of link i are beside theta_{i+1} and d_{i+1}"
+)
+"""What to do about parameters of the link behind: `theta_{i+1}`."""
+
+
 def _declare_unit(columns: Columns, header: Header, name: str, mark: Mark, problems: list[Problem]) -> None:
     if header.unit is None:
         return
@@ -256,7 +263,7 @@ def _declare_unit(columns: Columns, header: Header, name: str, mark: Mark, probl
                 field=name,
                 found=header.unit,
                 accepted=error.accepted,
-                suggestion=error.suggestion,
+                suggestion=_NEXT if header.unit.replace(" ", "").endswith("+1") else error.suggestion,
             )
         else:
             columns.units.update(dict.fromkeys(parts_of(field_), unit))

@@ -7,7 +7,7 @@ from functools import cache, lru_cache
 
 from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.patterns import late_pattern
-from dh2urdf.quantities import UNITS, composed, is_unit, unit_word
+from dh2urdf.quantities import UNITS, Dimension, composed, is_unit, unit_word
 from dh2urdf_plugins.readers.words.fields import FIELDS, GROUPS, Field, header_fields
 from dh2urdf_plugins.readers.words.unheld import IGNORED, PROSE, SUSPECTS, UNHELD
 from dh2urdf_plugins.readers.words.word_keys import key_of, keys_of
@@ -21,6 +21,9 @@ _INDEXED_BOUND = late_pattern(
 )
 _SIGNED = {"q-": "q min", "q+": "q max"}
 """How the Robotics Toolbox prints limits: ``q⁻``, ``q⁺``."""
+_LARGEST = dict.fromkeys((Dimension.TURN_RATE, Dimension.SPEED), "velocity")
+_LARGEST |= dict.fromkeys((Dimension.TORQUE, Dimension.FORCE), "effort")
+"""The fields whose largest value a header without a word for it gives, by what its unit measures."""
 _ANGLES = "angle, rotation, winkel, ángulo, angolo, ângulo, kąt, угол, açı, 角, 角度, 각도"
 _LOOSE = {
     "a": "distance, displacement",
@@ -118,12 +121,20 @@ def _as_written(text: str) -> Header:
     written = _written(text)
     plain = written.casefold()
     header = _read(plain)
+    if header.field and header.unit and header.field.name in ("upper", "limits"):
+        header = header._replace(field=_largest(header.field, header.unit))
     if not header.unit or len(plain) != len(written):
         return header
     start = plain.rfind(header.unit)
     if start < 0:
         return header
     return header._replace(unit=written[start : start + len(header.unit)])
+
+
+def _largest(field: Field, unit: str) -> Field:
+    """What a header such as ``max`` is about, which its unit shows: ``max [°/s]`` is a speed, ``max [Nm]`` a torque."""
+    measured = UNITS.get(unit_word(unit))
+    return FIELDS[_LARGEST.get(measured.dimension, field.name)] if measured else field
 
 
 def _written(text: str) -> str:

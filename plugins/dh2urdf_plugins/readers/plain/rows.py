@@ -134,7 +134,10 @@ class PlainRows:
         kinds = [self.kinds[word] for word in words]
         plain = "offset" not in values or self._are_plain_offsets(kinds, offset, columns[self.column["offset"]])
         counts = "theta" in values and self._may_count(columns[self.column["theta"]])
-        in_doubt = counts or self._are_foreign(columns) or self._are_mixed(columns, values)
+        twice = any(offset) and any(
+            some and some in (angle, length) for some, angle, length in zip(offset, theta, d, strict=True)
+        )
+        in_doubt = twice or counts or self._are_foreign(columns) or self._are_mixed(columns, values)
         if in_doubt or not (plain and self.points.are_sure(columns, sizes)):
             return None
         geometry = {"a": a, "alpha": alpha, "d": d, "theta": theta, "offset": offset}

@@ -206,6 +206,8 @@ class RowReader(RowCells):
             name = "flip" if "flip" in self._cells else "sign"
             self._error("a fixed joint has no direction that could be turned", name, accepted="1, or flip false")
         said = d if linear else theta
+        if offset and said.value == offset:
+            self._twice("d" if linear else "theta")
         if said.variable is None:
             return d.value, theta.value, offset, sign
         if said.sign < 0 and sign < 0:
@@ -216,6 +218,14 @@ class RowReader(RowCells):
             )
         offset, sign = offset + said.value, sign * said.sign
         return (0.0, theta.value, offset, sign) if linear else (d.value, 0.0, offset, sign)
+
+    def _twice(self, name: str) -> None:
+        """A notice of an offset that the joint's own theta, or d, seems to have already; one is enough for a table."""
+        message = (
+            f"{name} is {shown(self._cells[name].text)} and offset {shown(self._cells['offset'].text)}: they are added"
+        )
+        if not any(problem.message.endswith(": they are added") for problem in self.problems):
+            self._notice(message, "offset", f"if it is the same one, write it in one of the two: {name} or offset")
 
     def _sign(self) -> int:
         if not self._absent("flip"):

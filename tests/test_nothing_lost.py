@@ -201,6 +201,26 @@ def test_another_option_makes_everything_again(folder: Path, cli: Callable[..., 
     assert len(made_again(folder, cli, lambda: None, *words)) == 10
 
 
+@pytest.mark.parametrize(
+    ("before", "after"),
+    [
+        ("output.size=7", "output.size=3"),
+        ("output.size=3", "output.size=7"),
+        ("inputs=arm*.csv", "inputs=arm[0-4].csv"),
+        ("inputs=[arm0.csv, arm1.csv]", "inputs=[arm1.csv, arm0.csv]"),
+    ],
+)
+def test_a_shard_has_what_the_manifest_has_and_nothing_else(
+    folder: Path, cli: Callable[..., Answer], before: str, after: str
+) -> None:
+    """Shards are those of a run from nothing; of smaller ones, the first kept what is in the next ones, too."""
+    shards = ("--quiet", "--set", "output.layout=shards", "--set", "report.html=false")
+    cli("run", "run.yaml", *shards, "--set", before)
+    cli("run", "run.yaml", *shards, "--set", after, "--resume")
+    cli("run", "run.yaml", *shards, "--set", after, "-o", "fresh")
+    assert tree(folder / "out") == tree(folder / "fresh")
+
+
 # --- Stages that misbehave --------------------------------------------------------------------------------------------
 
 MISFITS = """

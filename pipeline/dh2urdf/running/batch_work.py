@@ -59,7 +59,10 @@ class Work(BatchContent):
         told: list[ManifestRow] = []
         makes = self.worker.effect is Depth.MAKE
         is_whole = self.worker.layout.is_whole
-        place_of = self.worker.layout.place(self.worker.store, self.batch.first) if missing and makes else nullcontext()
+        changes = missing or (
+            is_whole and not self.earlier.are_all(row for row, _ in map(kept.__getitem__, sorted(kept)))
+        )
+        place_of = self.worker.layout.place(self.worker.store, self.batch.first) if changes and makes else nullcontext()
         with place_of as target:
             for place in range(len(self.batch)):
                 if place in kept:

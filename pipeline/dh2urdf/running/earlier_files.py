@@ -11,6 +11,8 @@ from dh2urdf.errors import OutputError
 from dh2urdf.output.shards import members
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable
+
     from dh2urdf.conversion.outcome import ManifestRow
     from dh2urdf.output.layouts import Destination, Layout
     from dh2urdf.output.store import Store
@@ -39,8 +41,17 @@ class EarlierFiles:
             return False
         return _are_same(contents, row) and all(self._store.size(self._layout.path(index, name)) for name in pictures)
 
+    def are_all(self, rows: Iterable[ManifestRow]) -> bool:
+        """Whether the files of these rows are all of the earlier shard, in this order.
+
+        One of a run with larger shards, or with more manipulators, has others behind them.
+        """
+        return list(self._members) == [
+            name for row in rows for name in (*(file["path"] for file in row["files"]), *_pictures(row))
+        ]
+
     def moved(self, index: int, row: ManifestRow, target: Destination) -> ManifestRow:
-        """The row of a manipulator whose files go into a new shard, since the old one lacks others."""
+        """The row of a manipulator whose files go into a new shard, since the old one has not the same ones."""
         files: list[FileEntry] = []
         for file in row["files"]:
             stored = target.put(index, file["path"], self._members[file["path"]])

@@ -29,7 +29,7 @@ from dh2urdf._version import __version__
 from dh2urdf.cli.shared_options import Command, option, without_option
 from dh2urdf.errors import BrokenPluginError, Dh2UrdfError, OutputError
 from dh2urdf.isolation.own_process import claim
-from dh2urdf.plugin_system.at_work import at_work_here
+from dh2urdf.plugin_system.at_work import at_work_here, current_folder
 
 if TYPE_CHECKING:
     from types import FrameType
@@ -226,11 +226,13 @@ def _tell_of_the_end() -> None:
 def _fill_closed_streams() -> None:
     """Has the numbers of standard streams that a shell has closed lead nowhere: the next file would get them.
 
-    What a library in C prints would then be in that file.
+    What a library in C prints would then be in that file. Nobody reads standard error then.
     """
     while (number := os.open(os.devnull, os.O_RDWR)) <= LAST_STREAM:
         os.set_inheritable(number, True)
     os.close(number)
+    if sys.stderr is None:
+        sys.stderr = os.fdopen(os.dup(LAST_STREAM), "w")
 
 
 def _interrupt(number: int, frame: FrameType | None) -> None:
@@ -270,28 +272,43 @@ def exit_status_of(words: list[str], *, debug: bool = False) -> int:
         advice = getattr(error.__cause__, "__notes__", ())
         text = "; ".join(["dh2urdf: interrupted; nothing half-written is left", *advice])
         return _failed(words, error, INTERRUPTED, text, "interrupted")
-    except Dh2UrdfError as error:
+    except Exception as error:  # noqa: BLE001 - the last one that may say what happened
+        return _ended_by(error, words, debug=invocation.debug)
+    return result if isinstance(result, int) else 0
+
+
+def _ended_by(error: Exception, words: list[str], *, debug: bool) -> int:
+    """Say what an error that ends a command is about; the exit status that it means."""
+    if _lacks_its_folder(error):
+        text = "error: the current folder was removed\n    `cd` to one that is there"
+        return _failed(words, error, OutputError.exit_status, text, "output")
+    if isinstance(error, Dh2UrdfError):
         from dh2urdf.source import printable
 
         text = "\n".join(map(printable, str(error).splitlines()))
-        if invocation.debug:
+        if debug:
             import traceback
 
             trace = "".join(traceback.format_exception(error)) + getattr(error, "traceback", "")
             text = f"{trace}\n{text}"
         return _failed(words, error, error.exit_status, text)
-    except Exception as error:
-        if isinstance(error, OSError) and _is_of_an_answer(error):
-            text = f"error: cannot write to standard output: {error.strerror}"
-            return _failed(words, error, OutputError.exit_status, text, "output")
-        if invocation.debug:
-            raise
-        text = (
-            f"dh2urdf: internal error: {type(error).__name__}: {error}\n"
-            "    this is a fault of dh2urdf, not of your table; `dh2urdf --debug …` shows where"
-        )
-        return _failed(words, error, INTERNAL_ERROR, text, "internal")
-    return result if isinstance(result, int) else 0
+    if isinstance(error, OSError) and _is_of_an_answer(error):
+        text = f"error: cannot write to standard output: {error.strerror}"
+        return _failed(words, error, OutputError.exit_status, text, "output")
+    if debug:
+        raise error
+    text = (
+        f"dh2urdf: internal error: {type(error).__name__}: {error}\n"
+        "    this is a fault of dh2urdf, not of your table; `dh2urdf --debug …` shows where"
+    )
+    return _failed(words, error, INTERNAL_ERROR, text, "internal")
+
+
+def _lacks_its_folder(error: BaseException | None) -> bool:
+    """Whether the reason of an error is that the current folder was removed, so that no other path leads anywhere."""
+    while error is not None and not (isinstance(error, FileNotFoundError) and error.filename is None):
+        error = error.__cause__
+    return error is not None and not current_folder()
 
 
 def _is_of_an_answer(error: OSError) -> bool:
@@ -339,7 +356,7 @@ def _print_error(error: BaseException, status: int, text: str, kind: str | None)
     click.echo(to_text(error_report(name, status, error, message)), nl=False)
 
 
-def _let_go(*streams: IO[str]) -> None:
+def _let_go(*streams: IO[str] | None) -> None:
     """Send what is still written to some streams nowhere: the flush at exit must not fail either."""
-    for stream in streams:
+    for stream in filter(None, streams):  # A shell may have closed one.
         os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())

@@ -33,7 +33,18 @@ if TYPE_CHECKING:
         def distribution_name(self) -> str: ...
 
 
-__all__ = ["MAGIC", "MARK", "SIZE", "VARIABLE", "AtWork", "at_work_here", "has_parent", "importing", "unmarked"]
+__all__ = [
+    "MAGIC",
+    "MARK",
+    "SIZE",
+    "VARIABLE",
+    "AtWork",
+    "at_work_here",
+    "current_folder",
+    "has_parent",
+    "importing",
+    "unmarked",
+]
 
 SLOW_IMPORT = 3.0
 """Time after which a line says which import is waited for [s]."""
@@ -71,7 +82,7 @@ class AtWork:
         self._before = _here.at_work
         _here.at_work = self
         if self._is_foreign:
-            self._process, self._folder = os.getpid(), _folder()
+            self._process, self._folder = os.getpid(), current_folder()
         if _shared is not None:
             self.tell(_shared)
 
@@ -81,7 +92,7 @@ class AtWork:
         if self._is_foreign:
             if self._process != os.getpid():
                 os._exit(1)
-            if self._folder and self._folder != _folder():
+            if self._folder and self._folder != current_folder():
                 with suppress(OSError):  # It was removed meanwhile.
                     os.chdir(self._folder)
         _here.at_work = before = self._before
@@ -105,7 +116,7 @@ class AtWork:
         shared[len(MAGIC) : len(MAGIC) + len(text) + 1] = text + b"\0"
 
 
-def _folder() -> str:
+def current_folder() -> str:
     """The current folder; empty where it was removed."""
     try:
         return os.getcwd()  # noqa: PTH109 - asked at each call of a plugin

@@ -11,7 +11,7 @@ from lxml import etree
 
 from dh2urdf.errors import EmitterError
 from dh2urdf.manipulator import WORLD
-from dh2urdf.source import Problem
+from dh2urdf.source import Problem, shown
 from dh2urdf_plugins.emitters.ros2.description_xacro import arms_of, positions_argument
 from dh2urdf_plugins.emitters.ros2.moveit_yaml import (
     SPEED_UP,
@@ -32,7 +32,7 @@ from dh2urdf_plugins.emitters.ros2.package_files import (
     package_xml,
 )
 from dh2urdf_plugins.emitters.ros2.viewing import planning_view
-from dh2urdf_plugins.emitters.ros2.yaml_files import arm_joints, controllers, initial_positions
+from dh2urdf_plugins.emitters.ros2.yaml_files import arm_joints, controllers, initial_positions, is_no_text_to_launch
 from dh2urdf_plugins.emitters.srdf.emitter import srdf
 from dh2urdf_plugins.emitters.srdf.semantics import groups
 from dh2urdf_plugins.emitters.urdf_tree import serialise
@@ -112,6 +112,13 @@ def moveit_notices(robot: Robot, options: Ros2Options) -> Iterator[Problem]:
             message=f"no table has accelerations: MoveIt gets those that reach full velocity in {SPEED_UP} s",
             severity="notice",
             suggestion="set the option `acceleration`, or edit joint_limits.yaml",
+        )
+    for name in (joint.name for joint in robot.moving_joints if is_no_text_to_launch(joint.name)):
+        yield Problem(
+            message=f"MoveIt does not start with the joint {shown(name)}: launch_ros hands the name on without quotes, "
+            "and ROS then reads a truth value or a number",
+            severity="notice",
+            suggestion=f"rename the joint, for example to {shown(f'joint_{name}')}",
         )
     for group in groups(robot, options.group):
         if reaches_positions_only(group):

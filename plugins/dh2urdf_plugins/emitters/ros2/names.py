@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from dh2urdf.robot import Robot
 
 _NAME = re.compile(r"[A-Za-z0-9_-]+")
+_NODE = re.compile(r"(?:[A-Za-z_][A-Za-z0-9_]*)?")
 _SHORTEST = 2
 _SUFFIX = "_description"
 
@@ -72,6 +73,31 @@ def check_names(robot: Robot) -> None:
     materials = [visual.material.name for link in robot.links for visual in link.visuals if visual.material]
     named += [("material", name) for name in dict.fromkeys(materials)]
     if problems := list(_problems(named)):
+        raise EmitterError(problems)
+
+
+def check_prefixes(robot: Robot) -> None:
+    """Checks that the prefixes of arms can begin the names of controllers, which are nodes.
+
+    A node has letters, digits and ``_`` in its name, and no digit at its beginning (rmw_validate_node_name).
+
+    Raises:
+        EmitterError: some cannot; the error proposes others.
+    """
+    problems = []
+    for arm in robot.arms:
+        if not _NODE.fullmatch(arm.prefix):
+            near = re.sub(r"[^A-Za-z0-9_]+", "_", _without_accents(arm.prefix))
+            near = near if _NODE.fullmatch(near) else f"arm_{near}"
+            problems.append(
+                Problem(
+                    message=f"the arm {shown(arm.name)} has a prefix that no controller of ROS can be named with",
+                    found=arm.prefix,
+                    accepted="letters, digits and `_`; the first is no digit",
+                    suggestion=f"set `prefix: {near}` for the arm of the cell",
+                )
+            )
+    if problems:
         raise EmitterError(problems)
 
 

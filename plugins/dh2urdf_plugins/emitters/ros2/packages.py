@@ -22,7 +22,7 @@ from dh2urdf_plugins.emitters.ros2.description_xacro import (
     top_file,
 )
 from dh2urdf_plugins.emitters.ros2.moveit_package import moveit_name, moveit_notices, moveit_package
-from dh2urdf_plugins.emitters.ros2.names import check_names, proposed_name, robot_name
+from dh2urdf_plugins.emitters.ros2.names import check_names, check_prefixes, proposed_name, robot_name
 from dh2urdf_plugins.emitters.ros2.package_files import (
     CONTROLLING,
     TESTING,
@@ -68,6 +68,8 @@ def packages_of(robot: Robot, stem: str, options: Ros2Options) -> tuple[EmittedF
         raise EmitterError(Problem(message=message, field="version", found=options.version, accepted=accepted))
     name = robot_name(stem, options.package)
     check_names(robot)
+    if options.controlled or options.moveit:
+        check_prefixes(robot)
     package = f"{name}_description"
     copies: dict[str, bytes] = {}
     robot = _with_meshes(adapted(_with_base(robot), PROFILES["ros"]), package, copies)

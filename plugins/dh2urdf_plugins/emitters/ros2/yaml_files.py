@@ -27,6 +27,9 @@ STATE_BROADCASTER = "joint_state_broadcaster"
 ArmJoints: TypeAlias = tuple[str, "Sequence[Joint]"]
 """The prefix of an arm, and its moving joints, whose names are without the prefix."""
 
+_SHORT_BOOLEANS = {"y", "Y", "n", "N"}
+_HEXADECIMAL = re.compile(r"[-+]?0[xX][0-9a-fA-F.]+(?:[pP][-+]?[0-9]+)?")
+_TEXT = "tag:yaml.org,2002:str"
 _OF_A_ROW = re.compile(r"(.+)_[0-9]+")
 
 
@@ -34,8 +37,38 @@ def yaml_file(content: Mapping[str, Any], *comment: str) -> bytes:
     """A YAML file with lines of comment above its content."""
     import yaml
 
-    text = yaml.safe_dump(_plain(content), sort_keys=False, default_flow_style=None, width=110, allow_unicode=True)
+    class Dumper(yaml.SafeDumper):
+        """Quotes what ROS would not read as a text."""
+
+    Dumper.add_representer(
+        str, lambda dumper, text: dumper.represent_scalar(_TEXT, text, style="'" if is_no_text(text) else None)
+    )
+    text = yaml.dump(
+        _plain(content), Dumper=Dumper, sort_keys=False, default_flow_style=None, width=110, allow_unicode=True
+    )
     return "".join([*(f"# {line}\n" for line in comment), text]).encode()
+
+
+def is_no_text(word: str) -> bool:
+    """Whether ROS reads a word without quotes as a truth value or a number, where YAML libraries read a text.
+
+    Its parser of parameters takes ``y`` and ``n`` for truth values, and for a number what `strtoll` and `strtod` of C
+    take: ``1e3``, ``0x1p3``, ``inf`` (`get_value` in rcl_yaml_param_parser/src/parse.c).
+    """
+    if word in _SHORT_BOOLEANS or _HEXADECIMAL.fullmatch(word):
+        return True
+    try:
+        float(word)
+    except ValueError:
+        return False
+    return "_" not in word
+
+
+def is_no_text_to_launch(word: str) -> bool:
+    """Whether the quotes of such a word are lost where launch_ros writes parameters, with PyYAML's own rules."""
+    import yaml
+
+    return is_no_text(word) and yaml.safe_dump([word]).startswith(f"- {word}")
 
 
 def _plain(value: Any) -> Any:  # noqa: ANN401 - what YAML has

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -373,3 +374,70 @@ def test_the_same_bytes_twice(package: Any) -> None:
         for folder, _, _ in (package("panda.yaml", "dh"), package("panda.yaml", "dh"))
     )
     assert first == second
+
+
+NO_TEXTS = re.compile(
+    r"[yYnN]|yes|Yes|YES|no|No|NO|true|True|TRUE|false|False|FALSE|on|On|ON|off|Off|OFF"
+    r"|[-+]?(?:0[xX][0-9a-fA-F]+|0[0-7]*|[1-9][0-9]*)"
+    r"|[-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]+)?"
+    r"|[-+]?0[xX](?:[0-9a-fA-F]+\.?[0-9a-fA-F]*|\.[0-9a-fA-F]+)(?:[pP][-+]?[0-9]+)?"
+    r"|[-+]?(?i:inf|infinity|nan)"
+)
+"""The words without quotes that rcl_yaml_param_parser, `get_value` in parse.c, takes for truth values and numbers."""
+JOINTS = ["x", "y", "z", "n", "Y", "1e3", "0x10", "0x1p3", "inf", "NaN", "infinity", "08", "-1", "yes", "off", "1_000"]
+
+
+def test_names_of_joints_are_texts_to_ros() -> None:
+    """A gantry of x, y and z: ROS has a parser of its own, to which `y` is true and `1e3` a number.
+
+    A sequence of texts with a truth value in it ends each node that reads the file.
+    """
+    row = dh2urdf.read(CONFIGS / "tables" / "ur5.csv").rows[1]
+    arm = dh2urdf.read(CONFIGS / "tables" / "ur5.csv")
+    rows = tuple(replace(row, joint=name, link=f"link_{number}") for number, name in enumerate(JOINTS))
+    robot = alpha_swap(replace(arm, rows=rows), AlphaSwapOptions(frames="dh"))
+    files = {file.name: file.content.decode() for file in EMITTER.emit(robot, "arm", Ros2Options())}
+    for name, text in files.items():
+        if name.endswith(".yaml"):
+            plain = [token.value for token in yaml.scan(text) if isinstance(token, yaml.ScalarToken) and token.plain]
+            words = [word for word in plain if NO_TEXTS.fullmatch(word)]
+            assert not set(words) & set(JOINTS), name
+    controllers = yaml.safe_load(files["arm_description/config/ros2_controllers.yaml"])
+    assert controllers["joint_trajectory_controller"]["ros__parameters"]["joints"] == JOINTS
+
+
+def test_moveit_does_not_start_with_joints_that_are_no_texts() -> None:
+    """launch_ros writes parameters with `yaml.dump`, which leaves `y` and `1e3` without quotes: a notice for each."""
+    arm = dh2urdf.read(CONFIGS / "tables" / "ur5.csv")
+    rows = tuple(
+        replace(row, joint=name) for row, name in zip(arm.rows, ("x", "y", "z", "1e3", "yes", "q"), strict=True)
+    )
+    robot = alpha_swap(replace(arm, rows=rows), AlphaSwapOptions(frames="dh"))
+    assert EMITTER.notices is not None
+    told = [notice.message for notice in EMITTER.notices(robot, Ros2Options(moveit=True))]
+    told = [message for message in told if "launch_ros" in message]
+    lost = [name for name in ("x", "y", "z", "1e3", "yes", "q") if NO_TEXTS.fullmatch(yaml.dump([name])[2:-1])]
+    assert lost == ["y", "1e3"]
+    assert [message.partition("'")[2].partition("'")[0] for message in told] == lost
+    assert not [notice for notice in EMITTER.notices(robot, Ros2Options()) if "launch_ros" in notice.message]
+
+
+@pytest.mark.parametrize(
+    ("prefix", "proposed"), [("left-arm_", "left_arm_"), ("1_", "arm_1_"), ("ö-", None), ("a.", None)]
+)
+def test_a_prefix_that_no_node_can_have(tmp_path: Path, prefix: str, proposed: str | None) -> None:
+    """A controller is a node, whose name begins with the prefix of its arm; without controllers any prefix will do."""
+    run = {
+        "inputs": str(CONFIGS / "tables" / "ur5.csv"),
+        "cells": [{"name": "cell", "arms": [{"name": "one", "of": "ur5", "prefix": prefix}]}],
+        "emitters": [{"stage": "ros2", "options": {}}],
+        "output": {"directory": str(tmp_path / "out")},
+        "report": {"html": False},
+    }
+    (failed,) = [each for each in dh2urdf.run(run)["manipulators"] if each["status"] == "failed"]
+    problem = failed["errors"][0]
+    if proposed:
+        assert "has a prefix that no controller of ROS can be named with" in problem["message"]
+        assert f"set `prefix: {proposed}` for the arm of the cell" in problem["message"]
+        run["emitters"] = [{"stage": "ros2", "options": {"hardware": "none"}}]
+        assert not [each for each in dh2urdf.run(run)["manipulators"] if each["status"] == "failed"]

@@ -9,7 +9,7 @@ import pytest
 from drake_frames import drake_frames
 
 import dh2urdf
-from dh2urdf.errors import ProofError
+from dh2urdf.errors import ProofError, TableError
 from dh2urdf.kinematics import link_poses
 from dh2urdf.kinematics.chain import as_matrices
 from dh2urdf_plugins.descriptions.foreign import foreign_sdf
@@ -102,6 +102,31 @@ def test_what_would_be_another_arm_is_refused(text: str, message: str) -> None:
     """The joint was no part of the robot, and the model was in the origin, without a word."""
     with pytest.raises(ProofError, match=message):
         parse_sdf(text.encode(), "m.sdf")
+
+
+INCLUDED = '<include{}><uri>model://elbow</uri><name>e</name><pose relative_to="a"/></include>'
+AT_ELBOW = JOINT.replace('"j"', '"k"').replace("<parent>a", "<parent>{}").replace("<child>b", "<child>c")
+
+
+@pytest.mark.parametrize(("nested", "parent"), [("", "e::palm"), (' merge="true"', "palm"), ("", "n::e::palm")])
+def test_a_chain_through_an_included_model_is_refused(tmp_path: Path, nested: str, parent: str) -> None:
+    """The joint behind it was left out, and the arm had one joint less; the parts before and behind it are arms."""
+    included = INCLUDED.format(nested)
+    if parent.startswith("n::"):
+        included = f'<model name="n"><pose relative_to="a"/>{included}</model><frame name="f" attached_to="n"/>'
+    behind = '<link name="c"/><link name="d"/>' + JOINT.replace('"j"', '"i"').replace("<parent>a", "<parent>c").replace(
+        "<child>b", "<child>d"
+    )
+    placed = '<frame name="far" attached_to="d"><pose relative_to="k"/></frame>'
+    path = tmp_path / "m.sdf"
+    path.write_text(_model("1.9", f"{HELD}{LINKS}{JOINT}{included}{AT_ELBOW.format(parent)}{behind}{placed}"))
+    with pytest.raises(TableError, match="the chain holds 'k', which is at an included model") as caught:
+        dh2urdf.extract(path, tip_link="d")
+    assert caught.value.problems[0].suggestion == "the option base_link: c begins behind it"
+    for base, tip, joint in (("a", "b", "j"), ("c", "d", "i")):
+        assert [row.joint for row in dh2urdf.extract(path, base_link=base, tip_link=tip).rows] == [joint]
+    links = {link.name for link in foreign_sdf(path).robot.links}
+    assert links.isdisjoint({"n", "f", "far"})
 
 
 def test_a_joint_of_the_world_is_noticed(tmp_path: Path) -> None:

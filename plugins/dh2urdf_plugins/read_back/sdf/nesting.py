@@ -18,6 +18,8 @@ if TYPE_CHECKING:
 
 PLACED_BY = "placement_frame"
 """The attribute of a model, and of the frame that is made of it, with the frame whose pose the pose of the model is."""
+AT_INCLUDED = "at an included model"
+"""The type of a joint whose parent is in a model that is not read."""
 _NAMED = ("link", "joint", "frame")
 
 
@@ -33,9 +35,11 @@ def flatten(model: etree._Element) -> str | None:
     """
     canonical = model.get("canonical_link") or next((link.get("name") for link in model.iterchildren("link")), None)
     for inner in model.findall("model"):
-        own, name, place = flatten(inner), inner.get("name", ""), model.index(inner)
+        name, place, includes = inner.get("name", ""), model.index(inner), inner.find(".//include") is not None
+        own = flatten(inner)
         model.remove(inner)
-        frame = etree.Element("frame", name=name, attached_to=f"{name}::{own}" if own else MODEL)
+        carrier = own or (AT_INCLUDED if includes else None)
+        frame = etree.Element("frame", name=name, attached_to=f"{name}::{carrier}" if carrier else MODEL)
         canonical = canonical or (f"{name}::{own}" if own else None)
         frame.sourceline = inner.sourceline
         if placed := inner.get(PLACED_BY):
@@ -56,6 +60,9 @@ def flatten(model: etree._Element) -> str | None:
 def leave_out_attached(model: etree._Element, not_read: Callable[[etree._Element, str], None]) -> None:
     """Takes joints and frames out of a model that includes others, where they are at what is not in it.
 
+    A joint that moves what is in the model stays, as one of the type `AT_INCLUDED`, so that nobody takes what is behind
+    it for held by the world.
+
     Args:
         model: the model; it is changed.
         not_read: takes each of them, and the words for it.
@@ -65,7 +72,13 @@ def leave_out_attached(model: etree._Element, not_read: Callable[[etree._Element
         for each in left:
             not_read(each, f"a {each.tag} at an included model")
             known.discard(each.get("name"))
-            model.remove(each)
+            child = each.find("child")
+            if child is not None and (child.text or "").strip() in known:
+                each[:] = [child]
+                etree.SubElement(each, "parent").text = WORLD
+                each.set("type", AT_INCLUDED)
+            else:
+                model.remove(each)
 
 
 def _references(element: etree._Element) -> set[str]:

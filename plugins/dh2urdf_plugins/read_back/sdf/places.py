@@ -13,7 +13,7 @@ from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.manipulator import WORLD
 from dh2urdf.rotations import IDENTITY, RigidTransform
 from dh2urdf.source import shown
-from dh2urdf_plugins.read_back.sdf.nesting import PLACED_BY
+from dh2urdf_plugins.read_back.sdf.nesting import AT_INCLUDED, PLACED_BY
 from dh2urdf_plugins.read_back.sdf.versions import MODEL
 
 if TYPE_CHECKING:
@@ -71,9 +71,13 @@ class Places:
             self._in_world = self._in_world @ self._at_rest(by).inverse
 
     def key(self, element: etree._Element) -> str:
-        """The name by which an element is found; before version 1.7 a joint may have that of a link."""
+        """The name by which an element is found.
+
+        Before version 1.7 a joint may have that of a link. One whose parent is not read has a place that nobody knows.
+        """
         name = self._elements.name(element)
-        return f"joint {name}" if element.tag == "joint" and name in self._links else name
+        is_joint = element.tag == "joint" and (name in self._links or element.get("type") == AT_INCLUDED)
+        return f"joint {name}" if is_joint else name
 
     def holder(self, name: str, body: str) -> str:
         """What holds a link or frame: the frame that it is posed in, where that is on the same body, else the body."""

@@ -32,7 +32,7 @@ from dh2urdf.rotations import (
 from dh2urdf.source import Mark, Problem, shown
 from dh2urdf_plugins.read_back.capsules import Placed, capsule
 from dh2urdf_plugins.read_back.sdf.elements import SdfElements
-from dh2urdf_plugins.read_back.sdf.nesting import flatten, leave_out_attached
+from dh2urdf_plugins.read_back.sdf.nesting import AT_INCLUDED, flatten, leave_out_attached
 from dh2urdf_plugins.read_back.sdf.places import Places
 from dh2urdf_plugins.read_back.sdf.versions import IN_MODEL, modernise
 from dh2urdf_plugins.read_back.whole_robots import not_of_a_manipulator, whole
@@ -48,7 +48,7 @@ UNLIMITED = 1e16
 """A limit from which on SDF means that there is none [rad or m]."""
 
 _ACCEPTED = ", ".join(JOINT_TYPES)
-_LOOSE = ("ball", "gearbox", "revolute2", "screw", "universal")
+_LOOSE = ("ball", "gearbox", "revolute2", "screw", "universal", AT_INCLUDED)
 """Joints that no table has."""
 
 
@@ -129,14 +129,15 @@ class _Reader(SdfElements):
         self._model, *others = [*root.iterchildren("model"), *root.iterfind("world/model")]
         for other in others:
             self.not_read(other, "a model besides the first one")
-        for include in (*self._model.iter("include"), *root.iterfind("include"), *root.iterfind("world/include")):
+        included = [*self._model.iter("include")]
+        for include in (*included, *root.iterfind("include"), *root.iterfind("world/include")):
             self.not_read(include, "an included model")
         for joint in root.iterfind("world/joint"):
             self.not_read(joint, "a joint of the world")
         for word in self._model.iterfind(f".//joint/axis/{IN_MODEL}"):
             self.not_read(word, f"{IN_MODEL}, which SDF has no more since version 1.7,")
         canonical = flatten(self._model)
-        if self._model.find("include") is not None:
+        if included:
             leave_out_attached(self._model, self.not_read)
         self._places = Places(self, self._model, canonical)
         # A joint holds the link that its child is, or is rigidly joined to.

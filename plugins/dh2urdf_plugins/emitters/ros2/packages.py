@@ -92,13 +92,15 @@ def _kinds(robot: Robot, name: str) -> list[Kind]:
     if not robot.arms:
         return [Kind(macro=name, robot=robot, folder="config")]
     kinds: list[Kind] = []
+    taken = {name}
     for arm in robot.arms:
         if all(kind.robot is not arm.kind for kind in kinds):
             macro = first = proposed_name(arm.kind.name)
             number = 1
-            while macro == name or any(kind.macro == macro for kind in kinds):
+            while taken.intersection(macros := {macro, f"{macro}_at", f"{macro}_ros2_control"}):
                 number += 1
                 macro = f"{first}_{number}"
+            taken |= macros
             kinds.append(Kind(macro=macro, robot=arm.kind, folder=f"config/{macro}"))
     return kinds
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import shutil
 import subprocess
 from pathlib import Path
@@ -190,3 +191,23 @@ def test_meshes_are_files_of_the_package(cli: Cli, tmp_path: Path) -> None:
         assert mesh.read_text() == triangle
         assert f'filename="package://arm_description/meshes/{kind}/{mesh.name}"' in text
     assert "install(DIRECTORY config launch meshes rviz urdf" in (folder / "CMakeLists.txt").read_text()
+
+
+def test_arms_of_a_cell_may_be_called_as_macros_of_another(cli: Cli, tmp_path: Path) -> None:
+    """`ur_at` and `ur_ros2_control` are the names of further macros of `ur`, which xacro calls where it finds them last."""
+    names = ("ur", "ur_at", "ur_ros2_control", "ur_at_2")
+    for name, table in zip(names, ("ur5.csv", "scara.csv", "stanford.csv", "ur5.csv"), strict=True):
+        shutil.copy(TABLES / table, tmp_path / f"{name}.csv")
+    for order in (names, names[::-1]):
+        arms = [{"name": f"{name}_1", "of": name, "xyz": [3 * place, 0, 0]} for place, name in enumerate(order)]
+        run = {
+            "inputs": [f"{name}.csv" for name in names],
+            "transform": {"stage": "alpha-swap", "options": {"frames": "dh"}},
+            "cells": [{"name": "lab", "arms": arms}],
+            "emitters": "ros2",
+        }
+        (tmp_path / "run.yaml").write_text(yaml.safe_dump(run))
+        cli("run", "run.yaml", "--quiet", "-o", "src")  # It proves where each tool0 is.
+        macros = "".join(path.read_text() for path in (tmp_path / "src" / "lab_description" / "urdf").iterdir())
+        defined = re.findall(r'<xacro:macro name="([^"]*)"', macros)
+        assert len(defined) == len(set(defined)) == 3 * len(names)

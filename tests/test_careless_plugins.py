@@ -203,3 +203,42 @@ def test_a_stage_that_leaves_in_peace_is_no_success(
     (tmp_path / "run.yaml").write_text(RUN)
     answer = dh2urdf("run", "run.yaml", "--workers", "1", path=[tmp_path / "site"], status=3)
     assert "emitter 'bad' of lab 1.0 left the process (exit status 0), and nothing came of it" in answer.stderr
+
+
+@pytest.mark.parametrize(
+    ("file", "content"),
+    [
+        ("METADATA", b""),
+        ("METADATA", "Metadata-Version: 2.1\nName: lab\nAuthor: José\nVersion: 1.0\n".encode("latin-1")),
+        ("entry_points.txt", b"[console_scripts]\nplo\xfc = lab_lab:main\n\n[dh2urdf]\nlab = lab_lab\n"),
+    ],
+    ids=["empty", "latin-1", "entry points"],
+)
+def test_broken_metadata_of_a_distribution_stop_nothing(
+    tmp_path: Path, dh2urdf: Command, install: Callable[..., None], file: str, content: bytes
+) -> None:
+    """Those of an interrupted installation, or of an old tool: its stages work, and so does all that needs none of them.
+
+    Every command ended with an internal error, or blamed the executor of dh2urdf itself.
+    """
+    install(tmp_path / "site", "lab", PLUGIN.replace("{stage}", "emit").replace("{code}", "1 / 0"))
+    (tmp_path / "site" / "lab-1.0.dist-info" / file).write_bytes(content)
+    (tmp_path / "arm.bad").touch()
+    (tmp_path / "run.yaml").write_text(RUN)
+    (tmp_path / "arm.csv").write_text("# convention: standard\na, alpha, d\n0.4, 0, 0.1\n")
+    dh2urdf("convert", "arm.csv", "-o", "arm.urdf", path=[tmp_path / "site"])
+    for workers in ("1", "2"):
+        answer = dh2urdf("run", "run.yaml", "--workers", workers, path=[tmp_path / "site"], status=1)
+        assert (
+            "manipulator 'right': emitter 'bad' of lab 1.0 failed: ZeroDivisionError: division by zero" in answer.stderr
+        )
+
+
+def test_an_entry_point_without_a_module_says_so(
+    tmp_path: Path, dh2urdf: Command, install: Callable[..., None]
+) -> None:
+    """It was an AttributeError of the library that reads entry points."""
+    install(tmp_path / "site", "lab", "")
+    (tmp_path / "site" / "lab-1.0.dist-info" / "entry_points.txt").write_text("[dh2urdf]\nlab = two words\n")
+    answer = dh2urdf("plugins", path=[tmp_path / "site"])
+    assert "lab 1.0: ImportError: its entry point 'lab' names no module: 'two words'" in answer.stdout

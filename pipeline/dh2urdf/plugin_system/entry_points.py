@@ -62,6 +62,8 @@ class Point(NamedTuple):
             return import_module(self.value)
         from importlib.metadata import EntryPoint
 
+        if EntryPoint.pattern.match(self.value) is None:
+            raise ImportError(f"its entry point {self.name!r} names no module: {self.value!r}")
         return EntryPoint(self.name, self.value, self.group).load()
 
 
@@ -92,7 +94,9 @@ class InfoFolder:
         from importlib.metadata import Distribution
 
         distribution = Distribution.at(self._path)
-        return distribution.name, distribution.version
+        # What is missing in broken metadata, such as an interrupted installation leaves, is in the name of the folder.
+        name, _, version = os.path.basename(self._path).rpartition(".")[0].partition("-")  # noqa: PTH119 - as below
+        return distribution.name or name, distribution.version or version or "of an unknown version"
 
 
 def version_of(distribution: str) -> str:
@@ -159,4 +163,4 @@ def _text(folder: str, file: str, word: bytes = b"") -> str:
             data = opened.read()
     except (FileNotFoundError, NotADirectoryError, IsADirectoryError, PermissionError):
         return ""
-    return data.decode() if word in data else ""
+    return data.decode(errors="replace") if word in data else ""

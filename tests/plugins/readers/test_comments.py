@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+import re
 from typing import TYPE_CHECKING
 
 import pytest
@@ -824,3 +826,87 @@ def test_a_convention_of_another_language_before_the_word_convention_is_read(
     else:
         assert isinstance(arm, Manipulator)
         assert str(arm.convention) == "modified"
+
+
+@pytest.mark.parametrize(
+    ("comment", "field", "factor"),
+    [
+        *(
+            (comment, "velocity", math.pi / 180)
+            for comment in ("velocity in deg/s", "speeds: °/s", "max velocities [deg/s]")
+        ),
+        *((comment, "velocity", math.pi / 30) for comment in ("speeds are in rpm", "velocity in rev/min")),
+        ("lengths in m, angles in rad, speeds in deg/s", "velocity", math.pi / 180),
+        ("masses in g", "mass", 1e-3),
+        ("torque in Nmm", "effort", 1e-3),
+    ],
+)
+def test_a_phrase_declares_the_unit_of_speeds_too(
+    comment: str, field: str, factor: float, read: Callable[..., list[Manipulator | Rejected]]
+) -> None:
+    """`velocity in deg/s` was two units to it, deg and s, and so no phrase: 9 deg/s were 9 rad/s. `max` makes it prose."""
+    table = f"# {comment}\na,alpha,d,{field}\n0.3,0,0,9\n"
+    if comment.startswith("max"):
+        with pytest.raises(TableError, match="this comment mentions deg/s, and velocities are read in rad/s"):
+            read(table, convention="standard")
+        return
+    (arm,) = read(table, convention="standard")
+    assert isinstance(arm, Manipulator)
+    row = arm.rows[0]
+    assert (row.mass if field == "mass" else getattr(row.limits, field)) == pytest.approx(9 * factor, rel=1e-14)
+
+
+@pytest.mark.parametrize(
+    ("comment", "field", "said"),
+    [
+        ("max speeds as in the manual (deg/s)", "velocity", "mentions deg/s, and velocities are read in rad/s"),
+        ("max velocity in deg per second", "velocity", "mentions deg/s, and velocities are read in rad/s"),
+        ("speeds of the manual, in rpm", "velocity", "mentions rev/min, and velocities are read in rad/s"),
+        ("the manual has masses in g", "mass", "mentions g, and masses are read in kg"),
+        ("torques as on the sheet (Nmm)", "effort", "mentions N·mm, and efforts are read in Nm"),
+    ],
+)
+def test_prose_that_mentions_a_unit_of_a_column_is_refused(
+    comment: str, field: str, said: str, read: Callable[..., list[Manipulator | Rejected]]
+) -> None:
+    """Where nothing declares one, and the table has the column; in YAML, where a comment has it."""
+    with pytest.raises(TableError, match=re.escape(said)):
+        read(f"# {comment}\na,alpha,d,{field}\n0.3,0,0,9\n", convention="standard")
+    (rejected,) = read(
+        f"# {comment}\nconvention: standard\njoints: [{{a: 0.3, alpha: 0, d: 0, {field}: 9}}]\n", ".yaml"
+    )
+    assert not isinstance(rejected, Manipulator)
+    assert said in str(rejected.problems[0])
+    unit = {"velocity": "deg/s", "mass": "g", "effort": "Nmm"}[field]
+    for table in ("a,alpha,d\n0.3,0,0\n", f"a,alpha,d,{field} [{unit}]\n0.3,0,0,9\n"):
+        (arm,) = read(f"# {comment}\n{table}", convention="standard")
+        assert isinstance(arm, Manipulator)
+
+
+def test_units_of_speeds_follow_those_that_are_declared(read: Callable[..., list[Manipulator | Rejected]]) -> None:
+    """`units: deg` has speeds in deg/s; accelerations and values of their own are nothing of the table."""
+    rows = "a,alpha,d,velocity\n0.3,0,0,9\n"
+    for comment, said in (
+        ("# units: deg\n# speeds as in the manual (deg/s)\n", []),
+        (
+            "# units: deg\n# speeds as in the manual (rad/s)\n",
+            ["this comment mentions rad/s, and velocities are read in deg/s"],
+        ),
+        ("# accelerations in deg/s^2 are not given\n", []),
+        ("# gravity is 9.81 m/s^2 along -z\n", []),
+    ):
+        (arm,) = read(f"{comment}{rows}", convention="standard")
+        assert isinstance(arm, Manipulator)
+        assert [notice.message for notice in arm.notices] == said
+
+
+@pytest.mark.parametrize(("value", "good"), [("180", False), ("180 deg/s", True), ("3.14 rad/s", True)])
+def test_a_unit_behind_a_speed_of_yaml_is_seen(
+    value: str,
+    good: bool,  # noqa: FBT001 - a case
+    read: Callable[..., list[Manipulator | Rejected]],
+) -> None:
+    comment = "rad/s" if value.endswith("rad/s") else "deg/s"
+    text = f"convention: standard\njoints:\n- a: 0.3\n  alpha: 0\n  d: 0\n  velocity: {value} # {comment}\n"
+    (arm,) = read(text, ".yaml")
+    assert isinstance(arm, Manipulator) is good

@@ -16,6 +16,7 @@ from dh2urdf_plugins.readers.header.units import KEY_OF
 from dh2urdf_plugins.readers.words.fields import CONVENTION_CHOICES, convention_of
 
 if TYPE_CHECKING:
+    import re
     from collections.abc import Sequence
 
     from dh2urdf.manipulator import Convention
@@ -65,7 +66,8 @@ _SIGNS = "-\u2013\u2014.,:;()"
 _NO_LETTERS = late_pattern(r"\bd-h\b|['\u2019]s\b")
 _PARTS = late_pattern(r"[-\u2010\u2011]")
 _BREAKS = late_pattern(r"[\s,;:=&()\[\]{}|\u2013\u2014\u2192\uff1a\uff0c]+|\.(?=\s|$)|->|(?<=\s)[-/](?=\s)")
-_BETWEEN_UNITS = late_pattern(r"(?<=[^\W\d_°])/(?=[^\W\d_°])|(?<=°)/|/(?=°)")
+_WITH_SLASH = late_pattern(r"(?:[^\W\d_]|°)+(?:/(?:[^\W\d_]|°)+)+")
+"""``deg/s`` is one unit, ``mm/deg`` are two."""
 _INCHES = late_pattern(r"\bin\b(?=\s*(?:[,;/)\]}&.]|and\b|$))")
 """The unit, where another word would follow the preposition."""
 _ONE_UNIT = late_pattern(
@@ -172,7 +174,11 @@ def _words(text: str) -> list[str]:
     plain = _INCHES.sub("inch", plain) if "in" in plain else plain
     plain = _ONE_UNIT.sub(r"\1 unit ", plain) if "uni" in plain or "ein" in plain else plain
     plain = _NO_LETTERS.sub(lambda match: "dh" if match[0] == "d-h" else "", plain)
-    return [word for word in _BREAKS.split(_BETWEEN_UNITS.sub(" ", plain) if "/" in plain else plain) if word]
+    return [word for word in _BREAKS.split(_WITH_SLASH.sub(_one_or_two, plain) if "/" in plain else plain) if word]
+
+
+def _one_or_two(match: re.Match[str]) -> str:
+    return match[0] if unit_called(match[0]) else match[0].replace("/", " ")
 
 
 def unit_called(word: str) -> Unit | None:

@@ -14,7 +14,8 @@ from dh2urdf.patterns import late_pattern
 from dh2urdf.quantities import UNITS, Dimension, Unit
 from dh2urdf.source import Problem
 from dh2urdf_plugins.readers.comments.phrases import FILLERS, declared, unit_called
-from dh2urdf_plugins.readers.header.units import KEY_OF
+from dh2urdf_plugins.readers.header.units import KEY_OF, SI
+from dh2urdf_plugins.readers.words.cells import rate_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
@@ -37,7 +38,16 @@ _TO_SPACES = {code: " " for code in range(128) if not chr(code).isalpha()}
 _OWN_NUMBER = late_pattern(r"(?<![^\W_])[0-9]")
 _NO_UNIT = late_pattern(r"\bdegrees?\s+of\s+freedom\b|\brev\.?\s*(?:[a-z]|[0-9.]+)\b", re.IGNORECASE)
 """Where the word of a unit is none: ``6 degrees of freedom``, ``rev. B``."""
-_SYSTEM = {Dimension.LENGTH: "m", Dimension.ANGLE: "rad"}
+_RATE = late_pattern(r"\s*(?:/|per\b)\s*(s|sec|seconds?|min|minutes?)\b(\s?(?:\^|\*|²|/|squared))?", re.IGNORECASE)
+"""What makes a speed of a length or an angle before it, ``deg/s``, ``mm per second``, or an acceleration."""
+_SYSTEM = {dimension: SI[dimension] for dimension in (Dimension.LENGTH, Dimension.ANGLE)}
+_IN_COLUMNS = {
+    Dimension.TURN_RATE: ("velocity", "velocities"),
+    Dimension.SPEED: ("velocity", "velocities"),
+    Dimension.MASS: ("mass", "masses"),
+    Dimension.TORQUE: ("effort", "efforts"),
+}
+"""Quantities whose unit matters where a table has a column of them: its field, and what messages call them."""
 
 _PROSE_WORD = late_pattern(r"\w+")
 _SAYS_CONVENTION = late_pattern(
@@ -82,7 +92,14 @@ def prose_problems(comment: Comment, statements: Statements, columns: Columns) -
         columns: its headers.
     """
     by_row = "convention" in columns.fields
-    return in_other_words(comment, statements, columns.units.values(), lead="# ", by_row=by_row)
+    return in_other_words(
+        comment,
+        statements,
+        columns.units.values(),
+        lead="# ",
+        by_row=by_row,
+        fields=frozenset(filter(None, columns.fields)),
+    )
 
 
 def in_other_words(
@@ -93,6 +110,7 @@ def in_other_words(
     lead: str,
     behind: bool = False,
     by_row: bool = False,
+    fields: frozenset[str] | None = None,
 ) -> list[Problem]:
     """What a comment says that the table does not: another convention, or a unit.
 
@@ -103,12 +121,14 @@ def in_other_words(
         lead: what a line begins with that declares something.
         behind: whether it is behind a value, of which a number with its unit says no more: ``# 425 mm``.
         by_row: whether each row has its convention.
+        fields: those that the table has columns of; None where any joint may have any.
     """
     if behind and _OWN_NUMBER.search(comment.text):
         return []
     # What explains a value may speak of the other convention.
     problems = [] if behind else _other_convention(comment, statements.convention, lead, by_row=by_row)
-    return problems + _other_units(comment, [*(unit for unit, _ in statements.stated.values()), *units], lead)
+    held = [*(unit for unit, _ in statements.stated.values()), *units]
+    return problems + _other_units(comment, held, lead, fields)
 
 
 def units_beside(text: str) -> list[Unit]:
@@ -185,8 +205,11 @@ def mentioned_units(text: str) -> list[Unit]:
     for match in _MENTION.finditer(plain) if has_unit else ():
         for word in _LETTERS.finditer(match[1]):
             unit = _measured(word[0])
-            is_rate = match[1][word.end() :].lstrip().startswith("/s")
-            if unit is None or is_rate or word[0].casefold() in FILLERS:
+            if unit is None or word[0].casefold() in FILLERS:
+                break
+            if (rate := _RATE.match(plain, match.start(1) + word.end())) and unit.dimension in _SYSTEM:
+                speed = unit_called(f"{word[0]}/{'min' if rate[1].startswith('m') else 's'}")
+                found += [speed] if speed and not rate[2] else []
                 break
             found.append(unit)
     if plain.isascii() and not any(unit in plain.casefold() for unit in _IN_ALONE):
@@ -195,33 +218,37 @@ def mentioned_units(text: str) -> list[Unit]:
 
 
 def _measured(word: str) -> Unit | None:
-    """The unit of a length or of an angle that a word stands for."""
+    """The unit that a word stands for, of a length, an angle or what a column may hold."""
     unit = unit_called(word)
-    return unit if unit and unit.dimension in _SYSTEM else None
+    return unit if unit and (unit.dimension in _SYSTEM or unit.dimension in _IN_COLUMNS) else None
 
 
-def _other_units(comment: Comment, held: Sequence[Unit], lead: str) -> list[Problem]:
+def _other_units(comment: Comment, held: Sequence[Unit], lead: str, fields: frozenset[str] | None) -> list[Problem]:
     """What is wrong with units that a comment mentions beside those that hold."""
     problems, elsewhere = [], "units in the headers" if lead else "numbers with their units"
+    held = [*held, *(rate_of(unit) for unit in held if unit.dimension in _SYSTEM)]
     for unit in dict.fromkeys(mentioned_units(comment.text)):
         others = {other.symbol for other in held if other.dimension is unit.dimension}
-        key, system = KEY_OF[unit.dimension], _SYSTEM[unit.dimension]
+        key, system = KEY_OF[unit.dimension], SI[unit.dimension]
+        field, what = _IN_COLUMNS.get(unit.dimension, ("", f"{key}s"))
+        if field and fields is not None and field not in fields:
+            continue
         if unit.symbol in (others or {system}):
             continue
         read_in = " and ".join(sorted(others)) if others else f"{system}, since nothing declares a unit"
         problems.append(
             Problem(
-                message=f"this comment mentions {unit.symbol}, and {key}s are read in {read_in}",
+                message=f"this comment mentions {unit.symbol}, and {what} are read in {read_in}",
                 severity="notice" if others else "error",
                 mark=comment.whole,
                 field=f"units.{key}",
                 found=comment.line,
                 accepted=None
                 if others
-                else f"`{lead}units: {{{key}: {unit.symbol}}}` if that is the unit of all {key}s, or {elsewhere}",
+                else f"`{lead}units: {{{key}: {unit.symbol}}}` if that is the unit of all {what}, or {elsewhere}",
                 suggestion=None
                 if others
-                else f"if the {key}s are in {system}, declare that too: `{lead}units: {{{key}: {system}}}`",
+                else f"if the {what} are in {system}, declare that too: `{lead}units: {{{key}: {system}}}`",
             )
         )
     return problems

@@ -233,3 +233,30 @@ def test_the_gripper_keeps_the_contract_and_works_in_a_run(tmp_path: Path, monke
 def test_the_readme_leads_here() -> None:
     """A reader of the README finds this page."""
     assert "(docs/plugins.md)" in (PAGE.parents[1] / "README.md").read_text("utf-8")
+
+
+@pytest.mark.parametrize(
+    "ending",
+    ["sys.exit(4)", "sys.stdin.readline(); sys.exit(4)", "os.close(0); time.sleep(0.5); sys.exit(4)"],
+    ids=["at once", "when it is asked", "deaf first"],
+)
+def test_the_program_of_the_recipe_may_end(
+    tmp_path: Path, install: Callable[..., None], dh2urdf: Any, monkeypatch: pytest.MonkeyPatch, ending: str
+) -> None:
+    """In whatever moment: one message, with the exit status, and no fault of the plugin."""
+    program = tmp_path / "bin" / "labsim"
+    program.parent.mkdir()
+    lines = f"import os, sys, time\nprint('1.0 one two', flush=True)\n{ending}\n"
+    program.write_text(f"#!{sys.executable}\n{lines}")
+    program.chmod(0o755)
+    monkeypatch.setenv("PATH", str(program.parent), prepend=os.pathsep)
+    (recipe,) = [
+        each for each in blocks(DOCS / "plugin-programs.md", r"python[^\n]*") if "The loader `lab-sim`" in each
+    ]
+    install(tmp_path / "site", "lab", recipe)
+    rows = "".join(f"{name},0.4,0,0.1\n" for name in ("one", "two"))
+    (tmp_path / "arm.csv").write_text(f"# convention: standard\njoint,a,alpha,d\n{rows}")
+    (tmp_path / "run.yaml").write_text("inputs: arm.csv\nloaders: lab-sim\noutput: out\nreport: {html: false}\n")
+    answer = dh2urdf("run", "run.yaml", path=[tmp_path / "site"], status=1)
+    assert "lab-sim: labsim ended before the link tool0, with exit status 4" in answer.stderr
+    assert "tell the authors" not in answer.stderr

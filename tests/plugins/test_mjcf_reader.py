@@ -80,6 +80,7 @@ ARM = """<mujoco><default><equality active="false"/><default class="near"><site 
 SITES = {
     "given by its ends": '<site name="s" type="box" size="0.1 0.1 0.1" fromto="0 0 0 1 2 3"/>',
     "given by its ends in a class": '<site name="s" class="ends"/>',
+    "pointing down as exactly as an exporter wrote it": '<site name="s" zaxis="6.1e-17 0 -1"/>',
     "in a frame with a class": '<frame class="near"><frame euler="0 10 0"><site name="s"/></frame></frame>',
     "in a frame with a class for what is in it": '<frame class="near" childclass="far"><site name="s"/></frame>',
 }
@@ -192,6 +193,8 @@ BODY = '<mujoco><worldbody><body name="a">{}</body></worldbody></mujoco>'
         (BODY.format('<geom type="capsule" fromto="1 2 3 1 2 3" size="1"/>'), "the same point twice"),
         (BODY.format('<geom type="mesh" mesh="m"/>'), "no mesh 'm'"),
         (BODY.format('<site name="s" zaxis="0 0 0"/>'), "zaxis of site gives no direction"),
+        (BODY.format('<site name="s" xyaxes="0.1 0.2 0.3 0.2 0.4 0.6"/>'), "xyaxes of site gives no direction"),
+        (BODY.format('<joint axis="1e-9 0 0"/>'), "has no length"),
         (BODY.format('<geom size="1"><site name="s"/></geom>'), "a site is in a geom"),
         (
             BODY.format('<site name="s" euler="0 0 1"/>').replace("<w", '<compiler eulerseq="xw"/><w', 1),

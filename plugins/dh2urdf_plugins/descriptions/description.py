@@ -16,7 +16,7 @@ from dh2urdf.foreign_robot import Follower
 from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.robot import Robot
-from dh2urdf.source import Mark, Problem, listed
+from dh2urdf.source import Mark, Problem, listed, shown
 from dh2urdf_plugins.descriptions import unheld
 from dh2urdf_plugins.descriptions.rounded_pi import Rounded, repaired
 from dh2urdf_plugins.descriptions.urdf_shapes import with_known_shapes
@@ -197,6 +197,12 @@ def _read_urdf(root: etree._Element, extras: _Extras, *, colours: bool) -> Robot
         name = joint.get("name", "")
         if (mimic := joint.find("mimic")) is not None:
             extras.followers[name] = _follower(mimic)
+        axis = joint.find("axis")
+        if axis is not None and axis.get("xyz") is None and joint.get("type") != "fixed":
+            message = f"the axis of joint {shown(name)} has no xyz, and is taken for 1 0 0"
+            how = "write its direction: other readers take 0 0 0, or refuse the file"
+            mark = mark_of(axis, extras.file)
+            extras.notices.append(Problem(message=message, severity="notice", suggestion=how, mark=mark))
         if (word := joint.get("type")) in _LOOSE:
             extras.loose[name] = word
             joint.set("type", "fixed")

@@ -303,6 +303,11 @@ class TestTheChain:
     def test_an_axis_without_a_length(self, tmp_path: Path) -> None:
         assert "the axis of the joint has no length" in refusal(tmp_path, urdf(joint("hip", "a", "b", axis="0 0 0")))
 
+    def test_an_axis_without_numbers(self, tmp_path: Path) -> None:
+        """Drake takes it for x, urdfdom for 0, and others refuse it; there was no word of it."""
+        text = urdf(joint("hip", "a", "b", axis="1 0 0")).replace('<axis xyz="1 0 0"/>', "<axis/>")
+        assert "the axis of joint 'hip' has no xyz, and is taken for 1 0 0" in notices(read(tmp_path, text))
+
     def test_a_long_axis_is_a_direction(self, tmp_path: Path) -> None:
         arm = read(tmp_path, urdf(joint("hip", "a", "b", axis="0 0 2")))
         assert "the axes of 'hip' have another length than 1" in notices(arm)

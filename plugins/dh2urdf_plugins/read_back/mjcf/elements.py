@@ -35,6 +35,8 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
 _AXES: dict[str, Vec3] = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
+SMALLEST = 1e-7
+"""Length from which on MuJoCo takes a vector for a direction."""
 _DEEPEST = 100
 """Frames around each other that are read: each element multiplies all of them."""
 _ORIENTATIONS = frozenset(("quat", "euler", "axisangle", "xyaxes", "zaxis"))
@@ -183,7 +185,7 @@ class Elements(FileElements):
         return rotation
 
     def _unit(self, element: etree._Element, name: str, vector: Vec3) -> Vec3:
-        if not (length := norm(vector)):
+        if (length := norm(vector)) < SMALLEST:
             raise self.error(element, f"{name} of {element.tag} gives no direction", "a vector with a length")
         return vector if length == 1.0 else scale(1.0 / length, vector)
 
@@ -242,9 +244,9 @@ class Elements(FileElements):
 
 
 def z_rotation(axis: Vec3) -> Rotation:
-    """The smallest rotation that takes the z-axis to a unit vector."""
+    """The smallest rotation that takes the z-axis to a unit vector; about x to one that points down."""
     x, y, z = axis
-    if (sine := math.hypot(x, y)) == 0.0:
+    if (sine := math.hypot(x, y)) < SMALLEST:
         return IDENTITY_ROTATION if z > 0.0 else (1.0, 0.0, 0.0, 0.0, -1.0, 0.0, 0.0, 0.0, -1.0)
     return axis_rotation((-y / sine, x / sine, 0.0), math.atan2(sine, z))
 

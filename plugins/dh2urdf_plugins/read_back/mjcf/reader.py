@@ -32,7 +32,7 @@ from dh2urdf.rotations import (
     transpose,
 )
 from dh2urdf.source import Mark, Problem, shown
-from dh2urdf_plugins.read_back.mjcf.elements import Elements
+from dh2urdf_plugins.read_back.mjcf.elements import SMALLEST, Elements
 from dh2urdf_plugins.read_back.mjcf.includes import include_files
 from dh2urdf_plugins.read_back.mjcf.masses import mass_of_shapes
 from dh2urdf_plugins.read_back.mjcf.shapes import Shapes
@@ -267,7 +267,7 @@ class _Reader:
         if kind in _LOOSE:
             return JointType.FIXED, Z_AXIS
         axis = self._elements.vector(element, attributes, "axis", Z_AXIS)
-        if not (length := norm(axis)):
+        if (length := norm(axis)) < SMALLEST:
             raise self._elements.error(element, "the axis of the joint has no length")
         axis = axis if length == 1.0 else scale(1.0 / length, axis)
         match kind:

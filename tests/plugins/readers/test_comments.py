@@ -723,6 +723,8 @@ UNTYPED = TURNED.replace("type,", "").replace("R,", "")
         *("theta_2 -> theta_2 - pi/2", "phi2 = theta2 + pi/2", "J1 +-170", "J1 +/- 170 deg", "limits +-170, +-120"),
         *("J3 welded", "joint 3 does not move", "joint 2 is not used", "joint 2 is passive", "J1 and J2 are swapped"),
         *("CW positive", "mirror of the right arm", "signs: + - +", "values in 0.1 mm", "lengths in 1e-3 m"),
+        *("inertia about the joint frame, not the com", "com in frame i-1", "centres of mass in the base frame"),
+        *("limits are those of the motors", "max torque of motor 3", "speeds at the motor, gear 1:100"),
         *("values are times 1000", "multiply by L", "normalised lengths", "all dimensionless"),
     ],
 )
@@ -774,6 +776,7 @@ def test_a_comment_about_what_types_would_say_is_noticed_in_a_table_without_type
         *("reference [12]", "zero is the stretched arm", "in the zero position all axes are parallel", "TX2-60"),
         *("the rest is from the data sheet", "used in 1 project", "IRB 120-3/0.6", "repeatability +-0.1 mm", "R-30iB"),
         *("calibrated, not nominal", "P. Corke 2017", "roll, pitch, yaw: R, P, Y", "max speed of the linear encoder"),
+        *("inertia about the centre of mass", "com in frame i", "from www.example.com in 2020", "company motors"),
         *("positive angles are counterclockwise", "no offsets", "offset in column 5", "measured on 2024-01-02"),
     ],
 )

@@ -325,3 +325,11 @@ def test_other_words_with_a_slash_are_no_units_of_a_table(
     (arm,) = read(f"convention: standard\nunits: {words}\njoints: [{{a: 0.3, alpha: 1, d: 0}}]", ".yaml")
     assert not isinstance(arm, Manipulator)
     assert f"units is the text '{words}'" in str(arm.problems[0])
+
+
+@pytest.mark.parametrize("key", ["a", "d", "alpha", "theta"])
+def test_units_by_column_are_answered_with_the_header(
+    key: str, read: Callable[..., list[Manipulator | Rejected]]
+) -> None:
+    with pytest.raises(TableError, match="write the unit of a column in its header"):
+        read(f"# convention: standard\n# units: {{{key}: mm}}\na,alpha,d\n300,0,0\n")

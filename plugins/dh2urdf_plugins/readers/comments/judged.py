@@ -93,6 +93,11 @@ _UNREAD = late_pattern(
     rf"[^;]{{0,40}}?(?<![\w.,])[-+−]?{_ADDED}|{_VARIABLE}[^.;]{{0,24}}(?<![^\W_])(?:zero|home)\b[^.;]{{0,24}}{_ADDED}"
     r"|(?<![^\W_])signs?\s*[:=]\s*[\[(]?\s*[-+−](?!\s?[0-9])"
     r"|(?<![^\W_])in (?:(?:units|steps) of )?[01][0-9.]*(?:e[-+]?[0-9]+)?\s*(?:µm|mm|cm|m|deg|rad|°)(?![^\W_])"
+    r"|(?<![^\W_])inertias?(?![^\W_])[^.;]{0,24}(?:about|around|at|relative to)\s+(?:the\s+)?"
+    r"(?:joint|origin|link|frame|axis|base)"
+    r"|(?<![^\W_])(?:com|cog|cent(?:re|er)s? of mass)(?![^\W_])[^.;]{0,24}"
+    r"(?:(?:frame|link)\s*\(?i\s*[-−]\s*1|(?:world|base|previous)\s+(?:frame|link|coord))"
+    r"|(?<![^\W_])(?:limits?|speeds?|velocit(?:y|ies)|torques?|ranges?)(?![^\W_])[^.;]{0,24}(?<![^\W_])(?:motors?|rotor|gear)"
     r"|(?<![^\W_])times\s+[0-9]{2,}|multiply by|normali[sz]ed|dimensionless"
     rf"|(?<![^\W_])(?:reversed|inverted|opposite|negative|positive)\s+(?:direction|sense|sign)\b[^.;]{{0,24}}{_NTH}"
     r"|(?:θ|theta|th|q|j)[\s_{]*[0-9]{1,2}[a-z_}]{0,8}\W{0,3}=[^=]*(?:θ|theta|th|q|j)[\s_{]*[0-9]"
@@ -123,6 +128,13 @@ _IN_UNREAD = (
     "in 1",
     "not ",
     "rest ",
+    "inertia",
+    "com ",
+    "cog",
+    "of mass",
+    "motor",
+    "rotor",
+    "gear",
 )
 """What such prose has at least one of: most comments have none, and need no search."""
 _BOUNDS = late_pattern(

@@ -19,6 +19,9 @@ MEANT_KEYS = {
     **dict.fromkeys(("lengths", "distance"), "did you mean 'length'?"),
     **dict.fromkeys(("angles", "rotation"), "did you mean 'angle'?"),
     **dict.fromkeys(("masses", "weight"), "did you mean 'mass'?"),
+    **dict.fromkeys(
+        ("a", "d", "r", "alpha", "theta"), "write the unit of a column in its header, as `a [mm]`, or in its cells"
+    ),
 }
 """What people call the keys of `units`, which one of their letters does not show."""
 

@@ -339,3 +339,15 @@ def test_a_run_without_pyarrow_leaves_no_table_of_another_run(
     monkeypatch.setattr("dh2urdf.running.run.can_write_parquet", lambda: False)
     cli("run", "run.yaml", "--workers", 1)
     assert not (folder / "out/manifest.parquet").exists()
+
+
+def test_a_pyarrow_that_cannot_be_imported_is_named(dh2urdf: Callable[..., Any], folder: Path) -> None:
+    """As one that was built for another numpy, or lacks memory: it was an internal error. What is made is kept."""
+    package = folder / "site" / "pyarrow"
+    package.mkdir(parents=True)
+    (package / "__init__.py").write_text("raise ImportError('libarrow.so: failed to map segment')")
+    answer = dh2urdf("run", "run.yaml", "--quiet", path=[package.parent], status=3)
+    message = "needs pyarrow, which is installed and cannot be imported: libarrow.so: failed to map segment"
+    assert message in answer.stderr
+    assert "13 unchanged" in dh2urdf("run", "run.yaml", "--resume").stdout
+    assert (folder / "out" / "manifest.parquet").is_file()

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, BinaryIO, get_args, get_origin, get_type_
 
 from orjson import loads
 
+from dh2urdf.errors import MissingDependencyError
 from dh2urdf.results.run import ManipulatorEntry
 from dh2urdf.tasks.manifest_columns import PLAIN, Lists, columns_of
 
@@ -128,9 +129,16 @@ class ManifestTable:
         return pa.schema(types)
 
     def _write(self, parts: Sequence[ManifestColumns]) -> None:
-        """Write a row group, if the columns are those of the groups before."""
-        import pyarrow as pa
-        from pyarrow import parquet
+        """Write a row group, if the columns are those of the groups before.
+
+        Raises:
+            MissingDependencyError: pyarrow is installed and cannot be imported.
+        """
+        try:
+            import pyarrow as pa
+            from pyarrow import parquet
+        except ImportError as error:
+            raise MissingDependencyError("manifest.parquet", "pyarrow", "dh2urdf[parquet]", error) from error
 
         schema = self._schema()
         if self._writer is None:

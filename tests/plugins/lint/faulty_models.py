@@ -206,6 +206,17 @@ MJCF_FAULTS: dict[str, Change] = {
     "mjcf-not-mujoco": Change(MJCF, '<?xml version="1.0"?>\n<sdf version="1.7">\n</sdf>\n', "<sdf"),
     "mjcf-unknown-element": Change("<contact>", "<contacts/>\n  <contact>", "<contacts"),
     "mjcf-unknown-attribute": Change('damping="0.1"', 'dampings="0.1"', "dampings"),
+    "mjcf-model-without-name": Change(' model="arm"', "", "<mujoco"),
+    "mjcf-misread-number": Change('pos="0.2 0 0"', 'pos="0.2 0 0x"', "0x", besides=("mjcf-invalid-vector",)),
+    "mjcf-out-of-range": Change('damping="0.1"', 'damping="-0.1"', "damping"),
+    "mjcf-missing-attribute": Change(
+        "</actuator>", '</actuator>\n<equality><connect body1="arm_1"/></equality>', "<equality"
+    ),
+    "mjcf-negative-number": Change(
+        "</actuator>", '</actuator>\n<sensor><jointpos joint="elbow" noise="-1"/></sensor>', "<sensor"
+    ),
+    "mjcf-direction-zero": Change('pos="0.2 0 0"', 'pos="0.2 0 0" axisangle="0 0 0 1"', "axisangle"),
+    "mjcf-moving-plane": Change('type="sphere" size="0.02"', 'type="plane" size="1 1 1"', '"plane"'),
     "mjcf-duplicate-body": Change('<body name="arm_2"', '<body name="arm_1"', '<body name="arm_1"'),
     "mjcf-duplicate-joint": Change('name="slide"', 'name="elbow"', '<joint name="elbow"'),
     "mjcf-duplicate-name": Change('<geom type="sphere"', '<geom name="shape" type="sphere"', 'type="sphere"'),
@@ -269,7 +280,7 @@ MJCF_FAULTS: dict[str, Change] = {
     "mjcf-actuator-of-nothing": Change('joint="elbow" kp', 'joint="elbows" kp', "elbows"),
     "mjcf-undefined-name": Change("</actuator>", '</actuator><sensor><jointpos joint="elbows"/></sensor>', "elbows"),
     "mjcf-exclude-of-nothing": Change('body2="arm_1"', 'body2="arm_9"', "arm_9"),
-    "mjcf-invalid-number": Change('mass="1"', 'mass="1 kg"', "1 kg"),
+    "mjcf-invalid-number": Change('mass="1"', 'mass="one"', "one"),
     "mjcf-invalid-vector": Change('pos="0.2 0 0"', 'pos="0.2 0"', 'pos="0.2 0"'),
     "mjcf-missing-include": Change("  <worldbody>", '  <include file="nowhere.xml"/>\n  <worldbody>', "nowhere"),
     "mjcf-repeated-element": Change(

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import re
+import struct
+import zlib
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -15,6 +17,7 @@ from dh2urdf_plugins.lint.models.mjcf import inspect_mjcf, schema
 from dh2urdf_plugins.lint.models.models import CONSUMERS, model_rules
 from dh2urdf_plugins.lint.models.sdf import inspect_sdf
 from dh2urdf_plugins.lint.rules import Outcome
+from dh2urdf_plugins.lint.single_readers.mujoco import kind_of
 
 if TYPE_CHECKING:
     from dh2urdf.stages import Inspection
@@ -96,6 +99,7 @@ IGNORED = {
     "mjcf-unknown-attribute": "what is ignored has no trace",
     "mjcf-repeated-element": "the first is the one that was there",
     "mjcf-invalid-number": "the number is the one that was there",
+    "mjcf-misread-number": "the number is the one that was there",
     "mjcf-missing-include": "what is ignored has no trace",
     "mjcf-short-keyframe": "keyframes are not asked for",
     "mjcf-global-coordinates": "poses are not asked for",
@@ -160,7 +164,7 @@ def test_the_schema_is_that_of_mujoco() -> None:
         depth = len(line) - len(line.lstrip(" "))
         tag, _, *attributes = line.split()
         path[depth:] = [tag]
-        ours["/".join(path)] = set(attributes)
+        ours["/".join(path)] = {attribute.rstrip("!") for attribute in attributes}
     assert ours == printed
     assert {"body", "geom", "frame"} <= set(schema().children["mujoco"].children["worldbody"].children)
 
@@ -237,7 +241,7 @@ def test_what_gazebo_refuses_in_a_world(tmp_path: Path, old: str, new: str, rule
     assert found["end"] == "refuses"
 
 
-NAMED = """<mujoco>
+NAMED = """<mujoco model="named">
   <compiler angle="radian"/><include file="parts/rest.xml"/>
   <default><default class="unused"><geom material="nowhere" mesh="nowhere"/></default>
     <default class="shell"><geom material="red" mass="0" group="2"/></default></default>
@@ -413,3 +417,166 @@ def test_what_mujoco_makes_of_an_oddity_is_foretold(tmp_path: Path) -> None:
         if bool(refusing) != (found["end"] == "refuses"):
             wrong.append(f"{name}: it {found['end']}, {refusing} {found.get('raised')}")
     assert wrong == []
+
+
+SHARED = {
+    "joint": 'name="elbow"',
+    "geom": 'name="shape"',
+    "material": 'name="grey"',
+    "mesh": 'name="part"',
+    "position": 'name="elbow" joint="elbow"',
+    "body": 'name="arm_2"',
+}
+"""The elements of the sound MJCF that get attributes, and how they begin."""
+ATTRIBUTES = {
+    "joint": "armature=1 ref=1 frictionloss=1 stiffness=1 actuatorfrclimited=auto",
+    "geom": "group=1 conaffinity=1 condim=3 friction=1|0.1|0.1 solref=0.02|1 rgba=1|1|1|1 fluidshape=none",
+    "material": "specular=0.5 texuniform=true",
+    "mesh": "scale=1|1|1 inertia=exact",
+    "position": "forcerange=-1|1 gear=1 ctrllimited=true forcelimited=auto",
+    "body": "gravcomp=0 mocap=false",
+}
+"""Attributes, and what they may be."""
+
+
+def more_odd_models() -> dict[str, str]:
+    """The sound MJCF with another text for an attribute, and what it lacks."""
+    found = {"sound": MJCF}
+    for tag, written in ATTRIBUTES.items():
+        start = f"<{tag} {SHARED[tag]}"
+        assert MJCF.count(start) == 1
+        for name, value in (each.replace("|", " ").split("=") for each in written.split()):
+            texts = [value, "x", "nan", f"{value} 1", "", " ", f"{value}x", " ".join(["0x1", *value.split()[1:]])]
+            for text in dict.fromkeys(texts):
+                found[f"{tag} {name} {text!r}"] = MJCF.replace(start, f'{start} {name}="{text}"')
+    ends = {
+        "equality": (
+            *("<connect/>", '<connect body1="arm_1"/>', '<connect body1="arm_1" anchor=""/>', "<weld/>"),
+            *('<connect body1="arm_1" anchor="0 0"/>', '<connect body1="arm_1" anchor="0 0 0"/>', "<joint/>"),
+        ),
+        "sensor": (
+            *('<jointpos joint="elbow"/>', "<jointpos/>", '<jointpos joint="elbow" noise="-1"/>'),
+            *("<rangefinder/>", '<framepos objtype="body"/>', '<framepos objtype="arm" objname="arm_1"/>'),
+        ),
+        "tendon": tuple(
+            f'<fixed {limits}><joint joint="elbow" coef="1"/></fixed>'
+            for limits in (
+                "",
+                'limited="true"',
+                'limited="true" range="0 1"',
+                'limited="true" range="1 0"',
+                'range="1"',
+            )
+        ),
+        "actuator": (
+            *("<motor/>", '<motor joint="slide"/>', '<velocity joint="slide" ctrllimited="true"/>'),
+            *('<motor joint="slide" forcelimited="true" forcerange="inf 2"/>', '<general joint="slide" dyntype="x"/>'),
+            *('<velocity joint="nowhere" kv="1"/>', '<motor joint="slide" ctrllimited="true" ctrlrange="0x1 1"/>'),
+        ),
+    }
+    for section, elements in ends.items():
+        for element in elements:
+            found[element] = MJCF.replace("</mujoco>", f"<{section}>{element}</{section}></mujoco>")
+    geoms = (
+        "plane",
+        'plane" size="1 1 1',
+        'plane" size="1 1',
+        "mesh",
+        'capsule" size="1" fromto="0 0 0 0 0 0',
+        "hfield",
+    )
+    geoms += ('sphere" size="1" fromto="0 0 0 0 0 1', 'sphere" size="1" axisangle="0 0 0 1', 'box" size="1 x 1')
+    for geom in geoms:
+        found[geom] = MJCF.replace('<body name="base">', f'<geom type="{geom}"/><body name="base">')
+        found[f"moving {geom}"] = MJCF.replace('<body name="arm_2"', f'<geom type="{geom}"/><body name="arm_2"')
+    for text in ("0x1 0.02 0.02", "-1 -1 -1", "0 0 0", "inf 1 1", "1 1 1"):
+        found[f"base {text}"] = MJCF.replace("0.02 0.02 0.02", text)
+    for limits in ('range="inf 2"', 'range=" "', 'range="0x1 0.5"'):
+        found[limits] = MJCF.replace('range="-1 2"', limits)
+    found["boundmass"] = MJCF.replace('angle="radian"', 'angle="radian" boundmass="0"').replace('mass="1"', 'mass="-1"')
+    found["integrator"] = MJCF.replace("<default>", '<option integrator="discrete"/><default>', 1)
+    return found
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("consumer", ["mujoco", "drake"])
+def test_words_counts_and_what_is_lacking_are_foretold(tmp_path: Path, consumer: str) -> None:
+    """Of elements of every section, a reader takes or refuses the text as the findings have it."""
+    require(consumer)
+    write_models(tmp_path)
+    texts = more_odd_models()
+    paths = [tmp_path / f"odd-{number}.xml" for number in range(len(texts))]
+    for path, text in zip(paths, texts.values(), strict=True):
+        path.write_text(text)
+    wrong = []
+    for name, path, found in zip(texts, paths, outcomes(consumer, paths), strict=True):
+        fatal = [
+            finding.rule
+            for finding in inspect_mjcf(path).findings
+            if any(effect.consumer == consumer for effect in finding.effects)
+            and model_rules("mjcf")[finding.rule].outcomes[consumer] in {Outcome.REFUSES, Outcome.CRASHES}
+        ]
+        if bool(fatal) != (found["end"] != "loads"):
+            wrong.append(f"{name}: it {found['end']}, {fatal} {found.get('raised')}")
+    assert wrong == [], "\n".join(wrong)
+
+
+def test_the_words_and_counts_are_those_of_mujoco(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of every attribute whose element needs nothing else: it takes each word and count, and no other."""
+    mujoco = pytest.importorskip("mujoco")
+    monkeypatch.chdir(tmp_path)  # MuJoCo writes a log
+
+    def refusal(section: str, tag: str, name: str, text: str) -> str:
+        inner = f'<{tag} {name}="{text}"/>'
+        outer = "<worldbody>%s</worldbody>" if section == "worldbody" else f"<{section}>%s</{section}>"
+        try:
+            mujoco.MjSpec.from_string(f"<mujoco>{inner if section == tag else outer % inner}</mujoco>")
+        except ValueError as error:
+            return str(error)
+        return ""
+
+    tried, wrong = 0, []
+    sections = {**schema().children["mujoco"].children}
+    for section in ("compiler", "option", "size", "statistic", "visual", "default", "asset", "worldbody", "actuator"):
+        inner = (
+            {section: sections[section]} if section in {"compiler", "option", "size"} else sections[section].children
+        )
+        for tag, node in inner.items():
+            for name in node.attributes:
+                kind = kind_of(tag, name)
+                if kind == "any" or tag in {"dcmotor", "default", "flexcomp", "replicate"}:
+                    continue
+                tried += 1
+                least, _, most = kind.removeprefix("whole ").partition("-")
+                taken = kind.split("|") if "|" in kind else [" ".join(["1"] * int(n)) for n in (least, most) if n]
+                refused = ["qqq"] if "|" in kind else ["x", " ".join(["1"] * (int(most or least) + 1))]
+                if kind.endswith("-"):
+                    refused = ["x"]
+                wrong += [
+                    f"{tag} {name}: {text} is not taken"
+                    for text in taken
+                    if re.search("keyword|format|much|enough", refusal(section, tag, name, text))
+                ]
+                wrong += [f"{tag} {name}: {text} is taken" for text in refused if not refusal(section, tag, name, text)]
+    assert wrong == []
+    assert tried > 300
+
+
+def test_a_texture_and_a_height_field_have_the_names_of_their_files(tmp_path: Path) -> None:
+    """Where none is written, as in models with a file for each card."""
+    mujoco = pytest.importorskip("mujoco")
+    (tmp_path / "hill.bin").write_bytes(struct.pack("<2i4f", 2, 2, 0.0, 1.0, 1.0, 0.0))
+    corner = struct.pack(">2I5B", 1, 1, 8, 2, 0, 0, 0)
+    parts = ((b"IHDR", corner), (b"IDAT", zlib.compress(bytes(4))), (b"IEND", b""))
+    chunks = [
+        len(data).to_bytes(4, "big") + tag + data + zlib.crc32(tag + data).to_bytes(4, "big") for tag, data in parts
+    ]
+    (tmp_path / "wood.png").write_bytes(b"\x89PNG\r\n\x1a\n" + b"".join(chunks))
+    path = tmp_path / "named.xml"
+    path.write_text(
+        '<mujoco model="named"><asset><texture type="2d" file="wood.png"/><material name="m" texture="wood"/>'
+        '<hfield file="hill.bin" size="1 1 1 1"/></asset>'
+        '<worldbody><geom type="hfield" hfield="hill" material="m"/></worldbody></mujoco>'
+    )
+    assert inspect_mjcf(path).findings == ()
+    mujoco.MjModel.from_xml_path(str(path))

@@ -1,6 +1,7 @@
 """Rules about MJCF, as its schema and its readers have it.
 
 The elements and attributes are those that MuJoCo 4.0.0 prints of its own schema (`mj_printSchema`), in mjcf_schema.txt.
+There, an attribute with ``!`` behind it is one that the element needs.
 """
 
 from __future__ import annotations
@@ -11,11 +12,13 @@ from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from dh2urdf.manipulator import Inertia
+from dh2urdf.mass_properties import principal_moments
 from dh2urdf.rotations import norm
-from dh2urdf.source import did_you_mean, shown
+from dh2urdf.source import did_you_mean, listed, shown
 from dh2urdf_plugins.lint.joints import UNIT
-from dh2urdf_plugins.lint.models.mjcf_compiled import CHANGES_MASSES, hits as hits_of_compiled
-from dh2urdf_plugins.lint.models.mjcf_names import hits as hits_of_names
+from dh2urdf_plugins.lint.models.mjcf_compiled import MEASURES, changes_masses, hits as hits_of_compiled
+from dh2urdf_plugins.lint.models.mjcf_names import OF_DRAKE, hits as hits_of_names
 from dh2urdf_plugins.lint.models.models import (
     Hit,
     Model,
@@ -24,8 +27,8 @@ from dh2urdf_plugins.lint.models.models import (
     inspect_model,
     numbers,
 )
-from dh2urdf_plugins.lint.numbers import mujoco_numbers
-from dh2urdf_plugins.lint.single_readers.mujoco import READ, fault_of
+from dh2urdf_plugins.lint.numbers import drake_numbers, mujoco_numbers
+from dh2urdf_plugins.lint.single_readers.mujoco import fault_of, kind_of
 from dh2urdf_plugins.read_back.mjcf.elements import compiler_of
 from dh2urdf_plugins.read_back.mjcf.includes import include_files
 from dh2urdf_plugins.read_back.mjcf.reader import read_model
@@ -56,6 +59,25 @@ _COUNT = {
     "geom": {"pos": 3, "quat": 4, "euler": 3, "fromto": 6, "mass": 1, "size": 0},
     "site": {"pos": 3, "quat": 4, "euler": 3},
 }
+_OF_DRAKE = {
+    "joint": ("axis", "pos", "range", "damping", "armature", "ref", "group"),
+    "inertial": ("mass", "pos", "quat", "diaginertia", "fullinertia"),
+    "body": ("pos", "quat", "euler", "axisangle"),
+    "geom": ("pos", "quat", "euler", "fromto", "size", "mass", "rgba", "group", "conaffinity", "condim"),
+    "material": ("rgba",),
+    "mesh": ("scale",),
+    "option": ("gravity",),
+    "connect": ("anchor",),
+    **dict.fromkeys(OF_DRAKE, ("ctrlrange", "forcerange", "kp", "ctrllimited", "forcelimited")),
+}
+"""The attributes that Drake reads, as far as they are known here."""
+_NOT_NEGATIVE = {
+    "joint": {"damping": "drake"},
+    "geom": {"friction": "drake"},
+    "spatial": {"width": "mujoco"},
+    "sensor": {"noise": "mujoco", "cutoff": "mujoco"},
+}
+"""Numbers that may not be below 0, and who minds."""
 _ODD = re.compile("nan|inf", re.IGNORECASE)
 SMALLEST = 1e-15
 """Mass or moment of inertia that MuJoCo takes for 0 [kg, kg·m²]."""
@@ -75,12 +97,15 @@ def hits(model: Model) -> Iterator[Hit]:
     missing = include_files(model.root, model.path)
     yield from (Hit("missing-include", each.include, each.message) for each in missing)
     yield from _schema(model.root)
+    if not model.root.get("model"):
+        yield Hit("model-without-name", model.root, "the model has no name")
     yield from hits_of_names(model, complete=not missing)
     yield from hits_of_compiled(model, complete=not missing)
     for element in elements_of(model.root, *_COUNT):
         yield from _values(element)
-    for element in elements_of(model.root, *READ):
+    for element in elements_of(model.root):
         yield from _words(element)
+        yield from _out_of_range(element)
     yield from _joints(model.root)
     for element in elements_of(model.root, "inertial"):
         yield from _inertial(element, model.root)
@@ -91,8 +116,8 @@ def hits(model: Model) -> Iterator[Hit]:
 
 
 class _Schema:
-    def __init__(self, multiplicity: str, attributes: frozenset[str]) -> None:
-        self.multiplicity, self.attributes = multiplicity, attributes
+    def __init__(self, multiplicity: str, attributes: frozenset[str], needed: frozenset[str] = frozenset()) -> None:
+        self.multiplicity, self.attributes, self.needed = multiplicity, attributes, needed
         self.children: dict[str, _Schema] = {}
 
 
@@ -103,8 +128,9 @@ def schema() -> _Schema:
     path = [top]
     for line in Path(__file__).with_name("mjcf_schema.txt").read_text("utf-8").splitlines():
         depth = len(line) - len(line.lstrip(" "))
-        name, multiplicity, *attributes = line.split()
-        node = _Schema(multiplicity, frozenset(attributes))
+        name, multiplicity, *words = line.split()
+        needed = frozenset(word.rstrip("!") for word in words if word.endswith("!"))
+        node = _Schema(multiplicity, frozenset(word.rstrip("!") for word in words), needed)
         del path[depth + 1 :]
         path[depth].children[name] = node
         path.append(node)
@@ -123,6 +149,8 @@ def _schema(root: etree._Element) -> Iterator[Hit]:
     waiting = [(root, schema().children["mujoco"])]
     while waiting:
         element, known = waiting.pop()
+        if missing := sorted(name for name in known.needed if not (element.get(name) or "").strip()):
+            yield Hit("missing-attribute", element, f"{element.tag} has no {listed(missing)}", {"mujoco"})
         for name in map(str, element.attrib):
             if name not in known.attributes and not name.startswith("{"):
                 near = did_you_mean(name, known.attributes)
@@ -164,16 +192,23 @@ def _values(element: etree._Element) -> Iterator[Hit]:
         text = element.get(name)
         if name == "quat" and (quat := numbers(text, 4)) and not any(quat):
             yield Hit("quaternion-zero", element, f"quat of {_about(element)} is {shown(text or '')}")
-        if text is None or any(numbers(text, each) for each in ((count,) if count else (1, 2, 3))):
+        if text is None:
+            continue
+        if any(numbers(text, each) for each in ((count,) if count else (1, 2, 3))):
+            if name == "damping" and _is_refused_by_drake(element, name, text):
+                yield Hit("invalid-vector", element, f"{name} of {_about(element)} is {shown(text)}", {"drake"})
             continue
         rule = "invalid-number" if count == 1 else "invalid-vector"
         what = "one finite number" if count == 1 else f"{count or 'up to 3'} finite numbers"
         message = f"{name} of {_about(element)} is {shown(text)}, not {what}"
         is_taken = _is_taken(element, name, text, (count,) if count else (1, 2, 3))
-        not_read = ({"mujoco"} if is_taken else set()) | (
-            {"drake"} if element.tag == "site" or name == "damping" else set()
-        )
-        yield Hit(rule, element, message, {"mujoco", "drake", "pybullet"} - not_read)
+        of = {"pybullet"} | (set() if is_taken else {"mujoco"})
+        if name in _OF_DRAKE.get(str(element.tag), ()) and not _is_of_no_use(element, name):
+            if _is_refused_by_drake(element, name, text):
+                of.add("drake")
+            else:
+                yield Hit("misread-number", element, message)
+        yield Hit(rule, element, message, of)
         if is_taken and _ODD.search(text):
             yield Hit("not-finite", element, message)
 
@@ -199,11 +234,51 @@ def _moves(inertial: etree._Element) -> bool:
 
 
 def _words(element: etree._Element) -> Iterator[Hit]:
-    """Words and counts of numbers that MuJoCo does not know; Drake reads `limited` alone."""
-    for name, text in element.attrib.items():
-        if fault := fault_of(str(element.tag), str(name), str(text)):
-            of = {"mujoco", "drake", "pybullet"} if name == "limited" else {"mujoco"}
-            yield Hit("unknown-word", element, fault, of)
+    """Words and counts of numbers that a reader does not take."""
+    for name, text in ((str(name), str(text)) for name, text in element.attrib.items()):
+        if name in _COUNT.get(str(element.tag), ()):
+            continue
+        fault = fault_of(str(element.tag), name, text)
+        of = {"mujoco"} if fault else set[str]()
+        if _is_refused_by_drake(element, name, text):
+            of.add("drake")
+        if name == "limited" and element.tag == "joint" and fault:
+            of |= {"drake", "pybullet"}
+        if of:
+            yield Hit("unknown-word", element, fault or f"{name} of {element.tag} is {shown(text)}", of)
+
+
+def _is_refused_by_drake(element: etree._Element, name: str, text: str) -> bool:
+    """Whether Drake reads an attribute, and refuses a text: it reads the numbers that the text begins with."""
+    if name not in _OF_DRAKE.get(str(element.tag), ()) or _is_of_no_use(element, name):
+        return False
+    kind, read = kind_of(str(element.tag), name), len(drake_numbers(text))
+    if name == "size":
+        return read < MEASURES.get(element.get("type", "sphere"), 0)
+    if "|" in kind and name != "condim":
+        return text not in kind.split("|")
+    return read != (1 if name in {"damping", "condim"} else int(kind.removeprefix("whole ")))
+
+
+def _is_of_no_use(element: etree._Element, name: str) -> bool:
+    """Whether Drake passes over the mass of a geom, since the body has its own."""
+    body = element.getparent()
+    return (element.tag, name) == ("geom", "mass") and body is not None and body.find("inertial") is not None
+
+
+def _out_of_range(element: etree._Element) -> Iterator[Hit]:
+    """Numbers below 0, and colours."""
+    section = _holder(element)
+    for name, of in _NOT_NEGATIVE.get(str(element.tag if element.tag in _NOT_NEGATIVE else section), {}).items():
+        text = element.get(name) or ""
+        if (read := drake_numbers(text)) and read[0] < 0.0:
+            about = f"{name} of {_about(element)} is {shown(text)}, which is below 0"
+            yield Hit("out-of-range" if of == "drake" else "negative-number", element, about)
+    colour = numbers(element.get("rgba"), 4) if element.tag in {"geom", "material"} else None
+    if colour and not all(0.0 <= part <= 1.0 for part in colour):
+        yield Hit(
+            "out-of-range", element, f"rgba of {_about(element)} is {shown(element.get('rgba') or '')}", {"drake"}
+        )
 
 
 def _joints(root: etree._Element) -> Iterator[Hit]:
@@ -265,25 +340,34 @@ def _inertial(inertial: etree._Element, root: etree._Element) -> Iterator[Hit]:
         yield Hit("missing-mass", inertial, f"the inertial of {about} has no mass")
     if inertial.get("pos") is None:
         yield Hit("missing-inertial-pos", inertial, f"the inertial of {about} has no pos")
-    compiler = compiler_of(root)
-    if any(compiler.get(name) for name in CHANGES_MASSES):
+    if changes_masses(compiler_of(root)):
         return
     moves = _moves(inertial)
     if mass and mass[0] < SMALLEST and moves:
         of = None if mass[0] <= 0.0 else {"mujoco"}
         yield Hit("mass-not-positive", inertial, f"the mass of {about} is {mass[0]:g}", of)
-    if found := numbers(inertial.get("fullinertia"), 6):
-        moments = list(found)
-    elif diagonal := numbers(inertial.get("diaginertia"), 3):
-        moments = [*diagonal, 0.0, 0.0, 0.0]
-    else:
+    yield from _inertia(inertial, about, moves=moves)
+
+
+def _inertia(inertial: etree._Element, about: str, *, moves: bool) -> Iterator[Hit]:
+    """MuJoCo minds moments of 0 or less in a body that moves, and in each of which six are written."""
+    full, diagonal = (
+        mujoco_numbers(inertial.get(name) or "", n) for name, n in (("fullinertia", 6), ("diaginertia", 3))
+    )
+    moments = full or (*(diagonal or (math.nan,)), 0.0, 0.0, 0.0)
+    if not all(map(math.isfinite, moments)):
         return
-    if moves and (rule := fault_of_inertia(moments)):
-        what = "breaks the triangle inequality" if "triangle" in rule else "is not positive definite"
-        yield Hit(rule, inertial, f"the inertia of {about} {what}")
-    elif moves and any(moments) and min(moments[:3]) < SMALLEST:
-        message = f"a moment of inertia of {about} is {min(moments[:3]):g}"
-        yield Hit("inertia-not-positive-definite", inertial, message, {"mujoco"})
+    rule = fault_of_inertia(moments)
+    xx, yy, zz, xy, xz, yz = moments
+    low = principal_moments(Inertia(ixx=xx, iyy=yy, izz=zz, ixy=xy, ixz=xz, iyz=yz))[0]
+    of = set[str]() if low < SMALLEST and not moves and not full else {"mujoco"}
+    if (rule and "triangle" in rule) or low < -SMALLEST:
+        what = "breaks the triangle inequality" if rule and "triangle" in rule else "is not positive definite"
+        is_read = numbers(inertial.get("fullinertia" if full else "diaginertia"), len(full or diagonal or ()))
+        rule = rule or "inertia-not-positive-definite"
+        yield Hit(rule, inertial, f"the inertia of {about} {what}", of | ({"drake"} if is_read else set()))
+    elif low < SMALLEST and of:
+        yield Hit("inertia-not-positive-definite", inertial, f"a moment of inertia of {about} is {low:g}", of)
 
 
 def _geoms(root: etree._Element) -> Iterator[Hit]:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from dh2urdf.errors import ProofError
 from dh2urdf.source import shown
+from dh2urdf_plugins.lint.models.mjcf_needs import hits as hits_of_needs
 from dh2urdf_plugins.lint.models.models import Hit, Model, elements_of, numbers
 from dh2urdf_plugins.lint.numbers import mujoco_numbers
 from dh2urdf_plugins.read_back.mjcf.elements import Elements, compiler_of
@@ -14,23 +15,28 @@ from dh2urdf_plugins.read_back.mjcf.masses import WITHOUT_MASS
 from dh2urdf_plugins.read_back.xml_files import mark_of
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterator, Mapping
 
     from lxml import etree
 
 MAKERS = ("composite", "flexcomp", "replicate", "attach", "plugin", "model")
 """Elements that make others, which no file has."""
-CHANGES_MASSES = ("boundmass", "boundinertia", "balanceinertia")
+_CHANGES_MASSES = ("boundmass", "boundinertia", "balanceinertia")
 _FILES = {
     "mesh": ("meshdir", ("file",)),
     "hfield": ("meshdir", ("file",)),
     "skin": ("meshdir", ("file",)),
     "texture": ("texturedir", ("file", *(f"file{side}" for side in ("right", "left", "up", "down", "front", "back")))),
 }
-_MEASURES = {"sphere": 1, "capsule": 2, "cylinder": 2, "box": 3, "ellipsoid": 3}
+MEASURES = {"sphere": 1, "capsule": 2, "cylinder": 2, "box": 3, "ellipsoid": 3}
 """How many sizes a geom needs; one with `fromto`, the radius."""
 _SIZES = {"free": (7, 6), "ball": (4, 3)}
 """Positions and velocities of joints that have several."""
+
+
+def changes_masses(compiler: Mapping[str, str]) -> bool:
+    """Whether the compiler makes other masses and inertias of those that are written."""
+    return any((compiler.get(name) or "0").strip() not in {"0", "false", ""} for name in _CHANGES_MASSES)
 
 
 def hits(model: Model, *, complete: bool) -> Iterator[Hit]:
@@ -45,6 +51,7 @@ def hits(model: Model, *, complete: bool) -> Iterator[Hit]:
         try:
             found = [*_keyframes(root, elements), *_masses(root, elements)]
             found += [*_free_joints(root, elements), *_sizes(root, elements)]
+            found += hits_of_needs(root, elements)
         except ProofError:  # of a class or a number, about which other rules speak
             return
         yield from found
@@ -94,13 +101,13 @@ def _free_joints(root: etree._Element, elements: Elements) -> Iterator[Hit]:
 
 def _sizes(root: etree._Element, elements: Elements) -> Iterator[Hit]:
     """Sizes that are not above 0, or too few; of none at all another rule speaks. Drake takes a sphere of 0."""
-    for geom in elements_of(root, "geom"):
+    for geom in elements_of(root, "geom", "site"):
         above = geom.getparent()
-        if above is None or above.tag == "default":
+        if above is None or above.tag in {"default", "spatial"}:
             continue
         given = elements.attributes(geom)
         kind, text = given.get("type", "sphere"), given.get("size", "")
-        count = 1 if given.get("fromto") else _MEASURES.get(kind, 0)
+        count = 1 if given.get("fromto") else MEASURES.get(kind, 0)
         read = next((found for most in (1, 2, 3) if (found := mujoco_numbers(text, most))), ())
         if (
             not count
@@ -110,8 +117,13 @@ def _sizes(root: etree._Element, elements: Elements) -> Iterator[Hit]:
             or (count == 1 and kind in {"box", "ellipsoid"})
         ):
             continue
-        if len(read) < count or not all(size > 0.0 for size in read[:count]):
-            of = {"mujoco"} if kind == "sphere" and read and not read[0] < 0.0 else {"mujoco", "drake"}
+        if geom.tag == "site":  # It has sizes of its own for those that are not written.
+            is_wrong = any(size <= 0.0 for size in read[:count])
+        else:
+            is_wrong = len(read) < count or not all(size > 0.0 for size in read[:count])
+        if is_wrong:
+            is_nothing = kind == "sphere" and read and not read[0] < 0.0
+            of = {"mujoco"} if is_nothing or geom.tag == "site" else {"mujoco", "drake"}
             yield Hit("size-not-positive", geom, f"size of a {kind} is {shown(text)}: it needs {count} above 0", of)
 
 
@@ -133,7 +145,7 @@ def _keyframes(root: etree._Element, elements: Elements) -> Iterator[Hit]:
 
 def _masses(root: etree._Element, elements: Elements) -> Iterator[Hit]:
     """Bodies that move and weigh nothing, with all that is fixed to them."""
-    if any(elements.compiler.get(name) for name in CHANGES_MASSES):
+    if changes_masses(elements.compiler):
         return
     weighs: dict[etree._Element, bool] = {}
     for body in reversed(list(elements_of(root, "body"))):  # What it holds comes before it.

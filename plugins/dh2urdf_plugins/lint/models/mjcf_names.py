@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 _BODIES = {"worldbody", "body", "frame", "replicate"}
 _IN_BODIES = ("body", "joint", "freejoint", "geom", "site", "camera", "light")
 _IN_ASSETS = ("mesh", "material", "texture", "hfield")
-_SECTIONS = {"actuator": "actuator", "sensor": "sensor", "equality": "equality"}
+_SECTIONS = {"actuator": "actuator", "sensor": "sensor", "equality": "equality", "keyframe": "key"}
 _OF_KINDS = {
     "joint": ("joint", "jointinparent", "joint1", "joint2"),
     "body": ("body", "body1", "body2", "subtree1", "subtree2"),
@@ -39,6 +39,8 @@ _ASSETS = {
     "layer": {"texture": "texture"},
 }
 """The assets that the attributes of elements name."""
+OF_DRAKE = ("motor", "position")
+"""The actuators that Drake reads."""
 _RULES = {("actuator", "joint"): "actuator-of-nothing", ("contact", "body"): "exclude-of-nothing"}
 _OF_ASSETS = {"mesh": "undefined-mesh", "material": "undefined-material"}
 
@@ -54,7 +56,7 @@ def hits(model: Model, *, complete: bool) -> Iterator[Hit]:
             if of_class in names["class"] and parent is not None and parent.tag == "default":
                 yield Hit("duplicate-name", element, f"another default class has the name {shown(of_class)}")
             names["class"].add(of_class)
-        name = element.get("name") or (_stem(element) if kind == "mesh" else None)
+        name = element.get("name") or (_stem(element) if kind in {"mesh", "texture", "hfield"} else None)
         if kind is None or not name:
             continue
         known = names.setdefault(kind, set())
@@ -81,8 +83,8 @@ def _kind(element: etree._Element, parent: etree._Element | None) -> str | None:
     return _SECTIONS.get(str(parent.tag))
 
 
-def _stem(mesh: etree._Element) -> str | None:
-    file = mesh.get("file")
+def _stem(asset: etree._Element) -> str | None:
+    file = asset.get("file")
     return file.replace("\\", "/").rpartition("/")[2].rpartition(".")[0] if file else None
 
 
@@ -97,7 +99,10 @@ def _references(root: etree._Element, names: dict[str, set[str]]) -> Iterator[Hi
         if section is None:
             continue
         for attribute, kind in _KINDS.items():
-            yield from _missing(element, attribute, kind, names, _RULES.get((section, kind), "undefined-name"))
+            by = "contact" if element.tag == "connect" else section
+            for hit in _missing(element, attribute, kind, names, _RULES.get((by, kind), "undefined-name")):
+                is_read = section != "actuator" or element.tag in OF_DRAKE
+                yield hit if is_read else hit._replace(of={"mujoco"})
         for attribute, by in _OBJECTS.items():
             kind = (element.get(by) or "").removeprefix(
                 "x"

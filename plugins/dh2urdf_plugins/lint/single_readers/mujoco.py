@@ -1,11 +1,13 @@
-"""What MuJoCo alone reads: its extension of URDF, and the attributes of MJCF that the extension shares with it.
+"""What MuJoCo alone reads: its extension of URDF, and the words and numbers of MJCF.
 
-The words and counts are those that MuJoCo 4.0.0 takes; a test asks it of each.
+The words and counts are those that MuJoCo 4.0.0 takes, in mujoco_values.txt; a test asks it of each.
 """
 
 from __future__ import annotations
 
 import re
+from functools import cache
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from dh2urdf.source import did_you_mean, listed, shown
@@ -17,70 +19,56 @@ if TYPE_CHECKING:
 
     from dh2urdf_plugins.lint.document.description import Description, JointNode
 
-_SWITCH = ("false", "true")
-_FLAGS = ("enable", "disable")
-_OR_AUTO = (*_SWITCH, "auto")
-_SWITCHES = (
-    "alignfree autolimits balanceinertia discardvisual fitaabb fusestatic savecanonical savecompiled saveinertial "
-    "strippath usethread"
-)
-READ = ("compiler", "option", "flag", "size", "joint")
-"""The elements of which words and counts are known."""
-_WORDS: dict[str, dict[str, tuple[str, ...]]] = {
-    "compiler": {
-        **dict.fromkeys(_SWITCHES.split(), _SWITCH),
-        "angle": ("radian", "degree"),
-        "coordinate": ("local", "global"),
-        "inertiafromgeom": _OR_AUTO,
-        "conflict": ("warning", "merge", "error"),
-    },
-    "option": {
-        "integrator": ("Euler", "RK4", "implicit", "implicitfast"),
-        "cone": ("pyramidal", "elliptic"),
-        "jacobian": ("dense", "sparse", "auto"),
-        "solver": ("PGS", "CG", "Newton"),
-    },
-    "joint": {"limited": _OR_AUTO, "actuatorfrclimited": _OR_AUTO, "actuatorgravcomp": _SWITCH},
-}
-"""The words that an attribute of an element may have."""
-_NUMBERS = (
-    "timestep impratio tolerance ls_tolerance noslip_tolerance ccd_tolerance sleep_tolerance density viscosity o_margin"
-)
-_COUNTS = {
-    "compiler": {"boundmass": 1, "boundinertia": 1, "settotalmass": 1, "inertiagrouprange": 2},
-    "option": dict.fromkeys(_NUMBERS.split(), 1) | dict.fromkeys(("gravity", "wind", "magnetic"), 3),
-}
-"""How many numbers an attribute has, or none."""
-_ITERATIONS = "iterations ls_iterations noslip_iterations ccd_iterations sdf_initpoints sdf_iterations"
-_COUNTED = (
-    "njmax nconmax nstack nkey nuserdata nuser_body nuser_jnt nuser_geom nuser_site nuser_cam nuser_tendon "
-    "nuser_actuator nuser_sensor"
-)
-_WHOLE = {"option": frozenset(_ITERATIONS.split()), "size": frozenset(_COUNTED.split())}
-"""The attributes that are a whole number."""
-_INTEGER = re.compile(r"\s*(?:[-+]?[0-9]+)?\s*", re.ASCII)
+_READ = ("compiler", "option", "flag", "size")
+_ANY = "any"
+_INTEGER = re.compile(r"[-+]?[0-9]+", re.ASCII)
 _AXES = 3
+
+
+@cache
+def _kinds() -> dict[str, str]:
+    """What an attribute may be, by its name alone, by its element and name, or by its element and ``*``."""
+    lines = Path(__file__).with_name("mujoco_values.txt").read_text("utf-8").splitlines()
+    return {name: kind for kind, _, names in (line.partition(": ") for line in lines) for name in names.split()}
+
+
+def kind_of(tag: str, name: str) -> str:
+    """What an attribute of an element may be: `any`, words with ``|`` between them, or a count such as 3, 1-3 and 1-.
+
+    Before the count of whole numbers is `whole`.
+    """
+    kinds = _kinds()
+    return kinds.get(f"{tag}.{name}") or kinds.get(f"{tag}.*") or kinds.get(name, _ANY)
 
 
 def fault_of(tag: str, name: str, text: str) -> str:
     """What MuJoCo refuses of an attribute; empty where it takes it, or where that is not known."""
-    about = f"{name} of {tag} is {shown(text)}"
-    if words := _FLAGS if tag == "flag" else _WORDS.get(tag, {}).get(name):
+    about, kind = f"{name} of {tag} is {shown(text)}", kind_of(tag, name)
+    if "|" in kind:
+        words = kind.split("|")
         near = did_you_mean(text, words) or f"it may be {listed(words)}"
-        return "" if text in words else f"{about}: {near}"
-    if count := _COUNTS.get(tag, {}).get(name):
-        is_read = not text.strip() or mujoco_numbers(text, count) is not None
-        return "" if is_read else f"{about}, not {'a number' if count == 1 else f'{count} numbers'}"
-    if name in _WHOLE.get(tag, ()):
-        return "" if _INTEGER.fullmatch(text) else f"{about}, not a whole number"
-    is_short = (tag, name) == ("compiler", "eulerseq") and len(text) != _AXES
-    return f"{about}, not three letters" if is_short else ""
+        return "" if text in words or (words[0] == "1" and text.strip() in {"", *words}) else f"{about}: {near}"
+    if (tag, name) == ("compiler", "eulerseq") and len(text) != _AXES:
+        return f"{about}, not three letters"
+    if kind == _ANY or not (words := text.split()):
+        return ""
+    whole, count = kind.startswith("whole "), kind.removeprefix("whole ")
+    least, _, most = count.partition("-")
+    is_read = all(map(_INTEGER.fullmatch, words)) if whole else mujoco_numbers(text, len(words)) is not None
+    if is_read and int(least) <= len(words) <= (float(most or "inf") if "-" in count else int(least)):
+        return ""
+    what = "whole numbers" if whole else "numbers"
+    if count == "1":
+        return f"{about}, not a {what.removesuffix('s')}"
+    return f"{about}, not {f'{least} to {most}' if most else count.replace('-', ' or more')} {what}"
 
 
 def hits(description: Description) -> Iterator[Hit]:
     """Findings about the extension, of which MuJoCo reads no more than the compiler, options and sizes."""
     extension = description.root.first("mujoco")
     for element in extension.walk() if extension else ():
+        if element.tag not in _READ:
+            continue
         for name, text in element.attributes.items():
             if fault := fault_of(element.tag, name, text):
                 yield Hit("mujoco-extension", element, fault)

@@ -13,6 +13,7 @@ from dh2urdf.row_fields import INERTIA
 from dh2urdf.source import shown
 from dh2urdf_plugins.lint.document.description import MOVING, SHAPES, Hit
 from dh2urdf_plugins.lint.document.tree import numbers_of
+from dh2urdf_plugins.lint.merged import head_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -38,6 +39,13 @@ _GAZEBO = frozenset(
     {"mu1", "mu2", "kp", "kd", "dampingFactor", "maxVel", "minDepth", "maxContacts", "laserRetro"}
 ) | frozenset({"stopCfm", "stopErp", "springStiffness", "springReference", "fudgeFactor"})
 """The elements of `gazebo` of which sdformat reads a number itself."""
+_SENSORS = (
+    "air_pressure altimeter boundingbox boundingbox_camera camera contact custom depth depth_camera "
+    "force_torque gps gpu_lidar gpu_ray imu lidar logical_camera magnetometer multicamera navsat ray rfid "
+    "rfidtag rgbd rgbd_camera segmentation segmentation_camera sonar thermal thermal_camera wide_angle_camera "
+    "wireless_receiver wireless_transmitter"
+)
+"""The types of sensors that sdformat takes, with blanks between them."""
 ROUNDED = 1e-9
 """By what share of the largest a principal moment may be off."""
 SMALLEST_MOMENT = 1e-14
@@ -148,14 +156,29 @@ def _of_gazebo(description: Description) -> Iterator[Hit]:
 
     Where there is an attribute `value`, sdformat reads it, and not the text.
     """
+    sensors = set[tuple[str | None, str | None]]()
     for gazebo in description.root.all("gazebo"):
         for child in gazebo.children:
+            reference = gazebo.get("reference")
+            link = description.link.get(reference or "")
+            place = (head_of(description, link).name if link else reference, child.get("name"))
+            if child.tag == "sensor" and place in sensors:
+                yield Hit("duplicate-link", child, "a sensor has the name of another in the same place", {"gazebo"})
+            if child.tag == "sensor" and _holds_sensors(description, reference):
+                sensors.add(place)
+            if child.tag == "plugin" and reference is None and not (child.get("name") and child.get("filename")):
+                yield Hit("missing-name", child, "a plugin has no name, or no filename", {"gazebo"})
             text = child.attributes.get("value", child.text).strip()
             if child.tag in _GAZEBO and _ends_stod(text):
                 message = f"{child.tag} of gazebo is {shown(text)}, not one finite number"
                 yield Hit("invalid-number", child, message, {"gazebo"})
             else:
                 yield from _in_link(description, gazebo.get("reference"), child, text)
+
+
+def _holds_sensors(description: Description, name: str | None) -> bool:
+    """Whether sdformat takes what refers to a name, or to the model, for a part of the description."""
+    return name is None or name in description.link or any(joint.name == name for joint in description.joints)
 
 
 def _in_link(description: Description, name: str | None, child: Element, text: str) -> Iterator[Hit]:
@@ -165,8 +188,12 @@ def _in_link(description: Description, name: str | None, child: Element, text: s
     about = f"{child.tag} of gazebo is {shown(text)}"
     if child.tag == "pose" and numbers_of(text, 6) is None and (link or is_joint or name is None):
         yield Hit("invalid-vector", child, f"{about}, not 6 finite numbers", {"gazebo"})
-    if child.tag == "sensor" and (link or is_joint) and not (child.get("name") and child.get("type")):
-        yield Hit("missing-name", child, "a sensor has no name, or no type", {"gazebo"})
+    if (
+        child.tag == "sensor"
+        and (link or is_joint)
+        and not (child.get("name") and (child.get("type") or "").strip() in _SENSORS.split())
+    ):
+        yield Hit("missing-name", child, "a sensor has no name, or no type that SDF knows", {"gazebo"})
     if link is None or link.element.first("collision") is None:
         return
     numbers = drake_numbers(text)

@@ -170,11 +170,19 @@ def of_gazebo() -> list[str]:
         ),
         *(f"<fdir1>{text}</fdir1>" for text in ("a b c", "1 0", "1 0 0x", "", "1 0 0 0")),
         *(f"<sensor{text}/>" for text in (' type="imu"', ' name="a"', ' name="" type="imu"', ' name="a" type="imu"')),
+        *(f'<sensor name="a" type="{kind}"/>' for kind in ("gpu_lidar", "lidars", "Camera", "custom ", "none")),
+        2 * '<sensor name="a" type="imu"/>',
+        *('<plugin name="a" filename="b"/>', '<plugin name="a"/>', '<plugin filename="b"/>'),
         *('<mu2 value="-1"/>', '<fdir1 value="1 0"/>'),
     )
     names = ("link_1", "link_2", "tool0", "base_link", "elbow", "nowhere")
     elements += [
         f"<gazebo{to}>{each}</gazebo>" for to in ("", *(f' reference="{name}"' for name in names)) for each in added
+    ]
+    sensor = '<sensor name="a" type="imu"/>'
+    elements += [
+        "".join(f'<gazebo reference="{name}">{sensor}</gazebo>' for name in pair)
+        for pair in (("link_1", "link_1"), ("link_1", "link_2"), ("elbow", "link_1"), ("tool0", "link_2"))
     ]
     return [changed((END, element + END)) for element in elements]
 

@@ -119,6 +119,39 @@ def test_a_new_row_is_typed_at_once(slow: tuple[Any, Network]) -> None:
 
 
 @pytest.mark.long
+@pytest.mark.parametrize(
+    ("keys", "row", "joint"),
+    [
+        (["Delete"], 3, "wrist_2_joint"),
+        (["Delete", "Delete"], 2, "wrist_2_joint"),
+        (["Insert"], 3, "elbow_joint"),
+        (["ArrowUp"], 1, "shoulder_pan_joint"),
+        (["ArrowDown", "Delete"], 2, "wrist_1_joint"),
+    ],
+)
+def test_a_cell_is_typed_in_the_row_that_is_on_the_screen(
+    slow: tuple[Any, Network], keys: list[str], row: int, joint: str
+) -> None:
+    """Rows that were removed, added or moved before it have gone to their places; the text went into the row below or above."""
+    tab, network = slow
+    tab.cell(1, "d").click()
+    network.hold()
+    first, *others = keys
+    tab.page.keyboard.press(f"Alt+{first}")
+    count = network.wait_for("dhGrid.fill")
+    for key in others:
+        tab.page.keyboard.press(f"Alt+{key}")
+    tab.page.evaluate("count => answers.pass(count)", count)  # the rows after the first act are those of before by now
+    assert tab.cells(row, "joint") == [joint]
+    tab.type_into(row, "a", "9.9")
+    network.release()
+    tab.wait_for_cells(row, joint=joint, a="9.9")
+    tab.settle()
+    tab.page.reload()
+    tab.wait_for_cells(row, joint=joint, a="9.9")
+
+
+@pytest.mark.long
 def test_the_last_rows_are_removed(slow: tuple[Any, Network]) -> None:
     """Alt+Delete three times in the last row removes three rows."""
     tab, network = slow

@@ -54,6 +54,7 @@
   }
 
   let grid = null; // the table on the page
+  let arranged = 0; // how often a person has added, removed or moved a row by key or by dragging
   let anchor = null; // where a range of cells begins: {row, column}
   let last = null; // the cell that was clicked last
   let end = null; // where it ends; null where one cell is the range
@@ -177,11 +178,7 @@
     keys({ event, editing, api, node, column }) {
       if (event.altKey && !editing) {
         const act = { ArrowUp: "up", ArrowDown: "down", Insert: "add", Delete: "remove" }[event.key];
-        if (act) emitEvent("dh-act", [act, node.rowIndex]);
-        // The cursor goes with the row, or to a new one, before the next key; a new last row is there before the answer.
-        const count = api.getDisplayedRowCount(), to = node.rowIndex + ({ up: -1, down: 1, add: 1 }[act] ?? 0);
-        if (to === count && act === "add") api.applyTransaction({ add: [{ id: count }] });
-        if (to !== node.rowIndex && to >= 0 && to < api.getDisplayedRowCount()) api.setFocusedCell(to, act === "add" ? "a" : column);
+        if (act) this.act(api, act, node.rowIndex, column);
         if (event.key.length > 1) return true;
         if (event.key <= "\x7f") return false;
         event.preventDefault(); // Option+P is a π: the grid begins no cell with a key that Alt is held with
@@ -201,6 +198,32 @@
       const row = Math.min(Math.max(node.rowIndex + (event.shiftKey ? -1 : 1), 0), api.getDisplayedRowCount() - 1);
       api.setFocusedCell(row, home ?? column);
       return true;
+    },
+
+    // Rows are in their new places at once, and the cursor is with them: what is typed next goes into the row that it is
+    // typed into on the screen.
+    act(api, act, row, column) {
+      const to = row + { up: -1, down: 1, add: 1, remove: 0 }[act], count = api.getDisplayedRowCount();
+      if (to < 0 || to >= count + (act === "add")) return;
+      emitEvent("dh-act", [act, row]);
+      this.arrange(api, (rows) => {
+        const [own] = act === "add" ? [{}] : rows.splice(row, 1);
+        if (act !== "remove") rows.splice(to, 0, own);
+      });
+      const left = api.getDisplayedRowCount();
+      if (left) api.setFocusedCell(Math.min(to, left - 1), act === "add" ? "a" : column);
+    },
+    arrange(api, change) {
+      const rows = [];
+      api.forEachNode(({ data }) => rows.push(data));
+      change(rows);
+      arranged += 1;
+      api.setGridOption("rowData", rows.map((data, id) => ({ ...data, id })));
+    },
+
+    // The rows as the table has them after so many acts; those of before would put rows back that have gone elsewhere.
+    fill(api, rows, acts) {
+      if (acts >= arranged) api.setGridOption("rowData", rows);
     },
 
     // Keys for ranges: Shift and an arrow, Ctrl+A, Delete; the others go back to one cell. Tab leaves the table, which
@@ -278,9 +301,7 @@
     // A row was dragged elsewhere: at once, all rows have the numbers of their new places.
     dragged({ api, node }) {
       emitEvent("dh-row", [node.data.id, node.rowIndex]);
-      const rows = [];
-      api.forEachNode(({ data }) => rows.push({ ...data, id: rows.length }));
-      api.setGridOption("rowData", rows);
+      this.arrange(api, () => {});
     },
 
     // A cell as the table has it: what was sent before it was typed may have overtaken it.

@@ -72,6 +72,7 @@ class TableGrid:
         self._header: tuple[Any, ...] = ()
         self._columns: list[dict[str, Any]] = []
         self._rows: list[dict[str, Any]] | None = None
+        self._arranged = 0
         self._grid = ui.aggrid(
             {
                 "columnDefs": [],
@@ -121,9 +122,15 @@ class TableGrid:
         for event, function in {"copy": "copy", "cut": "copy", "mousedown": "clicked"}.items():
             grid.on(event, js_handler=f"e => dhGrid.{function}(getElement({grid.id}).api, e)")
         ui.on("dh-clear", lambda event: on_clear(*event.args))
-        ui.on("dh-act", lambda event: on_act(*event.args))
-        ui.on("dh-row", lambda event: on_move(*event.args))
+        ui.on("dh-act", lambda event: self._arrange(on_act, *event.args))
+        ui.on("dh-row", lambda event: self._arrange(on_move, *event.args))
         ui.on("dh-text-size", self._lay_columns)
+
+    def _arrange(self, act: Callable[..., None], *arguments: object) -> None:
+        """What the page has done to its rows already; of the answers to several such acts it takes the last one."""
+        self._arranged += 1
+        self._rows = None
+        act(*arguments)
 
     def show(self, session: Session) -> None:
         """Shows the table of a session, and what is wrong with it."""
@@ -134,7 +141,7 @@ class TableGrid:
             self._lay_columns()
         if (rows := _rows(session)) != self._rows:
             self._rows = rows
-            self._grid.run_grid_method("setGridOption", "rowData", rows)
+            self._run("fill", rows, self._arranged)
         self.mark(session)
 
     def _lay_columns(self) -> None:

@@ -37,7 +37,10 @@ HELD = """{
     WebSocket.prototype.send = function (data) {
         if (answers.lost) return;
         answers.sending += 1;
-        setTimeout(() => ((answers.sending -= 1), send.call(this, data)), answers.late);
+        setTimeout(() => {
+            answers.sending -= 1;
+            if (this.readyState === WebSocket.OPEN) send.call(this, data); // else it is lost with the connection
+        }, answers.late);
     };
 }"""
 

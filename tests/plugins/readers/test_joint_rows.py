@@ -526,7 +526,7 @@ def test_a_first_row_called_0_is_fixed_where_a_flange_follows_the_joints(read_on
 def test_joints_called_as_the_axes_of_a_gantry_get_a_notice(
     names: str, suffix: str, read_one: Callable[..., Manipulator]
 ) -> None:
-    """They were revolute, without a word; with a type, or a joint variable, nothing is said."""
+    """They were revolute, without a word; with a type, or a joint variable, there is no notice."""
 
     def table(*cells: tuple[str, str]) -> str:
         if suffix == ".yaml":

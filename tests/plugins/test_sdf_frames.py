@@ -48,6 +48,10 @@ CASES = {
         "1.6",
         f'{HELD.replace("<child>a", "<child>n::a")}<model name="n">{TURNED}{LINKS}{JOINT.replace("<xyz>0 0 1</xyz>", IN_MODEL)}</model>',
     ),
+    "an axis of version 1.4": _model("1.4", f"{HELD}{LINKS}{JOINT}"),
+    "an axis of version 1.4 in a model in the model": _model(
+        "1.4", f'{HELD.replace("<child>a", "<child>n::a")}<model name="n">{TURNED}{LINKS}{JOINT}</model>'
+    ),
     "a model that is placed by one of its frames": _model(
         "1.9",
         f'{HELD}<link name="a"/><model name="n" placement_frame="deep::grip"><pose relative_to="a">1 2 3 0 0.3 0</pose>'

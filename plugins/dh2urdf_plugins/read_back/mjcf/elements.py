@@ -40,6 +40,10 @@ SMALLEST = 1e-7
 _DEEPEST = 100
 """Frames around each other that are read: each element multiplies all of them."""
 _ORIENTATIONS = frozenset(("quat", "euler", "axisangle", "xyaxes", "zaxis"))
+_BLANK_MEANS_NOTHING = dict.fromkeys(("pos", "axis", "ref", "range", "fromto", "size", *_ORIENTATIONS)) | {
+    "quat": "1 0 0 0"  # It turns nothing, and takes the place of an orientation that a class gives.
+}
+"""Attributes that MuJoCo reads as if they were not there where they are blank."""
 
 
 class Elements(FileElements):
@@ -260,7 +264,11 @@ def compiler_of(root: etree._Element) -> dict[str, str]:
 
 
 def _attributes(element: etree._Element) -> dict[str, str]:
-    return dict(element.items())  # type: ignore[arg-type]  # they are texts, as lxml parsed them from one
+    found: dict[str, str] = dict(element.items())  # type: ignore[arg-type]  # they are texts, as lxml parsed them
+    if not all(map(str.strip, found.values())):
+        read = {name: text if text.strip() else _BLANK_MEANS_NOTHING.get(name, text) for name, text in found.items()}
+        found = {name: text for name, text in read.items() if text is not None}
+    return found
 
 
 def _over(given: dict[str, str], own: dict[str, str]) -> dict[str, str]:

@@ -258,6 +258,8 @@ class _Reader:
         return held
 
     def _reference(self, element: etree._Element, attributes: dict[str, str], kind: JointType) -> float:
+        if kind is JointType.FIXED:  # A ball and a free joint have none, whatever is written.
+            return 0.0
         (reference,) = self._elements.numbers(element, attributes, "ref", (0.0,))
         return reference * (1.0 if kind is JointType.PRISMATIC else self._elements.angle)
 

@@ -2,7 +2,7 @@
 
 From the specifications of these versions (http://sdformat.org/spec): before 1.7 the attribute of a pose for the frame
 that it is in was ``frame``. The axis of a joint was in the frame of its model with ``use_parent_model_frame``, and
-before 1.5 always.
+before 1.5 always; sdformat keeps that to models that are in no other, since these versions had no models in models.
 """
 
 from __future__ import annotations
@@ -36,7 +36,12 @@ def modernise(root: etree._Element) -> None:
             pose.set("relative_to", frame)
     for axis in root.iter("axis"):
         xyz, word = axis.find("xyz"), axis.find(IN_MODEL)
-        if xyz is not None and (version < _OWN_AXES_SINCE or (word is not None and is_true(word.text))):
+        is_old = version < _OWN_AXES_SINCE and not _is_nested(axis)
+        if xyz is not None and (is_old or (word is not None and is_true(word.text))):
             xyz.set("expressed_in", MODEL)
         if word is not None:
             axis.remove(word)
+
+
+def _is_nested(axis: etree._Element) -> bool:
+    return sum(1 for _ in axis.iterancestors("model")) > 1

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from contextlib import contextmanager
 from enum import StrEnum
-from itertools import repeat
 from typing import TYPE_CHECKING, NotRequired, Protocol, TypedDict
 
 from dh2urdf.late_dataclasses import dataclass
@@ -63,7 +62,7 @@ class Layout:
 
     @property
     def is_whole(self) -> bool:
-        """Whether a batch is one file, and so there as a whole or not at all."""
+        """Whether many are one file, and so there as a whole or not at all."""
         return self.form is Form.SHARDS
 
     @property
@@ -71,9 +70,15 @@ class Layout:
         """What gives the stem of a manipulator's files."""
         return shard_stem if self.form is Form.SHARDS else safe_stem
 
-    def batch_sizes(self, sizes: Iterator[int]) -> Iterator[int]:
-        """How many manipulators each batch has: a shard is one batch, otherwise whatever suits the workers."""
-        return repeat(self.size) if self.form is Form.SHARDS else sizes
+    @property
+    def whole(self) -> int:
+        """How many manipulators are written as a whole: those of a shard, otherwise each by itself."""
+        return self.size if self.is_whole else 1
+
+    def parts(self, count: int) -> list[range]:
+        """The places in a batch of so many, cut where a shard ends; all together where there are none."""
+        step = self.size if self.is_whole else max(1, count)
+        return [range(start, min(start + step, count)) for start in range(0, count, step)]
 
     def folder(self, index: int) -> str:
         """The folder or shard of the manipulator of a number; empty where there is none."""
@@ -92,7 +97,7 @@ class Layout:
 
     @contextmanager
     def place(self, store: Store, first: int) -> Iterator[Destination]:
-        """Where the files of the batch go that begins with the manipulator of a number.
+        """Where files go: those of the shard that begins with the manipulator of a number, or of any manipulators.
 
         Raises:
             OutputError: a file cannot be written.

@@ -83,7 +83,7 @@ class BatchContent:
         self.marks: dict[int, Mark | None] = {}
         self.groups = list(batch.columns)
         self.faults: dict[int, tuple[Problem, ...]] = {}
-        self.earlier = EarlierFiles(worker.store, worker.layout, batch.first)
+        self.earlier = EarlierFiles(worker.store, worker.layout)
         self.copies = MeshCopies(
             worker.store, self.earlier, self.recipe.mesh_prefix if self.recipe.copies_meshes else None
         )

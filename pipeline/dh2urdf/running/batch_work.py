@@ -50,21 +50,33 @@ class Work(BatchContent):
     def done(self) -> BatchReport:
         """Make everything, and tell what became of it."""
         kept = self.kept()
-        missing = [place for place in range(len(self.batch)) if place not in kept]
-        ready = self._side_by_side(set(missing))
+        ready = self._side_by_side({place for place in range(len(self.batch)) if place not in kept})
         report = Tally(self.batch.first)
-        journal = Journal(self.worker.reports, f"{self.worker.journal}/{self.batch.first:09d}.jsonl")
         rows: list[ManifestRow] = []
         lines: list[bytes] = []
         told: list[ManifestRow] = []
-        makes = self.worker.effect is Depth.MAKE
-        is_whole = self.worker.layout.is_whole
-        changes = missing or (
-            is_whole and not self.earlier.are_all(row for row, _ in map(kept.__getitem__, sorted(kept)))
-        )
-        place_of = self.worker.layout.place(self.worker.store, self.batch.first) if changes and makes else nullcontext()
-        with place_of as target:
-            for place in range(len(self.batch)):
+        for places in self.worker.layout.parts(len(self.batch)):
+            for row, line in self._part(places, kept, ready, report):
+                if row["status"] != "ok" or self.recipe.loaders or self.worker.has_page:
+                    told.append(row)
+                rows.append(row)
+                lines.append(line)
+        columns = columns_of(rows) if self.worker.has_table else None
+        return report.report(b"".join(lines), told, columns, self.seconds)
+
+    def _part(
+        self, places: range, kept: dict[int, tuple[ManifestRow, bytes]], ready: dict[int, Outcome], report: Tally
+    ) -> list[tuple[ManifestRow, bytes]]:
+        """Put the files of a shard in their place, or of all where there are none; the rows of the manifest."""
+        makes, is_whole = self.worker.effect is Depth.MAKE, self.worker.layout.is_whole
+        first = self.batch.first + places.start
+        journal = Journal(self.worker.reports, f"{self.worker.journal}/{first:09d}.jsonl")
+        old = [kept[place][0] for place in places if place in kept]
+        changes = len(old) < len(places) or (is_whole and not self.earlier.are_all(first, old))
+        made: list[tuple[ManifestRow, bytes]] = []
+        with self.worker.layout.place(self.worker.store, first) if changes and makes else nullcontext() as target:
+            for place in places:
+                alone = place not in kept and place not in ready
                 if place in kept:
                     report.keep()
                     row, line = kept[place]
@@ -72,24 +84,20 @@ class Work(BatchContent):
                         row = self.earlier.moved(self.batch.first + place, row, target)
                         line = to_line(row)
                 else:
-                    outcome = ready.get(place) or self._one(place)
+                    outcome = self._one(place) if alone else ready.pop(place)
                     if self.recipe.loaders and makes:
                         sampled = self.batch.first + place in self.recipe.sample
                         outcome = replace(outcome, not_loaded=not_loaded(self.recipe, outcome, is_sampled=sampled))
                     row, line = as_written(outcome.row(*self._put(place, outcome, target)))
                     report.note(outcome)
-                if row["status"] != "ok" or self.recipe.loaders or self.worker.has_page:
-                    told.append(row)
-                rows.append(row)
-                lines.append(line)
+                made.append((row, line))
                 if makes and not is_whole:
-                    journal.add(line, now=place not in ready)
+                    journal.add(line, now=alone)
         if makes:
-            for line in lines if is_whole else ():
+            for _, line in made if is_whole else ():
                 journal.add(line)
             journal.close()
-        columns = columns_of(rows) if self.worker.has_table else None
-        return report.report(b"".join(lines), told, columns, self.seconds)
+        return made
 
     def _put(self, place: int, outcome: Outcome, target: Destination | None) -> tuple[str, list[FileEntry]]:
         """Put the files of a manipulator in their place; its key and where they are."""

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from contextlib import suppress
-from functools import cached_property
 from hashlib import sha256
 from typing import TYPE_CHECKING
 
@@ -22,10 +21,11 @@ if TYPE_CHECKING:
 class EarlierFiles:
     """What earlier runs have left of the files of a batch."""
 
-    def __init__(self, store: Store, layout: Layout, first: int) -> None:
-        """Takes the store, how files lie in it, and the number of the batch's first manipulator."""
-        self._store, self._layout, self._first = store, layout, first
+    def __init__(self, store: Store, layout: Layout) -> None:
+        """Takes the store, and how files lie in it."""
+        self._store, self._layout = store, layout
         self._meshes: dict[str, str] = {}
+        self._shards: dict[str, dict[str, bytes]] = {}
 
     def has(self, index: int, row: ManifestRow) -> bool:
         """Whether all files of a row are there, with the bytes that they were written with, and all pictures."""
@@ -33,31 +33,33 @@ class EarlierFiles:
             return False
         pictures = _pictures(row)
         if self._layout.is_whole:
-            contents = [self._members.get(file["path"]) for file in row["files"]]
-            return _are_same(contents, row) and all(name in self._members for name in pictures)
+            old = self._members(index)
+            contents = [old.get(file["path"]) for file in row["files"]]
+            return _are_same(contents, row) and all(name in old for name in pictures)
         try:
             contents = [self._store.read(file["path"]) for file in row["files"]]
         except OutputError:
             return False
         return _are_same(contents, row) and all(self._store.size(self._layout.path(index, name)) for name in pictures)
 
-    def are_all(self, rows: Iterable[ManifestRow]) -> bool:
-        """Whether the files of these rows are all of the earlier shard, in this order.
+    def are_all(self, index: int, rows: Iterable[ManifestRow]) -> bool:
+        """Whether the files of these rows are all of the earlier shard that a manipulator goes into, in this order.
 
         One of a run with larger shards, or with more manipulators, has others behind them.
         """
-        return list(self._members) == [
+        return list(self._members(index)) == [
             name for row in rows for name in (*(file["path"] for file in row["files"]), *_pictures(row))
         ]
 
     def moved(self, index: int, row: ManifestRow, target: Destination) -> ManifestRow:
         """The row of a manipulator whose files go into a new shard, since the old one has not the same ones."""
+        old = self._members(index)
         files: list[FileEntry] = []
         for file in row["files"]:
-            stored = target.put(index, file["path"], self._members[file["path"]])
+            stored = target.put(index, file["path"], old[file["path"]])
             files.append({**file, **stored})
         for name in _pictures(row):
-            target.put(index, name, self._members[name])
+            target.put(index, name, old[name])
         moved = row.copy()
         moved["files"] = files
         return moved
@@ -71,14 +73,15 @@ class EarlierFiles:
                 self._meshes[path] = ""
         return self._meshes[path] == digest
 
-    @cached_property
-    def _members(self) -> dict[str, bytes]:
-        """The files of the earlier shard by their names, as far as it is whole."""
-        found: dict[str, bytes] = {}
-        with suppress(OutputError), self._store.open(self._layout.folder(self._first)) as shard:
-            for member in members(shard):
-                found[member.name] = member.content
-        return found
+    def _members(self, index: int) -> dict[str, bytes]:
+        """The files of the earlier shard that a manipulator goes into by their names, as far as it is whole."""
+        name = self._layout.folder(index)
+        if name not in self._shards:
+            found = self._shards[name] = {}
+            with suppress(OutputError), self._store.open(name) as shard:
+                for member in members(shard):
+                    found[member.name] = member.content
+        return self._shards[name]
 
 
 def _are_same(contents: list[bytes] | list[bytes | None], row: ManifestRow) -> bool:

@@ -25,6 +25,7 @@ from dh2urdf.output.whole_files import Stems
 from dh2urdf.run_file.mesh_section import MeshGiver
 from dh2urdf.source import Mark, Problem, shown
 from dh2urdf.stages import Rejected
+from dh2urdf.tasks.batch_sizes import BatchSizes
 from dh2urdf.tasks.run_item import RunItem, RunItems
 from dh2urdf.validation.coercion import replace_unchecked
 from dh2urdf.variations.binding import bind
@@ -37,11 +38,6 @@ if TYPE_CHECKING:
     from dh2urdf.run_file.plan import Plan
     from dh2urdf.tasks.expected import Expected
     from dh2urdf.variations.laws import DrawnValue
-
-SMALL = 16
-"""Manipulators of a batch at most, where each takes long."""
-LARGE = 500
-"""Manipulators of a batch at most: beyond, columns do not pay more, and a worker that dies loses more."""
 
 
 class Doomed(NamedTuple):
@@ -95,6 +91,13 @@ class Batch:
 
     def __len__(self) -> int:
         return len(self.names)
+
+    @property
+    def joints(self) -> int:
+        """How many joints all those have that can be made at once."""
+        tables = [(len(places), some.table) for places, some in self.columns]
+        tables += [(len(variants), variants.variation.nominal) for _, variants in self.variants]
+        return sum(count * len(table.rows) for count, table in tables)
 
     def begin(self, count: int) -> list[Single]:
         """What is to be made at so many places from the first one on."""
@@ -183,16 +186,18 @@ def batches(plan: Plan, expected: Expected, own_files: Sequence[str] = ()) -> It
     is_beside = plan.layout.form is Form.FILES
     stems = Stems(plan.layout.stem_of, (*written, *pictures), own_files if is_beside else ())
     waiting = _Waiting(items(plan, expected))
+    sizes = BatchSizes(plan)
     first = 0
-    for size in plan.layout.batch_sizes(_sizes(plan)):
+    while True:
         with collected_at_the_end():
-            some = waiting.take(size)
+            some = waiting.take(sizes.next(expected.total))
             batch = _batch(first, some, stems)
         if not some:
             expected.finish(first)
             return
         yield batch
         first += len(batch)
+        sizes.see(batch)
         expected.see(first, some[-1])
 
 
@@ -213,21 +218,6 @@ class _Waiting:
             taken.append(item)
             size -= item.size
         return taken
-
-
-def _sizes(plan: Plan) -> Iterator[int]:
-    """How many manipulators a worker takes at once: few at first, so that a short run keeps every worker busy."""
-    recipe, size, made = plan.recipe, 1, 0
-    quick = recipe.makes_many_at_once
-    loads = bool(recipe.loaders)
-    yield size
-    while True:
-        yield size
-        made += size
-        if quick and not (loads and (made < recipe.sample.first or recipe.sample.every < SMALL)):
-            size = min(2 * size, LARGE)
-        else:
-            size = min(size + 1, SMALL)
 
 
 def _batch(first: int, some: Sequence[RunItem | RunItems], stems: Stems) -> Batch:

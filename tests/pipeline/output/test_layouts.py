@@ -2,7 +2,6 @@ from __future__ import annotations
 
 import json
 import tarfile
-from itertools import islice
 from typing import TYPE_CHECKING, Any
 
 import pytest
@@ -11,7 +10,7 @@ from dh2urdf.output.layouts import Form, Layout
 from dh2urdf.output.open_store import open_store
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Callable
     from pathlib import Path
 
     from conftest import Answer
@@ -35,21 +34,19 @@ def test_the_place_goes_by_the_number_of_the_manipulator(layout: Layout, paths: 
     assert [layout.path(index, "arm.urdf") for index in (0, 9, 10)] == paths
 
 
-def sizes() -> Iterator[int]:
-    yield from (1, 1, 2, 4)
-
-
 @pytest.mark.parametrize(
-    ("layout", "expected"),
+    ("layout", "whole", "parts"),
     [
-        (Layout(), [1, 1, 2]),
-        (Layout(form=Form.FOLDERS, size=5), [1, 1, 2]),
-        (Layout(form=Form.SHARDS, size=5), [5, 5, 5]),
+        (Layout(), 1, [range(12)]),
+        (Layout(form=Form.FOLDERS, size=5), 1, [range(12)]),
+        (Layout(form=Form.SHARDS, size=5), 5, [range(5), range(5, 10), range(10, 12)]),
     ],
 )
-def test_a_shard_is_a_batch(layout: Layout, expected: list[int]) -> None:
-    """One worker writes a shard, from its beginning to its end; other files go as suits the workers."""
-    assert list(islice(layout.batch_sizes(sizes()), 3)) == expected
+def test_a_batch_is_cut_where_a_shard_ends(layout: Layout, whole: int, parts: list[range]) -> None:
+    """One worker writes a shard, from its beginning to its end; other files are put one by one."""
+    assert layout.whole == whole
+    assert layout.parts(12) == parts
+    assert layout.parts(0) == []
     assert layout.is_whole is (layout.form is Form.SHARDS)
 
 

@@ -15,7 +15,7 @@ from dh2urdf.run_file.config import load_config
 from dh2urdf.run_file.plan import Plan, make_plan
 from dh2urdf.source import Mark, Problem
 from dh2urdf.stages import Rejected
-from dh2urdf.tasks.batch import LARGE, SMALL, Batch, Doomed, batches
+from dh2urdf.tasks.batch import Batch, Doomed, batches
 from dh2urdf.tasks.expected import Expected
 from dh2urdf.testing.comparing import difference
 
@@ -88,26 +88,6 @@ class TestCutting:
         assert "its files are named 'arm-2'" in notice.message
         assert notice.mark == Mark(file=last.sources[2])
         assert Path(last.sources[2]).name == "two.csv"
-
-    def test_batches_grow_from_one(self, plan: Callable[..., Plan]) -> None:
-        """A short run keeps every worker busy; a long one has large batches, which are made side by side."""
-        sizes = [len(batch) for batch in taken(plan(one=table([f"arm{number}" for number in range(2000)])))]
-        assert sizes[:5] == [1, 1, 2, 4, 8]
-        assert max(sizes) == LARGE
-        assert sum(sizes) == 2000
-
-    def test_what_is_slow_has_small_batches(self, plan: Callable[..., Plan]) -> None:
-        """Where each takes long, a worker that dies loses more than the way of a batch costs."""
-        names = [f"arm{number}" for number in range(400)]
-        sizes = [len(batch) for batch in taken(plan("emitters: [xacro]", one=table(names)))]
-        assert max(sizes) == SMALL
-        assert sum(sizes) == 400
-
-    def test_a_shard_is_a_batch(self, plan: Callable[..., Plan]) -> None:
-        """Also the last one, which has what is left."""
-        names = [f"arm{number}" for number in range(25)]
-        sizes = [len(batch) for batch in taken(plan("output: {layout: shards, size: 10}", one=table(names)))]
-        assert sizes == [10, 10, 5]
 
     @pytest.mark.parametrize("layout", ["{layout: shards, size: 70}", "{layout: files}"])
     def test_columns_of_a_reader_are_as_its_records(self, plan: Callable[..., Plan], layout: str) -> None:

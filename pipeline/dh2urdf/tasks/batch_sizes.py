@@ -1,0 +1,62 @@
+"""How many manipulators a worker takes at once.
+
+What a batch costs besides its manipulators, some 10 ms, is the less for each the more there are. But a short run is to
+keep every worker busy, and at its end none is to wait long for another: so batches grow from one, and where they have
+become large, each is a part of what is left, shared by the workers (guided self-scheduling: Polychronopoulos and Kuck,
+IEEE Transactions on Computers C-36(12), 1987).
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from dh2urdf.run_file.plan import Plan
+    from dh2urdf.tasks.batch import Batch
+
+SMALL = 16
+"""Manipulators of a batch at most, where each takes long."""
+LARGE = 500
+"""Manipulators of a batch at most, as long as it is not known how many are left."""
+JOINTS = 24_000
+"""Joints of a larger batch at most: its worker holds the descriptions of them all, some 2 kB for each joint."""
+PARTS = 64
+"""Into so many parts what is left is cut where the number of workers is not known."""
+
+
+class BatchSizes:
+    """The sizes of the batches of a run, one after the other."""
+
+    def __init__(self, plan: Plan) -> None:
+        self._recipe = plan.recipe
+        self._whole = plan.layout.whole
+        workers = getattr(plan.executor.options, "workers", None)
+        self._parts = PARTS if not isinstance(workers, int) else 2 * workers if workers > 1 else 1
+        self._size = self._axes = 1
+        self._taken = 0
+
+    def next(self, total: int | None) -> int:
+        """The size of the next batch; where there are shards, that of one or more of them.
+
+        Args:
+            total: how many manipulators the run will probably have; None where there is no saying.
+        """
+        largest = LARGE if self._is_quick else SMALL
+        if total is not None and self._is_quick:
+            largest = max(LARGE, min((total - self._taken) // self._parts, JOINTS // self._axes))
+        return self._whole * max(1, min(self._size, largest) // self._whole)
+
+    def see(self, batch: Batch) -> None:
+        """Takes notice of a batch, behind which the next one may be larger."""
+        count = len(batch)
+        if self._taken:  # An executor looks at the first two before it takes processes for them.
+            self._size = 2 * count if self._is_quick else count + 1
+        self._axes = max(1, batch.joints // count)
+        self._taken += count
+
+    @property
+    def _is_quick(self) -> bool:
+        """Whether manipulators are made many at once, and simulators load few of them."""
+        recipe = self._recipe
+        loads = recipe.loaders and (self._taken < recipe.sample.first or recipe.sample.every < SMALL)
+        return recipe.makes_many_at_once and not loads

@@ -197,7 +197,7 @@ def batches(plan: Plan, expected: Expected, own_files: Sequence[str] = ()) -> It
             return
         yield batch
         first += len(batch)
-        sizes.see(batch)
+        sizes.see(len(batch), batch.joints)
         expected.see(first, some[-1])
 
 

@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from dh2urdf.run_file.plan import Plan
-    from dh2urdf.tasks.batch import Batch
 
 SMALL = 16
 """Manipulators of a batch at most, where each takes long."""
@@ -46,12 +45,16 @@ class BatchSizes:
             largest = max(LARGE, min((total - self._taken) // self._parts, JOINTS // self._axes))
         return self._whole * max(1, min(self._size, largest) // self._whole)
 
-    def see(self, batch: Batch) -> None:
-        """Takes notice of a batch, behind which the next one may be larger."""
-        count = len(batch)
+    def see(self, count: int, joints: int) -> None:
+        """Takes notice of a batch, behind which the next one may be larger.
+
+        Args:
+            count: manipulators in it.
+            joints: the joints of those that can be made at once.
+        """
         if self._taken:  # An executor looks at the first two before it takes processes for them.
             self._size = 2 * count if self._is_quick else count + 1
-        self._axes = max(1, batch.joints // count)
+        self._axes = max(1, joints // count)
         self._taken += count
 
     @property

@@ -446,7 +446,6 @@ def test_a_unit_in_the_prose_of_any_language_is_refused_where_nothing_declares_o
         *(
             "see q1 in figure 2",
             "axis 2 of the stand",
-            "last joint first",
             "Rz and Tz, then Tx",
             "自由度数",
             "d6 is long",
@@ -766,7 +765,7 @@ def test_a_comment_about_what_types_would_say_is_noticed_in_a_table_without_type
     comment: str, said: str, read_one: Callable[..., Manipulator]
 ) -> None:
     assert said in " ".join(notice.message for notice in read_one(f"# {comment}\n{UNTYPED}").notices)
-    assert not read_one(f"# {comment}\n{TURNED}").notices
+    assert "type" not in {notice.field for notice in read_one(f"# {comment}\n{TURNED}").notices}
 
 
 @pytest.mark.parametrize(
@@ -913,3 +912,101 @@ def test_a_unit_behind_a_speed_of_yaml_is_seen(
     text = f"convention: standard\njoints:\n- a: 0.3\n  alpha: 0\n  d: 0\n  velocity: {value} # {comment}\n"
     (arm,) = read(text, ".yaml")
     assert isinstance(arm, Manipulator) is good
+
+
+BEHIND = [
+    *(("350 mm", True), ("200 mm", False), ("0.35", True), ("0.2", False), ("20 cm", False), ("a = 0.35", True)),
+    *(("a = 0.2", False), ("90°", False), ("-90°", True), ("-pi/2", True), ("+90 deg", False), ("45", True)),
+    *(("90", False), ("300 mm - 10 cm", False), ("±170°", True), ("[-170, 170]", True), ("-170..170", True)),
+    *(("180 deg/s", True), ("max speed 180 deg/s", True), ("50 Nm", True), ("5 kg", True), ("1", False), ("12", False)),
+    *(("not used", True), ("locked at 0", True), ("does not move", True), ("zero at -90°", True), ("home = 90", True)),
+    *(("slides", True), ("linear axis", True), ("continuous", True), ("tool", True), ("flange", True), ("TCP", True)),
+    *(("dummy", True), ("fixed", True), ("from -90 to 90", True), ("coupled with J2", True), ("parallelogram", True)),
+    *(("elbow", False), ("see fig. 3", False), ("upper arm", False), ("[2]", False), ("none", False), ("base", False)),
+    *(("?", False), ("was 0.35 before", False), ("from the manual", False), ("turns the other way", False)),
+]
+
+
+@pytest.mark.parametrize(("comment", "noticed"), BEHIND)
+@pytest.mark.parametrize("form", ["csv", "flow", "block"])
+def test_a_comment_behind_a_row_is_judged_by_the_values_beside_it(
+    comment: str, form: str, read_one: Callable[..., Manipulator], *, noticed: bool
+) -> None:
+    """Another number than all of them, or what they do not say, was passed over: in YAML all of it."""
+    row, number = "{a: 0.2, alpha: pi/2, d: 0.0}", comment.strip("[]").removeprefix("a = ")
+    if form == "csv":
+        arm = read_one(f"joint,a,alpha,d\nj1,0.3,0,0.1,\nj2,0.2,pi/2,0.0, # {comment}\n")
+    elif form == "flow":
+        arm = read_one(f"joints:\n- {{a: 0.3, alpha: 0, d: 0.1}}\n- {row}  # {comment}\n", ".yaml")
+    else:
+        key = "alpha" if any(sign in number for sign in ("9", "pi", "4")) else "a"
+        lines = [f"{text}  # {comment}" if text.startswith(f"{key}:") else text for text in row.strip("{}").split(", ")]
+        arm = read_one("joints:\n- " + "\n  ".join(lines) + "\n", ".yaml")
+    assert [notice.found for notice in arm.notices] == ([f"# {comment}"] if noticed else [])
+
+
+@pytest.mark.parametrize("word", ["prismatic", "linear", "slides", "fixed", "continuous"])
+def test_a_comment_behind_a_row_that_repeats_its_type_stays_without_a_word(
+    word: str, read_one: Callable[..., Manipulator]
+) -> None:
+    kind = {"fixed": "fixed", "continuous": "continuous"}.get(word, "prismatic")
+    assert read_one(f"type,a,alpha,d\n{kind},0.3,0,0, # {word}\n").notices == ()
+    assert read_one(f"joints: [{{type: {kind}, a: 0.3, alpha: 0, d: 0}}]  # {word}\n", ".yaml").notices == ()
+    assert read_one(f"type,a,alpha,d\nR,0.3,0,0, # {word}\n").notices
+
+
+@pytest.mark.parametrize(
+    ("comment", "field"),
+    [
+        *(("max speed 180 deg/s", "velocity"), ("max. torque 50 Nm", "effort"), ("limit 170°", "limits")),
+        *(("range 340 deg for all joints", "limits"), ("the velocity is 3.14 rad/s", "velocity"), ("180°/s", None)),
+        *(
+            ("payload 5 kg, reach 850 mm", None),
+            ("between -90 and 90 deg", None),
+            ("endless", None),
+            ("no limits", None),
+        ),
+        *(("from the tool to the base", None), ("last joint first", None), ("joint 2 moves with joint 3", None)),
+    ],
+)
+@pytest.mark.parametrize("suffix", [".csv", ".yaml"])
+def test_a_value_of_joints_in_words_without_a_colon_is_noticed(
+    comment: str, field: str | None, suffix: str, read_one: Callable[..., Manipulator]
+) -> None:
+    """With a colon it was."""
+    rows = "a,alpha,d\n0.3,0,0.1\n" if suffix == ".csv" else "joints: [{a: 0.3, alpha: 0, d: 0.1}]\n"
+    (notice,) = read_one(f"# {comment}\n{rows}", suffix).notices
+    assert (notice.found, notice.field) == (f"# {comment}", field)
+
+
+@pytest.mark.parametrize(
+    "comment",
+    ["6 degrees of freedom, 18.4 kg", "reach 850 mm", "version 2 m", "the cable of the robot is at least 3 m long"],
+)
+def test_a_number_that_no_joint_has_stays_without_a_word(comment: str, read_one: Callable[..., Manipulator]) -> None:
+    assert read_one(f"# {comment}\na,alpha,d\n0.3,0,0.1\n").notices == ()
+
+
+@pytest.mark.parametrize("comment", ["not used", "passive joint", "locked at 0", "fixed", "reversed"])
+@pytest.mark.parametrize("suffix", [".csv", ".yaml"])
+def test_a_few_words_among_rows_are_about_the_row_behind_them(
+    comment: str, suffix: str, read_one: Callable[..., Manipulator]
+) -> None:
+    rows = ["{a: 0.3, alpha: 0, d: 0.1}", "{a: 0.2, alpha: 0, d: 0}"]
+    table = f"a,alpha,d\n0.3,0,0.1\n# {comment}\n0.2,0,0\n"
+    if suffix == ".yaml":
+        table = f"joints:\n- {rows[0]}\n# {comment}\n- {rows[1]}\n"
+    (notice,) = read_one(table, suffix).notices
+    assert notice.found == f"# {comment}"
+    assert read_one(table.replace(comment, "the forearm"), suffix).notices == ()
+
+
+@pytest.mark.parametrize("remark", ["tool flange", "TCP", "dummy", "gripper"])
+def test_a_remark_that_names_a_frame_is_noticed_in_a_table_without_types(
+    remark: str, read_one: Callable[..., Manipulator]
+) -> None:
+    """A row of that name is refused, and one with the remark was a joint without a word."""
+    table = f"joint,a,alpha,d,remark\nj1,0.3,0,0,ok\nj2,0,0,0.1,{remark}\n"
+    assert remark in [notice.found for notice in read_one(table).notices]
+    typed = f"joint,type,a,alpha,d,remark\nj1,R,0.3,0,0,ok\nj2,F,0,0,0.1,{remark}\n"
+    assert remark not in [notice.found for notice in read_one(typed).notices]

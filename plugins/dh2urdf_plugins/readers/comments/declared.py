@@ -43,21 +43,6 @@ _BEHIND_KEYS = frozenset(":=\uff1a[{")
 _BULLET = late_pattern(r"^\s*[-*•]\s+")
 _BULLETS = ("-", "*", "•")
 _QUOTED = late_pattern(r'"(?:[^"\\]|\\.)*"|\'(?:[^\']|\'\')*\'')
-_ONE = r"[\[(]*[-+−±]?\s*(?:[0-9]+[.,]?[0-9]*|[.,][0-9]+)(?:[eE][-+]?[0-9]+)?\s*(?:°|[^\W\d_]{1,3})?[\])]*"
-_NUMBERS = late_pattern(rf"\s*{_ONE}(?:(?:\s*(?:[,;|/]|\.\.+|…|\bto\b)\s*|\s+){_ONE})*\s*")
-"""One number or several with nothing else: ``[0, 90] deg``, ``±170°``, ``-170 170``."""
-_BY_JOINT = ("limits", "lower", "upper", "velocity", "effort", "mass", "offset", "sign", "flip")
-_BY_NUMBER = late_pattern(r"[0-9].*[0-9]")
-"""Numbers for one joint after the other: ``limits: J1 ±170, J2 ±90``."""
-_LIST = late_pattern(r"\s*\[\s*[-+−]?(?:[0-9.]|pi\b|π)")
-_OF_THE_FILE = frozenset(
-    "version rev revision release edition date year page pages figure fig table chapter section equation eq line sheet "  # noqa: SIM905
-    "no nr id serial serialnumber dof dofs axes joints links rows columns degreesoffreedom numberofjoints numberofaxes "
-    "anzahlachsen achsen freiheitsgrade seite abbildung tabelle datum datei jahr fecha data pagina".split()
-)
-"""What comments number that is no quantity of the arm."""
-_CITATION = late_pattern(r"\[[0-9]{1,3}\][.,]?")
-"""``see [2]``, whose bracket is the sign behind a key."""
 _STRUCTURED = late_pattern(r"\{.*:.*|\[\s*(?:\[|[+-]?[0-9.])", re.DOTALL)
 _WORD = late_pattern(r"[^\W_]+")
 _CONVENTION_KEYS = frozenset(
@@ -145,14 +130,14 @@ def _field_name(key: str) -> str | None:
     return field.name if field else None
 
 
-def _entry(comment: Comment) -> re.Match[str] | None:
+def entry_of(comment: Comment) -> re.Match[str] | None:
     """The key of a comment and what is behind it, or None."""
     return None if _BEHIND_KEYS.isdisjoint(comment.text) else _ENTRY.fullmatch(comment.text)
 
 
 def name_said(comment: Comment) -> str | None:
     """The name that a comment says under a key such as `Robot`, `manipulator` or `model`, with nothing besides."""
-    entry = _entry(comment)
+    entry = entry_of(comment)
     if entry is None or _field_name(entry[1]) != "robot" or _STRUCTURED.match(entry[2].strip()):
         return None
     from dh2urdf_plugins.readers.comments.prose import convention_in_prose, mentioned_units
@@ -191,7 +176,7 @@ def _phrase(comment: Comment) -> dict[str, Node]:
     """The units and the convention that a comment says in words."""
     from dh2urdf_plugins.readers.comments.phrases import declared, unit_of_measure, without_model
 
-    entry = _entry(comment)
+    entry = entry_of(comment)
     text = _BULLET.sub("", comment.text) if comment.text.lstrip()[:1] in _BULLETS else comment.text
     found = declared(text)
     if not found and (rest := without_model(text)) and "convention" in (said := declared(rest)):
@@ -204,7 +189,7 @@ def _phrase(comment: Comment) -> dict[str, Node]:
 
 
 def _is_convention_key(key: str) -> bool:
-    return _plain(key) in _CONVENTION_KEYS or _field_name(key) == "convention"
+    return plain_key(key) in _CONVENTION_KEYS or _field_name(key) == "convention"
 
 
 def _value(comment: Comment, key: str, start: int) -> Node:
@@ -265,13 +250,13 @@ def _node(comment: Comment, text: str, start: int = 0) -> Node:
 
 def _refuse_unread(comment: Comment) -> None:
     """Refuses a comment that says something under a key that nothing reads, where a program was meant to read it."""
-    entry = _entry(comment)
+    entry = entry_of(comment)
     if entry is None:
         return
-    key, value = _plain(entry[1]), entry[2].strip()
+    key, value = plain_key(entry[1]), entry[2].strip()
     is_structured = _STRUCTURED.match(value) is not None
     meant = _MEANT_BY.get(key) or (key if key in STATEMENTS else placement_of(entry[1]))
-    if meant and (is_structured or _is_number(value) or meant in ("units", "name")):
+    if meant and (is_structured or is_number(value) or meant in ("units", "name")):
         advice = EXAMPLES.get(meant)
         _refuse(
             comment, entry[1], entry.start(1), advice or ", ".join(STATEMENTS), advice and f"did you mean {meant!r}?"
@@ -308,45 +293,17 @@ def _compound(word: str) -> str | None:
 
 def words_under_key(comment: Comment, keys: Collection[str]) -> list[str]:
     """The words that a comment says under one of some keys, and nothing besides; none where it has another key."""
-    entry = _entry(comment)
-    return _WORD.findall(entry[2]) if entry and _plain(entry[1]) in keys else []
+    entry = entry_of(comment)
+    return _WORD.findall(entry[2]) if entry and plain_key(entry[1]) in keys else []
 
 
-def unread_values(comment: Comment, *, place: str = "column") -> list[Problem]:
-    """A notice of a comment that gives a number to something: nothing reads it; a joint has it in a column."""
-    entry = _entry(comment)
-    is_other = entry and (_plain(entry[1]) in _OF_THE_FILE or "scale model" in entry[1].casefold())
-    if entry is None or is_other or _CITATION.fullmatch(entry[2].strip()):
-        return []
-    field = read_header(entry[1]).field
-    by_joint = field is not None and field.name in _BY_JOINT and _BY_NUMBER.search(entry[2])
-    if not (by_joint or _are_numbers(entry[2])):
-        return []
-    of_joints = field is not None and field.dimension is not None
-    nothing = "no joint gets this value" if of_joints else "nothing is read from it"
-    return [
-        Problem(
-            message=f"{shown(comment.line)} is a comment, and {nothing}",
-            severity="notice",
-            mark=comment.whole,
-            field=field.name if field and of_joints else None,
-            found=comment.line,
-            suggestion=f"write a {place} {field.name} if it is meant for the joints" if field and of_joints else None,
-        )
-    ]
-
-
-def _plain(key: str) -> str:
+def plain_key(key: str) -> str:
+    """A key without case, accents and separators."""
     letters = "".join(c for c in unicodedata.normalize("NFKD", key) if not unicodedata.combining(c))
     return without_separators(letters).casefold()
 
 
-def _are_numbers(text: str) -> bool:
-    """Whether a text is a number, or several."""
-    return _is_number(text) or _LIST.match(text) is not None or _NUMBERS.fullmatch(text) is not None
-
-
-def _is_number(text: str) -> bool:
+def is_number(text: str) -> bool:
     """Whether a text is a number or a quantity of some kind."""
     for dimension in Dimension:
         try:

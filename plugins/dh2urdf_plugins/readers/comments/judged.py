@@ -19,12 +19,13 @@ from dh2urdf_plugins.readers.comments.declared import (
     below_header,
     placement_of,
     statements_in,
-    unread_values,
     words_under_key,
 )
+from dh2urdf_plugins.readers.comments.meanings import MEANINGS, MOTION, NTH
 from dh2urdf_plugins.readers.comments.prose import prose_problems
+from dh2urdf_plugins.readers.comments.values import other_values, spoken_values, unread_values
 from dh2urdf_plugins.readers.header.units import SI
-from dh2urdf_plugins.readers.rows.names import speaks_of_slide
+from dh2urdf_plugins.readers.rows.names import holds_type, is_base, kind_of, speaks_of_slide
 from dh2urdf_plugins.readers.statements.statements import Statements
 from dh2urdf_plugins.readers.words.comment_lines import Comment, is_comment
 from dh2urdf_plugins.readers.words.fields import convention_of, joint_type
@@ -60,17 +61,10 @@ _STILL_ROW = late_pattern(
     re.IGNORECASE,
 )
 """A row that is no joint, in prose: ``the last row is the tool``."""
-_NTH = (
-    r"(?:(?:joint|axis|link|gelenk|achse|axe|articulation|articulaci[oó]n|articulação|eje|giunto|asse|junta|eixo|关节|轴|関節|軸"
-    r"|관절|축|przegub|eklem|сочленение|ось|j|q)[\s_.#-]*[0-9]{1,2}|第?\s?[0-9一二三四五六七](?:关节|轴|関節|軸)"
-    r"|(?:[0-9]{1,2}(?:st|nd|rd|th|\.|[eªº])|first|second|third|fourth|fifth|sixth|last)\s+"
-    r"(?:joint|axis|gelenk|achse|axe|articulation|eje|giunto|asse))(?![^\W_])"
-)
-"""A joint by its number, as prose names it."""
 _NTH_SLIDES = late_pattern(
-    rf"{_NTH}[^.;,]{{0,24}}?(?<![^\W_])(?:slides?|sliding|translat\w*|prism\w*\.?|schub\w*|glissi\w*"
+    rf"{NTH}[^.;,]{{0,24}}?(?<![^\W_])(?:slides?|sliding|translat\w*|prism\w*\.?|schub\w*|glissi\w*"
     r"|linear(?:achse)?(?!\s*(?:speed|veloc|accel|interpol|motion|encoder)))(?![^\W_])"
-    rf"|{_NTH}\s*[:=(]\s*P(?!\w)",
+    rf"|{NTH}\s*[:=(]\s*P(?!\w)",
     re.IGNORECASE,
 )
 _SLIDE_VARIABLE = late_pattern(
@@ -80,91 +74,15 @@ _SLIDE_VARIABLE = late_pattern(
     re.IGNORECASE,
 )
 """``d3`` among the variables of an arm: ``q = [θ1, θ2, d3]``."""
-_VARIABLE = rf"(?:{_NTH}|(?<![^\W_])(?:θ|theta|th|q|d)[\s_{{]*(?:[0-9]{{1,2}}|[₁-₉])\}}?)"
-_ADDED = r"(?:[0-9]{2,}|[0-9]+(?:[.,][0-9]+|\s*(?:°|deg|rad|mm|cm))|[0-9]*\s?\*?\s?(?:pi|π))"
-"""What is added to a joint variable, and no number of a joint: ``q1-6`` are six joints."""
-_UNREAD = late_pattern(
-    rf"{_NTH}[^.;]{{0,24}}?(?<![^\W_])(?:fixed|locked|coupled|mimic|reversed|inverted|opposite|negative|negated|welded"
-    r"|frozen|blocked|clamped|passive|unused|disabled|swapped|exchanged|mirrored|flipped|dependent|follows"
-    r"|(?:not|never|n['’]t)\s+(?:mov|used|actuated|driven|turn|rotat))"
-    rf"|(?<![^\W_])(?:add|subtract|plus|minus)(?:ed)?\s[^.;]{{0,24}}?(?:[0-9]|pi|π)[^.;]{{0,24}}{_VARIABLE}"
-    r"|(?:[0-9]|pi|π)\s*(?:°|deg\w*|rad\w*|mm|cm|m)?\s*(?:offset|shift|versatz)(?![^\W_])"
-    rf"|(?<![^\W_])(?:zero|home|rest|initial|reference)\b[^.;]{{0,24}}(?:{_VARIABLE}|(?:position|pose|configuration|angle)s?)"
-    rf"[^;]{{0,40}}?(?<![\w.,])[-+−]?{_ADDED}|{_VARIABLE}[^.;]{{0,24}}(?<![^\W_])(?:zero|home)\b[^.;]{{0,24}}{_ADDED}"
-    r"|(?<![^\W_])signs?\s*[:=]\s*[\[(]?\s*[-+−](?!\s?[0-9])"
-    r"|(?<![^\W_])in (?:(?:units|steps) of )?[01][0-9.]*(?:e[-+]?[0-9]+)?\s*(?:µm|mm|cm|m|deg|rad|°)(?![^\W_])"
-    r"|(?<![^\W_])inertias?(?![^\W_])[^.;]{0,24}(?:about|around|at|relative to)\s+(?:the\s+)?"
-    r"(?:joint|origin|link|frame|axis|base)"
-    r"|(?<![^\W_])(?:com|cog|cent(?:re|er)s? of mass)(?![^\W_])[^.;]{0,24}"
-    r"(?:(?:frame|link)\s*\(?i\s*[-−]\s*1|(?:world|base|previous)\s+(?:frame|link|coord))"
-    r"|(?<![^\W_])(?:limits?|speeds?|velocit(?:y|ies)|torques?|ranges?)(?![^\W_])[^.;]{0,24}(?<![^\W_])(?:motors?|rotor|gear)"
-    r"|(?<![^\W_])times\s+[0-9]{2,}|multiply by|normali[sz]ed|dimensionless"
-    rf"|(?<![^\W_])(?:reversed|inverted|opposite|negative|positive)\s+(?:direction|sense|sign)\b[^.;]{{0,24}}{_NTH}"
-    r"|(?:θ|theta|th|q|j)[\s_{]*[0-9]{1,2}[a-z_}]{0,8}\W{0,3}=[^=]*(?:θ|theta|th|q|j)[\s_{]*[0-9]"
-    rf"|{_VARIABLE}[^.;]{{0,32}}?(?<![^\W_])(?:horizontal|vertical|absolute|offset|shifted|versatz|d[ée]calage|desfase)"
-    rf"|(?<![^\W_])(?:offset|shift|versatz|d[ée]calage|desfase)(?![^\W_])[^.;]{{0,16}}{_VARIABLE}"
-    r"|(?<![^\W_])offsets?(?:\s+(?:of|is))?\s*[:=]?\s*[-+−±]?\s*(?:(?![0-9]+\s+(?:rows?|lines?|columns?|cells?|pages?"
-    r"|figures?|tables?|characters?|digits?)\b)[0-9.]|pi|π)"
-    r"|10\s*(?:\^|\*\*|(?=[⁻⁺⁰¹²³⁴-⁹]))|[x×*]\s*10{1,6}\b"
-    r"|(?:multiplied|divided|scaled) by|(?:multiples|units) of (?:pi|π)"
-    r"|(?:θ|theta|th)\w{0,3}\W{0,3}=\s*[-−]?\s*q\w{0,3}\s*[-+−]\s*(?:[0-9]|pi|π)"
-    r"|revers\w+ order|(?<![^\W_])(?:1|one)\s+[^\W\d]{1,12}\s*(?:=|≙|equals)\s*[0-9.]"
-    r"|(?<![^\W_])(?:scale(?!\s+models?\b)|scaling|scaled|ma(?:ß|ss)stab|[ée]chelle|escala|scala)(?![^\W_])[^.;]{0,24}[0-9]",
-    re.IGNORECASE,
-)
-"""What prose adds to joints or to all numbers, and no comment can: ``θ2 = q2 - 90°``, ``all × 10⁻³``."""
-_ADDS = late_pattern(
-    rf"(?<![^\W_])(?:θ|theta|th|q|phi|φ)[\s_{{]*[0-9₁-₉]?[}}'\s]{{0,3}}[-+−]\s?{_ADDED}", re.IGNORECASE
-)
-"""A joint variable with what is added to it: ``q2-90``."""
-_IN_ADDS = ("q", "theta", "θ", "phi", "φ")
-_IN_UNREAD = (
-    *"= 10 multipl divided units fixed locked coupled mimic reversed inverted opposite negative positive negated "  # noqa: SIM905
-    "horizontal vertical absolute offset shift versatz calage desfase revers scal ≙ equals stab chelle welded frozen "
-    "blocked clamped passive unused disabled swapped exchanged mirror flipped depend follows n't never n’t added "
-    "subtract plus minus zero home initial reference sign: sign= signs times normali dimensionless".split(),
-    "add ",
-    "in 0",
-    "in 1",
-    "not ",
-    "rest ",
-    "inertia",
-    "com ",
-    "cog",
-    "of mass",
-    "motor",
-    "rotor",
-    "gear",
-)
-"""What such prose has at least one of: most comments have none, and need no search."""
-_BOUNDS = late_pattern(
-    r"(?<![^\W_])(?:limit|range)s?(?![^\W_])[^.;]{0,24}(?:±|\+\s?/?\s?[-−])\s?[0-9]"
-    rf"|{_VARIABLE}[^.;]{{0,32}}?(?:[∈±]|\+\s?/?\s?[-−]\s?[0-9]|[<≤>≥]=?\s?[-+−]?\s?(?:[0-9]|pi|π)|(?<![^\W_])ranges?(?![^\W_])"
-    r"|[0-9]\s?(?:°|deg)?\s?(?:\.\.|…|to|bis|~|～)\s?[-+−]?[0-9])",
-    re.IGNORECASE,
-)
-"""How far a joint moves, in prose: ``d₃ ∈ [0.2, 1]``, ``q1: -170..170``."""
-_IN_BOUNDS = ("∈", "+", "limit", "<", "≤", ">", "≥", "±", "range", "..", "…", "to", "bis", "~", "～")
-_TURNED = late_pattern(
-    r"(?<!counter)(?<!counter-)(?<!anti)(?<!anti-)(?<![^\W_])(?:clockwise|cw(?![^\W_]))"
-    r"|(?<![^\W_])mirror(?:ed|s)?(?![^\W_])|(?<!gegen den )uhrzeigersinn"
-    r"|顺时针|(?<!反)時計回り|(?<!반)시계 ?방향|(?<!против )часовой"
-    r"|(?<!anti)(?<!anti-)(?<![^\W_])h?or[aá](?:ire|rio)(?![^\W_])"
-    r"|upside[ -]down|(?<![^\W_])(?:ceiling(?! height)|wall[ -]mounted|left[ -]handed|kopfüber|hängend|hang(?:s|ing))"
-    r"(?![^\W_])"
-    r"|倒装|吊装|(?<![^\W_])z_?[0₀][^.;]{0,16}(?:down|unten|abajo)(?![^\W_])",
-    re.IGNORECASE,
-)
-"""Joints that turn the other way, and a base that is turned: ``clockwise is positive``, ``mounted upside down``."""
-_IN_TURNED = (
-    "clockwise cw mirror uhrzeiger 顺时针 時計 시계 horaire horario horário orario часовой upside ceiling wall handed "  # noqa: SIM905
-    "kopf häng hang 装 z0 z_0 z₀".split()
-)
 _NUMBER = late_pattern(r"(?<![^\W])[-+−]?(?:[0-9]*\.)?[0-9]+")
 _SIZE = late_pattern(
     r"(?<![A-Za-z0-9_.,])[-+−]?[0-9]*[.,]?[0-9]*[1-9][0-9]*[.,]?[0-9]*\s*"
     r"(?:(?:mm|cm|m|µm|inch(?:es)?|deg(?:rees)?|rad|grad|мм|см|м)(?![A-Za-zа-я0-9_])|°|毫米|厘米|米|ミリ|メートル)"
 )
+_SHORT = 4
+"""Blanks in a comment among rows that is about the row behind it."""
+_TURNED = frozenset("reversed inverted negative negated flipped mirrored cw clockwise".split())  # noqa: SIM905
+_NO_FRAMES = frozenset("none null nil nan note notes remark remarks comment comments source".split())  # noqa: SIM905
 
 
 def comment_problems(
@@ -190,13 +108,11 @@ def comment_problems(
         return [] if holds else [below_header(comment)]
     problems = [below_header(comment)] if below and prose and statements_in(comment) else prose
     problems = problems + types_elsewhere(comment, typed=typed)
-    return problems + (unread_values(comment) or unread_prose(comment, statements))
+    return problems + unread(comment, statements, among_rows=below)
 
 
 def remark_problems(remark: Comment, number: int, statements: Statements, columns: Columns) -> list[Problem]:
     """What a cell of a column that no field knows declares about the table, as a comment would, or about its joint.
-
-    What a comment behind the cells of a row declares is looked at elsewhere.
 
     Args:
         remark: the cell.
@@ -204,23 +120,87 @@ def remark_problems(remark: Comment, number: int, statements: Statements, column
         statements: what the table and the options say.
         columns: its headers.
     """
-    about_joint = replace(remark, text=f"joint {number}: {remark.text}")
-    if is_comment(remark.line):
-        return unread_values(remark) or unread_prose(about_joint, statements)
     try:
         said = statements_in(remark)
     except TableError as error:
         return list(error.problems)
     words = [key for key, node in said.items() if key not in ("units", "convention") and isinstance(node.value, str)]
     if all(key in words or _holds(key, node, statements, columns) for key, node in said.items()):
-        problems = prose_problems(remark, statements, columns) + types_elsewhere(remark, typed="type" in columns.fields)
-        return problems or unread_values(remark) or unread_prose(about_joint, statements)
+        typed = "type" in columns.fields
+        problems = prose_problems(remark, statements, columns) + types_elsewhere(remark, typed=typed)
+        return (
+            problems
+            or unread_values(remark)
+            or unread_prose(_about_joint(remark, number), statements)
+            or (_other_type(remark, number, typed=typed) or spoken_values(remark))
+        )
     return [
         Problem(
             message=f"{shown(remark.line)} is in a column that is left out, and may declare the {' and '.join(said)}",
             mark=remark.whole,
             found=remark.line,
             accepted="what holds for all rows, above the header",
+        )
+    ]
+
+
+def behind_problems(
+    comment: Comment,
+    beside: str,
+    number: int,
+    statements: Statements,
+    *,
+    typed: bool,
+    lead: str = "# ",
+    place: str = "column",
+) -> list[Problem]:
+    """A notice of a comment behind a row or a value that has another number, or says something about its joint.
+
+    Args:
+        comment: the comment.
+        beside: what it is behind, as YAML has it: keys and their values.
+        number: the number of the row.
+        statements: what the table and the options say.
+        typed: whether the table has types.
+        lead: what a line begins with that declares something.
+        place: where a joint has its values: in a column, or under a key.
+    """
+    problems, word = other_values(comment, beside, place=place), comment.text.strip(" .!").casefold()
+    repeats = problems is None or (word in _TURNED and re.search(r"\b(?:sign|flip)\b", beside))
+    if typed and (kind := joint_type(word) or (JointType.PRISMATIC if holds_type(word, number) else None)):
+        kinds = {joint_type(text.strip()) for text in re.split("[:;,{}]", beside)} - {None}
+        if kinds and kind not in kinds:
+            message = f"{shown(comment.line)} is a comment, and the type beside it is another"
+            return [Problem(message=message, severity="notice", mark=comment.whole, field="type", found=comment.line)]
+        repeats = True
+    if repeats:
+        return []
+    about_joint = _about_joint(comment, number)
+    return problems or unread_prose(about_joint, statements, lead=lead) or _other_type(comment, number, typed=typed)
+
+
+def _about_joint(comment: Comment, number: int) -> Comment:
+    return replace(comment, text=f"joint {number}: {comment.text}")
+
+
+def _other_type(comment: Comment, number: int, *, typed: bool) -> list[Problem]:
+    """A notice of a word that hardly is about a joint that turns, in a table without types: ``slides``, ``flange``."""
+    word = comment.text.strip(" .!").casefold()
+    if typed or not any(map(str.isalpha, word)):
+        return []
+    moves = holds_type(word, number)
+    if not moves and (kind_of(word) != "frame" or word in _NO_FRAMES or is_base(word)):
+        return []
+    what = "a joint that may not turn" if moves else "a row that may not move"
+    message = f"{shown(comment.line)} is a comment, and nothing is read from it: the table has no types"
+    return [
+        Problem(
+            message=message,
+            severity="notice",
+            mark=comment.whole,
+            field="type",
+            found=comment.line,
+            suggestion=f"if it means {what}, write the types of all joints in a column or under the key type",
         )
     ]
 
@@ -281,12 +261,34 @@ def _is_bare(text: str) -> bool:
     return bool(placement_of(_NUMBER.sub(" ", text)) and _NUMBER.search(text))
 
 
-def unread_prose(comment: Comment, statements: Statements, *, lead: str = "# ") -> list[Problem]:
+def unread(
+    comment: Comment, statements: Statements, *, among_rows: bool = False, lead: str = "# ", place: str = "column"
+) -> list[Problem]:
+    """A notice of a comment on a line of its own that gives a number to something, or says what only columns can say.
+
+    Args:
+        comment: one that says nothing under a key.
+        statements: what the table and the options say.
+        among_rows: whether it is below the header, and may be about the row behind it.
+        lead: what a line begins with that declares something.
+        place: where a joint has its values: in a column, or under a key.
+    """
+    return (
+        unread_values(comment, place=place)
+        or unread_prose(comment, statements, among_rows=among_rows, lead=lead)
+        or spoken_values(comment, place=place)
+    )
+
+
+def unread_prose(
+    comment: Comment, statements: Statements, *, among_rows: bool = False, lead: str = "# "
+) -> list[Problem]:
     """A notice of prose that gives a place of the tool or of the base, or says what only columns can say.
 
     Args:
         comment: one that says nothing under a key.
         statements: what the table and the options say.
+        among_rows: whether it is below the header, and may be about the row behind it.
         lead: what a line begins with that declares something.
     """
     placed = map(placement_of, re.findall(r"[^\W\d_]+", comment.text))
@@ -295,10 +297,10 @@ def unread_prose(comment: Comment, statements: Statements, *, lead: str = "# ") 
     if what in statements.placed or not (what and (_is_bare(comment.text) or _SIZE.search(comment.text))):
         what = None
     plain = comment.text.casefold()
-    searches = ((_IN_UNREAD, _UNREAD), (_IN_ADDS, _ADDS), (_IN_BOUNDS, _BOUNDS), (_IN_TURNED, _TURNED))
-    if what is None and not any(
-        any(word in plain for word in words) and pattern.search(comment.text) for words, pattern in searches
-    ):
+    meant = any(meaning.is_in(comment.text, plain) for meaning in MEANINGS.values())
+    if among_rows and not meant and comment.text.count(" ") < _SHORT:
+        meant = MEANINGS[MOTION].is_in(_about_joint(comment, 1).text, plain)
+    if what is None and not meant:
         return []
     return [
         Problem(

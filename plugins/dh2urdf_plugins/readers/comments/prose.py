@@ -36,8 +36,10 @@ _LETTERS = late_pattern(r"[^\W\d_]+|°")
 _TO_SPACES = {code: " " for code in range(128) if not chr(code).isalpha()}
 """Every ASCII character that is no letter: a table for `str.translate`."""
 _OWN_NUMBER = late_pattern(r"(?<![^\W_])[0-9]")
-_NO_UNIT = late_pattern(r"\bdegrees?\s+of\s+freedom\b|\brev\.?\s*(?:[a-z]|[0-9.]+)\b", re.IGNORECASE)
-"""Where the word of a unit is none: ``6 degrees of freedom``, ``rev. B``."""
+_NO_UNIT = late_pattern(
+    r"\bdegrees?\s+of\s+freedom\b|\brev\.?\s*(?:[a-z]|[0-9.]+)\b|\bturns?\s+(?!and\b|per\b)[a-z]", re.IGNORECASE
+)
+"""Where the word of a unit is none: ``6 degrees of freedom``, ``rev. B``, ``turns the other way``."""
 _RATE = late_pattern(r"\s*(?:/|per\b)\s*(s|sec|seconds?|min|minutes?)\b(\s?(?:\^|\*|²|/|squared))?", re.IGNORECASE)
 """What makes a speed of a length or an angle before it, ``deg/s``, ``mm per second``, or an acceleration."""
 _SYSTEM = {dimension: SI[dimension] for dimension in (Dimension.LENGTH, Dimension.ANGLE)}
@@ -200,7 +202,7 @@ def mentioned_units(text: str) -> list[Unit]:
     """The units of lengths and angles that a comment mentions, those behind a number left out: ``0.1 mm``."""
     said = declared(text).get("units")
     found = [unit for word in _LETTERS.findall(said) if (unit := _measured(word))] if said else []
-    plain = _NO_UNIT.sub("", text) if any(word in text.casefold() for word in ("freedom", "rev")) else text
+    plain = _NO_UNIT.sub("", text) if any(word in text.casefold() for word in ("freedom", "rev", "turn")) else text
     has_unit = not plain.isascii() or any(map(_measured, plain.translate(_TO_SPACES).split()))
     for match in _MENTION.finditer(plain) if has_unit else ():
         for word in _LETTERS.finditer(match[1]):

@@ -21,7 +21,7 @@ from dh2urdf_plugins.readers.plain.numbers import REMEMBERED
 from dh2urdf_plugins.readers.rows.joint_rows import LABEL
 from dh2urdf_plugins.readers.rows.names import holds_type, kind_of
 from dh2urdf_plugins.readers.words.cells import SPACES, Cell, text_of
-from dh2urdf_plugins.readers.words.comment_lines import SPREADSHEET_ERROR, Comment, marks_a_comment
+from dh2urdf_plugins.readers.words.comment_lines import SPREADSHEET_ERROR, Comment, joined, marks_a_comment
 from dh2urdf_plugins.readers.words.decimal_signs import DecimalSigns, largest
 from dh2urdf_plugins.readers.words.fields import FIELDS, GROUPS
 
@@ -51,7 +51,9 @@ class TableCells:
         self.signs = DecimalSigns(largest(columns.fields, units))
         headers = columns.headers
         self.strays = {k for k, header in enumerate(headers) if not header and not is_beside(k, headers)}
-        self.remarks: dict[str, tuple[Comment, int]] = {}  # of the manipulator: texts of columns that no field knows
+        self.remarks: dict[
+            str, tuple[Comment, int, str]
+        ] = {}  # of the manipulator: texts of columns that no field knows
         self.first_counts: dict[int, int] = {}  # of the manipulator: where a column without a header begins to count
 
     def read(
@@ -68,9 +70,11 @@ class TableCells:
         """
         columns, joint, texts = self.columns, f"joint_{number}", list(map(text_of, row))
         cells = self._label(texts, marks)
-        for place in range(len(columns.fields), len(texts)):  # a comment behind the row
-            if marks_a_comment(texts[place]) and _is_remark(texts[place]):
-                self.remarks.setdefault(texts[place], (Comment.of(texts[place].strip(SPACES), marks[place]), number))
+        behind = (place for place in range(len(columns.fields), len(texts)) if marks_a_comment(texts[place]))
+        if (place := next(behind, None)) is not None:  # a comment behind the row, which may have commas
+            comment = Comment.of(joined(texts[place:]).strip(SPACES), marks[place])
+            beside = "; ".join(map("{}: {}".format, columns.fields, texts))
+            self.remarks.setdefault(f"{beside}; {comment.line}", (comment, number, beside))
         for index, (name, text) in enumerate(zip(columns.fields, texts, strict=False)):
             if index in columns.ignored:
                 continue
@@ -189,7 +193,7 @@ class TableCells:
         problem = unread(cell, self.columns.headers[index], number)
         self._refuse(index, problem)
         if not (is_type or problem) and _is_remark(cell.text):
-            self.remarks.setdefault(cell.text, (Comment.note(cell.text, cell.mark), number))
+            self.remarks.setdefault(cell.text, (Comment.note(cell.text, cell.mark), number, ""))
 
     def _counts(self, text: str, index: int, number: int) -> bool:
         """Whether a number without a header counts the rows: from 0 or 1, or through all manipulators of the table."""
@@ -276,9 +280,12 @@ class Remarks:
                 self.quiet.add(shape)
         return True
 
-    def _said_in(self, remark: Comment, number: int) -> list[Problem]:
-        from dh2urdf_plugins.readers.comments.judged import remark_problems
+    def _said_in(self, remark: Comment, number: int, beside: str = "") -> list[Problem]:
+        from dh2urdf_plugins.readers.comments.judged import behind_problems, remark_problems
 
+        if beside:
+            typed = "type" in self.columns.fields
+            return behind_problems(remark, beside, number, self.statements, typed=typed)
         return remark_problems(remark, number, self.statements, self.columns)
 
 

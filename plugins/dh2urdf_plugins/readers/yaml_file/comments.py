@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from typing import TYPE_CHECKING
 
 from dh2urdf.patterns import late_pattern
@@ -18,7 +17,6 @@ _MAX_COMMENTS = 1000
 _JOINT = late_pattern(r"-\s.*\b(?:a|alpha|d)\s*:\s*[-+]?(?:[0-9.]|pi)")
 """A joint, in the list of which it is no more."""
 _STATEMENT = late_pattern(r"(base|tool|payload|defaults)\s*[:=]\s*[\[{]")
-_TURNED = frozenset("reversed inverted negative negated flipped mirrored cw clockwise".split())  # noqa: SIM905
 _BEFORE_QUOTES = ("", ":", ",", "[", "{", "-", "?")
 """What a text in quotes comes after."""
 
@@ -70,12 +68,12 @@ def judge_comments(
         typed: whether the table has types.
         add: what takes the problems.
     """
-    found = 0
+    found, among_rows = 0, False
     for number, line in lines:
+        among_rows = among_rows or line.lstrip(" -{").startswith("joints")
         if "#" not in line or found >= _MAX_COMMENTS or (position := _start(line)) is None:
             continue
-        from dh2urdf_plugins.readers.comments.declared import unread_values
-        from dh2urdf_plugins.readers.comments.judged import types_elsewhere, unread_prose
+        from dh2urdf_plugins.readers.comments.judged import behind_problems, types_elsewhere, unread
         from dh2urdf_plugins.readers.comments.prose import in_other_words, units_beside
 
         found += 1
@@ -83,14 +81,16 @@ def judge_comments(
         comment = Comment.of(
             line[position:].strip(), Mark(file=file, line=number, column=position + 1 if before else None)
         )
-        problems = [
-            *in_other_words(comment, statements, units_beside(before), lead="", behind=bool(before)),
-            *types_elsewhere(comment, typed=typed),
-            *unread_prose(comment, statements, lead=""),
-        ]
-        if not (before or problems):
-            problems = unread_values(comment, place="key") or _left_out(comment, statements)
-        for problem in problems or _about_joint(comment, before, typed=typed):
+        problems = in_other_words(comment, statements, units_beside(before), lead="", behind=bool(before))
+        problems += types_elsewhere(comment, typed=typed)
+        if before:
+            problems = problems or behind_problems(
+                comment, before, 1, statements, typed=typed or not among_rows, lead="", place="key"
+            )
+        else:
+            problems = problems or _left_out(comment, statements) or _lost_joint(comment)
+            problems = problems or unread(comment, statements, among_rows=among_rows, lead="", place="key")
+        for problem in problems:
             add(problem)
 
 
@@ -105,16 +105,11 @@ def _left_out(comment: Comment, statements: Statements) -> list[Problem]:
     return [notice]
 
 
-def _about_joint(comment: Comment, before: str, *, typed: bool) -> list[Problem]:
-    """A notice of a comment that is a joint, or that says behind one how it moves: ``# - {a: 0.4, …``, ``# fixed``."""
-    from dh2urdf_plugins.readers.rows.names import holds_type
-
-    word = comment.text.strip(" .!").casefold()
-    moves = (not typed and holds_type(word, 0)) or (word in _TURNED and not re.search("sign|flip", before))
-    behind = moves and before.endswith("}")
-    if not behind and (before or not _JOINT.match(comment.text)):
+def _lost_joint(comment: Comment) -> list[Problem]:
+    """A notice of a comment that is a joint: ``# - {a: 0.4, …``."""
+    if not _JOINT.match(comment.text):
         return []
-    message = f"{shown(comment.line)} is a comment, and {'nothing is read from it' if behind else 'no joint'}"
+    message = f"{shown(comment.line)} is a comment, and no joint"
     return [Problem(message=message, severity="notice", mark=comment.whole, found=comment.line)]
 
 

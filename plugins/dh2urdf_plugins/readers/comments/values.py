@@ -1,0 +1,172 @@
+"""Numbers in comments: nothing reads them, and a table may lack them, or have others in their place."""
+
+from __future__ import annotations
+
+import math
+import re
+from typing import TYPE_CHECKING
+
+from dh2urdf.patterns import late_pattern
+from dh2urdf.quantities import Dimension, QuantityError, evaluate
+from dh2urdf.source import Problem, shown
+from dh2urdf_plugins.readers.comments.declared import entry_of, is_number, plain_key
+from dh2urdf_plugins.readers.comments.phrases import FILLERS, unit_called
+from dh2urdf_plugins.readers.header.words import read_header
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from dh2urdf.quantities import Unit
+    from dh2urdf_plugins.readers.words.comment_lines import Comment
+    from dh2urdf_plugins.readers.words.fields import Field
+
+_ONE = r"[\[(]*[-+−±]?\s*(?:[0-9]+[.,]?[0-9]*|[.,][0-9]+)(?:[eE][-+]?[0-9]+)?\s*(?:°|[^\W\d_]{1,3})?[\])]*"
+_NUMBERS = late_pattern(rf"\s*{_ONE}(?:(?:\s*(?:[,;|/]|\.\.+|…|\bto\b)\s*|\s+){_ONE})*\s*")
+"""One number or several with nothing else: ``[0, 90] deg``, ``±170°``, ``-170 170``."""
+_BY_JOINT = ("limits", "lower", "upper", "velocity", "effort", "mass", "offset", "sign", "flip")
+_BY_NUMBER = late_pattern(r"[0-9].*[0-9]")
+"""Numbers for one joint after the other: ``limits: J1 ±170, J2 ±90``."""
+_LIST = late_pattern(r"\s*\[\s*[-+−]?(?:[0-9.]|pi\b|π)")
+_OF_THE_FILE = frozenset(
+    "version rev revision release edition date year page pages figure fig table chapter section equation eq line sheet "  # noqa: SIM905
+    "no nr id serial serialnumber dof dofs axes joints links rows columns degreesoffreedom numberofjoints numberofaxes "
+    "anzahlachsen achsen freiheitsgrade seite abbildung tabelle datum datei jahr fecha data pagina".split()
+)
+"""What comments number that is no quantity of the arm."""
+_CITATION = late_pattern(r"\[[0-9]{1,3}\][.,]?")
+"""``see [2]``, whose bracket is the sign behind a key."""
+_CLAUSES = late_pattern(r"[,;()]\s|[()]|\.\s+(?=[A-Z])")
+_NUMBER = late_pattern(
+    r"(?<![\w.,])(?P<either>±\s?|\+/?[-−]\s?)?(?P<number>[-+−–]?\s?(?:[0-9]+(?:[.,][0-9]+)?|[.,][0-9]+))"
+    r"(?:\s*(?P<unit>(?:°|[^\W\d_]+)(?:[/·*][^\W\d_]+)?))?(?!\w)"
+)
+_NO_UNIT = late_pattern(r"\s*(?:of|de|di)\s+(?:freedom|libert)", re.IGNORECASE)
+"""Behind a number that is none of the arm's: ``6 degrees of freedom``."""
+_OF_JOINTS = (Dimension.TURN_RATE, Dimension.TORQUE)
+"""What nothing but joints has, in any words: ``180 deg/s``."""
+_MOST_WORDS = 6
+"""Words of a clause that gives a number to something; a longer one tells a story."""
+_BESIDE = late_pattern(r"[,;|\t{}\[\]]|:\s")
+_SCALES = (1.0, 100.0, 1000.0, math.degrees(1.0))
+"""Units that one number may have in two places: m, cm and mm, or rad and deg."""
+_ROUNDED = 6e-3
+_COUNTS_UP_TO = 20
+"""A bare number up to this may count something, and no angle or length."""
+_PLAIN_SIGNS = str.maketrans("−–,", "--.")
+_NOTHING = "nothing is read from it"
+
+
+def unread_values(comment: Comment, *, place: str = "column") -> list[Problem]:
+    """A notice of a comment that gives a number to something: nothing reads it; a joint has it in a column.
+
+    Args:
+        comment: one that says nothing under a key that is read.
+        place: where a joint has its values: in a column, or under a key.
+    """
+    entry = entry_of(comment)
+    is_other = entry and (plain_key(entry[1]) in _OF_THE_FILE or "scale model" in entry[1].casefold())
+    if entry is None or is_other or _CITATION.fullmatch(entry[2].strip()):
+        return []
+    field = read_header(entry[1]).field
+    by_joint = field is not None and field.name in _BY_JOINT and _BY_NUMBER.search(entry[2])
+    return [_unread(comment, field, place)] if by_joint or _are_numbers(entry[2]) else []
+
+
+def spoken_values(comment: Comment, *, place: str = "column") -> list[Problem]:
+    """A notice of a comment that gives a number to joints, or to the payload, in words: ``max. speed 180 deg/s``."""
+    for clause in _CLAUSES.split(comment.text) if any(map(str.isdigit, comment.text)) else ():
+        for match in _NUMBER.finditer(clause):
+            before, behind = clause[: match.start()], clause[match.end() :]
+            words = [word for word in before.split() if word.strip(".:=").casefold() not in FILLERS]
+            field, unit = read_header(" ".join(words)).field if words else None, _unit_of(match)
+            is_value = unit and (
+                (field and field.dimension) or words[-1:] == ["payload"] or unit.dimension in _OF_JOINTS
+            )
+            is_other = _NO_UNIT.match(behind) or (words and plain_key(words[-1]) in _OF_THE_FILE)
+            if is_value and not is_other and len(words) + len(behind.split()) <= _MOST_WORDS:
+                return [_unread(comment, field, place)]
+    return []
+
+
+def other_values(comment: Comment, beside: str, *, place: str = "column") -> list[Problem] | None:
+    """A notice of a comment behind values that has a number which none of them is: ``0.3  # 350 mm``.
+
+    None where it only repeats them.
+
+    Args:
+        comment: the comment.
+        beside: the values that it is behind, as they are in the file.
+        place: where a joint has its values: in a column, or under a key.
+    """
+    entry = entry_of(comment)
+    field = read_header(entry[1]).field if entry else None
+    numbers = list(_numbers_in(entry[2] if entry else comment.text, bare=entry is not None))
+    held = [number for text in _BESIDE.split(beside) for number, _ in _numbers_in(text, bare=True)]
+    same = [any(_is_same(number, other, either=either) for other in held) for number, either in numbers]
+    if entry:
+        repeats = same and all(same) and field and field.dimension
+        return [] if repeats else unread_values(comment, place=place)
+    if not numbers or any(same) or _CITATION.fullmatch(comment.text.strip()):
+        return None if all(same) and _are_numbers(comment.text) else []
+    message = f"{shown(comment.line)} is a comment, and {'no value beside it is this number' if held else _NOTHING}"
+    return [Problem(message=message, severity="notice", mark=comment.whole, found=comment.line)]
+
+
+def _unread(comment: Comment, field: Field | None, place: str) -> Problem:
+    of_joints = field is not None and field.dimension is not None
+    nothing = "no joint gets this value" if of_joints else _NOTHING
+    return Problem(
+        message=f"{shown(comment.line)} is a comment, and {nothing}",
+        severity="notice",
+        mark=comment.whole,
+        field=field.name if field and of_joints else None,
+        found=comment.line,
+        suggestion=f"write a {place} {field.name} if it is meant for the joints" if field and of_joints else None,
+    )
+
+
+def _numbers_in(text: str, *, bare: bool) -> Iterator[tuple[float, bool]]:
+    """The numbers of a text in SI units, each with whether its sign may be either.
+
+    Args:
+        text: the text.
+        bare: whether one without a unit counts, however small, beside words too.
+    """
+    for dimension in (Dimension.ANGLE, Dimension.LENGTH):
+        try:
+            quantity = evaluate(text.strip(), dimension)
+        except QuantityError:
+            continue
+        if bare or quantity.has_unit or quantity.uses_pi or quantity.value > _COUNTS_UP_TO or quantity.value % 1:
+            yield quantity.value, False
+        return
+    bare = bare or _NUMBERS.fullmatch(text) is not None
+    for match in _NUMBER.finditer(text):
+        unit = _unit_of(match)
+        if bare or unit:
+            number = float(re.sub(r"\s", "", match["number"]).translate(_PLAIN_SIGNS))
+            yield unit.si(number) if unit else number, bool(match["either"])
+
+
+def _unit_of(match: re.Match[str]) -> Unit | None:
+    """The unit behind a number; `in` before another word is none."""
+    word = match["unit"]
+    if not word or (word.casefold() == "in" and match.string[match.end() :].strip(" .")):
+        return None
+    return unit_called(word)
+
+
+def _is_same(number: float, other: float, *, either: bool) -> bool:
+    """Whether two numbers are one, rounded and in some unit each."""
+    if either:
+        number, other = abs(number), abs(other)
+    if not number or not other:
+        return number == other
+    return any(
+        abs(ratio - 1) < _ROUNDED for scale in _SCALES for ratio in (other / number * scale, other / number / scale)
+    )
+
+
+def _are_numbers(text: str) -> bool:
+    """Whether a text is a number, or several."""
+    return is_number(text) or _LIST.match(text) is not None or _NUMBERS.fullmatch(text) is not None

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+from itertools import pairwise
 from typing import TYPE_CHECKING
 
 from dh2urdf.patterns import late_pattern
@@ -74,7 +75,8 @@ def unread_values(comment: Comment, *, place: str = "column") -> list[Problem]:
 
 def spoken_values(comment: Comment, *, place: str = "column") -> list[Problem]:
     """A notice of a comment that gives a number to joints, or to the payload, in words: ``max. speed 180 deg/s``."""
-    for clause in _CLAUSES.split(comment.text) if any(map(str.isdigit, comment.text)) else ():
+    has_number = any(after.isdigit() and not before.isalnum() for before, after in pairwise(f" {comment.text}"))
+    for clause in _CLAUSES.split(comment.text) if has_number else ():  # ``UR5`` is none, and compiles no pattern
         for match in _NUMBER.finditer(clause):
             before, behind = clause[: match.start()], clause[match.end() :]
             words = [word for word in before.split() if word.strip(".:=").casefold() not in FILLERS]

@@ -55,7 +55,10 @@ _POWER = late_pattern(
 """A power of ten whose exponent is no longer raised: ``3×10-3``."""
 _UNIT = r"(?:\s*(?:[cmµ]?m|in|ft|deg|rad|°))?"
 _TWO_NUMBERS = late_pattern(rf"\s*([+-]?)({_PLAIN}){_UNIT}(\s*)([-−–‐‑/⁄∕])(\s*)([+-]?)({_PLAIN}){_UNIT}\s*")
-"""What may be a difference or a quotient, or two numbers: ``0.3–0.5``, ``90/-90``, ``0/90``."""
+"""What may be a difference or a quotient, or two numbers: ``0.3–0.5``, ``90/-90``, ``0/90``, ``0.3/0.4``."""
+_OF_SCALES = ("100", "180", "360", "1000")
+_DIGITS = 2
+"""A number with more of them, or with a decimal sign, hardly is a divisor of one of its size."""
 
 _SPACES = "'’ʼ \u00a0\u2007\u2009\u202f"
 _ADVICE = (
@@ -187,7 +190,9 @@ def _two_numbers(match: re.Match[str]) -> tuple[str, str] | None:
     if match[3] and match[5] and between != "–":  # with spaces it is what its sign says
         return None
     if between in "/⁄∕":
-        if not (sign and smaller == larger) and not smaller == 0 < larger:
+        is_long = min(len(first), len(last)) > _DIGITS or all("." in each or "," in each for each in (first, last))
+        alike = is_long and last not in _OF_SCALES and larger < 3 * smaller and smaller < 3 * larger
+        if not (sign and smaller == larger) and not smaller == 0 < larger and not alike:
             return None
         advised = "write the number that holds; for the quotient, put spaces around its sign"
         return "it may be two numbers, or a quotient", advised

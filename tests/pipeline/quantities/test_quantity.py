@@ -109,6 +109,7 @@ DATES = (
 POWERS = ("3×10-3", "1.2*10−3", "-2,5 × 10-4", "1.2×10-3 m", "5*10 -3", "3×10+2")
 RANGES = ("0.3–0.5", "0.3 – 0.5", "0.3-0.5", "0,3−0,5", "0.25 m-0.5 m", "100-500 mm", "0-0.5", "90-180")
 PAIRS = ("90/-90", "-90/+90", "90°/-90°", "0/90", "0⁄0.5")
+TWINS = ("0.3/0.4", "0,3/0,4", "300/400", "-0.425/0.392", "0.3 m/0.4 m")
 STARS = ("q1*-1", "q1 *-1", "q1* -1", "q1* - 1", "q1*+1", "q*-1.0", "-q1*-1", "pi/2+q1*-1", "(q1*-1)", "q1*-3", "θ1∗-1")
 
 
@@ -170,7 +171,7 @@ STARS = ("q1*-1", "q1 *-1", "q1* -1", "q1* - 1", "q1*+1", "q*-1.0", "-q1*-1", "p
         *((text, "whose exponent .* is no longer raised") for text in POWERS),
         *((text, "it may be a range from") for text in RANGES),
         *((text, "as an angle is, and a length") for text in ("pi/2", "-π", "2*pi", "pi*0.25", "d3 + pi/2", "PI()/6")),
-        *((text, "it may be two numbers, or a quotient") for text in PAIRS),
+        *((text, "it may be two numbers, or a quotient") for text in PAIRS + TWINS),
         *((text, "where the star marks a joint variable") for text in STARS),
         ("5-", "something is missing at its end"),
         ("+-170", "two signs follow each other"),
@@ -212,6 +213,7 @@ def test_what_is_no_quantity_is_refused_with_its_reason(text: str, reason: str) 
         ("0.3*sin(pi/2)", 0.3),
         ("0*pi", 0.0),
         ("0 / 90", 0.0),
+        *(("0.3 / 0.4", 0.3 / 0.4), ("425/2", 212.5), ("25/32", 25 / 32), ("0.5/3", 0.5 / 3), ("300/1000", 0.3)),
         ("-(425)", -425.0),
         ("(0.0)", 0.0),
         ("(1+2)", 3.0),

@@ -143,3 +143,52 @@ def test_names_that_differ_in_case_are_kept_apart(read_one: Callable[..., Manipu
     arm = read_one("joint,a,alpha,d\nElbow,0,0,1\nelbow,0,0,1\né,0,0,1\ne\u0301,0,0,1\n")
     assert [row.joint for row in arm.rows] == ["Elbow", "elbow", "é", "e\u0301"]
     assert len(arm.notices) == 2
+
+
+@pytest.mark.parametrize("names", [("j1", "j2*"), ("shoulder†", "elbow"), ("j1*", "j2*"), ("j1", "j2¹")])
+@pytest.mark.parametrize("column", ["joint", "link"])
+def test_a_name_with_the_mark_of_a_footnote_is_noticed(
+    names: tuple[str, str], column: str, read_one: Callable[..., Manipulator]
+) -> None:
+    """What the footnote says, such as that the joint slides, is nowhere in the table."""
+    (notice,) = read_one(f"{column},a,alpha,d\n{names[0]},0.3,0,0\n{names[1]},0.2,0,0\n").notices
+    assert "ends with the mark of a footnote" in notice.message
+    assert notice.field == column
+
+
+def test_names_that_are_told_apart_by_raised_digits_stay_without_a_word(read_one: Callable[..., Manipulator]) -> None:
+    assert read_one("joint,a,alpha,d\nj¹,0.3,0,0\nj²,0.2,0,0\n").notices == ()
+
+
+@pytest.mark.parametrize(
+    ("header", "rows", "said"),
+    [
+        (
+            "parent,child",
+            ("base,l1", "l1,l2", "l1,l3"),
+            "the row leads from 'l1' to 'l3', and the row above it to 'l2'",
+        ),
+        ("from,to", ("1,2", "0,1"), "the row leads from '0' to '1', and the row above it to '2'"),
+        ("DOF", ("1", "0"), "whether a joint moves by itself"),
+        ("beweglich", ("ja", "nein"), "whether a joint moves by itself"),
+        ("Bewegung", ("drehen", "schieben"), "'schieben' seems to be a type"),
+        ("Drehsinn", ("rechts", "links"), "seems to be sign"),
+        ("turning", ("顺时针", "逆时针"), "seems to be a direction"),
+    ],
+)
+def test_columns_that_say_that_rows_are_no_chain_of_turning_joints_are_refused(
+    header: str, rows: tuple[str, ...], said: str, read: Callable[..., list[Manipulator | Rejected]]
+) -> None:
+    """They were left out, and the arm was another one: a notice named the column alone."""
+    lines = [f"j{number},{row},0.3,0,0" for number, row in enumerate(rows, 1)]
+    (arm,) = read("\n".join([f"joint,{header},a,alpha,d", *lines]), convention="standard")
+    assert isinstance(arm, Rejected)
+    assert said in "\n".join(map(str, arm.problems))
+
+
+def test_links_of_rows_in_order_are_left_out(read: Callable[..., list[Manipulator | Rejected]]) -> None:
+    """For each arm of the file; the second one is no chain."""
+    header = "robot,joint,parent,child,a,alpha,d"
+    good = "r{0},j1,base,l1,0.3,0,0\nr{0},j2,l1,l2,0.3,0,0\n"
+    arms = read(f"{header}\n{good.format(1)}{good.format(2).replace('j2,l1', 'j2,l0')}", convention="standard")
+    assert [isinstance(arm, Rejected) for arm in arms] == [False, True]

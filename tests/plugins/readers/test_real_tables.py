@@ -252,6 +252,9 @@ def test_metadata_without_the_prefix_are_refused(key: str, tmp_path: Path) -> No
     ("comment", "convention"),
     [
         ("# Konvention: modifiziert", Convention.MODIFIED),
+        *((f"# {text}", Convention.STANDARD) for text in ("DH-Konvention: klassisch", "convention: DH classique")),
+        *((f"# {text}", Convention.STANDARD) for text in ("Convención: clásica", "convention: 标准DH")),
+        *((f"# {text}", Convention.MODIFIED) for text in ("convention: DH modifié (Craig)", "convention: 改进D-H")),
         ("Konvention;modifiziert;", Convention.MODIFIED),
         ("# convention : modifiée", Convention.MODIFIED),
         ("# convención: estándar", Convention.STANDARD),

@@ -63,7 +63,9 @@ _PROSE = {
 """Words for the convention in a comment: those that mean nothing else, and those that may."""
 _IN_OTHER_LANGUAGES = {
     Convention.MODIFIED: "modifizi modifié modifie modifica zmodyfik değiştiril модифицир 改进 改良 修正 수정".split(),  # noqa: SIM905
-    Convention.STANDARD: "estándar standardow klasyczn klasik классич стандартн 标准 標準 표준".split(),  # noqa: SIM905
+    Convention.STANDARD: (
+        "estándar standardow klassisch classique clásic klasyczn klasik классич стандартн 标准 標準 표준".split()  # noqa: SIM905
+    ),
 }
 _NEGATIONS = frozenset(("not", "non", "no", "unlike", "nicht", "kein", "keine", "pas"))
 _BEFORE_DENIED = frozenset("the a an any in using with by to der die das in la le el".split())  # noqa: SIM905

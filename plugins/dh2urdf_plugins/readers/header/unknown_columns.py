@@ -49,11 +49,16 @@ _OTHER_ONE = late_pattern(
 """A parameter beside the nominal one, or its correction: ``Δd``, ``calibrated a``."""
 DIFFERENCES = "differences are in a table of their own, as a, alpha, d and theta, which `--calibration` names"
 _DIRECTIONS = frozenset(
-    "cw ccw clockwise counterclockwise counter-clockwise anticlockwise anti-clockwise reversed inverted -z z-".split()  # noqa: SIM905
+    "cw ccw clockwise counterclockwise counter-clockwise anticlockwise anti-clockwise reversed inverted -z z- "  # noqa: SIM905
+    "rechtsdrehend linksdrehend horario antihorario horaire antihoraire orario antiorario horário invertiert "
+    "顺时针 逆时针 正转 反转".split()
 )
 _AXIS_DOWN = late_pattern(r"[(\[]?\s*(?:-?0(?:\.0*)?[\s,;]+){2}-1(?:\.0*)?\s*[)\]]?")
 """The axis of a joint that turns the other way about z: ``(0, 0, -1)``."""
-_WHETHER_ACTIVE = frozenset("active actuated enabled motorized motorised driven movable moving".split())  # noqa: SIM905
+_WHETHER_ACTIVE = frozenset(
+    "active actuated enabled motorized motorised driven movable moving moves dof beweglich aktiv angetrieben actif "  # noqa: SIM905
+    "activo attivo ativo freiheitsgrad".split()
+)
 _NO = frozenset("0 false no n off falsch nein non faux falso".split())  # noqa: SIM905
 _FEW_WORDS = 4
 _LONGEST_VARIABLE = 40

@@ -217,7 +217,7 @@ class PlainRows:
         """Whether the names of a manipulator are such that there is nothing to say about them."""
         names = (*joints, *links)
         text = "".join(names)
-        if not (text.isascii() and text.isprintable() and all(names)) or max(map(len, names)) > MAX_NAME:
+        if not (text.isascii() and text.isprintable() and all(names)) or "*" in text or max(map(len, names)) > MAX_NAME:
             return False
         alike = set(map(str.lower, names))  # no casefold: they are ASCII
         ends = {f"{links[-1].lower()}-tool0", f"{links[-1].lower()}-flange", "base_link-base_link_inertia"}

@@ -90,7 +90,9 @@ _OF_SLIDES = _words("""
     eje giunto asse junta articulacao eixo guida 关节 轴 副 运动 関節 軸 관절 축 пара ось звено para os mafsal eklem
     base torso column saeule saule boden floor external extern ext e x y z
 """)
-_MOTIONS = _words("trans transl translate translates slides tz")
+_MOTIONS = _words(
+    "trans transl translate translates slides tz schieben schiebt verschieben gleiten glisse coulisse desliza scorre"
+)
 """What a joint that slides does, in a column that no field knows."""
 _SLIDE_SYMBOL = late_pattern(r"[pd][0-9]{0,3}")
 """``P2`` between ``R1`` and ``R3``, and the variable ``d2`` between ``θ1`` and ``θ3``."""

@@ -17,6 +17,7 @@ from dh2urdf_plugins.readers.header.unknown_columns import (
     stray_number,
     unread,
 )
+from dh2urdf_plugins.readers.header.words import read_header
 from dh2urdf_plugins.readers.plain.numbers import REMEMBERED
 from dh2urdf_plugins.readers.rows.joint_rows import LABEL
 from dh2urdf_plugins.readers.rows.names import holds_type, kind_of
@@ -37,6 +38,8 @@ _DECIMAL_COMMA = late_pattern(
     rf"[-+−]?[0-9]*,[0-9]+(?:[eE][-+]?[0-9]+)?\s*(?:[^\W\d_]{{1,3}}|[{DEGREE_SIGNS}])?(?:[/·][^\W\d_]{{1,3}})?"
 )
 _DIGITS = late_pattern(r"[0-9]{2,}")
+_STEPS = {"parent": "child", "parentlink": "childlink", "from": "to", "predecessor": "successor", "von": "nach"}
+"""Headers of the link that a row begins at, and of that which it leads to, as a description has them."""
 
 
 class TableCells:
@@ -51,6 +54,10 @@ class TableCells:
         self.signs = DecimalSigns(largest(columns.fields, units))
         headers = columns.headers
         self.strays = {k for k, header in enumerate(headers) if not header and not is_beside(k, headers)}
+        keys = [read_header(header).key for header in headers] if None in columns.fields else []
+        starts = [k for k, key in enumerate(keys) if _STEPS.get(key) in keys]
+        self.steps = (starts[0], keys.index(_STEPS[keys[starts[0]]])) if starts else None
+        self.reached = ""  # of the manipulator: the link that the row above leads to
         self.remarks: dict[
             str, tuple[Comment, int, str]
         ] = {}  # of the manipulator: texts of columns that no field knows
@@ -70,6 +77,9 @@ class TableCells:
         """
         columns, joint, texts = self.columns, f"joint_{number}", list(map(text_of, row))
         cells = self._label(texts, marks)
+        if self.steps:
+            parent, child = (Cell(texts[k].strip(SPACES), marks[k]) for k in self.steps)
+            self._follow(parent, child, number)
         behind = (place for place in range(len(columns.fields), len(texts)) if marks_a_comment(texts[place]))
         if (place := next(behind, None)) is not None:  # a comment behind the row, which may have commas
             comment = Comment.of(joined(texts[place:]).strip(SPACES), marks[place])
@@ -95,6 +105,23 @@ class TableCells:
                 is_text = FIELDS[part].dimension is not None and isinstance(row[index], str)
                 cells[part] = self._number(of_part, part, number) if is_text else of_part
         return cells
+
+    def _follow(self, parent: Cell, child: Cell, number: int) -> None:
+        """Notes a row that does not begin where the row above it ends: a branch, or another order."""
+        reached, self.reached = self.reached, child.text
+        if self.steps and number > 1 and reached != parent.text:
+            parents, children = (self.columns.headers[k] for k in self.steps)
+            problem = Problem(
+                message=f"the row leads from {shown(parent.text)} to {shown(child.text)}, and the row above it to "
+                f"{shown(reached)}: rows are a chain from the base to the tool",
+                mark=parent.mark,
+                joint=f"joint_{number}",
+                field=parents,
+                found=parent.text,
+                accepted="rows in order, each from the link that the one above it leads to",
+                suggestion=f"{how_to_leave_out(parents)}, and {shown(children)} likewise",
+            )
+            self._refuse(self.steps[0], problem)
 
     def no_joint(self, texts: Sequence[str], mark: Mark, number: int) -> Problem | None:
         """What is wrong with a row that is no joint: it holds units, or is the header again; it does not count."""

@@ -91,6 +91,7 @@ class RowTable:
         self.plain_table &= trace is None and options.calibration is None
         self.has_type = "type" in columns.fields
         self.cells = TableCells(columns, self.units)
+        self.plain_table &= self.cells.steps is None
         self.remarked = 0
         self.remarks = Remarks(self.statements, columns, self.whole)
         self.plain = PlainRows(columns, self.units, shortest_plain(self.statements), self.remarks.say_nothing)

@@ -250,7 +250,8 @@ def convention_of(text: str) -> Convention | None:
     if key in OTHER_CONVENTIONS:
         return OTHER_CONVENTIONS[key]
     words = "".join(letter if letter.isalnum() else " " for letter in text.casefold()).split()
-    named = {_CONVENTION_WORDS.get(word) for word in words if word not in _OF_ALL}  # `modified DH (Craig)`
+    known = _CONVENTION_WORDS | OTHER_CONVENTIONS
+    named = {known.get(key_of(word)) for word in words if word not in _OF_ALL}  # `modified DH (Craig)`
     return named.pop() if len(named) == 1 else None
 
 

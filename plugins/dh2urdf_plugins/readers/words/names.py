@@ -23,6 +23,7 @@ RESERVED = (WORLD, ROOT, BASE, *ENDS)
 _NUMBERED = late_pattern(r"(.*?)([0-9]{1,9})", re.DOTALL)
 _REMARK = late_pattern(r"(?<=[0-9])\s*[(\[][^()\[\]]*[)\]]$")
 _STEP = late_pattern(r"(\w+)\s*(?:-+>|[→➔⟶])\s*(\w+)")
+_FOOTNOTES = "*†‡§¹²³⁴⁵⁶⁷⁸⁹"
 _JOINERS = "\u200c\u200d"  # invisible, but part of how Persian, Hindi and composed emoji are written
 _CLASSES = {"Cc": "a control character", "Cf": "an invisible character", "Cs": "half a character (a lone surrogate)"}
 _CLASSES |= {"Zl": "a line separator", "Zp": "a paragraph separator"}
@@ -77,6 +78,20 @@ def name_problems(rows: Sequence[RowNames]) -> list[Problem]:
                     mark=getattr(rows[0], f"{kind}_mark"),
                     field=kind,
                     suggestion="rows are in the order from the base to the tool",
+                )
+            )
+        marked = [place for place, word in enumerate(words) if word[-1] in _FOOTNOTES]
+        if marked and (len(marked) < len(words) or words[0][-1] == "*"):
+            first = words[marked[0]]
+            problems.append(
+                Problem(
+                    message=f"the name {shown(first)} ends with the mark of a footnote, and keeps it",
+                    severity="notice",
+                    mark=getattr(rows[marked[0]], f"{kind}_mark"),
+                    joint=rows[marked[0]].joint,
+                    field=kind,
+                    found=first,
+                    suggestion="take out the mark, and write what the footnote says in a column, such as type",
                 )
             )
     for joint, link, joint_mark, link_mark in rows:

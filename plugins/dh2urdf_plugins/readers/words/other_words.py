@@ -163,8 +163,11 @@ _TYPES = {
     "фиксированная, фиксированный, nieruchomy, stały, sabit, 고정",
 }
 _CONVENTIONS = {
-    Convention.STANDARD: "estándar",
-    Convention.MODIFIED: "modifiziert, modifiée, modificada, modificata",
+    Convention.STANDARD: "estándar, klassisch, klassische, classique, clásica, clásico, classica, classico, clássica, "
+    "standardowa, klasyczna, standart, klasik, стандартная, классическая, 标准, 经典, 標準, 표준, "
+    "标准dh, 標準dh, 经典dh",
+    Convention.MODIFIED: "modifiziert, modifizierte, modifiée, modifié, modificada, modificado, modificata, "
+    "modificato, zmodyfikowana, değiştirilmiş, модифицированная, 改进, 改良, 修正, 수정, 改进dh, 改良dh, 修正dh",
 }
 OTHER_TYPES = {key: kind for kind, words in _TYPES.items() for word in words.split(", ") for key in keys_of(word)}
 """Types of joints by the keys of words for them."""

@@ -171,8 +171,8 @@ SUSPECTS = {
     "mass": "mass, masses, weight*, *masse, masa, massa, peso, poids, *gewicht*, payload*, *质量*, *重量*",
     "offset": "offset*, zero*, home*, *versatz*, décalage*, desfase*, desplazamiento*, *nullpunkt*, "
     "calibration*, deslocamento*, *偏*, *零位*, *初始*",
-    "sign": "sign, sense, mirror*, direction*, dir, invert*, revers*, flip*, polarity, vorzeichen, *richtung, sens, "
-    "sentido, senso, sinal, *方向*",
+    "sign": "sign, sense, mirror*, direction*, dir, invert*, revers*, flip*, polarity, vorzeichen, "
+    "*richtung, *drehsinn, sens, sentido, senso, sinal, *方向*",
     "limits": "limit*, límit*, range, ranges, bound*, stroke, travel, *grenze*, *bereich, anschlag, plage, butée*, "
     "borne*, rango, recorrido, corsa, escursione, débattement, lower, upper, min, max, minimum, maximum, "
     "faixa, curso, *范围*, *限*, *行程*",

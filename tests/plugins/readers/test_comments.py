@@ -1013,3 +1013,52 @@ def test_a_remark_that_names_a_frame_is_noticed_in_a_table_without_types(
     assert remark in [notice.found for notice in read_one(table).notices]
     typed = f"joint,type,a,alpha,d,remark\nj1,R,0.3,0,0,ok\nj2,F,0,0,0.1,{remark}\n"
     assert remark not in [notice.found for notice in read_one(typed).notices]
+
+
+@pytest.mark.parametrize(
+    "comment",
+    [
+        *("gesperrt", "nicht angetrieben", "gekoppelt mit Achse 2", "Drehrichtung negativ", "gegenläufig", "fest"),
+        *("bloqué", "non actionné", "couplé à l'axe 2", "bloqueada", "no actuada", "sentido contrario", "bloccato"),
+        *("固定", "不动", "被动关节", "方向相反", "与关节2耦合", "constant"),
+    ],
+)
+@pytest.mark.parametrize("suffix", [".csv", ".yaml"])
+def test_what_a_comment_of_another_language_says_about_the_joint_of_its_row_is_noticed(
+    comment: str, suffix: str, read_one: Callable[..., Manipulator]
+) -> None:
+    """In English it was."""
+    table = f"a,alpha,d\n0.3,0,0.1, # {comment}\n"
+    if suffix == ".yaml":
+        table = f"joints: [{{a: 0.3, alpha: 0, d: 0.1}}]  # {comment}\n"
+    assert [notice.found for notice in read_one(table, suffix).notices] == [f"# {comment}"]
+
+
+@pytest.mark.parametrize(
+    "comment",
+    [
+        *("Gelenk 2 ist fest", "articulation 2 bloquée", "articulación 2 bloqueada", "关节2固定", "Nullstellung 90°"),
+        *("零位偏移90°", "偏置90°", "nach unten montiert", "monté à l'envers", "montado boca abajo", "倒置安装"),
+        *("最大速度180°/s", "最大力矩50Nm", "vitesse max 180 °/s", "par máximo 50 Nm", "joint 3 moves up and down"),
+    ],
+)
+def test_what_only_columns_can_say_is_noticed_in_other_languages(
+    comment: str, read_one: Callable[..., Manipulator]
+) -> None:
+    assert read_one(f"# {comment}\na,alpha,d\n0.3,0,0.1\n").notices[0].found == f"# {comment}"
+
+
+def test_a_comment_about_parameters_of_the_link_before_speaks_of_the_modified_convention(
+    read_one: Callable[..., Manipulator],
+) -> None:
+    (notice,) = read_one("# a_{i-1} and alpha_{i-1} in each row\na,alpha,d\n0.3,0,0.1\n").notices
+    assert "speaks of the modified convention" in notice.message
+    assert read_one("# theta from x_{i-1} to x_i about z_{i-1}\na,alpha,d\n0.3,0,0.1\n").notices == ()
+
+
+@pytest.mark.parametrize("comment", ["d is the joint variable", "q = d"])
+def test_d_as_the_variable_is_refused_in_a_table_without_types(
+    comment: str, read: Callable[..., list[Manipulator | Rejected]]
+) -> None:
+    with pytest.raises(TableError, match="speaks of a prismatic joint"):
+        read(f"# {comment}\n{UNTYPED}", convention="standard")

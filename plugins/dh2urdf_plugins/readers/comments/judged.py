@@ -48,7 +48,8 @@ _SEQUENCE = late_pattern(
 """The joints of an arm by their letters: ``RRP``, ``R-R-P-R``, ``R R P``, ``RP robot``, ``2R1P``."""
 _SLIDING_ARM = late_pattern(
     r"(?<![^\W_])(?:scara|(?:cartesian|cylindrical|gantry) (?:robot|arm|manipulator)|stanford (?:arm|manipulator)"
-    r"|(?:polar|spherical) (?:robot|arm|manipulator)|gantry|telescop\w*|(?:ball|lead)[ -]?screw|moves? linearly|stroke"
+    r"|(?:polar|spherical) (?:robot|arm|manipulator)|gantry|telescop\w*|(?:ball|lead)[ -]?screw"
+    r"|moves? (?:linearly|up|along)|stroke"
     r"|linear (?:motion|actuator|drive|slide|guide|module|unit|rail)s?(?! speed| veloc| accel)"
     r"|[1-9] (?:linear ax[ei]s|translations?|traslaci[oó]n(?:es)?|traslazion[ei]|translationen|transla[cç](?:ão|ões)))"
     r"(?![^\W_])",
@@ -69,6 +70,7 @@ _NTH_SLIDES = late_pattern(
 )
 _SLIDE_VARIABLE = late_pattern(
     r"(?<![^\W_])d_?[0-9]{1,2}\*?\s+(?:is\s+)?(?:an?\s+|the\s+)?(?:joint\s+)?variable"
+    r"|(?<![^\W_])d(?:\s*_?i)?\s+is\s+(?:an?\s+|the\s+)?(?:joint\s+)?variable|(?<![^\W_])q\s*=\s*d(?![^\W])"
     r"|variables?\b[^.]*?(?<![^\W_])d_?[0-9]{1,2}\b"
     r"|(?<![^\W_])q\s*=\s*[\[({][^\])}]*(?<![^\W_])d_?[0-9]|(?<![^\W_])q_?[0-9]\s*=\s*d_?[0-9]",
     re.IGNORECASE,

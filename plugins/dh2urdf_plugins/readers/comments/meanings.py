@@ -15,7 +15,7 @@ NTH = (
     r"(?:(?:joint|axis|link|gelenk|achse|axe|articulation|articulaci[oó]n|articulação|eje|giunto|asse|junta|eixo|关节|轴|関節|軸"
     r"|관절|축|przegub|eklem|сочленение|ось|j|q)[\s_.#-]*[0-9]{1,2}|第?\s?[0-9一二三四五六七](?:关节|轴|関節|軸)"
     r"|(?:[0-9]{1,2}(?:st|nd|rd|th|\.|[eªº])|first|second|third|fourth|fifth|sixth|last)\s+"
-    r"(?:joint|axis|gelenk|achse|axe|articulation|eje|giunto|asse))(?![^\W_])"
+    r"(?:joint|axis|gelenk|achse|axe|articulation|eje|giunto|asse))(?![a-zA-Z0-9\u00c0-\u04ff])"
 )
 """A joint by its number, as prose names it."""
 _VARIABLE = rf"(?:{NTH}|(?<![^\W_])(?:θ|theta|th|q|d)[\s_{{]*(?:[0-9]{{1,2}}|[₁-₉])\}}?)"
@@ -49,9 +49,13 @@ def _meaning(words: str, *patterns: str, also: tuple[str, ...] = ()) -> Meaning:
 
 
 _STATES = (
-    "fixed locked coupled mimic reversed inverted opposite negative negated welded frozen blocked clamped passive "
-    "unused disabled swapped exchanged mirrored flipped dependent follows linked"
+    "fixed locked coupled mimic reversed inverted opposite negativ negated welded frozen blocked clamped passiv unused "
+    "disabled swapped exchanged mirrored flipped dependent follows linked constant "
+    "fest gesperrt blockiert gekoppelt gegenläufig umgekehrt invertiert gespiegelt konstant bloqué couplé inversé fixe "
+    "bloquead acoplad invertid fijo fija pasiv contrari constante bloccat accoppiat invertit fisso fissa"
 )
+_EASTERN_STATES = "固定 不动 被动 从动 耦合 锁定 反向 相反 联动 連動 반대 고정"
+"""The same in scripts whose words have no blanks between them."""
 _TURNED = "reversed inverted opposite negative positive"
 _TIP = "(?:tool|tip|tcp|flange|end[ -]?effector|gripper|hand)"
 _FROM = "horizontal vertical absolute offset shifted versatz décalage decalage desfase"
@@ -65,18 +69,20 @@ def _any(words: str) -> str:
 MOTION = "how a joint moves"
 MEANINGS = {
     MOTION: _meaning(
-        f"{_STATES} {_TURNED} never n't n’t",
+        f"{_STATES} {_EASTERN_STATES} {_TURNED} never n't n’t",
         rf"{NTH}{_NEAR}?{_WORD}(?:{_any(_STATES)}|(?:not|never|n['’]t)\s+(?:mov|used|actuated|driven|turn|rotat))",
+        rf"{NTH}{_NEAR}?(?:{_any(_EASTERN_STATES)}|{_WORD}(?:nicht|non|no|não)\s+(?:an)?(?:ge(?:trieb|nutz)|verwend|bewegt|a[ck]t))",
         rf"{_WORD}{_any(_TURNED)}\s+(?:direction|sense|sign)\b{_NEAR}{NTH}",
-        also=("not ",),
+        also=("not ", "nicht ", "non ", "no ", "não "),
     ),
     "its sign": _meaning("sign: sign= signs", rf"{_WORD}signs?\s*[:=]\s*[\[(]?\s*{_SIGN}(?!\s?[0-9])"),
     "another joint in it": _meaning(
         "=", r"(?:θ|theta|th|q|j)[\s_{]*[0-9]{1,2}[a-z_}]{0,8}\W{0,3}=[^=]*(?:θ|theta|th|q|j)[\s_{]*[0-9]"
     ),
     "what is added to it": _meaning(
-        f"{_FROM} {_OFFSETS} added subtract plus minus",
+        f"{_FROM} {_OFFSETS} added subtract plus minus 偏置 偏移 オフセット",
         rf"{_WORD}(?:add|subtract|plus|minus)(?:ed)?\s{_NEAR}?{_SOME}{_NEAR}{_VARIABLE}",
+        r"(?:偏置|偏移|オフセット)\W{0,3}[0-9π]",
         rf"{_SOME}\s*(?:°|deg\w*|rad\w*|mm|cm|m)?\s*(?:offset|shift|versatz){_END}",
         rf"{_VARIABLE}[^.;]{{0,32}}?{_WORD}{_any(_FROM)}",
         rf"{_WORD}{_any(_OFFSETS)}{_END}[^.;]{{0,16}}{_VARIABLE}",
@@ -90,10 +96,11 @@ MEANINGS = {
         rf"(?:θ|theta|th)\w{{0,3}}\W{{0,3}}=\s*[-−]?\s*q\w{{0,3}}\s*{_SIGN}\s*{_SOME}",
     ),
     "where its zero is": _meaning(
-        "zero home initial reference starts",
+        "zero home initial reference starts zéro cero null 零",
         rf"{_WORD}(?:zero|home|rest|initial|reference)\b{_NEAR}"
         rf"(?:{_VARIABLE}|(?:position|pose|configuration|angle)s?)[^;]{{0,40}}?(?<![\w.,])[-+−]?{_ADDED}",
-        rf"{_VARIABLE}{_NEAR}{_WORD}(?:zero|home|starts? at)\b{_NEAR}{_ADDED}",
+        rf"{_VARIABLE}{_NEAR}{_WORD}(?:zero|home|starts? at|zéro|cero)\b{_NEAR}{_ADDED}",
+        rf"(?:null(?:stellung|lage|punkt|position)|零位|零点){_NEAR}(?<![\w.,])[-+−]?{_ADDED}|(?:零位|零点)\D?[0-9]",
         also=("rest ", "start at"),
     ),
     "how far it moves": _meaning(
@@ -107,14 +114,15 @@ MEANINGS = {
     ),
     "that it turns the other way, or that the base is turned": _meaning(
         "clockwise cw mirror uhrzeiger 顺时针 時計 시계 horaire horario horário orario часовой upside ceiling "
-        "wall handed kopf häng hang 装 z0 z_0 z₀",
+        "wall handed kopf häng hang 装 z0 z_0 z₀ unten decke envers plafond boca techo capovolt 倒",
         rf"(?<!counter)(?<!counter-)(?<!anti)(?<!anti-){_WORD}(?:clockwise|cw{_END})",
         rf"{_WORD}mirror(?:ed|s)?{_END}|(?<!gegen den )uhrzeigersinn",
         r"顺时针|(?<!反)時計回り|(?<!반)시계 ?방향|(?<!против )часовой",
         rf"(?<!anti)(?<!anti-){_WORD}h?or[aá](?:ire|rio){_END}",
         rf"upside[ -]down|{_WORD}(?:ceiling(?! height)|wall[ -]mounted|left[ -]handed|kopfüber){_END}",
         rf"{_WORD}(?:hängend|hang(?:s|ing)){_END}",
-        rf"倒装|吊装|{_WORD}z_?[0₀][^.;]{{0,16}}(?:down|unten|abajo){_END}",
+        r"nach unten|(?:an|von) der decke|à l['’]envers|au plafond|boca abajo|(?:d|en )el techo|capovolt",
+        rf"倒[装置挂]|吊装|{_WORD}z_?[0₀][^.;]{{0,16}}(?:down|unten|abajo){_END}",
     ),
     "that all numbers are scaled": _meaning(
         "10 multipl divided scal maßstab massstab chelle times normali dimensionless = ≙ equals",

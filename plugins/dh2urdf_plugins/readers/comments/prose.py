@@ -71,6 +71,8 @@ _NEGATIONS = frozenset(("not", "non", "no", "unlike", "nicht", "kein", "keine", 
 _BEFORE_DENIED = frozenset("the a an any in using with by to der die das in la le el".split())  # noqa: SIM905
 """Words between a negation and what is denied."""
 _MOVES = late_pattern(r"(?<![^\W_])(?:rot|trans|tr|r|t|d)[\s_({\\]*([xz])(?![a-z])", re.IGNORECASE)
+_PREVIOUS = late_pattern(r"(?<![^\W_])(?:a|alpha|α)[\s_({]{0,3}i\s?[-−]\s?1", re.IGNORECASE)
+"""Parameters of the link before: ``a_{i-1}``."""
 _OF_MOVES = {"xxzz": Convention.MODIFIED, "zzxx": Convention.STANDARD}
 """The convention of a product by the axes of its moves: ``Rx(α)·Tx(a)·Rz(θ)·Tz(d)``."""
 _ALONE = late_pattern(
@@ -167,6 +169,8 @@ def convention_in_prose(line: str) -> Convention | None:
     spoken = spoken_in(said)
     if not spoken and (others := spoken_in([words[place] for place in denied])):
         spoken = [each for each in _PROSE if each not in others]
+    if not spoken and _PREVIOUS.search(line):
+        return Convention.MODIFIED
     if not spoken and "x" in plain and "z" in plain:
         return _OF_MOVES.get("".join(_MOVES.findall(line)).lower())
     return spoken[0] if len(spoken) == 1 else None

@@ -38,7 +38,7 @@ _CITATION = late_pattern(r"\[[0-9]{1,3}\][.,]?")
 """``see [2]``, whose bracket is the sign behind a key."""
 _CLAUSES = late_pattern(r"[,;()]\s|[()]|\.\s+(?=[A-Z])")
 _NUMBER = late_pattern(
-    r"(?<![\w.,])(?P<either>±\s?|\+/?[-−]\s?)?(?P<number>[-+−–]?\s?(?:[0-9]+(?:[.,][0-9]+)?|[.,][0-9]+))"
+    r"(?<![a-zA-Z0-9_\u00c0-\u04ff.,])(?P<either>±\s?|\+/?[-−]\s?)?(?P<number>[-+−–]?\s?(?:[0-9]+(?:[.,][0-9]+)?|[.,][0-9]+))"
     r"(?:\s*(?P<unit>(?:°|[^\W\d_]+)(?:[/·*][^\W\d_]+)?))?(?!\w)"
 )
 _NO_UNIT = late_pattern(r"\s*(?:of|de|di)\s+(?:freedom|libert)", re.IGNORECASE)

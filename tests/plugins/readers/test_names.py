@@ -91,6 +91,11 @@ def test_a_joint_has_no_name_that_the_description_gives(
         (("j1",), None),
         (("0->1", "1->2", "2->EE"), None),
         (("0->1", "1->2", "3->EE"), "do not follow each other: 3->EE is behind 1->2"),
+        (("1-2", "2-3", "4-5"), "do not follow each other: 4-5 is behind 2-3"),
+        (("Base–L1", "L1–L2", "L1–L3"), "do not follow each other: L1–L3 is behind L1–L2"),
+        (("0 to 1", "2 to 3"), "do not follow each other: 2 to 3 is behind 0 to 1"),
+        *((names, None) for names in (("wrist-1", "wrist-2", "wrist-3"), ("a-1", "a-2"), ("L1-L2", "L2-L3"))),
+        (("arm-1", "arm-2", "arm-4"), "leap from 2 to 4"),
         (("0 → 1", "1 → 2", "1 → 2"), "do not follow each other: 1 → 2 is behind 1 → 2"),
         (("0->1", "elbow", "3->EE"), None),
     ],
@@ -192,3 +197,32 @@ def test_links_of_rows_in_order_are_left_out(read: Callable[..., list[Manipulato
     good = "r{0},j1,base,l1,0.3,0,0\nr{0},j2,l1,l2,0.3,0,0\n"
     arms = read(f"{header}\n{good.format(1)}{good.format(2).replace('j2,l1', 'j2,l0')}", convention="standard")
     assert [isinstance(arm, Rejected) for arm in arms] == [False, True]
+
+
+@pytest.mark.parametrize(
+    ("name", "accepted"),
+    [
+        *(
+            ("Joint 2 (prismatic)", "write prismatic"),
+            ("J2 (pris)", "write prismatic"),
+            ("Elbow [linear]", "write prismatic"),
+        ),
+        *(("Joint 2 (elbow, prismatic)", "write prismatic"), ("Elbow (schub)", None), ("J2 (rev)", None)),
+        *(
+            ("Joint 2 (elbow, fixed)", "write fixed"),
+            ("Elbow [not used]", "write fixed"),
+            ("J2 (passive)", "write fixed"),
+        ),
+        *(("Joint 2 (shoulder pan)", None), ("Joint 2 (1)", None), ("Elbow (R)", None), ("J2 (fixture side)", None)),
+    ],
+)
+def test_a_type_in_brackets_behind_a_name_is_asked_about(
+    name: str, accepted: str | None, read: Callable[..., list[Manipulator | Rejected]]
+) -> None:
+    """`Joint 2 (P)` was refused, and the words were part of a revolute joint's name."""
+    (arm,) = read(f"joint;a;alpha;d\nJoint 1;0.3;0;0\n{name};0.2;0;0\n", convention="standard")
+    assert isinstance(arm, Rejected) == bool(accepted)
+    if isinstance(arm, Rejected):
+        assert accepted in str(arm.problems[0])
+    (arm,) = read(f"joint;type;a;alpha;d\nJoint 1;R;0.3;0;0\n{name};R;0.2;0;0\n", convention="standard")
+    assert not isinstance(arm, Rejected)

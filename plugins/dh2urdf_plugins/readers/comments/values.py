@@ -75,7 +75,7 @@ def unread_values(comment: Comment, *, place: str = "column") -> list[Problem]:
 
 def spoken_values(comment: Comment, *, place: str = "column") -> list[Problem]:
     """A notice of a comment that gives a number to joints, or to the payload, in words: ``max. speed 180 deg/s``."""
-    has_number = any(after.isdigit() and not before.isalnum() for before, after in pairwise(f" {comment.text}"))
+    has_number = any(b.isdigit() and not (a.isascii() and a.isalnum()) for a, b in pairwise(f" {comment.text}"))
     for clause in _CLAUSES.split(comment.text) if has_number else ():  # ``UR5`` is none, and compiles no pattern
         for match in _NUMBER.finditer(clause):
             before, behind = clause[: match.start()], clause[match.end() :]

@@ -101,8 +101,10 @@ _SLIDE_IN_PROSE = late_pattern(
     r"|pryzmatyczn|przesuwn)|移动副|移动关节|直动关节|直動関節|직동 ?관절|병진 ?관절",
     re.IGNORECASE,
 )
-_TYPE_BEHIND = late_pattern(r"(?:[^\W_].*[(\[]\s*p\s*[)\]]|[a-z].*[0-9][\s_-]+p)\s*", re.IGNORECASE)
-"""``Joint 2 (P)``, ``J2-P``."""
+_TYPE_BEHIND = late_pattern(r"[^\W_].*[(\[]([^()\[\]]*)[)\]]\s*|[a-z].*[0-9][\s_-]+(p)\s*", re.IGNORECASE)
+"""``Joint 2 (P)``, ``Joint 2 (elbow, prismatic)``, ``J2-P``."""
+_UNMOVED = _words("f fix notused unused passive passiv dummy virtual locked notactuated unactuated inactive gesperrt")
+"""What is behind the name of a joint that does not move, in brackets."""
 _TO_FRAME = late_pattern(r"[0-9]{1,3}\s*(?:-+>|[→➔⟶])\s*[a-z]", re.IGNORECASE)
 """The last row of a table whose rows are ``0->1``, ``1->2``: ``6->G`` leads to the gripper."""
 _HINT = late_pattern("|".join(_TOTALS | _FRAMES | _SLIDES | _SLIDING))
@@ -121,7 +123,20 @@ def kind_of(name: str) -> RowKind | None:
     if name and (not key or _consists_of(key, _FRAMES, _OF_FRAMES) or _TO_FRAME.fullmatch(name)):
         return "frame"
     slides = _SLIDE_SYMBOL.fullmatch(key) or _consists_of(key, _SLIDES | _SLIDING, _OF_SLIDES)
-    return "slide" if slides or _TYPE_BEHIND.fullmatch(name) or speaks_of_slide(name) else None
+    return "slide" if slides or speaks_of_slide(name) else _kind_behind(name)
+
+
+def _kind_behind(name: str) -> RowKind | None:
+    """What a row is by what is behind its name: ``Joint 2 (P)``, ``J7 [fixed]``."""
+    match = _TYPE_BEHIND.fullmatch(name)
+    for word in re.split("[,;/]", match[1] or match[2]) if match else ():
+        key = _key(word)
+        kind = joint_type(word) if len(key) > 1 and key.isalpha() else None
+        if kind is JointType.FIXED or key in _UNMOVED:
+            return "frame"
+        if kind is JointType.PRISMATIC or key == "p":
+            return "slide"
+    return None
 
 
 def is_total(name: str) -> bool:

@@ -22,7 +22,9 @@ RESERVED = (WORLD, ROOT, BASE, *ENDS)
 """Links that every robot description of ours has; `world` is the simulators' own."""
 _NUMBERED = late_pattern(r"(.*?)([0-9]{1,9})", re.DOTALL)
 _REMARK = late_pattern(r"(?<=[0-9])\s*[(\[][^()\[\]]*[)\]]$")
-_STEP = late_pattern(r"(\w+)\s*(?:-+>|[→➔⟶])\s*(\w+)")
+_STEP = late_pattern(r"(\w+)\s*(-*>|[→➔⟶]|[-–]|\bto\b)\s*(\w+)")
+_BETWEEN = (">", "-", " to ")
+_DASHES = "-–"
 _FOOTNOTES = "*†‡§¹²³⁴⁵⁶⁷⁸⁹"
 _JOINERS = "\u200c\u200d"  # invisible, but part of how Persian, Hindi and composed emoji are written
 _CLASSES = {"Cc": "a control character", "Cf": "an invisible character", "Cs": "half a character (a lone surrogate)"}
@@ -126,11 +128,13 @@ def order_fault(names: Sequence[str]) -> str | None:
     Returns:
         What is wrong with their numbers, as the end of a sentence; None where nothing is.
     """
-    may_be_step = ">" in names[0] or not names[0].isascii()
-    if may_be_step and (first := _STEP.fullmatch(names[0])):
-        steps = [first, *filter(None, map(_STEP.fullmatch, names[1:]))]
-        wrong = [pair for pair in pairwise(steps) if pair[0][2] != pair[1][1]] if len(steps) == len(names) else []
-        return f"do not follow each other: {wrong[0][1][0]} is behind {wrong[0][0][0]}" if wrong else None
+    may_be_step = any(sign in names[0] for sign in _BETWEEN) or not names[0].isascii()
+    steps = [step for name in names if (step := _STEP.fullmatch(name))] if may_be_step else []
+    if len(steps) == len(names):
+        pairs = list(pairwise(steps))
+        wrong = [pair for pair in pairs if pair[0][3] != pair[1][1]]
+        if wrong and (len(wrong) < len(pairs) or steps[0][2] not in _DASHES):  # `wrist-1`, `wrist-2` are no steps
+            return f"do not follow each other: {wrong[0][1][0]} is behind {wrong[0][0][0]}"
     if names[0][-1:] in ")]":
         names = [_REMARK.sub("", name) for name in names]  # `Joint 1 (shoulder)`
     parts = [_NUMBERED.fullmatch(name) for name in names] if all(name[-1:].isdecimal() for name in names) else []

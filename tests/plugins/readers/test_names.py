@@ -226,3 +226,24 @@ def test_a_type_in_brackets_behind_a_name_is_asked_about(
         assert accepted in str(arm.problems[0])
     (arm,) = read(f"joint;type;a;alpha;d\nJoint 1;R;0.3;0;0\n{name};R;0.2;0;0\n", convention="standard")
     assert not isinstance(arm, Rejected)
+
+
+def test_the_variable_in_d_is_no_type_in_a_column_beside_it(read_one: Callable[..., Manipulator]) -> None:
+    """A table of a SCARA, whose last column lists the variables, was refused."""
+    arm = read_one("a,alpha,d,theta,variable\n0.3,0,0.4,θ1,θ1\n0,0,d2,0,d2\n0,0,0.1 + d3,0,d3\n")
+    assert [str(row.type) for row in arm.rows] == ["revolute", "prismatic", "prismatic"]
+
+
+def test_a_frame_that_is_read_as_fixed_has_one_notice(read_one: Callable[..., Manipulator]) -> None:
+    notices = read_one("frame,a,alpha,d,theta\nShoulder,0.3,0,0,θ1\nEnd,0.1,0,0,0\n").notices
+    assert [notice.found for notice in notices if "End" in str(notice)] == [None]
+
+
+@pytest.mark.parametrize("header", ["d_max", "d max [mm]", "dmin"])
+def test_bounds_of_d_are_answered_with_bounds_of_q(
+    header: str, read: Callable[..., list[Manipulator | Rejected]]
+) -> None:
+    """The advice was `velocity`."""
+    (arm,) = read(f"a,alpha,d,{header}\n0.3,0,q1 + 0.1,400\n", convention="standard")
+    assert isinstance(arm, Rejected)
+    assert "columns lower and upper" in "\n".join(map(str, arm.problems))

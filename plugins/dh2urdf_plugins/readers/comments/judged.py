@@ -134,7 +134,8 @@ def remark_problems(remark: Comment, number: int, statements: Statements, column
             problems
             or unread_values(remark)
             or unread_prose(_about_joint(remark, number), statements)
-            or (_other_type(remark, number, typed=typed) or spoken_values(remark))
+            or _other_type(remark, number, typed=typed or "joint" not in columns.fields)  # else it calls the row
+            or spoken_values(remark)
         )
     return [
         Problem(

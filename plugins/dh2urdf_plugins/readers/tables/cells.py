@@ -57,6 +57,7 @@ class TableCells:
         keys = [read_header(header).key for header in headers] if None in columns.fields else []
         starts = [k for k, key in enumerate(keys) if _STEPS.get(key) in keys]
         self.steps = (starts[0], keys.index(_STEPS[keys[starts[0]]])) if starts else None
+        self.d_text = ""  # of the row: its cell in d
         self.reached = ""  # of the manipulator: the link that the row above leads to
         self.remarks: dict[
             str, tuple[Comment, int, str]
@@ -77,6 +78,7 @@ class TableCells:
         """
         columns, joint, texts = self.columns, f"joint_{number}", list(map(text_of, row))
         cells = self._label(texts, marks)
+        self.d_text = texts[columns.fields.index("d")].casefold() if "d" in columns.fields[: len(texts)] else ""
         if self.steps:
             parent, child = (Cell(texts[k].strip(SPACES), marks[k]) for k in self.steps)
             self._follow(parent, child, number)
@@ -192,7 +194,8 @@ class TableCells:
     def _look_for_types(self, text: str, index: int, mark: Mark, number: int, reader: RowReader) -> bool:
         """Refuses a column that no field knows where it plainly holds types, since joints without are revolute."""
         word = text.strip(SPACES)
-        if self.has_type or not holds_type(word, number):
+        in_d = word and word.casefold() in self.d_text  # the variable that is in d shows that the joint slides
+        if self.has_type or in_d or not holds_type(word, number):
             return False
         header = self.columns.headers[index]
         reader.add(

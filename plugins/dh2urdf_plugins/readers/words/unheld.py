@@ -57,6 +57,10 @@ UNHELD_WORDS = {
         _HOME,
     ),
     "d offset": Unheld("an offset of d alone"),
+    **dict.fromkeys(
+        _words("d min, d max"),
+        Unheld("a bound of d itself", "columns lower and upper, which bound q: d without its offset"),
+    ),
     "mdh": Unheld("the convention as a number"),
     "prismatic": Unheld("the type of a joint in another form"),
     "revolute": Unheld("the type of a joint in another form"),

@@ -623,7 +623,7 @@ def test_faults_of_the_server_are_told(studio_address: str, new_tab: Callable[..
     """What the server cannot do is said on the page, and the studio goes on."""
     tab = new_tab(studio_address)
     page = tab.open("ur5")
-    page.evaluate("emitEvent('dh-row', ['nowhere', 0])")
+    page.evaluate("emitEvent('dh-edit', ['nowhere'])")
     page.get_by_text(re.compile("The studio failed at this")).wait_for()
     page.get_by_role("button", name="Close").click()
     tab.type_into(1, "a", "-0.5")

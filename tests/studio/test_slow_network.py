@@ -154,6 +154,161 @@ def test_a_cell_is_typed_in_the_row_that_is_on_the_screen(
     tab.wait_for_cells(row, joint=joint, a="9.9")
 
 
+def press(tab: Any, row: int, key: str) -> None:
+    tab.cell(row, "a").click()
+    tab.page.keyboard.press(key)
+
+
+PASTE = """text => {
+    const data = new DataTransfer();
+    data.setData("text/plain", text);
+    document.activeElement.dispatchEvent(new ClipboardEvent("paste", { clipboardData: data, bubbles: true }));
+}"""
+
+
+def paste(tab: Any, row: int, text: str) -> None:
+    tab.cell(row, "a").click()
+    tab.page.evaluate(PASTE, text)
+
+
+def button(tab: Any, row: int, name: str) -> None:
+    tab.cell(row, "a").click()
+    tab.page.get_by_role("button", name=name).click()
+
+
+ELSEWHERE: dict[str, tuple[Callable[[Any, int], None], Callable[[list[list[str]], int], object]]] = {
+    "a text": (lambda tab, row: tab.type_into(row, "a", "9.9"), lambda rows, at: rows[at].__setitem__(1, "9.9")),
+    "an empty cell": (lambda tab, row: press(tab, row, "Delete"), lambda rows, at: rows[at].__setitem__(1, "")),
+    "a paste": (lambda tab, row: paste(tab, row, "9.9"), lambda rows, at: rows[at].__setitem__(1, "9.9")),
+    "Alt+Delete": (lambda tab, row: press(tab, row, "Alt+Delete"), lambda rows, at: rows.pop(at)),
+    "Alt+ArrowUp": (
+        lambda tab, row: press(tab, row, "Alt+ArrowUp"),
+        lambda rows, at: rows.insert(at - 1, rows.pop(at)),
+    ),
+    "a drag": (lambda tab, row: drag_row(tab, row, row + 1), lambda rows, at: rows.insert(at + 1, rows.pop(at))),
+    "remove": (lambda tab, row: button(tab, row, "remove the row"), lambda rows, at: rows.pop(at)),
+    "up": (lambda tab, row: button(tab, row, "move the row up"), lambda rows, at: rows.insert(at - 1, rows.pop(at))),
+}
+"""What is done to a row by its number on the screen, and to the rows of a list."""
+UR5 = [["shoulder_pan", "0"], ["shoulder_lift", "-0.425"], ["elbow", "-0.39225"], *([f"wrist_{n}", "0"] for n in "123")]
+
+
+def wait_for_rows(tab: Any, rows: list[list[str]]) -> None:
+    """Waits until the table has these joints and lengths a, on the screen and on the server."""
+    tab.settle()
+    for reload in (tab.page.reload, tab.settle):
+        tab.page.locator(f".dh-table [aria-rowcount='{len(rows) + 1}']").wait_for()
+        for number, (joint, a) in enumerate(rows):
+            tab.wait_for_cells(number, joint=f"{joint}_joint", a=a)
+        reload()
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("way", ["undo", "redo"])
+@pytest.mark.parametrize("act", ELSEWHERE)
+def test_what_is_done_before_an_undo_is_on_the_screen(slow: tuple[Any, Network], act: str, way: str) -> None:
+    """It is done to the row of the screen; it was done to the row that had its number after the undo."""
+    tab, network = slow
+    press(tab, 1, "Alt+Delete")
+    before, after = [UR5[0], *UR5[2:]], UR5
+    if way == "redo":
+        tab.page.keyboard.press("Control+z")
+        before, after = after, before
+    wait_for_joints(tab, [joint for joint, _ in before])
+    network.hold()
+    tab.page.get_by_role("button", name=way, exact=True).click()
+    network.wait_for("dhGrid.fill")
+    do, in_list = ELSEWHERE[act]
+    do(tab, 3)
+    network.release()
+    rows = [list(row) for row in after]
+    in_list(rows, next(at for at, row in enumerate(rows) if row[0] == before[3][0]))
+    wait_for_rows(tab, rows)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize(
+    ("keys", "more", "refused"),
+    [
+        (["0", ".", "1", "Enter"], [], "a: 0.1"),
+        (["0", ".", "1"], ["2", "Enter"], "a: 0.1"),
+        (["Alt+Delete"], [], "remove"),
+        (["Alt+ArrowUp"], [], "up"),
+        (["Alt+Insert"], [], "add"),
+        (["Delete"], [], None),
+    ],
+)
+def test_what_is_done_to_a_row_that_is_gone(
+    slow: tuple[Any, Network], keys: list[str], more: list[str], refused: str | None
+) -> None:
+    """It is refused in words where something would be lost, and no other row changes, though more letters follow."""
+    tab, network = slow
+    press(tab, 1, "Alt+Insert")
+    tab.wait_for_cell(2, "joint", "joint_7")
+    tab.settle()
+    network.hold()
+    tab.page.get_by_role("button", name="undo", exact=True).click()
+    network.wait_for("dhGrid.fill")
+    tab.cell(2, "a").click()
+    for key in keys:
+        tab.page.keyboard.press(key)
+    network.release()
+    if refused:
+        told = tab.page.locator(".q-notification__message")
+        told.wait_for()
+        assert told.inner_text().splitlines()[1:] == [refused]
+    for key in more:
+        tab.page.keyboard.press(key)
+    wait_for_rows(tab, UR5)
+
+
+@pytest.mark.long
+def test_cells_are_pasted_into_rows_that_are_others_by_now(slow: tuple[Any, Network]) -> None:
+    """A row has come between the two that they are meant for: a message says so, and none changes."""
+    tab, network = slow
+    press(tab, 4, "Alt+Delete")
+    wait_for_joints(tab, [*JOINTS[:4], JOINTS[5]])
+    network.hold()
+    tab.page.keyboard.press("Control+z")
+    network.wait_for("dhGrid.fill")
+    paste(tab, 3, "1\n2")
+    network.release()
+    tab.page.locator(".q-notification").get_by_text("paste").wait_for()
+    wait_for_rows(tab, UR5)
+
+
+@pytest.mark.long
+def test_a_cell_is_typed_on_while_its_row_goes_elsewhere(slow: tuple[Any, Network]) -> None:
+    """The letters before and after the answer to an undo are one text, in the row where they were begun."""
+    tab, network = slow
+    press(tab, 1, "Alt+Delete")
+    wait_for_joints(tab, [JOINTS[0], *JOINTS[2:]])
+    network.hold()
+    tab.page.keyboard.press("Control+z")
+    network.wait_for("dhGrid.fill")
+    tab.cell(3, "a").click()
+    tab.page.keyboard.type("0.1")
+    network.release()
+    tab.wait_for_cell(1, "joint", "shoulder_lift_joint")
+    tab.page.keyboard.type("23")
+    tab.page.keyboard.press("Enter")
+    wait_for_rows(tab, [*UR5[:4], ["wrist_2", "0.123"], UR5[5]])
+
+
+@pytest.mark.long
+def test_a_cell_is_typed_while_another_table_is_opened(slow: tuple[Any, Network]) -> None:
+    """Its rows are others, though their numbers are the same: the text is refused in words."""
+    tab, network = slow
+    network.hold()
+    tab.page.get_by_role("button", name="New").click()
+    network.wait_for("dhGrid.fill")
+    tab.type_into(1, "a", "9.9")
+    network.release()
+    tab.page.locator(".q-notification").get_by_text("a: 9.9").wait_for()
+    tab.page.get_by_role("button", name="undo", exact=True).click()
+    wait_for_rows(tab, UR5)
+
+
 @pytest.mark.long
 def test_the_last_rows_are_removed(slow: tuple[Any, Network]) -> None:
     """Alt+Delete three times in the last row removes three rows."""
@@ -315,13 +470,8 @@ def test_cells_are_pasted_and_dialogs_opened_over_another_connection(slow: tuple
     tab, network = slow
     tab.cell(2, "a").click()
     tab.settle()
-    script = """text => {
-        const data = new DataTransfer();
-        data.setData("text/plain", text);
-        document.activeElement.dispatchEvent(new ClipboardEvent("paste", { clipboardData: data, bubbles: true }));
-    }"""
     with network.broken():
-        tab.page.evaluate(script, "-0.3\tpi/4")
+        tab.page.evaluate(PASTE, "-0.3\tpi/4")
         tab.page.get_by_role("button", name="Open", exact=True).dblclick()
     tab.wait_for_cells(2, a="-0.3", alpha="pi/4")
     tab.page.locator(".q-dialog").wait_for()
@@ -568,7 +718,8 @@ def test_what_is_done_meanwhile_waits_for_what_was_lost(slow: tuple[Any, Network
     script = """() => {
         const { query } = socket.io.opts, { emit } = socket;
         query.implicit_handshake = false;
-        socket.on("connect", () => emitEvent("dh-edit", [0, "d", "0.7"]));
+        const key = document.querySelector(".dh-table .ag-row[row-index='0']").getAttribute("row-id");
+        socket.on("connect", () => emitEvent("dh-edit", [key, "d", "0.7"]));
     }"""
     tab.page.evaluate(script)
     with network.broken():

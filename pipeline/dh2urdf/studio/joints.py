@@ -6,6 +6,7 @@ import math
 import random
 from typing import TYPE_CHECKING
 
+from dh2urdf.kinematics import chain
 from dh2urdf.kinematics.proof_vectors import LARGEST_SAMPLE
 from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.manipulator import JointType
@@ -15,6 +16,7 @@ from dh2urdf.quantities.units import UNITS, Unit
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
+    from dh2urdf.manipulator import Manipulator
     from dh2urdf.robot import Joint
 
 _TURN = math.pi
@@ -95,6 +97,18 @@ def renamed(q: Mapping[str, float], before: Sequence[Slider], after: Sequence[Sl
 def kept(q: Mapping[str, float], of: Sequence[Slider]) -> dict[str, float]:
     """The values of joints that are still there, inside their limits; 0 or what is nearest for those that are new."""
     return {slider.name: slider.inside(q.get(slider.name, 0.0)) for slider in of}
+
+
+def reach(manipulator: Manipulator, of: Sequence[Slider]) -> float:
+    """An upper bound of the distance from base_link to tool0, every joint anywhere inside its limits [m]."""
+    ends = {slider.name: (slider.lower, slider.upper) for slider in of}
+    sliding = [row for row in manipulator.moving_rows if row.type is JointType.PRISMATIC]
+    travel = (
+        max(abs(chain.joint_variables(row, q)[1]) for q in ends.get(row.joint, (0.0,)))
+        - abs(chain.joint_variables(row)[1])
+        for row in sliding
+    )
+    return chain.reach(manipulator) + sum(travel, 0.0)
 
 
 def zero(of: Sequence[Slider]) -> dict[str, float]:

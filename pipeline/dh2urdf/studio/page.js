@@ -44,7 +44,8 @@
   // While the server is away nothing can be done to the table: it would be lost. The browser keeps the table of this tab,
   // and a server that does not know it is given it back, if a person wants that.
   const KEPT = "dh2urdf-table", UNFINISHED = "dh2urdf-unfinished";
-  // Row, field and text of the cell that is being typed; for a text of the whole table, as its name, the row is null.
+  let keys = []; // of the rows of the table that is kept
+  // Row, field and text of the cell that is being typed, the row by its key; for a text of the whole table, as its name, the row is null.
   const unfinished = () => {
     const cell = window.dhGrid?.unfinished(), field = document.activeElement;
     if (cell) return [cell.row, cell.field, cell.text];
@@ -54,7 +55,7 @@
   // What is being typed is not in the table of the server yet, but it is in the table that is kept.
   const keepUnfinished = () => {
     const left = unfinished(), kept = JSON.parse(sessionStorage.getItem(KEPT) || "null");
-    const texts = left && (left[0] === null ? kept : kept?.rows?.[left[0]]);
+    const texts = left && (left[0] === null ? kept : kept?.rows?.[keys.indexOf(left[0])]);
     if (!texts) return;
     sessionStorage.setItem(UNFINISHED, JSON.stringify(left));
     texts[left[1]] = left[2];
@@ -191,7 +192,8 @@
     leave,
     link,
     linked,
-    keep(table) {
+    keep(table, rows) {
+      keys = rows;
       sessionStorage.setItem(KEPT, table);
       sessionStorage.removeItem(UNFINISHED); // the server has it
     },

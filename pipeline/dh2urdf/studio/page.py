@@ -25,7 +25,7 @@ from dh2urdf.studio.table_grid import TableGrid
 from dh2urdf.studio.widgets import ArmView, JointSliders, LiveHtml
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
+    from collections.abc import Callable, Mapping, Sequence
 
     from dh2urdf.manipulator import Convention
     from dh2urdf.studio.drawing.mesh_store import MeshStore
@@ -73,23 +73,17 @@ class StudioPage:
             on_axes=self._resize,
             on_convention=self._choose_convention,
             on_units=self._choose_units,
-            acts={
-                "add": self._add_row,
-                "remove": self._remove_row,
-                "up": lambda: self._move_row(-1),
-                "down": lambda: self._move_row(1),
-                "columns": self._all_columns,
-            },
+            on_columns=self._all_columns,
         )
         self._table = TableGrid(
+            self.session,
             on_edit=self._edited,
             on_typing=self._typing,
             on_end=self._typing_ended,
             on_pick=self._pick,
             on_paste=self._paste,
-            on_clear=lambda *cells: self._put(edits.cleared(self.session.table, *cells), all_cells=True),
+            on_clear=self._clear,
             on_act=self._act,
-            on_move=lambda one, other: self._put(edits.moved(self.session.table, one, other), all_cells=True),
         )
         self._target = TargetPanel(self.session, self._show_pose, self._show_handle)
         self._panels = (
@@ -145,15 +139,16 @@ class StudioPage:
         if self._view.is_deleted:  # The tab was closed during a dialog.
             return
         if all_cells:
-            self._table.refresh(self.session)
+            self._table.refresh()
         else:
-            self._table.show(self.session)
+            self._table.show()
         self._show_words()
         self._show_arm()
 
     def _keep(self, table: TableText | None = None) -> None:
         """The browser keeps a table, or else the session's, for when the studio is away."""
-        ui.run_javascript(f"dhPage.keep({json.dumps(kept_text(table or self.session.table))})")
+        kept, keys = kept_text(table or self.session.table), self.session.history.keys
+        ui.run_javascript(f"dhPage.keep({json.dumps(kept)}, {json.dumps(keys)})")
 
     def _show_words(self) -> None:
         """Everything but cells and arm."""
@@ -205,11 +200,11 @@ class StudioPage:
     def _edited(self, row: int, field: str, text: str) -> None:
         try:
             self.session.edit(row, field, text)
-        except LookupError:  # The row went away meanwhile.
-            self.show(all_cells=True)
+        except LookupError:
+            self._refuse(f"{field}: {text or 'empty'}")
             return
         self._show_arm()
-        self._table.typed(self.session, row, field)
+        self._table.typed(row, field)
         self._show_words()
 
     def _typing(self, row: int, field: str, text: str) -> None:
@@ -234,7 +229,9 @@ class StudioPage:
         found = pasting.whole_tables(text, session.catalog, session.table.convention)
         is_asked = session.table.rows or isinstance(found, str)  # a whole table takes the place of an empty one
         answer = (await dialogs.ask_paste(found) if is_asked else "table") if found else "cells"
-        if answer == "cells":
+        if answer == "cells" and row < 0:
+            self._refuse("paste")
+        elif answer == "cells":
             put = pasting.pasted(session.table, row, field, text, session.columns)
             self._put(put.table, all_cells=True)
             if put.left_out:
@@ -260,48 +257,36 @@ class StudioPage:
         if table.rows and table.convention and self.session.reading.waiting == len(table.rows):
             self._table.focus(0, "a")
 
-    def _act(self, act: str, row: int) -> None:
-        """What was done to a row by key; the page may not know yet that there are fewer rows."""
-        self.session.row = min(row, max(len(self.session.table.rows) - 1, 0))
-        match act:
-            case "add":
-                self._add_row()
-            case "remove":
-                self._remove_row()
-            case _:
-                self._move_row(-1 if act == "up" else 1)
-
-    def _add_row(self) -> None:
-        at = len(self.session.table.rows) if self.session.row is None else self.session.row + 1
-        self.session.row = at
-        self._put(edits.inserted(self.session.table, at), all_cells=True)
-        self._table.focus(at, "a")
-
-    def _remove_row(self) -> None:
-        rows = len(self.session.table.rows)
-        if rows:
-            at = rows - 1 if self.session.row is None else self.session.row
-            self._put(edits.removed(self.session.table, at), all_cells=True)
-            self._table.focus(min(at, rows - 2), None)
-
-    def _move_row(self, by: int) -> None:
-        if (row := self.session.row) is None:
-            ui.notify("pick a row first: click into it", type="info")
+    def _act(self, act: str, key: str | None, other: str | None = None) -> None:
+        """What was done to a row."""
+        try:
+            self.session.arrange(act, key, other)
+        except LookupError:
+            self._refuse(act)
             return
-        if 0 <= row + by < len(self.session.table.rows):
-            self.session.row = row + by
-            self._put(edits.moved(self.session.table, row, row + by), all_cells=True)
-            self._table.focus(row + by, None)
+        self.show(all_cells=True)
+        self._table.focus(self.session.row, "a" if act == "add" else None)
+
+    def _clear(self, rows: Sequence[int], fields: Sequence[str]) -> None:
+        cells = {
+            (row, field): "" for row in rows for field in fields if row >= 0
+        }  # of a row that is gone, nothing is left
+        self._put(edits.with_cells(self.session.table, cells), all_cells=True)
+
+    def _refuse(self, act: str) -> None:
+        """The page showed other rows than those of the table when something was done to them."""
+        dialogs.warn(words.refused(act))
+        self.show(all_cells=True)
 
     def _all_columns(self) -> None:
         self.session.all_columns = not self.session.all_columns
         self.show()
 
     def _pick(self, row: int | None) -> None:
-        if row != self.session.row:
+        if row not in (self.session.row, -1):
             self.session.row = row
             self._view.highlight(row)
-            self._table.pick(row)
+            self._table.pick()
             if self.session.lesson is not None:
                 self._show_pose()
 

@@ -54,7 +54,8 @@
   }
 
   let grid = null; // the table on the page
-  let arranged = 0; // how often a person has added, removed or moved a row by key or by dragging
+  let arranged = 0; // how often a person has added, removed or moved a row
+  let made = 0; // rows that were added
   let anchor = null; // where a range of cells begins: {row, column}
   let last = null; // the cell that was clicked last
   let end = null; // where it ends; null where one cell is the range
@@ -63,6 +64,10 @@
     const cell = api.getFocusedCell();
     return cell && { row: cell.rowIndex, column: cell.column.colId };
   };
+  // A row is known by its key, which it has wherever it goes; its number is that of its place.
+  const keyAt = (api, row) => api.getDisplayedRowAtIndex(row)?.data.id;
+  const rowsOf = (api) => Array.from({ length: api.getDisplayedRowCount() }, (_, row) => api.getDisplayedRowAtIndex(row));
+  const keysFrom = (api, first, last) => Array.from({ length: last - first + 1 }, (_, at) => keyAt(api, first + at));
   // The rows and fields of the range, or of the cell that has the cursor.
   const range = (api) => {
     const from = end ? anchor : place(api), to = end ?? from;
@@ -76,7 +81,7 @@
   if (location.hash) sessionStorage.removeItem(CURSOR); // a link opens another table
   window.addEventListener("pagehide", () => {
     const left = document.activeElement?.closest(".dh-table") && grid && place(grid);
-    if (left) sessionStorage.setItem(CURSOR, JSON.stringify(left));
+    if (left) sessionStorage.setItem(CURSOR, JSON.stringify([keyAt(grid, left.row), left.column]));
   });
   let shown = null; // the range that is marked
   const mark = (api) => {
@@ -139,7 +144,7 @@
     // The cell that is being typed, as far as it is typed.
     unfinished() {
       const input = document.querySelector(".dh-table .ag-cell-inline-editing input"), cell = input?.closest(".ag-cell");
-      return cell && { row: Number(cell.closest(".ag-row").getAttribute("row-id")), field: cell.getAttribute("col-id"), text: input.value };
+      return cell && { row: cell.closest(".ag-row").getAttribute("row-id"), field: cell.getAttribute("col-id"), text: input.value };
     },
     stopEditing: () => grid?.stopEditing(),
     focusAgain: () => grid?.getFocusedCell() && grid.setFocusedCell(place(grid).row, place(grid).column),
@@ -157,7 +162,7 @@
         lines.push(cells.fields.map((field) => data[field] ?? "").join("\t"));
       }
       event.clipboardData.setData("text/plain", lines.join("\n"));
-      if (event.type === "cut") emitEvent("dh-clear", [cells.first, cells.last, cells.fields]);
+      if (event.type === "cut") emitEvent("dh-clear", [keysFrom(api, cells.first, cells.last), cells.fields]);
     },
 
     paste(api, event, emit) {
@@ -165,7 +170,8 @@
       if (event.target.tagName === "INPUT" || !cells?.fields.length) return;
       event.preventDefault();
       const { types } = event.clipboardData, isText = !types.length || types.includes("text/plain"); // none: an empty cell
-      emit([cells.first, cells.fields[0], isText ? event.clipboardData.getData("text/plain") : null]);
+      const keys = keysFrom(api, cells.first, api.getDisplayedRowCount() - 1);
+      emit([keys, cells.fields[0], isText ? event.clipboardData.getData("text/plain") : null]);
     },
 
     wrong: (params) => problem(params)?.severity === "error",
@@ -173,12 +179,13 @@
     empty: ({ data, value, colDef }) => !value && ["a", "alpha", "d"].includes(colDef.field) && !data?.problems?.[colDef.field],
     tooltip: (params) => problem(params)?.text ?? (params.value?.length > 7 ? params.value : null), // it may be cut
     number: ({ node }) => node.rowIndex + 1,
+    numberOf: (key) => (grid?.getRowNode(key)?.rowIndex ?? grid?.getDisplayedRowCount()) + 1,
 
     // Enter goes on in the next row where this one began, as in spreadsheets: 0 Tab pi/2 Tab 0.1 Enter.
     keys({ event, editing, api, node, column }) {
       if (event.altKey && !editing) {
         const act = { ArrowUp: "up", ArrowDown: "down", Insert: "add", Delete: "remove" }[event.key];
-        if (act) this.act(api, act, node.rowIndex, column);
+        if (act) this.act(api, act, node, column);
         if (event.key.length > 1) return true;
         if (event.key <= "\x7f") return false;
         event.preventDefault(); // Option+P is a π: the grid begins no cell with a key that Alt is held with
@@ -189,7 +196,7 @@
       // Only what a person does moves the picked row: rows that are exchanged take the cursor along.
       setTimeout(() => {
         const row = api.getFocusedCell()?.rowIndex;
-        if (row !== undefined && row !== node.rowIndex) emitEvent("dh-focus", row);
+        if (row !== undefined && row !== node.rowIndex) this.choose(api, row);
       });
       if (event.key === "Tab") home ??= column;
       else if (event.key.startsWith("Arrow") && !editing) home = null;
@@ -200,30 +207,50 @@
       return true;
     },
 
-    // Rows are in their new places at once, and the cursor is with them: what is typed next goes into the row that it is
-    // typed into on the screen.
-    act(api, act, row, column) {
-      const to = row + { up: -1, down: 1, add: 1, remove: 0 }[act], count = api.getDisplayedRowCount();
-      if (to < 0 || to >= count + (act === "add")) return;
-      emitEvent("dh-act", [act, row]);
-      this.arrange(api, (rows) => {
-        const [own] = act === "add" ? [{}] : rows.splice(row, 1);
-        if (act !== "remove") rows.splice(to, 0, own);
-      });
-      const left = api.getDisplayedRowCount();
-      if (left) api.setFocusedCell(Math.min(to, left - 1), act === "add" ? "a" : column);
-    },
-    arrange(api, change) {
-      const rows = [];
-      api.forEachNode(({ data }) => rows.push(data));
-      change(rows);
-      arranged += 1;
-      api.setGridOption("rowData", rows.map((data, id) => ({ ...data, id })));
+    // A button does the same to the row that is picked, or else to the last one.
+    press(act) {
+      const rows = rowsOf(grid), picked = rows.find(({ data }) => data.picked);
+      if (!picked && ["up", "down"].includes(act)) this.tell(act, null);
+      else this.act(grid, act, picked ?? rows.at(-1), grid.getFocusedCell()?.column ?? "a");
     },
 
-    // The rows as the table has them after so many acts; those of before would put rows back that have gone elsewhere.
+    // Rows are in their new places at once, and the cursor is with them. The answer to the last act has the rows of all:
+    // those of before would put rows back that have gone elsewhere.
+    act(api, act, node, column) {
+      const row = node?.rowIndex ?? -1, to = row + { up: -1, down: 1, add: 1, remove: 0 }[act];
+      const rows = rowsOf(api).map(({ data }) => data);
+      if (to < 0 || to >= rows.length + (act === "add")) return;
+      const own = act === "add" ? { id: `${window.clientId} ${(made += 1)}` } : rows.splice(row, 1)[0];
+      this.tell(act, node?.data.id ?? null, act === "add" ? own.id : null);
+      if (act !== "remove") rows.splice(to, 0, own);
+      this.put(api, rows);
+      if (!rows.length) return;
+      api.setFocusedCell(Math.min(to, rows.length - 1), act === "add" ? "a" : column);
+      this.pick(api, keyAt(api, Math.min(to, rows.length - 1)));
+    },
+    tell(act, key, other = null) {
+      arranged += 1;
+      emitEvent("dh-act", [act, key, other]);
+    },
     fill(api, rows, acts) {
-      if (acts >= arranged) api.setGridOption("rowData", rows);
+      if (acts >= arranged) this.put(api, rows);
+    },
+
+    // The cursor goes with its row. What is being typed into a row that is gone is sent, to be refused in words; the
+    // letters that follow are not for the row that is in its place.
+    put(api, rows) {
+      const cell = place(api), key = cell && keyAt(api, cell.row), typing = this.unfinished();
+      if (typing && !rows.some(({ id }) => id === typing.row)) {
+        api.stopEditing();
+        api.clearFocusedCell();
+        document.activeElement.blur();
+      }
+      api.setGridOption("rowData", rows);
+      api.refreshCells({ columns: ["number"], force: true });
+      const row = key ? api.getRowNode(key)?.rowIndex : undefined;
+      if (row === undefined || row === cell.row) return;
+      api.setFocusedCell(row, cell.column);
+      if (typing) document.querySelector(".dh-table .ag-cell-inline-editing input")?.focus();
     },
 
     // Keys for ranges: Shift and an arrow, Ctrl+A, Delete; the others go back to one cell. Tab leaves the table, which
@@ -248,7 +275,7 @@
       }
       if (event.key === "Delete") {
         const cells = range(api);
-        emitEvent("dh-clear", [cells.first, cells.last, cells.fields]);
+        emitEvent("dh-clear", [keysFrom(api, cells.first, cells.last), cells.fields]);
         return true;
       }
       if (event.key === "Tab") {
@@ -272,7 +299,7 @@
         collapse(api);
         last = { row, column };
       }
-      emitEvent("dh-focus", row);
+      this.choose(api, row);
       if (event.button === 0 && column !== "number" && event.target.tagName !== "INPUT") this.sweep(api, { row, column });
     },
 
@@ -298,15 +325,15 @@
       return true;
     },
 
-    // A row was dragged elsewhere: at once, all rows have the numbers of their new places.
+    // A row was dragged elsewhere.
     dragged({ api, node }) {
-      emitEvent("dh-row", [node.data.id, node.rowIndex]);
-      this.arrange(api, () => {});
+      this.tell("to", node.data.id, keyAt(api, node.rowIndex - 1) ?? null);
+      this.put(api, rowsOf(api).map(({ data }) => data));
     },
 
     // A cell as the table has it: what was sent before it was typed may have overtaken it.
-    put(api, row, field, text) {
-      const node = api.getRowNode(String(row));
+    setCell(api, key, field, text) {
+      const node = api.getRowNode(key);
       if (node) node.data[field] = text;
     },
 
@@ -323,17 +350,23 @@
       if (!api.getEditingCells().length) this.widen(api);
     },
 
+    // The row that a person has gone to is picked at once: what a button does is done to that.
+    choose(api, row) {
+      this.pick(api, keyAt(api, row));
+      emitEvent("dh-focus", keyAt(api, row));
+    },
     pick(api, picked) {
       api.forEachNode((node) => (node.data.picked = node.data.id === picked));
       for (const row of document.querySelectorAll(".dh-table .ag-row"))
-        row.classList.toggle("dh-picked", row.getAttribute("row-id") === String(picked));
+        row.classList.toggle("dh-picked", row.getAttribute("row-id") === picked);
     },
 
     // A cursor that is in the table already stays: its person has gone on while the answer was on its way.
-    focus(api, row, field, edit) {
+    focus(api, key, field, edit) {
       if (!edit && document.activeElement.closest(".dh-table .ag-cell")) return;
       field ??= api.getFocusedCell()?.column.colId ?? "a";
-      if (row < 0 || row >= api.getDisplayedRowCount()) return;
+      const row = api.getRowNode(key)?.rowIndex;
+      if (row === undefined) return;
       api.ensureIndexVisible(row);
       api.ensureColumnVisible(field);
       api.setFocusedCell(row, field);
@@ -345,7 +378,7 @@
       const left = JSON.parse(sessionStorage.getItem(CURSOR) ?? "null");
       if (!left || !api.getDisplayedRowCount()) return;
       sessionStorage.removeItem(CURSOR);
-      if (document.activeElement === document.body) this.focus(api, left.row, left.column);
+      if (document.activeElement === document.body) this.focus(api, ...left);
     },
 
     // The letter that opens an editor is in it already: the editor gets it like those that follow.
@@ -359,7 +392,7 @@
       const cell = event.target.closest?.(".ag-cell");
       const row = cell?.closest(".ag-row");
       if (!row || typeof event.target.value !== "string") return;
-      typed = [Number(row.getAttribute("row-id")), cell.getAttribute("col-id"), event.target.value];
+      typed = [row.getAttribute("row-id"), cell.getAttribute("col-id"), event.target.value];
       if (!asked) this.ask();
     },
 

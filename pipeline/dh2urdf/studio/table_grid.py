@@ -46,29 +46,35 @@ _TOLD = {
 class TableGrid:
     """The rows of a session's table, to edit.
 
+    The page knows a row by its key. So what a person does to it is done to that row, though rows were added, removed or
+    moved meanwhile; where it is gone, that is reported, and no other row changes.
+
     Args:
+        session: the session.
         on_edit: is called with row, field and text of a cell that was typed.
         on_typing: is called with row, field and text of a cell that is being typed.
         on_end: is called when typing has ended.
         on_pick: is called with the number of the row that has the cursor.
-        on_paste: is called with row, field and text where cells are pasted; the text is None where there is none.
-        on_clear: is called with the first and the last row and the fields of cells that are cut or deleted.
-        on_move: is called with two numbers where a row was dragged from one place to another.
-        on_act: is called with ``up``, ``down``, ``add`` or ``remove`` and the number of a row.
+        on_paste: is called with the row, the field and the text where cells are pasted; the text is None where there is
+            none, and the row where the table is empty.
+        on_clear: is called with the rows and the fields of cells that are cut or deleted.
+        on_act: is called with ``add``, ``remove``, ``up``, ``down`` or ``to``, the key of a row and another key; see
+            `dh2urdf.studio.editing.edits.rearranged`.
     """
 
     def __init__(
         self,
+        session: Session,
         *,
         on_edit: Callable[[int, str, str], None],
         on_typing: Callable[[int, str, str], None],
         on_end: Callable[[], None],
         on_pick: Callable[[int | None], None],
         on_paste: Callable[[int, str, str | None], Any],
-        on_clear: Callable[[int, int, Sequence[str]], None],
-        on_move: Callable[[int, int], None],
-        on_act: Callable[[str, int], None],
+        on_clear: Callable[[Sequence[int], Sequence[str]], None],
+        on_act: Callable[..., None],
     ) -> None:
+        self._session = session
         self._header: tuple[Any, ...] = ()
         self._columns: list[dict[str, Any]] = []
         self._rows: list[dict[str, Any]] | None = None
@@ -99,6 +105,7 @@ class TableGrid:
                 ":onCellEditingStarted": "e => dhGrid.started(e)",
                 ":onCellEditingStopped": "() => dhGrid.stopped()",
                 "stopEditingWhenCellsLoseFocus": True,
+                "animateRows": False,  # a row that is gone would stay for a moment
                 "rowDragManaged": True,
                 "suppressMoveWhenRowDragging": True,
                 ":onRowDragEnd": "e => dhGrid.dragged(e)",
@@ -108,23 +115,32 @@ class TableGrid:
             auto_size_columns=False,
         ).classes("dh-table")
         grid = self._grid
-        ui.on("dh-edit", lambda event: on_edit(*event.args))
+        ui.on("dh-edit", lambda event: on_edit(self._number(event.args[0]), *event.args[1:]))
         grid.on("cellEditingStopped", lambda _: on_end(), ["rowId"])
-        ui.on("dh-focus", lambda event: on_pick(event.args))
+        ui.on("dh-focus", lambda event: on_pick(self._number(event.args)))
         grid.on("input", js_handler="e => dhGrid.typing(e)")
-        ui.on("dh-typing", lambda event: on_typing(*event.args))
+        ui.on("dh-typing", lambda event: on_typing(self._number(event.args[0]), *event.args[1:]))
         grid.on(
             "paste",
-            lambda event: on_paste(*event.args),
+            lambda event: on_paste(self._first(event.args[0]), *event.args[1:]),
             js_handler=f"e => dhGrid.paste(getElement({grid.id}).api, e, emit)",
         )
-        ui.on("dh-paste", lambda event: on_paste(0, first_field(event.args), event.args))
+        ui.on("dh-paste", lambda event: on_paste(self._first([]), first_field(event.args), event.args))
         for event, function in {"copy": "copy", "cut": "copy", "mousedown": "clicked"}.items():
             grid.on(event, js_handler=f"e => dhGrid.{function}(getElement({grid.id}).api, e)")
-        ui.on("dh-clear", lambda event: on_clear(*event.args))
+        ui.on("dh-clear", lambda event: on_clear([*map(self._number, event.args[0])], event.args[1]))
         ui.on("dh-act", lambda event: self._arrange(on_act, *event.args))
-        ui.on("dh-row", lambda event: self._arrange(on_move, *event.args))
         ui.on("dh-text-size", self._lay_columns)
+
+    def _number(self, key: str) -> int:
+        """The number of a row of the page, -1 where it is no longer in the table."""
+        keys = self._session.history.keys
+        return keys.index(key) if key in keys else -1
+
+    def _first(self, keys: Sequence[str]) -> int:
+        """The number of the first of the last rows of the page, -1 where other rows are the last ones by now."""
+        now, first = self._session.history.keys, len(self._session.history.keys) - len(keys)
+        return first if list(now[max(first, 0) :]) == list(keys) and (keys or not now) else -1
 
     def _arrange(self, act: Callable[..., None], *arguments: object) -> None:
         """What the page has done to its rows already; of the answers to several such acts it takes the last one."""
@@ -132,8 +148,9 @@ class TableGrid:
         self._rows = None
         act(*arguments)
 
-    def show(self, session: Session) -> None:
-        """Shows the table of a session, and what is wrong with it."""
+    def show(self) -> None:
+        """Shows the table, and what is wrong with it."""
+        session = self._session
         header = (session.columns, session.table.convention, session.table.length_unit, session.table.angle_unit)
         if header != self._header:
             self._header = header
@@ -142,45 +159,47 @@ class TableGrid:
         if (rows := _rows(session)) != self._rows:
             self._rows = rows
             self._run("fill", rows, self._arranged)
-        self.mark(session)
+        self.mark()
 
     def _lay_columns(self) -> None:
         """The columns, as wide as the text of the page is large, and as wide as the cells need."""
         self._grid.run_grid_method("setGridOption", "columnDefs", self._columns)
         self._run("widen")
 
-    def typed(self, session: Session, row: int, field: str) -> None:
+    def typed(self, row: int, field: str) -> None:
         """Shows what is wrong after a cell was typed, and the cell as it was taken.
 
         Other cells stay as they are on the screen, where a person may have gone on typing.
         """
+        session = self._session
         if session.columns != self._header[0]:
-            self.show(session)
+            self.show()
             return
         self._rows = _rows(session)
-        self._run("put", row, field, session.table.rows[row].get(field, ""))
-        self.mark(session)
+        self._run("setCell", session.history.keys[row], field, session.table.rows[row].get(field, ""))
+        self.mark()
 
     def answer(self) -> None:
         """What is being typed is on the screen, as far as it was asked for."""
         self._run("ask")
 
-    def refresh(self, session: Session) -> None:
+    def refresh(self) -> None:
         """Sends all cells again: the grid shows something else than the table."""
         self._rows = None
-        self.show(session)
+        self.show()
 
-    def mark(self, session: Session) -> None:
+    def mark(self) -> None:
         """Marks the wrong cells, and the row that is picked."""
-        self._run("mark", _problems(session), session.row)
+        self._run("mark", _problems(self._session), self._session.key)
 
-    def pick(self, row: int | None) -> None:
+    def pick(self) -> None:
         """Marks the row that is picked."""
-        self._run("pick", row)
+        self._run("pick", self._session.key)
 
-    def focus(self, row: int, field: str | None, *, edit: bool = False) -> None:
+    def focus(self, row: int | None, field: str | None, *, edit: bool = False) -> None:
         """Puts the cursor into a cell; without a field, into the column where it is."""
-        self._run("focus", row, field, edit)
+        key = dict(enumerate(self._session.history.keys)).get(-1 if row is None else row)
+        self._run("focus", key, field, edit)
 
     def _run(self, name: str, *arguments: object) -> None:
         import json
@@ -197,15 +216,15 @@ def all_problems(session: Session) -> Sequence[CellProblem]:
 
 
 def _rows(session: Session) -> list[dict[str, Any]]:
-    return [{"id": number, **row} for number, row in enumerate(session.table.rows)]
+    return [{"id": key, **row} for key, row in zip(session.history.keys, session.table.rows, strict=True)]
 
 
-def _problems(session: Session) -> dict[int, dict[str, dict[str, str]]]:
-    """The problems by row and field; errors go before notices."""
-    found: dict[int, dict[str, dict[str, str]]] = {}
+def _problems(session: Session) -> dict[str, dict[str, dict[str, str]]]:
+    """The problems by key of the row and field; errors go before notices."""
+    found: dict[str, dict[str, dict[str, str]]] = {}
     for problem in sorted(all_problems(session), key=lambda item: item.problem.severity == "notice"):
         if problem.row is not None:
-            cells = found.setdefault(problem.row, {})
+            cells = found.setdefault(session.history.keys[problem.row], {})
             cells.setdefault(problem.field or "number", {"severity": problem.problem.severity, "text": problem.text})
     return found
 

@@ -95,6 +95,11 @@ def left_out(number: int) -> str:
     )
 
 
+def refused(act: str) -> str:
+    """The message where something was done to a row that is gone, or to rows that are others by now."""
+    return f"The table was changed before this reached it, and its row is no longer there: nothing was done.\n{act}"
+
+
 def place(found: CellProblem, table: TableText) -> str:
     """Where a problem is, before its message."""
     if found.row is None:

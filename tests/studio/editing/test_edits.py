@@ -55,18 +55,48 @@ def test_fixed_rows_are_no_axes(word: str, catalog: Catalog) -> None:
 def test_there_is_a_bound() -> None:
     """Nobody gets a table that no browser can show."""
     assert len(edits.resized(EMPTY, 10**9).rows) == edits.MOST_ROWS
-    assert len(edits.inserted(edits.resized(EMPTY, edits.MOST_ROWS), 3).rows) == edits.MOST_ROWS
+    keys = [str(number) for number in range(edits.MOST_ROWS)]
+    assert edits.rearranged(keys, "add", "3", None)[0] == [*range(edits.MOST_ROWS)]
 
 
 def test_rows_are_inserted_removed_and_moved() -> None:
     """Rows change places with all that stands in them; names that the studio gave stay in order."""
-    assert column(edits.inserted(THREE, 1), "a") == ["1", "", "2", "3"]
-    assert column(edits.removed(THREE, 1), "a") == ["1", "3"]
-    assert column(edits.moved(THREE, 0, 2), "a") == ["2", "3", "1"]
-    assert column(edits.moved(THREE, 0, 2), "joint") == ["joint_1", "joint_2", "joint_3"]
+    assert column(edits.arranged(THREE, [0, None, 1, 2]), "a") == ["1", "", "2", "3"]
+    assert column(edits.arranged(THREE, [0, 2]), "a") == ["1", "3"]
+    assert column(edits.arranged(THREE, [1, 2, 0]), "a") == ["2", "3", "1"]
+    assert column(edits.arranged(THREE, [1, 2, 0]), "joint") == ["joint_1", "joint_2", "joint_3"]
     named = edits.with_cell(THREE, 0, "joint", "base_joint")
-    assert column(edits.moved(named, 0, 2), "joint") == ["joint_2", "joint_3", "base_joint"]
-    assert edits.moved(THREE, 0, 3) == THREE
+    assert column(edits.arranged(named, [1, 2, 0]), "joint") == ["joint_2", "joint_3", "base_joint"]
+
+
+@pytest.mark.parametrize(
+    ("act", "key", "other", "rows", "picked"),
+    [
+        ("add", "a", "new", [0, None, 1, 2], 1),
+        ("add", None, None, [0, 1, 2, None], 3),
+        ("remove", "b", None, [0, 2], 1),
+        ("remove", "c", None, [0, 1], 1),
+        ("up", "b", None, [1, 0, 2], 0),
+        ("up", "a", None, [0, 1, 2], 0),
+        ("down", "b", None, [0, 2, 1], 2),
+        ("down", "c", None, [0, 1, 2], 2),
+        ("to", "a", "c", [1, 2, 0], 2),
+        ("to", "c", "a", [0, 2, 1], 1),
+        ("to", "c", None, [2, 0, 1], 0),
+    ],
+)
+def test_what_is_done_to_a_row(
+    act: str, key: str | None, other: str | None, rows: list[int | None], picked: int
+) -> None:
+    """It is done where that row is by now, and the row is picked, or the one in its place."""
+    assert edits.rearranged("abc", act, key, other) == (rows, picked)
+
+
+@pytest.mark.parametrize(("act", "key", "other"), [("remove", "d", None), ("add", "d", "new"), ("to", "a", "d")])
+def test_nothing_is_done_to_a_row_that_is_gone(act: str, key: str, other: str | None) -> None:
+    """Nor is a row put behind one that is gone."""
+    with pytest.raises(LookupError):
+        edits.rearranged("abc", act, key, other)
 
 
 def test_a_cell_is_one_line_of_what_a_file_can_hold() -> None:
@@ -82,13 +112,6 @@ def test_there_are_no_other_cells(row: int, field: str) -> None:
     """A page that speaks of a cell which there is not is told so, and changes nothing."""
     with pytest.raises(LookupError):
         edits.with_cell(THREE, row, field, "1")
-
-
-def test_cells_are_emptied() -> None:
-    """Those of some fields in some rows, and no others; rows that are not there are none."""
-    table = edits.cleared(THREE, 1, 9, ["a", "d"])
-    assert column(table, "a") == ["1", "", ""]
-    assert column(table, "joint") == ["joint_1", "joint_2", "joint_3"]
 
 
 def test_a_row_begins_with_its_geometry() -> None:

@@ -1,9 +1,11 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import count
 
 from hypothesis import given, strategies as st
 
+from dh2urdf.studio.editing.edits import arranged, rearranged, resized, with_cells
 from dh2urdf.studio.editing.history import LONGEST, History
 from dh2urdf.table_text import TableText
 
@@ -24,6 +26,30 @@ def test_undo_and_redo_are_those_of_a_list(acts: list[str]) -> None:
                 states, cursor = [*states[: cursor + 1], act], cursor + 1
         assert history.table.name == states[cursor]
         assert (history.can_undo, history.can_redo) == (cursor > 0, cursor < len(states) - 1)
+
+
+@given(st.lists(st.tuples(st.sampled_from(["add", "remove", "up", "open", "undo", "redo"]), st.integers(0, 9))))
+def test_a_row_keeps_its_key(acts: list[tuple[str, int]]) -> None:
+    """Each row has a mass of its own. Through all that is done, undone and done again, a key is with the same mass."""
+    history, masses, known = History.of(TableText()), count(), {}
+
+    def weighed(table: TableText) -> TableText:
+        new = [(row, "mass") for row, texts in enumerate(table.rows) if "mass" not in texts]
+        return with_cells(table, {cell: str(next(masses)) for cell in new})
+
+    for act, at in acts:
+        keys = history.keys
+        if act in ("undo", "redo"):
+            history = history.undo() if act == "undo" else history.redo()
+        elif act == "open":
+            history = history.then(weighed(resized(TableText(), at)), ())
+        elif keys or act == "add":
+            rows, _ = rearranged(keys, act, keys[at % len(keys)] if keys else None, None)
+            table = weighed(arranged(history.table, rows))
+            history = history.then(table, [None if row is None else keys[row] for row in rows])
+        for key, texts in zip(history.keys, history.table.rows, strict=True):
+            assert known.setdefault(key, texts["mass"]) == texts["mass"]
+        assert len(set(history.keys)) == len(history.keys)
 
 
 def test_very_old_states_are_forgotten() -> None:

@@ -48,13 +48,13 @@ def test_a_cell_that_was_being_typed_is_finished(catalog: Catalog) -> None:
     session = Session(catalog, table)
     other = edits.with_cell(table, 1, "d", "7")
     for kept in (None, table, edits.with_cell(other, 0, "d", "0.5")):
-        finish_typing(session, [0, "d", "0.5"], kept, is_new=not session.history.can_undo)
+        finish_typing(session, [session.history.keys[0], "d", "0.5"], kept, is_new=not session.history.can_undo)
         assert session.table == table, "a new session is offered the whole table"
     session.edit(0, "d", "0.25")
-    for cell in (None, [], "0d1", ["0", "d", "1"], [0, "d", 1], [99, "d", "1"], {"row": 0}):
+    for cell in (None, [], "0d1", [0, "d", "1"], ["0", "d", 1], ["0", "?", "1"], ["99", "d", "1"], {"row": 0}):
         finish_typing(session, cell, None, is_new=not session.history.can_undo)
     assert session.table.rows[0]["d"] == "0.25"
-    finish_typing(session, [0, "d", "0.5"], None, is_new=not session.history.can_undo)
+    finish_typing(session, [session.history.keys[0], "d", "0.5"], None, is_new=not session.history.can_undo)
     assert session.table.rows[0]["d"] == "0.5"
     session.undo()
     assert session.table.rows[0]["d"] == "0.25"
@@ -65,7 +65,12 @@ def test_the_first_cell_of_an_opened_table_is_finished(catalog: Catalog) -> None
     table = gallery.table("ur5.csv", catalog)
     session = Session(catalog, table)
     session.preview(0, "d", "0.5")
-    finish_typing(session, [0, "d", "0.5"], edits.with_cell(table, 0, "d", "0.5"), is_new=not session.history.can_undo)
+    finish_typing(
+        session,
+        [session.history.keys[0], "d", "0.5"],
+        edits.with_cell(table, 0, "d", "0.5"),
+        is_new=not session.history.can_undo,
+    )
     assert session.table.rows[0]["d"] == "0.5"
     assert session.history.can_undo
 

@@ -91,7 +91,7 @@ def test_rows_that_nobody_has_begun_are_waited_for(catalog: Catalog) -> None:
     assert found.manipulator is not None
     assert len(found.manipulator.rows) == 2
     assert read(edits.resized(TableText(), 3), catalog).waiting == 3
-    between = read(edits.inserted(GOOD, 1), catalog)
+    between = read(edits.arranged(GOOD, [0, None, *range(1, len(GOOD.rows))]), catalog)
     assert {(problem.row, problem.field) for problem in between.errors} == {(1, "a"), (1, "alpha"), (1, "d")}
 
 

@@ -151,7 +151,7 @@ def test_a_joint_that_is_renamed_stays_where_it_is(session: Session) -> None:
     session.edit(1, "joint", "newer")
     assert session.pose == pose
     assert {"new": 0.5, "newer": 0.25}.items() <= session.poses[0].items()
-    session.put(edits.moved(session.table, 0, 1))
+    session.arrange("down", session.history.keys[0])
     assert (session.q["new"], session.q["newer"]) == (0.5, 0.25)
     session.undo()
     session.undo()

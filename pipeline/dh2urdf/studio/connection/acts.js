@@ -4,27 +4,28 @@
   const KINDS = ["event", "javascript_response"];
   const LARGEST = 999_000; // characters: NiceGUI sends no message of a megabyte, and shows so
   const LOST = "dh2urdf-lost";
-  let acts = []; // [number, kind, message] of those that are not answered yet
+  let acts = []; // [number, kind, message] of those that are not answered yet, and their words
   let count = 0;
 
   // What acts are called where they are lost, by the names of their events; all others change no table.
   const WORDS = {
-    dhEdit: ([row, field, text]) => `row ${row + 1}, ${field}: ${text || "empty"}`,
-    dhAct: ([act, row]) => `row ${row + 1}: ${act}`,
-    dhRow: ([row, to]) => `row ${row + 1}: to the place of row ${to + 1}`,
-    dhClear: ([first, last, fields]) => `rows ${first + 1} to ${last + 1}: ${fields.join(", ")} emptied`,
+    dhEdit: ([key, field, text]) => `row ${dhGrid.numberOf(key)}, ${field}: ${text || "empty"}`,
+    dhAct: ([act, key, other]) =>
+      act === "to" ? `row moved to place ${other ? dhGrid.numberOf(other) + 1 : 1}` : `row ${dhGrid.numberOf(key)}: ${act}`,
+    dhClear: ([keys, fields]) => `rows ${dhGrid.numberOf(keys[0])} to ${dhGrid.numberOf(keys.at(-1))}: ${fields.join(", ")} emptied`,
     dhPaste: () => "paste",
     dhUndo: (again) => (again ? "redo" : "undo"),
     paste: () => "paste",
     click: (_, label) => label,
     update: (value, label) => (typeof value === "string" ? `${label}: ${value}` : label),
   };
-  const inWords = ([number, , { id, listener_id, args }]) => {
+  const inWords = ({ id, listener_id, args }) => {
     const listener = mounted_app.elements[id]?.events.find((one) => one.listener_id === listener_id);
     const words = WORDS[listener?.type.split(":")[0]], element = document.getElementById(`c${id}`);
+    if (!words) return null;
     const label = [element, element?.querySelector("[aria-label]")].find((one) => one?.ariaLabel)?.ariaLabel;
     const text = (element?.querySelector(".block") ?? element)?.textContent; // of a button without its icon
-    return words && [number, words(JSON.parse(args[0] ?? "null"), label ?? text), id];
+    return [words(JSON.parse(args[0] ?? "null"), label ?? text), id];
   };
 
   let socket;
@@ -39,7 +40,7 @@
         // A page that the browser had loaded in advance is known to the server after its handshake only.
         if (kind === "handshake") return emit(kind, message, (ok) => (answered(ok), sendAgain()));
         if (!KINDS.includes(kind) || JSON.stringify(message).length > LARGEST) return answered ? emit(kind, message, answered) : emit(kind, message);
-        acts.push([(count += 1), kind, message]);
+        acts.push(Object.assign([(count += 1), kind, message], { words: inWords(message) })); // as rows are numbered now
         if (made.connected) send(acts.at(-1));
         return made;
       };
@@ -53,9 +54,9 @@
   window.addEventListener("pagehide", () => {
     const [row, field, text] = dhPage.unfinished() ?? [];
     const kept = row === null ? WORDS.update(text, document.querySelector(`[data-text="${field}"]`)?.ariaLabel) : field && WORDS.dhEdit([row, field, text]);
-    const told = acts.map(inWords).filter((one) => one && one[1] !== kept);
-    const last = told.filter(([, , id], at) => !id || id !== told[at + 1]?.[2]); // the letters of a field are one text
-    if (last.length) sessionStorage.setItem(LOST, JSON.stringify([window.clientId, last.map((one) => one.slice(0, 2))]));
+    const told = acts.filter(({ words }) => words && words[0] !== kept);
+    const last = told.filter(({ words: [, id] }, at) => !id || id !== told[at + 1]?.words[1]); // the letters of a field are one text
+    if (last.length) sessionStorage.setItem(LOST, JSON.stringify([window.clientId, last.map(({ 0: number, words: [words] }) => [number, words])]));
   });
   const tellLost = () => {
     const left = sessionStorage.getItem(LOST);

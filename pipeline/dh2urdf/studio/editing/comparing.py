@@ -17,10 +17,11 @@ from dh2urdf.studio.drawing.colours import BESIDE
 from dh2urdf.studio.drawing.scene import Figure
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Mapping, Sequence
 
     from dh2urdf.manipulator import Manipulator
     from dh2urdf.robot import Robot
+    from dh2urdf.rotations import RigidTransform
 
 V = TypeVar("V")
 NAME = "description/"
@@ -90,6 +91,12 @@ def beside(figure: Figure, table: Manipulator, robot: Robot, *, base_link: str =
         for of_one in zip(*every, strict=True)
     )
     return Beside(figure=figure, agreement=agreement, chain=chain, worst=worst)
+
+
+def tip_error(robot: Robot, q: Mapping[str, float], pose: RigidTransform) -> tuple[float, float]:
+    """How far the tip of a robot is from a pose in base_link, at joint values by name [m, rad]."""
+    found = KinematicChain.between(robot).forward_kinematics([q.get(joint.name, 0.0) for joint in robot.moving_joints])
+    return position_error(pose, found), angle_error(pose, found)
 
 
 def differences(chain: KinematicChain, table: Manipulator, q: Sequence[float]) -> tuple[Apart, ...]:

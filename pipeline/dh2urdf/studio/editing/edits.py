@@ -60,33 +60,42 @@ def resized(table: TableText, count: int) -> TableText:
     return replace(table, rows=tuple(rows))
 
 
-def inserted(table: TableText, at: int) -> TableText:
-    """The table with an empty row more, before the one at a number from 0."""
-    if len(table.rows) >= MOST_ROWS:
-        return table
-    at = min(max(at, 0), len(table.rows))
-    return replace(table, rows=_numbered([*table.rows[:at], _new_row(table.rows), *table.rows[at:]]))
+def arranged(table: TableText, rows: Sequence[int | None]) -> TableText:
+    """The table with some of its rows in some order; names that the studio gave stay with their places.
+
+    Args:
+        table: the table.
+        rows: the number of each row as it is in the table, None for an empty new one.
+    """
+    return replace(table, rows=_numbered([_new_row(table.rows) if row is None else table.rows[row] for row in rows]))
 
 
-def removed(table: TableText, number: int) -> TableText:
-    """The table without a row."""
-    rows = [row for index, row in enumerate(table.rows) if index != number]
-    return replace(table, rows=_numbered(rows))
+def rearranged(keys: Sequence[str], act: str, key: str | None, other: str | None) -> tuple[list[int | None], int]:
+    """What a person did to a row, as `arranged` takes it, and the number of the row that is picked then.
 
+    Args:
+        keys: the keys of the rows of the table.
+        act: ``add`` a row below one, ``remove`` a row, move it ``up`` or ``down`` by one, or ``to`` below another one.
+        key: the key of the row; None to add a row at the end.
+        other: for ``to``, the key of the row above it; None where it goes to the top.
 
-def moved(table: TableText, number: int, to: int) -> TableText:
-    """The table with a row in another place; names that the studio gave stay with their places."""
-    if not (0 <= number < len(table.rows) and 0 <= to < len(table.rows)):
-        return table
-    rows = list(table.rows)
-    rows.insert(to, rows.pop(number))
-    return replace(table, rows=_numbered(rows))
-
-
-def cleared(table: TableText, first: int, last: int, fields: Sequence[str]) -> TableText:
-    """The table with empty cells: of some fields, in the rows from one number to another."""
-    rows = range(max(first, 0), min(last + 1, len(table.rows)))
-    return with_cells(table, {(row, field): "" for row in rows for field in fields})
+    Raises:
+        LookupError: there is no such row.
+    """
+    rows: list[int | None] = [*range(len(keys))]
+    if not {key, other if act == "to" else None} <= {None, *keys}:
+        raise LookupError(f"no row {key!r}")
+    at = len(keys) if key is None else keys.index(key)
+    if act == "add":
+        if len(keys) < MOST_ROWS:
+            rows.insert(at + 1, None)
+        return rows, min(at + 1, len(rows) - 1)
+    own = rows.pop(at)
+    if act == "remove":
+        return rows, min(at, len(rows) - 1)
+    to = {"up": max(at - 1, 0), "down": at + 1}.get(act, 0 if other is None else rows.index(keys.index(other)) + 1)
+    rows.insert(to, own)
+    return rows, rows.index(own)
 
 
 def begun(table: TableText) -> int:

@@ -1,11 +1,15 @@
-"""Undo and redo: every state of a table that its author made, one after the other."""
+"""Undo and redo: every state of a table that its author made, one after the other, and the keys of its rows."""
 
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.table_text import TableText
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
 
 LONGEST = 500
 """States that are kept."""
@@ -18,15 +22,30 @@ class History:
     Attributes:
         states: from the oldest to the newest.
         position: which of them is on the screen.
+        row_keys: the keys of the rows of each state. A row keeps its key wherever it goes, and no other gets it.
+        made: how many keys have been made.
     """
 
     states: tuple[TableText, ...] = (TableText(),)
     position: int = 0
+    row_keys: tuple[tuple[str, ...], ...] = ((),)
+    made: int = 0
+
+    @staticmethod
+    def of(table: TableText) -> History:
+        """A history that begins with a table."""
+        keys = tuple(map(str, range(len(table.rows))))
+        return History(states=(table,), row_keys=(keys,), made=len(keys))
 
     @property
     def table(self) -> TableText:
         """The table as it is."""
         return self.states[self.position]
+
+    @property
+    def keys(self) -> tuple[str, ...]:
+        """The keys of the rows of the table as it is."""
+        return self.row_keys[self.position]
 
     @property
     def can_undo(self) -> bool:
@@ -38,12 +57,24 @@ class History:
         """Whether there is a state that was undone."""
         return self.position < len(self.states) - 1
 
-    def then(self, table: TableText) -> History:
-        """The history with a new state; what was undone before is forgotten, and so is what is very old."""
+    def then(self, table: TableText, keys: Sequence[str | None] | None = None) -> History:
+        """The history with a new state; what was undone before is forgotten, and so is what is very old.
+
+        Args:
+            table: the new state.
+            keys: the keys of its first rows, None for new rows; further rows are new. Without them, each row is the one
+                that had its number.
+        """
         if table == self.table:
             return self
+        count = len(table.rows)
+        given = [*(self.keys if keys is None else keys), *[None] * count][:count]
+        made = self.made + given.count(None)
+        numbers = iter(range(self.made, made))
+        every = tuple(str(next(numbers)) if key is None else key for key in given)
         states = (*self.states[: self.position + 1], table)[-LONGEST:]
-        return History(states=states, position=len(states) - 1)
+        row_keys = (*self.row_keys[: self.position + 1], every)[-LONGEST:]
+        return History(states=states, position=len(states) - 1, row_keys=row_keys, made=made)
 
     def undo(self) -> History:
         """One state back, where there is one."""

@@ -46,8 +46,8 @@ def finish_typing(session: Session, left: object, kept: TableText | None, *, is_
 
     Args:
         session: the session.
-        left: row, field and text of a cell, as the browser has kept them, or None, name and text of a text of the whole
-            table; None where nothing was being typed.
+        left: the key of a row, field and text of a cell, as the browser has kept them, or None, name and text of a text
+            of the whole table; None where nothing was being typed.
         kept: the table with that text, as the browser has kept it.
         is_new: whether the session had no table when the page asked: it is offered the whole kept table instead.
     """
@@ -55,9 +55,9 @@ def finish_typing(session: Session, left: object, kept: TableText | None, *, is_
         session.look()
     table = session.table
     match left:
-        case [int(row), str(field), str(text)]:
-            with suppress(LookupError):  # The row is no longer there.
-                table = with_cell(table, row, field, text)
+        case [str(key), str(field), str(text)] if key in session.history.keys:
+            with suppress(LookupError):
+                table = with_cell(table, session.history.keys.index(key), field, text)
         case [None, str(field), str(text)] if field in _TEXTS and field not in _WORDS:
             table = replace(table, **{field: clean(text)})  # type: ignore[arg-type]  # all others are texts
     if table != session.table and (not is_new or table == kept):

@@ -9,17 +9,9 @@ import math
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from dh2urdf.kinematics.chain import (
-    KinematicChain,
-    angle_error,
-    dh_frames,
-    forward_kinematics,
-    joint_variables,
-    position_error,
-    reach,
-)
+from dh2urdf.kinematics.chain import dh_frames, forward_kinematics
 from dh2urdf.late_dataclasses import dataclass
-from dh2urdf.manipulator import ROOT, TOOL, Convention, JointType, Manipulator
+from dh2urdf.manipulator import ROOT, TOOL, Convention, Manipulator
 from dh2urdf.robot import Robot
 from dh2urdf.rotations import IDENTITY, RigidTransform
 from dh2urdf.studio import joints
@@ -29,7 +21,7 @@ from dh2urdf.studio.drawing.motions import moving_frame
 from dh2urdf.studio.drawing.scene import FRAME_SIZE, Drawing, Figure, extent
 from dh2urdf.studio.drawing.strokes import Stroke
 from dh2urdf.studio.editing import conversions, edits
-from dh2urdf.studio.editing.comparing import Beside, beside
+from dh2urdf.studio.editing.comparing import Beside, beside, tip_error
 from dh2urdf.studio.editing.history import History
 from dh2urdf.studio.editing.reading import CellProblem, Reading, make, read, variants
 from dh2urdf.table_text import FIELDS, TableText
@@ -94,7 +86,7 @@ class Session:
 
     def __init__(self, catalog: Catalog, table: TableText | None = None) -> None:
         self.catalog = catalog
-        self.history = History(states=(table or TableText(name="arm"),))
+        self.history = History.of(table or TableText(name="arm"))
         self.arm: OpenArm | None = None
         self.drawing = Drawing()
         self.sliders: tuple[Slider, ...] = ()
@@ -137,11 +129,27 @@ class Session:
         used = {field for row in self.table.rows for field in row}
         return tuple(field for field in FIELDS if self.all_columns or field in used or field in COLUMNS)
 
+    @property
+    def key(self) -> str | None:
+        """The key of the row that is picked; None where none is."""
+        return dict(enumerate(self.history.keys)).get(-1 if self.row is None else self.row)
+
     # --- The table ----------------------------------------------------------------------------------------------------
 
     def put(self, table: TableText) -> None:
-        """Another table takes the place of this one; undo brings it back."""
-        self.history = self.history.then(table)
+        """Another table takes the place of this one, with the same rows; undo brings it back."""
+        self._go_to(self.history.then(table))
+
+    def arrange(self, act: str, key: str | None, other: str | None = None) -> None:
+        """Something was done to a row, as `edits.rearranged` has it; ``other`` may be the key of a new row."""
+        rows, picked = edits.rearranged(self.history.keys, act, key, other)
+        keys = [other if row is None else self.history.keys[row] for row in rows]
+        self._go_to(self.history.then(edits.arranged(self.table, rows), keys))
+        self.row = picked if rows else None
+
+    def _go_to(self, history: History) -> None:
+        picked, self.history = self.key, history
+        self.row = history.keys.index(picked) if picked in history.keys else self.row
         self.look()
 
     def open(self, table: TableText) -> None:
@@ -150,7 +158,7 @@ class Session:
         self.poses = []
         self.arm = None
         self._draw()
-        self.put(table)
+        self._go_to(self.history.then(table, ()))
 
     def edit(self, row: int, field: str, text: str) -> None:
         """A cell was typed.
@@ -166,13 +174,11 @@ class Session:
 
     def undo(self) -> None:
         """One state back."""
-        self.history = self.history.undo()
-        self.look()
+        self._go_to(self.history.undo())
 
     def redo(self) -> None:
         """One state forward."""
-        self.history = self.history.redo()
-        self.look()
+        self._go_to(self.history.redo())
 
     def preview(self, row: int, field: str, text: str) -> bool:
         """Shows the arm of a cell that is still being typed, where there is one; nothing is kept of it.
@@ -196,20 +202,20 @@ class Session:
 
     def set_convention(self, convention: Convention, *, convert: bool) -> None:
         """The other convention: the same arm with new numbers, or the same numbers with a new meaning."""
+        table = replace(self.table, convention=str(convention))
         if convert and self.convertible is not None:
             earlier = conversions.earlier_arm(self.history, convention, self.catalog)
             converted = conversions.with_convention(self.table, self.convertible, convention, earlier)
-            self.put(conversions.as_typed(converted, self.history, self.catalog))
-        else:
-            self.put(replace(self.table, convention=str(convention)))
+            table = conversions.as_typed(converted, self.history, self.catalog)
+        self.put(table)
 
     def set_units(self, length_unit: str, angle_unit: str, *, convert: bool) -> None:
         """Other units: the same arm with new numbers, or the same numbers with a new meaning."""
+        table = replace(self.table, length_unit=length_unit, angle_unit=angle_unit)
         if convert and self.convertible is not None:
             converted = conversions.with_units(self.table, self.convertible, length_unit, angle_unit)
-            self.put(conversions.as_typed(converted, self.history, self.catalog))
-        else:
-            self.put(replace(self.table, length_unit=length_unit, angle_unit=angle_unit))
+            table = conversions.as_typed(converted, self.history, self.catalog)
+        self.put(table)
 
     @property
     def convertible(self) -> Manipulator | None:
@@ -286,25 +292,14 @@ class Session:
     @property
     def reach(self) -> float:
         """An upper bound of the distance from base_link to tool0, every joint anywhere inside its limits [m]."""
-        if self.arm is None:
-            return 0.0
-        ends = {slider.name: (slider.lower, slider.upper) for slider in self.sliders}
-        sliding = [row for row in self.arm.manipulator.moving_rows if row.type is JointType.PRISMATIC]
-        travel = (
-            max(abs(joint_variables(row, q)[1]) for q in ends.get(row.joint, (0.0,))) - abs(joint_variables(row)[1])
-            for row in sliding
-        )
-        return reach(self.arm.manipulator) + sum(travel, 0.0)
+        return 0.0 if self.arm is None else joints.reach(self.arm.manipulator, self.sliders)
 
     @property
     def other_error(self) -> tuple[float, float] | None:
         """How far the other variant's tool0 is from the arm's [m, rad]; None where there is none."""
         if self.arm is None or self.arm.other is None or (pose := self.pose) is None:
             return None
-        chain = KinematicChain.between(self.arm.other)
-        values = [self.q.get(joint.name, 0.0) for joint in self.arm.other.moving_joints]
-        found = chain.forward_kinematics(values)
-        return position_error(pose, found), angle_error(pose, found)
+        return tip_error(self.arm.other, self.q, pose)
 
     def _vector(self, manipulator: Manipulator) -> list[float]:
         return [self.q.get(row.joint, 0.0) for row in manipulator.moving_rows]

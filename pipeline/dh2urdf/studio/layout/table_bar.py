@@ -11,7 +11,7 @@ from dh2urdf.studio.editing.axes import moving_rows
 from dh2urdf.table_text import ANGLE_UNITS, LENGTH_UNITS
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Collection, Mapping
+    from collections.abc import Callable, Collection
 
     from dh2urdf.studio.editing.session import Session
 
@@ -23,7 +23,7 @@ ROW_ACTS = {
     "down": ("arrow_downward", "move the row down (Alt+↓)"),
     "columns": ("view_column", "show all columns, or those in use"),
 }
-"""What the buttons of the bar do: an icon and a tooltip for each."""
+"""What the buttons of the bar do: an icon and a tooltip for each. The page does it to the row that is picked there."""
 
 
 ENDS = {
@@ -46,7 +46,7 @@ class TableBar:
         on_axes: takes the number of axes, None where the field is empty.
         on_convention: takes the convention that was chosen; it may ask a person.
         on_units: takes the units of lengths and angles that were chosen; it may ask a person.
-        acts: what each of `ROW_ACTS` does.
+        on_columns: shows all columns, or those in use.
     """
 
     def __init__(
@@ -56,7 +56,7 @@ class TableBar:
         on_axes: Callable[[float | None], None],
         on_convention: Callable[[Convention], Any],
         on_units: Callable[[str, str], Any],
-        acts: Mapping[str, Callable[[], None]],
+        on_columns: Callable[[], None],
     ) -> None:
         self._session = session
         self._filling = False
@@ -78,8 +78,11 @@ class TableBar:
                 self._angle.props('dense unelevated no-caps aria-label="unit of angles"')
             with ui.element("div").classes("studio-group"):
                 for name, (icon, told) in ROW_ACTS.items():
-                    button = ui.button(icon=icon, on_click=acts[name])
-                    button.props(f'flat dense round size=sm aria-label="{told}"').tooltip(told)
+                    button = ui.button(icon=icon).props(f'flat dense round size=sm aria-label="{told}"').tooltip(told)
+                    if name == "columns":
+                        button.on_click(on_columns)
+                    else:
+                        button.on("click", js_handler=f"() => dhGrid.press('{name}')")
 
     def show(self) -> None:
         """Show the axes, the convention and the units of the table."""

@@ -1062,3 +1062,14 @@ def test_d_as_the_variable_is_refused_in_a_table_without_types(
 ) -> None:
     with pytest.raises(TableError, match="speaks of a prismatic joint"):
         read(f"# {comment}\n{UNTYPED}", convention="standard")
+
+
+def test_comments_behind_the_rows_of_many_arms_are_judged_with_their_own_rows(
+    read: Callable[..., list[Manipulator | Rejected]],
+) -> None:
+    """The same words are noticed once in a file, and each number with the row that it is behind."""
+    rows = [
+        f"r{arm},R,0.{arm},0,0, # {text}" for arm, text in enumerate(["0.1 m", "0.3 m", "0.3 m", "fixed", "fixed"], 1)
+    ]
+    arms = read("\n".join(["robot,type,a,alpha,d", *rows]) + "\n", convention="standard")
+    assert [[notice.found for notice in arm.notices] for arm in arms] == [[], ["# 0.3 m"], [], ["# fixed"], []]

@@ -147,6 +147,17 @@ def test_what_stands_above_beside_and_below(sheet: Worksheet) -> None:
     assert [notice.mark.in_file for notice in arm.notices if notice.mark] == ["Sheet2!A1", "Sheet2!I7", "Sheet2!A10"]
 
 
+def test_a_comment_behind_a_row_is_judged_as_in_a_csv_file(sheet: Worksheet) -> None:
+    """A note there without its # was repeated, and the comment was passed over."""
+    rows = [
+        ["j1", "R", 100, 90, 0, 0, "# 120 mm"],
+        ["j2", "R", 0, 0, 50, 0, "# 50 mm"],
+        ["j3", "R", 0, 0, 0, 0, "# not used"],
+    ]
+    fill(sheet, ["units: {length: mm, angle: deg}"], HEADER, *rows)
+    assert [notice.found for notice in read_one().notices] == ["# 120 mm", "# not used"]
+
+
 def test_a_note_below_the_table_may_stand_in_a_column_of_numbers(sheet: Worksheet) -> None:
     """One cell of prose after an empty row is a note."""
     fill(sheet, ["a", "alpha", "d"], [0.1, 0, 0], [], ["measured by the maker"])

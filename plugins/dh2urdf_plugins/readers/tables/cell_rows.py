@@ -165,7 +165,9 @@ class CellRows:
                 self.comments.append(Comment.note(texts[index], mark))
                 if not is_comment(texts[index]):
                     self.beside.append((texts[index], mark))
-                texts[index] = ""
+                    texts[index] = ""
+                elif index < width:
+                    texts[index] = ""  # else it is behind the row
         while len(texts) > width and not texts[-1].strip(SPACES):
             texts.pop()
         return texts + [""] * (width - len(texts))

@@ -86,7 +86,9 @@ class TableCells:
         if (place := next(behind, None)) is not None:  # a comment behind the row, which may have commas
             comment = Comment.of(joined(texts[place:]).strip(SPACES), marks[place])
             beside = "; ".join(map("{}: {}".format, columns.fields, texts))
-            self.remarks.setdefault(f"{beside}; {comment.line}", (comment, number, beside))
+            words = not any(map(str.isdigit, comment.text))  # they say the same beside other numbers
+            key = dict(zip(columns.fields, texts, strict=False)).get("type", "") if words else beside
+            self.remarks.setdefault(f"{key}; {comment.line}", (comment, number, beside))
         for index, (name, text) in enumerate(zip(columns.fields, texts, strict=False)):
             if index in columns.ignored:
                 continue
@@ -294,7 +296,7 @@ class Remarks:
         new = [remark for text, remark in remarks.items() if text not in self.known]
         found = [problem for remark in new for problem in self._said_in(*remark)]
         found = [problem for problem in found if not (slides and problem.field == "type")]
-        if not (rejected or any(problem.severity == "error" for problem in found)):
+        if len(self.known) < REMEMBERED and not (rejected or any(problem.severity == "error" for problem in found)):
             self.known.update(remarks)
         return found
 

@@ -49,7 +49,7 @@ _SEQUENCE = late_pattern(
 _SLIDING_ARM = late_pattern(
     r"(?<![^\W_])(?:scara|(?:cartesian|cylindrical|gantry) (?:robot|arm|manipulator)|stanford (?:arm|manipulator)"
     r"|(?:polar|spherical) (?:robot|arm|manipulator)|gantry|telescop\w*|(?:ball|lead)[ -]?screw"
-    r"|moves? (?:linearly|up|along)|stroke"
+    r"|moves? (?:linearly|up|along)|stroke|(?:7th|seventh|external|additional) axis|(?:on|with) (?:a )?(?:rail|track)"
     r"|linear (?:motion|actuator|drive|slide|guide|module|unit|rail)s?(?! speed| veloc| accel)"
     r"|[1-9] (?:linear ax[ei]s|translations?|traslaci[oó]n(?:es)?|traslazion[ei]|translationen|transla[cç](?:ão|ões)))"
     r"(?![^\W_])",

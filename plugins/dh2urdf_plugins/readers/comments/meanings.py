@@ -58,6 +58,7 @@ _EASTERN_STATES = "固定 不动 被动 从动 耦合 锁定 反向 相反 联�
 """The same in scripts whose words have no blanks between them."""
 _TURNED = "reversed inverted opposite negative positive"
 _TIP = "(?:tool|tip|tcp|flange|end[ -]?effector|gripper|hand)"
+_NEGATED = "negated reversed inverted flipped mirrored"
 _FROM = "horizontal vertical absolute offset shifted versatz décalage decalage desfase"
 _OFFSETS = "offset shift versatz décalage decalage desfase"
 
@@ -72,6 +73,7 @@ MEANINGS = {
         f"{_STATES} {_EASTERN_STATES} {_TURNED} never n't n’t",
         rf"{NTH}{_NEAR}?{_WORD}(?:{_any(_STATES)}|(?:not|never|n['’]t)\s+(?:mov|used|actuated|driven|turn|rotat))",
         rf"{NTH}{_NEAR}?(?:{_any(_EASTERN_STATES)}|{_WORD}(?:nicht|non|no|não)\s+(?:an)?(?:ge(?:trieb|nutz)|verwend|bewegt|a[ck]t))",
+        rf"{_WORD}(?:angles|joints|signs|directions|axes){_END}{_NEAR}{_any(_NEGATED)}",
         rf"{_WORD}{_any(_TURNED)}\s+(?:direction|sense|sign)\b{_NEAR}{NTH}",
         also=("not ", "nicht ", "non ", "no ", "não "),
     ),
@@ -95,6 +97,7 @@ MEANINGS = {
         rf"{_WORD}(?:θ|theta|th|q|phi|φ)[\s_{{]*[0-9₁-₉]?[}}'\s]{{0,3}}{_SIGN}\s?{_ADDED}",
         rf"(?:θ|theta|th)\w{{0,3}}\W{{0,3}}=\s*[-−]?\s*q\w{{0,3}}\s*{_SIGN}\s*{_SOME}",
     ),
+    "a sum of d": _meaning("d1 d2 d3 d4 d5 d6 d7 d_", rf"{_WORD}d_?[0-9]\s?{_SIGN}\s?{_ADDED}"),
     "where its zero is": _meaning(
         "zero home initial reference starts zéro cero null 零",
         rf"{_WORD}(?:zero|home|rest|initial|reference)\b{_NEAR}"
@@ -114,25 +117,33 @@ MEANINGS = {
     ),
     "that it turns the other way, or that the base is turned": _meaning(
         "clockwise cw mirror uhrzeiger 顺时针 時計 시계 horaire horario horário orario часовой upside ceiling "
-        "wall handed kopf häng hang 装 z0 z_0 z₀ unten decke envers plafond boca techo capovolt 倒",
+        "wall handed kopf häng hang 装 z0 z_0 z₀ unten decke envers plafond boca techo capovolt 倒 "
+        "hand tilted rotated mounted symmetric",
         rf"(?<!counter)(?<!counter-)(?<!anti)(?<!anti-){_WORD}(?:clockwise|cw{_END})",
         rf"{_WORD}mirror(?:ed|s)?{_END}|(?<!gegen den )uhrzeigersinn",
         r"顺时针|(?<!反)時計回り|(?<!반)시계 ?방향|(?<!против )часовой",
         rf"(?<!anti)(?<!anti-){_WORD}h?or[aá](?:ire|rio){_END}",
-        rf"upside[ -]down|{_WORD}(?:ceiling(?! height)|wall[ -]mounted|left[ -]handed|kopfüber){_END}",
+        rf"upside[ -]down|{_WORD}(?:ceiling(?! height)|wall[ -]mount(?:ed)?|left[ -]hand(?:ed)?|kopfüber){_END}",
+        rf"{_WORD}(?:(?:tilted|rotated|mounted) (?:at |by )?[0-9]|symmetric to|(?:y|x)[ -]up{_END}|z[ -]down{_END})",
         rf"{_WORD}(?:hängend|hang(?:s|ing)){_END}",
         r"nach unten|(?:an|von) der decke|à l['’]envers|au plafond|boca abajo|(?:d|en )el techo|capovolt",
         rf"倒[装置挂]|吊装|{_WORD}z_?[0₀][^.;]{{0,16}}(?:down|unten|abajo){_END}",
+        also=("y up", "x up", "y-up", "x-up", "z down", "z-down"),
     ),
     "that all numbers are scaled": _meaning(
         "10 multipl divided scal maßstab massstab chelle times normali dimensionless = ≙ equals",
         rf"{_WORD}times\s+[0-9]{{2,}}|multiply by|normali[sz]ed|dimensionless",
         r"10\s*(?:\^|\*\*|(?=[⁻⁺⁰¹²³⁴-⁹]))|[x×*]\s*10{1,6}\b",
-        r"(?:multiplied|divided|scaled) by|(?:multiples|units) of (?:pi|π)",
+        r"(?:multiplied|divided|scaled|divide) by|(?:multiples|units) of (?:pi|π|[0-9])|/\s?10{2,6}(?![\w.])",
+        rf"{_WORD}(?:1|one)\s*(?:=|means|is)\s*[0-9.]+\s*(?:°|deg|mm|cm){_END}|{_WORD}in thousandths",
         rf"{_WORD}(?:1|one)\s+[^\W\d]{{1,12}}\s*(?:=|≙|equals)\s*[0-9.]",
         rf"{_WORD}in (?:(?:units|steps) of )?[01][0-9.]*(?:e[-+]?[0-9]+)?\s*(?:µm|mm|cm|m|deg|rad|°){_END}",
         rf"{_WORD}(?:scale(?!\s+models?\b)|scaling|scaled|ma(?:ß|ss)stab|[ée]chelle|escala|scala){_END}{_NEAR}[0-9]",
-        also=("in 0", "in 1", "units of"),
+        also=("in 0", "in 1", "units of", "divide by", "multiples of", "1 means", "1 is", "one is", "thousandths"),
+    ),
+    "a unit that no table has": _meaning(
+        "gon grads gradian mrad milliradian arcmin arcsec decimet dezimet yard",
+        rf"{_WORD}(?:gons?|grads|gradians?|mrad|milliradians?|arc ?min\w*|arc ?sec\w*|de[cz]imet\w+|yards?){_END}",
     ),
     "what masses and limits refer to": _meaning(
         "inertia motor rotor gear",

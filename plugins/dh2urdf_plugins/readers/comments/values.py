@@ -27,6 +27,10 @@ _NUMBERS = late_pattern(rf"\s*{_ONE}(?:(?:\s*(?:[,;|/]|\.\.+|…|\bto\b)\s*|\s+)
 _BY_JOINT = ("limits", "lower", "upper", "velocity", "effort", "mass", "offset", "sign", "flip")
 _BY_NUMBER = late_pattern(r"[0-9].*[0-9]")
 """Numbers for one joint after the other: ``limits: J1 ±170, J2 ±90``."""
+_SEVERAL = late_pattern(
+    r"[-+−]?[0-9.]+\s*[^\W\d]{0,3}(?:[,;]?\s*[^\W\d]\w{0,11}\s*[=:]\s*[-+−]?[0-9.]+\s*[^\W\d]{0,3})+\s*\.?"
+)
+"""One key after the other: ``l1 = 0.3, l2 = 0.2``."""
 _LIST = late_pattern(r"\s*\[\s*[-+−]?(?:[0-9.]|pi\b|π)")
 _OF_THE_FILE = frozenset(
     "version rev revision release edition date year page pages figure fig table chapter section equation eq line sheet "  # noqa: SIM905
@@ -70,7 +74,8 @@ def unread_values(comment: Comment, *, place: str = "column") -> list[Problem]:
         return []
     field = read_header(entry[1]).field
     by_joint = field is not None and field.name in _BY_JOINT and _BY_NUMBER.search(entry[2])
-    return [_unread(comment, field, place)] if by_joint or _are_numbers(entry[2]) else []
+    is_value = by_joint or _are_numbers(entry[2]) or _SEVERAL.fullmatch(entry[2])
+    return [_unread(comment, field, place)] if is_value else []
 
 
 def spoken_values(comment: Comment, *, place: str = "column") -> list[Problem]:

@@ -169,7 +169,7 @@ def convention_in_prose(line: str) -> Convention | None:
     spoken = spoken_in(said)
     if not spoken and (others := spoken_in([words[place] for place in denied])):
         spoken = [each for each in _PROSE if each not in others]
-    if not spoken and _PREVIOUS.search(line):
+    if not spoken and "1" in plain and _PREVIOUS.search(line):
         return Convention.MODIFIED
     if not spoken and "x" in plain and "z" in plain:
         return _OF_MOVES.get("".join(_MOVES.findall(line)).lower())

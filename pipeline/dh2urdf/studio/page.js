@@ -32,9 +32,48 @@
     true,
   );
 
+  // What is pasted, as text: null where it is none. The text that browsers make of a table of a page has raised digits, as of
+  // a footnote, behind the others, and lacks the cells that a cell above spans: there the table itself is read.
+  const MOST_CELLS = 100_000;
+  const spread = (table) => {
+    const rows = Array.from(table.rows, () => []);
+    [...table.rows].forEach((row, at) => {
+      let column = 0;
+      for (const cell of row.cells) {
+        while (rows[at][column] !== undefined) column += 1;
+        const text = cell.textContent.replace(/\s+/g, " ").trim();
+        const below = Math.min(cell.rowSpan, rows.length - at);
+        for (let down = 0; down < below; down++)
+          for (let right = 0; right < cell.colSpan; right++) rows[at + down][column + right] = down || right ? "" : text;
+        column += cell.colSpan;
+      }
+    });
+    return rows.map((row) => Array.from(row, (text) => text ?? "").join("\t"));
+  };
+  const pasted = ({ clipboardData: data }) => {
+    if (data.types.length && !data.types.includes("text/plain")) return null; // none: an empty cell
+    const text = data.getData("text/plain"), page = new DOMParser().parseFromString(data.getData("text/html"), "text/html");
+    const [table, ...others] = page.querySelectorAll("table");
+    if (!table || others.length || table.querySelectorAll("td, th").length > MOST_CELLS) return text;
+    let differs = Boolean(table.querySelector("[rowspan]:not([rowspan='1']), [colspan]:not([colspan='1'])"));
+    for (const raised of table.querySelectorAll("sup")) {
+      const before = page.createRange(), said = raised.textContent.trim();
+      before.setStart(raised.closest("td, th") ?? table, 0);
+      before.setEndBefore(raised);
+      if (!/[\d)]\s*$/.test(before) || !/^[-+−\w°º∘]/.test(said)) continue;
+      raised.textContent = /^[o°º∘]$/.test(said) ? "°" : `^${said}`;
+      differs = true;
+    }
+    if (!differs) return text;
+    for (const gap of table.querySelectorAll("br, p, div")) gap.after(" ");
+    const lines = text.split(/\r?\n/), isRow = (line) => line.includes("\t");
+    const last = lines.findLastIndex(isRow);
+    return [...lines.slice(0, Math.max(lines.findIndex(isRow), 0)), ...spread(table), ...(last < 0 ? [] : lines.slice(last + 1))].join("\n");
+  };
+
   // What is pasted while the table is empty begins it, wherever the cursor is: at first it is in the field of axes.
   document.addEventListener("paste", (event) => {
-    const { target } = event, text = event.clipboardData.getData("text/plain");
+    const { target } = event, text = pasted(event) ?? "";
     if (!document.querySelector(".studio-table") || document.querySelector(".q-dialog, .dh-table .ag-row")) return;
     if (!/[\t\n;|,]/.test(text.trim()) || (isField(target) && !target.closest(".studio-axes"))) return;
     event.preventDefault();
@@ -192,6 +231,7 @@
     leave,
     link,
     linked,
+    pasted,
     keep(table, rows) {
       keys = rows;
       sessionStorage.setItem(KEPT, table);

@@ -169,9 +169,8 @@
       const cells = range(api);
       if (event.target.tagName === "INPUT" || !cells?.fields.length) return;
       event.preventDefault();
-      const { types } = event.clipboardData, isText = !types.length || types.includes("text/plain"); // none: an empty cell
       const keys = keysFrom(api, cells.first, api.getDisplayedRowCount() - 1);
-      emit([keys, cells.fields[0], isText ? event.clipboardData.getData("text/plain") : null]);
+      emit([keys, cells.fields[0], dhPage.pasted(event)]);
     },
 
     wrong: (params) => problem(params)?.severity === "error",

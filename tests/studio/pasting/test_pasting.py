@@ -56,6 +56,7 @@ def test_more_rows_than_a_table_may_have() -> None:
         ('5"\t3', [['5"', "3"]]),
         ("1,234\t2,000", [["1,234", "2,000"]]),  # these commas may separate thousands: the reader asks
         ("1,234\t0,5", [["1.234", "0.5"]]),
+        ("1,234\t−0,5", [["1.234", "−0.5"]]),
         ('"atan2(1, 2)",0', [["atan2(1, 2)", "0"]]),
         ("0.1\t0\r0.2\t1", [["0.1", "0"], ["0.2", "1"]]),
         ("\t0.1 & 0 \\\\\n\t0.2 & 1 \\\\", [["0.1", "0"], ["0.2", "1"]]),
@@ -85,6 +86,13 @@ def test_a_table_with_a_header(text: str, catalog: Catalog) -> None:
 @pytest.mark.parametrize("text", ["0.1\t0\n0.2\t0", "shoulder\trevolute\nelbow\trevolute", "a", "", "\n"])
 def test_cells_have_no_header(text: str, catalog: Catalog) -> None:
     assert pasting.whole_tables(text, catalog) == ()
+
+
+@pytest.mark.parametrize("cells", ["1.200\t0\t0,5", "0\t−1.200\n0,5\t12,25", "1.200;0,5"])
+def test_cells_that_can_be_read_in_two_ways(cells: str, catalog: Catalog) -> None:
+    """Beside a decimal comma a point may separate thousands: 1200 mm were 1.2, without a word."""
+    assert "can be read in two ways" in str(pasting.whole_tables(cells, catalog))
+    assert pasting.whole_tables(cells.replace("1.200", "1.20"), catalog) == ()
 
 
 @pytest.mark.parametrize("indent", [None, 2])

@@ -107,6 +107,9 @@ def test_a_table_of_a_paper(catalog: Catalog) -> None:
         (r"0.1 & $\dfrac{\pi}{2}$ & $-2\pi$ \\", [["0.1", "pi/2", "-2*pi"]]),
         (r"0.1 & $\nicefrac{\pi}{2}$ & $-\sfrac{\pi}{4}$ \\", [["0.1", "pi/2", "-pi/4"]]),
         (r"0.1 & $\boldsymbol{\pi}$ & \multirow{2}{*}{$q_{1}$} \\", [["0.1", "pi", "q_1"]]),
+        (r"0{,}425 & {-}0{,}1 \\", [["0.425", "-0.1"]]),  # as German papers have a decimal comma
+        (r"\multicolumn{2}{c}{0.3} & 0.1 & 0 \\", [["0.3", "", "0.1", "0"]]),
+        ("| 0.1<sup>1</sup> | 90<sup>o</sup> | a<br>b |", [["0.1^1", "90°", "a b"]]),
         (r"1 & \unknown{2} \\", [["1", r"\unknown2"]]),  # the reader names what it does not know
         ("-425 mm", [["-425 mm"]]),
         ("0.1 + 0.2\n0.3 + 0.4", [["0.1 + 0.2"], ["0.3 + 0.4"]]),
@@ -218,6 +221,29 @@ def test_forms_of_papers_and_programs_are_the_arm_that_they_show(text: str, cata
     q = (0.3, -0.7, 1.1)
     meant = product((0.0, np.pi / 2, 0.0892, q[0]), (-0.425, 0.0, 0.0, q[1]), (-0.392, 0.0, 0.109, q[2] - np.pi / 2))
     assert np.abs(arm.fk(np.array([q]))[0] - meant).max() < 1e-12
+
+
+@pytest.mark.parametrize("sign", ["#", "%", "//"])
+def test_comments_beside_columns_are_comments_of_the_table(sign: str, catalog: Catalog) -> None:
+    """They were lost: a modified table was a standard one, and millimetres were metres."""
+    text = f"{sign} modified DH\na = [0, 300] {sign} mm\nalpha = [0, 90]; {sign} [deg]\nd = [100, 0] {sign} in mm"
+    arm = arm_of(whole_tables(text, catalog, "standard"), catalog)
+    assert str(arm.convention) == "modified"
+    assert [(row.a, row.alpha, row.d) for row in arm.rows] == [(0, 0, 0.1), (0.3, np.pi / 2, 0)]
+    text = text.replace(
+        "300]", "\n300]"
+    )  # the unit is behind no whole column: nothing but the reader knows what it means
+    assert "mm" in str(whole_tables(text, catalog, "standard"))
+
+
+@pytest.mark.parametrize("sentence", ["All lengths in mm", "Lengths in mm.", "Unit of lengths: mm"])
+def test_a_sentence_below_a_table_is_no_joint(sentence: str, catalog: Catalog) -> None:
+    """A spreadsheet copies its row with the empty cells behind it; it was a joint of that name. A joint stays."""
+    table = "Joint\ta\talpha\td\n1\t300\t0\t1\n2\t0\t0\t5\n%s\t\t\t\n"
+    assert "mm" in str(found := whole_tables(table % sentence, catalog, "standard"))
+    assert isinstance(found, str) or [row.a for row in arm_of(found, catalog).rows] == [0.3, 0]
+    ((joints, *_),) = whole_tables(table % "upper arm", catalog, "standard")
+    assert [row["joint"] for row in joints.rows] == ["1", "2", "upper arm"]
 
 
 def test_a_comment_beside_an_array_is_a_comment_of_the_table(catalog: Catalog) -> None:

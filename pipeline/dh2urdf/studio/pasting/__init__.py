@@ -18,10 +18,12 @@ if TYPE_CHECKING:
 
     from dh2urdf.plugin_system.catalog import Catalog
 
-_DECIMAL_COMMA = re.compile(r"[+-]?\d+,\d+")
+_DECIMAL_COMMA = re.compile(r"[-+−–]?\d+,\d+")
 _DECIMAL_POINT = re.compile(r"\d\.\d")
-_IN_GROUPS = re.compile(r"[+-]?[1-9]\d{0,2}(?:,\d{3})+")
+_IN_GROUPS = re.compile(r"[-+−–]?[1-9]\d{0,2}(?:,\d{3})+")
 """A number whose commas may separate thousands: the reader asks which."""
+_POINTED_GROUPS = re.compile(r"[-+−–]?[1-9]\d{0,2}(?:\.\d{3})+")
+"""A number whose points may separate thousands, where others have decimal commas."""
 _YAML = re.compile(r"(?:---\s*\n)?\s*(?:(?:- +)?(?:\{\s*)?[A-Za-z_]\w*:(?:\s|$)|\[?\s*\{)")
 """How a YAML table begins; JSON, which is YAML, begins with a brace."""
 _CODE = re.compile(
@@ -148,7 +150,7 @@ def whole_tables(text: str, catalog: Catalog, convention: str = "") -> tuple[Ope
     if not is_yaml and not shown and 2 * sum(map(bool, map(_STATEMENT.match, lines))) > len(lines):
         return _PROGRAM
     if not is_yaml and not has_header(text) and not (shown and (shown.says_more or _is_headed(shown.rows))):
-        return ()
+        return _in_two_ways(text)
     if is_yaml and "joints" not in text and text.lstrip()[:1] in ("-", "["):
         text = "joints:\n" + "\n".join(f"  {line}" for line in text.splitlines())
     if shown:
@@ -159,6 +161,19 @@ def whole_tables(text: str, catalog: Catalog, convention: str = "") -> tuple[Ope
     return tuple(
         opened if opened.table.convention else opened._replace(table=replace(opened.table, convention=convention))
         for opened in found
+    )
+
+
+def _in_two_ways(text: str) -> tuple[()] | str:
+    """What is wrong with cells whose points are decimal points, or separate thousands where the commas are decimal."""
+    every = [cell for row in cells_of(text) for cell in row]
+    pointed = next(filter(_POINTED_GROUPS.fullmatch, every), None)
+    comma = next((cell for cell in every if _DECIMAL_COMMA.fullmatch(cell) and not _IN_GROUPS.fullmatch(cell)), None)
+    if pointed is None or comma is None:
+        return ()
+    return (
+        f"{pointed!r} can be read in two ways, since {comma!r} has a decimal comma: the point may separate thousands\n"
+        "accepted: decimal commas alone, or decimal points alone, without separators of thousands"
     )
 
 

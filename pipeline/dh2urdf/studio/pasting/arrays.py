@@ -20,6 +20,8 @@ _CALL = late_pattern(
 _TAIL = late_pattern(r"(?:\s|,\s*[A-Za-z_]\w*\s*=\s*[\w.'\"]+|[,;)])*")
 """What is behind it: ``, dtype=float)``."""
 _REMARK = late_pattern(r"(?:#|//|%|/\*).*")
+_UNIT = late_pattern(r"(?:in )?[\[(]?(m|cm|mm|rad|deg)(?:rees|ians)?[\])]?")
+"""A comment that is the unit of the column beside it."""
 _OF_A_ROW = late_pattern(
     r"(?!.*(?:pris|trans|slid|lin|fix|deg|inch|mod|craig|\b[cm]?m\b))[^\W\d_]{3,}(?:[\s_.-]+\w+){0,2}|[jli]?\s*\d*"
     r"|\d+\s*(?:-+>|→)\s*\d+",
@@ -61,8 +63,11 @@ def code_array(text: str) -> CodeArray | None:
     if not any(sign in text for sign in (*_PAIRS, "<<")) or "\\" in text:
         return None
     lines = [line.replace("...", "") for line in text.splitlines()]
+    comments = [found[0].lstrip("#/%* ").rstrip("*/ ") for line in lines if (found := _REMARK.search(line))]
     if columns := _columns("\n".join(_REMARK.sub("", line) for line in lines)):
-        return CodeArray(columns)
+        units = dict(filter(None, map(_unit, lines)))
+        heads = [f"{name} [{units[name]}]" if name in units else name for name in columns[0]]
+        return CodeArray([heads, *columns[1:]], "\n".join(each for each in comments if not _UNIT.fullmatch(each)))
     code = "\n".join(_REMARK.sub("", line) for line in lines).strip()
     head = _HEAD.match(code)
     is_stream = head is not None and head[0].rstrip().endswith("<<")
@@ -75,7 +80,6 @@ def code_array(text: str) -> CodeArray | None:
     cells = [[_plain(cell) for cell in row] for row in rows]
     if not all(cells[0]) or any(sign in cell for row in cells for cell in row for sign in "[]{}=:;'\""):
         return None
-    comments = [found[0].lstrip("#/%* ").rstrip("*/ ") for line in lines if (found := _REMARK.search(line))]
     names = next((words for each in comments if len(words := _names(each, cells)) == len(cells[0])), None)
     around = [each for each in comments if _names(each, cells) != names and not _OF_A_ROW.fullmatch(each)]
     return CodeArray([names, *cells] if names else cells, "\n".join(around))
@@ -88,6 +92,13 @@ def _columns(code: str) -> list[list[str]]:
         return []
     columns = [[name, *map(_plain, _cells(" ".join(cells.split())))] for name, cells in found]
     return [list(row) for row in zip(*columns, strict=True)] if len({len(column) for column in columns}) == 1 else []
+
+
+def _unit(line: str) -> tuple[str, str] | None:
+    """The name of the column of a line, and the unit of which the comment is that is behind it."""
+    code, _, remark = line.partition(found[0]) if (found := _REMARK.search(line)) else (line, "", "")
+    names, unit = _COLUMN.findall(code), found and _UNIT.fullmatch(found[0].lstrip("#/%* ").rstrip("*/ "))
+    return (names[0][0], unit[1]) if unit and len(names) == 1 and not remark else None
 
 
 def _names(comment: str, cells: list[list[str]]) -> list[str]:

@@ -14,6 +14,8 @@ from dh2urdf.studio.pasting.arrays import code_array
 _BODY = late_pattern(r"\\begin\{(tabular[*xy]?|longtable|array|[bpv]?matrix)\}(.*?)\\end\{\1\}", re.DOTALL)
 _ARGUMENTS = late_pattern(r"\s*(?:\[[^]]*\]|\{(?:[^{}]|\{[^{}]*\})*\})*")
 _RULES = late_pattern(r"\\(?:(?:top|mid|bottom)rule|hline|addlinespace|c(?:mid)?(?:rule|line)(?:\([^)]*\))?\{[^}]*\})")
+_SPAN = late_pattern(r"\\multicolumn\{\s*(\d{1,2})\s*\}\{[^{}]*\}\{((?:[^{}]|\{[^{}]*\})*)\}")
+"""A cell over several columns, which are those of what follows it."""
 _COMMENT = late_pattern(r"(?<!\\)%.*")
 _NEW_ROW = late_pattern(r"(?:\\\\|\\tabularnewline)(?:\s*\[-?[\d.]+ *[a-z]+\])?")
 _COMMAND = late_pattern(
@@ -32,6 +34,8 @@ _BOX = str.maketrans(dict.fromkeys("│┃║┌┬┐├┼┤└┴┘╔╦�
 """The lines of a table in a terminal, as those of Markdown; the Robotics Toolbox writes the α of APL."""
 _LINES = late_pattern(r"[=\-+ ]*[=\-]{3}[=\-+ ]*")
 """A line that rules a table off, as reStructuredText and others have it."""
+_SENTENCE = late_pattern(r"[^\t]*[^\t.:][.:]|(?:[^\s:]+ +){3,}[^\s:]+|[^\t:]+: [^\t]+")
+"""What no joint is called, in the only cell of a row that is not empty: ``All lengths in mm``, ``Source: [3]``."""
 _JOINT = late_pattern(r"^(joint|link|axis)\s+(\d+)(?=\s)", re.IGNORECASE)
 """The name of a row that is two words."""
 _GAP = late_pattern(r"\s{2,}")
@@ -47,7 +51,10 @@ _CONVENTION = late_pattern(r"\b(standard|modified) (?:convention|dh parameters)\
 _MARKS = tuple(
     (late_pattern(pattern, re.IGNORECASE), plain)
     for pattern, plain in (
-        (r"</?(?:sub|sup|b|i|em|strong|code|var|span|br|math)(?: [^<>]*)?/?>", ""),
+        (r"<br *?/?>", " "),
+        (r"(?<=[\d)])<sup(?: [^<>]*)?>\s*(?:[oº°∘]|&deg;)\s*</sup>", "°"),
+        (r"(?<=[\d)])<sup(?: [^<>]*)?>(?=\s*[-+−\w])", "^"),  # a footnote or a power, and no digit more
+        (r"</?(?:sub|sup|b|i|em|strong|code|var|span|math)(?: [^<>]*)?/?>", ""),
         (r"(\*\*|__|`)(.+?)\1", r"\2"),
         (r"(?<![\w*])([*_])([^*_\s][^*_]*)\1(?![\w*])", r"\2"),
     )
@@ -71,7 +78,7 @@ _SIUNITX = {
 _FORMULAS = tuple(
     (late_pattern(pattern), plain)
     for pattern, plain in (
-        (r"\\multi(?:column|row)\{[^{}]*\}\{[^{}]*\}\{((?:[^{}]|\{[^{}]*\})*)\}", r"\1"),
+        (r"\\multirow\{[^{}]*\}\{[^{}]*\}\{((?:[^{}]|\{[^{}]*\})*)\}", r"\1"),
         (r"\\(?:text|mbox|boldsymbol|bm|emph|(?:math|text)(?:rm|bf|it|sf|tt))\{((?:\\.|[^{}])*)\}", r"\1"),
         (r"\\(?:[dts]|nice)?frac\{(-?[\w.\\]+)\}\{([\w.\\]+)\}", r"\1/\2"),
         (r"\\(?:[dts]|nice)?frac\{([^{}]*)\}\{([^{}]*)\}", r"(\1)/(\2)"),
@@ -159,8 +166,12 @@ def is_value(cell: str) -> bool:
 def _latex(text: str) -> Typeset:
     bodies = [found[2] for found in _BODY.finditer(text)]
     rows = (row for body in bodies or [text] for row in _NEW_ROW.split(_RULES.sub("", _COMMENT.sub("", _inside(body)))))
-    cells = [[_plain(cell) for cell in _CELL.split(row)] for row in rows if row.strip()]
+    cells = [[_plain(cell) for cell in _CELL.split(_SPAN.sub(_spread, row))] for row in rows if row.strip()]
     return Typeset(cells, _BODY.sub("", text) if bodies else "")
+
+
+def _spread(span: re.Match[str]) -> str:
+    return span[2] + "&" * (int(span[1]) - 1)
 
 
 def _inside(body: str) -> str:
@@ -216,7 +227,7 @@ def _tabbed(lines: list[str]) -> Typeset:
 
     Without such sentences it has no rows: the reader of CSV files reads the text as it is.
     """
-    tabbed = [number for number, line in enumerate(lines) if "\t" in line]
+    tabbed = [number for number, line in enumerate(lines) if "\t" in line and not _SENTENCE.fullmatch(line.rstrip())]
     first, last = tabbed[0], tabbed[-1] + 1
     around = [line for line in (*lines[:first], *lines[last:]) if line.strip()]
     are_sentences = around and all(len(line.split()) > 1 for line in around)
@@ -265,7 +276,7 @@ def _are_numbers(row: list[str]) -> bool:
 
 def _plain(cell: str) -> str:
     """A cell without the signs of LaTeX and of Markdown; what is not known stays, and the reader names it."""
-    for pattern, plain in _FORMULAS if any(sign in cell for sign in "\\$π") else ():
+    for pattern, plain in _FORMULAS if any(sign in cell for sign in "\\$π{") else ():
         cell = pattern.sub(plain, cell)
     return " ".join(cell.split())
 

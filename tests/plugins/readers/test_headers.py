@@ -455,7 +455,7 @@ def test_known_headers_and_notes_go_the_fast_way(tmp_path: Path, monkeypatch: py
         ("Speed (max) [deg/s]", "velocity", "deg/s"),
         ("d1", None, None),
         ("grad", None, None),
-        ("offset d", None, None),
+        ("offset d", "d", None),
     ],
 )
 def test_brackets_marks_and_prefixes_change_nothing(text: str, field: str | None, unit: str | None) -> None:
@@ -527,3 +527,13 @@ def test_a_decimal_comma_in_quotes(text: str, parts: dict[str, str] | None) -> N
     """Between commas it is read where it can be nothing else."""
     found = split_cell(FIELDS["limits"], text)
     assert (None if isinstance(found, GroupError) else found) == parts
+
+
+@pytest.mark.parametrize("header", ["Offset d", "Offset (d)", "offset d [m]", "Offset d_i"])
+def test_the_word_offset_beside_its_symbol_is_d(header: str, tmp_path: Path) -> None:
+    """The advice was `offset`, which is added to theta."""
+    path = tmp_path / "arm.csv"
+    path.write_text(f"a,alpha,{header}\n0.3,0,0.1\n")
+    (arm,) = csv.READER.read(path, OPTIONS)
+    assert isinstance(arm, Manipulator)
+    assert [(row.d, row.offset) for row in arm.rows] == [(0.1, 0.0)]

@@ -247,3 +247,13 @@ def test_bounds_of_d_are_answered_with_bounds_of_q(
     (arm,) = read(f"a,alpha,d,{header}\n0.3,0,q1 + 0.1,400\n", convention="standard")
     assert isinstance(arm, Rejected)
     assert "columns lower and upper" in "\n".join(map(str, arm.problems))
+
+
+@pytest.mark.parametrize("theta", ["θ2 - θ1", "q2-", "q2(+90°)", "0 (θ2)", "θ2 = 0"])
+def test_a_theta_that_cannot_be_read_lacks_no_variable_besides(
+    theta: str, read: Callable[..., list[Manipulator | Rejected]]
+) -> None:
+    """There was a second error: that the row has no joint variable and no type."""
+    (arm,) = read(f"a,alpha,d,theta\n0.3,0,0,q1\n0.2,0,0,{theta}\n", convention="standard")
+    assert isinstance(arm, Rejected)
+    assert [problem.found for problem in arm.problems] == [theta]

@@ -27,7 +27,7 @@ _LARGEST |= dict.fromkeys((Dimension.TORQUE, Dimension.FORCE), "effort")
 _ANGLES = "angle, rotation, winkel, ángulo, angolo, ângulo, kąt, угол, açı, 角, 角度, 각도"
 _LOOSE = {
     "a": "distance, displacement",
-    "d": "joint offset, distance, displacement, joint displacement, height, versatz, abstand, décalage, "
+    "d": "offset, joint offset, distance, displacement, joint displacement, height, versatz, abstand, décalage, "
     "desplazamiento, spostamento, przesunięcie, odsunięcie, オフセット, 距離, 오프셋, 거리, 偏移, 距离",
     "theta": f"{_ANGLES}, joint rotation, joint variable, rotation angle",
     "alpha": f"{_ANGLES}, link angle",

@@ -310,6 +310,23 @@ def test_a_cell_is_typed_while_another_table_is_opened(slow: tuple[Any, Network]
 
 
 @pytest.mark.long
+def test_a_number_is_typed_below_an_old_header(slow: tuple[Any, Network]) -> None:
+    """425 below `a [mm]` is no 425 m, though the undo that brings the metres back was sent before it."""
+    tab, network = slow
+    tab.page.get_by_role("button", name="mm", exact=True).click()
+    tab.page.get_by_role("dialog", name="To other units").get_by_text("Convert").click()
+    tab.wait_for_cell(1, "a", "-425")
+    tab.settle()
+    network.hold()
+    tab.page.get_by_role("button", name="undo", exact=True).click()
+    network.wait_for("dhGrid.fill")
+    tab.type_into(1, "a", "-430")
+    network.release()
+    tab.page.locator(".q-notification").get_by_text("a: -430").wait_for()
+    wait_for_rows(tab, UR5)
+
+
+@pytest.mark.long
 def test_the_last_rows_are_removed(slow: tuple[Any, Network]) -> None:
     """Alt+Delete three times in the last row removes three rows."""
     tab, network = slow

@@ -96,8 +96,11 @@ def left_out(number: int) -> str:
 
 
 def refused(act: str) -> str:
-    """The message where something was done to a row that is gone, or to rows that are others by now."""
-    return f"The table was changed before this reached it, and its row is no longer there: nothing was done.\n{act}"
+    """The message where something was done to rows that are others by now, or whose numbers mean something else."""
+    return (
+        "The table was changed before this reached it, and nothing was done: its rows, its units or its convention are "
+        f"others.\n{act}"
+    )
 
 
 def place(found: CellProblem, table: TableText) -> str:

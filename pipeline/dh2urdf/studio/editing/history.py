@@ -6,6 +6,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from dh2urdf.late_dataclasses import dataclass
+from dh2urdf.studio.editing.edits import begun
 from dh2urdf.table_text import TableText
 
 if TYPE_CHECKING:
@@ -63,12 +64,15 @@ class History:
         Args:
             table: the new state.
             keys: the keys of its first rows, None for new rows; further rows are new. Without them, each row is the one
-                that had its number.
+                that had its number, unless its numbers are in other units or of another convention: what was typed
+                below the old header is not for the new one.
         """
         if table == self.table:
             return self
         count = len(table.rows)
-        given = [*(self.keys if keys is None else keys), *[None] * count][:count]
+        if keys is None:
+            keys = () if begun(table) and _header(table) != _header(self.table) else self.keys
+        given = [*keys, *[None] * count][:count]
         made = self.made + given.count(None)
         numbers = iter(range(self.made, made))
         every = tuple(str(next(numbers)) if key is None else key for key in given)
@@ -83,3 +87,8 @@ class History:
     def redo(self) -> History:
         """One state forward, where there is one."""
         return replace(self, position=min(len(self.states) - 1, self.position + 1))
+
+
+def _header(table: TableText) -> tuple[str, str, str]:
+    """What decides on the meaning of numbers."""
+    return table.convention, table.length_unit, table.angle_unit

@@ -39,7 +39,7 @@ _GAZEBO = frozenset(
     {"mu1", "mu2", "kp", "kd", "dampingFactor", "maxVel", "minDepth", "maxContacts", "laserRetro"}
 ) | frozenset({"stopCfm", "stopErp", "springStiffness", "springReference", "fudgeFactor"})
 """The elements of `gazebo` of which sdformat reads a number itself."""
-_SENSORS = (
+SENSORS = (
     "air_pressure altimeter boundingbox boundingbox_camera camera contact custom depth depth_camera "
     "force_torque gps gpu_lidar gpu_ray imu lidar logical_camera magnetometer multicamera navsat ray rfid "
     "rfidtag rgbd rgbd_camera segmentation segmentation_camera sonar thermal thermal_camera wide_angle_camera "
@@ -100,7 +100,7 @@ def _of_strtod(word: str) -> float:
         return math.inf
 
 
-def _ends_stod(text: str) -> bool:
+def ends_stod(text: str) -> bool:
     """Whether `std::stod` raises an exception for a text: it begins with no number, or with one out of range."""
     if (match := _STRTOD.match(text)) is None:
         return True
@@ -169,7 +169,7 @@ def _of_gazebo(description: Description) -> Iterator[Hit]:
             if child.tag == "plugin" and reference is None and not (child.get("name") and child.get("filename")):
                 yield Hit("missing-name", child, "a plugin has no name, or no filename", {"gazebo"})
             text = child.attributes.get("value", child.text).strip()
-            if child.tag in _GAZEBO and _ends_stod(text):
+            if child.tag in _GAZEBO and ends_stod(text):
                 message = f"{child.tag} of gazebo is {shown(text)}, not one finite number"
                 yield Hit("invalid-number", child, message, {"gazebo"})
             else:
@@ -191,7 +191,7 @@ def _in_link(description: Description, name: str | None, child: Element, text: s
     if (
         child.tag == "sensor"
         and (link or is_joint)
-        and not (child.get("name") and (child.get("type") or "").strip() in _SENSORS.split())
+        and not (child.get("name") and (child.get("type") or "").strip() in SENSORS.split())
     ):
         yield Hit("missing-name", child, "a sensor has no name, or no type that SDF knows", {"gazebo"})
     if link is None or link.element.first("collision") is None:

@@ -181,6 +181,28 @@ SDF_FAULTS: dict[str, Change] = {
     "sdf-inertia-triangle-inequality": Change("<izz>0.007</izz>", "<izz>0.7</izz>", "0.7"),
     "sdf-invalid-number": Change("<mass>1</mass>", "<mass>1 kg</mass>", "1 kg"),
     "sdf-invalid-vector": Change("0.2 0 0.1 0 0 0", "0.2 0 0", "0.2 0 0"),
+    "sdf-unreadable-value": Change("<mass>1</mass>", "<mass>one</mass>", "one", besides=("sdf-invalid-number",)),
+    "sdf-out-of-range": Change(
+        "</geometry>",
+        "</geometry></visual><collision name='c'>"
+        "<geometry><sphere><radius>1</radius></sphere></geometry><surface><friction><ode><mu>-1</mu></ode></friction>"
+        "</surface></collision><visual name='other'><geometry><sphere><radius>1</radius></sphere></geometry>",
+        "<mu>",
+    ),
+    "sdf-impossible-number": Change(ELBOW_AXIS, f"{ELBOW_AXIS}<dynamics><damping>-1</damping></dynamics>", "<axis>"),
+    "sdf-quaternion-zero": Change(
+        "<pose>0.2 0 0.1 0 0 0", '<pose rotation_format="quat_xyzw">0.2 0 0.1 0 0 0 0', "quat_xyzw"
+    ),
+    "sdf-missing-attribute": Change('<visual name="shape">', "<visual>", "<visual>"),
+    "sdf-unknown-type": Change('<visual name="shape">', '<sensor name="s" type="eye"/><visual name="shape">', "eye"),
+    "sdf-frame-cycle": Change(LAST_LINK, f'<frame name="f" attached_to="f"/>\n    {LAST_LINK}', "<frame"),
+    "sdf-joint-of-one-link": Change(
+        "<child>arm_2</child>",
+        "<child>arm_1</child>",
+        '<joint name="slide"',
+        besides=("sdf-cycle", "sdf-several-parents"),
+    ),
+    "sdf-unsupported-joint-type": Change('type="revolute"', 'type="gearbox"', "gearbox"),
     "sdf-missing-mesh": Change(BOX, "<mesh><uri>nowhere.obj</uri></mesh>", "<uri>"),
     "sdf-missing-geometry": Change(f"<geometry>{BOX}</geometry>", "", "<visual"),
     "sdf-size-not-positive": Change("0.2 0.05 0.05", "0.2 0 0.05", "0.2 0 0.05"),

@@ -314,7 +314,11 @@ def _range(joint: etree._Element, root: etree._Element) -> Iterator[Hit]:
     if ends and ends[0] >= ends[1] and joint.get("limited") == "true" and is_one_value:
         rule = "swapped-limits" if ends[0] > ends[1] else "equal-limits"
         yield Hit(rule, joint, f"{about} is limited, and its range is {shown(joint.get('range') or '')}")
-    if joint.get("limited") == "true" and not joint.get("range") and not _may_inherit(joint, "range", root):
+    if (
+        joint.get("limited") == "true"
+        and not (joint.get("range") or "").strip()
+        and not _may_inherit(joint, "range", root)
+    ):
         yield Hit("limited-without-range", joint, f"{about} is limited and has no range")
 
 
@@ -379,5 +383,10 @@ def _geoms(root: etree._Element) -> Iterator[Hit]:
             near = did_you_mean(kind, GEOMS)
             message = f"{_about(geom)} has the type {shown(kind)}"
             yield Hit("unknown-geom-type", geom, f"{message}: {near}" if near else message)
-        elif kind in _SIZED and not geom.get("size") and not geom.get("mesh") and not _may_inherit(geom, "size", root):
+        elif (
+            kind in _SIZED
+            and not (geom.get("size") or "").strip()
+            and not geom.get("mesh")
+            and not _may_inherit(geom, "size", root)
+        ):
             yield Hit("missing-size", geom, f"{_about(geom)} of type {kind} has no size")

@@ -9,12 +9,18 @@ from urllib.parse import unquote
 
 from lxml import etree
 
+from dh2urdf.manipulator import Inertia
+from dh2urdf.mass_properties import principal_moments
 from dh2urdf.rotations import norm
 from dh2urdf.row_fields import INERTIA
 from dh2urdf.source import did_you_mean, shown
 from dh2urdf_plugins.lint.joints import UNIT
 from dh2urdf_plugins.lint.models.models import Hit, Model, fault_of_inertia, inspect_model, numbers
+from dh2urdf_plugins.lint.models.sdf_frames import hits as hits_of_frames, undefined
+from dh2urdf_plugins.lint.models.sdf_values import fault_of, hits as hits_of_values
+from dh2urdf_plugins.lint.numbers import ROUNDED, drake_numbers
 from dh2urdf_plugins.read_back.sdf.reader import read_model
+from dh2urdf_plugins.read_back.sdf.versions import FRAMES_SINCE, IN_MODEL
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -39,9 +45,16 @@ CHILDREN = {
 _OF_OTHERS = ("actor", "gripper", "plugin", "sensor", "state")
 """Elements whose content is no part of a model, although it may be called so: a contact sensor names a `collision`."""
 _SCALARS = ("mass", "lower", "upper", "effort", "velocity", "radius", "length")
-_COLOURS = ("ambient", "diffuse", "specular", "emissive")
 _VALUES = {**dict.fromkeys(_SCALARS + INERTIA, 1), "xyz": 3, "size": 3, "scale": 3, "pose": 6}
 """How many numbers there are in an element."""
+_SCOPES_SINCE = (1, 8)
+"""The version since which no name may have a `::`."""
+_TWO_AXES = ("universal",)
+_NOT_IN_DRAKE = ("gearbox", "revolute2")
+_WITH_LIMITS = ("revolute", "prismatic")
+_MOMENTS = ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
+_NOT_NEGATIVE = ("dynamics/damping", "dynamics/spring_stiffness")
+"""What Drake wants not to be below 0."""
 _IN = ("inertial", "inertia", "limit", "axis", "axis2", "box", "cylinder", "sphere", "capsule", "mesh", "link", "model")
 _POSED = ("inertial", "link", "model", "joint", "frame", "visual", "collision", "sensor", "include", "light")
 _NAMED = ("model", "link", "joint", "frame")
@@ -74,13 +87,13 @@ def hits(model: Model) -> Iterator[Hit]:
         yield Hit("several-models", other, f"{_name(other)} is not the only one outside of a world")
     for element in models:
         yield from _model(element)
+    yield from hits_of_values(root)
     for tags, rule in (
         ((*CHILDREN, "axis2"), _children),
         (tuple(_VALUES), _value),
         (("joint",), _axes),
         (("link",), _body),
         (("link",), partial(_same_names, tags=("visual", "collision"))),
-        (_COLOURS, _colour),
         (("visual", "collision"), partial(_shape, path=model.path)),
         (("include",), partial(_include, path=model.path)),
     ):
@@ -116,23 +129,28 @@ def _model(model: etree._Element) -> Iterator[Hit]:
     if not model.get("name"):
         yield Hit("missing-name", model, "a model has no name")
     parts = [child for child in model if child.tag in _NAMED]
-    has_more = any(child.tag in {"include", "model"} for child in model)
-    if not has_more and model.find("link") is None and not _is_static(model):
+    has_more = model.find("include") is not None
+    if not has_more and model.find("link") is None and model.find("model") is None and not _is_static(model):
         yield Hit("no-link", model, f"{_name(model)} has no link")
     kinds: dict[str, str] = {}
+    by_name: dict[str, etree._Element] = {}
     for part in parts:
         name = part.get("name")
         if not name:
             yield Hit("missing-name", part, f"a {part.tag} has no name")
-        elif name == "world" or re.fullmatch(r"__.*__", name):
+        elif name == "world" or re.fullmatch(r"__.*__", name) or ("::" in name and not _is_before(part, _SCOPES_SINCE)):
             yield Hit("reserved-name", part, f"{_name(part)} has a name that is reserved")
         elif name in kinds:
             rule = "duplicate-name" if kinds[name] == part.tag == "link" else "shared-name"
             yield Hit(rule, part, f"{_name(part)} has the name of a {kinds[name]}")
         kinds.setdefault(name or "", part.tag)
+        by_name.setdefault(name or "", part)
+    if "::" in (model.get("name") or "") and not _is_before(model, _SCOPES_SINCE):
+        yield Hit("reserved-name", model, f"{_name(model)} has `::` in its name")
     yield from _joints(model, kinds, has_more=has_more)
+    yield from hits_of_frames(model, by_name, has_more=has_more)
     for part in parts:
-        yield from _frames(part, {*kinds, "__model__", "world"}, has_more=has_more)
+        yield from _frames(part, {*kinds, "__model__"}, has_more=has_more)
 
 
 def _frames(part: etree._Element, frames: set[str], *, has_more: bool) -> Iterator[Hit]:
@@ -141,11 +159,9 @@ def _frames(part: etree._Element, frames: set[str], *, has_more: bool) -> Iterat
         target = element.get(attribute) if element is not None else None
         if element is None or not target:
             continue
-        if target not in frames and "::" not in target and not has_more:
-            near = did_you_mean(target, frames)
-            message = f"{attribute} of {_name(part)} is {shown(target)}, which is not there"
-            yield Hit("undefined-frame", element, f"{message}: {near}" if near else message)
-        elif attribute == "relative_to" and part.tag == "link" and target != "__model__":
+        missing = list(undefined(element, attribute, target, frames, has_more=has_more))
+        yield from missing
+        if not missing and attribute == "relative_to" and part.tag == "link" and target != "__model__":
             yield Hit("relative-pose", element, f"the pose of {_name(part)} is relative to {shown(target)}")
 
 
@@ -163,13 +179,38 @@ def _joints(model: etree._Element, kinds: dict[str, str], *, has_more: bool) -> 
                 yield Hit("missing-parent-or-child", joint, f"{about} has no {end}")
             elif target == "world" and end == "parent":
                 yield Hit("world-parent", element, f"the parent of {about} is the world")
-            elif target not in kinds and "::" not in target and target != "__model__" and not has_more:
+            elif target == "__model__" or kinds.get(target) == "model":
+                message = f"the {end} of {about} is {shown(target)}, the frame of a model"
+                yield Hit("undefined-link", element, message, {"gazebo", "pybullet"})
+            elif target not in kinds and "::" not in target and not has_more:
                 near = did_you_mean(target, kinds)
                 message = f"the {end} of {about} is {shown(target)}, which is not there"
-                yield Hit("undefined-link", element, f"{message}: {near}" if near else message)
+                of = {"drake", "pybullet"} if _is_nested(model) else None  # sdformat does not look in nested models.
+                yield Hit("undefined-link", element, f"{message}: {near}" if near else message, of)
+        yield from _limits_of_drake(joint, model, kinds, has_more=has_more)
         parent, child = _text(joint, "parent"), _text(joint, "child")
         if child and parent:
             yield from _tree(joint, parent, child, parents)
+
+
+def _limits_of_drake(
+    joint: etree._Element, model: etree._Element, kinds: dict[str, str], *, has_more: bool
+) -> Iterator[Hit]:
+    """What Drake knows no joint for."""
+    kind, about, mimic = joint.get("type") or "", _name(joint), joint.find("axis/mimic")
+    leader = mimic.get("joint") if mimic is not None else None
+    is_missing = leader == joint.get("name") or kinds.get(leader or "") != "joint"
+    if mimic is not None and is_missing and not has_more and not _is_nested(model):
+        message = f"{about} mimics {shown(leader or '')}, which is no other joint"
+        yield Hit("undefined-link", mimic, message, {"drake"})
+    if kind in _NOT_IN_DRAKE or (_is_static(model) and kind != "fixed"):
+        what = "is of a static model, and " if kind not in _NOT_IN_DRAKE else ""
+        of = {"drake"} if what else None
+        yield Hit("unsupported-joint-type", joint, f"{about} {what}has the type {shown(kind)}", of)
+
+
+def _is_nested(model: etree._Element) -> bool:
+    return any(True for _ in model.iterancestors("model"))
 
 
 def _tree(joint: etree._Element, parent: str, child: str, parents: dict[str, str]) -> Iterator[Hit]:
@@ -193,10 +234,17 @@ def _children(element: etree._Element) -> Iterator[Hit]:
     if holder is None or (element.tag == "limit" and holder.tag not in {"axis", "axis2"}):
         return
     for child in element:
-        if isinstance(child.tag, str) and child.tag not in known and not {":", "{"} & set(child.tag):
+        if child.tag == IN_MODEL and not _is_before(element, FRAMES_SINCE):
+            yield Hit("unknown-element", child, f"since version 1.7 there is no {IN_MODEL}")
+        elif isinstance(child.tag, str) and child.tag not in known and not {":", "{"} & set(child.tag):
             near = did_you_mean(child.tag, known)
             message = f"a {element.tag} has no element {shown(child.tag)}"
             yield Hit("unknown-element", child, f"{message}: {near}" if near else message)
+
+
+def _is_before(element: etree._Element, version: tuple[int, ...]) -> bool:
+    own = re.findall(r"[0-9]+", next(element.iterancestors("sdf")).get("version") or VERSIONS[-1])
+    return tuple(map(int, own)) < version
 
 
 def _value(element: etree._Element) -> Iterator[Hit]:
@@ -205,34 +253,57 @@ def _value(element: etree._Element) -> Iterator[Hit]:
         return
     if element.tag == "pose" and element.get("rotation_format"):
         return
+    is_read = not fault_of(element, str(parent.tag))
     count, text = _VALUES[element.tag], (element.text or "").strip()
     if element.tag == "pose" and not text:
         return
-    if numbers(text, count) is None and text.lower().lstrip("+-") not in {"inf", "infinity"}:
+    if (
+        numbers(text, count) is None
+        and text.lower().lstrip("+-") not in {"inf", "infinity"}
+        and (is_read or count == 1)
+    ):
         what = "one finite number" if count == 1 else f"{count} finite numbers"
-        rule = "invalid-number" if count == 1 else "invalid-vector"
-        yield Hit(rule, element, f"{element.tag} of {parent.tag} is {shown(text)}, not {what}")
+        message = f"{element.tag} of {parent.tag} is {shown(text)}, not {what}"
+        yield Hit("invalid-number", element, message, None if is_read else {"pybullet"})
 
 
 def _axes(joint: etree._Element) -> Iterator[Hit]:
     kind, about = joint.get("type") or "", _name(joint)
     if kind in WITH_AXIS and joint.find("axis") is None:
         yield Hit("missing-axis", joint, f"{about} has no axis")
+    elif kind in _TWO_AXES and joint.find("axis2") is None:
+        yield Hit("missing-axis", joint, f"{about} has no axis2", {"drake"})
     for axis in (child for child in joint if child.tag in {"axis", "axis2"}):
-        xyz = axis.find("xyz")
-        if xyz is None:
-            yield Hit("missing-axis-direction", axis, f"the axis of {about} has no xyz")
-        elif direction := numbers(xyz.text, 3):
-            length = norm((direction[0], direction[1], direction[2]))
-            if length < UNIT:
-                yield Hit("axis-zero", xyz, f"the axis of {about} has the length 0")
-            elif abs(length - 1.0) > UNIT:
-                yield Hit("axis-not-unit", xyz, f"the axis of {about} has the length {length:.6g}")
-        if kind in {"revolute", "prismatic"} and axis.find("limit") is None:
-            yield Hit("missing-limit", axis, f"{about} is {kind} and has no limit")
-        ends = [numbers(_text(axis, f"limit/{end}"), 1) for end in ("lower", "upper")]
-        if ends[0] and ends[1] and ends[0] > ends[1]:
-            yield Hit("swapped-limits", axis[-1], f"{about} has lower {ends[0][0]:g} and upper {ends[1][0]:g}")
+        yield from _axis(axis, kind, about)
+
+
+def _axis(axis: etree._Element, kind: str, about: str) -> Iterator[Hit]:
+    yield from _ends(axis, kind, about)
+    xyz = axis.find("xyz")
+    if xyz is None:
+        yield Hit("missing-axis-direction", axis, f"the axis of {about} has no xyz")
+    elif direction := numbers(xyz.text, 3):
+        length = norm((direction[0], direction[1], direction[2]))
+        if length < UNIT:
+            yield Hit("axis-zero", xyz, f"the axis of {about} has the length 0")
+        elif abs(length - 1.0) > UNIT:
+            yield Hit("axis-not-unit", xyz, f"the axis of {about} has the length {length:.6g}")
+
+
+def _ends(axis: etree._Element, kind: str, about: str) -> Iterator[Hit]:
+    """What is wrong with limits, damping and stiffness."""
+    if kind in {"revolute", "prismatic"} and axis.find("limit") is None:
+        yield Hit("missing-limit", axis, f"{about} is {kind} and has no limit")
+    ends = [numbers(_text(axis, f"limit/{end}"), 1) for end in ("lower", "upper")]
+    for path in _NOT_NEGATIVE:
+        if (value := drake_numbers(_text(axis, path))) and value[0] < 0.0:
+            yield Hit("impossible-number", axis, f"{path.rpartition('/')[2]} of {about} is {value[0]:g}")
+    if kind in _WITH_LIMITS and any(
+        _text(axis, f"limit/{end}").lower().lstrip("+-")[:3] == "nan" for end in ("lower", "upper")
+    ):
+        yield Hit("swapped-limits", axis, f"a limit of {about} is not a number", {"drake"})
+    if ends[0] and ends[1] and ends[0] > ends[1]:
+        yield Hit("swapped-limits", axis[-1], f"{about} has lower {ends[0][0]:g} and upper {ends[1][0]:g}")
 
 
 def _body(link: etree._Element) -> Iterator[Hit]:
@@ -249,16 +320,16 @@ def _body(link: etree._Element) -> Iterator[Hit]:
     if inertia is None:
         return
     default = {"ixx": "1", "iyy": "1", "izz": "1"}
-    moments = [
-        numbers(_text(inertia, name) or default.get(name, "0"), 1)
-        for name in ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
-    ]
+    moments = [numbers(_text(inertia, name) or default.get(name, "0"), 1) for name in _MOMENTS]
     values = [moment[0] for moment in moments if moment]
     if len(values) < len(moments) or (mass and mass[0] == 0.0 and not any(values)):
         return
     if fault := fault_of_inertia(values):
         what = "breaks the triangle inequality" if "triangle" in fault else "is not positive definite"
-        yield Hit(fault, inertia, f"the inertia of {_name(link)} {what}")
+        low = principal_moments(Inertia(**dict(zip(_MOMENTS, values, strict=True))))[0]
+        # sdformat takes a moment of 0.
+        of = {"drake", "pybullet"} if "triangle" not in fault and low > -ROUNDED else None
+        yield Hit(fault, inertia, f"the inertia of {_name(link)} {what}", of)
 
 
 def _same_names(holder: etree._Element, tags: Sequence[str]) -> Iterator[Hit]:
@@ -269,13 +340,6 @@ def _same_names(holder: etree._Element, tags: Sequence[str]) -> Iterator[Hit]:
         if known in taken:
             yield Hit("duplicate-part", each, f"{_name(each)} of {_name(holder)} has the name of another {each.tag}")
         taken.add(known)
-
-
-def _colour(colour: etree._Element) -> Iterator[Hit]:
-    parent, text = colour.getparent(), (colour.text or "").strip()
-    found = numbers(text, 4) or numbers(text, 3)
-    if parent is not None and parent.tag == "material" and found and not all(0.0 <= part <= 1.0 for part in found):
-        yield Hit("colour-out-of-range", colour, f"{colour.tag} of material is {shown(text)}")
 
 
 def _shape(shape: etree._Element, path: Path) -> Iterator[Hit]:
@@ -297,7 +361,9 @@ def _shape(shape: etree._Element, path: Path) -> Iterator[Hit]:
 
 
 def _include(include: etree._Element, path: Path) -> Iterator[Hit]:
-    address = _text(include, "uri")
+    if not (address := _text(include, "uri")):
+        yield Hit("missing-include", include, "an include has no uri")
+        return
     name = address.partition("://")[2] or address
     folders = (path.parent, path.parent.parent)
     if not address.startswith(("http", "package")) and not any((folder / name).exists() for folder in folders):

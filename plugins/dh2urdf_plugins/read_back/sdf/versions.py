@@ -19,7 +19,7 @@ MODEL = "__model__"
 IN_MODEL = "use_parent_model_frame"
 """The element of an axis that said whether the axis is in the frame of the model."""
 _OWN_AXES_SINCE = (1, 5)
-_FRAMES_SINCE = (1, 7)
+FRAMES_SINCE = (1, 7)
 
 
 def modernise(root: etree._Element) -> None:
@@ -29,7 +29,7 @@ def modernise(root: etree._Element) -> None:
         root: the outermost element; it is changed.
     """
     version = tuple(int(word) for word in (root.get("version") or "").split(".") if word.isdecimal())
-    if not version or version >= _FRAMES_SINCE:
+    if not version or version >= FRAMES_SINCE:
         return
     for pose in root.iter("pose"):
         if frame := pose.get("frame"):

@@ -51,6 +51,8 @@ _OF_JOINTS = (Dimension.TURN_RATE, Dimension.TORQUE)
 """What nothing but joints has, in any words: ``180 deg/s``."""
 _MOST_WORDS = 6
 """Words of a clause that gives a number to something; a longer one tells a story."""
+_SUM = late_pattern(r"[-+−±(]?\s*(?:[0-9.(]|pi|π|q[0-9_]|θ|th)", re.IGNORECASE)
+"""How an expression begins."""
 _BESIDE = late_pattern(r"[,;|\t{}\[\]]|:\s")
 _SCALES = (1.0, 100.0, 1000.0, math.degrees(1.0))
 """Units that one number may have in two places: m, cm and mm, or rad and deg."""
@@ -106,15 +108,17 @@ def other_values(comment: Comment, beside: str, *, place: str = "column") -> lis
         place: where a joint has its values: in a column, or under a key.
     """
     entry = entry_of(comment)
-    field = read_header(entry[1]).field if entry else None
     numbers = list(_numbers_in(entry[2] if entry else comment.text, bare=entry is not None))
+    if not numbers:
+        return unread_values(comment, place=place)
     held = [number for text in _BESIDE.split(beside) for number, _ in _numbers_in(text, bare=True)]
     same = [any(_is_same(number, other, either=either) for other in held) for number, either in numbers]
     if entry:
-        repeats = same and all(same) and field and field.dimension
+        field = read_header(entry[1]).field
+        repeats = all(same) and field and field.dimension
         return [] if repeats else unread_values(comment, place=place)
-    if not numbers or any(same) or _CITATION.fullmatch(comment.text.strip()):
-        return None if all(same) and _are_numbers(comment.text) else []
+    if any(same) or _CITATION.fullmatch(comment.text.strip()):
+        return None if all(same) and _NUMBERS.fullmatch(comment.text) else []
     message = f"{shown(comment.line)} is a comment, and {'no value beside it is this number' if held else _NOTHING}"
     return [Problem(message=message, severity="notice", mark=comment.whole, found=comment.line)]
 
@@ -139,20 +143,23 @@ def _numbers_in(text: str, *, bare: bool) -> Iterator[tuple[float, bool]]:
         text: the text.
         bare: whether one without a unit counts, however small, beside words too.
     """
-    for dimension in (Dimension.ANGLE, Dimension.LENGTH):
+    if not any(map(str.isdigit, text)) and "π" not in text and "pi" not in text:
+        return
+    whole = text.strip()
+    may_be_sum = any(sign in whole[1:] for sign in ("+", "-", "−", "*", "/")) or "π" in whole or "pi" in whole
+    for dimension in (Dimension.ANGLE, Dimension.LENGTH) if may_be_sum and _SUM.match(whole) else ():
         try:
-            quantity = evaluate(text.strip(), dimension)
+            yield evaluate(whole, dimension).value, False
         except QuantityError:
             continue
-        if bare or quantity.has_unit or quantity.uses_pi or quantity.value > _COUNTS_UP_TO or quantity.value % 1:
-            yield quantity.value, False
         return
-    bare = bare or _NUMBERS.fullmatch(text) is not None
+    is_whole = not bare and _NUMBERS.fullmatch(text) is not None
     for match in _NUMBER.finditer(text):
         unit = _unit_of(match)
-        if bare or unit:
+        if bare or is_whole or unit:
             number = float(re.sub(r"\s", "", match["number"]).translate(_PLAIN_SIGNS))
-            yield unit.si(number) if unit else number, bool(match["either"])
+            if bare or unit or number % 1 or abs(number) > _COUNTS_UP_TO:
+                yield unit.si(number) if unit else number, bool(match["either"])
 
 
 def _unit_of(match: re.Match[str]) -> Unit | None:

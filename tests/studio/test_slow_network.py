@@ -752,3 +752,20 @@ def test_what_is_too_large_is_in_nobodys_way(studio_address: str, new_tab: Calla
     page.evaluate("emitEvent('dh-edit', [0, 'd', '1'.repeat(1_100_000)])")
     tab.type_into(1, "a", "-0.9")
     page.wait_for_function("dhPage.kept().includes('-0.9')")
+
+
+@pytest.mark.long
+def test_a_page_answers_late(slow: tuple[Any, Network]) -> None:
+    """A page whose first answer took more than ten seconds stayed empty, with a fault of the studio in its place."""
+    tab, _ = slow
+    tab.page.add_init_script("""{
+        const { send } = WebSocket.prototype;
+        WebSocket.prototype.send = function (data) {
+            const wait = String(data).includes("javascript_response") ? 11_000 : 0;
+            wait ? setTimeout(() => send.call(this, data), wait) : send.call(this, data);
+        };
+    }""")
+    tab.page.goto(f"{tab.address}favicon.ico")
+    tab.page.goto(tab.address)
+    tab.wait_for_cells(1, a="-0.425")
+    assert tab.page.locator(".q-notification").count() == 0

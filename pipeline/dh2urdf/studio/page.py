@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 from nicegui import ui
 
 from dh2urdf.studio import dialogs, joints, pasting, words
+from dh2urdf.studio.connection import ANSWERED
 from dh2urdf.studio.editing import axes, edits
 from dh2urdf.studio.editing.keeping import finish_typing, kept_table, kept_text
 from dh2urdf.studio.layout.dropping import lay_drop
@@ -366,7 +367,7 @@ class StudioPage:
     async def start(self) -> None:
         """Shows the session for the first time."""
         is_new = not self.session.history.can_undo  # before the answer, in whose time a person may begin a table
-        text, left = await ui.run_javascript("return [dhPage.kept(), dhPage.unfinished()]", timeout=10.0)
+        text, left = await ui.run_javascript("return [dhPage.kept(), dhPage.unfinished()]", timeout=ANSWERED)
         finish_typing(self.session, left, kept := kept_table(text), is_new=is_new)
         self._view.set_layers(self.session.shown_layers)
         self._view.fade(self.session.opacities)

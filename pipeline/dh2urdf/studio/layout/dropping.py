@@ -10,6 +10,7 @@ from urllib.parse import unquote
 from nicegui import run, ui
 
 from dh2urdf.studio import dialogs, words
+from dh2urdf.studio.connection import ANSWERED
 from dh2urdf.studio.editing.opening import tables_of
 
 if TYPE_CHECKING:
@@ -44,7 +45,7 @@ def lay_drop(page: ui.element, catalog: Catalog, on_table: Callable[[TableText |
             return
         # What is being typed, and what is on its way by the socket, belongs to the table that is still there.
         with suppress(TimeoutError):
-            await page.client.run_javascript("dhPage.leave()", timeout=10.0)
+            await page.client.run_javascript("dhPage.leave()", timeout=ANSWERED)
         if not page.is_deleted:
             await on_table(await dialogs.choose(tables))
 

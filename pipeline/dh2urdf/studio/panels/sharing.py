@@ -11,6 +11,7 @@ from nicegui import run, ui
 from dh2urdf.errors import Dh2UrdfError
 from dh2urdf.output.whole_files import safe_stem
 from dh2urdf.studio import dialogs
+from dh2urdf.studio.connection import ANSWERED
 from dh2urdf.studio.drawing import turntable
 from dh2urdf.studio.drawing.fading import faded
 from dh2urdf.studio.drawing.scene_file import glb
@@ -83,7 +84,7 @@ async def _save_scene(scene: Callable[[], ShownScene]) -> None:
 
 async def show_link(table: TableText) -> None:
     """Show a link that holds a table; it is made in the browser, and goes nowhere but to the clipboard."""
-    link = str(await ui.run_javascript(f"return dhPage.link({json.dumps(kept_text(table))})", timeout=10.0))
+    link = str(await ui.run_javascript(f"return dhPage.link({json.dumps(kept_text(table))})", timeout=ANSWERED))
     with dialogs.card("A link with this table") as dialog:
         ui.label("The link itself holds the whole table: nothing is sent to anybody.").classes("studio-status")
         ui.input(value=link).props('readonly outlined dense aria-label="link"').classes("studio-wide")
@@ -99,7 +100,7 @@ async def linked_table() -> TableText | None:
 
     A link whose table cannot be read is shown as a problem.
     """
-    text = await ui.run_javascript("return dhPage.linked()", timeout=10.0)
+    text = await ui.run_javascript("return dhPage.linked()", timeout=ANSWERED)
     if text is None:
         return None
     table = kept_table(str(text))

@@ -307,7 +307,7 @@ def test_an_empty_table_takes_what_is_pasted(tab: Any) -> None:
         page.locator(".arm-view").click()  # the cursor is in no field
     copy_text(tab, "# convention: foo\na,alpha,d\n1,2,3\n")
     page.keyboard.press("Control+v")
-    page.get_by_text("This looks like a whole table, and cannot be read as one").wait_for()
+    page.get_by_text("What you paste may be misread").wait_for()
     page.get_by_role("button", name="Cancel").click()
     copy_text(tab, "3")
     page.get_by_label("number of axes").click()

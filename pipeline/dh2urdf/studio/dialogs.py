@@ -249,9 +249,9 @@ async def ask_paste(found: tuple[Opened, ...] | str) -> str | None:
     """What to do with a pasted text that has a header: ``table`` or ``cells``; None for nothing.
 
     Args:
-        found: its tables, or why it cannot be read as one.
+        found: its tables, or why it cannot be read as one, or its cells would be misread.
     """
-    bad = "This looks like a whole table, and cannot be read as one"
+    bad = "What you paste may be misread"
     with card(bad if isinstance(found, str) else "The clipboard holds a whole table") as dialog:
         if isinstance(found, str):
             ui.label(found).classes("studio-problem error")

@@ -95,6 +95,15 @@ def test_cells_that_can_be_read_in_two_ways(cells: str, catalog: Catalog) -> Non
     assert pasting.whole_tables(cells.replace("1.200", "1.20"), catalog) == ()
 
 
+@pytest.mark.parametrize("start", [0, 1])
+def test_a_column_that_counts_the_rows(start: int, catalog: Catalog) -> None:
+    """Without a header, 1, 2 and 3 would be lengths of metres, and all other cells one column to the right."""
+    rows = [f"{number}\t0.1\t0\t0.2" for number in range(start, start + 3)]
+    assert "counts the rows" in str(pasting.whole_tables("\n".join(rows), catalog))
+    for cells in (rows[1:], ["4\t0\t0\t0", *rows], [row.rsplit("\t", 1)[0] for row in rows]):
+        assert pasting.whole_tables("\n".join(cells), catalog) == ()
+
+
 @pytest.mark.parametrize("indent", [None, 2])
 def test_json_is_yaml(catalog: Catalog, indent: int | None) -> None:
     """Its lines went into cells."""

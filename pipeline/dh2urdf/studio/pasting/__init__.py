@@ -11,7 +11,7 @@ from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.studio.editing.edits import MOST_ROWS, resized, with_cells
 from dh2urdf.studio.editing.opening import Opened, tables_of
 from dh2urdf.studio.pasting.typeset import is_value, typeset
-from dh2urdf.table_text import TableText
+from dh2urdf.table_text import REQUIRED, TableText
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -49,6 +49,8 @@ _PROGRAM = (
     "this is code of a program, and not a table: paste the matrix of its numbers, or in Python call "
     "dh2urdf.from_roboticstoolbox(robot).to_csv('arm.csv') and open that file"
 )
+MOST_NUMBERS = 2
+"""Rows whose first cells may be 1 and 2 by chance."""
 MIN_COLUMNS = 2
 """Of a table with a header."""
 _NAME = re.compile(r"(?!pi\b)[^\W\d_][\w -]*", re.IGNORECASE)
@@ -150,7 +152,7 @@ def whole_tables(text: str, catalog: Catalog, convention: str = "") -> tuple[Ope
     if not is_yaml and not shown and 2 * sum(map(bool, map(_STATEMENT.match, lines))) > len(lines):
         return _PROGRAM
     if not is_yaml and not has_header(text) and not (shown and (shown.says_more or _is_headed(shown.rows))):
-        return _in_two_ways(text)
+        return _doubt(text)
     if is_yaml and "joints" not in text and text.lstrip()[:1] in ("-", "["):
         text = "joints:\n" + "\n".join(f"  {line}" for line in text.splitlines())
     if shown:
@@ -164,17 +166,26 @@ def whole_tables(text: str, catalog: Catalog, convention: str = "") -> tuple[Ope
     )
 
 
-def _in_two_ways(text: str) -> tuple[()] | str:
-    """What is wrong with cells whose points are decimal points, or separate thousands where the commas are decimal."""
-    every = [cell for row in cells_of(text) for cell in row]
+def _doubt(text: str) -> tuple[()] | str:
+    """What may be misread in cells without a header; empty where nothing is likely to be."""
+    rows = cells_of(text)
+    every = [cell for row in rows for cell in row]
     pointed = next(filter(_POINTED_GROUPS.fullmatch, every), None)
     comma = next((cell for cell in every if _DECIMAL_COMMA.fullmatch(cell) and not _IN_GROUPS.fullmatch(cell)), None)
-    if pointed is None or comma is None:
-        return ()
-    return (
-        f"{pointed!r} can be read in two ways, since {comma!r} has a decimal comma: the point may separate thousands\n"
-        "accepted: decimal commas alone, or decimal points alone, without separators of thousands"
-    )
+    if pointed is not None and comma is not None:
+        return (
+            f"{pointed!r} can be read in two ways, since {comma!r} has a decimal comma: "
+            "the point may separate thousands\n"
+            "accepted: decimal commas alone, or decimal points alone, without separators of thousands"
+        )
+    first = [row[0] for row in rows]
+    counted = len(rows) > MOST_NUMBERS and min(map(len, rows)) > len(REQUIRED)
+    if counted and any(first == [str(number + start) for number in range(len(rows))] for start in (0, 1)):
+        return (
+            f"the first column counts the rows, {first[0]} to {first[-1]}, and would be cells of the table\n"
+            "copy the cells without it, or with their header"
+        )
+    return ()
 
 
 def _uncommented(text: str) -> str:

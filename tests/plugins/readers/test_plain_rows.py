@@ -124,6 +124,15 @@ def test_a_short_stroke_is_noticed_in_the_last_arm(tmp_path: Path) -> None:
     assert (bool(last.notices), any(other.notices for other in others)) == (True, False)
 
 
+def test_an_offset_that_is_in_theta_too_is_noticed_in_the_last_arm(tmp_path: Path) -> None:
+    """Whichever way its row is read, and nobody else's."""
+    path = tmp_path / "arms.csv"
+    arms = [f"r{k},0.{k + 1:03},0,0,{0.5 if k == 39 else 0.7},0.5" for k in range(40)]
+    path.write_text("\n".join(["robot,a,alpha,d,theta,offset", *arms]))
+    read = list(csv.READER.read(path, TableOptions(convention="standard")))
+    assert [k for k, arm in enumerate(read) if any("they are added" in str(notice) for notice in arm.notices)] == [39]
+
+
 def test_a_prismatic_offset_in_mm_is_one_in_mm(tmp_path: Path) -> None:
     """5 in a table in mm is 5 mm, not the 5 m that the angles' unit makes of it."""
     path = tmp_path / "arm.csv"

@@ -164,7 +164,7 @@ _TYPES = {
 }
 _CONVENTIONS = {
     Convention.STANDARD: "estándar, klassisch, klassische, classique, clásica, clásico, classica, classico, clássica, "
-    "standardowa, klasyczna, standart, klasik, стандартная, классическая, 标准, 经典, 標準, 표준, "
+    "standardowa, klasyczna, klasik, стандартная, классическая, 标准, 经典, 標準, 표준, "
     "标准dh, 標準dh, 经典dh",
     Convention.MODIFIED: "modifiziert, modifizierte, modifiée, modifié, modificada, modificado, modificata, "
     "modificato, zmodyfikowana, değiştirilmiş, модифицированная, 改进, 改良, 修正, 수정, 改进dh, 改良dh, 修正dh",

@@ -238,6 +238,9 @@ MJCF_FAULTS: dict[str, Change] = {
         "</actuator>", '</actuator>\n<sensor><jointpos joint="elbow" noise="-1"/></sensor>', "<sensor"
     ),
     "mjcf-direction-zero": Change('pos="0.2 0 0"', 'pos="0.2 0 0" axisangle="0 0 0 1"', "axisangle"),
+    "mjcf-mesh-format": Change('file="part.obj"', 'file="part.glb"', "part.glb"),
+    "mjcf-unreadable-mesh": Change('file="part.obj"', 'file="pointer.obj"', "pointer.obj"),
+    "mjcf-flat-mesh": Change('file="part.obj"', 'file="part.obj" scale="1 1 0"', "part.obj"),
     "mjcf-moving-plane": Change('type="sphere" size="0.02"', 'type="plane" size="1 1 1"', '"plane"'),
     "mjcf-duplicate-body": Change('<body name="arm_2"', '<body name="arm_1"', '<body name="arm_1"'),
     "mjcf-duplicate-joint": Change('name="slide"', 'name="elbow"', '<joint name="elbow"'),
@@ -319,6 +322,8 @@ def write_models(folder: Path) -> dict[str, Path]:
     faces = [(1, 3, 2), (1, 2, 4), (1, 4, 3), (2, 3, 4)]
     obj = [f"v {x} {y} {z}" for x, y, z in corners] + [f"f {a} {b} {c}" for a, b, c in faces]
     (folder / "part.obj").write_text("\n".join(obj) + "\n")
+    (folder / "part.glb").write_text("glTF")
+    (folder / "pointer.obj").write_text("version https://git-lfs.github.com/spec/v1\noid sha256:0\nsize 9\n")
     paths = {}
     for sound, text, faults, suffix in (("sdf", SDF, SDF_FAULTS, ".sdf"), ("mjcf", MJCF, MJCF_FAULTS, ".xml")):
         for name, content in {sound: text, **{rule: fault.of(text) for rule, fault in faults.items()}}.items():

@@ -173,7 +173,7 @@ def test_the_schema_is_that_of_mujoco() -> None:
 
 def test_what_is_included_is_part_of_the_model(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Names may be defined in another file, and a fault there is reported with that file and its line."""
-    (tmp_path / "part.obj").touch()
+    write_models(tmp_path)
     asset = MJCF[MJCF.index("  <asset>") : MJCF.index("  <worldbody>")]
     path, inner = tmp_path / "arm.xml", tmp_path / "assets.xml"
     path.write_text(MJCF.replace(asset, '  <include file="assets.xml"/>\n'))
@@ -563,3 +563,76 @@ def test_a_texture_and_a_height_field_have_the_names_of_their_files(tmp_path: Pa
     )
     assert inspect_mjcf(path).findings == ()
     mujoco.MjModel.from_xml_path(str(path))
+
+
+BODY = (
+    '<mujoco model="m"><asset>%s</asset><worldbody>%s<body name="a"><joint name="j"/><geom size="0.1"/>%s</body></worldbody>%s'
+    "</mujoco>"
+)
+TETRA = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n"
+MESHES = {
+    "sound.obj": TETRA,
+    "line.obj": f"{TETRA}l 1\n",
+    "flat.obj": "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nf 1 2 3\nf 2 4 3\n",
+    "few.obj": "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n",
+    "points.obj": TETRA.partition("f")[0],
+    "empty.obj": "",
+    "pointer.obj": "version https://git-lfs.github.com/spec/v1\noid sha256:0\nsize 9\n",
+    "pointer.stl": "version https://git-lfs.github.com/spec/v1\noid sha256:0\nsize 9\n",
+    "text.stl": "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\nendsolid a\n",
+    "sound.glb": "glTF",
+    "sound.dae": "<COLLADA/>",
+}
+
+
+def odd_meshes() -> dict[str, str]:
+    """Models with a mesh of each file, used in each way."""
+    found = {}
+    drawn, weighed = ('contype="0" conaffinity="0"', '<inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/>')
+    for file in MESHES:
+        for more in ("", 'inertia="shell"', 'scale="1 1 0"', 'scale="1e-9 1 1"', 'maxhullvert="3"', 'maxhullvert="4"'):
+            for use in (
+                "",
+                '<geom type="mesh" mesh="x"/>',
+                f'<geom type="mesh" mesh="x" {drawn}/>{weighed}',
+                f'<geom type="mesh" mesh="x"/>{weighed}',
+            ):
+                found[f"{file} {more} {use}"] = BODY % (f'<mesh name="x" file="{file}" {more}/>', "", use, "")
+    return found
+
+
+def odd_bounds() -> dict[str, str]:
+    """Models with numbers at their bounds, and beyond them."""
+    found = {}
+    for value in ("-1", "0", "1"):
+        for name in ("mass", "density", "friction"):
+            found[f"{name} {value}"] = BODY % ("", "", f'<geom size="1" {name}="{value}"/>', "")
+        for name in ("kv", "dampratio", "timeconst", "kp"):
+            position = f'<actuator><position name="p" joint="j" {name}="{value}"/></actuator>'
+            found[f"{name} {value}"] = BODY % ("", "", "", position)
+        for kind, target in (("adhesion", 'body="a"'), ("damper", 'joint="j"')):
+            actuator = f'<actuator><{kind} {target} ctrlrange="{value} 2"/></actuator>'
+            found[f"{kind} {value}"] = BODY % ("", "", "", actuator)
+        tendon = f'<tendon><fixed armature="{value}"><joint joint="j" coef="1"/></fixed></tendon>'
+        found[f"armature {value}"] = BODY % ("", "", "", tendon)
+        found[f"hill {value}"] = BODY % (f'<hfield name="h" size="1 1 {value} 1" nrow="2" ncol="2"/>', "", "", "")
+        found[f"extent {value}"] = BODY % ("", "", "", f'<statistic extent="{value}"/>')
+        found[f"znear {value}"] = BODY % ("", "", "", f'<visual><map znear="{value}"/></visual>')
+    for angle in ("-1", "0", "179", "180"):
+        found[f"fovy {angle}"] = BODY % ("", "", f'<camera fovy="{angle}"/>', "")
+    for tensor in ("", 'diaginertia="inf inf inf"', 'diaginertia="1 1 1"', 'fullinertia="1 1 1 0 0 0"'):
+        for more in ("", 'quat="1 0 0 0"', 'fullinertia="1 1 1 0 0 0"'):
+            if tensor.partition("=")[0] != more.partition("=")[0]:
+                found[f"{tensor} {more}"] = BODY % ("", "", f'<inertial pos="0 0 0" mass="1" {tensor} {more}/>', "")
+    replicate = '<replicate count="2" offset="1 0 0" prefix="p"><geom name="g" size="1"/></replicate>'
+    found["prefix"] = BODY % ("", replicate, "", "")
+    return found
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("consumer", ["mujoco", "drake"])
+def test_meshes_and_bounds_are_foretold(tmp_path: Path, consumer: str) -> None:
+    """Of meshes that are flat, pointers, or of other formats, and of numbers at their bounds."""
+    for name, text in MESHES.items():
+        (tmp_path / name).write_text(text)
+    test_what_a_reader_makes_of_an_oddity_is_foretold(tmp_path, consumer, lambda: odd_meshes() | odd_bounds())

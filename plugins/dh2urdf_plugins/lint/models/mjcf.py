@@ -17,6 +17,7 @@ from dh2urdf.mass_properties import principal_moments
 from dh2urdf.rotations import norm
 from dh2urdf.source import did_you_mean, listed, shown
 from dh2urdf_plugins.lint.joints import UNIT
+from dh2urdf_plugins.lint.models.mjcf_bounds import hits as hits_of_bounds
 from dh2urdf_plugins.lint.models.mjcf_compiled import MEASURES, changes_masses, hits as hits_of_compiled
 from dh2urdf_plugins.lint.models.mjcf_names import OF_DRAKE, hits as hits_of_names
 from dh2urdf_plugins.lint.models.models import (
@@ -49,7 +50,7 @@ BODIES = ("worldbody", "body", "frame", "replicate")
 """What holds bodies, with the same elements in each."""
 _OF_BODIES = {
     "frame": "name childclass pos quat axisangle xyaxes zaxis euler",
-    "replicate": "count offset euler sep",
+    "replicate": "count offset euler sep prefix",
     "worldbody": "",
 }
 _COUNT = {
@@ -71,13 +72,6 @@ _OF_DRAKE = {
     **dict.fromkeys(OF_DRAKE, ("ctrlrange", "forcerange", "kp", "ctrllimited", "forcelimited")),
 }
 """The attributes that Drake reads, as far as they are known here."""
-_NOT_NEGATIVE = {
-    "joint": {"damping": "drake"},
-    "geom": {"friction": "drake"},
-    "spatial": {"width": "mujoco"},
-    "sensor": {"noise": "mujoco", "cutoff": "mujoco"},
-}
-"""Numbers that may not be below 0, and who minds."""
 _ODD = re.compile("nan|inf", re.IGNORECASE)
 SMALLEST = 1e-15
 """Mass or moment of inertia that MuJoCo takes for 0 [kg, kg·m²]."""
@@ -105,7 +99,7 @@ def hits(model: Model) -> Iterator[Hit]:
         yield from _values(element)
     for element in elements_of(model.root):
         yield from _words(element)
-        yield from _out_of_range(element)
+        yield from hits_of_bounds(element, is_of_no_use=_is_of_no_use)
     yield from _joints(model.root)
     for element in elements_of(model.root, "inertial"):
         yield from _inertial(element, model.root)
@@ -225,6 +219,8 @@ def _is_taken(element: etree._Element, name: str, text: str, counts: tuple[int, 
         return True
     if name == "mass":
         return read[0] > 0.0 or not _moves(element)
+    if name == "diaginertia" and set(read) == {math.inf}:
+        return True
     return math.inf not in read and not _moves(element)
 
 
@@ -264,21 +260,6 @@ def _is_of_no_use(element: etree._Element, name: str) -> bool:
     """Whether Drake passes over the mass of a geom, since the body has its own."""
     body = element.getparent()
     return (element.tag, name) == ("geom", "mass") and body is not None and body.find("inertial") is not None
-
-
-def _out_of_range(element: etree._Element) -> Iterator[Hit]:
-    """Numbers below 0, and colours."""
-    section = _holder(element)
-    for name, of in _NOT_NEGATIVE.get(str(element.tag if element.tag in _NOT_NEGATIVE else section), {}).items():
-        text = element.get(name) or ""
-        if (read := drake_numbers(text)) and read[0] < 0.0:
-            about = f"{name} of {_about(element)} is {shown(text)}, which is below 0"
-            yield Hit("out-of-range" if of == "drake" else "negative-number", element, about)
-    colour = numbers(element.get("rgba"), 4) if element.tag in {"geom", "material"} else None
-    if colour and not all(0.0 <= part <= 1.0 for part in colour):
-        yield Hit(
-            "out-of-range", element, f"rgba of {_about(element)} is {shown(element.get('rgba') or '')}", {"drake"}
-        )
 
 
 def _joints(root: etree._Element) -> Iterator[Hit]:
@@ -344,9 +325,19 @@ def _inertial(inertial: etree._Element, root: etree._Element) -> Iterator[Hit]:
         yield Hit("missing-mass", inertial, f"the inertial of {about} has no mass")
     if inertial.get("pos") is None:
         yield Hit("missing-inertial-pos", inertial, f"the inertial of {about} has no pos")
+    tensors = [name for name in ("diaginertia", "fullinertia") if inertial.get(name)]
+    turns = [name for name in _TURNS if inertial.get(name)]
+    if "fullinertia" in tensors and len(tensors + turns) > 1:
+        others = [name for name in tensors + turns if name != "fullinertia"]
+        yield Hit(
+            "several-orientations", inertial, f"the inertial of {about} has fullinertia and {others[0]}", {"mujoco"}
+        )
     if changes_masses(compiler_of(root)):
         return
     moves = _moves(inertial)
+    if not tensors:
+        minding = {"drake", "mujoco"} if moves else {"drake"}
+        yield Hit("missing-attribute", inertial, f"the inertial of {about} has no diaginertia or fullinertia", minding)
     if mass and mass[0] < SMALLEST and moves:
         of = None if mass[0] <= 0.0 else {"mujoco"}
         yield Hit("mass-not-positive", inertial, f"the mass of {about} is {mass[0]:g}", of)

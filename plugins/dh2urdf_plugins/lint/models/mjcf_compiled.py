@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from dh2urdf.errors import ProofError
 from dh2urdf.source import shown
+from dh2urdf_plugins.lint.models.mjcf_meshes import format_hits, hits as hits_of_meshes
 from dh2urdf_plugins.lint.models.mjcf_needs import hits as hits_of_needs
 from dh2urdf_plugins.lint.models.models import Hit, Model, elements_of, numbers
 from dh2urdf_plugins.lint.numbers import mujoco_numbers
@@ -45,20 +46,21 @@ def hits(model: Model, *, complete: bool) -> Iterator[Hit]:
     for compiler in root.iterchildren("compiler"):
         if compiler.get("coordinate") == "global":
             yield Hit("global-coordinates", compiler, "poses are given in the world: coordinate is 'global'")
-    yield from _files(model)
+    meshes: dict[etree._Element, Path] = {}
+    yield from _files(model, meshes)
     if complete and not any(True for _ in elements_of(root, *MAKERS)):
         elements = Elements(root, str(model.path))
         try:
             found = [*_keyframes(root, elements), *_masses(root, elements)]
             found += [*_free_joints(root, elements), *_sizes(root, elements)]
-            found += hits_of_needs(root, elements)
+            found += [*hits_of_needs(root, elements), *hits_of_meshes(elements, meshes)]
         except ProofError:  # of a class or a number, about which other rules speak
             return
         yield from found
 
 
-def _files(model: Model) -> Iterator[Hit]:
-    """Files that are neither where the compiler looks for them nor beside the file that names them."""
+def _files(model: Model, meshes: dict[etree._Element, Path]) -> Iterator[Hit]:
+    """Files that are neither where the compiler looks for them nor beside what names them; finds the meshes."""
     compiler = compiler_of(model.root)
     strip = compiler.get("strippath") == "true"
     for asset in model.root.iterfind("asset/*"):
@@ -67,7 +69,13 @@ def _files(model: Model) -> Iterator[Hit]:
         beside = Path(mark_of(asset, str(model.path)).file).parent
         for file in filter(None, map(asset.get, attributes)):
             path = Path(Path(file).name if strip else file)
-            if not (model.path.parent / folder / path).is_file() and not (beside / path).is_file():
+            places = (model.path.parent / folder / path, beside / path)
+            if asset.tag == "mesh":
+                yield from format_hits(asset, file)
+                found = next(filter(Path.is_file, places), None)
+                if found is not None:
+                    meshes[asset] = found
+            if not any(place.is_file() for place in places):
                 rule, what = ("missing-mesh", "mesh") if asset.tag == "mesh" else ("missing-asset-file", asset.tag)
                 yield Hit(rule, asset, f"the {what} file {shown(str(folder / file))} is not there")
 

@@ -286,8 +286,8 @@ def workers(bench: Bench) -> None:
     """Two workers against one, and against two processes that know nothing of each other, into tar shards."""
     sizes = bench.count(20_000, 2 * SHARD), bench.count(100_000, 10 * SHARD)
     print(f"What a run of {sizes[1]:,} takes more than one of {sizes[0]:,}, so that no start-up counts; everything is")
-    print(f"proved; median of {bench.rounds}. A shard is a task. Apart: two commands at once, of one worker and half")
-    print("the robots each. The bound is 1.7, and 0.98 of what those apart reach.\n")
+    print(f"proved; median of {bench.rounds}. A task is one shard or several. Apart: two commands at once, of one")
+    print("worker and half the robots each. The bound is 1.7, and 0.98 of what those apart reach.\n")
     rows = []
     for source, make in {"a CSV file": bench.csv_run, "variations": bench.variations_run}.items():
         sides: dict[str, Side] = {}

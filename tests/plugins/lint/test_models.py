@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import pytest
 from consumers import require
 from faulty_models import MJCF, MJCF_FAULTS, SDF, SDF_FAULTS, write_models
+from foretelling import wrong_models
 from model_consumers import outcomes
 
 from dh2urdf_plugins.lint.models.mjcf import inspect_mjcf, schema
@@ -485,22 +486,8 @@ def test_what_a_reader_makes_of_an_oddity_is_foretold(
     tmp_path: Path, consumer: str, models: Callable[[], dict[str, str]]
 ) -> None:
     """It refuses a model where a finding says so, and loads it where none does: also with nan, inf and 0x10."""
-    require(consumer)
     write_models(tmp_path)
-    texts = models()
-    paths = [tmp_path / f"odd-{number}.xml" for number in range(len(texts))]
-    for path, text in zip(paths, texts.values(), strict=True):
-        path.write_text(text)
-    wrong = []
-    for name, path, found in zip(texts, paths, outcomes(consumer, paths), strict=True):
-        fatal = [
-            finding.rule
-            for finding in inspect_mjcf(path).findings
-            if any(effect.consumer == consumer for effect in finding.effects)
-            and model_rules("mjcf")[finding.rule].outcomes[consumer] in {Outcome.REFUSES, Outcome.CRASHES}
-        ]
-        if bool(fatal) != (found["end"] != "loads"):
-            wrong.append(f"{name}: it {found['end']}, {fatal} {found.get('raised')}")
+    wrong = wrong_models(tmp_path, consumer, models(), "mjcf")
     assert wrong == [], "\n".join(wrong)
 
 

@@ -8,13 +8,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pytest
-from consumers import require
+from foretelling import wrong_models
 from lxml import etree
-from model_consumers import outcomes
 
-from dh2urdf_plugins.lint.models.models import model_rules
 from dh2urdf_plugins.lint.models.sdf import inspect_sdf
-from dh2urdf_plugins.lint.rules import Outcome
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -178,19 +175,5 @@ def _joints() -> Iterator[Case]:
 @pytest.mark.parametrize("consumer", ["gazebo", "drake"])
 def test_what_is_refused_is_foretold(tmp_path: Path, consumer: str) -> None:
     """A reader refuses a model where a finding says so, and loads it where none does."""
-    require(consumer)
-    models = dict((*_values(), *_parts(), *_frames(), *_joints()))
-    paths = [tmp_path / f"odd-{number}.sdf" for number in range(len(models))]
-    for path, text in zip(paths, models.values(), strict=True):
-        path.write_text(text)
-    wrong = []
-    for name, path, found in zip(models, paths, outcomes(consumer, paths), strict=True):
-        fatal = [
-            finding.rule
-            for finding in inspect_sdf(path).findings
-            if any(effect.consumer == consumer for effect in finding.effects)
-            and model_rules("sdf")[finding.rule].outcomes[consumer] in {Outcome.REFUSES, Outcome.CRASHES}
-        ]
-        if bool(fatal) != (found["end"] != "loads"):
-            wrong.append(f"{name}: it {found['end']}, {fatal} {found['printed'][:200]} {found.get('raised')}")
+    wrong = wrong_models(tmp_path, consumer, dict((*_values(), *_parts(), *_frames(), *_joints())), "sdf")
     assert wrong == [], "\n".join(wrong)

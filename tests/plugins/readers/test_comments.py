@@ -926,7 +926,9 @@ BEHIND = [
     *(("slides", True), ("linear axis", True), ("continuous", True), ("tool", True), ("flange", True), ("TCP", True)),
     *(("dummy", True), ("fixed", True), ("from -90 to 90", True), ("coupled with J2", True), ("parallelogram", True)),
     *(("elbow", False), ("see fig. 3", False), ("upper arm", False), ("[2]", False), ("none", False), ("base", False)),
-    *(("?", False), ("was 0.35 before", False), ("from the manual", False), ("turns the other way", False)),
+    *(("?", False), ("was 0.35 before", False), ("from the manual", False), ("turns the other way", True)),
+    *(("wrist offset", False), ("vertical axis", False), ("absolute encoder", False), ("offset to the elbow", False)),
+    *(("shifted by pi/2", True), ("offset -90", True), ("measured from the horizontal", True)),
 ]
 
 

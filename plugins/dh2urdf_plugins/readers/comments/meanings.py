@@ -59,7 +59,8 @@ _EASTERN_STATES = "固定 不动 被动 从动 耦合 锁定 反向 相反 联�
 _TURNED = "reversed inverted opposite negative positive"
 _TIP = "(?:tool|tip|tcp|flange|end[ -]?effector|gripper|hand)"
 _NEGATED = "negated reversed inverted flipped mirrored"
-_FROM = "horizontal vertical absolute offset shifted versatz décalage decalage desfase"
+_FROM = "horizontal vertical absolute"
+_SHIFTED = "offset shifted versatz décalage decalage desfase"
 _OFFSETS = "offset shift versatz décalage decalage desfase"
 
 
@@ -71,11 +72,12 @@ MOTION = "how a joint moves"
 MEANINGS = {
     MOTION: _meaning(
         f"{_STATES} {_EASTERN_STATES} {_TURNED} never n't n’t",
-        rf"{NTH}{_NEAR}?{_WORD}(?:{_any(_STATES)}|(?:not|never|n['’]t)\s+(?:mov|used|actuated|driven|turn|rotat))",
+        rf"{NTH}{_NEAR}?{_WORD}(?:{_any(_STATES)}|(?:not|never|n['’]t)\s+(?:mov|used|actuated|driven|turn|rotat)"
+        rf"|the (?:other|wrong) (?:way|direction){_END})",
         rf"{NTH}{_NEAR}?(?:{_any(_EASTERN_STATES)}|{_WORD}(?:nicht|non|no|não)\s+(?:an)?(?:ge(?:trieb|nutz)|verwend|bewegt|a[ck]t))",
         rf"{_WORD}(?:angles|joints|signs|directions|axes){_END}{_NEAR}{_any(_NEGATED)}",
         rf"{_WORD}{_any(_TURNED)}\s+(?:direction|sense|sign)\b{_NEAR}{NTH}",
-        also=("not ", "nicht ", "non ", "no ", "não "),
+        also=("the other ", "the wrong ", "not ", "nicht ", "non ", "no ", "não "),
     ),
     "its sign": _meaning("sign: sign= signs", rf"{_WORD}signs?\s*[:=]\s*[\[(]?\s*{_SIGN}(?!\s?[0-9])"),
     "another joint in it": _meaning(
@@ -86,7 +88,10 @@ MEANINGS = {
         rf"{_WORD}(?:add|subtract|plus|minus)(?:ed)?\s{_NEAR}?{_SOME}{_NEAR}{_VARIABLE}",
         r"(?:偏置|偏移|オフセット)\W{0,3}[0-9π]",
         rf"{_SOME}\s*(?:°|deg\w*|rad\w*|mm|cm|m)?\s*(?:offset|shift|versatz){_END}",
-        rf"{_VARIABLE}[^.;]{{0,32}}?{_WORD}{_any(_FROM)}",
+        rf"{_VARIABLE}[^.;]{{0,32}}?{_WORD}{_any(_FROM)}(?!\s+(?:ax[ei]s|encoders?|distance|length|reach|offset)\b)",
+        # ``joint 4: wrist offset`` is a name of its d, and no offset of the joint
+        rf"{_VARIABLE}(?:(?!\s*:)[^.;]{{0,32}}?{_WORD}{_any(_SHIFTED)}"
+        rf"|[^.;]{{0,32}}?{_WORD}{_any(_SHIFTED)}\s+(?:(?:by|of|de|um|von)\s+)?{_SIGN}?\s?{_SOME})",
         rf"{_WORD}{_any(_OFFSETS)}{_END}[^.;]{{0,16}}{_VARIABLE}",
         rf"{_WORD}offsets?(?:\s+(?:of|is))?\s*[:=]?\s*[-+−±]?\s*(?:(?![0-9]+\s+(?:rows?|lines?|columns?|cells?|pages?"
         r"|figures?|tables?|characters?|digits?)\b)[0-9.]|pi|π)",

@@ -191,7 +191,9 @@ class Speller:
     def _fraction(self, number: Fraction) -> str:
         """A number that no decimal one is, as the nearest double or as a fraction of small numbers."""
         if not self.plain and number.denominator < 10**6 and self.rng.random() < 0.5:
-            return f"{number.numerator}/{number.denominator}"
+            # Two large numbers without spaces may be two lengths, and are refused.
+            sign = " / " if min(abs(number.numerator), number.denominator) > 99 else "/"
+            return f"{number.numerator}{sign}{number.denominator}"
         text = repr(float(number))
         return f"{text}0" if re.fullmatch(r"-?[1-9][0-9]{0,2}\.[0-9]{3}", text) else text
 

@@ -57,6 +57,8 @@ _UNIT = r"(?:\s*(?:[cmµ]?m|in|ft|deg|rad|°))?"
 _TWO_NUMBERS = late_pattern(rf"\s*([+-]?)({_PLAIN}){_UNIT}(\s*)([-−–‐‑/⁄∕])(\s*)([+-]?)({_PLAIN}){_UNIT}\s*")
 """What may be a difference or a quotient, or two numbers: ``0.3–0.5``, ``90/-90``, ``0/90``, ``0.3/0.4``."""
 _OF_SCALES = ("100", "180", "360", "1000")
+_OF_INCHES = 127
+"""The digits of 25.4 mm, 2540, 3048 and of other lengths made of inches are a multiple of this prime."""
 _DIGITS = 2
 """A number with more of them, or with a decimal sign, hardly is a divisor of one of its size."""
 
@@ -191,7 +193,8 @@ def _two_numbers(match: re.Match[str]) -> tuple[str, str] | None:
         return None
     if between in "/⁄∕":
         is_long = min(len(first), len(last)) > _DIGITS or all("." in each or "," in each for each in (first, last))
-        alike = is_long and last not in _OF_SCALES and larger < 3 * smaller and smaller < 3 * larger
+        is_scale = last in _OF_SCALES or int(re.sub("[.,]", "", last)) % _OF_INCHES == 0
+        alike = is_long and not is_scale and larger < 3 * smaller and smaller < 3 * larger
         if not (sign and smaller == larger) and not smaller == 0 < larger and not alike:
             return None
         advised = "write the number that holds; for the quotient, put spaces around its sign"

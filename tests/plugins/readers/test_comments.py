@@ -104,6 +104,7 @@ def test_a_comment_that_was_split_into_cells_is_one_again(
     [
         (r'# robot: "say \"hi\", \u00e9"', 'say "hi", é'),
         ("# Manipulator = 'it''s'", "it's"),
+        (r'# robot: "r4, g\u00dfn"', "r4, gßn"),  # no grams
         ('# model: "ur5"', "ur5"),
         ("# model: ur5", "ur5"),
     ],

@@ -142,12 +142,10 @@ def name_said(comment: Comment) -> str | None:
         return None
     from dh2urdf_plugins.readers.comments.prose import convention_in_prose, mentioned_units
 
-    if mentioned_units(entry[2]) or convention_in_prose(entry[2]):
-        return None
     value = entry[2].strip()
-    if _QUOTED.fullmatch(value):
-        return str(_node(comment, value, entry.start(2)).value) or None
-    return value.strip("\"'") or None
+    # In quotes it may have letters as escapes: `g\u00df` has no grams in it.
+    name = str(_node(comment, value, entry.start(2)).value) if _QUOTED.fullmatch(value) else value.strip("\"'")
+    return None if mentioned_units(name) or convention_in_prose(name) else name or None
 
 
 def comment_below(line: str, place: Mark) -> Comment:

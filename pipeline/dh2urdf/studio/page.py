@@ -269,9 +269,8 @@ class StudioPage:
         self._table.focus(self.session.row, "a" if act == "add" else None)
 
     def _clear(self, rows: Sequence[int], fields: Sequence[str]) -> None:
-        cells = {
-            (row, field): "" for row in rows for field in fields if row >= 0
-        }  # of a row that is gone, nothing is left
+        # Of a row that is gone, nothing is left to empty.
+        cells = {(row, field): "" for row in rows for field in fields if row >= 0}
         self._put(edits.with_cells(self.session.table, cells), all_cells=True)
 
     def _refuse(self, act: str) -> None:

@@ -30,7 +30,10 @@ class BatchSizes:
         self._recipe = plan.recipe
         self._whole = plan.layout.whole
         workers = getattr(plan.executor.options, "workers", None)
-        self._parts = PARTS if not isinstance(workers, int) else 2 * workers if workers > 1 else 1
+        if not isinstance(workers, int):
+            self._parts = PARTS
+        else:
+            self._parts = 1 if workers == 1 else 2 * workers
         self._size = self._axes = 1
         self._taken = 0
 

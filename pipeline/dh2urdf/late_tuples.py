@@ -7,6 +7,7 @@ any other: `_fields`, `_replace`, `_asdict`, `copy`, `pickle`, `match`, `inspect
 
 from __future__ import annotations
 
+import sys
 from _collections import _tuplegetter  # type: ignore[import-not-found] # `collections` has it so: a property takes longer
 from typing import TYPE_CHECKING, Any
 
@@ -34,10 +35,7 @@ def _named_tuple(name: str, own: dict[str, Any]) -> type:
     defaults = {field: own[field] for field in fields if field in own}
     getters = {field: _tuplegetter(number, f"Alias for field number {number}") for number, field in enumerate(fields)}
     about = {"__slots__": (), "__match_args__": fields, "_fields": fields, "_field_defaults": defaults}
-    made = type(name, (tuple,), _SHARED | own | getters | about)
-    if "__new__" not in own:
-        made.__new__ = Late("__new__", made, _new)  # type: ignore[method-assign, assignment]
-    return made
+    return type(name, (tuple,), _SHARED | {"__new__": Late(_new)} | own | getters | about)
 
 
 def _new(kind: Any) -> Callable[..., Any]:  # noqa: ANN401 - a named tuple
@@ -65,7 +63,8 @@ def _replace(self: Any, /, **changes: Any) -> Any:  # noqa: ANN401 - of any name
     """Make a tuple with other values of some fields."""
     made = self._make(map(changes.pop, self._fields, self))
     if changes:
-        raise ValueError(f"Got unexpected field names: {list(changes)!r}")
+        wrong = TypeError if sys.version_info >= (3, 13) else ValueError
+        raise wrong(f"Got unexpected field names: {list(changes)!r}")
     return made
 
 

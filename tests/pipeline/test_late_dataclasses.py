@@ -170,3 +170,18 @@ def test_a_class_that_extends_one() -> None:
         plain.a = 2
     with pytest.raises(TypeError, match="cannot inherit non-frozen"):
         late_dataclasses.dataclass(slots=True)(type("Third", (First,), {}))
+
+
+@pytest.mark.parametrize("slots", [True, False])
+def test_defaults_that_records_would_share_are_refused(*, slots: bool) -> None:
+    """As the standard library does: a list of one record would be that of all of them."""
+    for dataclass in (dataclasses.dataclass, late_dataclasses.dataclass):
+        with pytest.raises(ValueError, match=r"mutable default <class 'list'> for field axes is not allowed"):
+            dataclass(slots=slots)(type("Arm", (), {"__annotations__": {"axes": "list[int]"}, "axes": [1]}))
+
+
+@pytest.mark.parametrize("annotation", ["ClassVar[int]", "InitVar[int]", "KW_ONLY", int])
+def test_what_is_no_field_is_refused(annotation: object) -> None:
+    """Variables of the class and the like are for the standard library, and so are annotations that are evaluated."""
+    with pytest.raises(TypeError, match="the annotation of reach is"):
+        late_dataclasses.dataclass(slots=True)(type("Arm", (), {"__annotations__": {"reach": annotation}}))

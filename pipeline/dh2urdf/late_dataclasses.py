@@ -119,7 +119,7 @@ def _sample(**how: bool) -> Any:  # noqa: ANN401 - a dataclass
 
 _IS_FIELD: object = vars(dataclasses)["_FIELD"]
 """What the standard library notes of a field, so that it is no class variable."""
-_FEW = 10
+_FEW = 14
 """Records whose fields are filled before an `__init__` is compiled, which takes as long as thirty of them."""
 
 

@@ -11,7 +11,6 @@ from dh2urdf.manipulator import JointType, Limits
 from dh2urdf.quantities import Dimension
 from dh2urdf.row_fields import LIMITS
 from dh2urdf_plugins.readers.plain.numbers import (
-    REMEMBERED,
     PlainNumbers,
     is_declared,
     names_foreign_unit,
@@ -23,6 +22,7 @@ from dh2urdf_plugins.readers.words.bounds import (
     FASTEST_TURN,
     LONGEST_ARM,
     NARROWEST_RANGE,
+    REMEMBERED,
     SHORTEST_STROKE,
     SMALL_ANGLE,
     STRONGEST,

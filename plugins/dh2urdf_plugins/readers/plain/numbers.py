@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Any
 from dh2urdf.patterns import late_pattern
 from dh2urdf.quantities import Dimension, QuantityError, evaluate
 from dh2urdf.rotations import HALF_PI
-from dh2urdf_plugins.readers.words.cells import SPACES, text_of
+from dh2urdf_plugins.readers.words.bounds import REMEMBERED
+from dh2urdf_plugins.readers.words.cells import LINE_END, SPACES, text_of
 from dh2urdf_plugins.readers.words.fields import FIELDS
 
 if TYPE_CHECKING:
@@ -18,10 +19,6 @@ if TYPE_CHECKING:
     from dh2urdf.quantities import Unit
     from dh2urdf_plugins.readers.words.cells import Units
 
-REMEMBERED = 10_000
-"""Texts, or sets of texts, whose meaning is remembered."""
-LINE_END = "\n"
-"""What a cell in quotes may hold, and no plain one does."""
 _WITHOUT_UNIT = frozenset("0123456789.+-*/() eEpiPI")
 """What numbers and multiples of pi consist of."""
 _TINY = late_pattern("[eE]-[0-9]{3}")

@@ -24,13 +24,14 @@ from dh2urdf_plugins.readers.header.header_rows import is_beside
 from dh2urdf_plugins.readers.header.units import group_of
 from dh2urdf_plugins.readers.header.unknown_columns import is_number, is_turned_variable, unread
 from dh2urdf_plugins.readers.plain.limits import PlainLimits
-from dh2urdf_plugins.readers.plain.numbers import LINE_END, REMEMBERED, PlainNumbers, foreign_unit, names_foreign_unit
+from dh2urdf_plugins.readers.plain.numbers import PlainNumbers, foreign_unit, names_foreign_unit
+from dh2urdf_plugins.readers.plain.sample import PlainSample
 from dh2urdf_plugins.readers.rows.cells import FULL_TURN, NEARLY
 from dh2urdf_plugins.readers.rows.joint_rows import AXIS, DECIMAL, NUMBER, TWISTING
 from dh2urdf_plugins.readers.rows.names import are_joints, is_plain_label
 from dh2urdf_plugins.readers.statements.plausibility import longest_plain
-from dh2urdf_plugins.readers.words.bounds import SMALL_ANGLE, SMALLEST_LENGTH, are_radians
-from dh2urdf_plugins.readers.words.cells import SPACES, Cell, text_of
+from dh2urdf_plugins.readers.words.bounds import REMEMBERED, SMALL_ANGLE, SMALLEST_LENGTH, are_radians
+from dh2urdf_plugins.readers.words.cells import LINE_END, SPACES, Cell, text_of
 from dh2urdf_plugins.readers.words.decimal_signs import PlainPoints
 from dh2urdf_plugins.readers.words.fields import FIELDS, joint_type
 from dh2urdf_plugins.readers.words.names import MAX_NAME, RESERVED, order_fault
@@ -94,6 +95,7 @@ class PlainRows:
         self.foreign_lengths = {"a", "d"} & foreign.keys()
         self.kinds: dict[str, JointType] = {"": JointType.REVOLUTE}  # the word of a table without types
         self.names: set[tuple[tuple[str, ...], tuple[str, ...]]] = set()
+        self.sample = PlainSample()
         self.limits = PlainLimits(self.column, units, self.kinds)
         self.points = PlainPoints(self.column, units)
 

@@ -16,8 +16,7 @@ from dh2urdf_plugins.readers.comments.top import comment_text, is_header
 from dh2urdf_plugins.readers.header.header_rows import completed, headers_in, is_beside, text_in
 from dh2urdf_plugins.readers.header.unknown_columns import is_number, stray_number
 from dh2urdf_plugins.readers.header.words import read_header
-from dh2urdf_plugins.readers.plain.numbers import LINE_END
-from dh2urdf_plugins.readers.words.cells import SPACES
+from dh2urdf_plugins.readers.words.cells import LINE_END, SPACES
 from dh2urdf_plugins.readers.words.comment_lines import Comment, is_comment, sign_of
 from dh2urdf_plugins.readers.words.fields import FIELDS
 

@@ -18,9 +18,9 @@ from dh2urdf_plugins.readers.header.unknown_columns import (
     unread,
 )
 from dh2urdf_plugins.readers.header.words import read_header
-from dh2urdf_plugins.readers.plain.numbers import REMEMBERED
 from dh2urdf_plugins.readers.rows.joint_rows import LABEL
 from dh2urdf_plugins.readers.rows.names import holds_type, kind_of
+from dh2urdf_plugins.readers.words.bounds import REMEMBERED
 from dh2urdf_plugins.readers.words.cells import SPACES, Cell, text_of
 from dh2urdf_plugins.readers.words.comment_lines import SPREADSHEET_ERROR, Comment, joined, marks_a_comment
 from dh2urdf_plugins.readers.words.decimal_signs import DecimalSigns, largest

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections import Counter
 from dataclasses import replace
+from functools import cached_property
 from itertools import chain, groupby
 from operator import itemgetter
 from typing import TYPE_CHECKING, Any
@@ -21,8 +22,6 @@ from dh2urdf.source import Problem, shown
 from dh2urdf.stages import Rejected
 from dh2urdf_plugins.readers.header.units import unit_notices, unit_problems
 from dh2urdf_plugins.readers.options import given_by
-from dh2urdf_plugins.readers.plain.rows import PlainRows
-from dh2urdf_plugins.readers.plain.sample import HEAD, PlainSample, compare
 from dh2urdf_plugins.readers.rows.rows import RowReader
 from dh2urdf_plugins.readers.rows.source import Rows
 from dh2urdf_plugins.readers.statements.plausibility import shortest_plain
@@ -42,6 +41,7 @@ if TYPE_CHECKING:
     from dh2urdf.source import Mark
     from dh2urdf_plugins.readers.comments.top import Top
     from dh2urdf_plugins.readers.options import TableOptions
+    from dh2urdf_plugins.readers.plain.rows import PlainRows
     from dh2urdf_plugins.readers.rows.source import Row, RowSource
     from dh2urdf_plugins.readers.words.cells import Value
     from dh2urdf_plugins.readers.words.comment_lines import Comment
@@ -94,9 +94,14 @@ class RowTable:
         self.plain_table &= self.cells.steps is None
         self.remarked = 0
         self.remarks = Remarks(self.statements, columns, self.whole)
-        self.plain = PlainRows(columns, self.units, shortest_plain(self.statements), self.remarks.say_nothing)
-        self.sample = PlainSample()
         self.seen = SeenNames()
+
+    @cached_property
+    def plain(self) -> PlainRows:
+        """What reads rows fast; most tables of one manipulator are read with care, and never import it."""
+        from dh2urdf_plugins.readers.plain.rows import PlainRows
+
+        return PlainRows(self.columns, self.units, shortest_plain(self.statements), self.remarks.say_nothing)
 
     def _column(self, name: str) -> int | None:
         return self.columns.fields.index(name) if name in self.columns.fields else None
@@ -277,7 +282,9 @@ class RowTable:
                 ]
             )
         )
-        if (index := self.sample.choose(sizes)) is not None:
+        if (index := self.plain.sample.choose(sizes)) is not None:
+            from dh2urdf_plugins.readers.plain.sample import HEAD, compare
+
             head = Rows(groups[index].name, groups[index].keys[:HEAD], groups[index].cells[:HEAD])
             (arm,) = arms.part(index, index + 1).tables()
             compare(arm, self._read_with_care(head, TableCells(self.columns, self.units)), head.count)

@@ -15,6 +15,8 @@ if TYPE_CHECKING:
 
 MAX_JOINTS = 5000
 """Joints of one manipulator: a hundred times those of the longest arms that are built, and made in seconds."""
+REMEMBERED = 10_000
+"""Texts, or sets of texts, whose meaning is remembered."""
 MEASURABLE_ARM = 1e9
 """Length of an arm beyond which a double cannot tell micrometres apart [m]."""
 

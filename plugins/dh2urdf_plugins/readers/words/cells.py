@@ -13,6 +13,8 @@ from dh2urdf.quantities import Dimension, Unit
 if TYPE_CHECKING:
     from dh2urdf.source import Mark
 
+LINE_END = "\n"
+"""What a cell in quotes may hold, and no plain one does."""
 SPACES = " \t\u00a0\u2007\u2009\u202f"
 """White space around a cell."""
 

@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+import pickle
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -71,6 +73,26 @@ class TestManipulatorsInColumns:
             for index, place in enumerate(places):
                 assert columns.pick(index) == given_tables[place]
                 assert columns.pick(index).mark == given_tables[place].mark
+
+    @given(st.lists(tables(), min_size=1, max_size=6), st.data())
+    def test_travel_to_another_process(self, given_tables: list[Manipulator], data: st.DataObject) -> None:
+        """What a worker gets is what was sent, whether places are lines alone, more than that, or missing."""
+        ((_, columns), *_) = in_columns(given_tables)
+        marks = st.sampled_from([None, Mark(file="b.csv", line=3, column=4), Mark(file="c.parquet", place="row 7")])
+        places = st.sampled_from([None, 12, (12, None, None), (3, 4, "B3")])
+        count, rows = len(columns), len(columns.table.rows)
+        lines = data.draw(st.lists(st.tuples(*[places] * rows), min_size=count, max_size=count))
+        sent = replace(columns, lines=tuple(lines))
+        if data.draw(st.booleans()):
+            sent = replace(sent, marks=tuple(data.draw(st.lists(marks, min_size=count, max_size=count))))
+        got = pickle.loads(pickle.dumps(sent))  # noqa: S301 - our own columns
+        assert (got.names, got.marks, got.lines, got.tables()) == (sent.names, sent.marks, sent.lines, sent.tables())
+        assert [own.mark for own in got.tables()] == list(sent.marks)
+        for table, mark, own in zip(got.tables(), sent.marks, lines, strict=True):
+            for row, place in zip(table.rows, own, strict=True):
+                line, column, name = (place, None, None) if isinstance(place, int) else place or (None, None, None)
+                told = mark and place and Mark(file=mark.file, line=line, column=column, place=name)
+                assert row.mark == (told or None)
 
     @given(st.lists(NUMBERS, min_size=1, max_size=9), st.randoms())
     def test_may_be_taken_in_any_order(self, numbers: list[float], random: Random) -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from itertools import repeat
 from operator import itemgetter
 from typing import TYPE_CHECKING
 
@@ -119,11 +118,11 @@ class CsvRows:
         self.begun = True
         return True
 
-    def row_places(self, keys: Iterable[int]) -> Iterator[PlaceInFile]:
+    def row_places(self, keys: Iterable[int]) -> Iterable[PlaceInFile]:
         """The lines of rows."""
-        return zip(keys, repeat(None), repeat(None), strict=False)
+        return keys
 
-    def row_marks(self, keys: Iterable[int]) -> Iterator[Mark]:
+    def row_marks(self, keys: Iterable[int]) -> Iterable[Mark]:
         """The lines of rows, with the file."""
         return (Mark(file=self.lines.file, line=key) for key in keys)
 

@@ -304,7 +304,7 @@ class _ParquetRows:
 
     def row_marks(self, keys: Iterable[int]) -> Iterator[Mark]:
         """The same, with the file."""
-        return (Mark(file=self.path, line=line, place=place) for line, _, place in self.row_places(keys))
+        return (Mark(file=self.path, line=key, place=f"row {key}") for key in keys)
 
     def marks(self, key: int, texts: Sequence[str]) -> list[Mark]:  # noqa: ARG002 - as of each source
         """The place of each cell of a row."""

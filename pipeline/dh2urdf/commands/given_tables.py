@@ -19,7 +19,7 @@ from dh2urdf.errors import ConfigError, RecordTypeError, RecordValueError
 from dh2urdf.output.spooled import STEM, spooled
 from dh2urdf.patterns import late_pattern
 from dh2urdf.source import Mark, Problem, shown
-from dh2urdf.table_text import METADATA, PARAMETERS, STATEMENTS, CellRow
+from dh2urdf.table_text import METADATA, PARAMETERS, REMARKS, STATEMENTS, CellRow
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -131,6 +131,7 @@ class GivenRows:
             RecordValueError: its columns are not named, or twice, or its rows differ in length.
         """
         self.function = function
+        self.remarks: list[str] = []
         self.said = self._said(getattr(table, "attrs", None))
         labelled = _labelled(table, function)
         if labelled is None:
@@ -166,6 +167,8 @@ class GivenRows:
             word = str(key)
             if word.startswith(METADATA):
                 said[word.removeprefix(METADATA)] = value
+            elif word.casefold() in REMARKS:
+                self.remarks.append(f"# {word}: {value}")
             elif (meant := _ALMOST.sub("", word).casefold()) in (*STATEMENTS[1:], *_UNITS):
                 message = f"the attributes say {shown(word)}, and only keys that begin with {METADATA} are read"
                 raise self._wrong(message, accepted=f"the key {METADATA}{'units' if meant in _UNITS else meant}")
@@ -193,6 +196,7 @@ class GivenRows:
         whole = Mark(file=self.function)
         for key, value in {**self.said, **statements}.items():
             yield CellRow([f"# {key}: {json.dumps(value, ensure_ascii=False)}"], whole)
+        yield from (CellRow([remark], whole) for remark in self.remarks)
         yield CellRow(list(self.headers), whole)
         for number, row in enumerate(self.rows, start=1):
             marks = [

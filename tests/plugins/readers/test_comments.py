@@ -1114,3 +1114,97 @@ def test_more_of_what_only_columns_can_say_is_noticed(
 )
 def test_words_like_those_stay_without_a_word(comment: str, read_one: Callable[..., Manipulator]) -> None:
     assert read_one(f"# {comment}\na,alpha,d\n0.3,0,0.1\n").notices == ()
+
+
+@pytest.mark.parametrize(
+    "comment",
+    [
+        *("zero pose: arm straight up", "zero position: arm horizontal", "home position is stretched upwards"),
+        *(
+            "Nullstellung: Arm gestreckt",
+            "angles/90",
+            "values / 1000",
+            "all values doubled",
+            "half scale",
+            "1:10 scale",
+        ),
+        *("angles are in semi-circles", "theta in quarter turns", "weight in N", "masses in newton", "mass [N]"),
+        *("alpha is negated", "sign of alpha flipped", "encoder reversed on J2", "motor 2 inverted", "base tilted"),
+        *("mounted on the wall", "elevated by 200", "z axis points down", "theta = -q", "theta = q - offset"),
+        *("offset is subtracted from q", "all joints ±170", "range 0..180", "ignore the last row", "skip joint 2"),
+        *("row 2 unused", "joint 1 does nothing", "order is reversed", "order: tool to base", "numbered from the tool"),
+        "J1 0...180",
+    ],
+)
+@pytest.mark.parametrize("suffix", [".csv", ".yaml"])
+def test_prose_about_zeros_scales_signs_and_rows_is_noticed(
+    comment: str, suffix: str, read_one: Callable[..., Manipulator]
+) -> None:
+    """Each of them means another arm than the numbers, and was passed over."""
+    rows = "a,alpha,d\n0.3,0,0.1\n" if suffix == ".csv" else "joints: [{a: 0.3, alpha: 0, d: 0.1}]\n"
+    assert [notice.found for notice in read_one(f"# {comment}\n{rows}", suffix).notices] == [f"# {comment}"]
+
+
+@pytest.mark.parametrize(
+    "comment",
+    [
+        *("home position is not given", "zero position: see figure 3", "the zero pose is that of the manual"),
+        *("values/parameters of the manual", "lengths/angles from CAD", "theta/alpha", "weight: normal", "double arm"),
+        *("mass in newest revision", "a quarter of a turn is pi/2", "skip to the next section", "ignore the colours"),
+        *(
+            "rows in the order of the joints",
+            "robot is raised in the factory",
+            "each joint has an encoder",
+            "figure 3/4",
+        ),
+        *("range of motion: see manual", "numbered from the base", "1:10 scale model", "joint 1 is on the wall side"),
+    ],
+)
+def test_words_like_those_of_zeros_and_scales_stay_without_a_word(
+    comment: str, read_one: Callable[..., Manipulator]
+) -> None:
+    assert read_one(f"# {comment}\na,alpha,d\n0.3,0,0.1\n").notices == ()
+
+
+@pytest.mark.parametrize(
+    ("comment", "factor"),
+    [
+        ("torques in N cm", 0.01),
+        ("torque in N m", 1.0),
+        ("efforts in kg cm", 0.0980665),
+        ("lengths in m, torques in N mm", 0.001),
+        ("torque in Newton metres", 1.0),
+        ("torques in lbf·in", 4.4482216152605 * 0.0254),
+        ("torques in lbf in", 4.4482216152605 * 0.0254),
+        ("torque in lb ft", 4.4482216152605 * 0.3048),
+    ],
+)
+def test_a_unit_of_torques_in_two_words_is_one(
+    comment: str, factor: float, read_one: Callable[..., Manipulator]
+) -> None:
+    """`N cm` declared centimetres for lengths, or was refused for them; `lbf·in` was passed over: 10 N·m were read."""
+    (row,) = read_one(f"# {comment}\na,alpha,d,effort\n0.3,0,0.1,10\n").rows
+    assert (row.a, row.limits.effort) == (0.3, pytest.approx(10 * factor, rel=1e-12))
+
+
+@pytest.mark.parametrize("title", ["right", "right arm", "Robot 2", "rechter Arm", "UR10", "KUKA KR 16"])
+def test_the_title_of_another_arm_among_the_rows_is_noticed(title: str, read_one: Callable[..., Manipulator]) -> None:
+    """Two arms became one, without a word."""
+    arm = read_one(f"a,alpha,d\n0.3,0,0\n0.2,0,0\n\n# {title}\n0.3,0,0\n0.2,0,0\n")
+    assert [notice.message for notice in arm.notices] == [
+        f"'# {title}' may be the title of another arm, and all rows are of one"
+    ]
+
+
+@pytest.mark.parametrize("title", ["right", "UR10"])
+def test_the_title_of_an_arm_beside_a_column_of_arms_stays_without_a_word(
+    title: str, read: Callable[..., list[Manipulator | Rejected]]
+) -> None:
+    arms = read(f"robot,a,alpha,d\nx,0.3,0,0\n\n# {title}\ny,0.3,0,0\n", convention="standard")
+    assert [isinstance(arm, Manipulator) and arm.notices for arm in arms] == [(), ()]
+
+
+@pytest.mark.parametrize("name", ["r0_f;;,g<n", "g;n", "T, t"])
+def test_letters_of_a_name_in_quotes_are_no_units(name: str, read_one: Callable[..., Manipulator]) -> None:
+    """`# robot = "x,g<n"` was refused, since it mentions grams."""
+    assert read_one(f'# robot = "{name}"\na,alpha,d\n0.3,0,0\n').name == name

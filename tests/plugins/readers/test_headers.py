@@ -537,3 +537,49 @@ def test_the_word_offset_beside_its_symbol_is_d(header: str, tmp_path: Path) -> 
     (arm,) = csv.READER.read(path, OPTIONS)
     assert isinstance(arm, Manipulator)
     assert [(row.d, row.offset) for row in arm.rows] == [(0.1, 0.0)]
+
+
+@pytest.mark.parametrize(
+    ("header", "still", "moves"),
+    [
+        *((header, "no", "yes") for header in ("movable", "Active?", "is_active", "free", "can move", "mobile")),
+        *((header, "0", "1") for header in ("DOF", "dofs", "degrees of freedom", "used", "independent")),
+        *((header, "none", "M1") for header in ("motor", "Antrieb", "actuator")),
+        *((header, "yes", "no") for header in ("fixed", "is_fixed", "passive?", "virtual", "dummy", "disabled")),
+    ],
+)
+def test_a_column_of_what_moves_is_refused_where_one_joint_does_not(
+    header: str, still: str, moves: str, tmp_path: Path
+) -> None:
+    """There was only the notice that the column is left out; `fixed` was refused where all is `no`, too."""
+    for cells, refused in (((moves, still), True), ((moves, moves), False)):
+        rows = "".join(f"0.3,0,0,{cell}\n" for cell in cells)
+        (tmp_path / "arm.csv").write_text(f"a,alpha,d,{header}\n{rows}")
+        (arm,) = csv.READER.read(tmp_path / "arm.csv", OPTIONS)
+        assert isinstance(arm, Manipulator) is not refused
+        assert not refused or "whether a joint moves by itself" in words(arm)
+
+
+@pytest.mark.parametrize(("header", "cell"), [("revolute", "0"), ("Revolute?", "no"), ("is_prismatic", "yes")])
+def test_a_type_in_another_form_is_refused(header: str, cell: str, tmp_path: Path) -> None:
+    """`revolute` with 0 in every row was an arm of revolute joints, without a word."""
+    (arm,) = csv.READER.read(_csv(tmp_path / "arm", {"a": "0.3", "alpha": "0", "d": "0", header: cell}), OPTIONS)
+    assert not isinstance(arm, Manipulator)
+    assert "type" in words(arm)
+
+
+@pytest.mark.parametrize("header", ["#REF!", "#NAME?", "#WERT!"])
+def test_a_header_that_is_an_error_of_a_spreadsheet_is_refused(header: str, tmp_path: Path) -> None:
+    """As a column without a header is, where it holds anything: it may be any field."""
+    cells = {"a": "0.3", "alpha": "0", "d": "0"}
+    (arm,) = csv.READER.read(_csv(tmp_path / "arm", {**cells, header: "1.2"}), OPTIONS)
+    assert not isinstance(arm, Manipulator)
+    assert f"'{header}' is what a spreadsheet writes for an error" in words(arm)
+    (arm,) = csv.READER.read(_csv(tmp_path / "arm", {**cells, header: ""}), OPTIONS)
+    assert isinstance(arm, Manipulator)
+
+
+def test_a_column_clockwise_is_a_direction(tmp_path: Path) -> None:
+    (arm,) = csv.READER.read(_csv(tmp_path / "arm", {"a": "0.3", "alpha": "0", "d": "0", "clockwise": "yes"}), OPTIONS)
+    assert not isinstance(arm, Manipulator)
+    assert "'clockwise' seems to be sign" in words(arm)

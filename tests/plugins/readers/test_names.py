@@ -257,3 +257,90 @@ def test_a_theta_that_cannot_be_read_lacks_no_variable_besides(
     (arm,) = read(f"a,alpha,d,theta\n0.3,0,0,q1\n0.2,0,0,{theta}\n", convention="standard")
     assert isinstance(arm, Rejected)
     assert [problem.found for problem in arm.problems] == [theta]
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        *("q2 passive", "J3 fixed", "J3-fixed", "elbow_fixed", "fixed elbow", "locked wrist", "dummy J3", "J2 mimic"),
+        *(
+            "J3 (disabled)",
+            "J3 (no motor)",
+            "gripper not actuated",
+            "not used",
+            "Achse 3 fest",
+            "articulation 2 (bloquée)",
+        ),
+        *("关节3（固定）", "J3（P）", "J3: P", "Joint 3 / P"),
+    ],
+)
+def test_a_name_of_what_does_not_turn_is_asked_about(
+    name: str, read: Callable[..., list[Manipulator | Rejected]]
+) -> None:
+    """They were revolute joints, in silence, and the same word in a column of types holds."""
+    (arm,) = read(f"joint,a,alpha,d\nwaist,0.3,0,0\n{name},0.3,0,0\n", convention="standard")
+    assert isinstance(arm, Rejected)
+    assert [problem.field for problem in arm.problems] == ["type"]
+    assert "by its name it hardly is a revolute joint" in arm.problems[0].message
+    (arm,) = read(f"joint,type,a,alpha,d\nwaist,R,0.3,0,0\n{name},F,0.3,0,0\n", convention="standard")
+    assert not isinstance(arm, Rejected)
+
+
+@pytest.mark.parametrize("name", ["reach", "tolerance", "error", "Fehler", "max reach"])
+def test_a_last_row_of_what_is_no_joint_is_asked_about(
+    name: str, read: Callable[..., list[Manipulator | Rejected]]
+) -> None:
+    (arm,) = read(f"joint,a,alpha,d\nwaist,0.3,0,0\n{name},0.3,0,0\n", convention="standard")
+    assert isinstance(arm, Rejected)
+    assert "seems to be no joint" in arm.problems[0].message
+
+
+@pytest.mark.parametrize(
+    ("name", "said"),
+    [
+        *((name, "sign") for name in ("Shoulder [inverted]", "wrist inverted", "wrist_reversed", "J2 (flipped)")),
+        *(
+            (name, "sign")
+            for name in ("J2 (-)", "J2 (CW)", "J2 cw", "J2 (counter-clockwise)", "J2 (mounted upside down)")
+        ),
+        *((name, "motion") for name in ("J2 coupled to J1", "joint2 (mimics joint 1)", "J4 (continuous)", "J3 [mm]")),
+        *((name, "value") for name in ("J1 (±170°)", "J1 (-90° offset)", "J3 (theta+90)", "elbow (offset 90°)")),
+    ],
+)
+def test_a_name_that_says_something_about_its_joint_is_noticed(
+    name: str, said: str, read_one: Callable[..., Manipulator]
+) -> None:
+    """Nothing is read from a name; where the row says the same, there is nothing to notice."""
+    (notice,) = (n for n in read_one(f"joint,a,alpha,d\nwaist,0.3,0,0\n{name},0.3,0,0\n").notices if n.field)
+    assert notice.message == f"the name '{name}' says something about its joint: nothing is read from it"
+    column, cell = {"sign": ("sign", "-1"), "motion": ("type", "continuous"), "value": ("theta", "q2 - pi/2")}[said]
+    first = {"sign": "1", "motion": "R", "value": "q1"}[said]
+    held = read_one(f"joint,a,alpha,d,{column}\nwaist,0.3,0,0,{first}\n{name},0.3,0,0,{cell}\n")
+    assert [n for n in held.notices if n.field] == []
+
+
+def test_names_that_say_something_are_noticed_once(read_one: Callable[..., Manipulator]) -> None:
+    rows = "".join(f"J{number} (±170°),0.3,0,0\n" for number in (1, 2, 3))
+    (notice,) = (n for n in read_one(f"joint,a,alpha,d\n{rows}").notices if n.field)
+    assert "says something about its joint, as 2 more do" in notice.message
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        *("shoulder_pan_joint", "Joint 2 (shoulder)", "left_hand_finger1", "mirror_tilt", "flipper", "static_mixer"),
+        *("A1 (base rotation)", "J2 (1-2)", "S (swivel)", "shoulder (Z-axis)", "reverse thruster", "cw_arm", "coupler"),
+        *("passenger", "fixation", "J2 (active)", "J2 (revolute)", "wrist [deg]", "linear encoder joint 3"),
+    ],
+)
+def test_other_words_in_a_name_stay_without_a_word(name: str, read_one: Callable[..., Manipulator]) -> None:
+    notices = read_one(f"joint,a,alpha,d\nwaist,0.3,0,0\n{name},0.3,0,0\n").notices
+    assert [notice.message for notice in notices if "ROS tools" not in notice.message] == []
+
+
+def test_names_with_remarks_are_noticed_among_many_arms(read: Callable[..., list[Manipulator | Rejected]]) -> None:
+    """What reads plain rows fast leaves them to what looks at each."""
+    rows = "".join(f"r{number},waist,0.3,0,0\nr{number},wrist [inverted],0.3,0,0\n" for number in range(300))
+    arms = read(f"robot,joint,a,alpha,d\n{rows}", convention="standard")
+    said = [any("says something about its joint" in n.message for n in arm.notices) for arm in arms]
+    assert said == [True] * 300

@@ -752,3 +752,32 @@ def test_lists_are_read_where_a_cell_holds_several_fields(tmp_path: Path) -> Non
         assert made.inertia.ixz == 0.01
     with pytest.raises(Dh2UrdfError, match="field 'a'"):
         arm_of([{**given, "a": [0.3]}])
+
+
+@pytest.mark.parametrize("key", ["comment", "Description", "notes", "title"])
+@pytest.mark.parametrize("place", ["file", "frame", "column"])
+def test_prose_in_metadata_is_looked_at_as_comments_are(tmp_path: Path, key: str, place: str) -> None:
+    """`in millimetres` in the metadata of a column of numbers in millimetres was passed over: they were metres."""
+    import pandas as pd
+
+    def written(text: str) -> list[Any]:
+        frame, path = pd.DataFrame({"a": [0.3], "alpha": [0.0], "d": [0.0]}), tmp_path / "arm.parquet"
+        frame.attrs = {key: text} if place == "frame" else {}
+        frame.to_parquet(path)
+        table = pq.read_table(path)
+        if place == "column":
+            fields = [field.with_metadata({key: text}) if field.name == "a" else field for field in table.schema]
+            table = pa.Table.from_arrays(table.columns, schema=pa.schema(fields))
+        elif place == "file":
+            table = table.replace_schema_metadata({key: text})
+        pq.write_table(table, path)
+        return [path, frame] if place == "frame" else [path]
+
+    for source in written("length in millimetres"):
+        with pytest.raises(Dh2UrdfError, match="this comment mentions mm, and lengths are read in m"):
+            arm_of(source)
+    for source in written("joint 1 is locked"):
+        (notice,) = arm_of(source).notices
+        assert "joint 1 is locked' is a comment, and nothing is read from it" in notice.message
+    for source in written("from the data sheet"):
+        assert arm_of(source).notices == ()

@@ -348,3 +348,13 @@ def test_the_key_q_may_hold_the_variable_of_its_joint(read: Callable[..., list[M
         assert not isinstance(rejected, Manipulator)
         assert "'q' is the joint variable, which no key holds" in rejected.problems[0].message
         assert str(rejected.problems[0].accepted).startswith("0 under this key, or a table of a, alpha, d and theta")
+
+
+@pytest.mark.parametrize("empty", ["~", "null", "", '""'])
+def test_a_type_that_is_empty_is_noticed(empty: str, read_one: Callable[..., Manipulator]) -> None:
+    """As an empty cell of a column of types is; a joint without the key is revolute, as the page on tables has it."""
+    joints = f"[{{type: P, a: 0, alpha: 0, d: 0.1}}, {{type: {empty}, a: 0.3, alpha: 0, d: 0}}]"
+    arm = read_one(f"joints: {joints}\n", ".yaml")
+    assert [notice.message for notice in arm.notices] == ["the type is empty; the joint is taken as revolute"]
+    arm = read_one("joints: [{type: P, a: 0, alpha: 0, d: 0.1}, {a: 0.3, alpha: 0, d: 0}]\n", ".yaml")
+    assert arm.notices == ()

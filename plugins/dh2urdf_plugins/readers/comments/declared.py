@@ -143,9 +143,11 @@ def name_said(comment: Comment) -> str | None:
     from dh2urdf_plugins.readers.comments.prose import convention_in_prose, mentioned_units
 
     value = entry[2].strip()
-    # In quotes it may have letters as escapes: `g\u00df` has no grams in it.
-    name = str(_node(comment, value, entry.start(2)).value) if _QUOTED.fullmatch(value) else value.strip("\"'")
-    return None if mentioned_units(name) or convention_in_prose(name) else name or None
+    # In quotes it may have letters as escapes: `g\u00df` has no grams in it. In `"x,g<n"` g is a letter.
+    is_quoted = _QUOTED.fullmatch(value) is not None
+    name = str(_node(comment, value, entry.start(2)).value) if is_quoted else value.strip("\"'")
+    units = [unit for unit in mentioned_units(name) if not is_quoted or len(unit.symbol) > 1]
+    return None if units or convention_in_prose(name) else name or None
 
 
 def comment_below(line: str, place: Mark) -> Comment:

@@ -22,6 +22,7 @@ from dh2urdf_plugins.readers.comments.declared import (
     words_under_key,
 )
 from dh2urdf_plugins.readers.comments.meanings import MEANINGS, MOTION, NTH
+from dh2urdf_plugins.readers.comments.phrases import is_model
 from dh2urdf_plugins.readers.comments.prose import prose_problems
 from dh2urdf_plugins.readers.comments.values import other_values, spoken_values, unread_values
 from dh2urdf_plugins.readers.header.units import SI
@@ -81,6 +82,11 @@ _SIZE = late_pattern(
     r"(?<![A-Za-z0-9_.,])[-+−]?[0-9]*[.,]?[0-9]*[1-9][0-9]*[.,]?[0-9]*\s*"
     r"(?:(?:mm|cm|m|µm|inch(?:es)?|deg(?:rees)?|rad|grad|мм|см|м)(?![A-Za-zа-я0-9_])|°|毫米|厘米|米|ミリ|メートル)"
 )
+_HEADING = late_pattern(
+    r"\W*(?:(?:left|right|link(?:s|er)|recht(?:s|er)|first|second|third|other|next)(?:\s+(?:arm|robot|manipulator))?"
+    r"|(?:arm|robot|manipulator|roboter)\s*(?:[0-9]{1,2}|[a-d]|left|right|links|rechts))\W*",
+    re.IGNORECASE,
+)
 _SHORT = 4
 """Blanks in a comment among rows that is about the row behind it."""
 _TURNED = frozenset("reversed inverted negative negated flipped mirrored cw clockwise".split())  # noqa: SIM905
@@ -108,6 +114,10 @@ def comment_problems(
             return prose + types_elsewhere(comment, typed=typed)
         holds = all(key == "name" or _holds(key, node, statements, columns) for key, node in said.items())
         return [] if holds else [below_header(comment)]
+    if below and "robot" not in columns.fields and _is_heading(comment.text):
+        message = f"{shown(comment.line)} may be the title of another arm, and all rows are of one"
+        meant = "a column robot tells several arms apart"
+        return [Problem(message=message, severity="notice", mark=comment.whole, found=comment.line, suggestion=meant)]
     problems = [below_header(comment)] if below and prose and statements_in(comment) else prose
     problems = problems + types_elsewhere(comment, typed=typed)
     return problems + unread(comment, statements, among_rows=below)
@@ -281,6 +291,11 @@ def unread(
         or unread_prose(comment, statements, among_rows=among_rows, lead=lead)
         or spoken_values(comment, place=place)
     )
+
+
+def _is_heading(text: str) -> bool:
+    """Whether a comment among rows is the title of another arm: ``right arm``, ``UR10``."""
+    return _HEADING.fullmatch(text) is not None or (text.isascii() and text.upper() == text and is_model(text))
 
 
 def unread_prose(

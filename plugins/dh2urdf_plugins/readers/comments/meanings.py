@@ -60,6 +60,9 @@ _TURNED = "reversed inverted opposite negative positive"
 _TIP = "(?:tool|tip|tcp|flange|end[ -]?effector|gripper|hand)"
 _NEGATED = "negated reversed inverted flipped mirrored"
 _FROM = "horizontal vertical absolute"
+_POSED = (
+    "straight stretched extended outstretched gestreckt horizontal vertical upright upwards downwards folded candle"
+)
 _SHIFTED = "offset shifted versatz décalage decalage desfase"
 _OFFSETS = "offset shift versatz décalage decalage desfase"
 
@@ -77,7 +80,25 @@ MEANINGS = {
         rf"{NTH}{_NEAR}?(?:{_any(_EASTERN_STATES)}|{_WORD}(?:nicht|non|no|não)\s+(?:an)?(?:ge(?:trieb|nutz)|verwend|bewegt|a[ck]t))",
         rf"{_WORD}(?:angles|joints|signs|directions|axes){_END}{_NEAR}{_any(_NEGATED)}",
         rf"{_WORD}{_any(_TURNED)}\s+(?:direction|sense|sign)\b{_NEAR}{NTH}",
-        also=("the other ", "the wrong ", "not ", "nicht ", "non ", "no ", "não "),
+        rf"{_WORD}(?:encoder|motor|servo|drive)s?\s*[0-9]{{0,2}}{_END}{_NEAR}{_any(_NEGATED)}",
+        rf"{_WORD}(?:alphas?|α|thetas?|θ|signs?)[^.;,]{{0,16}}{_any(_NEGATED)}",
+        rf"{_WORD}(?:ignore|skip|omit|disregard)\s+(?:the\s+)?(?:(?:last|first)\s+)?(?:row|line|{NTH}|joint{_END})",
+        rf"{_WORD}(?:(?:row|line)\s*[0-9]{{1,2}}\s+(?:is\s+)?(?:not |un)used|{NTH}\s+does nothing)",
+        also=(
+            "the other ",
+            "the wrong ",
+            "not ",
+            "nicht ",
+            "non ",
+            "no ",
+            "não ",
+            "ignore",
+            "skip",
+            "omit",
+            "disregard",
+            "flipped",
+            "nothing",
+        ),
     ),
     "its sign": _meaning("sign: sign= signs", rf"{_WORD}signs?\s*[:=]\s*[\[(]?\s*{_SIGN}(?!\s?[0-9])"),
     "another joint in it": _meaning(
@@ -87,6 +108,7 @@ MEANINGS = {
         f"{_FROM} {_OFFSETS} added subtract plus minus 偏置 偏移 オフセット",
         rf"{_WORD}(?:add|subtract|plus|minus)(?:ed)?\s{_NEAR}?{_SOME}{_NEAR}{_VARIABLE}",
         r"(?:偏置|偏移|オフセット)\W{0,3}[0-9π]",
+        rf"{_WORD}offsets?\s+(?:(?:is|are|to be)\s+)?subtracted",
         rf"{_SOME}\s*(?:°|deg\w*|rad\w*|mm|cm|m)?\s*(?:offset|shift|versatz){_END}",
         rf"{_VARIABLE}[^.;]{{0,32}}?{_WORD}{_any(_FROM)}(?!\s+(?:ax[ei]s|encoders?|distance|length|reach|offset)\b)",
         # ``joint 4: wrist offset`` is a name of its d, and no offset of the joint
@@ -100,7 +122,8 @@ MEANINGS = {
     "a sum of it": _meaning(
         "q theta θ phi φ",
         rf"{_WORD}(?:θ|theta|th|q|phi|φ)[\s_{{]*[0-9₁-₉]?[}}'\s]{{0,3}}{_SIGN}\s?{_ADDED}",
-        rf"(?:θ|theta|th)\w{{0,3}}\W{{0,3}}=\s*[-−]?\s*q\w{{0,3}}\s*{_SIGN}\s*{_SOME}",
+        rf"{_WORD}(?:θ|theta|th)\w{{0,3}}\W{{0,3}}=\s*(?:[-−]?\s*q\w{{0,3}}\s*{_SIGN}\s*{_SOME}|[-−]\s*q"
+        rf"|q\w{{0,3}}\s*[-−]\s*offset)",
     ),
     "a sum of d": _meaning("d1 d2 d3 d4 d5 d6 d7 d_", rf"{_WORD}d_?[0-9]\s?{_SIGN}\s?{_ADDED}"),
     "where its zero is": _meaning(
@@ -108,14 +131,18 @@ MEANINGS = {
         rf"{_WORD}(?:zero|home|rest|initial|reference)\b{_NEAR}"
         rf"(?:{_VARIABLE}|(?:position|pose|configuration|angle)s?)[^;]{{0,40}}?(?<![\w.,])[-+−]?{_ADDED}",
         rf"{_VARIABLE}{_NEAR}{_WORD}(?:zero|home|starts? at|zéro|cero)\b{_NEAR}{_ADDED}",
+        rf"{_WORD}(?:(?:zero|home|rest|initial|reference)\b{_NEAR}(?:position|pose|configuration|angle)s?"
+        rf"|null(?:stellung|lage|position))[^.;]{{0,32}}{_WORD}{_any(_POSED)}{_END}",
         rf"(?:null(?:stellung|lage|punkt|position)|零位|零点){_NEAR}(?<![\w.,])[-+−]?{_ADDED}|(?:零位|零点)\D?[0-9]",
         also=("rest ", "start at"),
     ),
     "how far it moves": _meaning(
         "∈ + limit < ≤ > ≥ ± range .. … to bis ~ ～ between zwischen endless infinite continuous",
-        rf"{_WORD}(?:limit|range)s?{_END}{_NEAR}(?:±|\+\s?/?\s?[-−])\s?[0-9]",
+        rf"{_WORD}(?:limits?|ranges?|rom|(?:all|each|every) (?:joints?|ax[ei]s)){_END}{_NEAR}"
+        r"(?:±|\+\s?/?\s?[-−])\s?[0-9]",
+        rf"{_WORD}(?:ranges?|rom){_END}\W{{0,3}}{_SIGN}?[0-9.]+\s?(?:°|deg)?\s?(?:\.\.+|…|to|bis|~)\s?[-+−]?[0-9]",
         rf"{_VARIABLE}[^.;]{{0,32}}?(?:[∈±]|\+\s?/?\s?[-−]\s?[0-9]|[<≤>≥]=?\s?{_SIGN}?\s?{_SOME}|{_WORD}ranges?{_END}"
-        r"|[0-9]\s?(?:°|deg)?\s?(?:\.\.|…|to|bis|~|～)\s?[-+−]?[0-9])",
+        r"|[0-9]\s?(?:°|deg)?\s?(?:\.\.+|…|to|bis|~|～)\s?[-+−]?[0-9])",
         rf"{_WORD}(?:between|from|zwischen|von)\s+{_SIGN}?[0-9.]+\s*(?:°|deg|rad|mm|cm|m)?\s+(?:and|to|und|bis)\s+"
         rf"(?:{_SIGN}[0-9]|[0-9.]+\s*(?:°|deg|rad|mm|cm|m){_END})",
         rf"{_WORD}(?:endless|unlimited|no limits?|infinite|continuous (?:rotation|joint|turn|motion)){_END}",
@@ -123,20 +150,26 @@ MEANINGS = {
     "that it turns the other way, or that the base is turned": _meaning(
         "clockwise cw mirror uhrzeiger 顺时针 時計 시계 horaire horario horário orario часовой upside ceiling "
         "wall handed kopf häng hang 装 z0 z_0 z₀ unten decke envers plafond boca techo capovolt 倒 "
-        "hand tilted rotated mounted symmetric",
+        "hand tilted rotated mounted elevated raised symmetric",
         rf"(?<!counter)(?<!counter-)(?<!anti)(?<!anti-){_WORD}(?:clockwise|cw{_END})",
         rf"{_WORD}mirror(?:ed|s)?{_END}|(?<!gegen den )uhrzeigersinn",
         r"顺时针|(?<!反)時計回り|(?<!반)시계 ?방향|(?<!против )часовой",
         rf"(?<!anti)(?<!anti-){_WORD}h?or[aá](?:ire|rio){_END}",
         rf"upside[ -]down|{_WORD}(?:ceiling(?! height)|wall[ -]mount(?:ed)?|left[ -]hand(?:ed)?|kopfüber){_END}",
-        rf"{_WORD}(?:(?:tilted|rotated|mounted) (?:at |by )?[0-9]|symmetric to|(?:y|x)[ -]up{_END}|z[ -]down{_END})",
+        rf"{_WORD}(?:(?:tilted|rotated|mounted|elevated|raised) (?:at |by )?[0-9]|symmetric to|(?:y|x)[ -]up{_END})",
+        rf"{_WORD}(?:mounted (?:on|to) (?:an? |the )?wall|(?:base|robot|arm)(?: is)? tilted){_END}",
+        rf"{_WORD}z(?:[ -]ax[ei]s)?(?: points?| pointing)?[ -]down(?:wards?)?{_END}",
         rf"{_WORD}(?:hängend|hang(?:s|ing)){_END}",
         r"nach unten|(?:an|von) der decke|à l['’]envers|au plafond|boca abajo|(?:d|en )el techo|capovolt",
         rf"倒[装置挂]|吊装|{_WORD}z_?[0₀][^.;]{{0,16}}(?:down|unten|abajo){_END}",
-        also=("y up", "x up", "y-up", "x-up", "z down", "z-down"),
+        also=("y up", "x up", "y-up", "x-up", "down"),
     ),
     "that all numbers are scaled": _meaning(
-        "10 multipl divided scal maßstab massstab chelle times normali dimensionless = ≙ equals",
+        "10 multipl divided scal maßstab massstab chelle times normali dimensionless doubled halved "
+        "tripled = ≙ / equals",
+        rf"{_WORD}(?:half|double)[ -](?:scale|size)(?!\s+models?\b)|(?<![\w.])1\s?:\s?[0-9]+\s+scale(?!\s+models?\b)",
+        rf"{_WORD}(?:lengths?|values?|numbers?|dimensions?|angles?){_END}{_NEAR}{_WORD}(?:doubled|halved|tripled){_END}",
+        rf"{_WORD}(?:lengths?|values?|numbers?|dimensions?|angles?)\s?/\s?[0-9]{{1,4}}(?![\w./])",
         rf"{_WORD}times\s+[0-9]{{2,}}|multiply by|normali[sz]ed|dimensionless",
         r"10\s*(?:\^|\*\*|(?=[⁻⁺⁰¹²³⁴-⁹]))|[x×*]\s*10{1,6}\b",
         r"(?:multiplied|divided|scaled|divide) by|(?:multiples|units) of (?:pi|π|[0-9])|/\s?10{2,6}(?![\w.])",
@@ -147,17 +180,19 @@ MEANINGS = {
         also=("in 0", "in 1", "units of", "divide by", "multiples of", "1 means", "1 is", "one is", "thousandths"),
     ),
     "a unit that no table has": _meaning(
-        "gon grads gradian mrad milliradian arcmin arcsec decimet dezimet yard",
-        rf"{_WORD}(?:gons?|grads|gradians?|mrad|milliradians?|arc ?min\w*|arc ?sec\w*|de[cz]imet\w+|yards?){_END}",
+        "gon grads gradian mrad milliradian arcmin arcsec decimet dezimet yard semi quarter half",
+        rf"{_WORD}(?:gons?|grads|gradians?|mrad|milliradians?|arc ?min\w*|arc ?sec\w*|de[cz]imet\w+|yards?"
+        rf"|(?:in )?(?:semi-?circles|(?:quarter|half)[ -](?:turns|circles))){_END}",
     ),
     "what masses and limits refer to": _meaning(
-        "inertia motor rotor gear",
+        "inertia motor rotor gear weight",
         rf"{_WORD}inertias?{_END}{_NEAR}(?:about|around|at|relative to)\s+(?:the\s+)?"
         r"(?:joint|origin|link|frame|axis|base)",
         rf"{_WORD}(?:com|cog|cent(?:re|er)s? of mass){_END}{_NEAR}"
         r"(?:(?:frame|link)\s*\(?i\s*[-−]\s*1|(?:world|base|previous)\s+(?:frame|link|coord))",
         rf"{_WORD}(?:limits?|speeds?|velocit(?:y|ies)|torques?|ranges?){_END}{_NEAR}{_WORD}(?:motors?|rotor|gear)",
-        also=("com ", "cog ", "of mass"),
+        rf"{_WORD}(?:mass(?:es)?|weights?){_END}\W{{0,3}}(?:(?:in|is|are|given)\s+)*(?:N|newtons?){_END}",
+        also=("com ", "cog ", "of mass", "mass in", "masses in", "mass [n", "mass (n"),
     ),
     "that joints move each other": _meaning(
         "parallel closed moves",
@@ -165,10 +200,11 @@ MEANINGS = {
         rf"{_WORD}moves (?:together )?with\s+(?:the\s+)?{NTH}",
     ),
     "the order of the rows": _meaning(
-        "revers starts first",
-        r"revers\w+ order|last (?:joint|row|axis) first",
+        "revers starts first numbered counted",
+        rf"revers\w+ order|{_WORD}order(?: is|:)? revers|last (?:joint|row|axis) first",
+        rf"{_WORD}(?:numbered|counted) from (?:the )?{_TIP}",
         rf"{_WORD}starts? (?:at|with|from) the {_TIP}",
-        rf"{_WORD}from (?:the )?{_TIP}(?: frame)? (?:back )?(?:down )?to (?:the )?base",
+        rf"{_WORD}(?:from|order[:,]?) (?:the )?{_TIP}(?: frame)? (?:back )?(?:down )?to (?:the )?base",
         also=("to base", "to the base"),
     ),
 }

@@ -68,8 +68,13 @@ _PARTS = late_pattern(r"[-\u2010\u2011]")
 _BREAKS = late_pattern(r"[\s,;:=&()\[\]{}|\u2013\u2014\u2192\uff1a\uff0c]+|\.(?=\s|$)|->|(?<=\s)[-/](?=\s)")
 _WITH_SLASH = late_pattern(r"(?:[^\W\d_]|°)+(?:/(?:[^\W\d_]|°)+)+")
 """``deg/s`` is one unit, ``mm/deg`` are two."""
-_INCHES = late_pattern(r"\bin\b(?=\s*(?:[,;/)\]}&.]|and\b|$))")
+_INCHES = late_pattern(r"(?<![·*-])\bin\b(?=\s*(?:[,;/)\]}&.]|and\b|$))")
 """The unit, where another word would follow the preposition."""
+_TORQUE = late_pattern(
+    r"\b(k?n|kgf?|lbf?|ozf?)(?:ewtons?)?[\s*-]\s?(mm|cm|m(?=et[er]{2}s?\b)|m\b|in|ft)(?:et[er]{2}s?|ch)?\b"
+)
+"""A unit of torques in two words: ``N cm``, ``newton metres``."""
+_OF_TORQUES = ("torque", "moment", "effort", "couple", "coppi")
 _ONE_UNIT = late_pattern(
     r"\b(?:1|one|each|every|an?)\s+((?:(?:length|linear|angle|angular)\s+)?)(?:units?|einheit|unité|unidad|unità)\s*"
     r"(?:=|:|\b(?:is|equals|means|represents|ist|est|es)\b)\s*(?:(?:1|one|an?)\b\s*|(?=1[^\W\d])1)"
@@ -127,6 +132,12 @@ def without_model(text: str) -> str | None:
     return " ".join(words[: ends[-1]]) if named and _model_words(named) == len(named) else None
 
 
+def is_model(text: str) -> bool:
+    """Whether a text is the name of a robot, and nothing besides: ``UR10``, ``KUKA KR 16``."""
+    words = text.split()
+    return bool(words) and _model_words(words) == len(words)
+
+
 def _model_words(words: Sequence[str]) -> int:
     """How many words at the beginning name a robot: its maker, and its model."""
     plain = [word.strip(_SIGNS).casefold() for word in words]
@@ -171,6 +182,7 @@ def is_prose(text: str) -> bool:
 
 def _words(text: str) -> list[str]:
     plain = unicodedata.normalize("NFC", text).casefold()
+    plain = _TORQUE.sub(r"\1·\2", plain) if any(word in plain for word in _OF_TORQUES) else plain
     plain = _INCHES.sub("inch", plain) if "in" in plain else plain
     plain = _ONE_UNIT.sub(r"\1 unit ", plain) if "uni" in plain or "ein" in plain else plain
     plain = _NO_LETTERS.sub(lambda match: "dh" if match[0] == "d-h" else "", plain)

@@ -76,7 +76,8 @@ _PREVIOUS = late_pattern(r"(?<![^\W_])(?:a|alpha|α)[\s_({]{0,3}i\s?[-−]\s?1",
 _OF_MOVES = {"xxzz": Convention.MODIFIED, "zzxx": Convention.STANDARD}
 """The convention of a product by the axes of its moves: ``Rx(α)·Tx(a)·Rz(θ)·Tz(d)``."""
 _ALONE = late_pattern(
-    r"(?<![\d.,±²³/·*^])(?<!\d\s)(?<!\d[.,]\s)(?<![a-zµ])(?:(?P<mm>mm(?![a-z/·*^²³0-9])|мм\b|миллиметр|毫米|公厘|ミリ|밀리|milimet)"
+    r"(?<![\d.,±²³/·*^])(?<!\d\s)(?<!\d[.,]\s)(?<!kg[\s-])(?<!kgf[\s-])(?<!\bn[\s-])(?<![a-zµ])"
+    r"(?:(?P<mm>mm(?![a-z/·*^²³0-9])|мм\b|миллиметр|毫米|公厘|ミリ|밀리|milimet)"
     r"|(?P<cm>cm(?![a-z/·*^²³0-9])|см\b|сантиметр|厘米|公分|センチ|센티)"
     r"|(?P<deg>градус|stopni(?!\w*\s+swobod)|(?<!serbestlik )derece|degr[eé]s\b(?!\s+de\s+libert)"
     r"|(?:grados|graus)(?!\s+de\s+liber)|gradi\b(?!\s+di\s+libert)|(?:(?<=in )|(?<=[\[(]))grad\b"

@@ -10,8 +10,9 @@ from dh2urdf.patterns import late_pattern
 from dh2urdf.quantities import Dimension, QuantityError, evaluate, find_unit, is_unit, is_zero
 from dh2urdf.source import Mark, Problem, did_you_mean, shown
 from dh2urdf_plugins.readers.header.words import Header, misspelt, read_header, suspected
+from dh2urdf_plugins.readers.words.comment_lines import SPREADSHEET_ERROR
 from dh2urdf_plugins.readers.words.fields import FIELDS
-from dh2urdf_plugins.readers.words.unheld import GEOMETRY, IGNORED, LIKELY, MOVES_BY_ITSELF, THETA_OFFSETS, UNHELD
+from dh2urdf_plugins.readers.words.unheld import GEOMETRY, IGNORED, LIKELY, MOVES_BY_ITSELF, NO, is_still, meaning_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
@@ -55,11 +56,6 @@ _DIRECTIONS = frozenset(
 )
 _AXIS_DOWN = late_pattern(r"[(\[]?\s*(?:-?0(?:\.0*)?[\s,;]+){2}-1(?:\.0*)?\s*[)\]]?")
 """The axis of a joint that turns the other way about z: ``(0, 0, -1)``."""
-_WHETHER_ACTIVE = frozenset(
-    "active actuated enabled motorized motorised driven movable moving moves dof beweglich aktiv angetrieben actif "  # noqa: SIM905
-    "activo attivo ativo freiheitsgrad".split()
-)
-_NO = frozenset("0 false no n off falsch nein non faux falso".split())  # noqa: SIM905
 _FEW_WORDS = 4
 _LONGEST_VARIABLE = 40
 _AXES_OF_CONTROLLER = r"(?:j|q|θ|theta)_?[0-9]{1,2}"
@@ -105,12 +101,9 @@ def refusal(text: str, header: Header, what: str = "column") -> Refusal | None:
     """
     if header.ignored or not text:
         return None
-    if meaning := UNHELD.get(header.key) or THETA_OFFSETS.get(header.key):
-        reason = f"is {meaning.reason}, which no {what} holds"
-        varies = header.key == "q"
-        return Refusal(
-            reason, meaning.accepted, zero=True, counts=meaning.counts, suggestion=meaning.suggestion, varies=varies
-        )
+    if meaning := meaning_of(header.key):
+        reason, varies = f"is {meaning.reason}, which no {what} holds", header.key == "q"
+        return Refusal(reason, meaning.accepted, None, meaning.zero, meaning.counts, meaning.suggestion, varies)
     if geometry := other_geometry(text, what):
         return geometry
     name = suspected(text) or _with_stray_signs(text) or _with_factor(text)
@@ -122,7 +115,7 @@ def refusal(text: str, header: Header, what: str = "column") -> Refusal | None:
         return Refusal(reason, _headers(str(name)), name, zero=is_angle, varies=is_angle)
     if name in _NOUNS:
         return Refusal(f"seems to be {_NOUNS[name]}, which no {what} holds", "a table without it")
-    return _without_words(header)
+    return _without_words(text, header)
 
 
 def other_geometry(text: str, what: str) -> Refusal | None:
@@ -151,8 +144,10 @@ def _with_stray_signs(text: str) -> str | None:
     return field.name if field and field.dimension else None
 
 
-def _without_words(header: Header) -> Refusal | None:
-    """Why a column is refused whose words say nothing: it has a unit, or its header is a symbol."""
+def _without_words(text: str, header: Header) -> Refusal | None:
+    """Why a column is refused whose words say nothing: it has a unit, or its header is a symbol or an error."""
+    if text.startswith("#") and SPREADSHEET_ERROR.fullmatch(text):
+        return Refusal("is what a spreadsheet writes for an error", "a header above each column of numbers")
     if header.unit and is_unit(header.unit):
         return Refusal(f"has the unit {shown(header.unit)}, but no field is called so", _measured_in(header.unit))
     if len(header.key) == 1 and header.key.isalpha():
@@ -175,7 +170,7 @@ def refused(
     """
     label = _REMARK.sub("", cell.text).rstrip() if cell.text[-1:] in ")]" else cell.text
     counted = why.counts and label.casefold() in (str(number), f"j{number}")
-    if not cell.text or counted or (why.zero and is_zero(cell.text)):
+    if not cell.text or counted or (why.zero and (is_zero(cell.text) or label.casefold() in NO)):
         return None
     if why.varies and _is_variable_of(cell.text, number):
         return None
@@ -280,7 +275,7 @@ def is_direction(text: str) -> bool:
 
 def _passive(cell: Cell, header: str, joint: str) -> Problem | None:
     """What is wrong with a cell of a column that is left out, where it says that the joint does not move by itself."""
-    if header.casefold() not in _WHETHER_ACTIVE or cell.text.casefold() not in _NO:
+    if not is_still(header, cell.text):
         return None
     why = Refusal(f"is {MOVES_BY_ITSELF.reason}, which no column holds", MOVES_BY_ITSELF.accepted)
     return refused(cell, header, why, joint)

@@ -19,7 +19,7 @@ from dh2urdf.documents import check_file, load_yaml, refuse_other_kind
 from dh2urdf.errors import MissingDependencyError, TableError
 from dh2urdf.patterns import late_pattern
 from dh2urdf.source import Mark, Problem, did_you_mean, shown
-from dh2urdf.table_text import METADATA, STATEMENTS, CellRow
+from dh2urdf.table_text import METADATA, REMARKS, STATEMENTS, CellRow
 from dh2urdf_plugins.readers.comments.declared import MAX_STATEMENT
 from dh2urdf_plugins.readers.comments.phrases import unit_of_measure
 from dh2urdf_plugins.readers.header.header_rows import completed
@@ -37,6 +37,7 @@ from dh2urdf_plugins.readers.parquet_file.columns import (
     with_unit,
 )
 from dh2urdf_plugins.readers.table import TableOptions, read_table_columns
+from dh2urdf_plugins.readers.words.cells import Cell
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Sequence
@@ -112,9 +113,12 @@ def _items(
         with _reporting_errors(Mark(file=str(path)), "this is no Parquet file that can be read"):
             file = ParquetFile(binary, buffer_size=_BUFFER, pre_buffer=False)
             fields = list(file.schema_arrow)
-        said = _statements(file.metadata.metadata or {}, str(path))
+        metadata = file.metadata.metadata or {}
+        said, remarks = _statements(metadata, str(path)), list(_remarks(metadata, fields, str(path)))
         file_rows = _ParquetRows(file, fields, str(path))
-        yield from read_table_columns(file_rows, str(path), options, name=path.stem, statements=said, trace=trace)
+        yield from read_table_columns(
+            file_rows, str(path), options, name=path.stem, statements=said, titles=remarks, trace=trace
+        )
 
 
 def _statements(metadata: dict[bytes, bytes], file: str) -> dict[str, Node]:
@@ -148,6 +152,17 @@ def _statements(metadata: dict[bytes, bytes], file: str) -> dict[str, Node]:
             raise TableError(Problem(message=message, mark=Mark(file=file), field=key, accepted="a value, as YAML"))
         said[key] = load_yaml(text, f"{file}, metadata {name}", TableError)
     return said
+
+
+def _remarks(metadata: dict[bytes, bytes], fields: Sequence[Any], file: str) -> Iterator[Cell]:
+    """What the metadata of a file, of a data frame and of columns say in prose, which is looked at as comments are."""
+    of_frame = (metadata, _attributes(metadata.get(_ATTRIBUTES.encode(), b"")))
+    places = [(each, Mark(file=file)) for each in of_frame]
+    places += [(field.metadata or {}, Mark(file=file, place=f"column {field.name}")) for field in fields]
+    for each, mark in places:
+        for key, text in each.items():
+            if key.decode(errors="replace").casefold() in REMARKS:
+                yield Cell(text[:MAX_STATEMENT].decode(errors="replace"), mark)
 
 
 def _refuse_without_prefix(name: str, text: str, file: str) -> None:

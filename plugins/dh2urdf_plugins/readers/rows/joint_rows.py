@@ -15,7 +15,7 @@ from dh2urdf.patterns import late_pattern
 from dh2urdf.source import Problem, shown
 from dh2urdf_plugins.readers.header.unknown_columns import is_direction
 from dh2urdf_plugins.readers.rows.cells import variables_in
-from dh2urdf_plugins.readers.rows.names import holds_type, is_base, is_first_joint, kind_of
+from dh2urdf_plugins.readers.rows.names import holds_type, is_base, is_first_joint, kind_of, kind_of_name
 from dh2urdf_plugins.readers.words.cells import Cell
 from dh2urdf_plugins.readers.words.fields import ACCEPTED_TYPES, joint_type
 
@@ -296,7 +296,7 @@ class _Rows:
         if "type" in cells and cells["type"].text:
             return
         name = self._name_of(place, cells)
-        kind = kind_of(name) if name else None
+        kind = kind_of_name(name) if name else None
         if kind == "frame" and (has := self._shows_that_it_moves(place, cells, name)):
             message = f"the row {shown(name)} is called like a frame, and has {has}: it moves"
             meant = "write the type fixed if nothing moves there"

@@ -42,11 +42,12 @@ _TOTALS = _words("""
     total totals totale totali gesamt gesamtsumme sum sums summe summen somme sommes suma somma subtotal zwischensumme
     mean means average avg mittelwert mittel durchschnitt moyenne media promedio median mediana max maximum maximo
     massimo min minimum minimo std stddev stdev deviation variance varianz rms count anzahl range spannweite σ
-    result results ergebnis resultat resultado risultato overall totalt totaal
+    result results ergebnis resultat resultado risultato overall totalt totaal error errors fehler erreur tolerance
+    tolerances toleranz uncertainty accuracy reach reichweite portee alcance
     合计 总计 总和 平均 平均值 合計 合計値 総計 итого всего сумма среднее razem srednia toplam ortalama 합계 총계 평균
 """)
 _OF_TOTALS = _words("""
-    length lengths laenge lange reach reichweite longueur portee longitud alcance lunghezza arm robot value values wert
+    length lengths laenge lange longueur longitud lunghezza maximum arm robot value values wert
     werte grand mass weight height of all joints links rows mm cm m deg rad kg
 """)
 _BASES = _words("""
@@ -101,13 +102,37 @@ _SLIDE_IN_PROSE = late_pattern(
     r"|pryzmatyczn|przesuwn)|移动副|移动关节|直动关节|直動関節|직동 ?관절|병진 ?관절",
     re.IGNORECASE,
 )
-_TYPE_BEHIND = late_pattern(r"[^\W_].*[(\[]([^()\[\]]*)[)\]]\s*|[a-z].*[0-9][\s_-]+(p)\s*", re.IGNORECASE)
+_TYPE_BEHIND = late_pattern(
+    r"[^\W_].*[(\[\uff08]([^()\[\]\uff08\uff09]*)[)\]\uff09]\s*|[a-z].*[0-9]\s*[\s_:/,-]\s*(p)\s*", re.IGNORECASE
+)
 """``Joint 2 (P)``, ``Joint 2 (elbow, prismatic)``, ``J2-P``."""
-_UNMOVED = _words("f fix notused unused passive passiv dummy virtual locked notactuated unactuated inactive gesperrt")
-"""What is behind the name of a joint that does not move, in brackets."""
+_BREAKS = late_pattern(r"[\s_:/,()\[\]\u2013-]+")
+_UNMOVED = _words("""
+    f fix notused unused passive passiv dummy virtual locked notactuated unactuated inactive gesperrt mimic mimics
+    coupled disabled frozen blocked clamped welded notdriven undriven notmotorized nomotor notmoving bloque
+    bloquee bloqueado bloqueada bloccato bloccata fixee passif pasivo passivo blockiert nichtangetrieben nichtaktiv
+    固定 被动 从动 锁定 고정
+""")
+"""What is behind the name of a joint that does not move, or not by itself."""
+_STILL = (_UNMOVED - {"f", "fix"}) | _words("fixed fest fixe fijo fija fisso fissa fixo fixa")
+"""The same where it may be one word of a name."""
 _TO_FRAME = late_pattern(r"[0-9]{1,3}\s*(?:-+>|[→➔⟶])\s*[a-z]", re.IGNORECASE)
 """The last row of a table whose rows are ``0->1``, ``1->2``: ``6->G`` leads to the gripper."""
-_HINT = late_pattern("|".join(_TOTALS | _FRAMES | _SLIDES | _SLIDING))
+_HINTS = tuple(filter(str.isascii, _TOTALS | _FRAMES | _SLIDES | _SLIDING | (_UNMOVED - {"f"})))
+_REMARK = late_pattern(
+    r"(?<![^\W_])(?:(?P<sign>reversed|inverted|invertiert|invertid|inversé|negated|negative|flipped|mirrored|gespiegelt"
+    r"|umgekehrt|(?:counter|anti)?[ -]?clockwise|(?<=[(\[\uff08])(?:c?cw|inv\.?|[-−–])(?=[)\]\uff09])"
+    r"|(?<=[0-9][\s_])c?cw$|upside down)|(?P<motion>coupled|gekoppelt|couplé|acoplad|accoppiat|mimic|continuous"
+    r"|(?<=[(\[])(?:mm|cm|m)(?=[)\]])))"
+    r"|(?P<sign2>反向|反转)|(?P<motion2>耦合)|(?<=[(\[\uff08])(?P<value>[^()\[\]]*(?:[±°]|(?<![0-9])[-+−]\s?(?:[0-9][0-9.]|pi|π))[^()\[\]]*)[)\]\uff09]",
+    re.IGNORECASE,
+)
+"""What a name says about its joint: ``elbow [inverted]``, ``J3 coupled to J2``, ``J1 (±170°)``."""
+_IN_REMARKS = tuple(
+    "( [ \uff08 revers verted vertid invers negat flipped mirrored gespiegelt umgekehrt clockwise cw upside coupl "  # noqa: SIM905
+    "gekoppelt acoplad accoppiat mimic continuous 反 耦".split()
+)
+"""What such a name has one of."""
 _DIGITS = late_pattern(r"[0-9]+")
 _LONGEST = 60
 
@@ -137,6 +162,23 @@ def _kind_behind(name: str) -> RowKind | None:
         if kind is JointType.PRISMATIC or key == "p":
             return "slide"
     return None
+
+
+@lru_cache(maxsize=4096)
+def kind_of_name(name: str) -> RowKind | None:
+    """The same of a name, which may have a word for what does not move: ``fixed elbow``, ``J3 - not used``."""
+    if len(name) > _LONGEST or not any(hint in _key(name) for hint in _STILL):
+        return kind_of(name)
+    first, *others = filter(None, map(_key, _BREAKS.split(name)))
+    beside = {first, *others[-1:], "".join(others[-2:]), _key(name)}
+    return kind_of(name) if beside.isdisjoint(_STILL) else "frame"
+
+
+def remark_in(name: str) -> str | None:
+    """What a name says about its joint besides: its sign, motion or value, as in ``wrist (reversed)``; or None."""
+    if not any(hint in name.lower() for hint in _IN_REMARKS) or not (match := _REMARK.search(name)):
+        return None
+    return next(kind.rstrip("2") for kind, text in match.groupdict().items() if text)
 
 
 def is_total(name: str) -> bool:
@@ -188,7 +230,7 @@ def is_first_joint(names: Sequence[str]) -> bool:
 
 
 def are_joints(names: Collection[str], *, typed: bool) -> bool:
-    """Whether none of some ASCII names is that of a row that is hardly a joint that turns.
+    """Whether none of some ASCII names is that of a row that is hardly a joint that turns, or has a remark in it.
 
     Args:
         names: in lower case.
@@ -196,10 +238,10 @@ def are_joints(names: Collection[str], *, typed: bool) -> bool:
     """
     text = without_separators("".join(names))  # a name that has a word has it here, too
     keys = list(map(_key, names))
-    doubtful = _HINT.search(text) or not all(keys) or any(map(_SLIDE_SYMBOL.fullmatch, keys))
+    doubtful = any(hint in text for hint in _HINTS) or not all(keys) or any(map(_SLIDE_SYMBOL.fullmatch, keys))
     doubtful = doubtful or any(map(_TYPE_BEHIND.fullmatch, names)) or any(map(_TO_FRAME.fullmatch, names))
-    kinds = set(map(kind_of, names)) if doubtful else set()
-    return "total" not in kinds and (typed or kinds <= {None})
+    kinds = set(map(kind_of_name, names)) if doubtful else set()
+    return "total" not in kinds and (typed or kinds <= {None}) and not any(map(remark_in, names))
 
 
 def total_problem(row: DHRow, above: Sequence[DHRow | None]) -> Problem | None:

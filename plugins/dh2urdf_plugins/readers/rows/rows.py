@@ -131,7 +131,7 @@ class RowReader(RowCells):
                 near = did_you_mean(cell.text, [word for word in TYPE_CHOICES if len(word) > 1])
                 self._error(f"{shown(cell.text)} is no type of joint", "type", accepted=ACCEPTED_TYPES, suggestion=near)
             return kind or JointType.REVOLUTE
-        if self.type_is_given:
+        if self.type_is_given or cell:
             self._notice("the type is empty; the joint is taken as revolute", "type")
         return JointType.REVOLUTE
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.row_fields import ROW_FIELDS
-from dh2urdf_plugins.readers.words.word_keys import keys_of
+from dh2urdf_plugins.readers.words.word_keys import key_of, keys_of
 
 
 def _words(text: str) -> tuple[str, ...]:
@@ -22,18 +22,27 @@ class Unheld(NamedTuple):
         accepted: what to write in its place.
         counts: whether it may hold the number of the row.
         suggestion: what to do where it is a field under another name.
+        zero: whether 0 says nothing.
     """
 
     reason: str
     accepted: str = GEOMETRY
     counts: bool = False
     suggestion: str | None = None
+    zero: bool = True
 
 
 MOVES_BY_ITSELF = Unheld(
     "whether a joint moves by itself", "a column type: fixed where nothing moves; no joint follows another"
 )
 _CALL_IT_SO = "if it is one of them, call it so: theta or offset"
+WHETHER_ACTIVE = frozenset(
+    "active actuated actuator motor drive enabled motorized motorised driven movable moving moves canmove mobile free "  # noqa: SIM905
+    "used independent dof dofs ndof degreesoffreedom degreeoffreedom beweglich aktiv angetrieben antrieb actif "
+    "activo attivo ativo freiheitsgrad freiheitsgrade".split()
+)
+"""Headers of what a joint has that moves by itself, by their keys: refused where a cell is a no."""
+NO = frozenset("0 false no n off none ✗ ✘ ❌ falsch nein non faux falso".split())  # noqa: SIM905
 _HOME = Unheld("an angle or a length that may be theta, d or an offset", suggestion=_CALL_IT_SO)
 _RIGID = "a table without it: joints do not yield"
 _AT_THE_JOINT = "damping and friction as the joint feels them, behind the gear"
@@ -44,7 +53,10 @@ UNHELD_WORDS = {
     "q0": _HOME,
     **dict.fromkeys(_words("phi, phi0"), Unheld("an angle that may be theta or an offset", suggestion=_CALL_IT_SO)),
     **dict.fromkeys(
-        _words("fixed, locked, mimic, coupling, coupled, coupled with, depends on, passive, unactuated"),
+        _words(
+            "fixed, locked, mimic, mimics, follows, coupling, coupled, coupled with, depends on, driven by, passive, "
+            "unactuated, inactive, disabled, virtual, dummy"
+        ),
         MOVES_BY_ITSELF,
     ),
     "angle": Unheld("an angle that may be theta, alpha or an offset", suggestion=_CALL_IT_SO),
@@ -63,7 +75,7 @@ UNHELD_WORDS = {
     ),
     "mdh": Unheld("the convention as a number"),
     "prismatic": Unheld("the type of a joint in another form"),
-    "revolute": Unheld("the type of a joint in another form"),
+    "revolute": Unheld("the type of a joint in another form", "a column type: revolute, prismatic", zero=False),
     **dict.fromkeys(
         _words("x, y, z, xyz, dx, dy, dz, tx, ty, tz, px, py, pz"),
         Unheld(
@@ -156,6 +168,18 @@ UNHELD = {key: meaning for word, meaning in UNHELD_WORDS.items() for key in keys
 """The same by their keys."""
 
 
+def meaning_of(key: str) -> Unheld | None:
+    """What a header means that no field holds, by its key: ``passive?`` and ``isfixed`` are known, too."""
+    asked = key.strip("?")
+    return UNHELD.get(asked) or UNHELD.get(asked.removeprefix("is")) or THETA_OFFSETS.get(asked)
+
+
+def is_still(header: str, text: str) -> bool:
+    """Whether a cell says that its joint does not move by itself: ``no`` under ``movable``."""
+    asked = key_of(header.casefold()).strip("?")
+    return text.casefold() in NO and (asked in WHETHER_ACTIVE or asked.removeprefix("is") in WHETHER_ACTIVE)
+
+
 # --- Headers that look like fields ------------------------------------------------------------------------------------
 
 SUSPECTS = {
@@ -175,7 +199,8 @@ SUSPECTS = {
     "mass": "mass, masses, weight*, *masse, masa, massa, peso, poids, *gewicht*, payload*, *质量*, *重量*",
     "offset": "offset*, zero*, home*, *versatz*, décalage*, desfase*, desplazamiento*, *nullpunkt*, "
     "calibration*, deslocamento*, *偏*, *零位*, *初始*",
-    "sign": "sign, sense, mirror*, direction*, dir, invert*, revers*, flip*, polarity, vorzeichen, "
+    "sign": "sign, sense, clockwise, counterclockwise, cw, ccw, "
+    "mirror*, direction*, dir, invert*, revers*, flip*, polarity, vorzeichen, "
     "*richtung, *drehsinn, sens, sentido, senso, sinal, *方向*",
     "limits": "limit*, límit*, range, ranges, bound*, stroke, travel, *grenze*, *bereich, anschlag, plage, butée*, "
     "borne*, rango, recorrido, corsa, escursione, débattement, lower, upper, min, max, minimum, maximum, "

@@ -16,8 +16,8 @@ from tables import Figures, WrongReading, cases, counted_fast, run_all, run_case
 
 from dh2urdf.columns import member, stacked
 from dh2urdf.quantities import Unit
+from dh2urdf_plugins.readers.plain import sample
 from dh2urdf_plugins.readers.plain.rows import PlainRows
-from dh2urdf_plugins.readers.tables import row_table
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -70,7 +70,7 @@ def planted(monkeypatch: pytest.MonkeyPatch, change: Any) -> None:
         return stacked([change(member(row, number)) for number in range(count)])
 
     monkeypatch.setattr(PlainRows, "read", wrong)
-    monkeypatch.setattr(row_table, "compare", lambda *_arguments: None)  # the check of every run would be first
+    monkeypatch.setattr(sample, "compare", lambda *_arguments: None)  # the check of every run would be first
 
 
 @pytest.mark.parametrize(

@@ -16,7 +16,7 @@ from dh2urdf.cli.standard_input import DASH, NAME, given_description, given_tabl
 from dh2urdf.cli.tables import ASKER, package_paths_option, table_options
 from dh2urdf.commands.check import given_arguments, inspect, inspect_several, repaired
 from dh2urdf.commands.chosen_table import read_manipulator, reader_call
-from dh2urdf.documents.text_files import check_file
+from dh2urdf.documents.text_files import check_file, is_folder, is_there
 from dh2urdf.errors import ConfigError, InputError
 from dh2urdf.output.whole_files import write_whole
 from dh2urdf.plugin_system.options import COMMAND_LINE
@@ -96,12 +96,12 @@ def command(  # noqa: PLR0917 - click hands everything over by name
     if table is None:
         _refuse_without_table({"base_link": base_link, "tip_link": tip_link, **flags})
     installed = catalog()
-    arguments = [word for word in words if ":=" in word and not Path(word).exists()]
+    arguments = [word for word in words if ":=" in word and not is_there(Path(word))]
     files = [Path(word) for word in words if word not in arguments]
     expansion = Expansion(arguments=given_arguments(arguments, COMMAND_LINE), package_paths=package_paths)
     if is_fixed or out:
         files = [_fixed(installed, files, format_name, out if is_fixed else None)]
-    if len(files) != 1 or files[0].is_dir():
+    if len(files) != 1 or is_folder(files[0]):
         _refuse_for_several(files, table)
         several = inspect_several(installed, files, format_name, "`--as NAME`", expansion)
         return _print_several(several, _chosen(simulators, several.consumers), form)
@@ -136,7 +136,7 @@ def command(  # noqa: PLR0917 - click hands everything over by name
 
 def _fixed(catalog: Catalog, files: Sequence[Path], format_name: str | None, out: Path | None) -> Path:
     """Writes a fixed file, and says what was fixed."""
-    if out is None or len(files) != 1 or str(files[0]) == DASH or files[0].is_dir():
+    if out is None or len(files) != 1 or str(files[0]) == DASH or is_folder(files[0]):
         message = "--fix takes one FILE, and writes to the file that -o names"
         raise ConfigError(Problem(message=message, mark=COMMAND_LINE, accepted="--fix -o FIXED FILE"))
     repair = repaired(catalog, files[0], format_name, "`--as NAME`")

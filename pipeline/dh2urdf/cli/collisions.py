@@ -14,6 +14,7 @@ from dh2urdf.cli.standard_input import refuse_dash
 from dh2urdf.cli.tables import ASKER, package_paths_option, settings_of
 from dh2urdf.commands.check import given_arguments
 from dh2urdf.commands.collisions import annotation
+from dh2urdf.documents.text_files import is_there
 from dh2urdf.errors import ConfigError
 from dh2urdf.output.whole_files import refuse_inputs, write_whole
 from dh2urdf.plugin_system.options import COMMAND_LINE
@@ -65,7 +66,7 @@ def command(  # noqa: PLR0917 - click hands everything over by name
     dh2urdf collisions ur.urdf.xacro ur_type:=ur10 name:=arm --package-path ~/ws/src -o ur10.srdf
     """
     refuse_dash(words, "collisions")
-    arguments = [word for word in words if ":=" in word and not Path(word).exists()]
+    arguments = [word for word in words if ":=" in word and not is_there(Path(word))]
     robots = [Path(word) for word in words if word not in arguments]
     if len(robots) != 1:
         message = f"{len(robots)} files are given, and pairs are of one"

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from os.path import isdir
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -15,6 +14,7 @@ from dh2urdf.cli.stage_flags import StageCommand, given_options
 from dh2urdf.cli.standard_input import DASH, files_behind, given_table
 from dh2urdf.cli.tables import ASKER, settings_of, table_options
 from dh2urdf.commands.convert import plan_conversion
+from dh2urdf.documents.text_files import is_folder
 from dh2urdf.errors import SCREENFUL
 from dh2urdf.report.answers.conversions import closing_line
 
@@ -80,7 +80,7 @@ def command(  # noqa: PLR0917 - click hands everything over by name
     """
     installed = catalog()
     target = None if output is None or output == DASH else Path(output)
-    into_folder = target is not None and (str(output).endswith("/") or isdir(target))  # noqa: PTH112 - Path.is_dir raises where a name is too long
+    into_folder = target is not None and (str(output).endswith("/") or is_folder(target))
 
     def plan(table: Path, file: Path | None) -> Planned:
         path, reader = given_table(table, reader_name, installed)

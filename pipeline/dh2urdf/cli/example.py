@@ -8,6 +8,7 @@ import click
 
 from dh2urdf.cli.answers import answer
 from dh2urdf.cli.shared_options import Command, option
+from dh2urdf.documents.text_files import is_folder
 from dh2urdf.errors import ConfigError
 from dh2urdf.plugin_system.options import COMMAND_LINE
 from dh2urdf.scaffold.shipped import shipped_table, shipped_tables, summary_of
@@ -42,7 +43,7 @@ def command(name: str | None, output: str | None, listed: bool) -> int:  # noqa:
         answer(table.read_bytes(), nl=False)
         return 0
     target = Path(str(output))
-    if target.is_dir() or str(output).endswith("/"):
+    if is_folder(target) or str(output).endswith("/"):
         target /= table.name
     if target.suffix.lower() != table.suffix:
         message = f"the table is a {table.suffix} file, and {shown(target.name)} says another format"

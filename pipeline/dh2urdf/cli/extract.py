@@ -18,6 +18,7 @@ from dh2urdf.cli.standard_input import files_behind, given_table
 from dh2urdf.cli.tables import ASKER, package_paths_option, settings_of
 from dh2urdf.commands.check import given_arguments
 from dh2urdf.commands.extract import chains_of, description_reader, leaves_of, table_lines, write_extracted
+from dh2urdf.documents.text_files import is_there
 from dh2urdf.errors import SCREENFUL, ConfigError, ManipulatorError
 from dh2urdf.kinematics.facts import kinematic_facts
 from dh2urdf.manipulator import Convention
@@ -75,7 +76,7 @@ def command(  # noqa: PLR0917 - click hands everything over by name
     xacro robot.urdf.xacro | dh2urdf extract - --from urdf
     """
     installed = catalog()
-    arguments = [word for word in words if ":=" in word and not Path(word).exists()]
+    arguments = [word for word in words if ":=" in word and not is_there(Path(word))]
     robots = [Path(word) for word in words if word not in arguments]
     if len(robots) != 1:
         message = f"{len(robots)} files are given, and tables are extracted from one"

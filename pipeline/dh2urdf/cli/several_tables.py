@@ -9,6 +9,7 @@ import click
 
 from dh2urdf.cli.printing.conversion_rows import print_report, row_of
 from dh2urdf.cli.standard_input import DASH, NAME
+from dh2urdf.documents.text_files import is_folder, is_there
 from dh2urdf.errors import ConfigError, Dh2UrdfError, InputError, ManipulatorError, TableError, UnknownStageError
 from dh2urdf.output.spooled import STEM
 from dh2urdf.output.whole_files import safe_stem
@@ -43,11 +44,11 @@ def files_of(
         ConfigError: no folder is given, or two tables would become one file.
         UnknownStageError: there is no such emitter.
     """
-    if folder is None or (folder.exists() and not folder.is_dir()):
+    if folder is None or (is_there(folder) and not is_folder(folder)):
         found = "" if folder is None else f", and {shown(str(folder))} is a file"
         raise _wrong(f"{len(tables)} tables go into a folder{found}", accepted="-o FOLDER, with any name")
     emitter = catalog.get("emitter", format_name) if format_name else catalog.usual("emitter")
-    if emitter.suffixes and not folder.is_dir() and folder.name.lower().endswith(emitter.suffixes):
+    if emitter.suffixes and not is_folder(folder) and folder.name.lower().endswith(emitter.suffixes):
         message = f"-o {shown(str(folder))} names one file, and there are {len(tables)} tables"
         raise _wrong(message, accepted=f"-o FOLDER, such as -o {folder.stem}")
     suffix = emitter.suffixes[0] if emitter.suffixes else ""

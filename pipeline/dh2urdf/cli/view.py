@@ -13,6 +13,7 @@ from dh2urdf.cli.convert import print_notices
 from dh2urdf.cli.shared_options import Command, catalog, option, without_option
 from dh2urdf.cli.standard_input import refuse_dash
 from dh2urdf.cli.tables import package_paths_option
+from dh2urdf.documents.text_files import is_there
 from dh2urdf.plugin_system.options import COMMAND_LINE
 
 
@@ -51,7 +52,7 @@ def command(
 
     refuse_dash(files, "view")
     require_nicegui("view")
-    words = [word for word in files if ":=" in word and not Path(word).exists()]
+    words = [word for word in files if ":=" in word and not is_there(Path(word))]
     expansion = Expansion(arguments=given_arguments(words, COMMAND_LINE), package_paths=package_paths)
     figures = load_figures([Path(word) for word in files if word not in words], catalog(), expansion)
     print_notices([notice for figure in figures for notice in figure.notices])

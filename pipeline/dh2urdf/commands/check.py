@@ -6,7 +6,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from dh2urdf.commands.described_files import described_files
-from dh2urdf.documents.text_files import check_file
+from dh2urdf.documents.text_files import check_file, is_folder
 from dh2urdf.errors import ConfigError, InputError
 from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.source import Mark, Problem, shown
@@ -96,7 +96,7 @@ def inspect_several(
     packages: list[Path] = []
     looked_at = 0
     for path in paths:
-        if path.is_dir():
+        if is_folder(path):
             found = described_files(catalog, [path])
             waiting.extend(found.files)
             unreadable.extend(found.unreadable)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from dh2urdf.commands.options_of_stages import stage_calls
 from dh2urdf.conversion.one_manipulator import read_items
-from dh2urdf.documents.text_files import check_file
+from dh2urdf.documents.text_files import check_file, is_file
 from dh2urdf.errors import ConfigError, TableError
 from dh2urdf.manipulator import Manipulator
 from dh2urdf.source import Mark, Problem, did_you_mean, shown
@@ -73,7 +73,7 @@ def is_table(path: Path, catalog: Catalog) -> bool:
     with suppress(Exception):  # Whatever it is instead, it is no table.
         reader = catalog.reader_for(path)
         if not path.name.lower().endswith(RUN_SUFFIXES):
-            return path.is_file()
+            return is_file(path)
         return isinstance(next(iter(reader.read(path, reader.options())), None), Manipulator)
     return False
 

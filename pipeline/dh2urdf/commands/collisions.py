@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from dh2urdf.commands.options_of_stages import stage_calls
-from dh2urdf.documents.text_files import check_file
+from dh2urdf.documents.text_files import check_file, is_there
 from dh2urdf.errors import ConfigError, InputError
 from dh2urdf.source import Mark, Problem
 from dh2urdf.stage_calls.answers import a_whole_record
@@ -50,7 +50,7 @@ def annotation(
         PluginError: the emitter is at fault, or a package that it needs is not installed.
     """
     check_file(description, InputError)
-    if earlier is None and out is not None and out.exists():
+    if earlier is None and out is not None and is_there(out):
         earlier = out
     if earlier is not None:
         check_file(earlier, InputError)

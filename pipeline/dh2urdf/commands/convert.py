@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from os.path import isdir
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -11,7 +10,7 @@ from dh2urdf.commands.chosen_table import chosen_reader, read_manipulator
 from dh2urdf.commands.options_of_stages import Asker, stage_calls
 from dh2urdf.conversion.one_manipulator import Recipe, Written, with_notices, write_robot
 from dh2urdf.conversion.robots import make_item
-from dh2urdf.documents.text_files import check_file
+from dh2urdf.documents.text_files import check_file, is_folder
 from dh2urdf.errors import ConfigError, EditError, RobotError, TableError, TransformError
 from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.manipulator import Manipulator
@@ -232,7 +231,7 @@ def plan_conversion(
             )
         )
     one_file = len(formats) <= 1 and not in_folders
-    if target is not None and one_file and isdir(target):  # noqa: PTH112 - Path.is_dir raises where a name is too long
+    if target is not None and one_file and is_folder(target):
         stem = safe_stem(table.name if isinstance(table, Manipulator) else table.stem)
         raise ConfigError(
             Problem(

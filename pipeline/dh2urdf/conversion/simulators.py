@@ -9,6 +9,7 @@ from types import NoneType
 from typing import TYPE_CHECKING, Any
 
 from dh2urdf.conversion.outcome import NotLoaded, Outcome, Verdict
+from dh2urdf.documents.text_files import is_file
 from dh2urdf.errors import (
     InputError,
     ManipulatorError,
@@ -198,7 +199,7 @@ def load_written(
     )
     with blaming(call), _kept(path.parent, written if call.plugin and not call.plugin.is_builtin else ()):
         report = load_in_child(loader, request, call.options, f"the {call.at_work}", children)
-        if report.picture and not picture.with_name(a_plain_name(report.picture)).is_file():
+        if report.picture and not is_file(picture.with_name(a_plain_name(report.picture))):
             raise ValueError(f"it reported a picture {shown(report.picture)} and wrote none")
         return report
 
@@ -216,7 +217,7 @@ def _kept(folder: Path, written: Sequence[Written]) -> Iterator[None]:
     finally:
         for file in (file for each in written for file in each.files):
             path = folder / file.name
-            if not path.is_file() or path.read_bytes() != file.content:
+            if not is_file(path) or path.read_bytes() != file.content:
                 path.parent.mkdir(parents=True, exist_ok=True)
                 path.write_bytes(file.content)
                 changed = changed or file.name

@@ -13,6 +13,9 @@ if TYPE_CHECKING:
         LONG_PATH as LONG_PATH,
         check_file as check_file,
         decoded as decoded,
+        is_file as is_file,
+        is_folder as is_folder,
+        is_there as is_there,
         kind_of_file as kind_of_file,
         read_bytes as read_bytes,
         refuse_other_kind as refuse_other_kind,
@@ -24,6 +27,7 @@ else:
             "archives": "BROKEN_ARCHIVE",
             "document": "load_yaml stream_yaml",
             "nodes": "Item Node",
-            "text_files": "LONG_PATH check_file decoded kind_of_file read_bytes refuse_other_kind",
+            "text_files": "LONG_PATH check_file decoded is_file is_folder is_there kind_of_file read_bytes "
+            "refuse_other_kind",
         },
     )

@@ -6,6 +6,7 @@ import os
 import re
 import stat
 from codecs import BOM_UTF8, BOM_UTF16_BE, BOM_UTF16_LE
+from contextlib import suppress
 from errno import ELOOP
 from pathlib import Path
 
@@ -47,6 +48,24 @@ _BEGINNINGS = (
 _ENCODINGS = ((BOM_UTF8, "utf-8"), (BOM_UTF16_LE, "utf-16-le"), (BOM_UTF16_BE, "utf-16-be"))
 _UNACCEPTABLE = r"[^\t\n\r\x20-\x7e\xa0-\u2027\u202a-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]"
 _UNACCEPTABLE_ASCII = r"[\x00-\x08\x0b\x0c\x0e-\x1f\x7f]"  # The same where there is nothing else: it compiles at once.
+
+
+def is_file(path: Path) -> bool:
+    """Whether a file is there; not where that cannot be known.
+
+    `Path.is_file` raises an error where a folder may not be entered, or a name is too long.
+    """
+    return os.path.isfile(path)  # noqa: PTH113
+
+
+def is_folder(path: Path) -> bool:
+    """Whether a folder is there; not where that cannot be known."""
+    return os.path.isdir(path)  # noqa: PTH112
+
+
+def is_there(path: Path) -> bool:
+    """Whether a file or a folder is there; not where that cannot be known."""
+    return os.path.exists(path)  # noqa: PTH110
 
 
 def read_bytes(path: Path, error: type[InputError] = ConfigError, *, limit: int = MAX_BYTES) -> bytes:
@@ -115,17 +134,21 @@ def _unreadable(path: Path, reason: OSError | ValueError) -> Problem:
         if ADDRESS.match(str(path)):
             advice = "copy what is there to a file of this machine"
             return Problem(message="this is an address, and inputs are files", mark=mark, suggestion=advice)
-        if not path.parent.is_dir():
+        if not is_folder(path.parent):
             return Problem(message=f"there is no folder {shown(str(path.parent), LONG_PATH)}", mark=mark)
         from difflib import get_close_matches
 
-        names = sorted(entry.name for entry in path.parent.iterdir())
-        near = get_close_matches(path.name, names, n=3, cutoff=0.7)
+        near: list[str] = []
+        with suppress(PermissionError):
+            names = sorted(entry.name for entry in path.parent.iterdir())
+            near = get_close_matches(path.name, names, n=3, cutoff=0.7)
         suggestion = f"did you mean {' or '.join(repr(name) for name in near)}?" if near else None
         return Problem(message="there is no such file", mark=mark, suggestion=suggestion)
     why = reason.strerror if isinstance(reason, OSError) and reason.strerror else str(reason)
     if isinstance(reason, OSError) and reason.errno == ELOOP:
-        why = f"this link leads to {shown(str(path.readlink()), LONG_PATH)}, and from there in a circle"
+        link = next((place for place in (path, *path.parents) if os.path.islink(place)), path)  # noqa: PTH114
+        which = "this link" if link == path else f"the link {shown(str(link), LONG_PATH)}"
+        why = f"{which} leads to {shown(str(link.readlink()), LONG_PATH)}, and from there in a circle"
     return Problem(message=f"the file cannot be read: {why}", mark=mark)
 
 

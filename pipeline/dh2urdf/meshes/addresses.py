@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import re
+from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
 from urllib.parse import unquote
 
+from dh2urdf.documents.text_files import is_file, is_folder
 from dh2urdf.errors import InputError
 from dh2urdf.source import Problem, shown
 from dh2urdf.stages import PACKAGE_FILE
@@ -40,7 +42,7 @@ def path_of_address(address: str) -> str:
 def own_folder(path: Path) -> Path:
     """The folder of a file's package; the folder of the file where it is in none."""
     folder = path.resolve().parent
-    return next((above for above in (folder, *folder.parents) if (above / PACKAGE_FILE).is_file()), folder)
+    return next((above for above in (folder, *folder.parents) if is_file(above / PACKAGE_FILE)), folder)
 
 
 def packages_in(paths: Iterable[Path]) -> dict[str, Path]:
@@ -54,9 +56,16 @@ def packages_in(paths: Iterable[Path]) -> dict[str, Path]:
     found: dict[str, Path] = {}
     problems: list[Problem] = []
     for path in paths:
-        if not path.is_dir():
+        if not is_folder(path):
             problems.append(Problem(message=f"there is no folder of packages {shown(str(path), 200)}", found=str(path)))
-        elif not (here := dict(_packages(path.resolve(), DEEPEST))):
+            continue
+        try:
+            here = dict(_packages(path.resolve(), DEEPEST))
+        except PermissionError as error:
+            message = f"the folder of packages {shown(str(path), 200)} cannot be read: {error.strerror}"
+            problems.append(Problem(message=message, found=str(path)))
+            continue
+        if not here:
             message = (
                 f"no folder in {shown(str(path), 200)} holds a {PACKAGE_FILE}: it is no ROS package, and holds none"
             )
@@ -71,19 +80,26 @@ def packages_in(paths: Iterable[Path]) -> dict[str, Path]:
 
 
 def _packages(folder: Path, depth: int) -> Iterator[tuple[str, Path]]:
-    if (description := folder / PACKAGE_FILE).is_file():
-        match = _NAME.search(description.read_bytes()[:_LARGEST_MANIFEST])
-        yield (match[1].decode("utf-8", "replace") if match else folder.name), folder
+    if is_file(folder / PACKAGE_FILE):
+        yield _package_name(folder), folder
     elif depth:
         for inner in sorted(folder.iterdir(), reverse=True):  # the first of a name comes last, and stays
-            if inner.is_dir() and not inner.is_symlink():
-                yield from _packages(inner, depth - 1)
+            if is_folder(inner) and not inner.is_symlink():
+                with suppress(PermissionError):
+                    yield from _packages(inner, depth - 1)
+
+
+def _package_name(folder: Path) -> str:
+    with suppress(PermissionError):
+        if match := _NAME.search((folder / PACKAGE_FILE).read_bytes()[:_LARGEST_MANIFEST]):
+            return match[1].decode("utf-8", "replace")
+    return folder.name
 
 
 def with_its_own(path: Path, packages: Mapping[str, Path]) -> dict[str, Path]:
     """Some packages by name, and the one that a file is in."""
     own = own_folder(path)
-    return {**packages, **(dict(_packages(own, 0)) if (own / PACKAGE_FILE).is_file() else {})}
+    return {**packages, **(dict(_packages(own, 0)) if is_file(own / PACKAGE_FILE) else {})}
 
 
 def mesh_finder(folder: Path, packages: Mapping[str, Path]) -> Callable[[str], Path | None]:
@@ -95,22 +111,19 @@ def mesh_finder(folder: Path, packages: Mapping[str, Path]) -> Callable[[str], P
     def find(address: str) -> Path | None:
         scheme, separator, rest = address.partition("://")
         if not separator:
-            return _file(folder / address)
+            return _found(folder / address)
         if scheme == "file":
-            return _file(Path(unquote(path_of_address(address))))
+            return _found(Path(unquote(path_of_address(address))))
         if scheme not in ("package", "model"):
             return None
         name, _, inner = rest.partition("/")
         roots = [packages[name]] if name in packages else []
         roots += [above / name for above in (folder, *folder.parents)]
         roots += [above for above in (folder, *folder.parents) if above.name == name]
-        return next((path for root in roots if (path := _file(root / inner))), None)
+        return next((path for root in roots if (path := _found(root / inner))), None)
 
     return find
 
 
-def _file(path: Path) -> Path | None:
-    try:
-        return path if path.is_file() else None
-    except (OSError, ValueError):
-        return None
+def _found(path: Path) -> Path | None:
+    return path if is_file(path) else None

@@ -6,6 +6,7 @@ import io
 from typing import TYPE_CHECKING
 from urllib.parse import unquote
 
+from dh2urdf.documents.text_files import is_file
 from dh2urdf.meshes.addresses import FILE, own_folder
 from dh2urdf.source import shown
 
@@ -60,7 +61,7 @@ class NamedFiles:
             raise ValueError("it is outside of the folder of the mesh, and of its package")
         if path.suffix.lower() not in SUFFIXES:
             raise ValueError(f"files with the suffix {shown(path.suffix)} are not read")
-        if not path.is_file():
+        if not is_file(path):
             raise ValueError("there is no such file")
         if path.stat().st_size > self._largest:
             raise ValueError(f"it is larger than {self._largest // 2**20} MB")

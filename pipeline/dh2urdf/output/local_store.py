@@ -10,6 +10,7 @@ from itertools import count
 from pathlib import Path
 from typing import TYPE_CHECKING, BinaryIO
 
+from dh2urdf.documents.text_files import is_file
 from dh2urdf.errors import OutputError
 from dh2urdf.output.store import NOT_THERE, WORKING, ReportingStream, Store, checked
 from dh2urdf.output.whole_files import TO_FOLDER, refused, reporting_os_errors, staging, write_all
@@ -144,7 +145,7 @@ class LocalStore(Store):
         """How long a file is [byte]; None where there is none."""
         path = Path(self._path(checked(name)))
         with reporting_os_errors(self.directory / name, "read"):
-            return path.stat().st_size if path.is_file() else None
+            return path.stat().st_size if is_file(path) else None
 
     def names(self, folder: str = "") -> Iterator[str]:
         """The names of all files in a folder and below it."""

@@ -11,7 +11,7 @@ from pathlib import Path, PurePosixPath
 from stat import S_ISDIR, S_ISLNK, S_ISREG
 from typing import TYPE_CHECKING
 
-from dh2urdf.documents.text_files import ADDRESS
+from dh2urdf.documents.text_files import ADDRESS, is_file, is_folder
 from dh2urdf.errors import OutputError
 from dh2urdf.output.seen_names import SeenNames
 from dh2urdf.patterns import late_pattern
@@ -161,7 +161,7 @@ def make_folder(directory: Path) -> None:
     Raises:
         OutputError: it cannot be made; or it is an address, for which a folder called ``s3:`` would be made here.
     """
-    if ":" in str(directory) and ADDRESS.match(str(directory)) and not Path(directory.parts[0]).is_dir():
+    if ":" in str(directory) and ADDRESS.match(str(directory)) and not is_folder(Path(directory.parts[0])):
         message = f"cannot write to {shown(str(directory), 200)}: this is an address, and only files are written here"
         advice = "a run writes to addresses: `dh2urdf run FILE -o s3://bucket/prefix`"
         raise OutputError(Problem(message=message, accepted="a path", suggestion=advice))
@@ -327,7 +327,7 @@ def refused(path: Path | str, error: Exception, doing: str = "write") -> OutputE
         return OutputError(Problem(message=f"cannot {doing} {shown(str(path), 200)}: {reason}"))
     advice = _ADVICE.get(getattr(error, "errno", None) or 0)
     if isinstance(error, (FileExistsError, NotADirectoryError)):
-        files = [place for place in (Path(path), *Path(path).parents) if place.is_file()]
+        files = [place for place in (Path(path), *Path(path).parents) if is_file(place)]
         if files:
             what = "it" if files[0] == Path(path) else shown(str(files[0]), 200)
             reason, advice = f"{what} is a file, not a folder", _ADVICE[EACCES]

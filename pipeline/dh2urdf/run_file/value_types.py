@@ -8,7 +8,7 @@ import re
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from dh2urdf.documents.measures import measured
-from dh2urdf.documents.text_files import LONG_PATH, check_file, tidy_path
+from dh2urdf.documents.text_files import LONG_PATH, check_file, is_folder, is_there, tidy_path
 from dh2urdf.errors import ConfigError
 from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.output.file_patterns import matching
@@ -175,7 +175,7 @@ def _files(path: str, node: Node, field: str, to: Validator) -> FoundFiles:
     """The files of a path or pattern, in the order of their names."""
     folder = to.folder_of(node)
     candidates, notices, pattern = [tidy_path(folder / path)], [], None
-    if glob.has_magic(path) and not os.path.exists(candidates[0]):  # noqa: PTH110 - Path.exists raises for some texts
+    if glob.has_magic(path) and not is_there(candidates[0]):
         candidates, pattern = [], path
         with to.noting(node, field):
             found = matching(folder, path)
@@ -188,7 +188,7 @@ def _files(path: str, node: Node, field: str, to: Validator) -> FoundFiles:
         except ConfigError as error:
             why = error.problems[0]
             advice = why.suggestion
-            if file.is_dir():
+            if is_folder(file):
                 advice = f"name the tables in it, such as {os.path.join(path, '*.csv')}"  # noqa: PTH118 - as it is written
             elif "{" in path and not advice:
                 advice = "no pattern has braces: write a list of paths, or a pattern such as *.csv"

@@ -19,6 +19,7 @@ from string import Template
 from typing import TYPE_CHECKING
 
 from dh2urdf._version import __version__
+from dh2urdf.documents.text_files import is_folder, is_there
 from dh2urdf.errors import ConfigError
 from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.output.whole_files import reporting_os_errors, safe_stem
@@ -156,14 +157,14 @@ def _problems(name: str, kind: Kind, place: Path, catalog: Catalog) -> Iterator[
                 found=name,
                 accepted=f"a name besides {taken}",
             )
-    if place.exists() or place.is_symlink():
+    if is_there(place) or place.is_symlink():
         yield Problem(
             message=f"{shown(str(place))} is there already",
             mark=COMMAND_LINE,
             accepted="a folder that is not there yet",
             suggestion="choose another name or another folder with `--dir`; nothing is overwritten",
         )
-    elif not place.parent.is_dir():
+    elif not is_folder(place.parent):
         yield Problem(
             message=f"there is no folder {shown(str(place.parent))}",
             mark=COMMAND_LINE,

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from dh2urdf.documents.text_files import is_file, is_folder
 from dh2urdf.errors import ConfigError
 from dh2urdf.plugin_system.options import COMMAND_LINE
 from dh2urdf.source import Problem, did_you_mean, shown
@@ -14,8 +15,8 @@ _IN_A_CLONE = Path(__file__).parents[3] / "configs" / "tables"
 
 def shipped_tables() -> dict[str, Path]:
     """The tables by name; of a clone of the repository those in `configs/tables`, of which a wheel holds a copy."""
-    folder = _IN_A_WHEEL if _IN_A_WHEEL.is_dir() else _IN_A_CLONE
-    return {path.stem: path for path in sorted(folder.iterdir()) if path.is_file()} if folder.is_dir() else {}
+    folder = _IN_A_WHEEL if is_folder(_IN_A_WHEEL) else _IN_A_CLONE
+    return {path.stem: path for path in sorted(folder.iterdir()) if is_file(path)} if is_folder(folder) else {}
 
 
 def shipped_table(name: str) -> Path:

@@ -10,7 +10,7 @@ from math import comb, nan
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from dh2urdf.documents import read_bytes
+from dh2urdf.documents import is_file, read_bytes
 from dh2urdf.errors import ProofError, TableError
 from dh2urdf.foreign_robot import Follower
 from dh2urdf.late_dataclasses import dataclass
@@ -272,7 +272,7 @@ def _read_mjcf(root: etree._Element, extras: _Extras) -> Robot:
     for mesh in root.iterfind("asset/mesh"):  # One that is not there may be beside the included file that names it.
         file = (mesh.get("file") or "").replace("\\", "/")
         beside = Path(mark_of(mesh, extras.file).file).absolute().parent / file
-        if file and not (extras.folder / file).is_file() and beside.is_file():
+        if file and not is_file(extras.folder / file) and is_file(beside):
             mesh.set("file", str(beside))
     model = mjcf_reader.model_of(root, extras.file)
     extras.loose.update(model.loose)

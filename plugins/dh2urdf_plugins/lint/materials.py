@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from dh2urdf.documents import is_file
 from dh2urdf.source import did_you_mean, shown
 from dh2urdf_plugins.lint.document.description import Hit
 from dh2urdf_plugins.lint.numbers import drake_numbers
-from dh2urdf_plugins.lint.shapes import is_there, resolved
+from dh2urdf_plugins.lint.shapes import resolved
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -71,7 +72,7 @@ def _of_visual(material: Element, defined: dict[str, Element], description: Desc
 def _is_there(material: Element, description: Description) -> bool:
     texture = material.first("texture")
     found = resolved((texture.get("filename") if texture else None) or "", description)
-    return found is not None and is_there(found, is_file=True)
+    return found is not None and is_file(found)
 
 
 def _rgba(material: Element) -> str:

@@ -6,12 +6,13 @@ import math
 from itertools import product
 from typing import TYPE_CHECKING
 
+from dh2urdf.documents import is_file
 from dh2urdf.mass_properties import principal_moments
 from dh2urdf.rotations import ZERO, add, rotate
 from dh2urdf.source import shown
 from dh2urdf_plugins.lint.document.description import ALL, TURNING_OR_SLIDING, Hit
 from dh2urdf_plugins.lint.merged import inertial_of, pose_of
-from dh2urdf_plugins.lint.shapes import is_there, resolved
+from dh2urdf_plugins.lint.shapes import resolved
 from dh2urdf_plugins.lint.single_readers.drake import actuated_joints
 
 if TYPE_CHECKING:
@@ -109,7 +110,7 @@ def _mesh_files(description: Description) -> Iterator[tuple[Element, Path]]:
         for shape in link.shapes:
             mesh = shape.first("geometry", "mesh")
             path = resolved(mesh.get("filename") or "", description) if mesh else None
-            if mesh and path and is_there(path, is_file=True):
+            if mesh and path and is_file(path):
                 yield mesh, path
 
 

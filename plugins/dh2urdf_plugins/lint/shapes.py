@@ -6,6 +6,7 @@ import os
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from dh2urdf.documents import is_file, is_folder
 from dh2urdf.meshes import FILE, PACKAGE, path_of_address
 from dh2urdf.source import did_you_mean, shown
 from dh2urdf_plugins.lint.document.description import ALL, SHAPES, Hit
@@ -183,7 +184,7 @@ def _meshes(description: Description, uses: list[Use], *, draws: bool) -> Iterat
         rest |= {"mujoco"} if read_by_mujoco else set()
         path = resolved(use.address, description)
         in_pybullet = _is_found_by_pybullet(use.address, description.path)
-        if path is None or not is_there(path, is_file=True):
+        if path is None or not is_file(path):
             rule, what = "missing-mesh", f"there is no mesh file {shown(use.address)}"
             if path is None:
                 rule, what = "unresolved-package", f"the package of {shown(use.address)} is not found"
@@ -248,10 +249,10 @@ def resolved(address: str, description: Description) -> Path | None:
         *(Path(entry) / package for entry in _entries("ROS_PACKAGE_PATH")),
         *(Path(entry) / "share" / package for entry in _entries("AMENT_PREFIX_PATH")),
     ]
-    found = [place / rest for place in searched if place.name == package and is_there(place, is_file=False)]
+    found = [place / rest for place in searched if place.name == package and is_folder(place)]
     if package in description.packages:
         found.append(description.packages[package] / rest)
-    return next((file for file in found if is_there(file, is_file=True)), found[0] if found else None)
+    return next((file for file in found if is_file(file)), found[0] if found else None)
 
 
 def _is_found_by_pybullet(address: str, description: Path) -> bool:
@@ -261,20 +262,12 @@ def _is_found_by_pybullet(address: str, description: Path) -> bool:
     rest = address.removeprefix(PACKAGE).removeprefix(_MODEL).lstrip("/")
     folder = Path(os.path.abspath(description)).parent  # noqa: PTH100 - links in the path stay
     places = [above / rest for above in (folder, *folder.parents)]
-    return is_there(Path(address), is_file=True) or any(is_there(place, is_file=True) for place in places)
+    return is_file(Path(address)) or any(is_file(place) for place in places)
 
 
 def _is_lost_in_pybullet_alone(address: str, description: Description) -> bool:
     file = resolved(address, description)
-    return file is not None and is_there(file, is_file=True) and not _is_found_by_pybullet(address, description.path)
-
-
-def is_there(path: Path, *, is_file: bool) -> bool:
-    """Whether there is such a file or folder; a text that can be no path leads to nothing."""
-    try:
-        return path.is_file() if is_file else path.is_dir()
-    except (OSError, ValueError):
-        return False
+    return file is not None and is_file(file) and not _is_found_by_pybullet(address, description.path)
 
 
 def _entries(variable: str) -> list[str]:

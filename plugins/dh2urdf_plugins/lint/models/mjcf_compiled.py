@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from dh2urdf.documents import is_file
 from dh2urdf.errors import ProofError
 from dh2urdf.source import shown
 from dh2urdf_plugins.lint.models.mjcf_meshes import format_hits, hits as hits_of_meshes
@@ -72,10 +73,10 @@ def _files(model: Model, meshes: dict[etree._Element, Path]) -> Iterator[Hit]:
             places = (model.path.parent / folder / path, beside / path)
             if asset.tag == "mesh":
                 yield from format_hits(asset, file)
-                found = next(filter(Path.is_file, places), None)
+                found = next(filter(is_file, places), None)
                 if found is not None:
                     meshes[asset] = found
-            if not any(place.is_file() for place in places):
+            if not any(map(is_file, places)):
                 rule, what = ("missing-mesh", "mesh") if asset.tag == "mesh" else ("missing-asset-file", asset.tag)
                 yield Hit(rule, asset, f"the {what} file {shown(str(folder / file))} is not there")
 

@@ -9,6 +9,7 @@ from urllib.parse import unquote
 
 from lxml import etree
 
+from dh2urdf.documents import is_file, is_there
 from dh2urdf.manipulator import Inertia
 from dh2urdf.mass_properties import principal_moments
 from dh2urdf.rotations import norm
@@ -356,7 +357,7 @@ def _shape(shape: etree._Element, path: Path) -> Iterator[Hit]:
             yield Hit("size-not-positive", element, f"{element.tag} of {about} is {text}")
     for element in geometry.iterfind("mesh/uri"):
         address = (element.text or "").strip()
-        if "://" not in address and address and not (path.parent / unquote(address)).is_file():
+        if "://" not in address and address and not is_file(path.parent / unquote(address)):
             yield Hit("missing-mesh", element, f"the mesh {shown(address)} of {about} is not there")
 
 
@@ -366,6 +367,6 @@ def _include(include: etree._Element, path: Path) -> Iterator[Hit]:
         return
     name = address.partition("://")[2] or address
     folders = (path.parent, path.parent.parent)
-    if not address.startswith(("http", "package")) and not any((folder / name).exists() for folder in folders):
+    if not address.startswith(("http", "package")) and not any(is_there(folder / name) for folder in folders):
         at = include.find("uri")
         yield Hit("missing-include", include if at is None else at, f"{shown(address)} is not beside the file")

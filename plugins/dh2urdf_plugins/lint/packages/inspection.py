@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from lxml import etree
 
-from dh2urdf.documents import read_bytes
+from dh2urdf.documents import is_file, read_bytes
 from dh2urdf.errors import InputError
 from dh2urdf.meshes import own_folder, packages_in, with_its_own
 from dh2urdf.source import Mark, Problem
@@ -38,7 +38,7 @@ def inspect_package(path: Path, expansion: Expansion) -> Inspection:
         InputError: the file is in no package, or a folder of packages is none.
     """
     folder = own_folder(path)
-    if not (folder / PACKAGE_FILE).is_file():
+    if not is_file(folder / PACKAGE_FILE):
         message, accepted = "this file is in no package of ROS", f"a folder with {PACKAGE_FILE}, or a file below it"
         raise InputError(Problem(message=message, mark=Mark(file=str(path)), accepted=accepted))
     place = path if path.name == PACKAGE_FILE else folder / PACKAGE_FILE

@@ -7,7 +7,7 @@ from functools import cache, cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from dh2urdf.documents import read_bytes
+from dh2urdf.documents import is_file, is_there, read_bytes
 from dh2urdf.errors import Dh2UrdfError, InputError
 from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.late_tuples import NamedTuple
@@ -87,7 +87,7 @@ class Package:
         for inner, folders, names in os.walk(self.folder):
             here = Path(inner)
             folders[:] = sorted(
-                name for name in folders if not name.startswith(".") and not (here / name / PACKAGE_FILE).exists()
+                name for name in folders if not name.startswith(".") and not is_there(here / name / PACKAGE_FILE)
             )
             found += [here / name for name in sorted(names)]
             if len(found) > MOST_FILES:
@@ -130,7 +130,7 @@ class Package:
             path = self.known[urdf["package"]] / urdf["relative_path"]
         except (InputError, KeyError, TypeError, AttributeError):
             return None
-        return path if path.is_file() else None
+        return path if is_file(path) else None
 
     def _robot(self, path: Path) -> Robot | None:
         try:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from lxml import etree
 
+from dh2urdf.documents import is_there
 from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.meshes import PACKAGE
 from dh2urdf.source import Mark, shown
@@ -64,7 +65,7 @@ def hits(package: Package) -> Iterator[Hit]:
         folder = package.known.get(use.package)
         if folder is None or not use.path:
             continue
-        if not (folder / use.path).exists():
+        if not is_there(folder / use.path):
             if not use.is_mesh:
                 yield Hit("package-missing-file", use.mark, f"{shown(use.path)} is not in the package {use.package}")
         elif use.package == package.name and installed is not None and not _is_installed(use.path, installed):

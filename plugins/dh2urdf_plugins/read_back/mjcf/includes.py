@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from dh2urdf.documents import read_bytes
+from dh2urdf.documents import is_file, read_bytes
 from dh2urdf.errors import InputError, ProofError
 from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.source import Problem, shown
@@ -66,7 +66,7 @@ def _file(include: etree._Element, path: Path, beside: Path, taken: set[Path]) -
         InputError: it is not there, or may not be included.
     """
     name = (include.get("file") or "").replace("\\", "/")
-    file = next((each for folder in (path.parent, beside) if (each := folder / name).is_file()), None)
+    file = next((each for folder in (path.parent, beside) if is_file(each := folder / name)), None)
     if file is None:
         raise InputError(Problem(message=f"the included file {shown(name)} is not there"))
     if not file.resolve().is_relative_to(path.resolve().parent.parent):

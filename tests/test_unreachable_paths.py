@@ -1,0 +1,145 @@
+"""Paths that the system refuses to look at: names that are too long, links in a circle, folders without permission."""
+
+from __future__ import annotations
+
+import ast
+import re
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import pytest
+from permissions import ordinary, pytest_linux
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from conftest import Answer
+
+    Cli = Callable[..., Answer]
+
+ROOT = Path(__file__).parents[1]
+LONG = "x" * 300
+TABLE = "# convention: standard\na,alpha,d\n0.4,0,0\n"
+URDF = '<robot name="a"><link name="b">{}</link></robot>'
+MJCF = '<mujoco>{}<worldbody><body><geom size="1"/><joint name="j"/></body></worldbody></mujoco>'
+SDF = '<sdf version="1.7"><model name="m"><link name="l"/>{}</model></sdf>'
+DESCRIPTIONS = {
+    "mesh.urdf": URDF.format(f'<visual><geometry><mesh filename="{LONG}.stl"/></geometry></visual>'),
+    "package.urdf": URDF.format(f'<visual><geometry><mesh filename="package://a/{LONG}.stl"/></geometry></visual>'),
+    "include.xml": MJCF.format(f'<include file="{LONG}.xml"/>'),
+    "mesh.xml": MJCF.format(f'<asset><mesh name="m" file="{LONG}.stl"/></asset>'),
+    "texture.xml": MJCF.format(f'<asset><texture name="t" type="2d" file="{LONG}.png"/></asset>'),
+    "include.sdf": SDF.format(f"<include><uri>{LONG}</uri></include>"),
+    "mesh.sdf": SDF.format(
+        f'<link name="n"><visual name="v"><geometry><mesh><uri>{LONG}.dae</uri></mesh></geometry></visual></link>'
+    ),
+}
+LOOKED_AT = ("exists", "is_dir", "is_file")
+THEMSELVES = ("documents/text_files.py", "fence.py", "xacro_fence/files.py", "children/witness.py")
+"""The module that looks without raising, and those that handle what is raised."""
+
+
+def told(answer: Answer) -> str:
+    """What a command prints; it blames neither itself nor a plugin."""
+    text = f"{answer.stdout}\n{answer.stderr}"
+    assert not any(words in text for words in ("internal error", "is broken", "Errno", "Traceback", "--debug")), text
+    return text
+
+
+@pytest.mark.parametrize("name", DESCRIPTIONS)
+def test_a_description_that_names_a_file_with_a_long_name(cli: Cli, tmp_path: Path, name: str) -> None:
+    """The file is not there. `check` and `extract` reported their own plugin as broken."""
+    (tmp_path / name).write_text(DESCRIPTIONS[name])
+    assert re.search("there is no mesh|is not (there|found|beside the file)", told(cli("check", name, status=1)))
+    status = 0 if name in {"mesh.xml", "texture.xml"} else 2  # The others are not whole, or move nothing.
+    told(cli("extract", name, status=status))
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("run", "run.yaml"),
+        ("check", f"{LONG}.urdf"),
+        ("check", LONG),
+        ("check", "arm.urdf", f"a:={LONG}"),
+        ("extract", "arm.urdf", f"a:={LONG}"),
+        ("collisions", "arm.urdf", f"a:={LONG}"),
+        ("check", "arm.urdf", "--package-path", LONG),
+        ("extract", "arm.urdf", "--package-path", LONG),
+        ("example", "ur5", "-o", f"{LONG}.csv"),
+        ("convert", "arm.csv", "arm.csv", "-o", LONG),
+    ],
+    ids=lambda words: " ".join(words).replace(LONG, "LONG"),
+)
+def test_a_name_that_is_too_long(cli: Cli, tmp_path: Path, words: tuple[str, ...]) -> None:
+    """Each of these was an internal error, or a broken plugin of dh2urdf."""
+    (tmp_path / "arm.urdf").write_text(URDF.format(""))
+    (tmp_path / "arm.csv").write_text(TABLE)
+    (tmp_path / "run.yaml").write_text(f"inputs: {LONG}.csv\n")
+    assert "error: " in told(cli(*words, status=2))
+
+
+@pytest.mark.parametrize("command", ["run", "convert", "info", "check", "extract", "collisions"])
+def test_a_file_behind_a_link_that_leads_in_a_circle(cli: Cli, tmp_path: Path, command: str) -> None:
+    """The link is named; there was an internal error."""
+    (tmp_path / "loop").symlink_to("loop")
+    said = told(cli(command, "loop/arm.csv", status=2))
+    assert "the file cannot be read: the link 'loop' leads to 'loop', and from there in a circle" in said
+
+
+@pytest.mark.long
+@pytest_linux
+def test_folders_without_permission(tmp_path: Path) -> None:
+    """One may be entered and not be listed, another may not be entered: there were internal errors, or broken plugins."""
+    for name in ("blind", "closed"):
+        (tmp_path / name).mkdir()
+        (tmp_path / name / "arm.csv").write_text(TABLE)
+    (tmp_path / "arm.urdf").write_text(URDF.format(""))
+    (tmp_path / "include.xml").write_text(MJCF.format('<include file="closed/b.xml"/>'))
+    (tmp_path / "run.yaml").write_text("inputs: closed/arm.csv\n")
+    try:
+        (tmp_path / "blind").chmod(0o311)
+        (tmp_path / "closed").chmod(0)
+        answers = {
+            words: ordinary(tmp_path, *words)
+            for words in (
+                ("convert", "blind/amr.csv"),
+                ("check", "closed/arm.urdf"),
+                ("check", "arm.urdf", "--package-path", "blind"),
+                ("check", "arm.urdf", "--package-path", "closed"),
+                ("check", "include.xml"),
+                ("run", "run.yaml"),
+            )
+        }
+    finally:
+        for name in ("blind", "closed"):
+            (tmp_path / name).chmod(0o755)
+    for words, expected in zip(
+        answers,
+        (
+            "blind/amr.csv: error: there is no such file",
+            "closed/arm.urdf: error: the file cannot be read: Permission denied",
+            "the folder of packages 'blind' cannot be read: Permission denied",
+            "the folder of packages 'closed' cannot be read: Permission denied",
+            "the included file 'closed/b.xml' is not there",
+            "'closed/arm.csv': the file cannot be read: Permission denied",
+        ),
+        strict=True,
+    ):
+        answer = answers[words]
+        assert expected in answer.stderr + answer.stdout, (words, answer)
+        assert "internal error" not in answer.stderr
+
+
+def test_nothing_else_looks_for_files() -> None:
+    """`Path.is_file` and its relatives raise an error where the system refuses to look; those of `documents` do not."""
+    found = [
+        f"{path.relative_to(ROOT)}:{node.lineno}"
+        for folder in ("pipeline/dh2urdf", "plugins/dh2urdf_plugins")
+        for path in sorted((ROOT / folder).rglob("*.py"))
+        if not path.as_posix().endswith(THEMSELVES)
+        for node in ast.walk(ast.parse(path.read_bytes()))
+        if isinstance(node, ast.Attribute) and node.attr in LOOKED_AT
+        if not (isinstance(node.value, ast.Name) and node.value.id in {"entry", "system"})  # os.DirEntry; fsspec
+    ]
+    assert found == []

@@ -53,6 +53,9 @@ MACRO_PARAMETERS = "prefix:='' parent:='' *origin"
 PLACEMENT = {"prefix": "", "parent": "", "xyz": "0 0 0", "rpy": "0 0 0"}
 """The arguments of a file for one arm, with their defaults."""
 
+NAMES = ("prefix", "parent")
+"""Those of them that are names, or the beginning of names."""
+
 _IDENTIFIER = re.compile(r"[^\W\d]\w*")
 _MACRO_NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_-]*")
 # The xacro elements that a call of a macro of the same name would be taken for.
@@ -201,7 +204,7 @@ def append_call(top: etree._Element, macro: str, files: Iterable[str] = ()) -> N
     """
     mounted = append_element(top, "unless", value="${'$(arg parent)' == ''}")
     etree.SubElement(mounted, "link", {"name": "$(arg parent)"})
-    call = append_element(top, macro, **{name: f"$(arg {name})" for name in ("prefix", "parent", *files)})
+    call = append_element(top, macro, **_passed_on("$(arg {})", files))
     etree.SubElement(call, "origin", {"xyz": "$(arg xyz)", "rpy": "$(arg rpy)"})
 
 
@@ -220,8 +223,13 @@ def append_placed_macro(parent: etree._Element, macro: str, files: Mapping[str, 
     )
     defaults = [f"{name}:='{default}'" for name, default in {**PLACEMENT, **files}.items()]
     placed = append_element(parent, "macro", name=f"{macro}_at", params=" ".join(defaults))
-    call = append_element(placed, macro, **{name: f"${{{name}}}" for name in ("prefix", "parent", *files)})
+    call = append_element(placed, macro, **_passed_on("${{{}}}", files))
     etree.SubElement(call, "origin", {"xyz": "${xyz}", "rpy": "${rpy}"})
+
+
+def _passed_on(form: str, files: Iterable[str]) -> dict[str, str]:
+    """What one macro or file passes on to a macro. Names are in quotes: of `01`, xacro would make 1."""
+    return {**{name: f"'{form.format(name)}'" for name in NAMES}, **{name: form.format(name) for name in files}}
 
 
 def _append_placed_call(parent: etree._Element, macro: str, arm: Arm, notation: XacroNotation) -> None:

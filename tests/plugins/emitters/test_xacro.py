@@ -68,7 +68,7 @@ def test_the_whole_top_file_is_known(arm: Robot) -> None:
   <xacro:unless value="${'$(arg parent)' == ''}">
     <link name="$(arg parent)"/>
   </xacro:unless>
-  <xacro:arm prefix="$(arg prefix)" parent="$(arg parent)">
+  <xacro:arm prefix="'$(arg prefix)'" parent="'$(arg parent)'">
     <origin xyz="$(arg xyz)" rpy="$(arg rpy)"/>
   </xacro:arm>
 </robot>
@@ -81,7 +81,7 @@ def test_the_macro_file_ends_with_a_macro_for_calls_without_a_block(arm: Robot) 
     assert macro_text(arm).endswith(
         """  <!-- The same without a block, which xacro cannot leave out: <xacro:arm_at parent="world" xyz="0 0 1"/>. -->
   <xacro:macro name="arm_at" params="prefix:='' parent:='' xyz:='0 0 0' rpy:='0 0 0'">
-    <xacro:arm prefix="${prefix}" parent="${parent}">
+    <xacro:arm prefix="'${prefix}'" parent="'${parent}'">
       <origin xyz="${xyz}" rpy="${rpy}"/>
     </xacro:arm>
   </xacro:macro>
@@ -192,6 +192,16 @@ def test_the_prefix_goes_before_every_name(arm: Robot, tmp_path: Path) -> None:
     prefixed = re.sub(r'(<(?:link|joint|material) name="|(?:parent|child) link=")', r"\1left_", plain)
     robot = parse_urdf(expand(write(arm, tmp_path), {"prefix": "left_"}), "arm")
     assert robot == parse_urdf(prefixed.encode(), "arm")
+
+
+@pytest.mark.parametrize("name", ["01", "1e3", "true", "7"])
+def test_a_name_that_xacro_could_take_for_a_number_stays_what_it_is(arm: Robot, tmp_path: Path, name: str) -> None:
+    """Of `01` it made 1: the prefix was another, and the arm was mounted on a link that was not there."""
+    robot = parse_urdf(expand(write(arm, tmp_path), {"prefix": name, "parent": name}), "arm")
+    assert (robot.root, robot.joints[0].parent, robot.joints[0].child) == (name, name, f"{name}base_link")
+    include = f'<xacro:include filename="arm_macro.xacro"/><link name="{name}"/>'
+    mounting = scene(tmp_path, f"""{include}<xacro:arm_at prefix="'{name}'" parent="'{name}'"/>""").joints[0]
+    assert (mounting.parent, mounting.child) == (name, f"{name}base_link")
 
 
 def test_a_parent_gives_a_mounting_joint_with_the_origin(arm: Robot, tmp_path: Path) -> None:

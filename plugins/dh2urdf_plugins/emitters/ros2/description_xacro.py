@@ -189,9 +189,9 @@ def _append_alone(top: etree._Element, kind: Kind, files: Iterable[str], *, cont
     """Appends the calls of one arm."""
     append_call(top, kind.macro, files)
     if controlled:
-        given = {"prefix": "prefix", "plugin": "hardware", "initial_positions_file": "initial_positions_file"}
+        given = {"plugin": "hardware", "initial_positions_file": "initial_positions_file"}
         words = {name: f"$(arg {argument})" for name, argument in given.items()}
-        append_element(top, f"{kind.macro}_ros2_control", **words)
+        append_element(top, f"{kind.macro}_ros2_control", prefix="'$(arg prefix)'", **words)
 
 
 def _append_arm(top: etree._Element, arm: Arm, kind: Kind, notation: XacroNotation, *, controlled: bool) -> None:

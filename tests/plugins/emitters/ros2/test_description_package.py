@@ -253,13 +253,14 @@ def test_ros2_control_has_the_joints_and_the_chosen_hardware(package: Any) -> No
 
     top = folder / "urdf" / "ur5.urdf.xacro"
     for hardware, has_gazebo in (("mock_components/GenericSystem", False), ("gz_ros2_control/GazeboSimSystem", True)):
-        arguments = {"hardware": hardware, "prefix": "p_"}
+        arguments = {"hardware": hardware, "prefix": "01"}  # Of which xacro would make 1, were it not in quotes.
         root = etree.fromstring(expand_foreign(top, Expansion(arguments=arguments)).content)
         (control,) = root.findall("ros2_control")
-        assert control.get("name") == "p_ur5"
+        assert control.get("name") == "01ur5"
         assert control.findtext("hardware/plugin") == hardware
         joints = control.findall("joint")
-        assert [each.get("name") for each in joints] == [f"p_{joint.name}" for joint in robot.moving_joints]
+        assert [each.get("name") for each in joints] == [f"01{joint.name}" for joint in robot.moving_joints]
+        assert {f"01{joint.name}" for joint in robot.joints} == {each.get("name") for each in root.iterfind("joint")}
         assert [float(each.findtext("state_interface/param[@name='initial_value']")) for each in joints] == [0.0] * 6
         assert (root.find("gazebo/plugin") is not None) is has_gazebo
 

@@ -10,6 +10,8 @@ import pytest
 from dh2urdf.errors import EmitterError, InputError
 from dh2urdf.studio import gallery
 from dh2urdf.studio.editing import edits, save
+from dh2urdf.studio.editing.opening import tables_of
+from dh2urdf.studio.editing.reading import read_whole
 from dh2urdf.table_text import TableText
 
 if TYPE_CHECKING:
@@ -115,3 +117,23 @@ def test_only_formats_that_are_written(catalog: Catalog) -> None:
     assert save.table_formats(catalog) == ("csv", "yaml")
     with pytest.raises(InputError, match="does not write"):
         save.table_file(gallery.table("ur5.csv", catalog), "parquet", catalog)
+
+
+@pytest.mark.parametrize("name", ["base", "payload"])
+@pytest.mark.parametrize(
+    "text",
+    ["xyz: [0, 0, 300 mm]", "mass: 2", "{xyz: [0, 0", "[0, 0", "a: b: c", "'x", "*x", "- a", "{mass: 2.5}, more: 1"],
+)
+def test_a_text_below_the_cells_breaks_no_file(name: str, text: str, catalog: Catalog) -> None:
+    """`base: xyz: [0, 0, 1]` is a mapping on the page and no YAML: the whole file could not be opened again."""
+    row = {"joint": "j", "type": "revolute", "a": "1", "alpha": "0", "d": "0"}
+    table = TableText(name="arm", convention="standard", rows=(row,))
+    table = replace(table, **{name: text})
+    read = read_whole(table, catalog)
+    opened = tables_of("arm.yaml", save.table_file(table, "yaml", catalog).content, catalog)
+    if read.manipulator is not None:
+        assert isinstance(opened, tuple), opened
+        assert read_whole(opened[0].table, catalog).manipulator == read.manipulator
+    else:
+        assert f"'{name}" in str(opened)
+        assert "valid YAML" not in str(opened)

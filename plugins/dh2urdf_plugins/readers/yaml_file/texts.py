@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from typing import TYPE_CHECKING
 
 from dh2urdf.documents import load_yaml, read_bytes
 from dh2urdf.errors import TableError
+from dh2urdf.patterns import late_pattern
 from dh2urdf.row_fields import COM, INERTIA
 from dh2urdf.table_text import MESHES, TableText, WrittenTable, yaml_word
 from dh2urdf_plugins.readers.header.words import read_header
@@ -23,6 +25,8 @@ if TYPE_CHECKING:
 _GROUPS = {"limits": ("lower", "upper", "velocity", "effort"), "inertia": INERTIA}
 _GROUPED = {field: group for group, fields in _GROUPS.items() for field in fields} | dict.fromkeys(COM, "com")
 _LONGEST = 4 * 2**20
+_FLOW = late_pattern(r"[a-z]+|\{(?:[a-z]+: (?:\[[-\w., /*+]*\]|[-\w.]+)(?:, |(?=\})))+\}")
+"""A mapping of numbers and lists of them, as most are."""
 
 
 def write(tables: Sequence[TableText]) -> WrittenTable:
@@ -41,12 +45,23 @@ def _lines(table: TableText) -> list[str]:
     lines += [f"convention: {yaml_word(table.convention)}"] if table.convention else []
     lines.append(f"units: {units_text(table)}")
     lines += [
-        f"{key}: {text}"
+        f"{key}: {_mapping(text)}"
         for key in ("base", "tool", "payload", "defaults", "visuals", "collisions")
         if (text := getattr(table, key)).strip()
     ]
     lines.append("joints:" if table.rows else "joints: []")
     return [*lines, *(f"  - {{{', '.join(_entries(row))}}}" for row in table.rows)]
+
+
+def _mapping(text: str) -> str:
+    """A text that is YAML, in braces where it is a mapping without them; in quotes where it would break the file."""
+    if _FLOW.fullmatch(text):
+        return text
+    for written in (text, f"{{{text}}}"):
+        with suppress(TableError):
+            load_yaml(f"key: {written}".encode(), "", TableError)
+            return written
+    return yaml_word(text)
 
 
 def _entries(row: Mapping[str, str]) -> Iterator[str]:

@@ -239,8 +239,14 @@ def test_a_header_is_understood(tab: Any) -> None:
     # A convention that was chosen is that of a pasted table which names none.
     paste(tab, 0, "a", "a\talpha\td\n0.1\tpi/2\t0.2\n0.3\t0\t0\n0.4\t0\t0\n")
     tab.page.locator(".q-dialog").get_by_text("clipboard: 3 rows, standard, read as a CSV file is").wait_for()
-    tab.page.get_by_role("button", name="Open it in place of this table").click()
+    for units in (
+        "lengths in mm, angles in rad",
+        "lengths in m, angles in rad",
+    ):  # the page has mm and deg: pi/2 is none
+        tab.page.get_by_role("button", name=f"Open it in place of this table: {units}").hover()
+    tab.page.get_by_role("button", name=f"Open it in place of this table: {units}").click()
     tab.wait_for_status("3 axes; the arm is the table's")
+    tab.expect(tab.page.get_by_role("button", name="m", exact=True)).to_have_attribute("aria-pressed", "true")
 
 
 TEXTS = {
@@ -286,20 +292,34 @@ def test_a_picture_empties_no_cell(tab: Any) -> None:
 
 @pytest.mark.long
 def test_an_empty_table_takes_what_is_pasted(tab: Any) -> None:
-    """Wherever the cursor is: a whole table is there at once, cells begin where they belong, and a number is a number."""
+    """Wherever the cursor is: a whole table is there at once, and a number is a number. Columns of an unknown order are asked about."""
     page = tab.open()
     page.locator(".studio-axes input:focus").wait_for()
-    for text, status, cells in (
+    for text, columns, status, cells in (
         (
             "# convention: standard\nalpha [deg];a [mm];d [mm]\n90;0,5;120\n",
+            "",
             "1 axis; the arm is the table's",
             {"alpha": "90", "d": "120"},
         ),
-        ("0.1\tpi/2\t0.2\n0.3\t0\t0\n", "1 problem", {"a": "0.1", "alpha": "pi/2", "d": "0.2"}),
-        ("waist 1\tP\t0.1\t0\t0.2", "1 problem", {"joint": "waist 1", "type": "P", "a": "0.1", "d": "0.2"}),
+        ("0.1\tpi/2\t0.2\n0.3\t0\t0\n", "a, α, d", "1 problem", {"a": "0.1", "alpha": "pi/2", "d": "0.2"}),
+        (
+            "q1\t0.2\t0.1\t2π/3\nq2\t0\t0.3\t0\n",
+            "θ, d, a, α",
+            "1 problem",
+            {"joint": "joint_1", "a": "0.1", "alpha": "2*π/3", "d": "0.2", "theta": "q1"},
+        ),
+        (
+            "waist 1\tP\t0.1\t0\t0.2",
+            "name, type, a, α, d",
+            "1 problem",
+            {"joint": "waist 1", "type": "P", "a": "0.1", "d": "0.2"},
+        ),
     ):
         copy_text(tab, text)
         page.keyboard.press("Control+v")
+        if columns:
+            page.get_by_role("dialog").get_by_role("button", name=columns, exact=True).click()
         tab.wait_for_status(status)
         tab.wait_for_cells(0, **cells)
         page.get_by_role("button", name="New", exact=True).click()

@@ -245,31 +245,6 @@ class Warnings:
         self._texts, self._shown = [], None
 
 
-async def ask_paste(found: tuple[Opened, ...] | str) -> str | None:
-    """What to do with a pasted text that has a header: ``table`` or ``cells``; None for nothing.
-
-    Args:
-        found: its tables, or why it cannot be read as one, or its cells would be misread.
-    """
-    bad = "What you paste may be misread"
-    with card(bad if isinstance(found, str) else "The clipboard holds a whole table") as dialog:
-        if isinstance(found, str):
-            ui.label(found).classes("studio-problem error")
-        else:
-            rows = words.count(len(found[0].table.rows), "row", "rows")
-            many = f"{len(found)} manipulators" if len(found) > 1 else f"{found[0].table.name}: {rows}"
-            named = f", {found[0].table.convention}" if found[0].table.convention else ""
-            told = f"{many}{named}, read as a CSV file is: its header, units and separators are understood"
-            ui.label(told).classes("studio-status")
-            open_it = ui.button("Open it in place of this table", on_click=lambda: dialog.submit("table"))
-            open_it.props("unelevated align=left autofocus").classes("studio-choice")
-        put = ui.button("Put its cells in here, as they are", on_click=lambda: dialog.submit("cells"))
-        put.props("outline align=left").classes("studio-choice")
-        ui.button("Cancel", on_click=lambda: dialog.submit(None)).props("flat")
-    answer: str | None = await answer_of(dialog)
-    return answer
-
-
 async def _ask_which(tables: tuple[Opened, ...]) -> Opened | None:
     more = len(tables) > MOST_CHOICES
     with card(f"The file holds {f'more than {MOST_CHOICES}' if more else len(tables)} manipulators") as dialog:

@@ -22,6 +22,7 @@ from dh2urdf.studio.panels.lesson import LessonPanel
 from dh2urdf.studio.panels.measuring import MeasuringPanel
 from dh2urdf.studio.panels.poses import PosesPanel
 from dh2urdf.studio.panels.target import TargetPanel
+from dh2urdf.studio.pasting import questions
 from dh2urdf.studio.table_grid import TableGrid
 from dh2urdf.studio.widgets import ArmView, JointSliders, LiveHtml
 
@@ -227,18 +228,24 @@ class StudioPage:
         if text is None:  # a picture, for one
             ui.notify("the clipboard holds no text", type="info")
             return
-        found = pasting.whole_tables(text, session.catalog, session.table.convention)
-        is_asked = session.table.rows or isinstance(found, str)  # a whole table takes the place of an empty one
-        answer = (await dialogs.ask_paste(found) if is_asked else "table") if found else "cells"
+        table, catalog = session.table, session.catalog
+        found = pasting.whole_tables(text, catalog, table.convention, (table.length_unit, table.angle_unit))
+        answer: Any = found or "cells"
+        if found and (table.rows or isinstance(found, str)):  # a whole table takes the place of an empty one
+            answer = await questions.ask_paste(found, pasting.whole_tables(text, catalog, table.convention))
+        columns: Sequence[str] | None = session.columns
+        if answer == "cells" and not table.rows and (choices := pasting.orders(text)):  # no header is on the page
+            columns = await questions.ask_columns(choices, pasting.cells_of(text)[0])
+            field = columns[0] if columns else field
         if answer == "cells" and row < 0:
             self._refuse("paste")
-        elif answer == "cells":
-            put = pasting.pasted(session.table, row, field, text, session.columns)
+        elif answer == "cells" and columns is not None:
+            put = pasting.pasted(session.table, row, field, text, columns)
             self._put(put.table, all_cells=True)
             if put.left_out:
                 dialogs.warn(words.left_out(put.left_out))
-        elif answer == "table" and not isinstance(found, str):
-            await self._show_opened(await dialogs.choose(found))
+        elif isinstance(answer, tuple):
+            await self._show_opened(await dialogs.choose(answer))
 
     def _resize(self, count: float | None) -> None:
         moving = axes.moving_rows(self.session.table, self.session.arm)

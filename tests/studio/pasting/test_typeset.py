@@ -34,6 +34,15 @@ last,fixed,0,pi,0.05,pi/3,,
 """
 
 
+FIXED_BEFORE = """# convention: standard
+joint,type,a,alpha,d,theta,lower,upper
+"#1",P,0.3,-1.1,0.4 + q,0.7,0,0.75
+d2,fixed,0,pi,0.05,pi/3,,
+"#3",P,0.1,pi/2,0.2 + q,0,0,1
+q3,R,0.1,pi/2,0.2,-q + pi/4,-3*pi/4,1
+"""
+
+
 def arm_of(found: Any, catalog: Catalog) -> Manipulator:
     assert isinstance(found, tuple), found
     ((table, *_),) = found
@@ -44,7 +53,11 @@ def arm_of(found: Any, catalog: Catalog) -> Manipulator:
 
 @pytest.mark.parametrize("form", [latex_file, markdown_file])
 @pytest.mark.parametrize("units", [("m", "rad"), ("mm", "deg")])
-@pytest.mark.parametrize("table", [*TABLES, IN_A_PLACE], ids=lambda table: getattr(table, "name", "in_a_place.csv"))
+@pytest.mark.parametrize(
+    "table",
+    [*TABLES, IN_A_PLACE, FIXED_BEFORE],
+    ids=lambda table: getattr(table, "name", "fixed" * ("#1" in str(table))),
+)
 def test_what_is_written_for_papers_is_read(
     table: Path | str, units: tuple[str, str], form: Callable[..., bytes], catalog: Catalog
 ) -> None:
@@ -199,6 +212,23 @@ SIX = {
     "    (-0.425, 0,      0,      0),  # upper arm\n    (-0.392, 0,      0.109,  -pi/2),\n]",
     "a header with units": "// alpha[deg] a[mm] theta[deg] d[mm]\n"
     "float dh[3][4] = {{90, 0, 0, 89.2},{0,-425,0,0},{0,-392,-90,109}};",
+    "a line of braces": r"a & $\alpha$ & d & $\theta$ \\ 0\footnote{all lengths in m} & $\frac\pi2$ & 0.0892~m & $\theta_1$ \\"
+    "\n"
+    r"\rowcolor{gray!20} -0.425\tnote{a} & 0 & 0 & $\theta_2$ \\ -0.392~\cite{ur} & 0 & 0.109 & $\theta_3-\frac12\pi$ \\",
+    "KaTeX": "| a | α | d | θ |\n|--|--|--|--|\n| 0 | $\\frac\\pi2$ | 0.0892 | $\\theta_1$ |\n| -0.425 | \\(0\\) | 0 | \\(\\theta_2\\) |\n"
+    "| -0.392 | $0$ | 0.109 | $\\theta_3-\\dfrac{\\pi}2$ |\n",
+    "AsciiDoc": '.DH parameters\n[%header,cols="5*^"]\n|===\n|i |a |alpha |d |theta\n\n|1 |0 |stem:[pi/2] |0.0892 |q1\n'
+    "|2\n|-0.425\n|0\n|0\n|q2\n>|3 h|-0.392 |0 |0.109 |q3 -\npi/2\n|===\n",
+    "AsciiDoc without columns": "|===\n|a|alpha|d|theta\n\n|0|pi/2|0.0892|q1|-0.425|0|0|q2\n|-0.392|0|0.109|q3-pi/2\n|===\n",
+    "Jira": "||a||alpha||d||theta||\n|0|pi/2|0.0892|q1|\n|-0.425|0|0|q2|\n|-0.392|0|0.109|q3-pi/2|\n",
+    "a table of MATLAB": "      a       alpha      d       theta \n    ______    _____    ______    ______\n\n"
+    "         0     pi/2    0.0892     q1\n    -0.425        0         0     q2\n    -0.392        0     0.109  q3-pi/2\n",
+    "joints in columns": "Joint\t1\t2\t3\na\t0\t-0.425\t-0.392\nalpha\tpi/2\t0\t0\nd\t0.0892\t0\t0.109\ntheta\tq1\tq2\tq3-pi/2\n",
+    "joints in columns, with names": "| | J1 | J2 | J3 |\n|--|--|--|--|\n| $a_i$ [mm] | 0 | -425 | -392 |\n| $\\alpha_i$ [°] | 90 | 0 | 0 |\n"
+    "| $d_i$ [mm] | 89.2 | 0 | 109 |\n| θ [°] | θ1 | θ2 | θ3-90 |\n",
+    "joints in columns of numbers": "# units: {length: mm}\nd,89.2,0,109\na,0,-425,-392\nalpha,pi/2,0,0\ntheta,0,0,-pi/2\n",
+    "joints in columns of LaTeX": r"\begin{tabular}{c|ccc} $i$ & 1 & 2 & 3 \\ \hline $a_i$ & 0 & -0.425 & -0.392 \\"
+    r"$\alpha_i$ & $\nicefrac{\pi}{2}$ & 0 & 0 \\ $d_i$ & 0.0892 & 0 & 0.109 \\ $\theta_i$ & 0 & 0 & $\frac{-\pi}{2}$ \end{tabular}",
     "other signs": "a\talpha\td\ttheta\n0\tπ/2\t0.0892\t0\n‒0.425\t0\t0\t0\n﹣0.392\t0\t0.109\t－π/2\n",
 }
 
@@ -221,6 +251,59 @@ def test_forms_of_papers_and_programs_are_the_arm_that_they_show(text: str, cata
     q = (0.3, -0.7, 1.1)
     meant = product((0.0, np.pi / 2, 0.0892, q[0]), (-0.425, 0.0, 0.0, q[1]), (-0.392, 0.0, 0.109, q[2] - np.pi / 2))
     assert np.abs(arm.fk(np.array([q]))[0] - meant).max() < 1e-12
+
+
+@pytest.mark.parametrize(
+    ("cell", "number"),
+    [
+        (r"$\frac{1}{2\pi}$", 1 / (2 * np.pi)),  # it was pi/2
+        (r"$2\frac{\pi}{3}$", 2 * np.pi / 3),
+        (r"$\frac{2\pi}3$", 2 * np.pi / 3),
+        (r"$-\frac{\sqrt{3}}{2}$", -(3**0.5) / 2),
+        ("2π", 2 * np.pi),
+        ("-3π/2", -3 * np.pi / 2),
+        ("0.5pi", np.pi / 2),
+    ],
+)
+@pytest.mark.parametrize(
+    "form", ["| a | α | d |\n|--|--|--|\n| 0 | %s | 1 |\n| 1 | 0 | 0 |\n", "a\tα\td\n0\t%s\t1\n1\t0\t0\n"]
+)
+def test_products_and_fractions(cell: str, number: float, form: str, catalog: Catalog) -> None:
+    if "|" not in form:
+        cell = cells_of(f"0 & {cell} \\\\")[0][1]
+    arm = arm_of(whole_tables(form % cell, catalog, "standard"), catalog)
+    assert arm.rows[0].alpha == pytest.approx(number, abs=1e-15)
+
+
+def test_a_footnote_is_read_as_a_comment_is(catalog: Catalog) -> None:
+    """Its unit counts."""
+    table = r"a & $\alpha$ & d \\ 100\footnote{All lengths in {mm}} & 0 & 5 \\ 200 & 0 & 0 \\"
+    assert [row.a for row in arm_of(whole_tables(table, catalog, "standard"), catalog).rows] == [0.1, 0.2]
+
+
+MILLIMETRES = ("mm", "deg")
+
+
+@pytest.mark.parametrize(
+    ("text", "units"),
+    [
+        ("a\talpha\td\n100\t90\t2\n", MILLIMETRES),
+        ("| a | alpha | d |\n|--|--|--|\n| 100 | 90 | 2 |\n", MILLIMETRES),
+        ("- {a: 100, alpha: 90, d: 2}\n", MILLIMETRES),
+        ("---\njoints:\n- {a: 100, alpha: 90, d: 2}\n", MILLIMETRES),
+        ('{"joints": [{"a": 100, "alpha": 90, "d": 2}]}', MILLIMETRES),
+        ("a [m]\talpha\td [m]\n100\t90\t2\n", ("m", "deg")),
+        ("a\talpha [rad]\td\n100\t1\t2\n", ("mm", "rad")),
+        ("# units: {length: m, angle: rad}\na\talpha\td\n100\t90\t2\n", ("m", "rad")),
+        ("joints:\n- {a: 100, alpha: 1, d: 2}\nunits: {length: cm}\n", ("cm", "rad")),
+    ],
+)
+def test_a_table_without_units_has_those_of_the_page(text: str, units: tuple[str, str], catalog: Catalog) -> None:
+    """It was in metres and radians, though a person had chosen millimetres and degrees."""
+    found = whole_tables(text, catalog, "standard", MILLIMETRES)
+    assert isinstance(found, tuple), found
+    ((table, *_),) = found
+    assert (table.length_unit, table.angle_unit) == units
 
 
 @pytest.mark.parametrize("sign", ["#", "%", "//"])

@@ -4,17 +4,19 @@ from __future__ import annotations
 
 import re
 from dataclasses import replace
-from itertools import pairwise
+from itertools import pairwise, takewhile
 from typing import TYPE_CHECKING
 
 from dh2urdf.late_dataclasses import dataclass
+from dh2urdf.manipulator import Convention
 from dh2urdf.studio.editing.edits import MOST_ROWS, resized, with_cells
 from dh2urdf.studio.editing.opening import Opened, tables_of
-from dh2urdf.studio.pasting.typeset import is_value, typeset
+from dh2urdf.studio.editing.reading import read_whole
+from dh2urdf.studio.pasting.typeset import Typeset, is_value, typeset
 from dh2urdf.table_text import REQUIRED, TableText
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterator, Sequence
 
     from dh2urdf.plugin_system.catalog import Catalog
 
@@ -44,11 +46,22 @@ _NUMBER_SIGN = re.compile(r"^([ \t]*\|?[ \t]*)\\?#(?=[ \t]*[|&;,\t]|[ ]{2,}[^:\n
 """A sign at the head of the column that counts the rows; it begins no comment."""
 _GAP = re.compile(r"([^\S\n]{200})[^\S\n]+")
 """Blanks of which the first ones are enough: some patterns here look at each of them as often as there are any."""
+_TIMES_PI = re.compile(r"(?<![\w.])(\d+(?:\.\d*)?|\.\d+)(?=(?:π|pi)\b)", re.IGNORECASE)
+"""A number to be multiplied by π, as in ``2π/3``."""
+_PARAMETER = re.compile(r"[ ({\[]*(?:(alpha|α)|([ar])|(d))(?![^\W\d_])", re.IGNORECASE)
 _DIGIT = re.compile(r"\d")
 _PROGRAM = (
     "this is code of a program, and not a table: paste the matrix of its numbers, or in Python call "
     "dh2urdf.from_roboticstoolbox(robot).to_csv('arm.csv') and open that file"
 )
+ORDERS = {
+    3: ("a alpha d", "alpha a d", "d a alpha", "a d alpha"),
+    4: ("a alpha d theta", "theta d a alpha", "alpha a d theta", "theta a d alpha", "d theta a alpha"),
+}
+"""Usual orders of columns: of Spong, of the Robotics Toolbox, of Craig, of Universal Robots, of Wikipedia."""
+_NAMED = ("joint", "type")
+"""What columns of words are before them."""
+USUAL_UNITS = ("m", "rad")
 MOST_NUMBERS = 2
 """Rows whose first cells may be 1 and 2 by chance."""
 MIN_COLUMNS = 2
@@ -78,7 +91,7 @@ def cells_of(text: str) -> list[list[str]]:
     Decimal commas become points where no number has a point, and one of the commas can separate no thousands. A comma
     is a separator only where nothing else is, and where every line has as many of them.
     """
-    text = _GAP.sub(r"\1", re.sub("\r\n?", "\n", text))
+    text = _TIMES_PI.sub(r"\1*", _GAP.sub(r"\1", re.sub("\r\n?", "\n", text)))
     lines = text.rstrip("\n").split("\n")
     if found := typeset(text):
         rows = found.rows
@@ -126,13 +139,31 @@ def first_field(text: str) -> str:
     return "joint" if _NAME.fullmatch(cells_of(text)[0][0]) else "a"
 
 
-def whole_tables(text: str, catalog: Catalog, convention: str = "") -> tuple[Opened, ...] | str:
+def orders(text: str) -> list[tuple[str, ...]]:
+    """What the columns of cells may be that have no names: of DH parameters alone, or behind names and types."""
+    rows = cells_of(text)
+    if len({len(row) for row in rows}) > 1:
+        return []
+    columns = [*zip(*rows, strict=True)]
+    names = [*takewhile(lambda cells: all(map(_is_name, cells)), columns)]
+    usual = ORDERS.get(len(columns) - len(names), ()) if len(names) <= len(_NAMED) else ()
+    return [(*_NAMED[: len(names)], *order.split()) for order in usual]
+
+
+def _is_name(cell: str) -> bool:
+    return _NAME.fullmatch(cell) is not None and not is_value(cell)
+
+
+def whole_tables(
+    text: str, catalog: Catalog, convention: str = "", units: tuple[str, str] = USUAL_UNITS
+) -> tuple[Opened, ...] | str:
     """The tables of a pasted text, as the readers read them: a YAML file, or a table that has comments or a header.
 
     Args:
         text: the text.
         catalog: the installed stages.
         convention: the convention of a table that names none.
+        units: the units of lengths and of angles of a table that names none.
 
     Returns:
         The tables; none where the text has no header, and so is cells. A message where it has one and cannot be read.
@@ -145,9 +176,12 @@ def whole_tables(text: str, catalog: Catalog, convention: str = "") -> tuple[Ope
             "this is the text of an XML or HTML file, and not a table: open a robot description as a file, and copy "
             "the table of a page as the browser shows it"
         )
-    text = _NUMBER_SIGN.sub(r"\1no.", _uncommented(text))
+    text = _TIMES_PI.sub(r"\1*", _NUMBER_SIGN.sub(r"\1no.", _uncommented(text)))
     lines = [line for line in text.splitlines() if line.strip() and not line.lstrip().startswith("#")]
     shown = typeset(text)
+    if turned := _turned(shown.rows if shown else cells_of("\n".join(lines))):
+        comments = [line for line in text.splitlines() if line.lstrip().startswith("#")]
+        shown = Typeset(turned, shown.around if shown else "\n".join(comments))
     is_yaml = not shown and _YAML.match("\n".join(lines)) is not None
     if not is_yaml and not shown and 2 * sum(map(bool, map(_STATEMENT.match, lines))) > len(lines):
         return _PROGRAM
@@ -157,13 +191,42 @@ def whole_tables(text: str, catalog: Catalog, convention: str = "") -> tuple[Ope
         text = "joints:\n" + "\n".join(f"  {line}" for line in text.splitlines())
     if shown:
         text = shown.as_csv()
-    found = tables_of("clipboard.yaml" if is_yaml else "clipboard.csv", text.encode(), catalog)
-    if isinstance(found, str):
-        return found
-    return tuple(
-        opened if opened.table.convention else opened._replace(table=replace(opened.table, convention=convention))
-        for opened in found
-    )
+    return _read(text, catalog, convention, units, is_yaml=is_yaml)
+
+
+def _read(
+    text: str, catalog: Catalog, convention: str, units: tuple[str, str], *, is_yaml: bool
+) -> tuple[Opened, ...] | str:
+    """The tables of a text, in the units of the page where it can be read in them."""
+    unread: tuple[Opened, ...] | str = ()
+    for declared in _declared(text, units, is_yaml=is_yaml):
+        found = tables_of("clipboard.yaml" if is_yaml else "clipboard.csv", declared.encode(), catalog)
+        if not isinstance(found, str):
+            found = tuple(opened._replace(table=_of(convention, opened.table)) for opened in found)
+            if not any(read_whole(_of(Convention.STANDARD, opened.table), catalog).errors for opened in found):
+                return found
+        unread = found
+    return unread
+
+
+def _of(convention: str, table: TableText) -> TableText:
+    """A table in a convention, unless it names one."""
+    return replace(table, convention=table.convention or str(convention))
+
+
+def _declared(text: str, units: tuple[str, str], *, is_yaml: bool) -> Iterator[str]:
+    """A text with units declared in it: a reader refuses that where the text names its own. The text itself is last."""
+    pairs = [(kind, unit) for kind, unit in zip(("length", "angle"), units, strict=True) if unit not in USUAL_UNITS]
+    for some in ([pairs] if pairs else []) + ([[pair] for pair in pairs] if len(pairs) > 1 else []):
+        said = "units: {" + ", ".join(f"{kind}: {unit}" for kind, unit in some) + "}"
+        if not is_yaml:
+            yield f"# {said}\n{text}"
+        elif text.lstrip().startswith("{"):
+            yield text.replace("{", f"{{{said}, ", 1)
+        else:
+            begin = found.end() if (found := re.match(r"\s*---.*\n", text)) else 0
+            yield f"{text[:begin]}{said}\n{text[begin:]}"
+    yield text
 
 
 def _doubt(text: str) -> tuple[()] | str:
@@ -195,6 +258,16 @@ def _uncommented(text: str) -> str:
         return text
     without = "\n".join(_COMMENTED.sub("", line) for line in lines)
     return without if typeset(without) else text
+
+
+def _turned(rows: Sequence[Sequence[str]]) -> list[list[str]]:
+    """The table that a table is whose joints are in columns, with a row for each; none where it is no such table."""
+    found = {match.lastindex for row in rows if row and (match := _PARAMETER.match(row[0]))}
+    is_turned = len(found) == len(REQUIRED) and len({len(row) for row in rows}) == 1 < len(rows[0])
+    if not is_turned:
+        return []
+    head, *columns = zip(*rows, strict=True)
+    return [[head[0] or "joint", *head[1:]], *map(list, columns)]
 
 
 def has_header(text: str) -> bool:

@@ -13,7 +13,15 @@ from dh2urdf.studio.pasting.arrays import code_array
 
 _BODY = late_pattern(r"\\begin\{(tabular[*xy]?|longtable|array|[bpv]?matrix)\}(.*?)\\end\{\1\}", re.DOTALL)
 _ARGUMENTS = late_pattern(r"\s*(?:\[[^]]*\]|\{(?:[^{}]|\{[^{}]*\})*\})*")
-_RULES = late_pattern(r"\\(?:(?:top|mid|bottom)rule|hline|addlinespace|c(?:mid)?(?:rule|line)(?:\([^)]*\))?\{[^}]*\})")
+_RULES = late_pattern(
+    r"\\(?:(?:top|mid|bottom)rule|hline|addlinespace|c(?:mid)?(?:rule|line)(?:\([^)]*\))?\{[^}]*\}"
+    r"|(?:row|cell|column)color(?:\[[^]]*\])?\{[^}]*\}(?:\[[^]]*\])*|footnotemark(?:\[[^]]*\])?|tnote\{[^}]*\})"
+    r"|(?:~|\s)*\\cite[pt]?\*?(?:\[[^]]*\])*\{[^}]*\}"
+)
+"""Rules, colours, citations and the marks of footnotes."""
+_FOOTNOTE = late_pattern(r"\\(?:table)?footnote(?:\[[^]]*\])?\{((?:[^{}]|\{[^{}]*\})*)\}")
+_STACK = late_pattern(r"\\(?:makecell|thead|shortstack)(?:\[[^]]*\])?\{((?:[^{}]|\{[^{}]*\})*)\}")
+"""A cell of several lines."""
 _SPAN = late_pattern(r"\\multicolumn\{\s*(\d{1,2})\s*\}\{[^{}]*\}\{((?:[^{}]|\{[^{}]*\})*)\}")
 """A cell over several columns, which are those of what follows it."""
 _COMMENT = late_pattern(r"(?<!\\)%.*")
@@ -32,8 +40,8 @@ _TERM = (
 _NUMBER = late_pattern(rf"[-+−–‒‐‑±]?{_TERM}(?:[-+−–‒]{_TERM})*", re.IGNORECASE)
 _BOX = str.maketrans(dict.fromkeys("│┃║┌┬┐├┼┤└┴┘╔╦╗╠╬╣╚╩╝╒╤╕╞╪╡╘╧╛╭╮╰╯", "|") | dict.fromkeys("─━═", "-") | {"⍺": "α"})
 """The lines of a table in a terminal, as those of Markdown; the Robotics Toolbox writes the α of APL."""
-_LINES = late_pattern(r"[=\-+ ]*[=\-]{3}[=\-+ ]*")
-"""A line that rules a table off, as reStructuredText and others have it."""
+_LINES = late_pattern(r"[=\-_+ ]*[=\-_]{3}[=\-_+ ]*")
+"""A line that rules a table off, as reStructuredText, MATLAB and others have it."""
 _SENTENCE = late_pattern(r"[^\t]*[^\t.:][.:]|(?:[^\s:]+ +){3,}[^\s:]+|[^\t:]+: [^\t]+")
 """What no joint is called, in the only cell of a row that is not empty: ``All lengths in mm``, ``Source: [3]``."""
 _JOINT = late_pattern(r"^(joint|link|axis)\s+(\d+)(?=\s)", re.IGNORECASE)
@@ -45,8 +53,11 @@ _SIGN_APART = late_pattern(r"(?:((?:[θq]|theta)_?\d+\*?)\s+|(?<=\s))([-+−–�
 """A sign with spaces beside it, as copies of PDFs have it: ``– 0.425``, ``θ3 – π/2``."""
 _POSE = late_pattern(r"^\s*(base|tool):\s*(\S.*)$", re.IGNORECASE | re.MULTILINE)
 _UNIT = late_pattern(r"\[(?:(m|cm|mm)|(rad|deg|°))\]")
-_MIXED = late_pattern(r"\s*\[(?:rad|deg|°), ?(?:m|cm|mm)\]")
+_MIXED = late_pattern(r"\s*\[(?:(?:rad|deg|°), ?(?:m|cm|mm)|(?:m|cm|mm), ?(?:rad|deg|°))\]")
 """The unit of a column that has bounds of joints of both kinds."""
+_OF_VARIABLES = late_pattern(r"(?:θ|theta|d)(?![^\W\d_])", re.IGNORECASE)
+"""A column that may have variables of joints."""
+_LOWERED = str.maketrans("₀₁₂₃₄₅₆₇₈₉", "0123456789")
 _CONVENTION = late_pattern(r"\b(standard|modified) (?:convention|dh parameters)\b", re.IGNORECASE)
 _MARKS = tuple(
     (late_pattern(pattern, re.IGNORECASE), plain)
@@ -60,9 +71,17 @@ _MARKS = tuple(
     )
 )
 """Bold, slanted and lowered text in a cell of Markdown, and formulas of MediaWiki."""
+_JIRA_HEAD = late_pattern(r"\|\|(?:[^|]+\|\|)+")
+"""A header of Jira and Confluence."""
+_JIRA = late_pattern(r"\|\|")
 _WIKI_CELL = late_pattern(r"\|\||!!")
 _ATTRIBUTES = late_pattern(r"\s*+(?:[\w-]++\s*+=\s*+(?:\"[^\"]*+\"|[\w-]++)\s*+)++\|")
 """What is before a cell of MediaWiki: ``style="text-align:right" |``."""
+_ASCIIDOC_CELL = late_pattern(r"\s(?:(\d{1,2})\+)?[<^>]?(?:\.[<^>])?[adehlms]?\|")
+"""The beginning of a cell of AsciiDoc, with the columns that it spans, its place and its style: ``2+^h|``."""
+_ASCIIDOC_COLUMNS = late_pattern(r"^\[.*\bcols=\"?([^\"\]]+)", re.MULTILINE)
+_ATTRIBUTE_LINE = late_pattern(r"\[.*\]")
+_MACRO = late_pattern(r"(?:stem|latexmath|asciimath):\[([^]]*)\]")
 _SIUNITX = {
     r"milli\s*\\met(?:re|er)|mm": "mm",
     r"centi\s*\\met(?:re|er)|cm": "cm",
@@ -75,13 +94,18 @@ _SIUNITX = {
     r"per\s*\\s(?:econd)?": "/s",
 }
 """Units of the package siunitx."""
+_PART = r"(?:\{([^{}]*)\}|(\\pi(?![a-z])|π|[0-9a-zA-Z]))"
+"""A part of a fraction: in braces, or without them where it is one sign."""
 _FORMULAS = tuple(
     (late_pattern(pattern), plain)
     for pattern, plain in (
         (r"\\multirow\{[^{}]*\}\{[^{}]*\}\{((?:[^{}]|\{[^{}]*\})*)\}", r"\1"),
         (r"\\(?:text|mbox|boldsymbol|bm|emph|(?:math|text)(?:rm|bf|it|sf|tt))\{((?:\\.|[^{}])*)\}", r"\1"),
-        (r"\\(?:[dts]|nice)?frac\{(-?[\w.\\]+)\}\{([\w.\\]+)\}", r"\1/\2"),
-        (r"\\(?:[dts]|nice)?frac\{([^{}]*)\}\{([^{}]*)\}", r"(\1)/(\2)"),
+        (r"^\\\((.*)\\\)$", r"\1"),
+        (r"\\sqrt\s*\{([^{}]*)\}", r"sqrt(\1)"),
+        (rf"\\(?:[dts]|nice)?frac\s*{_PART}\s*{_PART}", r"\\frac{\1\2}{\3\4}"),
+        (r"\\frac\{(-?[\w.\\]+)\}\{(\d+(?:\.\d+)?|\\?[a-zA-Zπ]+)\}", r"\1/\2"),
+        (r"\\frac\{([^{}]*)\}\{([^{}]*)\}", r"(\1)/(\2)"),
         *((rf"\\(?:{macro})(?![a-z])", unit) for macro, unit in _SIUNITX.items()),
         (r"\\ang\{([^{};]*)\}", r"\1°"),
         (r"\\(?:num|si|unit)(?:\[[^]]*\])?\{([^{}]*)\}", r"\1"),
@@ -133,9 +157,21 @@ class Typeset(NamedTuple):
             ]
             lines += [f"# units: {{{', '.join(said_units)}}}"] if said_units else []
         # Where axes are counted, a fixed joint has no number; rows are counted without the column.
-        first = int(heads[0] in {"i", "no."} and not all(row[0] for row in rows))
-        cells = ("\t".join(row[first:]) for row in (heads, *rows))
+        if heads[0] in {"i", "no."} and not all(row[0] for row in rows):
+            variable = [_OF_VARIABLES.match(head) is not None for head in heads]
+            heads, *rows = (_uncounted(row, variable) for row in (heads, *rows))
+        cells = (re.sub(r"^(#[^\t]*)", r'"\1"', "\t".join(row)) for row in (heads, *rows))  # a name, and no comment
         return "\n".join([*lines, *poses, *("".join(row) for row in titles), *cells, ""])
+
+
+def _uncounted(row: list[str], variable: list[bool]) -> list[str]:
+    """A row without the number of its axis, and its variable without it: a reader counts fixed joints, too."""
+    number = row[0].translate(_LOWERED)
+    own = rf"(?<![^\W\d_])(?:θ|theta|[dq])_?{re.escape(number)}(?!\w)"
+    return [
+        re.sub(own, "q", cell.translate(_LOWERED)) if number.isdigit() and is_own else cell
+        for cell, is_own in zip(row[1:], variable[1:], strict=True)
+    ]
 
 
 def typeset(text: str) -> Typeset | None:
@@ -145,6 +181,8 @@ def typeset(text: str) -> Typeset | None:
     lines = [line for line in every if not line.lstrip().startswith("#")]
     if any(line.strip().startswith("{|") for line in lines):
         found = _wiki(lines)
+    elif sum(line.strip() == "|===" for line in lines) == 2:  # noqa: PLR2004 - above and below the table
+        found = _asciidoc([line.strip() for line in lines])
     elif array := code_array(text):
         return Typeset(array.rows, array.around)
     elif any(map(_CELL.search, lines)) and ("\\\\" in text or "\\begin{" in text):
@@ -164,10 +202,12 @@ def is_value(cell: str) -> bool:
 
 
 def _latex(text: str) -> Typeset:
+    notes = "".join(f"\n{found[1]}" for found in _FOOTNOTE.finditer(text))
+    text = _STACK.sub(lambda found: found[1].replace("\\\\", " "), _FOOTNOTE.sub("", text)).replace("~", " ")
     bodies = [found[2] for found in _BODY.finditer(text)]
     rows = (row for body in bodies or [text] for row in _NEW_ROW.split(_RULES.sub("", _COMMENT.sub("", _inside(body)))))
     cells = [[_plain(cell) for cell in _CELL.split(_SPAN.sub(_spread, row))] for row in rows if row.strip()]
-    return Typeset(cells, _BODY.sub("", text) if bodies else "")
+    return Typeset(cells, (_BODY.sub("", text) if bodies else "") + notes)
 
 
 def _spread(span: re.Match[str]) -> str:
@@ -184,7 +224,10 @@ def _markdown(lines: list[str]) -> Typeset:
     """The table of Markdown; bars at both ends of its lines may be left out."""
     ruled = _ruled(lines)
     table = [line.strip() for line in lines if line.strip().startswith("|") or (ruled and _BAR.search(line))]
-    cells = (_BAR.split(line.removeprefix("|").removesuffix("|")) for line in table if not _RULE.fullmatch(line))
+    lines_of_cells = (_JIRA.sub("|", line) if _JIRA_HEAD.fullmatch(line) else line for line in table)
+    cells = (
+        _BAR.split(line.removeprefix("|").removesuffix("|")) for line in lines_of_cells if not _RULE.fullmatch(line)
+    )
     around = "\n".join(line for line in lines if line.strip() not in table)
     rows = [[_plain(_unmarked(cell)) for cell in row] for row in cells]
     width = len(rows[0]) if rows else 0
@@ -206,6 +249,30 @@ def _wiki(lines: list[str]) -> Typeset:
             cells = (_ATTRIBUTES.sub("", cell) for cell in _WIKI_CELL.split(line[1:]))
             rows[-1] += [_plain(_unmarked(cell)) for cell in cells]
     return Typeset([row for row in rows if row], "\n".join(around))
+
+
+def _asciidoc(lines: list[str]) -> Typeset:
+    """The table of AsciiDoc: a bar begins a cell, and a row may take several lines."""
+    first = lines.index("|===")
+    last = lines.index("|===", first + 1)
+    around = [line for line in (*lines[:first], *lines[last + 1 :]) if not _ATTRIBUTE_LINE.fullmatch(line)]
+    inside = [_ASCIIDOC_CELL.sub(_repeated, f" {line}") for line in lines[first + 1 : last] if line]
+    cells = [[_plain(_unmarked(_MACRO.sub(r"\1", cell))) for cell in _BAR.split(line)] for line in inside]
+    flat: list[str] = []
+    for before, *own in cells:  # what is before the first bar goes on with the cell of the line above
+        flat[-1:] = [f"{flat[-1]} {before}".strip()] if flat else []
+        flat += own
+    columns = _ASCIIDOC_COLUMNS.search("\n".join(lines[:first]))
+    parts = [part.strip() for part in columns[1].split(",")] if columns else []
+    counts = [int(found[1]) if (found := re.match(r"(\d+)\*", part)) else 1 for part in parts]
+    width = sum(counts) or len(cells[0]) - 1 if cells else 0
+    rows = [flat[start : start + width] for start in range(0, len(flat), max(width, 1))]
+    return Typeset(rows, "\n".join(line.removeprefix(".") for line in around))
+
+
+def _repeated(cell: re.Match[str]) -> str:
+    """The bar of a cell, once for each column that it spans."""
+    return " |" * int(cell[1] or 1)
 
 
 def _ruled(lines: list[str]) -> bool:

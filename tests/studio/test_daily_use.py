@@ -785,3 +785,24 @@ def test_a_table_is_copied_from_a_page(studio_address: str, new_tab: Callable[..
     for row, cells in enumerate((("0", "90°", pasted), ("425", "0", "0"), ("", "0", "7"))):
         tab.wait_for_cells(row, **dict(zip(("a", "alpha", "d"), cells, strict=True)))
     tab.wait_for_status("problem")  # no cell is filled in, and no power is read
+
+
+@pytest.mark.long
+def test_many_notices_fit_into_the_window(tab: Any, example_robots: Path) -> None:
+    """The first lines of an xArm's were above the window, and all of the page was below the others."""
+    page = tab.open()
+    tab.drop(".arm-view", example_robots / "xarm_description" / "urdf" / "xarm7.urdf")
+    shown = page.locator(".q-notification")
+    shown.wait_for()
+    shown.get_by_text("the table is the chain from").hover()
+    tab.settle()
+    box = shown.bounding_box()
+    assert box is not None
+    assert box["y"] > 0.4 * 720
+    assert box["height"] < 0.6 * 720
+    message = shown.locator(".q-notification__message")
+    assert message.evaluate("message => message.scrollHeight > message.clientHeight")
+    page.mouse.wheel(0, 10_000)
+    page.wait_for_function("document.querySelector('.q-notification__message').scrollTop > 0")
+    shown.get_by_role("button", name="Close").click()
+    shown.wait_for(state="detached")

@@ -168,6 +168,6 @@ async def _unless_left(start: Awaitable[None]) -> None:
 def dress() -> None:
     """The style sheet and the scripts of a page."""
     ui.add_css((_HERE / "studio.css").read_text("utf-8"))
-    for script in ("connection/acts.js", "look.js", "view_cube.js", "table_grid.js", "page.js"):
+    for script in ("connection/acts.js", "look.js", "view_cube.js", "table_grid.js", "table_widths.js", "page.js"):
         ui.add_head_html(f"<script>{(_HERE / script).read_text('utf-8')}</script>")
     ui.colors(primary="#1864ab", positive="#237032", info="#1864ab")  # white text on them can be read

@@ -109,7 +109,6 @@ class StudioPage:
         self._remark = ui.label().classes("studio-bar studio-remark")
         with ui.element("div").classes("studio-stage"):
             self._view = ArmView(
-                on_pick=self._picked_in_scene,
                 on_aim=self._target.drag,
                 on_grip=self._drag,
                 on_undrawn=dialogs.Warnings().add,
@@ -165,6 +164,8 @@ class StudioPage:
         session = self.session
         q = session.joint_values()
         self._view.show(session.drawing, session.drawing.poses(q), session.strokes())
+        self._view.highlight(session.drawn_row)
+        self._table.draw(session.arm.keys if session.arm else ())
         self._sliders.show(session.sliders, session.q)
         self._show_numbers()
 
@@ -292,15 +293,10 @@ class StudioPage:
     def _pick(self, row: int | None) -> None:
         if row not in (self.session.row, -1):
             self.session.row = row
-            self._view.highlight(row)
+            self._view.highlight(self.session.drawn_row)
             self._table.pick()
             if self.session.lesson is not None:
                 self._show_pose()
-
-    def _picked_in_scene(self, row: int | None) -> None:
-        self._pick(row)
-        if row is not None:
-            self._table.focus(row, "a")
 
     def _go_to(self, found: CellProblem) -> None:
         if found.row is not None:
@@ -378,7 +374,6 @@ class StudioPage:
         self._view.set_layers(self.session.shown_layers)
         self._view.fade(self.session.opacities)
         self.show()
-        self._view.highlight(self.session.row)
         self._view.fit(keep=True)  # a person may have turned the camera already
         if (linked := await sharing.linked_table()) is not None:
             await self._show_opened(linked, keep_view=True)

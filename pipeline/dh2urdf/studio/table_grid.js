@@ -58,6 +58,7 @@
   let made = 0; // rows that were added
   let anchor = null; // where a range of cells begins: {row, column}
   let last = null; // the cell that was clicked last
+  let drawn = []; // the keys of the rows of the arm in the scene
   let end = null; // where it ends; null where one cell is the range
 
   const place = (api) => {
@@ -99,48 +100,8 @@
     mark(api);
   };
 
-  // A width in pixels, for text of the size that the page has.
-  const size = () => parseFloat(getComputedStyle(document.documentElement).fontSize) / 16;
-  let sized = size();
-  window.addEventListener("dh-look", () => {
-    if (size() !== sized && document.querySelector(".dh-table")) emitEvent("dh-text-size");
-    sized = size();
-  });
-  let resting = 0; // a timer: cells have other margins in a window of another width
-  window.addEventListener("resize", () => {
-    clearTimeout(resting);
-    resting = setTimeout(() => grid && document.querySelector(".dh-table") && dhGrid.widen(grid), 200);
-  });
-  const WIDEST = 240; // of a column that holds long texts [px], for text of the usual size
-  const MEASURED = 200; // rows whose texts decide on the width of a column
-  const pen = document.createElement("canvas").getContext("2d");
-  // The width that the longest of some texts needs in a kind of cell.
-  const needed = (kind, texts) => {
-    const example = document.querySelector(`.dh-table ${kind}`);
-    if (!example) return 0;
-    const { fontStyle, fontWeight, fontSize, fontFamily, paddingLeft, paddingRight } = getComputedStyle(example);
-    pen.font = `${fontStyle} ${fontWeight} ${fontSize} ${fontFamily}`;
-    return Math.max(...texts.map((text) => pen.measureText(text).width)) + parseFloat(paddingLeft) + parseFloat(paddingRight) + 4;
-  };
-
   window.dhGrid = {
-    // No cell and no head is cut: a column is at least as wide as its longest text in the size that text has now.
-    widen(api) {
-      const most = this.wide(WIDEST);
-      const rows = Array.from({ length: Math.min(api.getDisplayedRowCount(), MEASURED) }, (_, row) => api.getDisplayedRowAtIndex(row).data);
-      let changed = false;
-      const columns = api.getColumnDefs().map((column) => {
-        if (column.colId === "number") return column;
-        const cells = needed(".ag-cell:not(.dh-number)", rows.map((data) => String(data[column.field] ?? "")));
-        const least = Math.ceil(Math.min(Math.max(cells, needed(".ag-header-cell", [column.headerName])), most));
-        changed ||= Math.abs(least - column.minWidth) > 1;
-        return { ...column, minWidth: least, flex: least };
-      });
-      if (changed) api.setGridOption("columnDefs", columns);
-    },
-
     TypeEditor,
-    wide: (pixels) => Math.round(pixels * size()),
     // The cell that is being typed, as far as it is typed.
     unfinished() {
       const input = document.querySelector(".dh-table .ag-cell-inline-editing input"), cell = input?.closest(".ag-cell");
@@ -358,6 +319,16 @@
       api.forEachNode((node) => (node.data.picked = node.data.id === picked));
       for (const row of document.querySelectorAll(".dh-table .ag-row"))
         row.classList.toggle("dh-picked", row.getAttribute("row-id") === picked);
+    },
+
+    // The row of a link of the scene, which may show the arm that the table had before something was wrong with it.
+    draw: (api, keys) => (drawn = keys),
+    chooseDrawn({ row }) {
+      const key = drawn[row];
+      if (!grid || (row !== null && !grid.getRowNode(key))) return;
+      this.pick(grid, key ?? null);
+      emitEvent("dh-focus", key ?? null);
+      if (row !== null) this.focus(grid, key, "a");
     },
 
     // A cursor that is in the table already stays: its person has gone on while the answer was on its way.

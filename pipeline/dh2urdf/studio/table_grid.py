@@ -54,7 +54,8 @@ class TableGrid:
         on_edit: is called with row, field and text of a cell that was typed.
         on_typing: is called with row, field and text of a cell that is being typed.
         on_end: is called when typing has ended.
-        on_pick: is called with the number of the row that has the cursor.
+        on_pick: is called with the number of the row that has the cursor, or whose link was picked in the scene; None
+            where nothing was.
         on_paste: is called with the row, the field and the text where cells are pasted; the text is None where there is
             none, and the row where the table is empty.
         on_clear: is called with the rows and the fields of cells that are cut or deleted.
@@ -79,6 +80,7 @@ class TableGrid:
         self._columns: list[dict[str, Any]] = []
         self._rows: list[dict[str, Any]] | None = None
         self._arranged = 0
+        self._drawn: Sequence[str] = ()
         self._grid = ui.aggrid(
             {
                 "columnDefs": [],
@@ -117,7 +119,7 @@ class TableGrid:
         grid = self._grid
         ui.on("dh-edit", lambda event: on_edit(self._number(event.args[0]), *event.args[1:]))
         grid.on("cellEditingStopped", lambda _: on_end(), ["rowId"])
-        ui.on("dh-focus", lambda event: on_pick(self._number(event.args)))
+        ui.on("dh-focus", lambda event: on_pick(None if event.args is None else self._number(event.args)))
         grid.on("input", js_handler="e => dhGrid.typing(e)")
         ui.on("dh-typing", lambda event: on_typing(self._number(event.args[0]), *event.args[1:]))
         grid.on(
@@ -195,6 +197,12 @@ class TableGrid:
     def pick(self) -> None:
         """Marks the row that is picked."""
         self._run("pick", self._session.key)
+
+    def draw(self, keys: Sequence[str]) -> None:
+        """The keys of the rows of the arm that is in the scene now."""
+        if keys != self._drawn:
+            self._drawn = keys
+            self._run("draw", keys)
 
     def focus(self, row: int | None, field: str | None, *, edit: bool = False) -> None:
         """Puts the cursor into a cell; without a field, into the column where it is."""

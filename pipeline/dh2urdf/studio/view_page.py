@@ -14,6 +14,7 @@ from dh2urdf.studio.driving.routes import PageFollower
 from dh2urdf.studio.layout.look import lay_look
 from dh2urdf.studio.layout.scene_tools import LayerBoxes, lay_grasp, lay_opacity, lay_views
 from dh2urdf.studio.panels import sharing
+from dh2urdf.studio.panels.clicks import Menu
 from dh2urdf.studio.robot_tree import RobotTree
 from dh2urdf.studio.widgets import ArmView, JointSliders, LiveHtml
 
@@ -42,7 +43,7 @@ class ViewPage:
                 ui.label(viewing.told(view.figures))
                 ui.element("div").classes("studio-space")
                 with ui.button("Save", icon="save").props("flat dense no-caps color=white"):
-                    menu = ui.menu()
+                    menu = Menu(items=True)
                 lay_look()
             with ui.element("section").classes("studio-motion").props('aria-label="Joints"'):
                 with ui.element("div").classes("studio-row"):
@@ -93,7 +94,6 @@ class ViewPage:
         if left_out := [notice.message for figure in self.view.figures for notice in figure.notices]:
             _remark(words.some_of(left_out), left_out)
         self._scene = ArmView(
-            on_pick=lambda _: None,
             on_undrawn=dialogs.Warnings().add,
             on_pick_node=self._picked_in_scene,
             on_grip=self._drag,

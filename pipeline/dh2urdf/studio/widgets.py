@@ -39,16 +39,16 @@ class ArmView(Element, component="arm_view.js", esm={"dh2urdf-scene": "scene3d"}
 
     def __init__(
         self,
-        on_pick: Callable[[int | None], None],
         on_undrawn: Callable[[str], None] | None = None,
         on_aim: Callable[..., None] | None = None,
         on_pick_node: Callable[[str | None], None] | None = None,
         on_grip: Callable[..., None] | None = None,
     ) -> None:
         super().__init__()
-        self.on("pick", lambda event: on_pick(event.args["row"]))
         if on_pick_node is not None:
             self.on("pick", lambda event: on_pick_node(event.args["node"]))
+        else:
+            self.on("pick", js_handler="event => dhGrid.chooseDrawn(event)")
         if on_aim is not None:
             self.on("aim", lambda event: self._aimed(on_aim, event.args))
         if on_grip is not None:

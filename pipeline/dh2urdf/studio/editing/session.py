@@ -46,6 +46,7 @@ class OpenArm:
 
     Attributes:
         table: the table.
+        keys: the keys of its rows.
         manipulator: what a reader makes of it.
         robot: the robot of the exact variant.
         other: the robot of the other variant; None where it is not shown, there is none, or it refuses the table.
@@ -53,6 +54,7 @@ class OpenArm:
     """
 
     table: TableText
+    keys: tuple[str, ...]
     manipulator: Manipulator
     robot: Robot
     other: Robot | None = None
@@ -242,7 +244,7 @@ class Session:
 
     def strokes(self) -> tuple[Stroke, ...]:
         """The DH parameters that are shown, at the pose on the screen; of an explained row its own, and a frame."""
-        row = self.explained_row
+        row = self.drawn_row
         if self.lesson is None or row is None or self.arm is None:
             shown = self.drawing.strokes(self.q) if "parameters" in self.layers else ()
             normals = self.drawing.normals(self.joint_values()) if "normals" in self.layers else ()
@@ -277,10 +279,10 @@ class Session:
         return self.layers if self.lesson is None else self.layers | {"parameters", "lesson"}
 
     @property
-    def explained_row(self) -> int | None:
-        """The picked row, where the arm on the screen has it; None otherwise."""
-        there = self.arm is not None and self.row is not None and self.row < len(self.arm.manipulator.rows)
-        return self.row if there else None
+    def drawn_row(self) -> int | None:
+        """The number that the picked row has in the arm on the screen, which may be an earlier one; None without."""
+        keys = self.arm.keys if self.arm else ()
+        return keys.index(self.key) if self.key in keys else None
 
     @property
     def pose(self) -> RigidTransform | None:
@@ -329,7 +331,8 @@ class Session:
         if made.robot is None:
             self.problems_of_making = made.problems
             return False
-        self.arm = OpenArm(table=reading.table, manipulator=manipulator, robot=made.robot)
+        keys = self.history.keys
+        self.arm = OpenArm(table=reading.table, keys=keys, manipulator=manipulator, robot=made.robot)
         self._draw()
         return True
 

@@ -10,7 +10,7 @@ from nicegui import ui
 from dh2urdf.studio import dialogs
 from dh2urdf.studio.layout.look import lay_look
 from dh2urdf.studio.panels import sharing
-from dh2urdf.studio.panels.clicks import act_once, lay_menu_item
+from dh2urdf.studio.panels.clicks import Menu, act_once, lay_menu_item
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable
@@ -56,7 +56,7 @@ class StudioHead:
         ui.element("div").classes("studio-space")
         ui.button("New", on_click=on_new).props(_QUIET)
         act_once(ui.button("Open", icon="folder_open").props(_QUIET), on_open)
-        with ui.button("Save", icon="save").props(_QUIET), ui.menu():
+        with ui.button("Save", icon="save").props(_QUIET), Menu(items=True):
             for kind, name, told in dialogs.savings(session.catalog):
                 lay_menu_item(told, partial(dialogs.save, session, kind, name))
             self._menu = ui.element("div")

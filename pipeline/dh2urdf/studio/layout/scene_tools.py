@@ -10,7 +10,7 @@ from nicegui import ui
 
 from dh2urdf.studio.drawing.colours import GREY
 from dh2urdf.studio.drawing.scene import LAYERS
-from dh2urdf.studio.panels.clicks import lay_menu_item
+from dh2urdf.studio.panels.clicks import Menu, lay_menu_item
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping
@@ -56,7 +56,7 @@ class LayerBoxes:
         with ui.button(icon="layers").props('flat dense round size=sm aria-label="more layers"') as button:
             button.tooltip("more layers")
             with (
-                ui.menu().props('role=dialog aria-label="more layers"'),
+                Menu().props('role=dialog aria-label="more layers"'),
                 ui.element("div").classes("studio-layers"),
             ):
                 for layer in (layer for layer in there if layer not in USUAL_LAYERS):
@@ -82,11 +82,11 @@ def lay_views(scene: Callable[[], ArmView]) -> None:
     """Lay out the menu of standard views, where the page is being laid out."""
     with ui.button(icon="view_in_ar").props('flat dense round size=sm aria-label="look from a side"') as button:
         button.tooltip("look from a side")
-        with ui.menu():
+        with Menu(items=True):
             for view, told in VIEWS.items():
                 lay_menu_item(told, partial(_look, scene, view))
             ui.separator()
-            follow = ui.menu_item("follow what is picked").classes("studio-tick")
+            follow = ui.menu_item("follow what is picked", auto_close=False).classes("studio-tick")
             follow.props("role=menuitemcheckbox aria-checked=false")
             follow.on_click(lambda: scene().follow_picked(on=_switched(follow, "aria-checked")))
 
@@ -125,7 +125,7 @@ def lay_opacity(
     with ui.button(icon="opacity").props(f'flat dense round size=sm aria-label="{told}"') as button:
         button.tooltip(told)
         with (
-            ui.menu().props(f'role=dialog aria-label="{told}"'),
+            Menu().props(f'role=dialog aria-label="{told}"'),
             ui.element("div").classes("studio-opacity"),
         ):
             for name, told in robots.items():

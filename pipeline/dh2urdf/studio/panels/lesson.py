@@ -62,7 +62,7 @@ class LessonPanel:
         if session.lesson is None or session.arm is None:
             return
         self._panel.props(f"data-progress={session.lesson:.2f}")
-        row = session.explained_row
+        row = session.drawn_row
         names = [NAMES[field] for field in order(session.arm.manipulator.convention)]
         for number, (button, name) in enumerate(zip(self._steps, names, strict=True), start=1):
             button.set_text(f"{number} {name}")
@@ -71,7 +71,7 @@ class LessonPanel:
             self._title.set_text("Pick a row of the table, or a link of the arm.")
             self._text.set_content("")
             return
-        self._title.set_text(f"row {row + 1}")
+        self._title.set_text(f"row {(session.row or 0) + 1}")
         self._text.set_content(explained(session.arm.manipulator, row, session.q, session.table))
 
     def _play(self) -> None:

@@ -6,12 +6,12 @@ import os
 import unicodedata
 from contextlib import contextmanager, suppress
 from errno import EACCES, EDQUOT, EISDIR, ENAMETOOLONG, ENOSPC, EPERM, EROFS
-from itertools import permutations, product
+from itertools import permutations, product, takewhile
 from pathlib import Path, PurePosixPath
 from stat import S_ISDIR, S_ISLNK, S_ISREG
 from typing import TYPE_CHECKING
 
-from dh2urdf.documents.text_files import ADDRESS, is_file, is_folder
+from dh2urdf.documents.text_files import ADDRESS, is_file, is_folder, is_there
 from dh2urdf.errors import OutputError
 from dh2urdf.output.seen_names import SeenNames
 from dh2urdf.patterns import late_pattern
@@ -135,10 +135,12 @@ def staging(directory: Path) -> Iterator[Path]:
     """A temporary folder inside an output folder, gone at the end whatever happens.
 
     Files are written and proved there, and then moved into place by `put_in_place`: a rename within one file system.
+    Where that fails, no empty output folder is left that was not there before.
 
     Raises:
         OutputError: the folder cannot be made.
     """
+    new = list(takewhile(lambda place: not is_there(place), (directory, *directory.parents)))
     make_folder(directory)
     # The name is known before there is a folder of it, and an interrupt, which may come between any two steps and while
     # the folder is being removed, has it removed again: so nothing is left at any moment.
@@ -152,6 +154,9 @@ def staging(directory: Path) -> Iterator[Path]:
             _remove(folder)
     except BaseException:
         _remove(folder)
+        with suppress(OSError):  # One with other files in it stays, and so do those above.
+            for place in new:
+                place.rmdir()
         raise
 
 

@@ -338,3 +338,14 @@ def test_a_short_name_is_what_click_takes_it_for(cli: Cli, words: tuple[str, ...
     """An option's value may look like a short name, and a message has the name that was typed."""
     answer = cli("convert", "arm.csv", *words, status=2)
     assert told in answer.stderr
+
+
+def test_a_conversion_that_fails_leaves_no_empty_folder(cli: Cli, folder: Path) -> None:
+    """The emitter refuses a name when the folder is there already; one that was there before stays."""
+    (folder / "bad.csv").write_text(STANDARD.replace("shoulder", "shoulder pan"))
+    (folder / "old").mkdir()
+    words = ("convert", "bad.csv", "--to", "ros2", "--set", "package=my_arm", "-o")
+    for place in ("new/workspace/src", "old/src"):
+        assert "has a name that ROS cannot use everywhere" in cli(*words, place, status=1).stderr
+    assert files(folder) == {"bad.csv", "old"}
+    assert list((folder / "old").iterdir()) == []

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from importlib.resources import files as resources
 from typing import TYPE_CHECKING
 
@@ -36,9 +37,7 @@ def filled(template: str, **words: str) -> bytes:
     text = (
         resources("dh2urdf_plugins.emitters.ros2").joinpath("templates", f"{template}.in").read_text(encoding="utf-8")
     )
-    for name, word in words.items():
-        text = text.replace(f"@{name}@", word)
-    return text.encode()
+    return re.sub("@([A-Z_]+)@", lambda place: words[place[1]], text).encode()  # At once: a word may be a robot's name.
 
 
 def package_xml(

@@ -442,3 +442,11 @@ def test_a_prefix_that_no_node_can_have(tmp_path: Path, prefix: str, proposed: s
         assert f"set `prefix: {proposed}` for the arm of the cell" in problem["message"]
         run["emitters"] = [{"stage": "ros2", "options": {"hardware": "none"}}]
         assert not [each for each in dh2urdf.run(run)["manipulators"] if each["status"] == "failed"]
+
+
+def test_the_readme_names_any_robot(cli: Any, tmp_path: Path) -> None:
+    """Also one whose name is that of a place in the template: another text was there."""
+    name = "@USE@ & @CALIBRATION@"
+    (tmp_path / f"{name}.csv").write_bytes((CONFIGS / "tables/ur5.csv").read_bytes())
+    cli("convert", f"{name}.csv", "--to", "ros2", "--set", "package=my_arm", "-o", "src")
+    assert name in (tmp_path / "src/my_arm_description/README.md").read_text()

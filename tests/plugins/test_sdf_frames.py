@@ -49,6 +49,9 @@ CASES = {
         f'{HELD.replace("<child>a", "<child>n::a")}<model name="n">{TURNED}{LINKS}{JOINT.replace("<xyz>0 0 1</xyz>", IN_MODEL)}</model>',
     ),
     "an axis of version 1.4": _model("1.4", f"{HELD}{LINKS}{JOINT}"),
+    "an axis of version 1.4 that says where it is": _model(
+        "1.4", f"{HELD}{LINKS}{JOINT.replace('<xyz>0 0 1</xyz>', IN_MODEL.replace('1</use', '0</use'))}"
+    ),
     "an axis of version 1.4 in a model in the model": _model(
         "1.4", f'{HELD.replace("<child>a", "<child>n::a")}<model name="n">{TURNED}{LINKS}{JOINT}</model>'
     ),

@@ -12,7 +12,14 @@ from dh2urdf.source import shown
 from dh2urdf_plugins.lint.document.description import ALL, MOVING, Hit, few
 from dh2urdf_plugins.lint.merged import head_of, inertial_of, merged_inertial
 from dh2urdf_plugins.lint.numbers import ROUNDED, SMALLEST_MOMENT, is_no_inertia
-from dh2urdf_plugins.lint.single_readers.gazebo import kept, mass_of, merged as merged_by_gazebo, without_centre
+from dh2urdf_plugins.lint.single_readers.gazebo import (
+    kept,
+    mass_of,
+    merged as merged_by_gazebo,
+    takes_inertia,
+    tensor_of,
+    without_centre,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -139,8 +146,11 @@ def _moments(description: Description, link: LinkNode, inertia: Element, body: I
         yield Hit("inertia-not-positive-definite", inertia, moments, minding - _gazebo_takes(description, link))
     elif low + middle < high * (1.0 - ROUNDED):
         yield Hit("inertia-triangle-inequality", inertia, moments, minding - _gazebo_takes(description, link))
-    elif low < SMALLEST_MOMENT:
-        yield Hit("inertia-semidefinite", inertia, moments)
+    else:
+        if low < SMALLEST_MOMENT:
+            yield Hit("inertia-semidefinite", inertia, moments)
+        if not takes_inertia(tensor_of(link.inertial)) and any(_is_alone(link, each) for each in kept(description)):
+            yield Hit("inertia-triangle-inequality", inertia, f"{moments}, but for rounding", {"gazebo"})
 
 
 def _moments_alone(inertia: Element, about: str) -> Iterator[Hit]:
@@ -155,6 +165,8 @@ def _moments_alone(inertia: Element, about: str) -> Iterator[Hit]:
 def _gazebo_takes(description: Description, link: LinkNode) -> set[str]:
     """Gazebo, where it drops a link, or where what is fixed to the link makes it right."""
     for body in kept(description):
+        if _is_alone(link, body) and mass_of(link.inertial) >= 0.0:
+            return {"gazebo"} if takes_inertia(tensor_of(link.inertial)) else set()
         if link in body:
             merged = merged_by_gazebo(description, body)
             if merged is None:
@@ -163,6 +175,11 @@ def _gazebo_takes(description: Description, link: LinkNode) -> set[str]:
             wrong = merged.mass < 0.0 or low < -ROUNDED * high or low + middle < high * (1.0 - ROUNDED)
             return set() if wrong else {"gazebo"}
     return {"gazebo"}
+
+
+def _is_alone(link: LinkNode, body: list[LinkNode]) -> bool:
+    """Whether sdformat keeps a link as a body to which nothing else adds."""
+    return body[0] is link and not any(node.inertial for node in body[1:])
 
 
 def _weightless_chains(description: Description) -> Iterator[Hit]:

@@ -26,7 +26,7 @@ from dh2urdf_plugins.lint.document.parsing import NotXmlError, parse
 from dh2urdf_plugins.lint.document.reading import robot_of
 from dh2urdf_plugins.lint.document.tree import Element
 from dh2urdf_plugins.lint.rules import CONSUMERS, rules
-from dh2urdf_plugins.lint.single_readers import coppeliasim, drake, mujoco
+from dh2urdf_plugins.lint.single_readers import coppeliasim, drake, drake_extensions, mujoco
 from dh2urdf_plugins.read_back.xml_files import LARGEST
 from dh2urdf_plugins.xacro_fence.expansion import expand_foreign, mark_of
 
@@ -95,7 +95,7 @@ def _inspection(
         hits.append(Hit("not-a-robot", parsed.root, f"the outermost element is {parsed.root.tag}, not robot"))
     else:
         description = Description(parsed.root, path, content, lambda at: _said(origin(at)[0], path), packages)
-        alone = (coppeliasim, drake, mujoco)
+        alone = (coppeliasim, drake, drake_extensions, mujoco)
         finders = (text, numbers, structure, joints, bodies, shapes, materials, plausibility, references, *alone)
         for finder in finders:
             hits.extend(finder.hits(description))

@@ -43,7 +43,7 @@ SENSORS = (
     "air_pressure altimeter boundingbox boundingbox_camera camera contact custom depth depth_camera "
     "force_torque gps gpu_lidar gpu_ray imu lidar logical_camera magnetometer multicamera navsat ray rfid "
     "rfidtag rgbd rgbd_camera segmentation segmentation_camera sonar thermal thermal_camera wide_angle_camera "
-    "wireless_receiver wireless_transmitter"
+    "wideanglecamera wireless_receiver wireless_transmitter"
 )
 """The types of sensors that sdformat takes, with blanks between them."""
 ROUNDED = 1e-9
@@ -238,8 +238,7 @@ def _said(place: _Place, text: str) -> Iterator[Hit]:
 def _places(description: Description) -> Iterator[_Place]:
     compiler = description.root.first("mujoco", "compiler")
     draws = compiler is not None and compiler.get("discardvisual") == "false"
-    for material in description.root.all("material"):
-        yield from _of_material(material)
+    yield from _of_materials(description)
     moved = {joint.child for joint in description.joints if joint.kind in MOVING}
     for link in description.root.all("link"):
         if inertial := link.first("inertial"):
@@ -294,6 +293,23 @@ def _of_origin(parent: Element, inside: str) -> Iterator[_Place]:
 def _of_material(material: Element) -> Iterator[_Place]:
     if colour := material.first("color"):
         yield _Place(colour, "rgba", 4, "material", required=True)
+
+
+def _of_materials(description: Description) -> Iterator[_Place]:
+    """Those of the robot, and, for MuJoCo, the first of each name wherever it is; visuals yield their own."""
+    own = description.root.all("material")
+    visuals = [visual for link in description.root.all("link") for visual in link.all("visual")]
+    elsewhere = {id(material) for visual in visuals if (material := visual.first("material"))}
+    seen = set[str | None]({None})
+    for material in (element for element in description.root.walk() if element.tag == "material"):
+        readers = _ALL - {"mujoco"} if material in own else frozenset()
+        if (name := material.get("name")) not in seen:
+            readers |= {"mujoco"}
+        if material.first("color"):
+            seen.add(name)
+        if readers and id(material) not in elsewhere:
+            for place in _of_material(material):
+                yield place._replace(readers=readers)
 
 
 def _of_geometry(geometry: Element) -> Iterator[_Place]:

@@ -43,6 +43,7 @@ CONTACTS = (
 )
 """Elements of a contact whose value PyBullet needs."""
 _MODEL = "model://"
+_OF_DRAKE = {"drake:capsule", "drake:ellipsoid"}
 
 
 def hits(description: Description) -> Iterator[Hit]:
@@ -102,6 +103,7 @@ def _of_shape(shape: Element, about: str) -> Iterator[Hit]:
         near = did_you_mean(first.tag, SHAPES)
         message = f"{about} is {shown(first.tag)}"
         knows = {"mujoco", "drake"} if any(tag in SHAPES for tag in tags) else set()  # They look for what they know.
+        knows |= {"drake"} if any(tag in _OF_DRAKE for tag in tags) else set()
         of = ALL - knows - ({"pybullet"} if first.tag == "plane" and first.get("normal") else set())
         yield Hit("unknown-geometry", first, f"{message}: {near}" if near else message, of)
     for index, body in enumerate(bodies):

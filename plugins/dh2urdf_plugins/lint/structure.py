@@ -125,10 +125,6 @@ def _ends(description: Description) -> Iterator[Hit]:
                 message = f"the {end} of {about} is {shown(name)}, and there is no such link"
                 of = ALL - {"drake"} if name == WORLD else None
                 yield Hit("undefined-link", found or joint.element, f"{message}: {near}" if near else message, of)
-    for extension in description.root.all("drake:joint"):
-        if missing := [name for name in ("parent", "child") if extension.first(name) is None]:
-            message = f"a drake:joint has no {' and no '.join(missing)}"
-            yield Hit("missing-parent-or-child", extension, message, {"drake"})
 
 
 def _type(joint: JointNode) -> Iterator[Hit]:

@@ -221,7 +221,7 @@ class _UrdfReader:
         except ValueError:
             numbers = []
         # `float` also takes 1_000, nan and inf, which no reader of URDF does.
-        if len(numbers) != count or "_" in text or not all(map(isfinite, numbers)):
+        if len(numbers) != count or "_" in text or not text.isascii() or not all(map(isfinite, numbers)):
             wanted = "one finite number" if count == 1 else f"{count} finite numbers with spaces between them"
             raise self._error(element, f"{attribute} of {element.tag} is {shown(text)}", accepted=wanted)
         return numbers

@@ -319,6 +319,7 @@ FAULTS: dict[str, Fault] = {
     "transmission-incomplete": Fault(
         END, "  <transmission>\n    <type>SimpleTransmission</type>\n  </transmission>\n" + END, "<transmission"
     ),
+    "drake-extension": Fault(END, '  <drake:joint name="ball" type="ball"/>\n' + END, "<drake:joint"),
     "transmission-type-empty": Fault(END, "  <transmission>\n    <type/>\n  </transmission>\n" + END, "<type"),
     "axis-along-minus-z": Fault(ELBOW_AXIS, '<axis xyz="0 0 -1"/>', '<axis xyz="0 0 -1"/>'),
     "missing-axis": Fault(f"    {ELBOW_AXIS}\n", "", '<joint name="elbow"'),

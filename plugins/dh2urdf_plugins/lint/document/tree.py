@@ -74,7 +74,8 @@ class Element:
 def numbers_of(text: str | None, count: int) -> tuple[float, ...] | None:
     """As many finite numbers as a text should hold; None where it holds something else."""
     words = (text or "").split()
-    if len(words) != count or any("_" in word for word in words):  # `float` takes 1_000, which no reader does.
+    if len(words) != count or not all(word.isascii() and "_" not in word for word in words):
+        # `float` takes 1_000 and the digits of other alphabets, which no reader does.
         return None
     try:
         found = tuple(map(float, words))

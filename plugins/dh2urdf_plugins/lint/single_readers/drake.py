@@ -11,11 +11,12 @@ from dh2urdf_plugins.lint.numbers import drake_number, drake_numbers
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from dh2urdf_plugins.lint.document.description import Description
+    from dh2urdf_plugins.lint.document.description import Description, JointNode
     from dh2urdf_plugins.lint.document.tree import Element
 
 _SEVERAL = {"floating", "planar"}
 """Types of joints with several coordinates."""
+_STILL = {"fixed"}
 _GROUP = "drake:collision_filter_group"
 
 
@@ -35,26 +36,39 @@ def actuated_joints(description: Description) -> set[str]:
     return {
         joint.get("name") or ""
         for transmission in description.root.all("transmission")
-        if (kind := transmission.first("type")) and "SimpleTransmission" in kind.text
+        if "SimpleTransmission" in (_type_of(transmission) or "")
         if (joint := transmission.first("joint")) and transmission.first("actuator")
     }
 
 
 def _transmissions(description: Description) -> Iterator[Hit]:
     """Drake reads those of the type that it knows, and passes over the others."""
-    kinds = {joint.name: joint.kind for joint in description.joints}
+    kinds = {joint.name: "fixed" if _is_idle(joint) else joint.kind for joint in description.joints}
     actuators = set[str]()
     for transmission in description.root.all("transmission"):
-        kind = transmission.first("type")
+        kind, element = _type_of(transmission), transmission.first("type")
         if kind is None:
             yield Hit("transmission-incomplete", transmission, "a transmission has no type")
-        elif not kind.text:
-            yield Hit("transmission-type-empty", kind, "a transmission has an empty type")
-        elif "SimpleTransmission" in kind.text:
+        elif element and not kind:
+            yield Hit("transmission-type-empty", element, "a transmission has an empty type")
+        elif "SimpleTransmission" in kind:
             if problem := _problem(transmission, kinds, actuators):
                 yield Hit("transmission-incomplete", transmission, f"a transmission {problem}")
-            if actuator := transmission.first("actuator"):
+            joint, actuator = transmission.first("joint"), transmission.first("actuator")
+            if actuator and joint and kinds.get(joint.get("name") or "") not in _SEVERAL | _STILL:
                 actuators.add(actuator.get("name") or "")
+
+
+def _is_idle(joint: JointNode) -> bool:
+    """Whether the effort of a joint is 0; Drake passes over its transmission, as over that of a fixed joint."""
+    limit = joint.element.first("limit")
+    return limit is not None and drake_number(limit.get("effort")) == 0.0 and joint.kind not in _SEVERAL
+
+
+def _type_of(transmission: Element) -> str | None:
+    """The type of a transmission: of its element, or, where there is none, of its attribute."""
+    kind = transmission.first("type")
+    return kind.text if kind else transmission.get("type")
 
 
 def _problem(transmission: Element, kinds: dict[str, str], actuators: set[str]) -> str:
@@ -69,10 +83,11 @@ def _problem(transmission: Element, kinds: dict[str, str], actuators: set[str]) 
         return f"is of joint {shown(driven)}, and there is no such joint"
     if kinds[driven] in _SEVERAL:
         return f"is of joint {shown(driven)}, which is {kinds[driven]}"
-    if name in actuators:
+    if name in actuators and kinds[driven] not in _STILL:  # Drake passes over the transmission of one that is still.
         return f"has the actuator {shown(name)}, as another has"
     numbers = (actuator.first("drake:rotor_inertia"), actuator.first("drake:gear_ratio"))
     wrong = [element.tag for element in numbers if element and drake_number(element.get("value")) is None]
+    wrong = [] if kinds[driven] in _STILL else wrong
     return f"has a {wrong[0]} that is no number" if wrong else ""
 
 

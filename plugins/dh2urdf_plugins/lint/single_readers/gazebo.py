@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+import sys
 from typing import TYPE_CHECKING
 
 from dh2urdf.manipulator import WORLD, Inertia
@@ -19,6 +21,8 @@ if TYPE_CHECKING:
     from dh2urdf_plugins.lint.document.description import Description, JointNode, LinkNode
     from dh2urdf_plugins.lint.document.tree import Element
 
+_SPARE = 5.0 * sys.float_info.epsilon
+"""By what share of their sum sdformat lets moments be off."""
 _NOTHING = 1e-6
 """Mass that sdformat takes for 0 [kg]."""
 
@@ -109,14 +113,46 @@ def merged(description: Description, body: list[LinkNode]) -> Inertial | None:
 
 
 def _inertial(inertial: Element) -> Inertial | None:
-    """As urdfdom reads it; where one element of the inertia is no number, all are 0."""
-    pose, mass, inertia = pose_of(inertial.first("origin")), inertial.first("mass"), inertial.first("inertia")
+    """As urdfdom reads it."""
+    pose, mass = pose_of(inertial.first("origin")), inertial.first("mass")
     if pose is None or mass is None or urdfdom_numbers(mass.get("value") or "", 1) is None:
         return None
+    return placed(Inertial(mass=mass_of(inertial), inertia=tensor_of(inertial)), pose)
+
+
+def tensor_of(inertial: Element | None) -> Inertia:
+    """The inertia that urdfdom reads: 0 where one of its elements is no number."""
+    inertia = inertial.first("inertia") if inertial else None
     read = [urdfdom_numbers(inertia.get(name) or "", 1) for name in INERTIA] if inertia else [None]
-    elements = [0.0 if None in read or not numbers else numbers[0] for numbers in read]
-    tensor = Inertia(**dict(zip(INERTIA, elements, strict=True))) if inertia else WEIGHTLESS.inertia
-    return placed(Inertial(mass=mass_of(inertial), inertia=tensor), pose)
+    if None in read:
+        return WEIGHTLESS.inertia
+    return Inertia(**dict(zip(INERTIA, (numbers[0] for numbers in read if numbers), strict=True)))
+
+
+def takes_inertia(inertia: Inertia) -> bool:
+    """Whether sdformat takes a tensor for that of a body.
+
+    It forgives the last digits alone, and loses half of them itself where two principal moments are nearly the same, as
+    in a thin rod (`MassMatrix3::IsValid` of ignition-math 6, after Kronenburg, https://arxiv.org/abs/1306.6291v4).
+    """
+    # It writes the numbers with 16 digits, and reads them.
+    names = ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
+    xx, yy, zz, xy, xz, yz = (float(f"{getattr(inertia, name):.16g}") for name in names)
+    b, spare = xx + yy + zz, _SPARE * abs(xx + yy + zz)
+    c = xx * yy - xy**2 + xx * zz - xz**2 + yy * zz - yz**2
+    d = xx * yz**2 + yy * xz**2 + zz * xy**2 - xx * yy * zz - 2.0 * xy * xz * yz
+    if min(xx, xx * yy - xy**2, -d) + spare < 0.0:
+        return False
+    low, middle, high = sorted((xx, yy, zz))
+    if max(abs(xy), abs(xz), abs(yz)) > 1e-6 * high:
+        p = b**2 - 3.0 * c
+        low = middle = high = b / 3.0
+        if p >= (1e-6 * max(xx, yy, zz)) ** 2:
+            delta = math.acos(min(max(0.5 * (2.0 * b**3 - 9.0 * b * c - 27.0 * d) / p**1.5, -1.0), 1.0))
+            turns = (delta / 3.0, (delta + math.tau) / 3.0, (delta - math.tau) / 3.0)
+            low, middle, high = sorted((b + 2.0 * math.sqrt(p) * math.cos(turn)) / 3.0 for turn in turns)
+    spare = _SPARE * abs(low + middle + high)
+    return low + spare >= 0.0 and low + middle + spare >= high
 
 
 def _has_wrong_origin(inertial: Element) -> bool:

@@ -221,7 +221,7 @@ class Elements(FileElements):
             numbers = []
         # `float` also takes 1_000, nan and inf, which MuJoCo does not.
         fits = len(numbers) == count or count < len(numbers) <= most
-        if not fits or "_" in text or not all(map(math.isfinite, numbers)):
+        if not fits or "_" in text or not text.isascii() or not all(map(math.isfinite, numbers)):
             wanted = "one finite number" if count == 1 else f"{count} finite numbers with spaces between them"
             raise self.error(element, f"{name} of {element.tag} is {shown(text)}", accepted=wanted)
         return numbers if len(numbers) == count else numbers[:count]

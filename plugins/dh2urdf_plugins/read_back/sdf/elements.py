@@ -77,7 +77,7 @@ class SdfElements(FileElements):
             numbers = []
         # `float` also takes 1_000 and nan; inf is a limit that there is none.
         odd = not all(map(isfinite, numbers)) and ("limit/" not in path or any(map(isnan, numbers)))
-        if len(numbers) != count or odd or "_" in text:
+        if len(numbers) != count or odd or "_" in text or not text.isascii():
             wanted = "one number" if count == 1 else f"{count} numbers with spaces between them"
             raise self.error(element, f"{path} of {element.tag} is {shown(text)}", accepted=wanted)
         return numbers

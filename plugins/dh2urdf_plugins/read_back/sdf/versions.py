@@ -37,7 +37,7 @@ def modernise(root: etree._Element) -> None:
     for axis in root.iter("axis"):
         xyz, word = axis.find("xyz"), axis.find(IN_MODEL)
         is_old = version < _OWN_AXES_SINCE and not _is_nested(axis)
-        if xyz is not None and (is_old or (word is not None and is_true(word.text))):
+        if xyz is not None and (is_old if word is None else is_true(word.text)):
             xyz.set("expressed_in", MODEL)
         if word is not None:
             axis.remove(word)

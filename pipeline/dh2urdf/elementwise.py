@@ -9,12 +9,14 @@ one code makes one robot and many, and the same bytes. numpy is imported where t
 from __future__ import annotations
 
 import math
+import operator
+from functools import reduce
 from itertools import repeat
 from struct import pack
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Callable, Iterable, Sequence
 
 Number: TypeAlias = Any
 """A float, or an array of shape (N,)."""
@@ -54,6 +56,12 @@ def array_of(numbers: Sequence[float]) -> Any:  # noqa: ANN401 - an array
     import numpy as np
 
     return np.frombuffer(pack(f"{len(numbers)}d", *numbers))
+
+
+def total(numbers: Iterable[Number]) -> float:
+    """The sum from the left, each step rounded: since Python 3.12, `sum` rounds floats otherwise, and columns so."""
+    found: float = reduce(operator.add, numbers, 0.0)
+    return found
 
 
 def hypot(*coordinates: Number) -> Number:

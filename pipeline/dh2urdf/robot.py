@@ -16,6 +16,7 @@ from dataclasses import field
 from typing import TYPE_CHECKING
 
 from dh2urdf._faces import function_of
+from dh2urdf.elementwise import total
 from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.manipulator import Inertia, JointType, Limits, Manipulator
 from dh2urdf.rotations import Z_AXIS, ZERO, Vec3
@@ -204,7 +205,7 @@ class Robot:
     @property
     def mass(self) -> float:
         """Mass of all links [kg]."""
-        return sum(link.inertial.mass for link in self.links if link.inertial)
+        return total(link.inertial.mass for link in self.links if link.inertial)
 
     def fk(self, q: JointVectors, tip: str = "tool0") -> NDArray[np.float64]:
         """Forward kinematics of a link at one joint vector or at many.

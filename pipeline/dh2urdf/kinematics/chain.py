@@ -16,6 +16,7 @@ from collections.abc import Mapping, Sequence
 from itertools import count
 from typing import TYPE_CHECKING, Any, TypeAlias
 
+from dh2urdf.elementwise import total
 from dh2urdf.errors import RecordValueError
 from dh2urdf.kinematics.walk import CompiledChain, JointValue, values_of
 from dh2urdf.late_tuples import NamedTuple
@@ -327,7 +328,7 @@ def reach(manipulator: Manipulator) -> float:
     Takes columns.
     """
     segments = (abs(row.a) + abs(joint_variables(row)[1]) for row in manipulator.rows)
-    return norm(manipulator.base.translation) + sum(segments, 0.0) + norm(manipulator.tool.translation)
+    return norm(manipulator.base.translation) + total(segments) + norm(manipulator.tool.translation)
 
 
 def dh_transforms(

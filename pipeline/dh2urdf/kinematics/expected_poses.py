@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from dh2urdf.elementwise import total
 from dh2urdf.kinematics.chain import compile_table, reach
 from dh2urdf.kinematics.walk import CompiledChain, values_of
 from dh2urdf.late_dataclasses import dataclass
@@ -77,8 +78,8 @@ class Tip:
         """An upper bound of its distance from the root at some joint vectors [m]."""
         rows = [row for stretch in self.way for row in stretch.manipulator.moving_rows]
         sliding = [column for column, row in zip(self.columns, rows, strict=True) if row.type is JointType.PRISMATIC]
-        travel = max((sum(abs(q[column]) for column in sliding) for q in poses), default=0.0) if sliding else 0.0
-        return sum(norm(placement.translation) + reach(table) for table, _, placement in self.way) + travel
+        travel = max((total(abs(q[column]) for column in sliding) for q in poses), default=0.0) if sliding else 0.0
+        return total(norm(placement.translation) + reach(table) for table, _, placement in self.way) + travel
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from dh2urdf.documents import is_file, read_bytes
+from dh2urdf.elementwise import total
 from dh2urdf.errors import ProofError, TableError
 from dh2urdf.foreign_robot import Follower
 from dh2urdf.late_dataclasses import dataclass
@@ -322,7 +323,7 @@ def _mjcf_follower(joint: etree._Element, places: Mapping[str, float]) -> Follow
     own, reference = places.get(joint.get("joint1", ""), 0.0), places.get(leader, 0.0)
     # The same polynomial of the leader's value, by the binomial theorem: Σ c_k (x - r)^k.
     constant, multiplier, *higher = (
-        sum(factors[k] * comb(k, n) * (-reference) ** (k - n) for k in range(n, 5) if factors[k]) for n in range(5)
+        total(factors[k] * comb(k, n) * (-reference) ** (k - n) for k in range(n, 5) if factors[k]) for n in range(5)
     )
     if not leader:  # It keeps the value that it has where every joint has its reference value.
         constant, multiplier, higher = factors[0], 0.0, []

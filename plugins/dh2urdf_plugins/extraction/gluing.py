@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from dh2urdf.elementwise import total
 from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.manipulator import Convention
@@ -139,7 +140,7 @@ def _give_away(  # noqa: PLR0917 - the run and what is known of it
     for link in links[first:last]:
         directions.append(directions[-1] * link.parallel)
     run = range(first, last + 1)
-    total = sum(direction * heights[number] for direction, number in zip(directions, run, strict=True))
+    shift = total(direction * heights[number] for direction, number in zip(directions, run, strict=True))
     shifted = [number for number in run if abs(heights[number]) > precision.length]
     is_inside = first > 0 and last < len(chain.axes) - 1
     if len(run) > 2 and is_inside and all(chain.axes[number].turns for number in run):  # noqa: PLR2004
@@ -150,7 +151,7 @@ def _give_away(  # noqa: PLR0917 - the run and what is known of it
         taker = first if first == 0 else last
     for number in run:
         heights[number] = 0.0
-    heights[taker] = directions[taker - first] * total
+    heights[taker] = directions[taker - first] * shift
 
 
 # Base and tool.

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from dh2urdf.elementwise import total
 from dh2urdf.errors import RecordValueError
 from dh2urdf.kinematics.chain import angle_error, compile_table, position_error, reach
 from dh2urdf.kinematics.joint_vectors import JointNames, joint_values
@@ -145,7 +146,7 @@ class _PoseSearch:
             for value in (row.limits.lower, row.limits.upper)
             if value is not None
         ]
-        self._length = max(reach(manipulator) + sum(travel), norm(target.translation), 1e-6)
+        self._length = max(reach(manipulator) + total(travel), norm(target.translation), 1e-6)
         # A prismatic joint counts in reaches, as a revolute one in radians.
         self._scale = np.array([self._length if row.type is JointType.PRISMATIC else 1.0 for row in rows])
         self._turns = np.array([row.type is not JointType.PRISMATIC for row in rows], dtype=bool)

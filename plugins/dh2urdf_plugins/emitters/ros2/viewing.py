@@ -5,6 +5,7 @@ from __future__ import annotations
 import pprint
 from typing import TYPE_CHECKING
 
+from dh2urdf.elementwise import total
 from dh2urdf.kinematics import link_poses
 from dh2urdf.manipulator import TOOL, JointType
 from dh2urdf.rotations import norm
@@ -51,7 +52,7 @@ def planning_view(robot: Robot) -> bytes:
 
 
 def _view(template: str, robot: Robot) -> bytes:
-    size = max(sum(norm(joint.origin.xyz) for joint in robot.joints) / max(len(robot.arms), 1), 0.1)
+    size = max(total(norm(joint.origin.xyz) for joint in robot.joints) / max(len(robot.arms), 1), 0.1)
     numbers = {"CELL": size / 5.0, "MARKER": size / 3.0, "DISTANCE": 2.0 * size, "HEIGHT": size / 3.0}
     return filled(template, ROOT=robot.root, **{name: f"{value:.3g}" for name, value in numbers.items()})
 

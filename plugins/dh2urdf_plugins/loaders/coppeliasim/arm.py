@@ -16,6 +16,7 @@ import math
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
+from dh2urdf.elementwise import total
 from dh2urdf.errors import LoaderError
 from dh2urdf.manipulator import Inertia
 from dh2urdf.mass_properties import placed
@@ -169,7 +170,7 @@ class Arm:
         masses, problems = self.comparison.masses(bodies, written)
         if problems:
             raise LoaderError(problems)
-        masses["mass"] = sum(body.mass for body in bodies.values())
+        masses["mass"] = total(body.mass for body in bodies.values())
         number = self.ask(self.sim.getInt32Param, self.sim.intparam_program_full_version)
         return LoadReport(
             simulator="CoppeliaSim",

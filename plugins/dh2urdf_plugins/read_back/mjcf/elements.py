@@ -22,6 +22,7 @@ from dh2urdf.rotations import (
     Vec3,
     add,
     cross,
+    dot,
     multiply,
     norm,
     rotation_from_quaternion,
@@ -171,8 +172,7 @@ class Elements(FileElements):
             numbers = self.numbers(element, attributes, "xyaxes", (0.0,) * 6)
             x_axis = self._unit(element, "xyaxes", (numbers[0], numbers[1], numbers[2]))
             along = (numbers[3], numbers[4], numbers[5])
-            apart = sum(a * b for a, b in zip(x_axis, along, strict=True))
-            y_axis = self._unit(element, "xyaxes", subtract(along, scale(apart, x_axis)))
+            y_axis = self._unit(element, "xyaxes", subtract(along, scale(dot(x_axis, along), x_axis)))
             z_axis = cross(x_axis, y_axis)
             return (x_axis[0], y_axis[0], z_axis[0], x_axis[1], y_axis[1], z_axis[1], x_axis[2], y_axis[2], z_axis[2])
         if "zaxis" in attributes:

@@ -250,6 +250,7 @@ MJCF_FAULTS: dict[str, Change] = {
     "mjcf-unknown-word": Change('limited="true" range="-1 2"', 'limited="yes" range="-1 2"', '"yes"'),
     "mjcf-free-joint-below": Change(LAST_JOINT, '<joint name="slide" type="free"/>', '"free"'),
     "mjcf-size-not-positive": Change('size="0.1 0.025 0.025"', 'size="0.1 0.025 0"', '"shape"'),
+    "mjcf-tendon-path": Change("</actuator>", '</actuator>\n<tendon><fixed name="t"/></tendon>', "<tendon"),
     "mjcf-equality-with-itself": Change(
         "</actuator>",
         '</actuator>\n<equality><connect body1="arm_1" body2="arm_1" anchor="0 0 0"/></equality>',

@@ -616,6 +616,67 @@ def odd_bounds() -> dict[str, str]:
     return found
 
 
+def odd_skins() -> dict[str, str]:
+    """Skins whose bones lack something, layers of materials that do, materials that are not there, paths of tendons."""
+    bone = {"body": "a", "bindpos": "0 0 0", "bindquat": "1 0 0 0", "vertid": "0 1 2", "vertweight": "1 1 1"}
+    skin = '<skin name="k" vertex="0 0 0 1 0 0 0 1 0" face="0 1 2"%s><bone %s/></skin>'
+    tendon = '<site name="s"/><site name="t" pos="1 0 0"/>'
+    spatial = '<tendon><spatial%s><site site="s"/><site site="t"/></spatial></tendon>'
+    found = {}
+    wraps = {"s": '<site site="s"/>', "t": '<site site="t"/>', "g": '<geom geom="g"/>', "p": "<pulley divisor='2'/>"}
+    wraps |= {"j": '<joint joint="j" coef="1"/>', "b": '<joint joint="b" coef="1"/>'}
+    above = f'<body name="c"><joint name="b" type="ball"/><geom name="g" size="1"/></body>{tendon}'
+    for path in [
+        "s",
+        "p",
+        "g",
+        "ss",
+        "st",
+        "sg",
+        "gs",
+        "sgt",
+        "gst",
+        "sggt",
+        "pst",
+        "stp",
+        "stpst",
+        "sp",
+        "spt",
+        "stps",
+        "stppst",
+        "sts",
+        "sptps",
+        "sgpst",
+        "stpsgt",
+    ]:
+        inner = "".join(wraps[each] for each in path)
+        found[f"path {path}"] = BODY % ("", "", above, f"<tendon><spatial>{inner}</spatial></tendon>")
+    found["no path"] = BODY % ("", "", "", "<tendon><spatial/></tendon>")
+    for path in ("", "j", "jj", "b", "jb"):
+        inner = "".join(wraps[each] for each in path)
+        found[f"joints {path}"] = BODY % ("", "", above, f"<tendon><fixed>{inner}</fixed></tendon>")
+    for lacking in ("", *bone):
+        attributes = " ".join(f'{name}="{text}"' for name, text in bone.items() if name != lacking)
+        found[f"bone without {lacking}"] = BODY % (skin % ("", attributes), "", "", "")
+        if not lacking:
+            found["skin of nothing"] = BODY % (skin % (' material="nowhere"', attributes), "", "", "")
+    for material in ("", ' material="nowhere"'):
+        found[f"tendon {material}"] = BODY % ("", "", tendon, spatial % material)
+    texture = (
+        '<texture name="t" type="2d" builtin="flat" width="4" height="4"/><material name="m"><layer %s/></material>'
+    )
+    for layer in ('texture="t" role="rgb"', 'texture="t"', 'role="rgb"', 'texture="nowhere" role="rgb"'):
+        found[f"layer {layer}"] = BODY % (texture % layer, "", "", "")
+    return found
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("consumer", ["mujoco", "drake"])
+def test_skins_and_layers_are_foretold(tmp_path: Path, consumer: str) -> None:
+    """Of attributes that a bone or a layer needs, and of materials that are not there."""
+    test_what_a_reader_makes_of_an_oddity_is_foretold(tmp_path, consumer, odd_skins)
+
+
 @pytest.mark.long
 @pytest.mark.parametrize("consumer", ["mujoco", "drake"])
 def test_meshes_and_bounds_are_foretold(tmp_path: Path, consumer: str) -> None:

@@ -10,6 +10,7 @@ from dh2urdf.errors import ProofError
 from dh2urdf.source import shown
 from dh2urdf_plugins.lint.models.mjcf_meshes import format_hits, hits as hits_of_meshes
 from dh2urdf_plugins.lint.models.mjcf_needs import hits as hits_of_needs
+from dh2urdf_plugins.lint.models.mjcf_tendons import hits as hits_of_tendons
 from dh2urdf_plugins.lint.models.models import Hit, Model, elements_of, numbers
 from dh2urdf_plugins.lint.numbers import mujoco_numbers
 from dh2urdf_plugins.read_back.mjcf.elements import Elements, compiler_of
@@ -54,7 +55,11 @@ def hits(model: Model, *, complete: bool) -> Iterator[Hit]:
         try:
             found = [*_keyframes(root, elements), *_masses(root, elements)]
             found += [*_free_joints(root, elements), *_sizes(root, elements)]
-            found += [*hits_of_needs(root, elements), *hits_of_meshes(elements, meshes)]
+            found += [
+                *hits_of_needs(root, elements),
+                *hits_of_tendons(root, elements),
+                *hits_of_meshes(elements, meshes),
+            ]
         except ProofError:  # of a class or a number, about which other rules speak
             return
         yield from found

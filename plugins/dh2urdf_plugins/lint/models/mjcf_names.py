@@ -34,7 +34,7 @@ _OBJECTS = {"objname": "objtype", "refname": "reftype"}
 """Attributes that name a thing, and those that give its kind."""
 _ASSETS = {
     "geom": {"mesh": "mesh", "material": "material", "hfield": "hfield"},
-    "site": {"material": "material"},
+    **{tag: {"material": "material"} for tag in ("site", "spatial", "skin", "flex")},
     "material": {"texture": "texture"},
     "layer": {"texture": "texture"},
 }
@@ -135,7 +135,8 @@ def _of_assets(elements: Elements, names: dict[str, set[str]]) -> Iterator[Hit]:
                 wanted.add((kind, _taken(element, attribute, elements)))
     for element, attribute, kind in named:
         if (kind, element.get(attribute)) in wanted:
-            yield from _missing(element, attribute, kind, names, _OF_ASSETS.get(kind, "undefined-asset"))
+            for hit in _missing(element, attribute, kind, names, _OF_ASSETS.get(kind, "undefined-asset")):
+                yield hit if element.tag == "geom" else hit._replace(of={"mujoco"})
 
 
 def _taken(element: etree._Element, attribute: str, elements: Elements) -> str | None:

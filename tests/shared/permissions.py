@@ -1,4 +1,4 @@
-"""Commands that permissions hold, as those of an ordinary user, whoever runs the tests."""
+"""Commands that permissions hold, as those of an ordinary user, also where root runs the tests."""
 
 from __future__ import annotations
 

@@ -1094,31 +1094,6 @@ def test_comments_behind_the_rows_of_many_arms_are_judged_with_their_own_rows(
         *("rotated 90° about z", "mounted at 45°", "left-hand rule", "y up", "symmetric to the right arm"),
         *("d6 + 100 for the tool", "l1=300, l2=200", "L1 = 0.3, L2 = 0.2.", "angles in the controller are negated"),
         *("external axis 2 m", "on a rail", "7th axis: rail"),
-    ],
-)
-@pytest.mark.parametrize("suffix", [".csv", ".yaml"])
-def test_more_of_what_only_columns_can_say_is_noticed(
-    comment: str, suffix: str, read_one: Callable[..., Manipulator]
-) -> None:
-    """Scales, units that no table has, bases that are turned, and symbols with their numbers: they were passed over."""
-    rows = "a,alpha,d\n0.3,0,0.1\n" if suffix == ".csv" else "joints: [{a: 0.3, alpha: 0, d: 0.1}]\n"
-    assert [notice.found for notice in read_one(f"# {comment}\n{rows}", suffix).notices] == [f"# {comment}"]
-
-
-@pytest.mark.parametrize(
-    "comment",
-    [
-        *("z up, right-hand rule", "d4-d6 are the wrist", "page 3/10", "IRB 1600-10/1.45", "left arm of the pair"),
-        *("mounted on a table", "rotated views in figure 2", "revision 1 is of 2020", "the hand is not part of it"),
-    ],
-)
-def test_words_like_those_stay_without_a_word(comment: str, read_one: Callable[..., Manipulator]) -> None:
-    assert read_one(f"# {comment}\na,alpha,d\n0.3,0,0.1\n").notices == ()
-
-
-@pytest.mark.parametrize(
-    "comment",
-    [
         *("zero pose: arm straight up", "zero position: arm horizontal", "home position is stretched upwards"),
         *(
             "Nullstellung: Arm gestreckt",
@@ -1137,12 +1112,23 @@ def test_words_like_those_stay_without_a_word(comment: str, read_one: Callable[.
     ],
 )
 @pytest.mark.parametrize("suffix", [".csv", ".yaml"])
-def test_prose_about_zeros_scales_signs_and_rows_is_noticed(
+def test_more_of_what_only_columns_can_say_is_noticed(
     comment: str, suffix: str, read_one: Callable[..., Manipulator]
 ) -> None:
-    """Each of them means another arm than the numbers, and was passed over."""
+    """Scales, zeros, signs, rows, units that no table has, turned bases, symbols with numbers: they were passed over."""
     rows = "a,alpha,d\n0.3,0,0.1\n" if suffix == ".csv" else "joints: [{a: 0.3, alpha: 0, d: 0.1}]\n"
     assert [notice.found for notice in read_one(f"# {comment}\n{rows}", suffix).notices] == [f"# {comment}"]
+
+
+@pytest.mark.parametrize(
+    "comment",
+    [
+        *("z up, right-hand rule", "d4-d6 are the wrist", "page 3/10", "IRB 1600-10/1.45", "left arm of the pair"),
+        *("mounted on a table", "rotated views in figure 2", "revision 1 is of 2020", "the hand is not part of it"),
+    ],
+)
+def test_words_like_those_stay_without_a_word(comment: str, read_one: Callable[..., Manipulator]) -> None:
+    assert read_one(f"# {comment}\na,alpha,d\n0.3,0,0.1\n").notices == ()
 
 
 @pytest.mark.parametrize(

@@ -11,6 +11,7 @@ if TYPE_CHECKING:
         result_of as result_of,
         run_in_child as run_in_child,
     )
+    from dh2urdf.isolation.encodings import Data as Data, Pickled as Pickled
     from dh2urdf.isolation.fence import enter as enter
     from dh2urdf.isolation.interpreter import Interpreter as Interpreter
     from dh2urdf.isolation.own_process import claim as claim, is_own as is_own
@@ -19,6 +20,7 @@ else:
         __name__,
         {
             "child_process": "ChildFailure result_of run_in_child",
+            "encodings": "Data Pickled",
             "fence": "enter",
             "interpreter": "Interpreter",
             "own_process": "claim is_own",

@@ -1,26 +1,32 @@
 """What runs in an interpreter that `dh2urdf.isolation.interpreter` starts: the calls of its parent, in their order.
 
-It is started by its path and needs the standard library alone, so it works wherever the interpreter does. Messages are
-pickles. The first one is ``sys.path``. Each further one is a call, ``(function, arguments)``, both pickled once more;
-without a function it is the function of the call before, and without arguments the function is imported and not
-called. None ends the interpreter.
+It is started by its path and needs the standard library alone, so it works wherever the interpreter does. The parent
+sends pickles. The first one is ``sys.path``. Each further one is a call, ``(encoding, function, arguments)``, each
+pickled once more; without a function it is the function of the call before, in its encoding, and without arguments the
+function is imported and not called. None ends the interpreter.
 
-Calls arrive on standard input. Each answer leaves on what was standard output: a word and its data. Everything that
-anybody prints, from C too, goes to standard error, between two marks for each call.
+Calls arrive on standard input. Each answer leaves on what was standard output: the sizes of its two parts, a word with
+texts as JSON, and what the encoding (of `dh2urdf.isolation.encodings`) makes of the value or the exception. Everything
+that anybody prints, from C too, goes to standard error, between two marks for each call.
 """
 
 from __future__ import annotations
 
 import contextlib
+import json
 import os
 import pickle
 import signal
+import struct
 import sys
 import threading
 import traceback
 from pathlib import Path
 from queue import SimpleQueue
 from typing import IO, Any
+
+
+_LONGEST_TEXT = 2**16  # characters of a text of an answer: of a traceback the end
 
 
 class _Terminated(KeyboardInterrupt):
@@ -43,15 +49,17 @@ def main(begin: bytes, end: bytes) -> None:
     received: SimpleQueue[Any] = SimpleQueue()
     threading.Thread(target=_receive, args=(messages, received), daemon=True).start()
     sys.path[:] = received.get()
-    function: Any = None
+    kept: Any = None
     while (call := received.get()) is not None:
         os.write(2, begin)
-        function, answer = answer_call(function, *call)
+        kept, (*words, body) = answer_call(kept, *call)
         for stream in (sys.stdout, sys.stderr):
             with contextlib.suppress(OSError, ValueError, AttributeError):  # closed or replaced by what was called
                 stream.flush()
         os.write(2, end)
-        pickle.dump(answer, answers)
+        head = json.dumps([word[-_LONGEST_TEXT:] if isinstance(word, str) else word for word in words]).encode()
+        answers.write(struct.pack(">QQ", len(head), len(body)) + head)
+        answers.write(body)
         answers.flush()
 
 
@@ -81,42 +89,49 @@ def _receive(messages: IO[bytes], received: SimpleQueue[Any]) -> None:
         os._exit(1)
 
 
-def answer_call(function: Any, given: bytes | None, args: bytes | None) -> tuple[Any, tuple[Any, ...]]:  # noqa: ANN401 - whatever is called
-    """The function of a call, and what came of it. SIGTERM ends the call, which takes away what it was writing."""
+def answer_call(
+    kept: tuple[Any, Any] | None, encoding: bytes | None, function: bytes | None, args: bytes | None
+) -> tuple[tuple[Any, Any] | None, tuple[Any, ...]]:
+    """Encoding and function of a call, and what came of it. SIGTERM ends the call, which takes away what it was writing.
+
+    Args:
+        kept: those of the call before.
+        encoding: the encoding, pickled; without it, that of the call before.
+        function: the function, pickled; without it, that of the call before.
+        args: its arguments, pickled; without them it is not called.
+
+    Returns:
+        Both, and the answer: a word, texts, and bytes.
+    """
+    coder: Any = None
     try:
-        if given is not None:
-            function = pickle.loads(given)  # noqa: S301 - our own parent sent it
+        if encoding is not None and function is not None:
+            coder = pickle.loads(encoding)  # noqa: S301 - our own parent sent it
+            coder.prepare()
+            kept = coder, pickle.loads(function)  # noqa: S301 - our own parent sent it
     except Exception as error:  # noqa: BLE001 - unpickling imports modules, which may raise anything
-        return None, ("not imported", f"{type(error).__name__}: {error}", _pickled(error))
-    if args is None:
-        return function, ("imported",)
+        return None, ("not imported", f"{type(error).__name__}: {error}", coder.pack_error(error) if coder else b"")
+    if args is None or kept is None:
+        return kept, ("imported", b"")
+    coder, called = kept
     signal.signal(signal.SIGTERM, _on_terminate)
     try:
-        return function, ("value", pickle.dumps(function(*pickle.loads(args))))  # noqa: S301 - our own parent sent it
+        return kept, ("value", coder.pack(called(*pickle.loads(args))))  # noqa: S301 - our own parent sent it
     except SystemExit as error:
-        return function, ("left", 0 if error.code is None else error.code, traceback.format_exc())
+        code = error.code if isinstance(error.code, int) else 0 if error.code is None else str(error.code)
+        return kept, ("left", code, traceback.format_exc(), b"")
     except _Terminated:
         signal.signal(signal.SIGTERM, signal.SIG_DFL)
         signal.raise_signal(signal.SIGTERM)
         raise
     except BaseException as error:  # noqa: BLE001 - the parent raises it again
-        return function, ("raised", _pickled(error), f"{type(error).__name__}: {error}", traceback.format_exc())
+        return kept, ("raised", traceback.format_exc(), coder.pack_error(error))
     finally:
         signal.signal(signal.SIGTERM, signal.SIG_DFL)
 
 
 def _on_terminate(_number: int, _frame: object) -> None:
     raise _Terminated
-
-
-def _pickled(error: BaseException) -> bytes | None:
-    """The exception as the parent can raise it again, or None where it does not survive the way."""
-    try:
-        data = pickle.dumps(error)
-        pickle.loads(data)  # noqa: S301 - made in the line before
-    except Exception:  # noqa: BLE001 - the exception's own code runs here
-        return None
-    return data
 
 
 if __name__ == "__main__":

@@ -15,6 +15,7 @@ import signal
 from typing import TYPE_CHECKING, Any, Generic, TypeVar, TypeVarTuple
 
 from dh2urdf.errors import CrashError, TimeLimitError
+from dh2urdf.isolation.encodings import AnswerError, Data, Pickled
 from dh2urdf.isolation.interpreter import Interpreter
 from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.plugin_system.at_work import MARK
@@ -61,8 +62,16 @@ class ChildFailure(Exception):  # noqa: N818 - never raised: it is the cause of 
         )
 
 
+PLAIN: Data[Any] = Data()
+"""The encoding of plain values: numbers, texts, lists and mappings of them."""
+
+
 def run_in_child(
-    function: Callable[[*Args], T], *args: *Args, timeout: float | None, who: str = "the simulator"
+    function: Callable[[*Args], T],
+    *args: *Args,
+    timeout: float | None,
+    who: str = "the simulator",
+    encoding: Data[Any] | Pickled[Any] = PLAIN,
 ) -> ChildResult[T]:
     """Calls a function in a child process and waits for it.
 
@@ -71,23 +80,25 @@ def run_in_child(
 
     Args:
         function: a function of a module that can be imported by name.
-        args: its arguments; they and the value must be picklable.
+        args: its arguments, which must be picklable.
         timeout: how long it may take [s]; None where a person ends it, for example by closing a window.
         who: what messages call the function, where nobody is known to be at work in the child.
+        encoding: how the child sends what the function returns or raises: `Data` of its type.
 
     Raises:
         TimeLimitError: the child did not finish in time.
-        CrashError: the child crashed, left without a result, cannot be started, or cannot import the function.
-        Exception: whatever the function raised, in its own type; as a `RuntimeError` that describes it where that
-            cannot be pickled. What the child printed is in its cause, a `ChildFailure`.
+        CrashError: the child crashed, left without a result, cannot be started, cannot import the function, or sent
+            what is no answer.
+        Exception: whatever the function raised, in its own type where that is one of Python's or of `dh2urdf.errors`,
+            else as a `RuntimeError` that describes it. What the child printed is in its cause, a `ChildFailure`.
     """
-    call = pickled_call(function, args, who)
+    call = pickled_call(function, args, who, encoding)
     child = started()
     try:
         answer = child.call(*call, timeout, last=True)
     finally:
         status = child.end()
-    return outcome(answer, child.output.text(), status, function, timeout, child.who or who)
+    return outcome(answer, child.output.text(), status, function, timeout, child.who or who, encoding)
 
 
 def started() -> Interpreter:
@@ -109,6 +120,7 @@ def outcome(  # noqa: PLR0917 - what is known of a call
     function: Callable[..., T],
     timeout: float | None,
     who: str,
+    encoding: Data[Any] | Pickled[Any] = PLAIN,
 ) -> ChildResult[T]:
     """What came of a call in a child.
 
@@ -119,18 +131,24 @@ def outcome(  # noqa: PLR0917 - what is known of a call
         function: what was called.
         timeout: how long it could take [s].
         who: what messages call the function.
+        encoding: how it sent what it returned or raised.
 
     Raises:
         Exception: as `run_in_child`.
     """
     if answer[:1] in {("value",), ("raised",)}:
-        return ChildResult(result_of(answer, output), output)
+        try:
+            return ChildResult(result_of(answer, encoding, output), output)
+        except AnswerError as error:
+            answer = ("garbled", str(error))
     kind: type[CrashError] = CrashError
     match answer:
         case ("not imported", reason, _):
             message = f"a child process cannot import {function.__module__}.{function.__qualname__}: {reason}"
         case ("left", code, _):
             message = f"{who} left the interpreter (exit status {code}) and gave no result"
+        case ("garbled", reason):
+            message = f"{who} sent an answer that cannot be used: {reason}"
         case ("late",):
             kind = TimeLimitError
             message = f"{who} did not finish within {timeout:g} s"
@@ -141,29 +159,31 @@ def outcome(  # noqa: PLR0917 - what is known of a call
     raise kind(message + _last_words(output)) from ChildFailure(output)
 
 
-def result_of(answer: tuple[Any, ...], output: str = "") -> Any:  # noqa: ANN401 - what the function returned
+def result_of(answer: tuple[Any, ...], encoding: Data[Any] | Pickled[Any], output: str = "") -> Any:  # noqa: ANN401 - what the function returned
     """What a call in a child returned.
 
     Args:
         answer: the answer of a call that returned or raised something.
+        encoding: how it sent that.
         output: what the child printed.
 
     Raises:
+        AnswerError: it sent something else.
         Exception: whatever the function raised, as `run_in_child` raises it.
     """
     match answer:
         case ("value", value):
-            return pickle.loads(value)  # noqa: S301 - our own child sent it
-        case ("raised", bytes(error), _, traceback):
-            raise pickle.loads(error) from ChildFailure(output, traceback)  # noqa: S301 - our own child sent it
-        case (_, _, text, traceback):
-            raise RuntimeError(text) from ChildFailure(output, traceback)
+            return encoding.unpack(value)
+        case ("raised", traceback, error):
+            raise encoding.unpack_error(error) from ChildFailure(output, traceback)
         case _:
             raise ValueError(answer)
 
 
-def pickled_call(function: Callable[..., Any], args: tuple[Any, ...], who: str) -> tuple[bytes, bytes]:
-    """The function, by its name, and its arguments.
+def pickled_call(
+    function: Callable[..., Any], args: tuple[Any, ...], who: str, encoding: Data[Any] | Pickled[Any] = PLAIN
+) -> tuple[bytes, bytes, bytes]:
+    """The encoding of the answer, the function, by its name, and its arguments.
 
     Raises:
         CrashError: no child can have them.
@@ -173,7 +193,7 @@ def pickled_call(function: Callable[..., Any], args: tuple[Any, ...], who: str) 
             f"{function.__qualname__} is in the script that is run, where a child process cannot import it",
         )
     try:
-        return pickle.dumps(function), pickle.dumps(args)
+        return pickle.dumps(encoding), pickle.dumps(function), pickle.dumps(args)
     except (pickle.PicklingError, AttributeError, TypeError) as error:
         name = getattr(function, "__qualname__", repr(function))
         message = f"{who}: {name} and its arguments cannot be sent to a child process: {error}"

@@ -8,9 +8,11 @@ caller's to judge: see `dh2urdf.isolation.child_process` for calls that may cras
 from __future__ import annotations
 
 import contextlib
+import json
 import os
 import pickle
 import signal
+import struct
 import subprocess
 import sys
 import threading
@@ -27,9 +29,14 @@ if TYPE_CHECKING:
 
 KEPT_OUTPUT = 64 * 1024
 """Bytes of the output of a call that are kept, half from its beginning and half from its end."""
+LARGEST_ANSWER = 2**29
+"""Bytes of an answer, at most."""
+_LARGEST_HEAD = 2**20
+"""Bytes of the words of an answer, at most."""
 
 _PIPE = 1 << 20
 """Bytes that a pipe holds, the most that Linux allows everyone: whenever it is full, one side waits for the other."""
+_SIZES = struct.Struct(">QQ")
 _SCRIPT = Path(__file__).with_name("_child.py")
 _LEAVING = 5.0  # [s] to end after the last answer, and to empty a pipe after the end
 
@@ -83,22 +90,30 @@ class Interpreter:
         self._listen.start()
 
     def call(
-        self, function: bytes | None, args: bytes | None, timeout: float | None, *, last: bool = False
+        self,
+        encoding: bytes | None,
+        function: bytes | None,
+        args: bytes | None,
+        timeout: float | None,
+        *,
+        last: bool = False,
     ) -> tuple[Any, ...]:
-        """What came of a call: a word and its data, as `dh2urdf.isolation._child` sends them.
+        """What came of a call: a word, texts, and bytes, as `dh2urdf.isolation._child` sends them.
 
         Args:
+            encoding: the pickled encoding of the answer; without it, that of the call before.
             function: the pickled function; without it, that of the call before.
             args: its pickled arguments; without them it is imported and not called.
             timeout: how long it may take [s]; None where it takes as long as it takes.
             last: whether the interpreter ends afterwards.
 
         Returns:
-            The answer; ``()`` where the interpreter ended without one, and ``("late",)`` where it takes too long.
+            The answer; ``()`` where the interpreter ended without one, ``("late",)`` where it takes too long, and
+            ``("garbled", reason)`` where what it sent is no answer: then it is to be ended.
         """
         self.output.expect()
         received: list[tuple[Any, ...]] = []
-        self._messages += [(function, args), None] if last else [(function, args)]
+        self._messages += [(encoding, function, args), *([None] if last else [])]
         if timeout is None:
             self._exchange(received)  # Neither side ever waits for a full pipe: a thread takes the output.
         else:
@@ -159,16 +174,43 @@ class Interpreter:
             while self._messages:
                 pickle.dump(self._messages.pop(0), self._calls)
             self._calls.flush()  # It stays open: its end tells the child that the parent is gone.
-            answer = pickle.load(self._answers)  # noqa: S301 - our own child sent it
-        except Exception:  # noqa: BLE001 - it ended, or sent what is no pickle, which may raise anything
+            answer = _answer_from(self._answers)
+        except (OSError, ValueError):  # It ended, and the pipe with it.
             return
-        if isinstance(answer, tuple):
+        if answer:
             received.append(answer)
 
     def _take_output(self) -> None:
         while chunk := os.read(self._printed.fileno(), KEPT_OUTPUT):
             self.output.add(chunk)
         self.output.finish()
+
+
+def _answer_from(pipe: IO[bytes]) -> tuple[Any, ...]:
+    """The next answer of a child, which is data: a word, texts, and bytes; ``()`` where the child ends before.
+
+    Returns:
+        The answer, or ``("garbled", reason)``.
+    """
+    if len(sizes := pipe.read(_SIZES.size)) < _SIZES.size:
+        return ()
+    head, body = _SIZES.unpack(sizes)
+    if head > _LARGEST_HEAD or body > LARGEST_ANSWER:
+        return "garbled", f"it would have {head + body} bytes, more than {LARGEST_ANSWER}"
+    words, content = pipe.read(head), pipe.read(body)
+    if len(words) + len(content) < head + body:
+        return ()
+    try:
+        match json.loads(words):
+            case ["value" | "imported" as word]:
+                return word, content
+            case ["raised" | "not imported" as word, str(text)]:
+                return word, text, content
+            case ["left", int() | str() as code, str(text)]:
+                return "left", code, text
+    except (ValueError, RecursionError):
+        pass  # It is told below.
+    return "garbled", "it does not begin with one of the words of an answer"
 
 
 class Output:

@@ -23,12 +23,14 @@ import warnings
 import weakref
 from contextlib import contextmanager
 from dataclasses import replace
+from functools import partial, update_wrapper
 from pathlib import Path
 from types import NoneType
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from dh2urdf.errors import CrashError, LoaderError
 from dh2urdf.isolation.child_process import ChildFailure, outcome, pickled_call, run_in_child, started
+from dh2urdf.isolation.encodings import Data
 from dh2urdf.isolation.own_process import is_own
 from dh2urdf.measuring.opened_arm import load_function
 from dh2urdf.source import Problem
@@ -36,7 +38,7 @@ from dh2urdf.stage_calls.answers import a_record, a_whole_record, whole_records
 from dh2urdf.stages import LoadReport
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
+    from collections.abc import Callable, Iterable, Iterator
     from types import TracebackType
     from typing import Self
 
@@ -50,6 +52,7 @@ LOADS = 50
 MEMORY = 2**30
 """Memory beyond which a child is not kept [B]."""
 
+_REPORT = Data(LoadReport)  # Who reads meshes of unknown origin answers with data.
 _LOOKING = 5.0  # [s] for a child that has nothing to do to tell in which state it is
 
 
@@ -86,17 +89,40 @@ def load_in_child(
         limit = a_record(loader.time_limit(options), int, float, NoneType)
         who = who or f"the loader {loader.name!r}"
         if children is None or loader.prepare is None or limit is None:  # A person ends it by closing its window.
-            child = run_in_child(load_function(loader), request, options, timeout=limit, who=who)
+            load = _load_of(loader)
+            child = run_in_child(load, request, options, timeout=limit, who=who, encoding=_REPORT)
         else:
             child = children.load(loader, request, options, limit, who)
     except (LoaderError, CrashError) as error:
         output = error.__cause__.output if isinstance(error.__cause__, ChildFailure) else ""
         said = whole_records(loader.read_output(request, output), Problem)
         raise type(error)(plain((*error.problems, *said))) from error
-    report = a_whole_record(child.value, LoadReport)
+    report = replace(child.value, joints=_tuples(child.value.joints), hold=_tuples(child.value.hold))
     said = whole_records(loader.read_output(request, child.output), Problem)
     findings = plain((*report.findings, *said), report.simulator)
     return replace(report, findings=findings, output=child.output.replace(folder, ""))
+
+
+def _load_of(loader: Loader[Any]) -> Callable[[LoadRequest, Any], LoadReport]:
+    """The function that a child calls."""
+    load = load_function(loader)
+    return update_wrapper(partial(_whole_report, load), load)
+
+
+def _whole_report(load: Callable[[LoadRequest, Any], LoadReport], request: LoadRequest, options: Any) -> LoadReport:  # noqa: ANN401 - of any loader
+    """In the child: what a loader gives.
+
+    Raises:
+        TypeError: it is no `LoadReport`, or something in it has another type than its field says.
+    """
+    return a_whole_record(load(request, options), LoadReport)
+
+
+def _tuples(value: Any) -> Any:  # noqa: ANN401 - plain values of a report
+    """Plain values with tuples for lists, as a record that nobody changes has them."""
+    if isinstance(value, dict):
+        return {name: _tuples(each) for name, each in value.items()}
+    return tuple(map(_tuples, value)) if isinstance(value, (list, tuple)) else value
 
 
 def _named(problem: Problem, *names: str) -> Problem:
@@ -159,9 +185,9 @@ class KeptChildren:
         """
         assert loader.prepare is not None  # noqa: S101 - the caller has looked
         preparation = pickled_call(loader.prepare, (options,), who)
-        load = load_function(loader)
-        call = pickled_call(load, (request, options), who)
-        key = (*preparation, call[0])
+        load = _load_of(loader)
+        call = pickled_call(load, (request, options), who, _REPORT)
+        key = (*preparation, call[1])
         child = self._taken(key) or _Child(preparation)
         while True:
             is_new = child.loads == 0
@@ -173,10 +199,11 @@ class KeptChildren:
             output = child.output
             if answer[:1] == ("value",):
                 self._put_back(key, child)
-                return outcome(answer, output, 0, load, timeout, who)
+                return outcome(answer, output, 0, load, timeout, who, _REPORT)
             status = child.end()
             if is_new or answer == ("late",):
-                return outcome(answer, child.output, status, load, timeout, child.interpreter.who or who)
+                whose = child.interpreter.who or who
+                return outcome(answer, child.output, status, load, timeout, whose, _REPORT)
             child = _Child(preparation)
 
     def _taken(self, key: tuple[bytes, ...]) -> _Child | None:
@@ -216,7 +243,7 @@ class _Child:
         loads: how many loads it has begun.
     """
 
-    def __init__(self, preparation: tuple[bytes, bytes]) -> None:
+    def __init__(self, preparation: tuple[bytes, bytes, bytes]) -> None:
         self.interpreter = started()
         self.loads = 0
         self._preparation = preparation
@@ -228,7 +255,7 @@ class _Child:
         """What it printed while it imported its simulator, and during its last load."""
         return self._printed + self.interpreter.output.text()
 
-    def load(self, call: tuple[bytes, bytes], timeout: float) -> tuple[Any, ...]:
+    def load(self, call: tuple[bytes, bytes, bytes], timeout: float) -> tuple[Any, ...]:
         """Its answer to a load."""
         self.loads += 1
         if self.loads == 1:

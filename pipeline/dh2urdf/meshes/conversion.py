@@ -141,7 +141,8 @@ def _converted_file(
         MissingDependencyError: a package that converts is not installed.
     """
     from dh2urdf.isolation.child_process import run_in_child
-    from dh2urdf.meshes.forms import behind_fence
+    from dh2urdf.isolation.encodings import Data
+    from dh2urdf.meshes.forms import Forms, behind_fence
 
     path = Path(file.path)
     name, suffix = shown(path.name), path.suffix.lower()
@@ -149,7 +150,9 @@ def _converted_file(
     seconds = SECONDS[how]
     who = f"the conversion of the mesh {name}"
     try:
-        made = run_in_child(behind_fence, content, suffix, scale, how, seconds, timeout=seconds, who=who).value
+        made = run_in_child(
+            behind_fence, content, suffix, scale, how, seconds, timeout=seconds, who=who, encoding=Data(Forms)
+        ).value
     except ImportError as error:
         package = {"collada": "pycollada"}.get(error.name or "", error.name or str(error))
         conversion = f"`output: {{meshes: {{convert: {how}}}}}`"

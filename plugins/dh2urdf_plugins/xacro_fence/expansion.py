@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from dh2urdf.documents import refuse_other_kind
 from dh2urdf.errors import CrashError, ProofError, TimeLimitError
-from dh2urdf.isolation import enter, run_in_child
+from dh2urdf.isolation import Data, enter, run_in_child
 from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.meshes import packages_in
 from dh2urdf.patterns import late_pattern
@@ -24,11 +24,13 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
     from xml.dom.minidom import Document
 
+_Result = tuple[bytes, list[Place | None], str | None]
 _NOT_THERE = late_pattern(r"\[Errno 2\] No such file or directory: (.*)")
 EXPANSION = 30.0
 """How long an expansion may take [s]: it computes whatever the file asks for."""
 MAX_OUTPUT = 2**26
 """Size of what comes out [B]."""
+_RESULT: Data[_Result] = Data(_Result)
 MAX_MACROS = 50_000
 """How often macros are expanded in all."""
 
@@ -72,7 +74,7 @@ def expand_foreign(
     packages = packages_in(given.package_paths)
     try:
         text, found, failure = run_in_child(
-            _expanded, path, dict(given.arguments), packages, limit, timeout=limit, who="xacro"
+            _expanded, path, dict(given.arguments), packages, limit, timeout=limit, who="xacro", encoding=_RESULT
         ).value
     except TimeLimitError:
         raise _failure(path, f"it did not finish within {limit:g} s") from None
@@ -111,7 +113,7 @@ def _named(path: Path, place: Place) -> Place:
 
 def _expanded(
     path: Path, arguments: dict[str, str], packages: dict[str, Path], seconds: float
-) -> tuple[bytes, list[Place | None], str | None]:
+) -> _Result:
     """Expands a file in the child; its process is good for nothing else afterwards.
 
     Returns:

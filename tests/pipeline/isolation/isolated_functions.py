@@ -4,9 +4,12 @@
 
 from __future__ import annotations
 
+import contextlib
 import ctypes
 import os
+import pickle
 import signal
+import struct
 import subprocess
 import sys
 import threading
@@ -16,8 +19,10 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any, NoReturn
 
-from dh2urdf.errors import LoaderError, MissingDependencyError
-from dh2urdf.isolation import run_in_child
+from dh2urdf.errors import LoaderError, MissingDependencyError, ProofError
+from dh2urdf.isolation import enter, run_in_child
+from dh2urdf.isolation.encodings import MOST_VALUES
+from dh2urdf.isolation.interpreter import LARGEST_ANSWER
 from dh2urdf.isolation.loads import MEMORY, KeptChildren, load_in_child
 from dh2urdf.source import Problem
 from dh2urdf.stages import Loader, LoadReport, LoadRequest, NoOptions
@@ -100,6 +105,75 @@ class UnpicklableError(Exception):
 
 def raise_unpicklable() -> NoReturn:
     raise UnpicklableError("cannot ", "travel")
+
+
+class _Command:
+    """Unpickling it runs a command."""
+
+    def __init__(self, text: str) -> None:
+        self.text = text
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return os.system, (self.text,)
+
+
+def write_everywhere(data: bytes) -> None:
+    """Writes to every pipe that this process has, but those of its output."""
+    for number in range(3, 64):
+        with contextlib.suppress(OSError):
+            os.write(number, data)
+
+
+def send_pickle(ran: str, when: str) -> str:
+    """What a child does that a file has taken over, behind the whole fence."""
+    data = pickle.dumps(_Command(f"touch {ran}"))
+    enter([Path(__file__).parent], 10)
+    write_everywhere(data)
+    if when == "in its place":
+        os._exit(0)
+    return "all is well"
+
+
+def forge_answer(kind: str) -> None:
+    """Sends an answer of its own and leaves."""
+    value = b'["value"]'
+    head, body = {
+        "no json": (value, b"\x80\x04"),
+        "wrong form": (value, b'[["eA==", 5]]'),
+        "nested": (value, 10**6 * b"["),
+        "nested words": (10**6 * b"[", b""),
+        "many values": (value, b"[" + MOST_VALUES * b"[]," + b"1]"),
+        "too long": (value, b""),
+        "no word": (b'["eval", "1 + 1"]', b"[1]"),
+        "no such exception": (b'["raised", ""]', b'[["os.system", ["true"], null, []]]'),
+        "unfit exception": (b'["raised", ""]', b'[["MissingDependencyError", [], null, []]]'),
+        "truncated": (value, b"[1"),
+    }[kind]
+    size = {"too long": LARGEST_ANSWER + 1, "truncated": 1000}.get(kind, len(body))
+    sent = struct.pack(">QQ", len(head), size) + head + body
+    for number in range(3, 64):  # The one that blocks is read by the parent.
+        with contextlib.suppress(OSError), open(number, "wb", closefd=False) as pipe:  # noqa: PTH123
+            pipe.write(sent)
+    os._exit(0)
+
+
+def as_it_is(value: Any) -> Any:
+    return value
+
+
+def refuse(problem: Problem) -> NoReturn:
+    error = ProofError([problem, problem], [problem])
+    error.add_note("a note")
+    raise error
+
+
+class TooHeavyError(LoaderError):
+    def __init__(self, mass: float) -> None:
+        super().__init__(f"too heavy: {mass} kg")
+
+
+def refuse_in_own_words() -> NoReturn:
+    raise TooHeavyError(12.0)
 
 
 def return_unpicklable() -> Any:

@@ -1,20 +1,24 @@
 from __future__ import annotations
 
+import math
 import os
 import pickle
 import signal
+import struct
 import subprocess
 import sys
 import threading
 from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from dh2urdf.errors import CrashError, MissingDependencyError, TimeLimitError
-from dh2urdf.isolation import ChildFailure, run_in_child
-from dh2urdf.isolation.interpreter import KEPT_OUTPUT
+from dh2urdf.errors import CrashError, LoaderError, MissingDependencyError, ProofError, TimeLimitError
+from dh2urdf.isolation import ChildFailure, Data, Pickled, run_in_child
+from dh2urdf.isolation.encodings import MOST_VALUES
+from dh2urdf.isolation.interpreter import KEPT_OUTPUT, LARGEST_ANSWER
+from dh2urdf.source import Mark, Problem
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -32,7 +36,7 @@ def test_value_comes_back(functions: ModuleType) -> None:
 def test_large_arguments_and_values_pass(functions: ModuleType) -> None:
     """Neither side waits for a full pipe: two megabytes go there and back."""
     data = bytes(range(256)) * 8192
-    assert run_in_child(functions.as_many_bytes, data, timeout=LONG).value == data
+    assert run_in_child(functions.as_many_bytes, data, timeout=LONG, encoding=Data(bytes)).value == data
 
 
 def test_everything_printed_is_caught(functions: ModuleType, capfd: pytest.CaptureFixture[str]) -> None:
@@ -118,18 +122,84 @@ def test_own_errors_keep_their_data(functions: ModuleType) -> None:
     assert cause.output == "looking for it\n"
 
 
-def test_unpicklable_exception_is_wrapped(functions: ModuleType) -> None:
-    """An exception that does not survive pickling becomes a RuntimeError with its name, its text and its traceback."""
+@pytest.mark.parametrize("encoding", [Data(), Pickled[Any]()], ids=["data", "pickle"])
+def test_unpicklable_exception_is_wrapped(functions: ModuleType, encoding: Data[Any] | Pickled[Any]) -> None:
+    """An exception that cannot be sent becomes a RuntimeError with its name, its text and its traceback."""
     with pytest.raises(RuntimeError, match=r"^UnpicklableError: cannot travel") as caught:
-        run_in_child(functions.raise_unpicklable, timeout=LONG)
+        run_in_child(functions.raise_unpicklable, timeout=LONG, encoding=encoding)
     assert isinstance(caught.value.__cause__, ChildFailure)
     assert "in raise_unpicklable" in caught.value.__cause__.traceback
 
 
 def test_unpicklable_value_is_an_exception(functions: ModuleType) -> None:
-    """A value that cannot be sent is told as what pickle declares about it."""
-    with pytest.raises((pickle.PicklingError, AttributeError, TypeError), match="lambda"):
+    """A value that cannot be sent is told in the words of the encoding."""
+    with pytest.raises(TypeError, match=r"^what it returned cannot be sent as data: .*function"):
         run_in_child(functions.return_unpicklable, timeout=LONG)
+    with pytest.raises((pickle.PicklingError, AttributeError, TypeError), match="lambda"):
+        run_in_child(functions.return_unpicklable, timeout=LONG, encoding=Pickled())
+
+
+@pytest.mark.parametrize("when", ["before its answer", "in its place"])
+def test_pickle_from_behind_the_fence_runs_nothing(functions: ModuleType, tmp_path: Path, when: str) -> None:
+    """A child that is taken over writes a pickle to every pipe it has: its parent runs nothing, and says so."""
+    ran = tmp_path / "ran"
+    with pytest.raises(CrashError, match=r"^error: the reader sent an answer that cannot be used: ") as caught:
+        run_in_child(functions.send_pickle, str(ran), when, timeout=LONG, who="the reader")
+    assert not ran.exists()
+    assert str(caught.value).count("\n") == 0
+
+
+@pytest.mark.parametrize(
+    ("kind", "said"),
+    [
+        ("no json", "Invalid JSON"),
+        ("wrong form", "Input should be a valid "),
+        ("nested", "recursion limit exceeded"),
+        ("nested words", "it does not begin with one of the words of an answer"),
+        ("many values", f"values, more than {MOST_VALUES}"),
+        ("too long", f"bytes, more than {LARGEST_ANSWER}"),
+        ("no word", "it does not begin with one of the words of an answer"),
+        ("no such exception", "no exception is 'os.system'"),
+        ("unfit exception", "no exception is 'MissingDependencyError'"),
+    ],
+)
+def test_forged_answer_is_told(functions: ModuleType, kind: str, said: str) -> None:
+    """What is no answer of the declared type is an error in one sentence, however it is made."""
+    with pytest.raises(CrashError, match=r"^error: the reader sent an answer that cannot be used: ") as caught:
+        run_in_child(functions.forge_answer, kind, timeout=LONG, who="the reader", encoding=Data(tuple[bytes, str]))
+    assert said in caught.value.problems[0].message
+
+
+def test_truncated_answer_is_a_crash(functions: ModuleType) -> None:
+    """A child that ends in the middle of its answer has given none."""
+    with pytest.raises(CrashError, match=r"the reader left the process \(exit status 0\) and gave no result"):
+        run_in_child(functions.forge_answer, "truncated", timeout=LONG, who="the reader")
+
+
+@pytest.mark.parametrize("number", [0.1 + 0.2, -0.0, 5e-324, 1.7976931348623157e308, math.inf, -math.inf, math.nan])
+def test_numbers_arrive_bit_for_bit(functions: ModuleType, number: float) -> None:
+    """A float is the same double in parent and child."""
+    value = run_in_child(functions.as_it_is, number, timeout=LONG, encoding=Data(float)).value
+    assert struct.pack("d", value) == struct.pack("d", number)
+
+
+def test_records_and_marks_arrive(functions: ModuleType) -> None:
+    """Records, tuples and bytes arrive as they are; so do the places and notices of an error, and notes on it."""
+    problem = Problem(message="odd", severity="notice", mark=Mark(file="a.urdf", line=3), found="x")
+    given = {"a": ((problem, b"\x00\xff"),), "b": ()}
+    encoding = Data(dict[str, tuple[tuple[Problem, bytes], ...]])
+    assert run_in_child(functions.as_it_is, given, timeout=LONG, encoding=encoding).value == given
+    with pytest.raises(ProofError) as caught:
+        run_in_child(functions.refuse, problem, timeout=LONG)
+    assert (caught.value.problems, caught.value.notices) == ((problem, problem), (problem,))
+    assert caught.value.__notes__ == ["a note"]
+
+
+def test_derived_error_arrives_as_what_it_derives_from(functions: ModuleType) -> None:
+    """A plugin's own kind of `LoaderError` is a `LoaderError` in the parent, which imports no class that it is told."""
+    with pytest.raises(LoaderError, match="too heavy") as caught:
+        run_in_child(functions.refuse_in_own_words, timeout=LONG)
+    assert type(caught.value) is LoaderError
 
 
 def test_function_must_be_importable() -> None:

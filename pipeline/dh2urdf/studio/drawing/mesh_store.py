@@ -12,19 +12,21 @@ from typing import TYPE_CHECKING
 
 from dh2urdf.errors import CrashError, OutputError
 from dh2urdf.isolation.child_process import outcome, pickled_call, started
+from dh2urdf.isolation.encodings import Data
 from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.source import Problem, shown
-from dh2urdf.studio.drawing.mesh_files import triangles
+from dh2urdf.studio.drawing.mesh_files import DrawnTriangles, triangles
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
 
     from dh2urdf.isolation.interpreter import Interpreter
-    from dh2urdf.studio.drawing.mesh_files import DrawnMesh, DrawnTriangles
+    from dh2urdf.studio.drawing.mesh_files import DrawnMesh
     from dh2urdf.studio.drawing.solids import Picture
 
 _MOST_READERS = 4
 """Files that are read at a time, where there are so many processors beside the one of the server and the page."""
+_READ = Data(DrawnTriangles)
 
 
 class _Read(NamedTuple):
@@ -100,13 +102,13 @@ class MeshStore:
         try:
             child = self._idle.pop() if self._idle else started()
             self._busy.add(child)
-            answer, status = child.call(*pickled_call(triangles, (mesh,), name), timeout=None), 0
+            answer, status = child.call(*pickled_call(triangles, (mesh,), name, _READ), timeout=None), 0
             self._busy.discard(child)
-            if answer:
+            if answer and answer[0] != "garbled":
                 self._idle.append(child)
             else:
                 status = child.end()
-            found = outcome(answer, child.output.text(), status, triangles, None, f"the reader of {name}").value
+            found = outcome(answer, child.output.text(), status, triangles, None, f"the reader of {name}", _READ).value
         except CrashError as error:
             raise OutputError(Problem(message=f"{name} cannot be read: {error.problems[0].message}")) from error
         self._pictures.update(found.pictures)

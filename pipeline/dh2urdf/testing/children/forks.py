@@ -23,6 +23,7 @@ from uuid import uuid4
 
 from dh2urdf.isolation._child import answer_call
 from dh2urdf.isolation.child_process import outcome, pickled_call, run_in_child, started
+from dh2urdf.isolation.encodings import Pickled
 from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.plugin_system.at_work import VARIABLE
 
@@ -57,6 +58,7 @@ HOST = (
 LIGHT_HOST = ("dh2urdf.testing.stage_contract",)
 """The same for a call that looks which packages it imports."""
 _WHO = "the stage"
+_STAGES = Pickled[Any]()  # A stage under test has the rights of its author, and returns whatever it returns.
 
 
 class _Surroundings(NamedTuple):
@@ -104,20 +106,20 @@ class ForkingInterpreter:
         Raises:
             Exception: as `dh2urdf.isolation.child_process.run_in_child`.
         """
-        call = pickled_call(function, args, _WHO)
+        call = pickled_call(function, args, _WHO, _STAGES)
         answer = self._answer_to(_in_fork, (*call, _Surroundings(dict(os.environ), sys.path, Path.cwd())))
-        return outcome(answer, self._interpreter.output.text(), 0, function, PATIENCE, _WHO).value
+        return outcome(answer, self._interpreter.output.text(), 0, function, PATIENCE, _WHO, _STAGES).value
 
     def _answer_to(self, function: Callable[..., Any], args: tuple[Any, ...]) -> Any:  # noqa: ANN401 - of any function
         """What a function of this module returns there; where it does not return, the interpreter ends."""
         try:
-            answer = self._interpreter.call(*pickled_call(function, args, _WHO), PATIENCE)
+            answer = self._interpreter.call(*pickled_call(function, args, _WHO, _STAGES), PATIENCE)
         except BaseException:
             self.end()
             raise
         status = 0 if answer[:1] == ("value",) else self._interpreter.end()
         output, who = self._interpreter.output.text(), self._interpreter.who or _WHO
-        return outcome(answer, output, status, function, PATIENCE, who).value
+        return outcome(answer, output, status, function, PATIENCE, who, _STAGES).value
 
     def end(self) -> None:
         """End it, with all that it started."""
@@ -148,7 +150,7 @@ def in_new_interpreter(function: Callable[..., T], args: tuple[Any, ...], seed: 
         Exception: as `dh2urdf.isolation.child_process.run_in_child`.
     """
     with environment({SEED: str(seed)}):
-        return run_in_child(function, *args, timeout=PATIENCE, who=_WHO).value
+        return run_in_child(function, *args, timeout=PATIENCE, who=_WHO, encoding=_STAGES).value
 
 
 @contextmanager
@@ -184,7 +186,7 @@ def _prepare(modules: tuple[str, ...]) -> int:
     return os.getpid()
 
 
-def _in_fork(function: bytes, args: bytes, surroundings: _Surroundings) -> Any:  # noqa: ANN401 - an answer
+def _in_fork(encoding: bytes, function: bytes, args: bytes, surroundings: _Surroundings) -> Any:  # noqa: ANN401 - an answer
     """What comes of a call in a fork. A fork that ends without an answer ends this process in the same way."""
     with open(os.memfd_create("answer"), "w+b") as answer:  # noqa: PTH123 - memory, not a pipe: nobody waits for its end
         with warnings.catch_warnings():
@@ -192,7 +194,7 @@ def _in_fork(function: bytes, args: bytes, surroundings: _Surroundings) -> Any: 
             warnings.simplefilter("ignore", DeprecationWarning)
             number = os.fork()
         if number == 0:
-            _answer_and_leave(answer, function, args, surroundings)
+            _answer_and_leave(answer, (encoding, function, args), surroundings)
         status = os.waitstatus_to_exitcode(os.waitpid(number, 0)[1])
         answer.seek(0)
         sent = answer.read()
@@ -205,7 +207,7 @@ def _in_fork(function: bytes, args: bytes, surroundings: _Surroundings) -> Any: 
     return pickle.loads(sent)  # noqa: S301 - our own fork sent it
 
 
-def _answer_and_leave(file: IO[bytes], function: bytes, args: bytes, surroundings: _Surroundings) -> NoReturn:
+def _answer_and_leave(file: IO[bytes], call: tuple[bytes, bytes, bytes], surroundings: _Surroundings) -> NoReturn:
     """In the fork: make the call as in a new interpreter, which has the caller's environment, path and folder."""
     own = {name: os.environ[name] for name in (MARK, SEED, VARIABLE) if name in os.environ}
     os.environ.clear()
@@ -213,7 +215,7 @@ def _answer_and_leave(file: IO[bytes], function: bytes, args: bytes, surrounding
     sys.path[:] = surroundings.path
     importlib.invalidate_caches()
     os.chdir(surroundings.folder)
-    _, answer = answer_call(None, function, args)
+    _, answer = answer_call(None, *call)
     for stream in (sys.stdout, sys.stderr):
         with suppress(OSError, ValueError, AttributeError):  # closed or replaced by what was called
             stream.flush()

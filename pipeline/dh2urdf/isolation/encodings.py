@@ -1,0 +1,190 @@
+"""How a child process sends what a function returned or raised: as data of a declared type, or as a pickle.
+
+A file of unknown origin may take its reader over, and unpickling what that reader sends would run its code in the
+parent. So whatever reads such files answers with `Data`: JSON, which is bounded and validated against the declared
+type. `Pickled` is for processes that have the rights of this one and run code of this installation: the workers of a
+run, and the contract tests.
+"""
+
+from __future__ import annotations
+
+import builtins
+import pickle
+from functools import cache
+from typing import Any, Generic, TypeVar
+
+from dh2urdf import errors
+from dh2urdf.errors import Dh2UrdfError, InputError, ManipulatorError
+from dh2urdf.late_tuples import NamedTuple
+from dh2urdf.source import Problem, shown
+
+T = TypeVar("T")
+
+MOST_VALUES = 2**22
+"""Values in an answer, at most: each takes memory when the answer is parsed, however short it is."""
+
+_KNOWN = {
+    kind.__name__: kind
+    for module in (builtins, errors)
+    for kind in vars(module).values()
+    if isinstance(kind, type) and issubclass(kind, Exception)
+}
+"""The exceptions that `Data` sends as what they are, by their names."""
+
+
+class AnswerError(ValueError):
+    """What a child sent is not what it should have sent."""
+
+
+class _Raised(NamedTuple):
+    """An exception.
+
+    Attributes:
+        kind: its class, one of `_KNOWN`.
+        given: what the class is called with.
+        name: of an ImportError, the module.
+        notes: the notes on it.
+    """
+
+    kind: str
+    given: tuple[bool | int | float | str | tuple[str, ...] | tuple[Problem, ...] | None, ...]
+    name: str | None = None
+    notes: tuple[str, ...] = ()
+
+
+class Data(Generic[T]):
+    """JSON of a declared type: numbers arrive bit for bit, an exception in its own class or as a `RuntimeError`.
+
+    Args:
+        returns: the type of what the function returns; arrays in `Any` arrive as lists.
+    """
+
+    def __init__(self, returns: Any = Any) -> None:  # noqa: ANN401 - an annotation
+        self.returns = returns
+
+    def prepare(self) -> None:
+        """Import what sending needs: a child may import nothing once it is behind the fence."""
+        _adapter(Any).dump_json(({"": [0.5, 1, None, True, b""]},))
+        _adapter(self.returns)
+        self.pack_error(ValueError(""))
+
+    def pack(self, value: T) -> bytes:
+        """What is sent for a value.
+
+        Raises:
+            TypeError: something in it is no data.
+        """
+        try:
+            return _adapter(self.returns).dump_json((value,), warnings=False)
+        except ValueError as error:
+            raise TypeError(f"what it returned cannot be sent as data: {error}") from error
+
+    def unpack(self, sent: bytes) -> T:
+        """The value.
+
+        Raises:
+            AnswerError: it is not JSON, has another form, or is made of too many values.
+        """
+        value: T = _validated(self.returns, sent)
+        return value
+
+    def pack_error(self, error: BaseException) -> bytes:
+        """What is sent for an exception."""
+        try:
+            raised = _raised(error)
+            sent = _adapter(_Raised).dump_json((raised,), warnings=False)
+            self.unpack_error(sent)
+        except Exception:  # noqa: BLE001 - it holds what is no data, or is made otherwise
+            text = f"{type(error).__name__}: {error}".encode("utf-8", "backslashreplace").decode()
+            return _adapter(_Raised).dump_json((_Raised("RuntimeError", (text,)),))
+        return sent
+
+    def unpack_error(self, sent: bytes) -> Exception:
+        """The exception.
+
+        Raises:
+            AnswerError: as `unpack`, or no known exception is described.
+        """
+        raised: _Raised = _validated(_Raised, sent)
+        try:
+            error: Exception = _KNOWN[raised.kind](*raised.given)
+        except Exception as unusable:
+            raise AnswerError(f"no exception is {shown(raised.kind)} of {shown(str(raised.given))}") from unusable
+        if raised.name is not None and isinstance(error, ImportError):
+            error.name = raised.name
+        for note in raised.notes:
+            error.add_note(note)
+        return error
+
+
+def _raised(error: BaseException) -> _Raised:
+    """An exception as data; an error of dh2urdf that a plugin has derived is sent as the class that it derives from.
+
+    Raises:
+        Exception: it cannot be described.
+    """
+    kind: type[BaseException] = type(error)
+    if _KNOWN.get(kind.__name__) is not kind and isinstance(error, (InputError, ManipulatorError)):
+        kind = next(base for base in kind.__mro__ if base.__module__ == errors.__name__)
+        error = kind(error.problems, error.notices)
+    if _KNOWN.get(kind.__name__) is not kind:
+        raise TypeError(kind)
+    name = error.name if isinstance(error, ImportError) else None
+    return _Raised(kind.__name__, error.__reduce__()[1], name, tuple(getattr(error, "__notes__", ())))  # type: ignore[arg-type]
+
+
+@cache
+def _adapter(kind: Any) -> Any:  # noqa: ANN401 - the form of an annotation
+    """What writes and validates JSON of a type; in a tuple, since a record by itself takes no configuration."""
+    from pydantic import ConfigDict, TypeAdapter
+
+    form = ConfigDict(strict=True, ser_json_bytes="base64", val_json_bytes="base64", ser_json_inf_nan="constants")
+    return TypeAdapter(tuple[kind], config=form)
+
+
+def _validated(kind: Any, sent: bytes) -> Any:  # noqa: ANN401 - of any kind
+    """What JSON says.
+
+    Raises:
+        AnswerError: it is not JSON, has another form, or is made of too many values.
+    """
+    if (count := sum(map(sent.count, (b",", b"[", b"{")))) > MOST_VALUES:
+        raise AnswerError(f"it has {count} values, more than {MOST_VALUES}")
+    try:
+        (value,) = _adapter(kind).validate_json(sent)
+    except ValueError as error:
+        from pydantic import ValidationError
+
+        why = error.errors(include_url=False, include_context=False)[0] if isinstance(error, ValidationError) else {}
+        raise AnswerError(f"{why.get('msg', error)}") from None
+    return value
+
+
+class Pickled(Generic[T]):
+    """Pickles, of whatever can be pickled: for processes that do nothing that this one would not do."""
+
+    def prepare(self) -> None:
+        """Nothing is needed."""
+
+    def pack(self, value: T) -> bytes:
+        """What is sent for a value."""
+        return pickle.dumps(value)
+
+    def unpack(self, sent: bytes) -> T:
+        """The value."""
+        value: T = pickle.loads(sent)  # noqa: S301 - our own worker sent it, see above
+        return value
+
+    def pack_error(self, error: BaseException) -> bytes:
+        """What is sent for an exception; where it does not survive the way, a `RuntimeError` that describes it."""
+        try:
+            sent = pickle.dumps(error)
+            pickle.loads(sent)  # noqa: S301 - made in the line before
+        except Exception:  # noqa: BLE001 - the exception's own code runs here
+            return pickle.dumps(RuntimeError(f"{type(error).__name__}: {error}"))
+        return sent
+
+    def unpack_error(self, sent: bytes) -> BaseException:
+        """The exception."""
+        error: BaseException = pickle.loads(sent)  # noqa: S301 - our own worker sent it, see above
+        return error

@@ -25,7 +25,6 @@ from pathlib import Path
 from queue import SimpleQueue
 from typing import IO, Any
 
-
 _LONGEST_TEXT = 2**16  # characters of a text of an answer: of a traceback the end
 
 
@@ -58,7 +57,7 @@ def main(begin: bytes, end: bytes) -> None:
                 stream.flush()
         os.write(2, end)
         head = json.dumps([word[-_LONGEST_TEXT:] if isinstance(word, str) else word for word in words]).encode()
-        answers.write(struct.pack(">QQ", len(head), len(body)) + head)
+        answers.write(struct.pack(">II", len(head), min(len(body), 2**32 - 1)) + head)
         answers.write(body)
         answers.flush()
 
@@ -92,16 +91,16 @@ def _receive(messages: IO[bytes], received: SimpleQueue[Any]) -> None:
 def answer_call(
     kept: tuple[Any, Any] | None, encoding: bytes | None, function: bytes | None, args: bytes | None
 ) -> tuple[tuple[Any, Any] | None, tuple[Any, ...]]:
-    """Encoding and function of a call, and what came of it. SIGTERM ends the call, which takes away what it was writing.
+    """What came of a call. SIGTERM ends the call, which takes away what it was writing.
 
     Args:
-        kept: those of the call before.
+        kept: encoding and function of the call before.
         encoding: the encoding, pickled; without it, that of the call before.
         function: the function, pickled; without it, that of the call before.
         args: its arguments, pickled; without them it is not called.
 
     Returns:
-        Both, and the answer: a word, texts, and bytes.
+        Encoding and function, and the answer: a word, texts, and bytes.
     """
     coder: Any = None
     try:

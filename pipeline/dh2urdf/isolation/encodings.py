@@ -14,7 +14,7 @@ from functools import cache
 from typing import Any, Generic, TypeVar
 
 from dh2urdf import errors
-from dh2urdf.errors import Dh2UrdfError, InputError, ManipulatorError
+from dh2urdf.errors import InputError, ManipulatorError
 from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.source import Problem, shown
 

@@ -29,14 +29,14 @@ if TYPE_CHECKING:
 
 KEPT_OUTPUT = 64 * 1024
 """Bytes of the output of a call that are kept, half from its beginning and half from its end."""
-LARGEST_ANSWER = 2**29
+LARGEST_ANSWER = 2**30
 """Bytes of an answer, at most."""
 _LARGEST_HEAD = 2**20
 """Bytes of the words of an answer, at most."""
 
 _PIPE = 1 << 20
 """Bytes that a pipe holds, the most that Linux allows everyone: whenever it is full, one side waits for the other."""
-_SIZES = struct.Struct(">QQ")
+_SIZES = struct.Struct(">II")
 _SCRIPT = Path(__file__).with_name("_child.py")
 _LEAVING = 5.0  # [s] to end after the last answer, and to empty a pipe after the end
 
@@ -192,13 +192,11 @@ def _answer_from(pipe: IO[bytes]) -> tuple[Any, ...]:
     Returns:
         The answer, or ``("garbled", reason)``.
     """
-    if len(sizes := pipe.read(_SIZES.size)) < _SIZES.size:
-        return ()
-    head, body = _SIZES.unpack(sizes)
+    head, body = _SIZES.unpack(pipe.read(_SIZES.size).ljust(_SIZES.size, b"\0"))
     if head > _LARGEST_HEAD or body > LARGEST_ANSWER:
         return "garbled", f"it would have {head + body} bytes, more than {LARGEST_ANSWER}"
     words, content = pipe.read(head), pipe.read(body)
-    if len(words) + len(content) < head + body:
+    if not head or len(words) + len(content) < head + body:
         return ()
     try:
         match json.loads(words):

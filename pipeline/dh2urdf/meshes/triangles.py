@@ -24,6 +24,8 @@ from dh2urdf.rotations import IDENTITY_ROTATION, RigidTransform
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+    from lxml import etree
+
     from dh2urdf.meshes.named_files import NamedFiles
 
 FORMATS = (".stl", ".obj", ".dae")
@@ -90,15 +92,15 @@ def load_scene(content: bytes, suffix: str, *, process: bool, named: NamedFiles 
 
     Raises:
         ImportError: trimesh, or pycollada for a COLLADA file, is not installed.
-        ValueError: the file is something else, or declares entities.
+        ValueError: the file is something else, or XML that `dh2urdf.documents.xml_elements` refuses.
         Exception: what a reader of other people's files raises is anything.
     """
     import trimesh
 
     if content.startswith(_ZIP):
         raise ValueError("it is a ZIP archive: unpack it")
-    if b"<!ENTITY" in content.replace(b"\0", b""):  # of a stranger: it could name any file, or become endless
-        raise ValueError("it declares entities")
+    if suffix == ".dae":
+        _elements(content)  # Of a stranger: the parser of pycollada would follow what it declares.
     files: Any = named  # it has what trimesh calls of a resolver
     if suffix == ".dae" and not process:
         return _collada_scene(content, files)
@@ -132,22 +134,27 @@ def asset_of(content: bytes, suffix: str) -> Asset:
         return Asset(up="Y_UP")
     if suffix != ".dae":
         return Asset()
-    from xml.etree import ElementTree as ET
+    asset = _elements(content).find(".//{*}asset")
+    if asset is None:
+        return Asset(up="Y_UP")
+    unit, up = asset.find("{*}unit"), asset.findtext("{*}up_axis", "Y_UP")
+    return Asset(_length("1" if unit is None else unit.get("meter", "1")), up.strip())
+
+
+def _elements(content: bytes) -> etree._Element:
+    """The outermost element of a COLLADA file.
+
+    Raises:
+        ValueError: it is no XML, or XML that is refused.
+    """
+    from lxml import etree
+
+    from dh2urdf.documents.xml_elements import xml_root
 
     try:
-        for _, element in ET.iterparse(io.BytesIO(content)):  # noqa: S314 - `load_scene` refuses entities
-            if _tag(element) == "asset":
-                said = {_tag(child): child for child in element}
-                unit = said["unit"].get("meter", "1") if "unit" in said else "1"
-                up = (said["up_axis"].text or "").strip() if "up_axis" in said else "Y_UP"
-                return Asset(_length(unit), up)
-    except ET.ParseError as error:
-        raise ValueError(str(error)) from error
-    return Asset(up="Y_UP")
-
-
-def _tag(element: Any) -> str:  # noqa: ANN401 - an element, or a comment
-    return str(element.tag).rpartition("}")[2]
+        return xml_root(content)
+    except etree.XMLSyntaxError as error:
+        raise ValueError(error.msg) from error
 
 
 def _length(text: str) -> float:

@@ -1,7 +1,7 @@
 """Reads URDF back into a robot: the other half of the proof, and the ground of lint.
 
 Nothing here comes from the emitter. It is written from what URDF says (wiki.ros.org/urdf/XML), takes files of any
-origin, and trusts none: entities and the network are off, a document type is refused, numbers must be finite. It
+origin, and trusts none: `dh2urdf.documents.xml_elements` parses it, numbers must be finite. It
 fixes nothing either: an axis that is no unit vector stays as it is, for the proof to find.
 Elements that URDF leaves to others (``mujoco``, ``gazebo``, ``transmission``) are passed over.
 """
@@ -78,8 +78,6 @@ class _UrdfReader:
         self._materials: dict[str, Material | None] = {}
 
     def robot(self, root: etree._Element) -> Robot:
-        if root.getroottree().docinfo.internalDTD is not None:
-            raise self._error(root, "a document type is not accepted in a robot description")
         if root.tag != "robot":
             raise self._error(root, f"the outermost element is {shown(str(root.tag))}", accepted="robot")
         for element in root.iterchildren("material"):

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 from lxml import etree
 
 from dh2urdf.documents import refuse_other_kind
+from dh2urdf.documents.xml_elements import ACCEPTED, ForbiddenXmlError, xml_root
 from dh2urdf.errors import ProofError
 from dh2urdf.source import Mark, Problem
 
@@ -43,11 +44,12 @@ def written_tree_of(content: bytes, file: str, *, is_deep: bool = False) -> etre
     Raises:
         ProofError: the text is not XML.
     """
-    parser = _parser(is_deep=is_deep)
     try:
-        return etree.fromstring(content, parser)
+        return xml_root(content, is_deep=is_deep)
+    except ForbiddenXmlError as error:
+        raise _forbidden(error, file) from error
     except etree.XMLSyntaxError as error:
-        raise _no_xml(parser.error_log[0], file) from error
+        raise _no_xml(error.error_log[0], file) from error
 
 
 def tree_of(content: bytes, file: str, *, is_deep: bool = False) -> etree._Element:
@@ -60,7 +62,8 @@ def tree_of(content: bytes, file: str, *, is_deep: bool = False) -> etree._Eleme
             for an attack otherwise.
 
     Raises:
-        ProofError: the text is not XML.
+        ProofError: the text is not XML, has a document type, or is in another encoding than
+            `dh2urdf.documents.xml_elements.ENCODINGS`.
     """
     refuse_other_kind(content, file, ProofError, "a robot description", "a robot description in XML")
     return _without_namespace(_root_of(_with_declaration(content), file, is_deep=is_deep))
@@ -80,16 +83,22 @@ def _root_of(content: bytes, file: str, *, is_deep: bool) -> etree._Element:
 
     That are comments with ``--``, and prefixes such as ``gz:`` that are declared nowhere: they know no namespaces.
     """
-    parser = _parser(is_deep=is_deep)
     try:
-        return etree.fromstring(content, parser)
+        return xml_root(content, is_deep=is_deep)
+    except ForbiddenXmlError as error:
+        raise _forbidden(error, file) from error
     except etree.XMLSyntaxError as error:
+        faults = error.error_log
         if (bare := _without_comments(content)) != content:
             return _root_of(bare, file, is_deep=is_deep)
-        if all(fault.domain == etree.ErrorDomains.NAMESPACE for fault in parser.error_log):
-            return etree.fromstring(content, _parser(is_deep=is_deep, recover=True))
-        fault = next(fault for fault in parser.error_log if fault.domain != etree.ErrorDomains.NAMESPACE)
+        if all(fault.domain == etree.ErrorDomains.NAMESPACE for fault in faults):
+            return xml_root(content, is_deep=is_deep, recover=True)
+        fault = next(fault for fault in faults if fault.domain != etree.ErrorDomains.NAMESPACE)
         raise _no_xml(fault, file) from error
+
+
+def _forbidden(error: ForbiddenXmlError, file: str) -> ProofError:
+    return ProofError(Problem(message=error.msg, mark=Mark(file=file), accepted=ACCEPTED))
 
 
 def _no_xml(fault: etree._LogEntry, file: str) -> ProofError:
@@ -119,17 +128,6 @@ def _without_namespace(root: etree._Element) -> etree._Element:
         for element in root.iter(f"{{{namespace}}}*"):
             element.tag = etree.QName(element).localname
     return root
-
-
-def _parser(*, is_deep: bool, recover: bool = False) -> etree.XMLParser:
-    return etree.XMLParser(
-        resolve_entities=False,
-        no_network=True,
-        load_dtd=False,
-        remove_comments=True,
-        huge_tree=is_deep,
-        recover=recover,
-    )
 
 
 def mark_of(element: etree._Element, file: str = "") -> Mark:

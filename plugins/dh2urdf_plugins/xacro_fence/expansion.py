@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from dh2urdf.documents import refuse_other_kind
+from dh2urdf.documents.xml_elements import DOCUMENT_TYPE, check_encoding
 from dh2urdf.errors import CrashError, ProofError, TimeLimitError
 from dh2urdf.isolation import Data, enter, run_in_child
 from dh2urdf.late_tuples import NamedTuple
@@ -111,9 +112,7 @@ def _named(path: Path, place: Place) -> Place:
     return place._replace(file=file, calls=tuple(_named(path, call) for call in place.calls))
 
 
-def _expanded(
-    path: Path, arguments: dict[str, str], packages: dict[str, Path], seconds: float
-) -> _Result:
+def _expanded(path: Path, arguments: dict[str, str], packages: dict[str, Path], seconds: float) -> _Result:
     """Expands a file in the child; its process is good for nothing else afterwards.
 
     Returns:
@@ -200,12 +199,30 @@ def _close(files: Files) -> None:
     expanded, expand_macro = itertools.count(1), xacro.resolve_macro
     xacro.resolve_macro = counted
     xacro.safe_eval = safe_eval
+    _refuse_declarations()
     xacro.open = files.open  # comes before the built-in one in that module
     xacro.glob = types.SimpleNamespace(glob=files.glob)
     substitution_args._eval_env = no_environment  # noqa: SLF001
     substitution_args._eval_optenv = nothing_from_environment  # noqa: SLF001
     substitution_args._eval_find = files.package  # noqa: SLF001
     substitution_args._eval = _evaluation(calls, files, no_environment, nothing_from_environment)  # noqa: SLF001
+
+
+def _refuse_declarations() -> None:
+    """Has the parser of xacro refuse what `dh2urdf.documents.xml_elements` refuses."""
+    from xml.dom import expatbuilder
+
+    builder: Any = expatbuilder.ExpatBuilderNS
+
+    def no_document_type(_self: Any, *_declared: Any) -> None:  # noqa: ANN401 - a builder
+        raise ExpressionError(DOCUMENT_TYPE)
+
+    def known_encoding(self: Any, version: str, encoding: str | None, standalone: int) -> None:  # noqa: ANN401 - a builder
+        check_encoding(encoding)
+        declared(self, version, encoding, standalone)
+
+    declared = builder.xml_decl_handler
+    builder.start_doctype_decl_handler, builder.xml_decl_handler = no_document_type, known_encoding
 
 
 def _evaluation(

@@ -150,9 +150,9 @@ def forge_answer(kind: str) -> None:
         "truncated": (value, b"[1"),
     }[kind]
     size = {"too long": LARGEST_ANSWER + 1, "truncated": 1000}.get(kind, len(body))
-    sent = struct.pack(">QQ", len(head), size) + head + body
+    sent = struct.pack(">II", len(head), size) + head + body
     for number in range(3, 64):  # The one that blocks is read by the parent.
-        with contextlib.suppress(OSError), open(number, "wb", closefd=False) as pipe:  # noqa: PTH123
+        with contextlib.suppress(OSError), open(number, "wb", closefd=False) as pipe:
             pipe.write(sent)
     os._exit(0)
 

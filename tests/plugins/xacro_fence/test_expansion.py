@@ -81,7 +81,8 @@ ATTACKS = {
         '<xacro:property name="p" value="${\'a\'*10**6}"/><link name="${p.replace(\'a\', p)}"/>',
         "a length of more",
     ),
-    "entities": ("", "declares entities"),
+    "entities": ("", "it has a document type"),
+    "encoding": ("", "it is encoded in 'UTF-7'"),
     "into itself": ('<xacro:include filename="r.xacro"/>', "recursion"),
     "macro into itself": ('<xacro:macro name="a"><xacro:a/></xacro:macro><xacro:a/>', "recursion"),
     "yaml's own tags": ("<link name=\"${xacro.load_yaml('object.yaml')}\"/>", "python/object|constructor"),
@@ -100,6 +101,8 @@ def attack(folder: Path, name: str) -> Path:
     path.write_text(ROBOT.format(ATTACKS[name][0]))
     if name == "entities":
         path.write_text('<!DOCTYPE robot [<!ENTITY e SYSTEM "../home/secret.yaml">]><robot name="r">&e;</robot>')
+    if name == "encoding":
+        path.write_text('<?xml version="1.0" encoding="UTF-7"?>\n+ADwAIQ-DOCTYPE robot><robot name="r"/>')
     (folder / "link.xacro").symlink_to("../home/secret.xacro")
     if hasattr(os, "mkfifo"):
         os.mkfifo(folder / "pipe")

@@ -72,7 +72,7 @@ class DrawnTriangles(NamedTuple):
     """
 
     content: bytes
-    pictures: Mapping[str, Picture]
+    pictures: dict[str, Picture]
 
 
 def drawn_mesh(mesh: Mesh, path: Path | None, *, as_in_ros: bool) -> DrawnMesh | None:

@@ -9,8 +9,10 @@ import math
 import re
 from itertools import product
 from typing import TYPE_CHECKING, Any
-from xml.etree import ElementTree as ET
 
+from lxml import etree
+
+from dh2urdf.documents.xml_elements import ForbiddenXmlError, xml_root
 from dh2urdf.late_tuples import NamedTuple
 from dh2urdf_plugins.lint.document.corners import has_hull, is_planar, summed_volume
 from dh2urdf_plugins.lint.document.obj import (
@@ -231,14 +233,14 @@ def _of_collada(content: bytes) -> MeshFile:
     """What is certain of it, and the box around all geometries where the scene has them.
 
     Raises:
-        ValueError: it declares entities.
+        ValueError: it is XML that is not read.
     """
-    plain = content.replace(b"\0", b"")
-    if b"<!ENTITY" in plain:  # of a stranger: it could become endless
-        raise ValueError
     try:
-        root = ET.fromstring(content)  # noqa: S314 - it has no entities
-    except ET.ParseError:  # which readers may read all the same
+        root = xml_root(content)
+    except ForbiddenXmlError as error:
+        raise ValueError(error.msg) from error
+    except etree.XMLSyntaxError:  # which readers may read all the same
+        plain = content.replace(b"\0", b"")
         is_whole = b"<COLLADA" in plain and b"</COLLADA" in plain
         is_hollow = _NO_ELEMENT.fullmatch(content) is not None
         return MeshFile("" if is_whole else "it is no COLLADA, or a part of one", is_hollow=is_hollow)
@@ -253,7 +255,7 @@ def _of_collada(content: bytes) -> MeshFile:
         return MeshFile(problem, of_pybullet, is_hollow=is_hollow)
 
 
-def _problem_of_collada(root: ET.Element) -> tuple[str, bool]:
+def _problem_of_collada(root: etree._Element) -> tuple[str, bool]:
     """Why no mesh can be read from it; and whether it is hollow: PyBullet looks at all geometries, shown or not."""
     library = root.find("library_geometries")
     is_broken, is_hollow, has_triangles = False, library is None, False
@@ -273,11 +275,11 @@ def _problem_of_collada(root: ET.Element) -> tuple[str, bool]:
     return "" if has_scene else "it has no scene with a geometry", is_hollow
 
 
-def _is_blank(element: ET.Element | None) -> bool:
+def _is_blank(element: etree._Element | None) -> bool:
     return element is None or not (element.text or "").strip()
 
 
-def _box_of_collada(root: ET.Element) -> NDArray[Any] | None:
+def _box_of_collada(root: etree._Element) -> NDArray[Any] | None:
     """Around the boxes of all geometries where the scene has them.
 
     Raises:
@@ -291,7 +293,7 @@ def _box_of_collada(root: ET.Element) -> NDArray[Any] | None:
     return None if box is None else metres * box
 
 
-def _geometry(geometry: ET.Element) -> NDArray[Any] | None:
+def _geometry(geometry: etree._Element) -> NDArray[Any] | None:
     """The box around the vertices of a geometry."""
     import numpy as np
 
@@ -306,7 +308,7 @@ def _geometry(geometry: ET.Element) -> NDArray[Any] | None:
     return _around_all(iter(boxes))
 
 
-def _placed(root: ET.Element, boxes: dict[str, NDArray[Any] | None]) -> Iterator[NDArray[Any]]:
+def _placed(root: etree._Element, boxes: dict[str, NDArray[Any] | None]) -> Iterator[NDArray[Any]]:
     """The corners of each geometry's box where a node of the scene has it."""
     import numpy as np
 
@@ -324,7 +326,7 @@ def _placed(root: ET.Element, boxes: dict[str, NDArray[Any] | None]) -> Iterator
         waiting.extend((child, place) for child in node.iterfind("node"))
 
 
-def _transform(step: ET.Element) -> NDArray[Any]:
+def _transform(step: etree._Element) -> NDArray[Any]:
     """The matrix of a child of a node; that of what does not move anything is the identity."""
     import numpy as np
 

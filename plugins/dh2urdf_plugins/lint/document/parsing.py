@@ -10,6 +10,7 @@ import re
 from bisect import bisect_right
 from xml.parsers import expat
 
+from dh2urdf.documents.xml_elements import ACCEPTED, ForbiddenXmlError, check_encoding
 from dh2urdf.late_tuples import NamedTuple
 from dh2urdf_plugins.lint.document.tree import DEEPEST, Element
 
@@ -26,7 +27,7 @@ _HIGHEST = 0x10FFFF
 _SURROGATES = range(0xD800, 0xE000)
 _LEADS = ((0xF0, 4), (0xE0, 3), (0xC2, 2), (0, 1))
 """The first byte of a letter in UTF-8, from which on the letter has so many."""
-_ENCODING = re.compile(rb"<\?xml[^>]*encoding\s*=\s*[\"'](?!utf-?(?:8|16|32)[\"'])([^\"']+)[\"']", re.IGNORECASE)
+_ENCODING = re.compile(rb"<\?xml[^>]*encoding\s*=\s*[\"']([^\"']+)[\"']", re.IGNORECASE)
 
 
 class NotXmlError(Exception):
@@ -312,13 +313,19 @@ class _Reading:
 
 
 def _decoded(content: bytes) -> str:
-    """A text in the encoding of 8 bits that it declares, or in UTF-8; what is none is kept as surrogates."""
+    """A text in Latin-1, where it declares that, or in UTF-8; what is none is kept as surrogates.
+
+    Raises:
+        NotXmlError: it declares an encoding that is not read.
+    """
     declared = _ENCODING.match(content.lstrip())
-    if declared:
-        try:
-            return content.decode(declared[1].decode("ascii"))
-        except (ValueError, LookupError):  # no such encoding, or not in it
-            pass
+    encoding = declared[1].decode("ascii", "replace").lower() if declared else "utf-8"
+    try:
+        check_encoding(encoding)
+    except ForbiddenXmlError as error:
+        raise NotXmlError(f"{error.msg}; accepted: {ACCEPTED}", 1, 1) from None
+    if not encoding.startswith(("utf", "us-", "ascii")):
+        return content.decode("latin-1")
     return content.decode("utf-8", "surrogateescape")
 
 

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 from lxml import etree
 
 from dh2urdf.documents import read_bytes
+from dh2urdf.documents.xml_elements import xml_root
 from dh2urdf.errors import Dh2UrdfError, InputError, ProofError
 from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.late_tuples import NamedTuple
@@ -111,15 +112,12 @@ def inspect_model(
 
 
 def parsed(content: bytes, path: Path) -> etree._Element:
-    """The outermost element of a text whose reader knows namespaces; entities are not expanded, and nothing is fetched.
+    """The outermost element of a text whose reader knows namespaces.
 
     Raises:
-        etree.XMLSyntaxError: it is not well-formed XML.
+        etree.XMLSyntaxError: it is not well-formed XML, or XML that `xml_root` refuses.
     """
-    parser = etree.XMLParser(
-        resolve_entities=False, no_network=True, load_dtd=False, remove_comments=True, remove_pis=True
-    )
-    root = etree.fromstring(content, parser)
+    root = xml_root(content)
     root.set(FILE, str(path))
     return root
 

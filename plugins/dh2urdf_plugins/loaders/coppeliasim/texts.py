@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from lxml import etree
 
+from dh2urdf.documents.xml_elements import xml_root
 from dh2urdf.errors import LoaderError
 from dh2urdf.kinematics import axis_rotation
 from dh2urdf.manipulator import JointType
@@ -28,9 +29,8 @@ def text_for(path: Path, comparison: Comparison) -> str:
     Raises:
         LoaderError: the file cannot be read.
     """
-    parser = etree.XMLParser(resolve_entities=False, no_network=True, load_dtd=False)
     try:
-        tree = etree.fromstring(path.read_bytes(), parser)
+        tree = xml_root(path.read_bytes())
     except OSError as error:
         raise LoaderError(comparison.problem(message=f"the file cannot be read: {error}")) from error
     except etree.XMLSyntaxError as error:

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from lxml import etree
 
+from dh2urdf.documents.xml_elements import xml_root
 from dh2urdf.kinematics import axis_rotation
 from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.late_tuples import NamedTuple
@@ -121,9 +122,8 @@ def parse_sdf(text: bytes) -> SdfModel:
         ValueError: the text is not XML, holds no model, or joints that lead to no link or in a loop; in words, to
             follow "it wrote".
     """
-    parser = etree.XMLParser(resolve_entities=False, no_network=True, load_dtd=False)
     try:
-        root = etree.fromstring(text, parser)
+        root = xml_root(text)
     except etree.XMLSyntaxError as error:
         raise ValueError(f"no XML: {error.msg}") from error
     model = root.find(".//model")

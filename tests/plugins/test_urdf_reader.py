@@ -145,7 +145,7 @@ def test_entities_are_refused(tmp_path: Path) -> None:
     secret = tmp_path / "secret"
     secret.write_text("secret")
     outer = f'<!DOCTYPE robot [<!ENTITY e SYSTEM "{secret.as_uri()}">]><robot name="r">&e;</robot>'
-    assert "a document type is not accepted" in refusal(outer)
+    assert "it has a document type (<!DOCTYPE>)\n    accepted: XML in UTF-8" in refusal(outer)
     levels = "".join(f'<!ENTITY e{i + 1} "{f"&e{i};" * 10}">' for i in range(12))
     bomb = f'<!DOCTYPE robot [<!ENTITY e0 "ha">{levels}]><robot name="&e12;"/>'
     assert "error" in refusal(bomb)

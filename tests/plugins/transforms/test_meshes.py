@@ -143,7 +143,7 @@ class TestBodies:
             (
                 "link.dae",
                 '<!DOCTYPE x [<!ENTITY s SYSTEM "file:///etc/passwd">]><COLLADA version="1.4.1"><asset>&s;</asset></COLLADA>',
-                "'link.dae' cannot be read as DAE: it declares entities",
+                "'link.dae' cannot be read as DAE: it has a document type",
             ),
             ("link.dae", "PK\x03\x04 of a megabyte of zeros", "as DAE: it is a ZIP archive"),
             ("link.dae", '<COLLADA><asset><unit meter="-1"/></asset></COLLADA>', "link.dae"),

@@ -1,0 +1,87 @@
+"""XML from strangers as elements: the one parser of descriptions, meshes and manifests.
+
+Nothing is expanded, fetched or guessed. A document type may declare entities, which name files or unfold to gigabytes,
+and an odd encoding may hide one from a reader; so both are refused, as the parser itself has understood them.
+"""
+
+from __future__ import annotations
+
+from lxml import etree
+
+from dh2urdf.source import shown
+
+ENCODINGS = frozenset(
+    {"utf-8", "utf8", "utf-16", "utf-16le", "utf-16be", "iso-8859-1", "latin1", "latin-1", "us-ascii", "ascii"}
+)
+"""The names of the encodings that are read, in small letters."""
+ACCEPTED = "XML in UTF-8, UTF-16, Latin-1 or ASCII without <!DOCTYPE>"
+DOCUMENT_TYPE = "it has a document type (<!DOCTYPE>)"
+"""What is wrong with a file that has one."""
+_PIECE = 4096  # bytes until the first element, at a time
+
+
+class ForbiddenXmlError(etree.XMLSyntaxError):
+    """XML with a document type, or in another encoding than `ENCODINGS`; the text is a clause about the file."""
+
+    def __init__(self, reason: str) -> None:
+        super().__init__(reason, etree.ErrorTypes.ERR_OK, 1, 1)
+
+
+def xml_root(content: bytes, *, is_deep: bool = False, recover: bool = False) -> etree._Element:
+    """The outermost element of a text, without comments and processing instructions.
+
+    Args:
+        content: the text, in the encoding that it declares.
+        is_deep: whether elements may be nested by the hundred, as the bodies of a long arm in MJCF are; lxml takes that
+            for an attack otherwise.
+        recover: whether what is not XML is passed over.
+
+    Raises:
+        etree.XMLSyntaxError: it is not XML; its `error_log` has the faults of this text.
+        ForbiddenXmlError: it has a document type, or another encoding.
+    """
+    declares = _declares(content) if is_deep else None
+    if declares:  # A deep tree is parsed without the bounds on what entities become.
+        raise ForbiddenXmlError(DOCUMENT_TYPE)
+    parser = etree.XMLParser(
+        resolve_entities=False,
+        no_network=True,
+        load_dtd=False,
+        remove_comments=True,
+        remove_pis=True,
+        huge_tree=declares is False,
+        recover=recover,
+    )
+    try:
+        root = etree.fromstring(content, parser)
+    except etree.XMLSyntaxError as error:
+        error.error_log = parser.error_log  # Its own has the faults of every text that this thread has parsed.
+        raise
+    about = root.getroottree().docinfo
+    check_encoding(about.encoding)
+    if about.internalDTD is not None:
+        raise ForbiddenXmlError(DOCUMENT_TYPE)
+    return root
+
+
+def check_encoding(name: str | None) -> None:
+    """Check the encoding that a parser has found; None where nothing is declared.
+
+    Raises:
+        ForbiddenXmlError: it is none of `ENCODINGS`.
+    """
+    if name is not None and name.lower() not in ENCODINGS:
+        raise ForbiddenXmlError(f"it is encoded in {shown(name)}")
+
+
+def _declares(content: bytes) -> bool | None:
+    """Whether there is a document type before the first element; None where the parser gets to no element."""
+    parser = etree.XMLPullParser(events=("start",), resolve_entities=False, no_network=True, load_dtd=False)
+    for at in range(0, len(content), _PIECE):
+        try:
+            parser.feed(content[at : at + _PIECE])
+        except etree.XMLSyntaxError:  # which the parser of the whole text reports, or takes
+            return None
+        for _, element in parser.read_events():
+            return element.getroottree().docinfo.internalDTD is not None
+    return None

@@ -128,9 +128,11 @@ class _LazyGroup(Command, click.Group):
 def _print_version(ctx: click.Context, _parameter: click.Parameter, value: bool) -> None:  # noqa: FBT001 - click's signature
     if value:
         from dh2urdf.hookspecs import INTERFACE_VERSION
+        from dh2urdf.isolation.fence import walls
 
         python = ".".join(str(part) for part in sys.version_info[:3])
         click.echo(f"dh2urdf {__version__} (Python {python}, plugin interface {INTERFACE_VERSION})")
+        click.echo(f"fence around files of unknown origin: {walls()}")
         ctx.exit()
 
 

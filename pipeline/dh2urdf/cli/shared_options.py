@@ -1,6 +1,6 @@
-"""What all commands share: an option has one value, and `--without NAME` leaves out plugins.
+"""What all commands share: an option has one value, `--without NAME` leaves out plugins, `--trust` trusts meshes.
 
-`--without` is accepted before a command or after it. Of two values that differ, click would take the last one.
+Both are accepted before a command or after it. Of two values that differ, click would take the last one.
 """
 
 from __future__ import annotations
@@ -131,8 +131,26 @@ def _remember(context: click.Context, _parameter: click.Parameter, names: tuple[
     context.meta.setdefault(_NAMES, []).extend(names)
 
 
+def _trust(context: click.Context, _parameter: click.Parameter, value: bool) -> None:  # noqa: FBT001 - click's signature
+    if value:
+        import os
+
+        from dh2urdf.isolation.fence import TRUST
+
+        if TRUST not in os.environ:
+            os.environ[TRUST] = "1"  # for child processes and workers, too
+            context.call_on_close(lambda: os.environ.pop(TRUST, None))
+
+
 def without_option(function: F) -> F:
-    """Gives a command the option; `catalog` heeds it."""
+    """Gives a command the options that all have; `catalog` heeds `--without`."""
+    function = option(
+        "--trust",
+        is_flag=True,
+        callback=_trust,
+        expose_value=False,
+        help="Read meshes though this system's kernel offers no wall around their readers.",
+    )(function)
     return option(
         _OPTION,
         multiple=True,

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
         run_in_child as run_in_child,
     )
     from dh2urdf.isolation.encodings import Data as Data, Pickled as Pickled
-    from dh2urdf.isolation.fence import enter as enter
+    from dh2urdf.isolation.fence import enter as enter, tell_of_missing_wall as tell_of_missing_wall
     from dh2urdf.isolation.interpreter import Interpreter as Interpreter
     from dh2urdf.isolation.own_process import claim as claim, is_own as is_own
 else:
@@ -21,7 +21,7 @@ else:
         {
             "child_process": "ChildFailure result_of run_in_child",
             "encodings": "Data Pickled",
-            "fence": "enter",
+            "fence": "enter tell_of_missing_wall",
             "interpreter": "Interpreter",
             "own_process": "claim is_own",
         },

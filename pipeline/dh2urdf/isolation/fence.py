@@ -14,12 +14,18 @@ from __future__ import annotations
 import os
 import signal
 import sys
+import warnings
+from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
+
+from dh2urdf.isolation.own_process import is_own
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
+TRUST = "DH2URDF_TRUST"
+"""Environment variable, also for workers on other machines: meshes are read where the kernel offers no wall."""
 MEMORY = 2**31
 """Address space of a fenced process [B]."""
 
@@ -73,6 +79,55 @@ class FenceError(PermissionError):
     """A fenced process tried something that its fence refuses."""
 
 
+@cache
+def missing_wall() -> str:
+    """Why the kernel stands behind no fence here, as a sentence; empty where it does.
+
+    The answer is kept: behind a fence nobody can ask.
+    """
+    if sys.platform != "linux":
+        return f"{sys.platform} has no Landlock, which is of Linux"
+    from landlock import LandlockError, landlock_abi_version
+
+    try:
+        landlock_abi_version()
+    except (LandlockError, OSError) as error:  # A kernel without Landlock, or a container that forbids it.
+        return f"this kernel offers no Landlock: {error}"
+    return ""
+
+
+def walls() -> str:
+    """Which walls stand around a child that works on a stranger's file."""
+    limits = "limits of memory and time, " if sys.platform != "win32" else ""
+    missing = missing_wall()
+    kernel = f"no wall of the kernel ({missing}; meshes need --trust), " if missing else "Landlock, "
+    return f"{kernel}{limits}Python's audit hook"
+
+
+def tell_of_missing_wall() -> None:
+    """Tell the user, once, that a fence stands without the kernel: on standard error, or a caller as a warning."""
+    if missing := missing_wall():
+        _tell(f"{missing}; the fence around files of unknown origin is Python's audit hook and limits of the system")
+
+
+@cache
+def _tell(text: str) -> None:
+    if is_own():
+        sys.stderr.write(f"notice: {text}\n")
+    else:
+        warnings.warn(text, RuntimeWarning, stacklevel=3)
+
+
+def refuse_without_wall() -> None:
+    """Refuse to read a mesh where the kernel offers no wall, unless the user trusts it.
+
+    Raises:
+        ValueError: it does not, and nobody has said so.
+    """
+    if (missing := missing_wall()) and not os.environ.get(TRUST):
+        raise ValueError(f"{missing}; `--trust` (or {TRUST}=1) reads it all the same")
+
+
 def enter(readable: Iterable[Path], seconds: float) -> None:
     """Gives up, for the rest of this process, all that working on a stranger's file does not need.
 
@@ -122,17 +177,14 @@ def _limit(seconds: float) -> None:
 
 def _lock(folders: list[str]) -> None:
     """Has the kernel refuse all files but those of some folders, where it can."""
-    if sys.platform != "linux":
+    if missing_wall():  # The parent has told the user.
         return
-    from landlock import FSAccess, LandlockError, Ruleset
+    from landlock import FSAccess, Ruleset
 
-    try:
-        rules = Ruleset()
-        for folder in folders:
-            rules.allow(folder, rules=FSAccess.READ_FILE | (FSAccess.READ_DIR if Path(folder).is_dir() else 0))
-        rules.apply()
-    except (LandlockError, OSError) as error:  # A kernel without Landlock, or a container that forbids it.
-        print(f"no Landlock here: {error}", file=sys.stderr)  # noqa: T201 - to the parent, which keeps it
+    rules = Ruleset()
+    for folder in folders:
+        rules.allow(folder, rules=FSAccess.READ_FILE | (FSAccess.READ_DIR if Path(folder).is_dir() else 0))
+    rules.apply()
 
 
 def _watch(folders: list[str]) -> None:

@@ -15,6 +15,7 @@ import math
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
+from dh2urdf.isolation.fence import refuse_without_wall
 from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.manipulator import Inertia
 from dh2urdf.mass_properties import placed
@@ -92,11 +93,12 @@ def load_scene(content: bytes, suffix: str, *, process: bool, named: NamedFiles 
 
     Raises:
         ImportError: trimesh, or pycollada for a COLLADA file, is not installed.
-        ValueError: the file is something else, or XML that `dh2urdf.documents.xml_elements` refuses.
+        ValueError: the kernel offers no wall and the user does not trust the file, or it is something else, or XML that `dh2urdf.documents.xml_elements` refuses.
         Exception: what a reader of other people's files raises is anything.
     """
     import trimesh
 
+    refuse_without_wall()
     if content.startswith(_ZIP):
         raise ValueError("it is a ZIP archive: unpack it")
     if suffix == ".dae":

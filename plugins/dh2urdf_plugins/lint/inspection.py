@@ -25,7 +25,7 @@ from dh2urdf_plugins.lint.document.description import Description, Hit
 from dh2urdf_plugins.lint.document.parsing import NotXmlError, parse
 from dh2urdf_plugins.lint.document.reading import robot_of
 from dh2urdf_plugins.lint.document.tree import Element
-from dh2urdf_plugins.lint.rules import CONSUMERS, rules
+from dh2urdf_plugins.lint.rules import CONSUMERS, rules, unread_include
 from dh2urdf_plugins.lint.single_readers import coppeliasim, drake, drake_extensions, mujoco
 from dh2urdf_plugins.read_back.xml_files import LARGEST
 from dh2urdf_plugins.xacro_fence.expansion import expand_foreign, mark_of
@@ -101,6 +101,10 @@ def _inspection(
             hits.extend(finder.hits(description))
         robot = robot_of(description)
     findings = [finding for hit in sorted(hits, key=_order) if (finding := _finding(hit, origin)).effects]
+    included = [each for each in parsed.root.walk() if each.tag.rpartition(":")[2] == "include"]
+    for each in included:
+        mark, calls = origin(each)
+        findings.append(unread_include(next(iter(each.attributes.values()), None), mark, CONSUMERS, calls))
     return Inspection(consumers=CONSUMERS, findings=tuple(findings), robot=robot)
 
 

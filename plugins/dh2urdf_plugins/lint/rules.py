@@ -13,11 +13,13 @@ from typing import TYPE_CHECKING
 import yaml
 
 from dh2urdf.late_dataclasses import dataclass
-from dh2urdf.stages import Effect
+from dh2urdf.source import shown
+from dh2urdf.stages import Effect, Finding
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+    from dh2urdf.source import Mark
     from dh2urdf.stages import Severity
 
 CONSUMERS = {
@@ -104,3 +106,25 @@ def _rule(
         if consumer in consumers
     )
     return Rule(name=name, fault=fault, fix=fix, outcomes=outcomes, effects=effects)
+
+
+def unread_include(
+    address: str | None, mark: Mark, consumers: Mapping[str, str], calls: tuple[Mark, ...] = ()
+) -> Finding:
+    """What `check` does not look into: a file that the one that is inspected includes.
+
+    Args:
+        address: what the file says for it.
+        mark: where.
+        consumers: those of the format, which may look into it.
+        calls: where macros are called that it comes from.
+    """
+    does = "may load it, and this file was checked without it"
+    return Finding(
+        rule="unread-include",
+        message=f"{shown(address or '')} is included, and was not looked into",
+        fix="check that file too; or check the description that a consumer makes of both",
+        effects=tuple(Effect(consumer=consumer, severity="note", text=does) for consumer in consumers),
+        mark=mark,
+        calls=calls,
+    )

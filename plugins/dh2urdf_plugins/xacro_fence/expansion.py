@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from dh2urdf.documents import refuse_other_kind
 from dh2urdf.documents.xml_elements import DOCUMENT_TYPE, check_encoding
 from dh2urdf.errors import CrashError, ProofError, TimeLimitError
-from dh2urdf.isolation import Data, enter, run_in_child
+from dh2urdf.isolation import Data, enter, run_in_child, tell_of_missing_wall
 from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.meshes import packages_in
 from dh2urdf.patterns import late_pattern
@@ -70,6 +70,7 @@ def expand_foreign(
     Raises:
         ProofError: xacro cannot expand the file, or something in it is refused; with the place where that is.
     """
+    tell_of_missing_wall()
     limit = EXPANSION if timeout is None else timeout
     given = expansion or Expansion()
     packages = packages_in(given.package_paths)

@@ -14,6 +14,7 @@ import dh2urdf.cli.plugins
 from dh2urdf import __version__, cli
 from dh2urdf.cli import COMMANDS, exit_status_of, main
 from dh2urdf.hookspecs import INTERFACE_VERSION
+from dh2urdf.isolation.fence import walls
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -81,6 +82,7 @@ class TestWords:
         """Version of the program, of Python, and of the interface for plugins."""
         assert cli("--version").stdout == (
             f"dh2urdf {__version__} (Python {platform.python_version()}, plugin interface {INTERFACE_VERSION})\n"
+            f"fence around files of unknown origin: {walls()}\n"
         )
 
     def test_an_unknown_command(self, cli: Callable[..., Answer]) -> None:

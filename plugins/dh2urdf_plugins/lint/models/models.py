@@ -19,7 +19,7 @@ from dh2urdf.mass_properties import inertia_problem
 from dh2urdf.source import Mark
 from dh2urdf.stages import Finding, Inspection
 from dh2urdf_plugins.lint.document.tree import numbers_of
-from dh2urdf_plugins.lint.rules import Rule, rules_of
+from dh2urdf_plugins.lint.rules import Rule, rules_of, unread_include
 from dh2urdf_plugins.read_back.xml_files import FILE, LARGEST, mark_of, tree_of
 
 if TYPE_CHECKING:
@@ -96,7 +96,9 @@ def inspect_model(
     if root.tag != tag:
         message = f"the outermost element is {root.tag}, not {tag}"
         return _inspection(name, [_finding(name, f"not-{tag}", message, mark_of(root))])
-    found = [_finding(name, hit.rule, hit.message, mark_of(hit.at), hit.of) for hit in hits(Model(root, path))]
+    broken = list(hits(Model(root, path)))
+    found = [_finding(name, hit.rule, hit.message, mark_of(hit.at), hit.of) for hit in broken]
+    found += _unread(name, root, [hit.at for hit in broken if hit.rule == "missing-include"])
     robot: Robot | None
     try:
         robot = read(path)
@@ -109,6 +111,16 @@ def inspect_model(
         ),
         robot,
     )
+
+
+def _unread(name: str, root: etree._Element, missing: Collection[etree._Element]) -> Iterator[Finding]:
+    """The files that a model includes and that are neither in its tree, as those of MJCF are, nor missing."""
+    for element in (*root.iter("{*}include"), *root.iterfind("asset/model")):
+        at = element.find("uri")
+        at = element if at is None else at
+        address = at.text if at is not element else element.get("file") or element.get("href")
+        if address and at not in missing:
+            yield unread_include(address.strip(), mark_of(element), CONSUMERS[name])
 
 
 def parsed(content: bytes, path: Path) -> etree._Element:

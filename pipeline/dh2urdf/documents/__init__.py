@@ -20,6 +20,13 @@ if TYPE_CHECKING:
         read_bytes as read_bytes,
         refuse_other_kind as refuse_other_kind,
     )
+    from dh2urdf.documents.xml_elements import (
+        ACCEPTED_XML as ACCEPTED_XML,
+        DOCUMENT_TYPE as DOCUMENT_TYPE,
+        ForbiddenXmlError as ForbiddenXmlError,
+        check_encoding as check_encoding,
+        xml_root as xml_root,
+    )
 else:
     __all__, __getattr__, __dir__ = face(
         __name__,
@@ -29,5 +36,6 @@ else:
             "nodes": "Item Node",
             "text_files": "LONG_PATH check_file decoded is_file is_folder is_there kind_of_file read_bytes "
             "refuse_other_kind",
+            "xml_elements": "ACCEPTED_XML DOCUMENT_TYPE ForbiddenXmlError check_encoding xml_root",
         },
     )

@@ -14,7 +14,7 @@ ENCODINGS = frozenset(
     {"utf-8", "utf8", "utf-16", "utf-16le", "utf-16be", "iso-8859-1", "latin1", "latin-1", "us-ascii", "ascii"}
 )
 """The names of the encodings that are read, in small letters."""
-ACCEPTED = "XML in UTF-8, UTF-16, Latin-1 or ASCII without <!DOCTYPE>"
+ACCEPTED_XML = "XML in UTF-8, UTF-16, Latin-1 or ASCII without <!DOCTYPE>"
 DOCUMENT_TYPE = "it has a document type (<!DOCTYPE>)"
 """What is wrong with a file that has one."""
 _PIECE = 4096  # bytes until the first element, at a time
@@ -24,7 +24,7 @@ class ForbiddenXmlError(etree.XMLSyntaxError):
     """XML with a document type, or in another encoding than `ENCODINGS`; the text is a clause about the file."""
 
     def __init__(self, reason: str) -> None:
-        super().__init__(reason, etree.ErrorTypes.ERR_OK, 1, 1)
+        super().__init__(reason, etree.ErrorTypes.ERR_OK, 1, 1)  # type: ignore[call-arg]  # the stubs of lxml
 
 
 def xml_root(content: bytes, *, is_deep: bool = False, recover: bool = False) -> etree._Element:
@@ -83,5 +83,5 @@ def _declares(content: bytes) -> bool | None:
         except etree.XMLSyntaxError:  # which the parser of the whole text reports, or takes
             return None
         for _, element in parser.read_events():
-            return element.getroottree().docinfo.internalDTD is not None
+            return element.getroottree().docinfo.internalDTD is not None  # type: ignore[union-attr]  # an element
     return None

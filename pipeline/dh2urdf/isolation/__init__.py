@@ -11,7 +11,7 @@ if TYPE_CHECKING:
         result_of as result_of,
         run_in_child as run_in_child,
     )
-    from dh2urdf.isolation.encodings import Data as Data, Pickled as Pickled
+    from dh2urdf.isolation.encodings import PICKLED as PICKLED, Data as Data
     from dh2urdf.isolation.fence import enter as enter, tell_of_missing_wall as tell_of_missing_wall
     from dh2urdf.isolation.interpreter import Interpreter as Interpreter
     from dh2urdf.isolation.own_process import claim as claim, is_own as is_own
@@ -20,7 +20,7 @@ else:
         __name__,
         {
             "child_process": "ChildFailure result_of run_in_child",
-            "encodings": "Data Pickled",
+            "encodings": "PICKLED Data",
             "fence": "enter tell_of_missing_wall",
             "interpreter": "Interpreter",
             "own_process": "claim is_own",

@@ -75,9 +75,10 @@ class Data(Generic[T]):
             TypeError: something in it is no data.
         """
         try:
-            return _adapter(self.returns).dump_json((value,), warnings=False)
+            sent: bytes = _adapter(self.returns).dump_json((value,), warnings=False)
         except ValueError as error:
             raise TypeError(f"what it returned cannot be sent as data: {error}") from error
+        return sent
 
     def unpack(self, sent: bytes) -> T:
         """The value.
@@ -92,11 +93,11 @@ class Data(Generic[T]):
         """What is sent for an exception."""
         try:
             raised = _raised(error)
-            sent = _adapter(_Raised).dump_json((raised,), warnings=False)
+            sent: bytes = _adapter(_Raised).dump_json((raised,), warnings=False)
             self.unpack_error(sent)
         except Exception:  # noqa: BLE001 - it holds what is no data, or is made otherwise
             text = f"{type(error).__name__}: {error}".encode("utf-8", "backslashreplace").decode()
-            return _adapter(_Raised).dump_json((_Raised("RuntimeError", (text,)),))
+            sent = _adapter(_Raised).dump_json((_Raised("RuntimeError", (text,)),))
         return sent
 
     def unpack_error(self, sent: bytes) -> Exception:
@@ -155,8 +156,9 @@ def _validated(kind: Any, sent: bytes) -> Any:  # noqa: ANN401 - of any kind
     except ValueError as error:
         from pydantic import ValidationError
 
-        why = error.errors(include_url=False, include_context=False)[0] if isinstance(error, ValidationError) else {}
-        raise AnswerError(f"{why.get('msg', error)}") from None
+        if isinstance(error, ValidationError):
+            raise AnswerError(error.errors(include_url=False, include_context=False)[0]["msg"]) from None
+        raise AnswerError(str(error)) from None
     return value
 
 
@@ -188,3 +190,7 @@ class Pickled(Generic[T]):
         """The exception."""
         error: BaseException = pickle.loads(sent)  # noqa: S301 - our own worker sent it, see above
         return error
+
+
+PICKLED: Pickled[Any] = Pickled()
+"""The encoding of workers and of stages under test: they have the rights of this process, and return anything."""

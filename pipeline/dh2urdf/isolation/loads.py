@@ -52,7 +52,7 @@ LOADS = 50
 MEMORY = 2**30
 """Memory beyond which a child is not kept [B]."""
 
-_REPORT = Data(LoadReport)  # Who reads meshes of unknown origin answers with data.
+_REPORT: Data[LoadReport] = Data(LoadReport)  # Who reads meshes of unknown origin answers with data.
 _LOOKING = 5.0  # [s] for a child that has nothing to do to tell in which state it is
 
 

@@ -25,8 +25,6 @@ from dh2urdf.rotations import IDENTITY_ROTATION, RigidTransform
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from lxml import etree
-
     from dh2urdf.meshes.named_files import NamedFiles
 
 FORMATS = (".stl", ".obj", ".dae")
@@ -93,7 +91,8 @@ def load_scene(content: bytes, suffix: str, *, process: bool, named: NamedFiles 
 
     Raises:
         ImportError: trimesh, or pycollada for a COLLADA file, is not installed.
-        ValueError: the kernel offers no wall and the user does not trust the file, or it is something else, or XML that `dh2urdf.documents.xml_elements` refuses.
+        ValueError: the file is something else, or XML that `dh2urdf.documents.xml_elements` refuses; or the kernel
+            offers no wall, and the user does not trust the file.
         Exception: what a reader of other people's files raises is anything.
     """
     import trimesh
@@ -143,19 +142,17 @@ def asset_of(content: bytes, suffix: str) -> Asset:
     return Asset(_length("1" if unit is None else unit.get("meter", "1")), up.strip())
 
 
-def _elements(content: bytes) -> etree._Element:
+def _elements(content: bytes) -> Any:  # noqa: ANN401 - an element of lxml
     """The outermost element of a COLLADA file.
 
     Raises:
         ValueError: it is no XML, or XML that is refused.
     """
-    from lxml import etree
-
     from dh2urdf.documents.xml_elements import xml_root
 
     try:
         return xml_root(content)
-    except etree.XMLSyntaxError as error:
+    except SyntaxError as error:  # those of lxml are
         raise ValueError(error.msg) from error
 
 

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 from dh2urdf.commands.chosen_table import is_table, table_as_run_file
 from dh2urdf.errors import ConfigError, CrashError, ManipulatorError, TableError
 from dh2urdf.isolation.child_process import run_in_child
-from dh2urdf.isolation.encodings import Pickled
+from dh2urdf.isolation.encodings import PICKLED
 from dh2urdf.isolation.watchdog import this_process
 from dh2urdf.output.journal import JOURNAL, MANIFEST, Earlier, earlier_rows, next_journal
 from dh2urdf.output.leftovers import clear_leftovers
@@ -311,7 +311,7 @@ def _rescued(worker: BatchWorker, batch: Batch, lost: Lost) -> BatchReport:
     """What becomes of a batch that no worker survives: all of it is made but the manipulators that are the reason."""
     doomed = dict(_culprits(worker, batch, 0))
     try:
-        made = run_in_child(BatchWorker.__call__, worker, batch.without(doomed), timeout=None, encoding=Pickled())
+        made = run_in_child(BatchWorker.__call__, worker, batch.without(doomed), timeout=None, encoding=PICKLED)
         return replace(made.value, printed=(*made.value.printed, *unmarked(made.output)))
     except ManipulatorError:
         error = CrashError(f"the batch of {len(batch)} manipulators that it is in cannot be made: {lost.reason}")
@@ -327,7 +327,7 @@ def _culprits(worker: BatchWorker, batch: Batch, start: int) -> Iterator[tuple[i
     patience = replace(worker.recipe, time_limit=2 * worker.recipe.time_limit) if count == 1 else worker.recipe
     rehearsal = replace(worker, effect=Depth.REHEARSE, recipe=patience)
     try:
-        run_in_child(BatchWorker.__call__, rehearsal, batch, timeout=limit, who="a stage", encoding=Pickled())
+        run_in_child(BatchWorker.__call__, rehearsal, batch, timeout=limit, who="a stage", encoding=PICKLED)
     except ManipulatorError as error:
         if count == 1:
             yield start, Doomed(batch.names[0], error, None)

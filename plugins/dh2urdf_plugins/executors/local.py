@@ -20,7 +20,7 @@ from operator import length_hint
 from typing import TYPE_CHECKING, Any, Literal
 
 from dh2urdf.errors import ExecutorError, PluginError
-from dh2urdf.isolation import ChildFailure, Pickled, claim, result_of
+from dh2urdf.isolation import claim
 from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.plugin_system import MARK, unmarked
 from dh2urdf.source import Problem, printable, shown
@@ -37,7 +37,6 @@ AHEAD = 4
 TRIES = 2
 """Workers that a task may cost before it is lost: the first may have been killed for the sake of others."""
 
-_TASKS = Pickled[Any]()  # A worker has the rights of this process, and returns what the run's function does.
 _CLEARING_UP = 0.6  # [s] for workers to take away what they were writing
 _LAST_WORDS = 300  # characters of what a worker printed that a reason repeats
 _FAULT = re.compile(r"^(?:Fatal Python error: |Timeout \().*", re.MULTILINE)  # how the words of faulthandler begin
@@ -172,10 +171,12 @@ class _Pool:
 
 
 def _result(answer: tuple[Any, ...]) -> Any:  # noqa: ANN401 - the result of the caller's function
+    from dh2urdf.isolation import PICKLED, ChildFailure, result_of
+
     match answer:
         case ("not imported", why, error):
             with contextlib.suppress(ImportError, AttributeError, TypeError):  # what cannot be had here either
-                raised = error and _TASKS.unpack_error(error)
+                raised = error and PICKLED.unpack_error(error)
                 if isinstance(raised, PluginError):  # It says whose fault it is.
                     raise raised
             raise ExecutorError(
@@ -187,7 +188,7 @@ def _result(answer: tuple[Any, ...]) -> Any:  # noqa: ANN401 - the result of the
         case ("left", code, traceback):
             raise SystemExit(code) from ChildFailure("", traceback)
         case _:
-            return result_of(answer, _TASKS)
+            return result_of(answer, PICKLED)
 
 
 class _Worker:
@@ -213,7 +214,9 @@ class _Worker:
     def ask(self, task: bytes) -> tuple[Any, ...]:
         """The worker's answer to a task; empty where it died before."""
         if not self.is_ready:
-            tasks = pickle.dumps(_TASKS)
+            from dh2urdf.isolation import PICKLED
+
+            tasks = pickle.dumps(PICKLED)
             for function, args in ((pickle.dumps(claim), pickle.dumps(())), (self._function, None)):
                 answer = self._interpreter.call(tasks, function, args, None)
                 if answer[:1] not in {("value",), ("imported",)}:

@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from lxml import etree
 
-from dh2urdf.documents import refuse_other_kind
-from dh2urdf.documents.xml_elements import ACCEPTED, ForbiddenXmlError, xml_root
+from dh2urdf.documents import ACCEPTED_XML, ForbiddenXmlError, refuse_other_kind, xml_root
 from dh2urdf.errors import ProofError
 from dh2urdf.source import Mark, Problem
 
@@ -49,7 +48,7 @@ def written_tree_of(content: bytes, file: str, *, is_deep: bool = False) -> etre
     except ForbiddenXmlError as error:
         raise _forbidden(error, file) from error
     except etree.XMLSyntaxError as error:
-        raise _no_xml(error.error_log[0], file) from error
+        raise _no_xml(_faults(error)[0], file) from error
 
 
 def tree_of(content: bytes, file: str, *, is_deep: bool = False) -> etree._Element:
@@ -88,7 +87,7 @@ def _root_of(content: bytes, file: str, *, is_deep: bool) -> etree._Element:
     except ForbiddenXmlError as error:
         raise _forbidden(error, file) from error
     except etree.XMLSyntaxError as error:
-        faults = error.error_log
+        faults = _faults(error)
         if (bare := _without_comments(content)) != content:
             return _root_of(bare, file, is_deep=is_deep)
         if all(fault.domain == etree.ErrorDomains.NAMESPACE for fault in faults):
@@ -97,8 +96,13 @@ def _root_of(content: bytes, file: str, *, is_deep: bool) -> etree._Element:
         raise _no_xml(fault, file) from error
 
 
+def _faults(error: etree.XMLSyntaxError) -> list[etree._LogEntry]:
+    log: Any = error.error_log  # The stubs of lxml say that it cannot be iterated over.
+    return list(log)
+
+
 def _forbidden(error: ForbiddenXmlError, file: str) -> ProofError:
-    return ProofError(Problem(message=error.msg, mark=Mark(file=file), accepted=ACCEPTED))
+    return ProofError(Problem(message=error.msg, mark=Mark(file=file), accepted=ACCEPTED_XML))
 
 
 def _no_xml(fault: etree._LogEntry, file: str) -> ProofError:

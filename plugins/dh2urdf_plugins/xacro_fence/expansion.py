@@ -8,8 +8,7 @@ import types
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from dh2urdf.documents import refuse_other_kind
-from dh2urdf.documents.xml_elements import DOCUMENT_TYPE, check_encoding
+from dh2urdf.documents import DOCUMENT_TYPE, check_encoding, refuse_other_kind
 from dh2urdf.errors import CrashError, ProofError, TimeLimitError
 from dh2urdf.isolation import Data, enter, run_in_child, tell_of_missing_wall
 from dh2urdf.late_tuples import NamedTuple

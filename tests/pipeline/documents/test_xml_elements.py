@@ -20,16 +20,24 @@ SEVEN = '<?xml version="1.0" encoding="UTF-7"?>\n'
 FORBIDDEN = {
     "type": ('<!DOCTYPE {0}><{0} name="é"/>', "utf-8", "it has a document type"),
     "type in UTF-16": ('<!DOCTYPE {0}><{0} name="é"/>', "utf-16", "it has a document type"),
-    "type in UTF-7": (SEVEN + '+ADwAIQ-DOCTYPE {0} [+ADwAIQ-ENTITY e "1">]><{0} name="&e;"/>', "ascii", "'UTF-7'|document type"),
+    "type in UTF-7": (
+        SEVEN + '+ADwAIQ-DOCTYPE {0} [+ADwAIQ-ENTITY e "1">]><{0} name="&e;"/>',
+        "ascii",
+        "'UTF-7'|document type",
+    ),
     "UTF-7": (SEVEN + '<{0} name="r"/>', "ascii", "it is encoded in 'UTF-7'"),
-    "Windows": ('<?xml version="1.0" encoding="windows-1252"?>\n<{0} name="é"/>', "cp1252", "it is encoded in 'windows"),
+    "Windows": (
+        '<?xml version="1.0" encoding="windows-1252"?>\n<{0} name="é"/>',
+        "cp1252",
+        "it is encoded in 'windows",
+    ),
     "UTF-32": ('<{0} name="r"/>', "utf-32", "it is encoded in 'UTF-32"),
 }
 
 
 @pytest.mark.parametrize("is_deep", [False, True])
 @pytest.mark.parametrize("kind", FORBIDDEN)
-def test_forbidden_xml_is_refused(kind: str, is_deep: bool) -> None:
+def test_forbidden_xml_is_refused(kind: str, *, is_deep: bool) -> None:
     """A document type is found in every encoding, and every encoding but four is refused."""
     text, encoding, _ = FORBIDDEN[kind]
     with pytest.raises(ForbiddenXmlError):
@@ -38,7 +46,13 @@ def test_forbidden_xml_is_refused(kind: str, is_deep: bool) -> None:
 
 @pytest.mark.parametrize(
     ("encoding", "name"),
-    [("utf-8", "UTF-8"), ("utf-8-sig", "utf-8"), ("utf-16", "UTF-16"), ("latin-1", "ISO-8859-1"), ("latin-1", "latin1")],
+    [
+        ("utf-8", "UTF-8"),
+        ("utf-8-sig", "utf-8"),
+        ("utf-16", "UTF-16"),
+        ("latin-1", "ISO-8859-1"),
+        ("latin-1", "latin1"),
+    ],
 )
 def test_four_encodings_are_read(encoding: str, name: str) -> None:
     """UTF-8 and UTF-16, with a mark or without, and Latin-1: the letters are what they were."""
@@ -48,7 +62,7 @@ def test_four_encodings_are_read(encoding: str, name: str) -> None:
 
 
 @pytest.mark.parametrize("is_deep", [False, True])
-def test_entities_of_the_first_element_are_no_memory(is_deep: bool) -> None:
+def test_entities_of_the_first_element_are_no_memory(*, is_deep: bool) -> None:
     """A bomb in an attribute of the outermost element is refused before it goes off, in a deep tree too."""
     levels = "".join(f'<!ENTITY e{i + 1} "{f"&e{i};" * 10}">' for i in range(11))
     with pytest.raises(etree.XMLSyntaxError):

@@ -15,8 +15,8 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 from dh2urdf.errors import CrashError, LoaderError, MissingDependencyError, ProofError, TimeLimitError
-from dh2urdf.isolation import ChildFailure, Data, Pickled, run_in_child
-from dh2urdf.isolation.encodings import MOST_VALUES
+from dh2urdf.isolation import PICKLED, ChildFailure, Data, run_in_child
+from dh2urdf.isolation.encodings import MOST_VALUES, Pickled
 from dh2urdf.isolation.interpreter import KEPT_OUTPUT, LARGEST_ANSWER
 from dh2urdf.source import Mark, Problem
 
@@ -122,7 +122,7 @@ def test_own_errors_keep_their_data(functions: ModuleType) -> None:
     assert cause.output == "looking for it\n"
 
 
-@pytest.mark.parametrize("encoding", [Data(), Pickled[Any]()], ids=["data", "pickle"])
+@pytest.mark.parametrize("encoding", [Data(), PICKLED], ids=["data", "pickle"])
 def test_unpicklable_exception_is_wrapped(functions: ModuleType, encoding: Data[Any] | Pickled[Any]) -> None:
     """An exception that cannot be sent becomes a RuntimeError with its name, its text and its traceback."""
     with pytest.raises(RuntimeError, match=r"^UnpicklableError: cannot travel") as caught:
@@ -136,7 +136,7 @@ def test_unpicklable_value_is_an_exception(functions: ModuleType) -> None:
     with pytest.raises(TypeError, match=r"^what it returned cannot be sent as data: .*function"):
         run_in_child(functions.return_unpicklable, timeout=LONG)
     with pytest.raises((pickle.PicklingError, AttributeError, TypeError), match="lambda"):
-        run_in_child(functions.return_unpicklable, timeout=LONG, encoding=Pickled())
+        run_in_child(functions.return_unpicklable, timeout=LONG, encoding=PICKLED)
 
 
 @pytest.mark.parametrize("when", ["before its answer", "in its place"])

@@ -30,7 +30,7 @@ f 1 2 4
 f 1 4 3
 f 2 3 4
 """
-TABLE = "# convention: standard\njoint,a,alpha,d,theta,visual\nj1,0.3,0,0.1,0,part.obj\n"
+TABLE = "convention: standard\njoints:\n  - {name: j1, type: revolute, a: 0.3, alpha: 0, d: 0.1, mesh: part.obj}\n"
 
 
 @pytest.fixture
@@ -71,7 +71,9 @@ def test_version_names_the_missing_wall(cli: Callable[..., Answer]) -> None:
 def test_mesh_asks_for_trust(monkeypatch: pytest.MonkeyPatch) -> None:
     """Without Landlock a mesh is not read unless the user trusts it."""
     pytest.importorskip("trimesh")
-    with pytest.raises(ValueError, match=r"^this kernel offers no Landlock: .*; `--trust` \(or DH2URDF_TRUST=1\) reads"):
+    with pytest.raises(
+        ValueError, match=r"^this kernel offers no Landlock: .*; `--trust` \(or DH2URDF_TRUST=1\) reads"
+    ):
         load_scene(BOX.encode(), ".obj", process=False)
     monkeypatch.setenv(fence.TRUST, "1")
     assert len(load_scene(BOX.encode(), ".obj", process=False).geometry) == 1
@@ -82,11 +84,11 @@ def test_mesh_asks_for_trust(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_command_takes_trust_for_itself_alone(cli: Callable[..., Answer], tmp_path: Path, place: str) -> None:
     """`convert` of a table with a mesh fails, and works with `--trust`, which no later command inherits."""
     pytest.importorskip("trimesh")
-    (tmp_path / "arm.csv").write_text(TABLE)
+    (tmp_path / "arm.yaml").write_text(TABLE)
     (tmp_path / "part.obj").write_text(BOX)
-    words = ("convert", "arm.csv", "-o", "arm.urdf")
+    words = ("convert", "arm.yaml", "-o", "arm.urdf")
     trusting = ("--trust", *words) if place == "before" else (*words, "--trust")
-    assert "`--trust` (or DH2URDF_TRUST=1) reads it all the same" in cli(*words, status=1).stderr
+    assert "`--trust` (or DH2URDF_TRUST=1) reads it all the same" in cli(*words, status=2).stderr
     cli(*trusting)
     assert fence.TRUST not in os.environ
     assert (tmp_path / "arm.urdf").is_file()

@@ -53,7 +53,9 @@ def folder(tmp_path: Path) -> Path:
     (tmp_path / "arm.urdf").write_text(URDF)
     (tmp_path / "arm.sdf").write_text(SDF)
     (tmp_path / "arm.xml").write_text(MJCF)
-    (tmp_path / "part.xml").write_text("<mujoco><worldbody><body name='c'><geom size='0.1'/></body></worldbody></mujoco>")
+    (tmp_path / "part.xml").write_text(
+        "<mujoco><worldbody><body name='c'><geom size='0.1'/></body></worldbody></mujoco>"
+    )
     (tmp_path / "beside").mkdir()
     (tmp_path / "beside" / "model.sdf").write_text('<sdf version="1.7"><model name="s"><link name="a"/></model></sdf>')
     return tmp_path

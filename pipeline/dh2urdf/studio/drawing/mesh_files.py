@@ -22,7 +22,7 @@ from dh2urdf.source import Problem, shown
 from dh2urdf.studio.drawing.solids import Picture, Surface
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
+    from collections.abc import Iterator
 
     from dh2urdf.meshes.triangles import Part
     from dh2urdf.robot import Mesh

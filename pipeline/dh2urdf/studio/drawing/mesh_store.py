@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 _MOST_READERS = 4
 """Files that are read at a time, where there are so many processors beside the one of the server and the page."""
-_READ = Data(DrawnTriangles)
+_READ: Data[DrawnTriangles] = Data(DrawnTriangles)
 
 
 class _Read(NamedTuple):

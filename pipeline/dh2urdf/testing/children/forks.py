@@ -23,7 +23,7 @@ from uuid import uuid4
 
 from dh2urdf.isolation._child import answer_call
 from dh2urdf.isolation.child_process import outcome, pickled_call, run_in_child, started
-from dh2urdf.isolation.encodings import Pickled
+from dh2urdf.isolation.encodings import PICKLED
 from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.plugin_system.at_work import VARIABLE
 
@@ -58,7 +58,6 @@ HOST = (
 LIGHT_HOST = ("dh2urdf.testing.stage_contract",)
 """The same for a call that looks which packages it imports."""
 _WHO = "the stage"
-_STAGES = Pickled[Any]()  # A stage under test has the rights of its author, and returns whatever it returns.
 
 
 class _Surroundings(NamedTuple):
@@ -106,20 +105,20 @@ class ForkingInterpreter:
         Raises:
             Exception: as `dh2urdf.isolation.child_process.run_in_child`.
         """
-        call = pickled_call(function, args, _WHO, _STAGES)
+        call = pickled_call(function, args, _WHO, PICKLED)
         answer = self._answer_to(_in_fork, (*call, _Surroundings(dict(os.environ), sys.path, Path.cwd())))
-        return outcome(answer, self._interpreter.output.text(), 0, function, PATIENCE, _WHO, _STAGES).value
+        return outcome(answer, self._interpreter.output.text(), 0, function, PATIENCE, _WHO, PICKLED).value
 
     def _answer_to(self, function: Callable[..., Any], args: tuple[Any, ...]) -> Any:  # noqa: ANN401 - of any function
         """What a function of this module returns there; where it does not return, the interpreter ends."""
         try:
-            answer = self._interpreter.call(*pickled_call(function, args, _WHO, _STAGES), PATIENCE)
+            answer = self._interpreter.call(*pickled_call(function, args, _WHO, PICKLED), PATIENCE)
         except BaseException:
             self.end()
             raise
         status = 0 if answer[:1] == ("value",) else self._interpreter.end()
         output, who = self._interpreter.output.text(), self._interpreter.who or _WHO
-        return outcome(answer, output, status, function, PATIENCE, who, _STAGES).value
+        return outcome(answer, output, status, function, PATIENCE, who, PICKLED).value
 
     def end(self) -> None:
         """End it, with all that it started."""
@@ -150,7 +149,7 @@ def in_new_interpreter(function: Callable[..., T], args: tuple[Any, ...], seed: 
         Exception: as `dh2urdf.isolation.child_process.run_in_child`.
     """
     with environment({SEED: str(seed)}):
-        return run_in_child(function, *args, timeout=PATIENCE, who=_WHO, encoding=_STAGES).value
+        return run_in_child(function, *args, timeout=PATIENCE, who=_WHO, encoding=PICKLED).value
 
 
 @contextmanager

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from lxml import etree
 
-from dh2urdf.documents.xml_elements import ForbiddenXmlError, xml_root
+from dh2urdf.documents import ForbiddenXmlError, xml_root
 from dh2urdf.late_tuples import NamedTuple
 from dh2urdf_plugins.lint.document.corners import has_hull, is_planar, summed_volume
 from dh2urdf_plugins.lint.document.obj import (

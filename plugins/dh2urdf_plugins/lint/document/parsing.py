@@ -10,7 +10,7 @@ import re
 from bisect import bisect_right
 from xml.parsers import expat
 
-from dh2urdf.documents.xml_elements import ACCEPTED, ForbiddenXmlError, check_encoding
+from dh2urdf.documents import ACCEPTED_XML, ForbiddenXmlError, check_encoding
 from dh2urdf.late_tuples import NamedTuple
 from dh2urdf_plugins.lint.document.tree import DEEPEST, Element
 
@@ -323,7 +323,7 @@ def _decoded(content: bytes) -> str:
     try:
         check_encoding(encoding)
     except ForbiddenXmlError as error:
-        raise NotXmlError(f"{error.msg}; accepted: {ACCEPTED}", 1, 1) from None
+        raise NotXmlError(f"{error.msg}; accepted: {ACCEPTED_XML}", 1, 1) from None
     if not encoding.startswith(("utf", "us-", "ascii")):
         return content.decode("latin-1")
     return content.decode("utf-8", "surrogateescape")

@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING
 
 from lxml import etree
 
-from dh2urdf.documents import read_bytes
-from dh2urdf.documents.xml_elements import xml_root
+from dh2urdf.documents import read_bytes, xml_root
 from dh2urdf.errors import Dh2UrdfError, InputError, ProofError
 from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.late_tuples import NamedTuple

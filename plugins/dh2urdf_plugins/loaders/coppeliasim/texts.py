@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from lxml import etree
 
-from dh2urdf.documents.xml_elements import xml_root
+from dh2urdf.documents import xml_root
 from dh2urdf.errors import LoaderError
 from dh2urdf.kinematics import axis_rotation
 from dh2urdf.manipulator import JointType

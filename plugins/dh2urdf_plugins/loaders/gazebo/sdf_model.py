@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from lxml import etree
 
-from dh2urdf.documents.xml_elements import xml_root
+from dh2urdf.documents import xml_root
 from dh2urdf.kinematics import axis_rotation
 from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.late_tuples import NamedTuple

@@ -97,7 +97,7 @@ def load_in_child(
         output = error.__cause__.output if isinstance(error.__cause__, ChildFailure) else ""
         said = whole_records(loader.read_output(request, output), Problem)
         raise type(error)(plain((*error.problems, *said))) from error
-    report = replace(child.value, joints=_tuples(child.value.joints), hold=_tuples(child.value.hold))
+    report = replace(child.value, joints=tuple(map(_tuples, child.value.joints)), hold=_tuples(child.value.hold))
     said = whole_records(loader.read_output(request, child.output), Problem)
     findings = plain((*report.findings, *said), report.simulator)
     return replace(report, findings=findings, output=child.output.replace(folder, ""))
@@ -119,10 +119,13 @@ def _whole_report(load: Callable[[LoadRequest, Any], LoadReport], request: LoadR
 
 
 def _tuples(value: Any) -> Any:  # noqa: ANN401 - plain values of a report
-    """Plain values with tuples for lists, as a record that nobody changes has them."""
+    """Plain values as loaders give them, which JSON does not tell apart: vectors and pairs are tuples, in lists."""
     if isinstance(value, dict):
         return {name: _tuples(each) for name, each in value.items()}
-    return tuple(map(_tuples, value)) if isinstance(value, (list, tuple)) else value
+    if not isinstance(value, list):
+        return value
+    is_flat = value and not any(isinstance(each, (list, dict)) for each in value)
+    return tuple(value) if is_flat else [_tuples(each) for each in value]
 
 
 def _named(problem: Problem, *names: str) -> Problem:

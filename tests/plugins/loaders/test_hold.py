@@ -99,7 +99,7 @@ def test_touching_is_not_overlapping(
     """Shapes that just touch are no finding in any simulator; those that overlap by a tenth of a millimetre are."""
     require_loaders(loader)
     report = loaded(loader, pairs_of_shapes(gap), tmp_path)
-    assert report.hold["contacts"] == tuple(overlaps)
+    assert report.hold["contacts"] == list(overlaps)
     assert any("overlap at the start" in finding.message for finding in report.findings) == bool(overlaps)
 
 

@@ -12,7 +12,7 @@ import re
 import signal
 import sys
 import tempfile
-import types
+from collections.abc import Iterator, MappingView
 from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -46,8 +46,8 @@ from dh2urdf_plugins.readers import csv, yaml
 from dh2urdf_plugins.readers.options import TableOptions
 from dh2urdf_plugins.readers.plain.rows import PlainRows
 from dh2urdf_plugins.transforms.alpha_swap import TRANSFORM
-from dh2urdf_plugins.xacro_fence.expansion import callables, closed_symbols
-from dh2urdf_plugins.xacro_fence.expressions import evaluate as evaluate_xacro
+from dh2urdf_plugins.xacro_fence.functions import Function, Namespace, Work
+from dh2urdf_plugins.xacro_fence.interpreter import evaluate as evaluate_xacro
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Sequence
@@ -263,9 +263,8 @@ def xacro_expression(content: bytes) -> None:
     _watchers.append(tried)
     signal.setitimer(signal.ITIMER_REAL, _LONGEST_EXPRESSION)
     try:
-        found = evaluate_xacro(
-            text, {**_xacro_names(), "size": 2, "name": "arm", "config": {"a": {"b": [1, 2]}}}, None, _calls()
-        )
+        names = {**_xacro_names(), "size": 2, "name": "arm", "config": {"a": {"b": [1, 2]}}}
+        found = evaluate_xacro(text, names, Work())
     except (TimeoutError, MemoryError, RecursionError):
         return
     except Exception:  # noqa: BLE001 - an expression may fail in any way
@@ -284,23 +283,15 @@ def _is_plain(value: object) -> bool:
     if isinstance(value, dict):
         return all(map(_is_plain, (*value, *value.values())))
     plain = value is None or isinstance(value, (int, float, complex, str, bytes, range, slice, type(...)))
-    lazy = isinstance(value, (map, filter, zip, enumerate, reversed, types.GeneratorType))
-    return plain or lazy or (callable(value) and (id(value) in _calls() or _is_function(value)))
+    lazy = isinstance(value, (Iterator, MappingView))
+    return plain or lazy or isinstance(value, (Function, Namespace))
 
 
-def _is_function(value: object) -> bool:
-    """A lambda of an expression, a method of a text, list or mapping, or the type of a plain value."""
-    if isinstance(value, types.FunctionType):
-        return value.__code__.co_filename == "<expression>" or value.__module__ == evaluate_xacro.__module__
-    return isinstance(value, types.BuiltinMethodType) or value in _KINDS
-
-
-_KINDS = (int, float, complex, bool, str, list, tuple, dict, set, frozenset, range, type(None))
 _watchers: list[list[str]] = []
 
 
 def _watch(event: str, arguments: tuple[object, ...]) -> None:
-    # Python looks for the text of a wrong line in a file of the name that the expression is compiled under.
+    # Python looks for the text of a wrong line in a file of the name that the expression is parsed under.
     if _watchers and event.startswith(_TRIED) and arguments[:1] != ("<expression>",):
         _watchers[-1].append(event)
 
@@ -311,12 +302,12 @@ def _end(_number: int, _frame: object) -> None:
 
 @cache
 def _xacro_names() -> dict[str, Any]:
-    """What xacro gives to expressions, with the bounds of the fence; watched from now on."""
+    """What xacro gives to expressions, watched from now on."""
     import xacro
 
     sys.addaudithook(_watch)
     signal.signal(signal.SIGALRM, _end)
-    symbols = closed_symbols(xacro)
+    symbols: dict[str, Any] = xacro.create_global_symbols()
     for space in (symbols, symbols["xacro"]):
         dict.__setitem__(space, "load_yaml", _no_file)  # the fence's own way to files has tests of its own
     return symbols
@@ -324,11 +315,6 @@ def _xacro_names() -> dict[str, Any]:
 
 def _no_file(name: str) -> None:
     raise FileNotFoundError(name)
-
-
-@cache
-def _calls() -> dict[int, Any]:
-    return callables(_xacro_names())
 
 
 # --- Run files --------------------------------------------------------------------------------------------------------

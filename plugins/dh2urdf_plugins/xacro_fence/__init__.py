@@ -1,1 +1,1 @@
-"""Expands a stranger's xacro: the real xacro, in a child process without rights, on expressions that were checked."""
+"""Expands a stranger's xacro: the real xacro, in a child process without rights, whose expressions we evaluate."""

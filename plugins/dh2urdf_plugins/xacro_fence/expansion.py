@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import itertools
 import os
 import types
+from collections import ChainMap
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -16,12 +16,10 @@ from dh2urdf.meshes import packages_in
 from dh2urdf.patterns import late_pattern
 from dh2urdf.source import Mark, Problem
 from dh2urdf.stages import Expansion
-from dh2urdf_plugins.xacro_fence.expressions import BOUNDED, REFUSED, ExpressionError, evaluate
 from dh2urdf_plugins.xacro_fence.files import Files
 from dh2urdf_plugins.xacro_fence.places import Place, keep_places, place_of_failure, places
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
     from xml.dom.minidom import Document
 
 _Result = tuple[bytes, list[Place | None], str | None]
@@ -31,8 +29,8 @@ EXPANSION = 30.0
 MAX_OUTPUT = 2**26
 """Size of what comes out [B]."""
 _RESULT: Data[_Result] = Data(_Result)
-MAX_MACROS = 50_000
-"""How often macros are expanded in all."""
+STEPS_OF_MACRO = 100
+"""As how many steps of expressions the call of a macro counts."""
 
 
 class Expanded(NamedTuple):
@@ -153,64 +151,42 @@ def _reason(error: Exception) -> str:
     return f"{reason} {suffix}".strip()
 
 
-def closed_symbols(xacro: types.ModuleType) -> dict[str, Any]:
-    """The names that xacro gives to expressions, without what shows more, and with bounds."""
-    symbols: dict[str, Any] = xacro.create_global_symbols()
-    for space in _spaces(symbols):
-        for name in REFUSED:
-            dict.pop(space, name, None)
-        for name, function in BOUNDED.items():
-            if dict.__contains__(space, name):
-                dict.__setitem__(space, name, function)
-    return symbols
-
-
-def callables(symbols: dict[str, Any]) -> dict[int, Callable[..., Any]]:
-    """What expressions may call, by `id`."""
-    return {id(value): value for space in _spaces(symbols) for value in dict.values(space) if callable(value)}
-
-
-def _spaces(symbols: dict[str, Any]) -> list[dict[str, Any]]:
-    return [symbols, *(space for space in symbols.values() if isinstance(space, dict))]
-
-
 def _close(files: Files) -> None:
     """Has xacro evaluate, open and look up by functions of ours alone; in this process, for good."""
     import xacro
     from xacro import substitution_args
 
-    symbols = xacro._global_symbols = closed_symbols(xacro)  # noqa: SLF001
-    calls = callables(symbols)
-
-    def safe_eval(text: str, names: dict[str, Any], local: Mapping[str, object] | None = None) -> Any:  # noqa: ANN401
-        return evaluate(text, names, local, calls)
+    from dh2urdf_plugins.xacro_fence.functions import ExpressionError, Work
+    from dh2urdf_plugins.xacro_fence.interpreter import evaluate
 
     def no_environment(name: str) -> str:
         raise ExpressionError(f"$(env {name}): a file of unknown origin is not given the environment")
 
-    def nothing_from_environment(name: str, default: str = "") -> str:  # noqa: ARG001 - as xacro calls it
-        return default
-
     def counted(*args: Any) -> Any:  # noqa: ANN401
-        if next(expanded) > MAX_MACROS:
-            raise ExpressionError(f"macros are expanded more than {MAX_MACROS} times")
+        work.spend(STEPS_OF_MACRO)
         return expand_macro(*args)
 
-    expanded, expand_macro = itertools.count(1), xacro.resolve_macro
+    work, builtins, expand_macro = Work(), xacro._global_symbols["python"], xacro.resolve_macro  # noqa: SLF001
     xacro.resolve_macro = counted
-    xacro.safe_eval = safe_eval
     _refuse_declarations()
+    xacro.safe_eval = lambda text, names, _local=None: evaluate(text, names, work)
     xacro.open = files.open  # comes before the built-in one in that module
     xacro.glob = types.SimpleNamespace(glob=files.glob)
-    substitution_args._eval_env = no_environment  # noqa: SLF001
-    substitution_args._eval_optenv = nothing_from_environment  # noqa: SLF001
-    substitution_args._eval_find = files.package  # noqa: SLF001
-    substitution_args._eval = _evaluation(calls, files, no_environment, nothing_from_environment)  # noqa: SLF001
+    substitution_args.eval = lambda text, _no_names, names: evaluate(text, ChainMap(names, builtins), work)
+    of_system: dict[str, Any] = {
+        "env": no_environment,
+        "optenv": lambda _name, default="": default,
+        "find": files.package,
+    }
+    substitution_args._eval_dict.update(of_system)  # noqa: SLF001
+    vars(substitution_args).update({f"_eval_{name}": function for name, function in of_system.items()})
 
 
 def _refuse_declarations() -> None:
     """Has the parser of xacro refuse what `dh2urdf.documents.xml_elements` refuses."""
     from xml.dom import expatbuilder
+
+    from dh2urdf_plugins.xacro_fence.functions import ExpressionError
 
     builder: Any = expatbuilder.ExpatBuilderNS
 
@@ -223,34 +199,6 @@ def _refuse_declarations() -> None:
 
     declared = builder.xml_decl_handler
     builder.start_doctype_decl_handler, builder.xml_decl_handler = no_document_type, known_encoding
-
-
-def _evaluation(
-    calls: Mapping[int, Callable[..., Any]], files: Files, *environment: Callable[..., str]
-) -> Callable[[str, dict[str, Any]], str]:
-    """What takes the place of xacro's ``$(eval …)``."""
-    import math
-
-    from xacro import substitution_args
-
-    env, optenv = environment
-    plain = {name: value for name, value in vars(math).items() if not name.startswith("_") and name not in BOUNDED}
-    kinds = {kind.__name__: kind for kind in (list, dict, map, str, float, int)}
-    words = {"true": True, "false": False, "True": True, "False": False}
-
-    def evaluated(text: str, context: dict[str, Any]) -> str:
-        given = context.setdefault("arg", {})
-
-        def argument(name: str) -> Any:  # noqa: ANN401 - of the type that its text has
-            return substitution_args.convert_value(given[name], "auto")
-
-        own = {"arg": argument, "env": env, "optenv": optenv, "find": files.package}
-        functions = {**plain, **kinds, **own}
-        values = {name: argument(name) for name in given}
-        allowed = {**calls, **{id(value): value for value in functions.values() if callable(value)}}
-        return str(evaluate(text, {**values, **words, **functions}, None, allowed))
-
-    return evaluated
 
 
 def _warm_up() -> None:

@@ -11,7 +11,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from dh2urdf.meshes import own_folder, with_its_own
-from dh2urdf_plugins.xacro_fence.expressions import ExpressionError
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -24,7 +23,7 @@ MAX_FILES = 10_000
 """How often a file is read."""
 
 
-class FileError(ExpressionError):
+class FileError(Exception):
     """A file that must not be read."""
 
 

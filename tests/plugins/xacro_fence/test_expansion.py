@@ -59,7 +59,7 @@ def bomb(depth: int, width: int) -> str:
 
 ATTACKS = {
     "lambda": ('<link name="${(lambda: ().__class__.__base__.__subclasses__())()}"/>', "is refused"),
-    "format": ("<link name=\"${str.format('%s', 1)}\"/>", "'format' of a type is refused"),
+    "format": ("<link name=\"${str.format('%s', 1)}\"/>", "'format' of a Function is refused"),
     "yaml": ("<link name=\"${xacro.load_yaml('../home/secret.yaml')['word']}\"/>", "outside the folders"),
     "yaml, old name": ("<link name=\"${load_yaml('../home/secret.yaml')['word']}\"/>", "outside the folders"),
     "include": ('<xacro:include filename="../home/secret.xacro"/>', "outside the folders"),
@@ -72,14 +72,15 @@ ATTACKS = {
     "device": ('<xacro:include filename="/dev/zero"/>', "outside the folders"),
     "pipe": ('<xacro:include filename="pipe"/>', "no ordinary file"),
     "environment": ('<link name="$(env SECRET)"/>', "is not given the environment"),
-    "environment in eval": ('<link name="$(eval env.__self__)"/>', "'__self__' is refused"),
+    "environment in eval": ('<link name="$(eval env.__self__)"/>', "may not contain double underscore"),
     "package": ('<xacro:include filename="$(find home)/secret.xacro"/>', "the package 'home' is not known"),
     "eval": ('<link name="$(eval 9**9**9)"/>', "bits"),
-    "eval behind a value": ('<link name="$(eval [].__class__)"/>', "'__class__' is refused"),
+    "eval of Python's own": ('<link name="$(eval open)"/>', "'open' is not defined"),
+    "eval behind a value": ('<link name="$(eval env.table)"/>', "attribute 'table' of a Function is refused"),
     "power": ('<link name="${9**9**9}"/>', "bits"),
     "memory": (
         '<xacro:property name="p" value="${\'a\'*10**6}"/><link name="${p.replace(\'a\', p)}"/>',
-        "a length of more",
+        "a size of more",
     ),
     "entities": ("", "it has a document type"),
     "encoding": ("", "it is encoded in 'UTF-7'"),
@@ -91,7 +92,30 @@ ATTACKS = {
         '<xacro:macro name="a" params="__call:=1 __builtins__:=2"><link name="${().__class__}"/></xacro:macro><xacro:a/>',
         "'__class__' is refused",
     ),
-    "macros": (bomb(11, 8), "expanded more than|did not finish|memory"),
+    "guards": (
+        (
+            '<xacro:include filename="part.xacro" ns="foo"/><link name="${[[foo[\'__builtins__\'].update(python.dict([(k, '
+            "lambda a, b: 7)])) for k in python.list(foo['__builtins__'].keys()) if 'power' in k], 9 ** 9 ** 9][1]}\"/>"
+        ),
+        "the name '__builtins__' is refused",
+    ),
+    "formats": (
+        "<link name=\"${xacro.load_yaml('formats.yaml').a.format(1)}\"/>",
+        "the field '0.__class__' of a format is refused",
+    ),
+    "texts that double": (
+        '<xacro:property name="a0" value="aaaaaaaaaa"/>'
+        + "".join(f'<xacro:property name="a{k + 1}" value="${{a{k}}}${{a{k}}}"/>' for k in range(40))
+        + '<link name="${a40}"/>',
+        "steps|a size of more",
+    ),
+    "lists that double": (
+        '<xacro:property name="a0" value="${[1]}"/>'
+        + "".join(f'<xacro:property name="a{k + 1}" value="${{[a{k}, a{k}]}}"/>' for k in range(40))
+        + '<link name="${a40}"/>',
+        "a size of more",
+    ),
+    "macros": (bomb(11, 8), "more than 5000000 steps|did not finish|memory"),
     "loops": ('<link name="${[1 for x in range(10**6) for y in range(10**6)]}"/>', "did not finish|memory|ended"),
 }
 
@@ -103,10 +127,12 @@ def attack(folder: Path, name: str) -> Path:
         path.write_text('<!DOCTYPE robot [<!ENTITY e SYSTEM "../home/secret.yaml">]><robot name="r">&e;</robot>')
     if name == "encoding":
         path.write_text('<?xml version="1.0" encoding="UTF-7"?>\n+ADwAIQ-DOCTYPE robot><robot name="r"/>')
+    (folder / "part.xacro").write_text(ROBOT.format('<xacro:property name="z" value="1"/>'))
     (folder / "link.xacro").symlink_to("../home/secret.xacro")
     if hasattr(os, "mkfifo"):
         os.mkfifo(folder / "pipe")
     (folder / "object.yaml").write_text("!!python/object/apply:os.system ['touch ran']\n")
+    (folder / "formats.yaml").write_text("a: '{0.__class__}'\n")
     (folder / "units.yaml").write_text("a: !degrees '().__class__'\n")
     return path
 
@@ -292,6 +318,40 @@ def test_what_makers_write_expands_as_in_the_real_xacro(tmp_path: Path) -> None:
     real = subprocess.run([sys.executable, "-c", REAL, path, folder], capture_output=True, check=True).stdout
     assert expand_foreign(path).content == real
     assert b"2.96705972839" in real
+
+
+@pytest.mark.parametrize(
+    "words",
+    [("-o", "arm.urdf.xacro"), ("-o", "arm.urdf.xacro", "--frames", "dh"), ("-o", "ws", "--to", "ros2")],
+    ids=" ".join,
+)
+def test_what_is_written_expands_as_in_the_real_xacro(
+    cli: Callable[..., Answer], tmp_path: Path, words: tuple[str, ...], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The xacro and the ROS package of a UR5: their YAML files, conditions and macros, byte by byte."""
+    table = tmp_path / "ur5.csv"
+    cli("example", "ur5", "-o", table)
+    monkeypatch.chdir(tmp_path)
+    cli("convert", table, *words)
+    tops = [path for path in tmp_path.rglob("*.xacro") if b"<robot" in path.read_bytes()]
+    assert tops
+    for path in tops:
+        folder = next((each for each in path.parents if (each / "package.xml").is_file()), path.parent)
+        real = subprocess.run(
+            [sys.executable, "-c", REAL, path.name, folder], cwd=path.parent, capture_output=True, check=True
+        )
+        assert expand_foreign(path).content == real.stdout
+
+
+def test_what_is_refused_has_its_place(package: Path) -> None:
+    """File, line and column of the element, the expression, and what is refused."""
+    path = attack(package, "guards")
+    path.write_text(path.read_text().replace("<link", "\n  <link"))
+    with pytest.raises(ProofError) as caught:
+        expand_foreign(path)
+    (problem,) = caught.value.problems
+    assert (problem.mark.file, problem.mark.line, problem.mark.column) == (str(path), 2, 3)
+    assert "when evaluating expression" in problem.message
 
 
 def test_a_package_is_read_where_it_is_named(tmp_path: Path) -> None:

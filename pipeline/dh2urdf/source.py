@@ -6,6 +6,7 @@ point to the line and column where a person has to fix it.
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 from typing import TYPE_CHECKING, Literal
 
@@ -137,6 +138,16 @@ def printable(text: str) -> str:
     if text.isprintable():
         return text
     return "".join(c if c.isprintable() else c.encode("unicode_escape").decode("ascii") for c in text)
+
+
+def markdown_text(text: str) -> str:
+    """Return a text as one line of Markdown, which every renderer shows as the same text.
+
+    A backslash escapes what all renderers let it escape. The other characters become entities.
+    """
+    plain = printable(" ".join(text.split()))
+    plain = re.sub(r"[\\`*_{}\[\]#]|^[-+]|^\d+[.)]", lambda found: f"{found[0][:-1]}\\{found[0][-1]}", plain)
+    return re.sub("[<>&|~]", lambda found: f"&#{ord(found[0])};", plain)
 
 
 def free_name(name: str, taken: set[str]) -> str:

@@ -8,7 +8,7 @@ from typing import IO, TYPE_CHECKING
 from dh2urdf.manipulator import JointType
 from dh2urdf.report.answers.conversions import counted
 from dh2urdf.report.answers.info import CELL, COMPUTED, DEFAULT, unit_of
-from dh2urdf.source import printable
+from dh2urdf.source import markdown_text, printable
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -74,17 +74,17 @@ def markdown(report: InfoReport) -> Iterator[str]:
     """A report as Markdown."""
     detail = report["detail"]
     if detail is None:
-        yield f"# {_escaped(report['source'])}"
+        yield f"# {markdown_text(report['source'])}"
         yield ""
         for line in _arms(report):
-            yield f"- {_escaped(line)}"
+            yield f"- {markdown_text(line)}"
         return
     facts = list(_facts(report["source"], detail))
-    yield f"# {_escaped(detail['name'])}"
+    yield f"# {markdown_text(detail['name'])}"
     yield ""
     matrix = facts.index("T(base_link → tool0) at q = 0:")
     for line in facts[:matrix]:
-        yield f"- {_escaped(line)}"
+        yield f"- {markdown_text(line)}"
     yield ""
     yield "T(base_link → tool0) at q = 0:"
     yield ""
@@ -95,15 +95,11 @@ def markdown(report: InfoReport) -> Iterator[str]:
     yield f"| {' | '.join(HEAD)} |"
     yield f"|{'---|' * len(HEAD)}"
     for row in _rows(detail):
-        yield f"| {' | '.join(map(_escaped, row))} |"
+        yield f"| {' | '.join(map(markdown_text, row))} |"
     if notices := list(_notices(detail)):
         yield ""
         for line in filter(None, notices):
-            yield f"- {_escaped(line)}"
-
-
-def _escaped(text: str) -> str:
-    return "".join(f"\\{c}" if c in r"\|*_<>[]`" else c for c in text)
+            yield f"- {markdown_text(line)}"
 
 
 # --- Facts ------------------------------------------------------------------------------------------------------------

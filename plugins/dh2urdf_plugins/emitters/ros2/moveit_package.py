@@ -11,7 +11,7 @@ from lxml import etree
 
 from dh2urdf.errors import EmitterError
 from dh2urdf.manipulator import WORLD
-from dh2urdf.source import Problem, shown
+from dh2urdf.source import Problem, markdown_text, shown
 from dh2urdf_plugins.emitters.ros2.description_xacro import arms_of, positions_argument
 from dh2urdf_plugins.emitters.ros2.moveit_yaml import (
     SPEED_UP,
@@ -91,7 +91,7 @@ def moveit_package(robot: Robot, name: str, description: str, options: Ros2Optio
         "moveit_README.md",
         PACKAGE=package,
         DESCRIPTION=description,
-        ROBOT=robot.name,
+        ROBOT=markdown_text(robot.name),
         START=filled("moveit_demo.md", PACKAGE=package).decode() if options.controlled else "",
     )
     files["CHANGELOG.rst"] = changelog(package, options.version)

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from lxml import etree
 
+from dh2urdf.source import markdown_text
 from dh2urdf_plugins.emitters.ros2.options import NO_EMAIL, NO_LICENSE, NO_MAINTAINER
 from dh2urdf_plugins.emitters.ros2.yaml_files import follows_whole_table
 
@@ -88,7 +89,7 @@ def readme(package: str, name: str, robot: Robot, kinds: Sequence[Kind], options
         "README.md",
         PACKAGE=package,
         NAME=name,
-        ROBOT=robot.name,
+        ROBOT=markdown_text(robot.name),
         CONTROL=control if options.controlled else "",
         USE="" if robot.arms else _use(package, kinds[0]),
         CALIBRATION="\n".join(_calibration(kind) for kind in kinds),

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import re
 from typing import TYPE_CHECKING
 
+from dh2urdf.source import markdown_text
 from dh2urdf_plugins.emitters.table.symbols import Notation, cells_of, convention_product
 
 if TYPE_CHECKING:
@@ -14,7 +14,6 @@ if TYPE_CHECKING:
     from dh2urdf_plugins.emitters.table.options import TableOptions
 
 _SUBSCRIPTS = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
-_SPECIAL = re.compile(r"([\\`*_{}\[\]<>()#+!|~&-])")
 
 
 def markdown_file(arms: Sequence[Manipulator], options: TableOptions) -> bytes:
@@ -28,7 +27,7 @@ def _block(arm: Manipulator, options: TableOptions) -> Iterator[str]:
     length, angle = options.length_unit, options.angle_unit
     heads = ["no.", "joint", "type", f"a [{length}]", f"α [{angle}]", f"d [{length}]", f"θ [{angle}]"]
     heads += [f"{bound} [{cells.limit_units}]" for bound in ("lower", "upper") if cells.limit_units]
-    yield f"## {_escaped(arm.name)}"
+    yield f"## {markdown_text(arm.name)}"
     yield ""
     product = "·".join(convention_product(arm, ("Rz(θ)", "Tz(d)", "Tx(a)", "Rx(α)")))
     yield f"Denavit-Hartenberg parameters, {arm.convention} convention: A = {product}."
@@ -46,10 +45,6 @@ def _line(cells: Sequence[str]) -> str:
     return f"| {' | '.join(cells)} |"
 
 
-def _escaped(text: str) -> str:
-    return _SPECIAL.sub(r"\\\1", " ".join(text.split()))
-
-
 def _number(text: str) -> str:
     return text.replace("*pi", "π").replace("pi", "π").replace("-", "−")
 
@@ -64,4 +59,4 @@ def _sum(terms: Sequence[tuple[str, str]]) -> str:
     return " ".join([start, *(f"{'−' if sign == '-' else '+'} {term}" for sign, term in others)])
 
 
-_NOTATION = Notation(text=_escaped, number=_number, variable=_variable, sum=_sum)
+_NOTATION = Notation(text=markdown_text, number=_number, variable=_variable, sum=_sum)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -198,7 +199,8 @@ def _header(arm: Manipulator) -> bytes:
     """What is known of a table, as comments from which no reader reads anything: they have names of the description."""
     source = f"of {Path(arm.mark.file).name}" if arm.mark else ""
     lines = [f"{arm.name} {source}".strip(), *(notice.message for notice in arm.notices)]
-    return encoded("".join(f"#> {' '.join(line.split())}\n" for line in lines))
+    plain = (re.sub("([,;])(?=[=+@-])", r"\1 ", " ".join(line.split())) for line in lines)
+    return encoded("".join(f"#> {line}\n" for line in plain))  # no part is a cell that a spreadsheet computes
 
 
 def table_lines(arm: Manipulator, length_unit: str = "m", angle_unit: str = "rad") -> Iterator[str]:

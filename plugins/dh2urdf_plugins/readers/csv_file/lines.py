@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import re
 from collections import deque
 from itertools import accumulate, chain, islice
 from typing import TYPE_CHECKING, NoReturn
@@ -30,13 +31,20 @@ if TYPE_CHECKING:
     from pathlib import Path
 
 
+COMPUTED = "=+@-"
+"""How a cell begins that a spreadsheet computes. `texts` writes names of that kind as texts, behind an apostrophe."""
+_GUARDED = re.compile(f"'+[{COMPUTED}]")
+_CAREFUL = ('"', *(f"'{sign}" for sign in COMPUTED))
+"""What a block has whose lines are more than cells and delimiters."""
+
+
 class CsvLines:
     """The lines of a file, comment lines made empty once the header has been read.
 
     Attributes:
-        quoted: number and text of the latest lines with quotes: where a cell of these starts, the lengths of the
-            cells before it do not tell.
-        quotes_in_block: whether the latest block has any.
+        quoted: number and text of the latest lines with quotes, or apostrophes before a sign: where a cell of these
+            starts, the lengths of the cells before it do not tell.
+        quotes_in_block: whether the latest block has any of them.
         signs_in_block: whether the latest block has a sign that a comment begins with.
         required: the columns that every row fills: a comment that does so looks like a row, and is worth a notice.
         notices: of such comments, the first ones.
@@ -84,9 +92,10 @@ class CsvLines:
 
     def _prepared(self, block: list[str], start: int, delimiter: str) -> list[str]:
         text = "".join(block)
-        self.quotes_in_block = '"' in text
+        self.quotes_in_block = any(sign in text for sign in _CAREFUL)
         if self.quotes_in_block:
-            self.quoted.extend((start + index, line) for index, line in enumerate(block) if '"' in line)
+            lines = enumerate(block, start)
+            self.quoted.extend((at, line) for at, line in lines if any(sign in line for sign in _CAREFUL))
             block = [line + "\n" for line in block]  # a cell in quotes keeps the end of the line
         self.signs_in_block = any(sign[0] in text and sign in text for sign in SIGNS)
         if not self.signs_in_block:
@@ -140,7 +149,7 @@ class CsvLines:
                     if self.signs_in_block and self._is_quoted_comment(cells):
                         self._passes_over(joined(cells, decimal_comma=delimiter != ","), starts[-1], delimiter)
                         cells = []
-                    batch.append(cells)
+                    batch.append([cell[1:] if _GUARDED.match(cell) else cell for cell in cells])
             except csv.Error as error:
                 self._refuse_cell(error, starts[-1])
             yield starts, batch
@@ -148,7 +157,7 @@ class CsvLines:
 
     def _refuse_cell(self, error: csv.Error, line: int) -> NoReturn:
         """Refuses the file for a cell whose quotes are wrong, or that has no end."""
-        number, text = next(((n, text) for n, text in self.quoted if n >= line), (line, ""))
+        number, text = next(((n, text) for n, text in self.quoted if n >= line and '"' in text), (line, ""))
         is_open = number == line and text.count('"') % 2
         suggestion = "a quote that is part of the text is written twice" if text else None
         if "limit" in str(error) and not is_open:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import csv
 import io
+import json
+import re
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -11,6 +13,7 @@ from dh2urdf.errors import InputError
 from dh2urdf.source import Mark, Problem
 from dh2urdf.table_text import FIELDS, Place, TableText, WrittenTable, yaml_word
 from dh2urdf_plugins.readers.comments.top import read_top
+from dh2urdf_plugins.readers.csv_file.lines import COMPUTED
 from dh2urdf_plugins.readers.csv_file.rows import CsvRows
 from dh2urdf_plugins.readers.tables.cell_groups import GroupError, split_cell
 from dh2urdf_plugins.readers.words.cells import SPACES, text_of
@@ -69,7 +72,7 @@ def _written(table: TableText, fields: Sequence[str], rows: Sequence[Mapping[str
         for index, field in enumerate(fields):
             line += "," if index else ""
             places.append(Place(line=len(lines) + 1, column=len(line) + 1, row=number, field=field))
-            line += _cell(row.get(field, ""))
+            line += _cell(row.get(field, ""), is_name=field in ("robot", "joint", "link"))
         lines.append(line)
     return WrittenTable(content="\n".join([*lines, ""]).encode(), places=tuple(places))
 
@@ -114,15 +117,27 @@ def _row(cells: Mapping[str, str]) -> dict[str, str] | None:
 
 def _top(table: TableText) -> dict[str, str]:
     """What comment lines say, by key, in their order."""
-    said = {"name": yaml_word(table.name) if table.name.strip() else "", "convention": table.convention}
+    said = {"name": _comment(table.name) if table.name.strip() else "", "convention": table.convention}
     if (table.length_unit, table.angle_unit) != ("m", "rad"):
         said["length_unit"] = units_text(table)
     said |= {"base": table.base, "tool": table.tool, "payload": table.payload, "defaults": table.defaults}
     return {field: text for field, text in said.items() if text.strip()}
 
 
-def _cell(text: str) -> str:
-    """A text as a cell, quoted where it has to be."""
+def _comment(name: str) -> str:
+    """A name as YAML in a comment, whose parts a spreadsheet takes for cells: none of them begins with a sign."""
+    if not re.search(rf"[,;\t]\s*[{COMPUTED}]", name):
+        return yaml_word(name)
+    return re.sub("[,;]", lambda found: f"\\u{ord(found[0]):04x}", json.dumps(name, ensure_ascii=False))
+
+
+def _cell(text: str, *, is_name: bool) -> str:
+    """A text as a cell, quoted where it has to be.
+
+    No spreadsheet computes a name: OWASP's apostrophe stands before a sign, and `CsvLines` takes it away again.
+    """
+    if is_name and text.lstrip("'").startswith(tuple(COMPUTED)):
+        text = f"'{text}"
     if not _QUOTED.intersection(text) and not text.startswith(SIGNS):
         return text
     written = io.StringIO()

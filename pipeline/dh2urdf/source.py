@@ -146,7 +146,8 @@ def markdown_text(text: str) -> str:
     A backslash escapes what all renderers let it escape. The other characters become entities.
     """
     plain = printable(" ".join(text.split()))
-    plain = re.sub(r"[\\`*_{}\[\]#]|^[-+]|^\d+[.)]", lambda found: f"{found[0][:-1]}\\{found[0][-1]}", plain)
+    signs = r"[\\`*_{}\[\]#]|^[-+](?=[-\s]|$)|^\d+[.)](?=\s|$)"
+    plain = re.sub(signs, lambda found: f"{found[0][:-1]}\\{found[0][-1]}", plain)
     return re.sub("[<>&|~]", lambda found: f"&#{ord(found[0])};", plain)
 
 

@@ -288,7 +288,7 @@ class TestForms:
         assert "| joint | field | value | as typed | read in | place |\n|---|---|---|---|---|---|\n" in text
         assert "| waist | alpha | 1.57079633 rad (90°) | '90' | deg | arm.csv:5:27 |" in text
         (folder / "a|b.csv").write_text(ARM)
-        assert "a\\|b.csv:5:27 |" in cli("info", "a|b.csv", "--markdown").stdout
+        assert "a&#124;b.csv:5:27 |" in cli("info", "a|b.csv", "--markdown").stdout
 
     def test_an_error_of_the_table(self, cli: Cli, folder: Path) -> None:
         """As `convert` says it; as JSON too."""

@@ -24,7 +24,7 @@ RADIANS, DEGREES = TableOptions(), TableOptions(length_unit="mm", angle_unit="de
 def test_markdown(arm: Manipulator) -> None:
     """Symbols are numbered by moving joint, with what is added to the variable; units are in the headers."""
     lines = markdown_file([replace(arm, name="a_b|c")], RADIANS).decode().splitlines()
-    assert lines[0] == r"## a\_b\|c"
+    assert lines[0] == r"## a\_b&#124;c"
     product = {
         Convention.STANDARD: "A = Rz(θ)·Tz(d)·Tx(a)·Rx(α).",
         Convention.MODIFIED: "A = Rx(α)·Tx(a)·Rz(θ)·Tz(d).",

@@ -1,14 +1,19 @@
-"""An arm whose links all have masses gets no invented mass of the base: Gazebo drops such a URDF, and a notice says so."""
+"""What is written of any table is an arm in Gazebo, too: the base has a mass, but where the table has `base: {mass: 0}`."""
 
 from __future__ import annotations
 
 import json
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, get_args
 
 import pytest
 from lxml import etree
+from sdformat_calls import sdformat
 
 import dh2urdf
+from dh2urdf.stages import Expansion
+from dh2urdf_plugins.emitters.profile_names import ProfileName
+from dh2urdf_plugins.read_back.xacro_reader import expand
+from dh2urdf_plugins.xacro_fence.expansion import expand_foreign
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -20,86 +25,54 @@ if TYPE_CHECKING:
 
 HEADER = "# convention: standard\njoint,type,a,alpha,d,mass\n"
 WEIGHED = HEADER + "one,R,0.3,pi/2,0,3\ntwo,P,0.2,0,0,2\n"
+STATED = "# base: {mass: 0}\n" + WEIGHED
+FULL = HEADER.replace("mass", "mass,com_x,com_y,com_z,ixx,iyy,izz") + (
+    "one,R,0.3,pi/2,0,3,-0.1,0,0,0.02,0.03,0.03\ntwo,R,0.2,0,0,2,-0.1,0,0,0.01,0.02,0.02\n"
+)
 TABLES = {
     "weighed": WEIGHED,
-    "stated": "# base: {mass: 0}\n" + HEADER + "one,R,0.3,pi/2,0,\n",
-    "with base": "# base: {mass: 2}\n" + WEIGHED,
-    "unweighed": HEADER + "one,R,0.3,pi/2,0,\n",
+    "full": FULL,
+    "some": HEADER + "one,R,0.3,pi/2,0,3\ntwo,C,0.2,0,0.1,\n",
+    "none": HEADER + "one,R,0.3,pi/2,0,\ntwo,P,0.2,0,0,\n",
+    "modified": WEIGHED.replace("standard", "modified"),
+    "slide first": HEADER + "one,P,0,pi/2,0,3\ntwo,R,0.2,0,0,2\n",
     "fixed first": HEADER + "stand,F,0,0,0.5,4\none,R,0.3,pi/2,0,3\n",
+    "frame first": HEADER + "stand,F,0,0,0.5,0\none,R,0.3,pi/2,0,3\n",
+    "base and tool": "# base: {xyz: [1, 0, 0.5], rpy: [0.1, 0, pi]}\n# tool: {xyz: [0, 0, 0.1]}\n" + FULL,
+    "base with a mass": "# base: {mass: 2}\n" + WEIGHED,
+    "payload": "# payload: {mass: 1.5, com: [0, 0, 0.05]}\n" + FULL,
 }
 DROPS, FILLED = "Gazebo drops the whole arm of this URDF", "this file gives it 1 kg"
 RIDER = "Gazebo drops an arm of this URDF that stands on another arm"
+CELL = """inputs: [first.csv, second.csv]
+cells:
+  - name: shop
+    arms: [{name: one, of: first}, {name: two, of: second, xyz: [1, 0, 0]}, {name: up, of: first, parent: two/tool0}]
+output: o
+"""
 
 
 @pytest.fixture
 def folder(tmp_path: Path) -> Path:
-    for name, text in TABLES.items():
+    for name, text in {**TABLES, "stated": STATED}.items():
         (tmp_path / f"{name}.csv").write_text(text)
     return tmp_path
 
 
-def notices(folder: Path, table: str, emitter: str, options: dict[str, Any]) -> list[str]:
-    """What is said of the mass of the base of a table."""
-    made = dh2urdf.convert(folder / f"{table}.csv", formats=emitter, **options)
-    return [notice.message for notice in made.notices if notice.field == "base.mass"]
+def assert_whole(path: Path, moving: int) -> None:
+    """`check` finds no error, and the real sdformat keeps all moving joints and every kilogram.
 
-
-@pytest.mark.parametrize(
-    ("table", "emitter", "options", "said"),
-    [
-        ("weighed", "urdf", {}, DROPS),
-        ("weighed", "urdf", {"profile": "ros"}, DROPS),
-        ("weighed", "xacro", {}, DROPS),
-        ("stated", "urdf", {}, DROPS),
-        ("weighed", "urdf", {"profile": "gazebo"}, FILLED),
-        ("weighed", "sdf", {}, FILLED),
-        ("weighed", "urdf", {"profile": "mujoco"}, ""),
-        ("weighed", "mjcf", {}, ""),
-        ("with base", "urdf", {}, ""),
-        ("with base", "sdf", {}, ""),
-        ("unweighed", "urdf", {}, ""),
-        ("fixed first", "urdf", {}, ""),
-    ],
-)
-def test_the_notice_names_gazebo(folder: Path, table: str, emitter: str, options: dict[str, Any], said: str) -> None:
-    """There is one where the file's base has no mass, or one that the table does not state; none elsewhere."""
-    found = notices(folder, table, emitter, options)
-    assert len(found) == bool(said)
-    assert all(said in message for message in found)
-
-
-@pytest.mark.parametrize("table", ["weighed", "with base", "fixed first", "unweighed"])
-def test_it_is_the_finding_of_check(folder: Path, table: str) -> None:
-    """`dh2urdf check`, by code of its own, declares about the written file that Gazebo drops it, in the same cases."""
-    made = dh2urdf.convert(folder / f"{table}.csv", folder / "arm.urdf")
-    rules = {finding.rule for finding in dh2urdf.check(folder / "arm.urdf").findings}
-    assert ("weightless-root" in rules) == any(DROPS in notice.message for notice in made.notices)
-
-
-def test_a_run_prints_it_once(folder: Path, cli: Cli) -> None:
-    """Of many arms and formats it is printed once, and the others are counted; each row of the report has it."""
-    rows = "".join(f"arm{i},one,R,0.3,pi/2,0,{1 + i}\n" for i in range(30))
-    (folder / "arms.csv").write_text("# convention: standard\nrobot,joint,type,a,alpha,d,mass\n" + rows)
-    inputs = "inputs: [arms.csv, weighed.csv, with base.csv]\n"
-    (folder / "run.yaml").write_text(f"{inputs}emitters: [urdf, xacro]\noutput: o\n")
-    answer = cli("run", "run.yaml")
-    assert answer.stderr.count(DROPS) == 1
-    assert "base: {mass: …}" in answer.stderr
-    assert "profile: gazebo" in answer.stderr
-    assert "and 30 more notices: the manifest has all of them" in answer.stderr
-    report = json.loads((folder / "o" / "report.json").read_bytes())
-    said = {row["name"]: [notice["message"] for notice in row["notices"]] for row in report["manipulators"]}
-    assert said.pop("with base") == []
-    assert len(said) == 31
-    assert all(sum(DROPS in message for message in own) == 1 for own in said.values())
-
-
-CELL = """inputs: [weighed.csv, unweighed.csv]
-cells:
-  - name: shop
-    arms: [{name: one, of: weighed}, {name: two, of: unweighed, xyz: [1, 0, 0]}, {name: up, of: weighed, parent: two/tool0}]
-output: o
-"""
+    A joint with the world, which holds an SDF in Gazebo, is none to PyBullet: nothing that PyBullet takes holds it.
+    """
+    found = {finding.rule for finding in dh2urdf.check(path).findings if finding.severity == "error"}
+    assert found == ({"sdf-world-parent"} if path.suffix == ".sdf" else set())
+    content = path.read_bytes() if path.suffix != ".xacro" else expand(path)
+    plain = path.with_name(f"plain{path.suffix}").with_suffix(".sdf" if path.suffix == ".sdf" else ".urdf")
+    plain.write_bytes(content)
+    model = etree.fromstring(sdformat("--print", plain).encode()).find("model")
+    assert len([joint for joint in model.findall("joint") if joint.get("type") != "fixed"]) == moving
+    kept = sum(float(mass.text) for mass in model.iter("mass"))
+    assert kept == pytest.approx(sum(masses(plain).values()), rel=1e-9)
 
 
 def masses(path: Path) -> dict[str, float]:
@@ -112,26 +85,117 @@ def masses(path: Path) -> dict[str, float]:
     return found
 
 
-def test_a_cell_of_such_arms(folder: Path, cli: Cli) -> None:
-    """Such arms go into a cell, and the notice is that of an arm by itself; the others of the cell change nothing."""
-    (folder / "run.yaml").write_text(CELL + "emitters: [urdf]\n")
+@pytest.mark.parametrize("profile", get_args(ProfileName))
+@pytest.mark.parametrize("table", TABLES)
+def test_every_profile_of_every_table(folder: Path, table: str, profile: str) -> None:
+    """Whichever masses the table has, and in every profile, the file is whole, and no notice speaks of the base."""
+    made = dh2urdf.convert(folder / f"{table}.csv", folder / "arm.urdf", profile=profile)
+    assert_whole(folder / "arm.urdf", len(made.manipulator.moving_rows))
+    assert [notice for notice in made.notices if notice.field == "base.mass"] == []
+
+
+@pytest.mark.parametrize("table", TABLES)
+def test_sdf_of_every_table(folder: Path, table: str) -> None:
+    """The base of the SDF has the mass that it has in the URDF."""
+    made = dh2urdf.convert(folder / f"{table}.csv", folder / "arm.sdf")
+    assert_whole(folder / "arm.sdf", len(made.manipulator.moving_rows))
+    dh2urdf.convert(folder / f"{table}.csv", folder / "arm.urdf")
+    assert masses(folder / "arm.sdf")["base_link_inertia"] == masses(folder / "arm.urdf")["base_link_inertia"]
+
+
+@pytest.mark.parametrize(
+    ("first", "second", "emitter"),
+    [
+        *(("full", "none", f"urdf, options: {{profile: {each}}}") for each in get_args(ProfileName)),
+        *(("none", "full", emitter) for emitter in ("urdf", "xacro", "sdf")),
+        *(("full", "weighed", emitter) for emitter in ("urdf", "sdf")),
+    ],
+)
+def test_a_cell_of_such_arms(folder: Path, cli: Cli, first: str, second: str, emitter: str) -> None:
+    """Two arms beside each other, and one that stands on the tool of another."""
+    cell = CELL.replace("first", first).replace("second", second)
+    (folder / "run.yaml").write_text(f"{cell}emitters: [{{stage: {emitter}}}]\n")
     cli("run", "run.yaml", "--quiet")
+    (path,) = folder.glob("o/shop.*")
+    assert_whole(path, 6)
+
+
+@pytest.mark.parametrize("table", ["full", "none"])
+def test_a_package_for_gazebo(folder: Path, cli: Cli, table: str) -> None:
+    """The description of a package whose hardware is Gazebo's."""
+    cli("convert", f"{table}.csv", "--to", "ros2", "--set", "hardware=gazebo", "-o", "o/")
+    (path,) = folder.glob("o/*/urdf/*.urdf.xacro")
+    plain = folder / "plain.urdf"
+    plain.write_bytes(expand_foreign(path, Expansion(package_paths=(folder / "o",))).content)
+    assert b"GazeboSimROS2ControlPlugin" in plain.read_bytes()
+    assert_whole(plain, 2)
+
+
+@pytest.mark.usefixtures("folder")
+def test_the_mass_of_the_base_is_told(cli: Cli) -> None:
+    """The closing line names it among what was filled in, where the table does not state it."""
+    assert "masses of 2 links and the base" in cli("convert", "none.csv", "-o", "a.urdf").stderr
+    assert "mass of the base" in cli("convert", "weighed.csv", "-o", "a.urdf").stderr
+    assert "the base" not in cli("convert", "base with a mass.csv", "-o", "a.urdf").stderr.partition("filled in")[2]
+
+
+@pytest.mark.parametrize(
+    ("emitter", "options", "said"),
+    [
+        ("urdf", {}, DROPS),
+        ("urdf", {"profile": "ros"}, DROPS),
+        ("xacro", {}, DROPS),
+        ("urdf", {"profile": "gazebo"}, FILLED),
+        ("sdf", {}, FILLED),
+        ("urdf", {"profile": "mujoco"}, ""),
+        ("mjcf", {}, ""),
+    ],
+)
+def test_a_mass_of_0_is_a_choice(folder: Path, emitter: str, options: dict[str, Any], said: str) -> None:
+    """The notice names Gazebo where the file's base has no mass, or one that the table does not state."""
+    made = dh2urdf.convert(folder / "stated.csv", formats=emitter, **options)
+    found = [notice.message for notice in made.notices if notice.field == "base.mass"]
+    assert len(found) == bool(said)
+    assert all(said in message for message in found)
+
+
+def test_it_is_the_finding_of_check(folder: Path) -> None:
+    """`dh2urdf check`, by code of its own, declares about the file of a massless base that Gazebo drops it."""
+    dh2urdf.convert(folder / "stated.csv", folder / "arm.urdf")
+    assert "weightless-root" in {finding.rule for finding in dh2urdf.check(folder / "arm.urdf").findings}
+
+
+def test_a_run_prints_it_once(folder: Path, cli: Cli) -> None:
+    """Of many arms and formats it is printed once, and the others are counted; each row of the report has it."""
+    rows = "".join(f"arm{i},one,R,0.3,pi/2,0,{1 + i}\n" for i in range(30))
+    (folder / "arms.csv").write_text(
+        "# convention: standard\n# base: {mass: 0}\nrobot,joint,type,a,alpha,d,mass\n" + rows
+    )
+    inputs = "inputs: [arms.csv, stated.csv, weighed.csv]\n"
+    (folder / "run.yaml").write_text(f"{inputs}emitters: [urdf, xacro]\noutput: o\n")
+    answer = cli("run", "run.yaml")
+    assert answer.stderr.count(DROPS) == 1
+    assert "leave `base: {mass: 0}` out of the table" in answer.stderr
+    assert "profile: gazebo" in answer.stderr
+    assert "and 30 more notices: the manifest has all of them" in answer.stderr
     report = json.loads((folder / "o" / "report.json").read_bytes())
-    said = {row["name"]: DROPS in json.dumps(row["notices"]) for row in report["manipulators"]}
-    assert said == {"weighed": True, "unweighed": False, "shop": True}
-    found = masses(folder / "o" / "shop.urdf")
-    assert (found["one_base_link_inertia"], found["up_base_link_inertia"]) == (0.0, 0.0)
+    said = {row["name"]: [notice["message"] for notice in row["notices"]] for row in report["manipulators"]}
+    assert said.pop("weighed") == []
+    assert len(said) == 31
+    assert all(sum(DROPS in message for message in own) == 1 for own in said.values())
 
 
 @pytest.mark.parametrize("emitters", ["[sdf]", "[{stage: urdf, options: {profile: gazebo}}]"])
-def test_what_gazebo_gets_of_a_cell(folder: Path, cli: Cli, emitters: str) -> None:
+def test_what_gazebo_gets_of_a_cell_without_masses_of_bases(folder: Path, cli: Cli, emitters: str) -> None:
     """The base at rest without a mass gets one; no other link does, such as the base of an arm on a link that moves."""
-    (folder / "run.yaml").write_text(CELL + f"emitters: {emitters}\n")
+    (folder / "run.yaml").write_text(
+        CELL.replace("first", "stated").replace("second", "none") + f"emitters: {emitters}\n"
+    )
     cli("run", "run.yaml", "--quiet")
-    (path,) = [path for path in (folder / "o").iterdir() if path.stem == "shop"]
+    (path,) = folder.glob("o/shop.*")
     found = masses(path)
     assert found["one_base_link_inertia"] == 1.0
-    assert 0 < found["two_base_link_inertia"] < 1.0
+    assert 0 < found["two_base_link_inertia"] != 1.0
     (shop,) = (
         row for row in json.loads((folder / "o" / "report.json").read_bytes())["manipulators"] if row["name"] == "shop"
     )

@@ -1,4 +1,4 @@
-"""A base that weighs nothing, for the formats that need one that does."""
+"""A base to which a table gives the mass 0, for the formats that need one that weighs something."""
 
 from __future__ import annotations
 
@@ -14,6 +14,8 @@ if TYPE_CHECKING:
 
 STILL = Inertial(mass=1.0, inertia=Inertia(ixx=0.01, iyy=0.01, izz=0.01))
 """What a base without a mass weighs where a format needs one: it stands still, and so its mass moves nothing."""
+
+_ADVICE = "leave `base: {mass: 0}` out of the table, or write the base's mass"
 
 
 def is_weightless_base(name: str, body: Inertial | None) -> bool:
@@ -61,20 +63,18 @@ def notices_for_gazebo(robot: Robot, *, filled: bool) -> list[Problem]:
         if not weightless_bases(robot):
             return []
         message = (
-            f"the table gives the base no mass, and this file gives it {STILL.mass:g} kg, because Gazebo drops an arm "
-            "whose base has none"
+            f"the base has no mass, and this file gives it {STILL.mass:g} kg, because Gazebo drops an arm whose base "
+            "has none"
         )
-        return [
-            Problem(message=message, field="base.mass", suggestion="write the mass in the table: `base: {mass: …}`")
-        ]
+        return [Problem(message=message, field="base.mass", suggestion=_ADVICE)]
     if all(map(_has_body_at_rest, [arm.kind for arm in robot.arms] or [robot])):
         return []
     return [
         Problem(
             message="Gazebo drops the whole arm of this URDF, because its base has no mass; other simulators load it",
             field="base.mass",
-            suggestion="for Gazebo, write the mass in the table, `base: {mass: …}`, or choose the profile gazebo: "
-            "`--profile gazebo`, or `options: {profile: gazebo}` of the emitter in a run file",
+            suggestion=f"for Gazebo, {_ADVICE}, or choose the profile gazebo: `--profile gazebo`, or "
+            "`options: {profile: gazebo}` of the emitter in a run file",
         )
     ]
 
@@ -86,7 +86,7 @@ def notices_of_riders(robot: Robot) -> list[Problem]:
     if not any(is_weightless_base(link.name, link.inertial) for link in moving):
         return []
     message = "Gazebo drops an arm of this URDF that stands on another arm, because its base has no mass"
-    advice = "write the mass in its table, `base: {mass: …}`, or use the format sdf for Gazebo"
+    advice = f"{_ADVICE}, or use the format sdf for Gazebo"
     return [Problem(message=message, field="base.mass", suggestion=advice)]
 
 

@@ -83,7 +83,7 @@ def manipulator_of(description: Description, tree: Tree, tip: str, asked: Asked)
             rows=rows,
             base=solution.table.base,
             tool=solution.table.tool,
-            base_mass=base.mass or 0.0,
+            base_mass=base.mass,
             base_visual=base.visual,
             base_collision=base.collision,
             mark=Mark(file=description.file),

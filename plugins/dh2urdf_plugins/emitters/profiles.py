@@ -63,10 +63,10 @@ class Profile:
     )
     base_body: bool = _decision(
         default=False,
-        portable="a base of mass 0, where the table gives it none and every link one",
+        portable="a base of mass 0, where the table has `base: {mass: 0}`",
         otherwise="a base of 1 kg then",
-        why="sdformat drops a root that weighs nothing, and the whole arm with it; to other readers a mass that nobody "
-        "stated is a mass too many",
+        why="sdformat drops a root that weighs nothing, and the whole arm with it; other readers load what the table "
+        "says",
     )
     frame_inertials: bool = _decision(
         default=True,

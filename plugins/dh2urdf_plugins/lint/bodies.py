@@ -13,6 +13,7 @@ from dh2urdf_plugins.lint.document.description import ALL, MOVING, Hit, few
 from dh2urdf_plugins.lint.merged import head_of, inertial_of, merged_inertial
 from dh2urdf_plugins.lint.numbers import ROUNDED, SMALLEST_MOMENT, is_no_inertia
 from dh2urdf_plugins.lint.single_readers.gazebo import (
+    holding_nothing,
     kept,
     mass_of,
     merged as merged_by_gazebo,
@@ -44,6 +45,7 @@ def hits(description: Description) -> Iterator[Hit]:
             yield from _mass(description, link, link.inertial)
             yield from _inertia(description, link, link.inertial)
     yield from _weightless_chains(description)
+    yield from _weightless_holders(description)
     yield from _fixed_links(description)
 
 
@@ -192,6 +194,15 @@ def _weightless_chains(description: Description) -> Iterator[Hit]:
         if mass_of(link.inertial):
             message = f"{about} is fixed to {above}, and what is fixed to it weighs nothing in all"
         yield Hit("weightless-chain", link.element, message)
+
+
+def _weightless_holders(description: Description) -> Iterator[Hit]:
+    """Links that weigh nothing, are fixed to another one, and hold a joint that moves."""
+    for link in (link for body in kept(description) for link in holding_nothing(description, body)):
+        moving = [shown(joint.name) for joint in description.held.get(link.name, ()) if joint.kind in MOVING]
+        if moving:
+            message = f"link {shown(link.name)} weighs nothing, and holds the moving joint {moving[0]}"
+            yield Hit("weightless-holder", link.element, message)
 
 
 def _fixed_links(description: Description) -> Iterator[Hit]:

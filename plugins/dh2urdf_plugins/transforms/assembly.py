@@ -8,11 +8,11 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from functools import cache
+from functools import cache, reduce
 from typing import TYPE_CHECKING
 
 from dh2urdf import unchecked_records as own
-from dh2urdf.elementwise import greater_of, is_column
+from dh2urdf.elementwise import greater_of, is_column, mapped
 from dh2urdf.errors import TransformError
 from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.manipulator import BASE, FLANGE, ROOT, TOOL, DHRow, JointType, Limits
@@ -22,6 +22,7 @@ from dh2urdf.rotations import RigidTransform, Vec3, add, cross, norm, rotate, su
 from dh2urdf.row_fields import DYNAMICS
 from dh2urdf.source import Problem
 from dh2urdf_plugins.transforms.checks import PAYLOAD, is_frame, is_weighed
+from dh2urdf_plugins.transforms.shapes import SMALLEST
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -48,7 +49,8 @@ class Part:
     Attributes:
         row: the row.
         limits: lower and upper complete.
-        origin: the link's frame in the frame of the link before.
+        holder: the link that the joint is on; None for the base.
+        origin: the link's frame in the frame of the holder.
         axis: of the joint, in the link's frame.
         visuals: what is seen, in the link's frame.
         collisions: what touches.
@@ -60,6 +62,7 @@ class Part:
 
     row: DHRow
     limits: Limits
+    holder: str | None
     origin: Origin
     axis: Vec3
     visuals: tuple[Visual, ...]
@@ -87,14 +90,37 @@ class Base:
     dh_frame: Origin = Origin()
 
 
-def complete_limits(row: DHRow) -> Limits:
-    """The limits of a row with lower, upper and velocity filled in; effort waits for the masses.
+def complete_limits(rows: Sequence[DHRow]) -> list[Limits]:
+    """The limits of an arm's rows with lower, upper and velocity filled in; effort waits for the masses.
 
-    ±2π rad or ±1 m; π rad/s or 1 m/s. A continuous joint has no lower and upper, a fixed one nothing.
+    ±2π rad, or to each side half the length of the arm's longest link, rounded down to two digits; π rad/s or 1 m/s.
+    A continuous joint has no lower and upper, a fixed one nothing.
     """
+    slides = any(row.type is JointType.PRISMATIC and row.limits.lower is None for row in rows)
+    return [_complete(row, half_travel(rows) if slides else 0.0) for row in rows]
+
+
+def half_travel(rows: Sequence[DHRow]) -> Number:
+    """How far a prismatic joint without limits moves to each side [m]: its rail is no longer than the longest link.
+
+    A link is as long as `a`, or as `d` at joint value 0. ±1 m where all of an arm's links have the length 0.
+    """
+    lengths = [abs(row.d + row.offset) if row.type is JointType.PRISMATIC else abs(row.d) for row in rows]
+    longest = reduce(greater_of, [*lengths, *(abs(row.a) for row in rows)])
+    return mapped(_half_rounded_down, longest)
+
+
+def _half_rounded_down(longest: float) -> float:
+    if not SMALLEST < longest < math.inf:
+        return 1.0
+    exponent = math.floor(math.log10(0.5 * longest)) - 1
+    return _decimal(math.floor(0.5 * longest * 10.0**-exponent + 1e-9), exponent)
+
+
+def _complete(row: DHRow, slide: Number) -> Limits:
     if row.type is JointType.FIXED:
         return own.limits()
-    bound, speed = (1.0, 1.0) if row.type is JointType.PRISMATIC else (math.tau, math.pi)
+    bound, speed = (slide, 1.0) if row.type is JointType.PRISMATIC else (math.tau, math.pi)
     given = row.limits
     velocity = speed if given.velocity is None else given.velocity
     if row.type is JointType.CONTINUOUS:
@@ -142,8 +168,8 @@ def assemble(
         manipulator: the table.
         base: its foot.
         parts: one per row, from the base outwards.
-        flange: the flange in the last link's frame.
-        tool0: the tool's frame in the last link's frame.
+        flange: the flange in the frame of the last link that has a body.
+        tool0: the tool's frame there.
         options: what holds where the table says nothing.
         parameters: the numbers that formulas use.
         comment: one line for a reader of the file.
@@ -153,7 +179,10 @@ def assemble(
     touching = options.collisions == "all" if manipulator.collisions is None else manipulator.collisions
     bodies = [link_body(part, density) for part in parts]
     payload = payload_body(manipulator, density)
-    laden = [*bodies[:-1], compound([bodies[-1], placed(payload, tool0.transform)])] if payload else bodies
+    last = next((number for number, part in reversed([*enumerate(parts)]) if not is_frame(part.row)), None)
+    laden = list(bodies)
+    if payload and last is not None:
+        laden[last] = compound([bodies[last], placed(payload, tool0.transform)])
     lacks_effort = any(part.limits.effort is None for part in parts if part.row.type is not JointType.FIXED)
     efforts = static_efforts(parts, laden) if lacks_effort else ()
     base_body = base_of(manipulator, base, density)
@@ -170,7 +199,7 @@ def assemble(
             own.joint(
                 name=row.joint,
                 type=row.type,
-                parent=links[-1].name,
+                parent=part.holder or BASE,
                 child=row.link,
                 origin=part.origin,
                 axis=part.axis,
@@ -180,14 +209,14 @@ def assemble(
             )
         )
         links.append(_link(row.link, body, part.visuals if seen else (), part.collisions if touching else ()))
-    last = links[-1].name
-    joints += [fixed_joint(last, FLANGE, flange), fixed_joint(last, TOOL, tool0)]
+    carrier = BASE if last is None else parts[last].row.link
+    joints += [fixed_joint(carrier, FLANGE, flange), fixed_joint(carrier, TOOL, tool0)]
     links += [own.link(name=FLANGE, inertial=WEIGHTLESS), own.link(name=TOOL, inertial=WEIGHTLESS)]
     if options.base_frame:  # On the body of the base: a chain of frames without mass is lost in sdformat.
         joints.append(fixed_joint(BASE, "base", base.dh_frame))
         links.append(own.link(name="base", inertial=WEIGHTLESS))
     if payload:
-        joints.append(fixed_joint(last, PAYLOAD, tool0))
+        joints.append(fixed_joint(carrier, PAYLOAD, tool0))
         links.append(own.link(name=PAYLOAD, inertial=payload))
     return Robot(
         name=manipulator.name,
@@ -259,11 +288,10 @@ def of_mass(body: Inertial, mass: float | None) -> Inertial:
 def base_of(manipulator: Manipulator, base: Base, density: float) -> Inertial:
     """The mass properties of the base: what the table declares about them, the shape's for the rest.
 
-    A table that gives every link its mass and the base none is a maker's: no mass is invented for the base.
+    A base that weighs nothing costs Gazebo the whole arm, and one that stands still loads no joint: where the table
+    gives it no mass, it has that of its shape.
     """
     mass = manipulator.base_mass
-    if mass is None and all(row.mass is not None for row in manipulator.rows):
-        mass = 0.0
     return WEIGHTLESS if mass == 0.0 else of_mass(shape_body(base.visuals, density), mass)
 
 

@@ -18,7 +18,7 @@ from dh2urdf.rotations import IDENTITY
 from dh2urdf_plugins.transforms.assembly import Base, Part, assemble, complete_limits, parameters
 from dh2urdf_plugins.transforms.checks import is_frame
 from dh2urdf_plugins.transforms.formulas import Quantity, nameless, origin, plus, times, values
-from dh2urdf_plugins.transforms.frames import aligned_frames, modified_frames, settled, standard_frames
+from dh2urdf_plugins.transforms.frames import aligned_frames, composed, modified_frames, settled, standard_frames
 from dh2urdf_plugins.transforms.shapes import (
     BASE_COLOUR,
     BASE_WIDTH,
@@ -34,12 +34,14 @@ from dh2urdf_plugins.transforms.shapes import (
 )
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from dh2urdf.manipulator import DHRow, Limits, Manipulator, MeshShape
     from dh2urdf.robot import Material, Robot, Visual
     from dh2urdf.rotations import RigidTransform
     from dh2urdf_plugins.transforms.alpha_swap_options import AlphaSwapOptions
     from dh2urdf_plugins.transforms.formulas import Quantities, Symbol
-    from dh2urdf_plugins.transforms.frames import Frames, LinkFrame
+    from dh2urdf_plugins.transforms.frames import Frames, LinkFrame, Pose
 
     Drawn: TypeAlias = tuple[tuple[Visual, ...], tuple[Collision, ...]]
     Meshes: TypeAlias = tuple[MeshShape | None, MeshShape | None]
@@ -60,8 +62,8 @@ def exact(manipulator: Manipulator, options: AlphaSwapOptions, symbol: Symbol = 
     Raises:
         DividedError: the robots of such a table are not all drawn alike.
     """
-    frames = _frames(manipulator, options, symbol)
-    limits = [complete_limits(row) for row in manipulator.rows]
+    frames, holders = _held_by_bodies(manipulator.rows, _frames(manipulator, options, symbol))
+    limits = complete_limits(manipulator.rows)
     base_style, styles = _styles(manipulator, options, frames, limits)
     rails = [
         _rail(row, frame, bounds, style)
@@ -69,7 +71,9 @@ def exact(manipulator: Manipulator, options: AlphaSwapOptions, symbol: Symbol = 
     ]
     carried = [*rails[1:], Rail()]
     links = zip(manipulator.rows, frames.links, limits, styles, carried, strict=True)
-    parts = [_part(*link, is_first=number == 0) for number, link in enumerate(links)]
+    parts = [
+        _part(*link, holder=holder, is_first=not n) for n, (holder, link) in enumerate(zip(holders, links, strict=True))
+    ]
     return assemble(
         manipulator,
         base=_base(manipulator, frames, base_style, rails[0], options),
@@ -89,6 +93,25 @@ def _frames(manipulator: Manipulator, options: AlphaSwapOptions, symbol: Symbol)
     if options.frames == "aligned":
         return aligned_frames(manipulator, symbol)
     return (modified_frames if manipulator.convention is Convention.MODIFIED else standard_frames)(manipulator, symbol)
+
+
+def _held_by_bodies(rows: Sequence[DHRow], frames: Frames) -> tuple[Frames, list[str | None]]:
+    """Every joint, the flange and tool0 on the last link before them that has a body, and that of each joint.
+
+    sdformat drops all that hangs on a link without a mass, also where that link is fixed to one with a mass.
+    """
+    links, holders = [], []
+    holder: str | None = None  # the base
+    way: Pose | None = None  # from there to the frame that is in between
+    for row, frame in zip(rows, frames.links, strict=True):
+        joint = composed(way, frame.joint) if way else frame.joint
+        links.append(frame._replace(joint=joint))
+        holders.append(holder)
+        holder, way = (holder, joint) if is_frame(row) else (row.link, None)
+    if way is None:
+        return frames._replace(links=links), holders
+    flange, tool0 = composed(way, frames.flange), composed(way, frames.tool0)
+    return frames._replace(links=links, flange=flange, tool0=tool0), holders
 
 
 def _styles(
@@ -121,7 +144,9 @@ def _styles(
     return base_style, styles
 
 
-def _part(row: DHRow, frame: LinkFrame, limits: Limits, style: Style, rail: Rail, *, is_first: bool) -> Part:
+def _part(
+    row: DHRow, frame: LinkFrame, limits: Limits, style: Style, rail: Rail, *, holder: str | None, is_first: bool
+) -> Part:
     """A joint and its link, which carries the rail of the next joint; a mesh stands for all of it."""
     prismatic = row.type is JointType.PRISMATIC
     # The offset of a prismatic joint is drawn as the rail that the link before carries.
@@ -145,6 +170,7 @@ def _part(row: DHRow, frame: LinkFrame, limits: Limits, style: Style, rail: Rail
     return Part(
         row=row,
         limits=limits,
+        holder=holder,
         origin=origin(*frame.joint),
         axis=frame.axis,
         visuals=seen,

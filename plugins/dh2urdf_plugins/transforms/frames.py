@@ -52,6 +52,8 @@ from dh2urdf_plugins.transforms.formulas import (
 from dh2urdf_plugins.transforms.shapes import Segment, direction_rpy
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from dh2urdf.manipulator import Manipulator
     from dh2urdf_plugins.transforms.formulas import Symbol
 
@@ -279,6 +281,31 @@ def modified_frames(manipulator: Manipulator, symbol: Symbol) -> Frames:
         links=links,
         flange=Pose(NO_VECTOR, constants(FLANGE_RPY)),
         tool0=Pose(constants(tool.translation), constants(tool.rpy)),
+    )
+
+
+def composed(first: Pose, second: Pose) -> Pose:
+    """A frame that is in a frame that is in another one."""
+    if all(angle is NOTHING for angle in first.rpy):
+        return Pose(plus(first.xyz, second.xyz), second.rpy)
+    outer, inner = _rotation_of(first.rpy), _rotation_of(second.rpy)
+    columns = [[inner[k], inner[k + 3], inner[k + 6]] for k in range(3)]
+    product = tuple(_dot(outer[k : k + 3], column) for k in (0, 3, 6) for column in columns)
+    moved = (_dot(outer[0:3], second.xyz), _dot(outer[3:6], second.xyz), _dot(outer[6:9], second.xyz))
+    return Pose(plus(first.xyz, moved), rpy_of(product))
+
+
+def _dot(left: Sequence[Quantity], right: Sequence[Quantity]) -> Quantity:
+    return left[0] * right[0] + left[1] * right[1] + left[2] * right[2]
+
+
+def _rotation_of(rpy: Quantities) -> tuple[Quantity, ...]:
+    """Rz(yaw)·Ry(pitch)·Rx(roll), row by row."""
+    (cr, sr), (cp, sp), (cy, sy) = (cos_sin_of(angle, angle) for angle in rpy)
+    return (
+        *(cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr),
+        *(sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr),
+        *(-sp, cp * sr, cp * cr),
     )
 
 

@@ -67,16 +67,17 @@ def paper(manipulator: Manipulator, options: AlphaSwapOptions) -> Robot:
     """The robot of a manipulator as the paper has it; it does not keep the kinematics."""
     parts = []
     here = NO_VECTOR
-    for number, (row, swapped) in enumerate(zip(manipulator.rows, swapped_rows(manipulator.rows), strict=True)):
+    rows = manipulator.rows
+    for number, (row, swapped, limits) in enumerate(zip(rows, swapped_rows(rows), complete_limits(rows), strict=True)):
         length = swapped.length
         step = times(length, constants(swapped.direction))
-        limits = complete_limits(row)
         colour = LINK_COLOURS[number % len(LINK_COLOURS)]
         middle = origin(times(HALF, step))
         parts.append(
             Part(
                 row=row,
                 limits=limits,
+                holder=rows[number - 1].link if number else None,
                 origin=origin(here),
                 axis=swapped.axis,
                 visuals=(Visual(geometry=_box(swapped), origin=middle, material=colour),),

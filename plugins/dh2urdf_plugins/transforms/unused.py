@@ -41,9 +41,9 @@ def unused_shapes(manipulator: Manipulator, options: AlphaSwapOptions) -> Iterat
     shown = [drawn.shows(row.visual, row.collision, weighed=is_weighed(row)) for row in manipulator.rows]
     # The rail of a prismatic joint has the joint's radius, and is a part of the link before.
     of_base = Drawn(drawn.seen, drawn.touching and options.base_collision)
-    base_shows = of_base.shows(
-        manipulator.base_visual, manipulator.base_collision, weighed=not _base_weight_is_computed(manipulator)
-    )
+    # Of a base that weighs something, the inertia at least is that of its shape.
+    weightless = manipulator.base_mass == 0.0
+    base_shows = of_base.shows(manipulator.base_visual, manipulator.base_collision, weighed=weightless)
     before = [base_shows, *shown]
     shown = [
         shows or (row.type is JointType.PRISMATIC and carries)
@@ -68,10 +68,11 @@ def unused_density(manipulator: Manipulator) -> Iterator[Problem]:
     payload = manipulator.payload
     if (
         manipulator.density is not None
+        and manipulator.base_mass is not None
         and all(row.mass is not None for row in manipulator.rows)
         and not (payload and payload.inertia is None)
     ):
-        yield _unused("defaults.density", "every link has a mass of its own")
+        yield _unused("defaults.density", "every link and the base have masses of their own")
 
 
 def unused_in_paper(manipulator: Manipulator, options: AlphaSwapOptions) -> Iterator[Problem]:
@@ -87,13 +88,6 @@ def unused_in_paper(manipulator: Manipulator, options: AlphaSwapOptions) -> Iter
         if row.radius is not None:
             yield row_problem(row, f"radius has no effect: {why}", field="radius", found=row.radius, severity="notice")
     yield from unused_density(manipulator)
-
-
-def _base_weight_is_computed(manipulator: Manipulator) -> bool:
-    """Whether the mass or the inertia of the base is that of its shape."""
-    if manipulator.base_mass is None:
-        return not all(row.mass is not None for row in manipulator.rows)
-    return manipulator.base_mass != 0.0
 
 
 def _of_the_base(geometry: LinkGeometry, *, shows: bool) -> Iterator[Problem]:

@@ -29,7 +29,7 @@ COMMAND = [sys.executable, "-c", "from dh2urdf.cli import main; main()"]
 TABLES = Path(__file__).parents[3] / "configs" / "tables"
 BARE = "# convention: standard\njoint,a,alpha,d\nshoulder,0,pi/2,0.1\nelbow,0.4,0,0\n"
 FULL = (
-    "# convention: standard\njoint,type,a,alpha,d,lower,upper,velocity,effort,mass,com_x,com_y,com_z,ixx,iyy,izz\n"
+    "# convention: standard\n# base: {mass: 5}\njoint,type,a,alpha,d,lower,upper,velocity,effort,mass,com_x,com_y,com_z,ixx,iyy,izz\n"
     "one,R,0,pi/2,0.1,-1,1,2,30,4,0,0,0.05,0.1,0.1,0.1\ntwo,P,0.4,0,0,0,1,2,30,4,0,0,0.05,0.1,0.1,0.1\n"
 )
 
@@ -62,11 +62,18 @@ class TestTheClosingLine:
         line = cli("convert", "bare.csv", "-o", "bare.urdf").stderr
         assert line.startswith("bare: 2 revolute joints; proved at 11 poses, largest error ")
         assert line.endswith(
-            "filled in: types of 2 joints, masses of 2 links, limits of 2 joints, velocities of 2 joints, efforts of 2 "
-            "joints; written to bare.urdf\n"
+            "filled in: types of 2 joints, masses of 2 links and the base, limits of 2 joints, velocities of 2 joints, "
+            "efforts of 2 joints; written to bare.urdf\n"
         )
         error = float(line.partition("largest error ")[2].split()[0])
         assert 0 <= error < 1e-12
+
+    def test_the_travel_of_a_slide_is_told(self, cli: Cli, folder: Path) -> None:
+        """It follows from the size of the arm: 0.4 m is the longest link."""
+        (folder / "slide.csv").write_text(
+            BARE.replace("joint,", "joint,type,").replace("r,0,", "r,R,0,").replace("w,", "w,P,")
+        )
+        assert "limits of 2 joints (prismatic: -0.2 to 0.2 m), " in cli("convert", "slide.csv").stderr
 
     def test_of_a_full_table_nothing_was(self, cli: Cli) -> None:
         """Then the line does not mention it."""
@@ -100,7 +107,7 @@ class TestJson:
         for file in row["files"]:
             assert sha256((folder / file["path"]).read_bytes()).hexdigest() == file["sha256"]
         assert row["proof"]["xacro"]["position_error"] < 1e-12
-        assert row["filled_in"]["masses"] == ["link_1", "link_2"]
+        assert row["filled_in"]["masses"] == ["link_1", "link_2", "the base"]
         assert row["filled_in"]["limits"] == ["shoulder", "elbow"]
 
     def test_without_a_file_the_description_is_in_it(self, cli: Cli) -> None:

@@ -162,10 +162,10 @@ class TestTheArm:
         assert detail["largest_distance"]["bound"] == pytest.approx(0.3 + 0.25 + 0.18 + 0.05 + 0.06)
 
     def test_the_mass_and_what_of_it_is_computed(self, cli: Cli) -> None:
-        """The robot's mass; the links without one in the table."""
+        """The robot's mass; the links without one in the table, and the base."""
         mass = report(cli("info", "arm.csv", "--json").stdout)["detail"]["mass"]
         assert mass["total"] == dh2urdf.convert("arm.csv").robot.mass
-        assert mass["computed"] == ["link_2", "link_3", "link_4"]
+        assert mass["computed"] == ["link_2", "link_3", "link_4", "base"]
 
     def test_notices_are_told(self, cli: Cli) -> None:
         """Those of the table and those of the robot."""

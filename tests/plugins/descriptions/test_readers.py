@@ -138,7 +138,7 @@ class TestWhatGoesWithTheKinematics:
         assert found is not None
         rows = [[found.ixx, found.ixy, found.ixz], [found.ixy, found.iyy, found.iyz], [found.ixz, found.iyz, found.izz]]
         assert np.abs(np.array(rows) - wanted).max() < 1e-9
-        assert arm.base_mass == 0
+        assert arm.base_mass is None
 
     @pytest.mark.parametrize("inertial", ["", INERTIAL.format(0, 0)])
     def test_a_link_without_a_mass_beside_others(self, tmp_path: Path, inertial: str) -> None:

@@ -98,6 +98,10 @@ SOUND = """<?xml version="1.0" encoding="utf-8"?>
 
 ELBOW_AXIS = '<axis xyz="0 1 0"/>'
 ELBOW_LIMIT = '<limit lower="-2" upper="2" effort="20" velocity="3"/>'
+ELBOW_START = """  <joint name="elbow" type="revolute">
+    <origin xyz="0.3 0 0" rpy="0 0 0"/>
+    <parent link="link_1"/>
+"""
 ELBOW_END = f"    {ELBOW_AXIS}\n    {ELBOW_LIMIT}\n  </joint>\n"
 LINK_2_INERTIA = '<inertia ixx="0.005" ixy="0" ixz="0" iyy="0.006" iyz="0" izz="0.007"/>'
 LINK_2_BODY = f"""    <inertial>
@@ -354,6 +358,12 @@ FAULTS: dict[str, Fault] = {
         '<link name="base_link"/>', f'<link name="base_link">\n{BASE_BODY}  </link>', '<link name="base_link"'
     ),
     "weightless-root": Fault(BASE_BODY, "", '<link name="base_link"', besides=("frame-without-inertial",)),
+    "weightless-holder": Fault(
+        ELBOW_START,
+        f'  <link name="frame">\n{WEIGHTLESS}  </link>\n  <joint name="link_1-frame" type="fixed">\n'
+        '    <parent link="link_1"/>\n    <child link="frame"/>\n  </joint>\n' + ELBOW_START.replace("link_1", "frame"),
+        '<link name="frame"',
+    ),
     "weightless-chain": Fault(TOOL0_JOINT, TOOL0_JOINT.replace("link_2", "flange"), '<link name="tool0"'),
     "size-not-positive": Fault(BOX, '<box size="0.1 0 0.05"/>', "<box"),
     "tiny-size": Fault(BOX, '<box size="0.1 0.0005 0.05"/>', "<box"),

@@ -250,6 +250,7 @@ SAID: dict[tuple[str, str], Callable[[Behaviour], bool]] = {
     ("gazebo", "fixed-link"): lambda b: set(b.masses) == {"base_link", "link_1", "link_2"},
     ("gazebo", "missing-range"): lambda b: b.joints["elbow"] == [0, 0],
     ("gazebo", "swapped-limits"): lambda b: b.joints["elbow"] == [-2, 2],
+    ("gazebo", "weightless-holder"): lambda b: set(b.masses) == {"base_link", "link_1"} and "elbow" not in b.joints,
     ("gazebo", "weightless-chain"): lambda b: "Pose values must be finite" in b.printed,
 }
 """What a sentence says in numbers."""

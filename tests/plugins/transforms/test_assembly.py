@@ -9,6 +9,7 @@ import pytest
 from hypothesis import given, strategies as st
 
 from dh2urdf.errors import TransformError
+from dh2urdf.kinematics import KinematicChain
 from dh2urdf.manipulator import Convention, DHRow, Inertia, JointType, Limits, Manipulator, Payload
 from dh2urdf.rotations import RigidTransform
 from dh2urdf_plugins.transforms import assembly
@@ -55,14 +56,43 @@ def matrix(inertia: Inertia) -> NDArray[np.float64]:
 
 
 def test_limits_that_nobody_gave_are_filled_in(table: Table, robot_of: RobotOf) -> None:
-    """±2π rad and π rad/s, ±1 m and 1 m/s; continuous without bounds; a fixed joint has none."""
+    """±2π rad and π rad/s, half the longest link and 1 m/s; continuous without bounds; a fixed joint has none."""
     kinds = ("revolute", "prismatic", "continuous", "fixed")
     joints = robot_of(table(*({"type": kind, "d": 0.1} for kind in kinds))).joints[1:5]
     revolute, prismatic, continuous, fixed = (joint.limits for joint in joints)
     assert (revolute.lower, revolute.upper, revolute.velocity) == (-math.tau, math.tau, math.pi)
-    assert (prismatic.lower, prismatic.upper, prismatic.velocity) == (-1.0, 1.0, 1.0)
+    assert (prismatic.lower, prismatic.upper, prismatic.velocity) == (-0.05, 0.05, 1.0)
     assert (continuous.lower, continuous.upper, continuous.velocity) == (None, None, math.pi)
     assert fixed == Limits()
+
+
+@pytest.mark.parametrize(
+    ("rows", "half"),
+    [
+        ([{"a": 0.2, "d": 0.15}, {"a": -0.12}], 0.1),
+        ([{"a": 0.2}, {"d": -0.4337}], 0.21),
+        ([{"d": 3.0}], 1.5),
+        ([{"a": 0.001999}], 0.00099),
+        ([{}], 1.0),
+    ],
+)
+@pytest.mark.parametrize("convention", ["standard", "modified"])
+def test_the_travel_that_nobody_gave_is_the_longest_link(
+    rows: list[dict[str, Any]], half: float, convention: str, table: Table, robot_of: RobotOf
+) -> None:
+    """Half of it to each side, rounded down to two digits: no rail is longer than the links. ±1 m without a length."""
+    robot = robot_of(table(*rows, {"type": "prismatic"}, {}, convention=convention))
+    limits = robot.joints[len(rows) + 1].limits
+    assert (limits.lower, limits.upper) == (-half, half)
+    longest = max(abs(row.get(name, 0.0)) for row in rows for name in ("a", "d"))
+    lengths = [getattr(visual.geometry, "length", 0.0) for link in robot.links for visual in link.visuals]
+    assert max(lengths) <= (longest or 2.0)
+
+
+def test_the_offset_of_a_slide_is_a_length_of_its_link(table: Table, robot_of: RobotOf) -> None:
+    """d is 0.1 m and the offset 0.3 m: at joint value 0 the link is 0.4 m long."""
+    robot = robot_of(table({"type": "prismatic", "d": 0.1, "offset": 0.3}, {"a": 0.2}))
+    assert robot.joints[1].limits.upper == 0.2
 
 
 def test_limits_of_the_table_are_kept(table: Table, robot_of: RobotOf) -> None:
@@ -258,19 +288,38 @@ def test_a_payload_without_an_inertia_is_a_solid_ball(ur5: Manipulator, robot_of
 
 @pytest.mark.parametrize(
     ("row", "base", "weight"),
-    [({"mass": 2.0}, None, 0.0), ({"mass": 2.0}, 3.0, 3.0), ({}, 0.0, 0.0), ({"mass": 2.0}, 0.0, 0.0)],
+    [({"mass": 2.0}, 3.0, 3.0), ({}, 0.0, 0.0), ({"mass": 2.0}, 0.0, 0.0)],
 )
-def test_no_mass_of_the_base_is_invented_beside_stated_ones(
-    row: dict[str, Any], base: float | None, weight: float, table: Table, robot_of: RobotOf
+def test_a_mass_of_the_base_is_kept(
+    row: dict[str, Any], base: float, weight: float, table: Table, robot_of: RobotOf
 ) -> None:
-    """Where every link has a mass of the table, and where the table says that the base has none."""
+    """Where the table gives it one, 0 included."""
     robot = robot_of(table({"d": 0.3, **row}, {"a": 0.2, **row}, base_mass=base))
     assert body(robot, "base_link_inertia").mass == weight
 
 
-def test_a_base_has_the_mass_of_its_shape_where_a_link_has_none(table: Table, robot_of: RobotOf) -> None:
-    """As every body that the table leaves open."""
-    assert body(robot_of(table({"d": 0.3, "mass": 2.0}, {"a": 0.2})), "base_link_inertia").mass > 0.0
+@pytest.mark.parametrize("row", [{}, {"mass": 2.0}])
+def test_a_base_without_a_mass_has_that_of_its_shape(row: dict[str, Any], table: Table, robot_of: RobotOf) -> None:
+    """1.5 radii wide and one radius high, of aluminium; whether the links have masses does not matter."""
+    mass = body(robot_of(table({"d": 0.3, **row}, {"a": 0.4, **row})), "base_link_inertia").mass
+    assert mass == pytest.approx(2700.0 * math.pi * 0.06**2 * 0.04, rel=1e-12)
+
+
+@pytest.mark.parametrize("frames", ["aligned", "dh"])
+@pytest.mark.parametrize("convention", ["standard", "modified"])
+def test_nothing_hangs_on_a_link_without_a_body(frames: str, convention: str, table: Table, robot_of: RobotOf) -> None:
+    """sdformat would drop it: joints, flange and tool0 are on the last body, and every DH frame is where it was."""
+    frame = {"type": "fixed", "mass": 0.0, "a": 0.1, "alpha": 0.4, "theta": -0.3, "d": 0.2}
+    moving = {"a": 0.3, "alpha": 1.1, "d": 0.1, "mass": 2.0}
+    arm = table(frame, moving, frame, frame, moving, {**moving, "type": "prismatic"}, frame, convention=convention)
+    robot = robot_of(arm, frames=frames)
+    bodies = {link.name for link in robot.links if link.inertial and link.inertial.mass}
+    assert {joint.parent for joint in robot.joints[1:]} <= bodies
+    q = [0.3, -0.7, 0.05]
+    expected = np.array(arm.fk(q))
+    pose = KinematicChain.between(robot, robot.root, "tool0").forward_kinematics(q)
+    assert np.abs(np.reshape(pose.rotation, (3, 3)) - expected[:3, :3]).max() < 1e-12
+    assert np.abs(np.array(pose.translation) - expected[:3, 3]).max() < 1e-12
 
 
 def test_a_row_called_payload_is_refused_beside_a_payload(table: Table, robot_of: RobotOf) -> None:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from dh2urdf._version import __version__
 from dh2urdf.errors import ConfigError
-from dh2urdf.manipulator import JointType
+from dh2urdf.manipulator import BASE as BASE_LINK, JointType
 from dh2urdf.source import Problem, printable
 
 if TYPE_CHECKING:
@@ -47,11 +47,12 @@ def filled_in(manipulator: Manipulator, robot: Robot, untyped: Sequence[str] = (
         untyped: names of joints whose type the table does not say.
     """
     bodies = {link.name for link in robot.links if link.inertial}
+    weighs = {link.name for link in robot.links if link.inertial and link.inertial.mass}
     rows = [row for row in manipulator.rows if row.link in bodies]
     weighed = [row for row in rows if row.mass is not None]
     joints = {joint.name: joint for joint in robot.joints}
     moving = [(row, joints[row.joint]) for row in manipulator.moving_rows if row.joint in joints]
-    base = [BASE] if manipulator.base_mass is None and robot.root in bodies else []
+    base = [BASE] if manipulator.base_mass is None and not weighs.isdisjoint((robot.root, BASE_LINK)) else []
     found = {
         "types": list(untyped),
         "masses": [*(row.link for row in rows if row.mass is None), *base],
@@ -77,7 +78,7 @@ def closing_line(conversion: Conversion, place: str) -> str:
     manipulator = conversion.manipulator
     parts = [f"{manipulator.name}: {joints_in_words(manipulator.rows)}", _proof_in_words(conversion)]
     if filled := _filled(conversion):
-        parts.append(f"filled in: {_filled_in_words(filled)}")
+        parts.append(f"filled in: {_filled_in_words(filled, conversion.robot)}")
     return printable(f"{'; '.join(parts)}; written to {place}")
 
 
@@ -107,15 +108,23 @@ def _proof_in_words(conversion: Conversion) -> str:
     return f"proved at {counted(worst.poses, 'pose')}, largest error {error}"
 
 
-def _filled_in_words(filled: Mapping[str, Sequence[str]]) -> str:
+def _filled_in_words(filled: Mapping[str, Sequence[str]], robot: Robot) -> str:
     words = []
     for what, names in filled.items():
         of = "link" if what in ("masses", "centres of mass", "inertias") else "joint"
         count = len([name for name in names if name != BASE])
         whose = [counted(count, of)] if count else []
         whose += [BASE] if BASE in names else []
-        words.append(f"{_ONE.get(what, what) if len(names) == 1 else what} of {' and '.join(whose)}")
+        travels = _travels(robot, names) if what == "limits" else ""
+        words.append(f"{_ONE.get(what, what) if len(names) == 1 else what} of {' and '.join(whose)}{travels}")
     return ", ".join(words)
+
+
+def _travels(robot: Robot, names: Sequence[str]) -> str:
+    """The limits of those of some joints that are prismatic: each arm has others."""
+    slides = [joint.limits for joint in robot.joints if joint.type is JointType.PRISMATIC and joint.name in names]
+    found = dict.fromkeys(f"{limits.lower:.9g} to {limits.upper:.9g} m" for limits in slides)
+    return f" (prismatic: {', '.join(found)})" if found else ""
 
 
 # --- For programs -----------------------------------------------------------------------------------------------------

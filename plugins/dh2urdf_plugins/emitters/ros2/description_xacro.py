@@ -7,12 +7,12 @@ overwrite each other.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, get_args
 
 from lxml import etree
 
 from dh2urdf.late_tuples import NamedTuple
-from dh2urdf_plugins.emitters.ros2.options import PLUGINS
+from dh2urdf_plugins.emitters.ros2.options import PLUGINS, HardwareName
 from dh2urdf_plugins.emitters.ros2.yaml_files import (
     LIMIT_KEYS,
     follows_whole_table,
@@ -168,8 +168,9 @@ def top_file(robot: Robot, kinds: Sequence[Kind], package: str, options: Ros2Opt
     for prefix, alone in arms_of(robot) if controlled else ():
         kind = next(each for each in kinds if each.robot is alone)
         defaults[positions_argument(prefix)] = kind.default(package, "initial_positions.yaml")
-    hardware = {"hardware": PLUGINS[options.hardware]} if controlled else {}
-    append_arguments(top, {**placement, **defaults, **hardware})
+    append_arguments(top, {**placement, **defaults, **({"hardware": options.hardware} if controlled else {})})
+    if controlled:
+        _append_plugins(top)
     for kind in kinds:
         for ending in ("_macro.xacro", *([".ros2_control.xacro"] if controlled else [])):
             append_element(top, "include", filename=f"$(find {package})/urdf/{kind.macro}{ending}")
@@ -185,13 +186,27 @@ def top_file(robot: Robot, kinds: Sequence[Kind], package: str, options: Ros2Opt
     return serialise(top, robot.comment)
 
 
+def _append_plugins(top: etree._Element) -> None:
+    """Appends the plugin that the argument `hardware` stands for; xacro refuses any other word than the option's."""
+    plugins = ", ".join(f"{word}='{PLUGINS.get(word, '')}'" for word in get_args(HardwareName))
+    append_element(top, "property", name="hardware_plugins", value=f"${{dict({plugins})}}")
+    refusal = f"xacro.fatal('hardware is', hardware, 'and must be one of {', '.join(get_args(HardwareName))}')"
+    append_element(top, "property", name="hardware", value="$(arg hardware)")
+    value = f"${{hardware_plugins[hardware] if hardware in hardware_plugins else {refusal}}}"
+    append_element(top, "property", name="hardware_plugin", value=value)
+
+
+def _controlled(top: etree._Element) -> etree._Element:
+    """What is there unless the hardware is `none`."""
+    return append_element(top, "if", value="${hardware_plugin != ''}")
+
+
 def _append_alone(top: etree._Element, kind: Kind, files: Iterable[str], *, controlled: bool) -> None:
     """Appends the calls of one arm."""
     append_call(top, kind.macro, files)
     if controlled:
-        given = {"plugin": "hardware", "initial_positions_file": "initial_positions_file"}
-        words = {name: f"$(arg {argument})" for name, argument in given.items()}
-        append_element(top, f"{kind.macro}_ros2_control", prefix="'$(arg prefix)'", **words)
+        words = {"plugin": "${hardware_plugin}", "initial_positions_file": "$(arg initial_positions_file)"}
+        append_element(_controlled(top), f"{kind.macro}_ros2_control", prefix="'$(arg prefix)'", **words)
 
 
 def _append_arm(top: etree._Element, arm: Arm, kind: Kind, notation: XacroNotation, *, controlled: bool) -> None:
@@ -201,13 +216,13 @@ def _append_arm(top: etree._Element, arm: Arm, kind: Kind, notation: XacroNotati
     etree.SubElement(call, "origin", origin)
     if controlled:
         positions = f"$(arg {positions_argument(arm.prefix)})"
-        words = {"prefix": prefix, "plugin": "$(arg hardware)", "initial_positions_file": positions}
-        append_element(top, f"{kind.macro}_ros2_control", **words)
+        words = {"prefix": prefix, "plugin": "${hardware_plugin}", "initial_positions_file": positions}
+        append_element(_controlled(top), f"{kind.macro}_ros2_control", **words)
 
 
 def _append_gazebo(top: etree._Element, package: str) -> None:
     """Appends the plugin of Gazebo, which is there when its hardware is chosen."""
-    chosen = append_element(top, "if", value=f"${{'$(arg hardware)' == '{PLUGINS['gazebo']}'}}")
+    chosen = append_element(top, "if", value="${hardware == 'gazebo'}")
     file, name = _GAZEBO
     plugin = etree.SubElement(etree.SubElement(chosen, "gazebo"), "plugin", {"filename": file, "name": name})
     etree.SubElement(plugin, "parameters").text = f"$(find {package})/config/ros2_controllers.yaml"

@@ -22,7 +22,6 @@ from dh2urdf_plugins.emitters.ros2.moveit_yaml import (
     reaches_positions_only,
     setup_assistant,
 )
-from dh2urdf_plugins.emitters.ros2.options import PLUGINS
 from dh2urdf_plugins.emitters.ros2.package_files import (
     CONTROLLING,
     changelog,
@@ -164,7 +163,7 @@ def _description(robot: Robot, name: str, package: str, description: str, option
     """The description that MoveIt shows: that of the other package, with hardware that a demonstration can run."""
     top = etree.Element("robot", name=XacroNotation().text(robot.name), nsmap={"xacro": NAMESPACE})
     if options.controlled:
-        append_element(top, "arg", name="hardware", default=PLUGINS["mock"])
+        append_element(top, "arg", name="hardware", default="mock")
         for prefix, _ in arms_of(robot):
             place = f"$(find {package})/config/{prefix}initial_positions.yaml"
             append_element(top, "arg", name=positions_argument(prefix), default=place)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from dataclasses import field
 from typing import Literal, TypeAlias
 
@@ -24,6 +25,12 @@ PLUGINS: dict[HardwareName, str] = {
 NO_LICENSE = "TODO: License declaration"
 NO_MAINTAINER, NO_EMAIL = "user", "user@todo.todo"
 """What `ros2 pkg create` writes for what a person does not give."""
+_EMAIL = re.compile(r"[-\w%+]+(\.[-\w%+]+)*@[-a-zA-Z0-9%]+(\.[-a-zA-Z0-9%]+)*\.[a-zA-Z]{2,}", re.ASCII)  # catkin_pkg's
+_ACCEPTED = {
+    "maintainer": "a name in one line, such as Ada Lovelace",
+    "email": "one address, such as ada@lab.org",
+    "license": "an SPDX identifier, such as BSD-3-Clause",
+}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -67,12 +74,17 @@ class Ros2Options(SrdfOptions):
         return self.hardware != "none"
 
     def __post_init__(self) -> None:
-        """Refuses numbers that are out of their ranges.
+        """Refuses what no package can have.
 
         Raises:
-            ConfigError: some are.
+            ConfigError: a text or a number is not accepted.
         """
         SrdfOptions.__post_init__(self)
+        for name, accepted in _ACCEPTED.items():
+            text = getattr(self, name)
+            if text and not (text.isprintable() and text.strip() and (name != "email" or _EMAIL.fullmatch(text))):
+                message = f"package.xml cannot have this {name}: colcon, rosdep and bloom refuse it"
+                raise ConfigError(Problem(message=message, field=name, found=text, accepted=accepted))
         given = self.command_interfaces
         if "position" not in given or len(set(given)) < len(given):
             message = "one is given twice" if "position" in given else "the trajectory controller commands positions"

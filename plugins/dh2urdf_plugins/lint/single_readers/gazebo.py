@@ -62,7 +62,17 @@ def kept(description: Description) -> Iterator[list[LinkNode]]:
         if head.name != WORLD and abs(sum(mass_of(node.inertial) for node in body)) <= _NOTHING:
             continue
         yield body
-        heads.extend(description.link[joint.child] for joint in joints)
+        lost = {link.name for link in holding_nothing(description, body)}
+        heads.extend(description.link[joint.child] for joint in joints if joint.parent not in lost)
+
+
+def holding_nothing(description: Description, body: list[LinkNode]) -> list[LinkNode]:
+    """Links of a body that weigh nothing, with all that is fixed to them: sdformat drops what moves on them."""
+    weights: dict[str, float] = {}
+    for node in reversed(body):  # What is fixed to a link comes after it.
+        below = (joint.child for joint in description.held.get(node.name, ()) if joint.kind == "fixed")
+        weights[node.name] = mass_of(node.inertial) + sum(weights.get(child, 0.0) for child in below)
+    return [node for node in body[1:] if abs(weights[node.name]) <= _NOTHING and node.name != WORLD]
 
 
 def _kept_apart(description: Description) -> set[str]:

@@ -14,13 +14,13 @@ import yaml
 from lxml import etree
 
 import dh2urdf
-from dh2urdf.errors import ConfigError, EmitterError
+from dh2urdf.errors import ConfigError, Dh2UrdfError, EmitterError
 from dh2urdf.manipulator import Convention, JointType
 from dh2urdf.rotations import RigidTransform
 from dh2urdf.stages import Expansion
 from dh2urdf.testing.oracle import robot_pose
 from dh2urdf_plugins.emitters.ros2.emitter import EMITTER
-from dh2urdf_plugins.emitters.ros2.options import Ros2Options
+from dh2urdf_plugins.emitters.ros2.options import PLUGINS, Ros2Options
 from dh2urdf_plugins.emitters.urdf import EMITTER as URDF, UrdfOptions
 from dh2urdf_plugins.read_back.urdf_reader import parse_urdf
 from dh2urdf_plugins.read_back.xacro_reader import read_foreign_xacro
@@ -252,17 +252,32 @@ def test_ros2_control_has_the_joints_and_the_chosen_hardware(package: Any) -> No
     from dh2urdf_plugins.xacro_fence.expansion import expand_foreign
 
     top = folder / "urdf" / "ur5.urdf.xacro"
-    for hardware, has_gazebo in (("mock_components/GenericSystem", False), ("gz_ros2_control/GazeboSimSystem", True)):
+    for hardware, plugin in PLUGINS.items():
         arguments = {"hardware": hardware, "prefix": "01"}  # Of which xacro would make 1, were it not in quotes.
         root = etree.fromstring(expand_foreign(top, Expansion(arguments=arguments)).content)
         (control,) = root.findall("ros2_control")
         assert control.get("name") == "01ur5"
-        assert control.findtext("hardware/plugin") == hardware
+        assert control.findtext("hardware/plugin") == plugin
         joints = control.findall("joint")
         assert [each.get("name") for each in joints] == [f"01{joint.name}" for joint in robot.moving_joints]
         assert {f"01{joint.name}" for joint in robot.joints} == {each.get("name") for each in root.iterfind("joint")}
         assert [float(each.findtext("state_interface/param[@name='initial_value']")) for each in joints] == [0.0] * 6
-        assert (root.find("gazebo/plugin") is not None) is has_gazebo
+        assert (root.find("gazebo/plugin") is not None) is (hardware == "gazebo")
+
+
+def test_the_argument_hardware_is_one_of_the_options_words(package: Any) -> None:
+    """`hardware:=none` leaves ros2_control out; xacro refuses any other word, also the name of a plugin."""
+    folder, robot, _ = package("ur5.csv", "aligned", Ros2Options(hardware="gazebo"))
+    from dh2urdf_plugins.xacro_fence.expansion import expand_foreign
+
+    top = folder / "urdf" / "ur5.urdf.xacro"
+    root = etree.fromstring(expand_foreign(top, Expansion(arguments={"hardware": "none"})).content)
+    assert root.find("ros2_control") is None
+    assert root.find("gazebo") is None
+    assert len(root.findall("joint")) == len(robot.joints)
+    for other in ("isaac", "gz_ros2_control/GazeboSimSystem", "7", ""):
+        with pytest.raises(Dh2UrdfError, match=rf"hardware is {other} ?and must be one of mock, gazebo, topic, none"):
+            expand_foreign(top, Expansion(arguments={"hardware": other}))
 
 
 @pytest.mark.parametrize(

@@ -182,7 +182,7 @@ def test_the_demonstration_has_hardware_that_runs_alone(package: Any) -> None:
     assert description.find("gazebo") is None
     values = [float(each.text) for each in description.iterfind("ros2_control/joint/state_interface/param")]
     assert values == [0.0, 0.0, 1.5, 0.0, 0.0, 0.0]
-    gazebo = expanded(folder, hardware="gz_ros2_control/GazeboSimSystem")
+    gazebo = expanded(folder, hardware="gazebo")
     assert gazebo.find("gazebo/plugin") is not None
 
 

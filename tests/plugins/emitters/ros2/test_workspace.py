@@ -12,6 +12,11 @@ from typing import TYPE_CHECKING, Any
 import pytest
 import xacro
 import yaml
+from lxml import etree
+
+from dh2urdf.errors import ConfigError
+from dh2urdf_plugins.emitters.ros2.options import Ros2Options
+from dh2urdf_plugins.emitters.ros2.package_files import package_xml
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -111,6 +116,54 @@ def test_catkin_pkg_accepts_package_xml_without_a_warning(cli: Cli, tmp_path: Pa
     for name in ("ur5_description", "ur5_moveit_config"):
         printed = system(SYSTEM_PYTHON, "-c", code, str(tmp_path / name), cwd=tmp_path)
         assert printed.strip() == f"[] {name} ament_cmake"
+
+
+EMAILS = [
+    "a@b.co",
+    "a.b+c_d%e@x-y.lab.org",
+    "ada",
+    "ada@lab",
+    "Ada <ada@lab.org>",
+    "a@b.co, c@d.co",
+    "ä@b.co",
+    "a..b@c.de",
+    "a@b.c",
+]
+TEXTS = ["Ada Lovelace", "Ünal & <Söhne>", " ", "\t\n"]
+
+
+@needs_ament
+@pytest.mark.parametrize(
+    ("option", "text"),
+    [("email", text) for text in EMAILS] + [("license", text) for text in TEXTS],
+)
+def test_what_catkin_pkg_refuses_is_refused(option: str, text: str, tmp_path: Path) -> None:
+    """The message names the option; what catkin_pkg accepts is accepted."""
+    given = {"email": "a@b.co", "maintainer": "Ada", "license": "MIT", option: text}
+    package = etree.fromstring(package_xml("arm", "An arm", Ros2Options(), (), ()))
+    package.find("license").text = given["license"]
+    package.find("maintainer").set("email", given["email"])
+    (tmp_path / "package.xml").write_bytes(etree.tostring(package))
+    code = (
+        "import sys; from catkin_pkg.package import InvalidPackage, parse_package\n"
+        "try: parse_package(sys.argv[1], warnings=[])\nexcept InvalidPackage: print('refused')"
+    )
+    if system(SYSTEM_PYTHON, "-c", code, str(tmp_path), cwd=tmp_path).strip() == "refused":
+        with pytest.raises(ConfigError) as caught:
+            Ros2Options(**given)
+        assert caught.value.problems[0].field == option
+    else:
+        Ros2Options(**given)
+
+
+@pytest.mark.parametrize("option", ["maintainer", "email", "license"])
+def test_a_text_that_no_manifest_holds_writes_nothing(option: str, cli: Cli, tmp_path: Path) -> None:
+    """The command fails before a file is written, and names the option."""
+    told = cli(
+        "convert", TABLES / "ur5.csv", "--to", "ros2", "-o", tmp_path / "src", "--set", f"{option}=a\x01b", status=2
+    )
+    assert f"package.xml cannot have this {option}" in told.stderr
+    assert not (tmp_path / "src").exists()
 
 
 def test_a_package_goes_into_a_folder(cli: Cli, tmp_path: Path) -> None:

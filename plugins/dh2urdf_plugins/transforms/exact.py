@@ -15,10 +15,11 @@ from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.manipulator import Convention, JointType
 from dh2urdf.robot import Collision
 from dh2urdf.rotations import IDENTITY
-from dh2urdf_plugins.transforms.assembly import Base, Part, assemble, complete_limits, parameters
+from dh2urdf_plugins.transforms.assembly import Base, Part, assemble, parameters
 from dh2urdf_plugins.transforms.checks import is_frame
 from dh2urdf_plugins.transforms.formulas import Quantity, nameless, origin, plus, times, values
 from dh2urdf_plugins.transforms.frames import aligned_frames, composed, modified_frames, settled, standard_frames
+from dh2urdf_plugins.transforms.joints.defaults import complete_limits
 from dh2urdf_plugins.transforms.shapes import (
     BASE_COLOUR,
     BASE_WIDTH,

@@ -13,7 +13,7 @@ Names below: R is the accumulated rotation at q = 0; ϑ and δ are the angle and
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, cast
 
 from dh2urdf.kinematics import dh_transform_of, joint_variables
 from dh2urdf.late_tuples import NamedTuple
@@ -52,8 +52,6 @@ from dh2urdf_plugins.transforms.formulas import (
 from dh2urdf_plugins.transforms.shapes import Segment, direction_rpy
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from dh2urdf.manipulator import Manipulator
     from dh2urdf_plugins.transforms.formulas import Symbol
 
@@ -288,18 +286,12 @@ def composed(first: Pose, second: Pose) -> Pose:
     """A frame that is in a frame that is in another one."""
     if all(angle is NOTHING for angle in first.rpy):
         return Pose(plus(first.xyz, second.xyz), second.rpy)
-    outer, inner = _rotation_of(first.rpy), _rotation_of(second.rpy)
-    columns = [[inner[k], inner[k + 3], inner[k + 6]] for k in range(3)]
-    product = tuple(_dot(outer[k : k + 3], column) for k in (0, 3, 6) for column in columns)
-    moved = (_dot(outer[0:3], second.xyz), _dot(outer[3:6], second.xyz), _dot(outer[6:9], second.xyz))
+    outer, xyz = _rotation_of(first.rpy), cast("Any", second.xyz)
+    moved, product = cast("Any", rotate(outer, xyz)), cast("Any", multiply(outer, _rotation_of(second.rpy)))
     return Pose(plus(first.xyz, moved), rpy_of(product))
 
 
-def _dot(left: Sequence[Quantity], right: Sequence[Quantity]) -> Quantity:
-    return left[0] * right[0] + left[1] * right[1] + left[2] * right[2]
-
-
-def _rotation_of(rpy: Quantities) -> tuple[Quantity, ...]:
+def _rotation_of(rpy: Quantities) -> Any:  # noqa: ANN401 - a rotation of quantities
     """Rz(yaw)·Ry(pitch)·Rx(roll), row by row."""
     (cr, sr), (cp, sp), (cy, sy) = (cos_sin_of(angle, angle) for angle in rpy)
     return (

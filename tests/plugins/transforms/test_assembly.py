@@ -12,9 +12,9 @@ from dh2urdf.errors import TransformError
 from dh2urdf.kinematics import KinematicChain
 from dh2urdf.manipulator import Convention, DHRow, Inertia, JointType, Limits, Manipulator, Payload
 from dh2urdf.rotations import RigidTransform
-from dh2urdf_plugins.transforms import assembly
 from dh2urdf_plugins.transforms.alpha_swap import alpha_swap
 from dh2urdf_plugins.transforms.alpha_swap_options import AlphaSwapOptions
+from dh2urdf_plugins.transforms.joints import defaults
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -341,5 +341,5 @@ def test_frames_weigh_nothing_and_say_so(ur5: Manipulator, robot_of: RobotOf) ->
 )
 def test_default_efforts_of_columns_are_those_of_numbers(needed: list[float]) -> None:
     """To the last bit, at powers of ten as well."""
-    expected = [assembly._default_effort(number) for number in needed]
-    assert assembly._default_efforts(np.array(needed, dtype=float)).tolist() == expected
+    expected = [defaults._default_effort(number) for number in needed]
+    assert defaults.default_efforts(np.array(needed, dtype=float)).tolist() == expected

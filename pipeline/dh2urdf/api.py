@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from dh2urdf.commands.argument_words import word_of, words_of
-from dh2urdf.commands.chosen_table import chosen_manipulator, read_manipulator, reader_call
+from dh2urdf.commands.chosen_table import chosen_manipulator, read_manipulator, reader_call, warn_of
 from dh2urdf.commands.convert import Conversion, plan_conversion
 from dh2urdf.commands.given_tables import GivenRows, as_file
 from dh2urdf.commands.options_of_stages import Asker, asker_of, settings_of, stage_calls
@@ -24,7 +24,7 @@ from dh2urdf.manipulator import Manipulator
 from dh2urdf.output.spooled import STEM
 from dh2urdf.plugin_system.catalog import load
 from dh2urdf.robot import Robot
-from dh2urdf.source import Problem, shown
+from dh2urdf.source import Mark, Problem, shown
 from dh2urdf.stage_calls.answers import items_of
 from dh2urdf.stage_calls.calls import blaming
 from dh2urdf.validation.arguments import a_name, a_path, check_flags, check_names, mapping, path_or_none, several
@@ -40,6 +40,9 @@ if TYPE_CHECKING:
     from dh2urdf.table_text import CellRow
 
 
+_FROM_DH = "Manipulator.from_dh()"
+
+
 def read(table: Source, *, robot: str | None = None, reader: str | None = None, **options: object) -> Manipulator:
     """The manipulator of a table.
 
@@ -53,12 +56,21 @@ def read(table: Source, *, robot: str | None = None, reader: str | None = None, 
         reader: name of the reader, such as ``csv`` or ``yaml``; without it the file's suffix says it.
         options: options of the reader, such as what the table does not say itself.
 
+    Returns:
+        The manipulator. Its notices are also given as `TableWarning`.
+
     Raises:
         TableError: the manipulator cannot be read, there is none, or which of several is not said.
         ConfigError: an option is unknown or its value wrong, or the file is a run file.
         InputError: no installed reader takes the file.
         PluginError: the reader's plugin is broken, or something it needs is not installed.
     """
+    arm = _read(table, robot, reader, options)
+    warn_of(arm.notices)
+    return arm
+
+
+def _read(table: Source, robot: str | None, reader: str | None, options: Mapping[str, object]) -> Manipulator:
     asker = _asker("read")
     check_names(asker.mark, robot=robot, reader=reader)
     with as_file(table, "reader", reader, load(), "reader=NAME") as path:
@@ -68,7 +80,8 @@ def read(table: Source, *, robot: str | None = None, reader: str | None = None, 
 def read_all(table: Source, *, reader: str | None = None, **options: object) -> Iterator[Manipulator | Rejected]:
     """The manipulators of a table one by one, none of them held: there may be a million.
 
-    One that cannot be read is a `Rejected` in its place, with its problems, and the others go on.
+    One that cannot be read is a `Rejected` in its place, with its problems, and the others go on. Notices are in
+    `notices` only.
 
     Args:
         table: the table's file; or its text, its bytes, or a stream, as `read` takes them.
@@ -145,11 +158,53 @@ def manipulator_of(
     joints: Sequence[str] | None,
     name: str | None,
     robot: str | None,
+    file: StrPath | None,
+    mark: Mark | None,
     options: Mapping[str, object],
 ) -> Manipulator:
     """The manipulator of an array, a data frame, a list or a text: `Manipulator.from_dh`, which says what is what."""
-    function = "Manipulator.from_dh()"
-    asker = asker_of(function)
+    arm = _manipulator_of(
+        table,
+        columns=columns,
+        types=types,
+        joints=joints,
+        name=name,
+        robot=robot,
+        place=_place(file, mark),
+        options=options,
+    )
+    warn_of(arm.notices, 2)
+    return arm
+
+
+def _place(file: StrPath | None, mark: Mark | None) -> Mark:
+    """Where a table of `from_dh` is, for messages: the function, unless its file or its place is given.
+
+    Raises:
+        ConfigError: a value is no path, or no mark.
+    """
+    asker = asker_of(_FROM_DH)
+    if mark is not None and not isinstance(mark, Mark):
+        message = f"mark={shown(str(mark))} is no place in a file"
+        raise ConfigError(Problem(message=message, mark=asker.mark, field="mark", accepted="a dh2urdf.source.Mark"))
+    path = path_or_none("file", file, asker.mark)
+    if path is None:
+        return mark or asker.mark
+    return replace(mark, file=path) if mark else Mark(file=path)
+
+
+def _manipulator_of(
+    table: object,
+    *,
+    columns: Sequence[str] | None,
+    types: str | Sequence[str] | None,
+    joints: Sequence[str] | None,
+    name: str | None,
+    robot: str | None,
+    place: Mark,
+    options: Mapping[str, object],
+) -> Manipulator:
+    asker = asker_of(_FROM_DH)
     check_names(asker.mark, robot=robot, name=name)
     if isinstance(table, (str, bytes)) or hasattr(table, "read"):
         if columns is not None or types is not None or joints is not None or name is not None:
@@ -160,11 +215,11 @@ def manipulator_of(
             message = f"{shown(table)} is no table: it has one line"
             raise TableError(Problem(message=message, mark=asker.mark, suggestion=suggestion))
         source: Any = table
-        return read(source, reader=load().cell_reader().name, robot=robot, **options)
+        return _read(source, robot, load().cell_reader().name, options)
     for argument, value in (("columns", columns), ("types", types), ("joints", joints)):
         if value is not None:
             several(argument, value, asker.mark)
-    given = GivenRows(table, columns, function)
+    given = GivenRows(table, columns, place)
     if types is not None:
         given.add_column("type", types, "types")
     if joints is not None:
@@ -173,7 +228,7 @@ def manipulator_of(
     reader = catalog.cell_reader()
     (call,) = stage_calls(catalog, {"reader": [reader]}, asker, {"reader": words_of(options)})["reader"]
     rows = given.cell_rows({"name": STEM if name is None else name})
-    arm = chosen_manipulator(_read_cells(call, rows, function), robot, function, asker)
+    arm = chosen_manipulator(_read_cells(call, rows, place.file), robot, place.file, asker)
     if name is not None and arm.name != name.strip():
         message = f"name={name!r} has no effect: the table names its manipulator {shown(arm.name)}"
         accepted = "no name=, or a table without a column of names"
@@ -227,7 +282,8 @@ def convert(
             ``**{"emitter.profile": "ros"}``.
 
     Returns:
-        The manipulator, its robot, the files and the proofs.
+        The manipulator, its robot, the files and the proofs. Its notices are also given as `TableWarning`; not those of
+        a manipulator that was read before.
 
     Raises:
         TableError: the table cannot be read, or no robot can be made of it.
@@ -260,7 +316,10 @@ def convert(
             convert_meshes=convert_meshes,
             edits=map(word_of, several("edits", edits, asker.mark, one=(str, Mapping))),
         )
-        return planned.carry_out()
+        made = planned.carry_out()
+    # The notices of a manipulator that is given were given with it.
+    warn_of(made.robot.notices if isinstance(table, Manipulator) else made.notices)
+    return made
 
 
 def check(

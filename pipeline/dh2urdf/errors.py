@@ -29,6 +29,8 @@
         ├── MissingDependencyError   an optional package is not installed
         └── MissingProgramError      a program besides Python's packages is not installed, or not running
 
+`TableWarning` is no error: it is what a careful person would look at, as Python's warning.
+
 Every exception carries its data as attributes; its text says where, what was found, what is accepted and what to do.
 """
 
@@ -128,6 +130,13 @@ class RecordTypeError(RecordError, TypeError):
 
 class RecordValueError(RecordError, ValueError):
     """A value in a record is none that its field accepts, or contradicts another one."""
+
+
+class TableWarning(UserWarning):
+    """A notice of a table or of its robot, as `dh2urdf.read`, `Manipulator.from_dh` and `dh2urdf.convert` warn of it.
+
+    ``warnings.filterwarnings("ignore", category=dh2urdf.TableWarning)`` turns them off; `notices` still has them.
+    """
 
 
 class OutputError(InputError):

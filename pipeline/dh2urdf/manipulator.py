@@ -251,6 +251,8 @@ class Manipulator:
         joints: Sequence[str] | None = None,
         name: str | None = None,
         robot: str | None = None,
+        file: str | os.PathLike[str] | None = None,
+        mark: Mark | None = None,
         **options: object,
     ) -> Manipulator:
         """The manipulator of a table that is at hand: an array, a data frame, lists, mappings, or a text.
@@ -274,7 +276,13 @@ class Manipulator:
             joints: the name of each joint.
             name: the name of the manipulator; ``robot`` where nothing says it.
             robot: which manipulator is meant, where the table has several.
+            file: the file that the table comes from: messages name it, and the row. For readers of plugins.
+            mark: the place of the table in its file, where the file has several: messages name it as well.
             options: further options of the reader of tables: ``base``, ``tool``, ``length_unit``, ``angle_unit``.
+
+        Returns:
+            The manipulator. Its notices are also given as `TableWarning`, but where a plugin's stage calls this: then
+            whoever called the stage reports them.
 
         Raises:
             TableError: the table cannot be read; the row and the column are named.
@@ -288,6 +296,8 @@ class Manipulator:
             joints=joints,
             name=name,
             robot=robot,
+            file=file,
+            mark=mark,
             options={key: value for key, value in given.items() if value is not None},
         )
 

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import dh2urdf
-from dh2urdf.errors import ProofError, TableError
+from dh2urdf.errors import ConfigError, ProofError, TableError
 from dh2urdf.manipulator import Convention, JointType
 
 if TYPE_CHECKING:
@@ -116,7 +116,7 @@ def test_the_models_of_the_toolbox() -> None:
     """Every DH model that it ships: T(q) to rounding at random joint vectors, and a URDF that is proved."""
     models = pytest.importorskip("roboticstoolbox.models.DH", reason="roboticstoolbox-python is not installed")
     generator = np.random.default_rng(3)
-    names = []
+    names, proved = [], []
     for name, model in inspect.getmembers(models, inspect.isclass):
         robot = model()
         arm = dh2urdf.from_roboticstoolbox(robot, name=name)
@@ -125,5 +125,29 @@ def test_the_models_of_the_toolbox() -> None:
             expected = robot.fkine(q).A
             assert np.abs(arm.fk(q) - expected).max() <= 1e-13 * max(1.0, np.abs(expected).max()), name
         names.append(name)
+        proof = dh2urdf.convert(arm).proofs["urdf"]
+        proved.append((name, proof is not None and proof.holds))
+    assert proved == [(name, True) for name in names]
     assert {"Panda", "Puma560", "Stanford", "UR5", "KR5", "IRB140"} <= set(names)
-    assert dh2urdf.convert(dh2urdf.from_roboticstoolbox(models.Panda())).written[0].proof is not None
+
+
+def test_inertias_as_they_were_published() -> None:
+    """The Puma's third link: the nearest that a body can have, with a warning; refused or computed where that is asked for."""
+    robot = Robot(link(m=4.8, r=np.array([-0.0203, -0.0141, 0.07]), I=np.diag([0.066, 0.086, 0.0125]), a=0.0203))
+    with pytest.warns(
+        dh2urdf.TableWarning, match=r"moments of inertia are 0\.0125, 0\.066, 0\.086 kg·m², which no body has"
+    ):
+        arm = dh2urdf.from_roboticstoolbox(robot)
+    inertia = arm.rows[0].inertia
+    assert inertia is not None
+    assert (inertia.ixx, inertia.iyy, inertia.izz) == pytest.approx((0.06975, 0.086, 0.01625), rel=1e-5)
+    assert dh2urdf.convert(arm).robot.mass == 4.8
+    kept = dh2urdf.from_roboticstoolbox(robot, inertias="keep")
+    with pytest.raises(TableError, match=r"triangle inequality[\s\S]*`--set inertias=repair`"):
+        dh2urdf.convert(kept)
+    assert kept.notices == ()
+    with pytest.warns(dh2urdf.TableWarning, match="the inertia of the drawn shape is used in its place"):
+        assert dh2urdf.from_roboticstoolbox(robot, inertias="recompute").rows[0].inertia is None
+    wrong: Any = "mend"
+    with pytest.raises(ConfigError, match="accepted: keep, repair, recompute"):
+        dh2urdf.from_roboticstoolbox(robot, inertias=wrong)

@@ -49,9 +49,10 @@ def command(
 ) -> int:
     """Print what is understood of TABLE: every value in SI units, as it is typed, its unit, and the cell.
 
-    What TABLE does not say is marked: as a default, or as computed by the transform. The pose of tool0 at zero, a bound
-    of its distance and the mass of the arm are those that `dh2urdf convert` proves and writes. Of several manipulators
-    there is a line each; `--robot` shows one. TABLE may be -, which is standard input.
+    What TABLE does not say is marked: as a default, or as computed by the transform; values of a reader that does not
+    tell cells from defaults, as most readers of plugins, are marked as read. The pose of tool0 at zero, a bound of its
+    distance and the mass of the arm are those that `dh2urdf convert` proves and writes. Of several manipulators there
+    is a line each; `--robot` shows one. TABLE may be -, which is standard input.
 
     \b
     dh2urdf info ur5.csv
@@ -63,7 +64,7 @@ def command(
     path, reader = given_table(table, reader_name, installed)
     call = reader_call(installed, path, reader, ASKER, given_options(flags), settings=settings_of(settings))
     arms, chosen, trace = _read(call, path, robot)
-    detail = None if chosen is None else _detail(installed, chosen, trace)
+    detail = None if chosen is None else _detail(installed, chosen, trace if call.stage.trace else None)
     failed = any(arm["errors"] for arm in (arms if detail is None else [detail]))
     status: Literal[0, 1] = 1 if failed else 0
     report = info_report(str(path), arms, detail, status)
@@ -118,7 +119,7 @@ def _read(call: Call[Reader[Any]], path: Path, robot: str | None) -> tuple[list[
     return [brief(chosen)], chosen, its
 
 
-def _detail(catalog: Catalog, manipulator: Manipulator, trace: Trace) -> Detail:
+def _detail(catalog: Catalog, manipulator: Manipulator, trace: Trace | None) -> Detail:
     """All of a manipulator, with what the default transform makes of it."""
     transform = default_call(catalog, catalog.usual("transform"))
     try:

@@ -115,25 +115,25 @@ class GivenRows:
     Attributes:
         headers: the name of each column.
         rows: the cells of each row.
-        function: what was called, for messages.
+        place: where the table is, for messages: a file, a place in one, or the function that was called.
     """
 
-    def __init__(self, table: Any, columns: Sequence[str] | None, function: str) -> None:  # noqa: ANN401 - whatever is given
+    def __init__(self, table: Any, columns: Sequence[str] | None, place: Mark) -> None:  # noqa: ANN401 - whatever is given
         """Takes the table.
 
         Args:
             table: the table.
             columns: the names of the columns, in their order, where the table has none.
-            function: what was called, for messages.
+            place: where the table is, for messages.
 
         Raises:
             RecordTypeError: it is no table.
             RecordValueError: its columns are not named, or twice, or its rows differ in length.
         """
-        self.function = function
+        self.place = place
         self.remarks: list[str] = []
         self.said = self._said(getattr(table, "attrs", None))
-        labelled = _labelled(table, function)
+        labelled = _labelled(table, place)
         if labelled is None:
             rows = self._rows(table)
             if columns is None and rows and all(isinstance(cell, str) for cell in rows[0]):
@@ -193,25 +193,32 @@ class GivenRows:
 
     def cell_rows(self, statements: Mapping[str, object]) -> Iterator[CellRow]:
         """The rows of cells: what holds for all rows, the header, and the rows."""
-        whole = Mark(file=self.function)
+        whole = self.place
         for key, value in {**self.said, **statements}.items():
             yield CellRow([f"# {key}: {json.dumps(value, ensure_ascii=False)}"], whole)
         yield from (CellRow([remark], whole) for remark in self.remarks)
         yield CellRow(list(self.headers), whole)
         for number, row in enumerate(self.rows, start=1):
+            mark = self._at(number, None, f"row {number}")
             marks = [
-                Mark(file=self.function, line=number, column=place, place=f"row {number}, column {header}")
-                for place, header in enumerate(self.headers, start=1)
+                self._at(number, column, f"row {number}, column {header}")
+                for column, header in enumerate(self.headers, start=1)
             ]
             cells = [_cell(value, mark) for value, mark in zip(row, marks, strict=True)]
-            yield CellRow(cells, Mark(file=self.function, line=number, place=f"row {number}"), marks)
+            yield CellRow(cells, mark, marks)
+
+    def _at(self, row: int, column: int | None, words: str) -> Mark:
+        """A row or a cell of the table; in a file, behind the table's own place in it."""
+        whole = self.place
+        words = ", ".join(filter(None, (whole.in_file, words)))
+        return Mark(file=whole.file, line=whole.line or row, column=column, place=words)
 
     def _rows(self, table: Any) -> list[Sequence[Any]]:  # noqa: ANN401 - whatever is given
         if isinstance(table, (str, bytes, Mapping, AbstractSet)) or not isinstance(table, Iterable):
             raise RecordTypeError(
                 Problem(
                     message=f"a {type(table).__name__} is no table",
-                    mark=Mark(file=self.function),
+                    mark=self.place,
                     accepted="an array of shape (rows, columns), a DataFrame, a list of rows, a list of mappings, a "
                     "mapping of columns, or a text of several lines",
                 )
@@ -225,10 +232,10 @@ class GivenRows:
         return [list(row) for row in rows]
 
     def _wrong(self, message: str, *, accepted: str) -> RecordValueError:
-        return RecordValueError(Problem(message=message, mark=Mark(file=self.function), accepted=accepted))
+        return RecordValueError(Problem(message=message, mark=self.place, accepted=accepted))
 
 
-def _labelled(table: Any, function: str) -> tuple[list[Any], list[list[Any]]] | None:  # noqa: ANN401 - whatever is given
+def _labelled(table: Any, place: Mark) -> tuple[list[Any], list[list[Any]]] | None:  # noqa: ANN401 - whatever is given
     """The headers and the rows of a table whose columns have names; None of any other."""
     if fields := getattr(getattr(table, "dtype", None), "names", None):  # a structured array
         return list(fields), [list(row) for row in table.tolist()]
@@ -243,8 +250,8 @@ def _labelled(table: Any, function: str) -> tuple[list[Any], list[list[Any]]] | 
             rows = [[label, *row] for label, row in zip(labels, rows, strict=True)]
         return headers, [[None if _is_missing(cell) else cell for cell in row] for row in rows]
     if isinstance(table, Mapping):
-        columns = {key: _column(key, column, function) for key, column in table.items()}
-        _check_labels(table, function)
+        columns = {key: _column(key, column, place) for key, column in table.items()}
+        _check_labels(table, place)
         count = max(map(len, columns.values()), default=0)
         # A column that is too short has nothing in its last cells, and the reader says which they are.
         return list(columns), [
@@ -256,7 +263,7 @@ def _labelled(table: Any, function: str) -> tuple[list[Any], list[list[Any]]] | 
     return None
 
 
-def _column(header: object, column: Any, function: str) -> list[Any]:  # noqa: ANN401 - whatever is given
+def _column(header: object, column: Any, place: Mark) -> list[Any]:  # noqa: ANN401 - whatever is given
     """The cells of a column that is given by its name."""
     if isinstance(column, Mapping):  # such as those of `DataFrame.to_dict()`
         return list(column.values())
@@ -264,7 +271,7 @@ def _column(header: object, column: Any, function: str) -> list[Any]:  # noqa: A
         raise RecordTypeError(
             Problem(
                 message=f"the column {shown(str(header))} is {shown(str(column))}, and no list of cells",
-                mark=Mark(file=function),
+                mark=place,
                 field=str(header),
                 accepted="a list with one cell for each row",
                 suggestion="a list of mappings is a table of one mapping for each row",
@@ -273,7 +280,7 @@ def _column(header: object, column: Any, function: str) -> list[Any]:  # noqa: A
     return list(column)
 
 
-def _check_labels(table: Mapping[Any, Any], function: str) -> None:
+def _check_labels(table: Mapping[Any, Any], place: Mark) -> None:
     """Refuse columns whose cells have labels, where they differ: what is in one row would be a guess."""
     labels = {key: list(column) for key, column in table.items() if isinstance(column, Mapping)}
     first = next(iter(labels), None)
@@ -281,7 +288,7 @@ def _check_labels(table: Mapping[Any, Any], function: str) -> None:
         if found != labels[first]:
             message = f"the rows of the columns {shown(str(first))} and {shown(str(key))} have different labels"
             accepted = f"the labels {', '.join(map(str, labels[first]))} in this order, in each column"
-            raise RecordValueError(Problem(message=message, mark=Mark(file=function), accepted=accepted))
+            raise RecordValueError(Problem(message=message, mark=place, accepted=accepted))
 
 
 def _is_missing(cell: Any) -> bool:  # noqa: ANN401 - whatever is given

@@ -7,13 +7,15 @@ documents them (P. Corke and J. Haviland, "Not your grandmother's toolbox", ICRA
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, get_args
 
-from dh2urdf.errors import ProofError, TableError
+from dh2urdf.commands.chosen_table import warn_of
+from dh2urdf.errors import ConfigError, ProofError, TableError
 from dh2urdf.kinematics.chain import angle_error, forward_kinematics, position_error
 from dh2urdf.manipulator import Convention, DHRow, Inertia, JointType, Limits, Manipulator
+from dh2urdf.mass_properties import Inertias, possible_inertia
 from dh2urdf.rotations import RigidTransform, Rotation, Vec3, nearest_rotation
-from dh2urdf.source import Problem
+from dh2urdf.source import Mark, Problem, shown
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -25,7 +27,12 @@ _NEEDED = ("a", "alpha", "d", "theta", "offset", "isrevolute", "isprismatic", "m
 _POSES = (0.0, 0.7, -1.3)
 
 
-def from_roboticstoolbox(robot: Any, *, name: str | None = None) -> Manipulator:  # noqa: ANN401 - a class of another package
+def from_roboticstoolbox(
+    robot: Any,  # noqa: ANN401 - a class of another package
+    *,
+    name: str | None = None,
+    inertias: Inertias = "repair",
+) -> Manipulator:
     """The table of a `DHRobot` of the Robotics Toolbox for Python.
 
     ::
@@ -42,12 +49,17 @@ def from_roboticstoolbox(robot: Any, *, name: str | None = None) -> Manipulator:
     Args:
         robot: a `DHRobot`, standard or modified, lengths in m.
         name: the name of the manipulator; that of the robot without it.
+        inertias: what becomes of inertias that no body has: the toolbox carries those of its Puma 560, for example, as
+            they were published. ``repair`` takes the nearest that a body can have, ``recompute`` that of the drawn
+            shape at the stated mass, ``keep`` leaves them to `convert`, which refuses them.
 
     Returns:
-        The manipulator. Its notices say what has no place in a table.
+        The manipulator. Its notices say what has no place in a table, and which inertias are others; they are also
+        given as `TableWarning`.
 
     Raises:
         TableError: the robot has no DH links, or links of both conventions, or a number of it is wrong.
+        ConfigError: `inertias` is none of the three words.
         ProofError: T(q) of the table is not the robot's.
     """
     links = list(getattr(robot, "links", ()))
@@ -59,13 +71,21 @@ def from_roboticstoolbox(robot: Any, *, name: str | None = None) -> Manipulator:
             suggestion="a robot of a URDF or of elementary transforms has no table: `dh2urdf.extract()` makes one of "
             "its URDF",
         )
+    if inertias not in (accepted := get_args(Inertias)):
+        wrong = Problem(
+            message=f"{shown(str(inertias))} is no way to treat inertias",
+            mark=Mark(file=_FUNCTION),
+            field="inertias",
+            accepted=", ".join(accepted),
+        )
+        raise ConfigError(wrong)
     kinds = {bool(link.mdh) for link in links}
     if len(kinds) > 1:
         raise _error("its links are of both conventions", found="standard and modified", accepted="one of them")
     is_modified = kinds == {True}
     names = _names(links)
     notices: list[Problem] = []
-    rows = tuple(_row(link, number, names[number], notices) for number, link in enumerate(links))
+    rows = tuple(_row(link, number, names[number], inertias, notices) for number, link in enumerate(links))
     arm = Manipulator(
         name=name or str(getattr(robot, "name", "") or "robot"),
         convention=Convention.MODIFIED if is_modified else Convention.STANDARD,
@@ -75,24 +95,36 @@ def from_roboticstoolbox(robot: Any, *, name: str | None = None) -> Manipulator:
         notices=tuple(notices),
     )
     _compare(arm, robot)
+    warn_of(arm.notices)
     return arm
 
 
-def _row(link: Any, number: int, name: str, notices: list[Problem]) -> DHRow:  # noqa: ANN401 - of another package
+def _row(
+    link: Any,  # noqa: ANN401 - of another package
+    number: int,
+    name: str,
+    inertias: Inertias,
+    notices: list[Problem],
+) -> DHRow:
     """A row: the joint variable is ±q + offset, and takes the place of theta, or of d, of the link."""
     slides = bool(link.isprismatic)
     gear = float(getattr(link, "G", 0.0) or 0.0) or 1.0
     mass = float(getattr(link, "m", 0.0) or 0.0)
     lower, upper = _limits(link)
-    if not mass and (any(_flat(link.r)) or _inertia(link)):
+    joint, inertia = f"joint_{number + 1}", _inertia(link)
+    if not mass and (any(_flat(link.r)) or inertia):
         message = f"link {number + 1} has a centre of mass or an inertia, and no mass: both are left out"
-        notices.append(Problem(message=message, severity="notice", joint=f"joint_{number + 1}", field="mass"))
+        notices.append(Problem(message=message, severity="notice", joint=joint, field="mass"))
+    if mass and inertia:
+        inertia, message = possible_inertia(inertia, inertias)
+        if message:
+            notices.append(Problem(message=message, severity="notice", joint=joint, field="inertia"))
     forward, backward = _two(getattr(link, "Tc", None))
     if forward != -backward:
         message = f"Tc = [{forward:g}, {backward:g}] of joint {number + 1} differs by direction: the larger one is kept"
-        notices.append(Problem(message=message, severity="notice", joint=f"joint_{number + 1}", field="friction"))
+        notices.append(Problem(message=message, severity="notice", joint=joint, field="friction"))
     return DHRow(
-        joint=f"joint_{number + 1}",
+        joint=joint,
         link=name,
         type=JointType.PRISMATIC if slides else JointType.REVOLUTE,
         a=float(link.a),
@@ -104,7 +136,7 @@ def _row(link: Any, number: int, name: str, notices: list[Problem]) -> DHRow:  #
         limits=Limits(lower=lower, upper=upper),
         mass=mass or None,
         com=_vector(link.r) if mass else None,
-        inertia=_inertia(link) if mass else None,
+        inertia=inertia if mass else None,
         damping=_said(float(getattr(link, "B", 0.0) or 0.0) * gear**2),
         friction=_said(max(abs(forward), abs(backward)) * abs(gear)),
         armature=_said(float(getattr(link, "Jm", 0.0) or 0.0) * gear**2),

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from dh2urdf.conversion.robots import refuse_new_name, with_edits
+from dh2urdf.conversion.robots import refuse_new_name, with_edits, with_torn_links
 from dh2urdf.elementwise import DividedError
 from dh2urdf.manipulator import Manipulator
 from dh2urdf.robot import Robot
@@ -30,6 +30,7 @@ def edited_tables(columns: ManipulatorColumns, edits: Sequence[Call[Edit[Any]]])
         DividedError: an edit would make different things of the members.
         ManipulatorError: an edit refuses a member, or is at fault.
     """
+    original = columns.table
     for call in edits:
         if call.stage.edit_table is not None:
             columns = replace(columns, table=_edited(call, call.stage.edit_table, columns.table))
@@ -37,7 +38,8 @@ def edited_tables(columns: ManipulatorColumns, edits: Sequence[Call[Edit[Any]]])
                 columns = replace(columns, lines=((None,) * len(columns.table.rows),) * len(columns))
             with blaming(call):
                 columns.pick(0)  # The checks of a manipulator, which a table of columns does without.
-    return columns
+    table = with_torn_links(columns.table, original)
+    return columns if table is columns.table else replace(columns, table=table)
 
 
 def edited_robots(robots: RobotColumns, edits: Sequence[Call[Edit[Any]]], notices: Sequence[Problem]) -> RobotColumns:

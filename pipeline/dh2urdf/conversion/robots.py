@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
+from dh2urdf.drawn_links import torn_links
 from dh2urdf.errors import ManipulatorError, RobotError
 from dh2urdf.kinematics.expected_poses import ExpectedPoses
 from dh2urdf.manipulator import Manipulator
@@ -13,6 +14,7 @@ from dh2urdf.robot_check import check_robot
 from dh2urdf.stage_calls.answers import a_record, a_whole_record
 from dh2urdf.stage_calls.calls import Call, blaming, depending_on
 from dh2urdf.stages import Edit
+from dh2urdf.validation.coercion import replace_unchecked
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
@@ -89,7 +91,13 @@ def edited_table(manipulator: Manipulator, edits: Iterable[Call[Edit[Any]]]) -> 
             with blaming(call):
                 table = a_record(call.stage.edit_table(table, call.options), Manipulator)
                 refuse_new_name(table.name, manipulator.name)
-    return table
+    return with_torn_links(table, manipulator)
+
+
+def with_torn_links(table: Manipulator, original: Manipulator) -> Manipulator:
+    """An edited table, with a notice where its links do not follow the edits."""
+    torn = () if table is original else tuple(torn_links(original, table, "the edits change"))
+    return replace_unchecked(table, notices=(*table.notices, *torn)) if torn else table
 
 
 def keeps_kinematics(call: Call[Transform[Any]] | Call[Edit[Any]]) -> bool:

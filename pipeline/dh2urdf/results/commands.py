@@ -131,7 +131,7 @@ Placement = TypedDict(
     {
         "xyz": Annotated[list[float], "translation [m]"],
         "rpy": Annotated[list[float], "roll, pitch and yaw [rad]"],
-        "from": Literal["cell", "default"],
+        "from": Literal["cell", "default", "read"],
         "place": PlaceText,
     },
 )
@@ -145,8 +145,9 @@ FieldEntry = TypedDict(
         "value": Annotated[float | str, "the value in SI units, or a word"],
         "unit": Annotated[str, "the unit of the value; empty for words and plain numbers"],
         "from": Annotated[
-            Literal["cell", "default", "computed"],
-            "whether the table says it, it is a default, or the transform computes it",
+            Literal["cell", "default", "computed", "read"],
+            "whether the table says it, it is a default, the transform computes it, or it is from a reader that does "
+            "not tell cells from defaults",
         ],
         "typed": Annotated[str | None, "the cell as it is typed"],
         "read_in": Annotated[str | None, "the unit in which a number without a unit is read"],

@@ -235,6 +235,8 @@ def _batch(first: int, some: Sequence[RunItem | RunItems], stems: Stems) -> Batc
         match what := item.what:
             case Variants():
                 variants.append((place, what))
+                if what.numbers.start == 1 and (torn := tuple(what.variation.torn_links())):
+                    notices[place] = torn  # once, with the first
             case Manipulator():
                 plain.append(((place,), what))
             case ManipulatorGroups(groups=groups):
@@ -249,7 +251,8 @@ def _batch(first: int, some: Sequence[RunItem | RunItems], stems: Stems) -> Batc
     for place, (stem, clash) in zip(claiming, stems.claim_all([names[place] for place in claiming]), strict=True):
         own_stems[place] = stem
         if clash:
-            notices[place] = (clash.about(mark=Mark(file=sources[place]) if sources[place] else None),)
+            told = clash.about(mark=Mark(file=sources[place]) if sources[place] else None)
+            notices[place] = (*notices.get(place, ()), told)
     return Batch(
         first=first,
         names=tuple(names),

@@ -14,7 +14,7 @@ from dh2urdf.errors import InputError, PluginError, TableError
 from dh2urdf.manipulator import DHRow, Manipulator
 from dh2urdf.provenance import Trace
 from dh2urdf.quantities.units import UNITS
-from dh2urdf.source import Mark
+from dh2urdf.source import Mark, Problem
 from dh2urdf.stage_calls.column_calls import checked_groups
 from dh2urdf.stages import Reader, Rejected
 from dh2urdf.table_text import CellRow
@@ -144,6 +144,20 @@ class ReaderContract(StageContract):
         folder.mkdir()
         self._only_documented("a folder", folder)
 
+    def test_errors_name_the_file(self, tmp_path: Path) -> None:
+        """What is wrong with a file, or noticed in it, is at a place in this file."""
+        for name, content in {"the example": _bytes(self.example), **self._broken()}.items():
+            path = self._file(tmp_path, content)
+            for problem in self._told(path):
+                if problem.mark is not None and problem.mark.file != str(path):
+                    self.breach(
+                        self.test_errors_name_the_file,
+                        found=f"{str(problem)!r:.200} of {name}",
+                        accepted=f"Mark(file={str(path)!r}, …) as the mark of the problem",
+                        remedy="give each Problem the mark of what it is about, or none: then the file is filled in; "
+                        "give `Manipulator.from_dh` the file: `file=path`, or `mark=Mark(file=str(path), line=…)`",
+                    )
+
     def test_traces_what_it_reads(self, tmp_path: Path) -> None:
         """With a trace the tables are the same, and the number of a cell, in its unit, is the value of the field."""
         clause, trace_of = self.test_traces_what_it_reads, self.stage.trace
@@ -234,6 +248,19 @@ class ReaderContract(StageContract):
 
     def _read(self, path: Path) -> list[Any]:
         return _read_all(self.stage.read, path, self.given())
+
+    def _told(self, path: Path) -> Iterator[Problem]:
+        """The problems and notices of a file, and a problem for each row that is in another one."""
+        try:
+            items = self._read(path)
+        except TableError as error:
+            items = [error]
+        except (Exception, SystemExit):  # noqa: BLE001 - another clause reports it
+            return
+        for item in items:
+            yield from (*getattr(item, "problems", ()), *getattr(item, "notices", ()))
+            for row in getattr(item, "rows", ()):
+                yield Problem(message="the row", joint=row.joint, mark=row.mark)
 
     def _only_documented(self, name: str, path: Path) -> None:
         try:

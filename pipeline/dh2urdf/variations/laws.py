@@ -146,6 +146,14 @@ def is_relative(law: Law) -> bool:
     return isinstance(law, Scale | Offset) or (isinstance(law, Normal) and law.mean is None)
 
 
+def ends(law: Law, nominal: float) -> tuple[float, ...]:
+    """The numbers between which a law draws all values, or all but one in a thousand of a normal distribution."""
+    if isinstance(law, Choices | Grid):
+        return tuple(map(float, law.values))
+    rare = 5e-4 if isinstance(law, Normal) else 0.0
+    return law.draw(rare, nominal), law.draw(1.0 - rare, nominal)
+
+
 def evenly_spaced(low: float, high: float, points: int) -> tuple[float, ...]:
     """Numbers at equal distances, both ends included."""
     return (*(low + (high - low) * index / (points - 1) for index in range(points - 1)), high)

@@ -11,15 +11,16 @@ from dataclasses import field as attribute, fields, replace
 from math import isfinite
 from typing import TYPE_CHECKING, Any
 
+from dh2urdf.drawn_links import LENGTHS, REDRAW, torn_links
 from dh2urdf.elementwise import is_column
 from dh2urdf.errors import ManipulatorError
 from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.manipulator import DHRow, Inertia, JointType, Limits, Manipulator
 from dh2urdf.quantities.units import Dimension
 from dh2urdf.row_fields import COM, DYNAMICS, INERTIA, LIMITS, ROW_FIELDS, RowField
-from dh2urdf.source import Mark, Problem
+from dh2urdf.source import Mark, Problem, shown
 from dh2urdf.validation.coercion import replace_unchecked
-from dh2urdf.variations.laws import DrawnValue, Grid, Law, draw_many
+from dh2urdf.variations.laws import DrawnValue, Grid, Law, draw_many, ends
 from dh2urdf.variations.sampling import Sampling, point, points, regrouped
 
 if TYPE_CHECKING:
@@ -161,6 +162,17 @@ class Variation:
         keys = [factor.key for factor in self.factors]
         return [dict(zip(keys, values, strict=True)) for values in zip(*columns, strict=True)]
 
+    def torn_links(self) -> Iterator[Problem]:
+        """A notice where links do not follow the lengths that are drawn, by the farthest of these."""
+        rows = list(self.nominal.rows)
+        for factor in self.factors:
+            if factor.row is not None and factor.field in LENGTHS and factor.nominal is not None:
+                nominal = factor.nominal
+                farthest = max(ends(factor.law, nominal), key=lambda value: abs(value - nominal))
+                rows[factor.row] = changed(rows[factor.row], {factor.field: farthest})
+        after = replace_unchecked(self.nominal, rows=tuple(rows))
+        yield from torn_links(self.nominal, after, f"the variation {shown(self.name)} changes", self.mark)
+
     def changes(self, drawn: Collection[str]) -> dict[int, dict[str, Factor]]:
         """The factors of some keys by the indices of their rows, and by their fields."""
         changes: dict[int, dict[str, Factor]] = {}
@@ -299,7 +311,9 @@ def first_axes(rows: Sequence[DHRow], axes: int) -> Sequence[DHRow]:
 
 
 def drawn_notices(changes: Mapping[int, Collection[str]], rows: Sequence[DHRow]) -> Iterator[Problem]:
-    """What was drawn is meant: nobody need ask whether an angle should have been a quarter turn."""
+    """What was drawn is meant: nobody need ask whether an angle should have been a quarter turn, or a length other."""
+    if any(name in LENGTHS for names in changes.values() for name in names):
+        yield Problem(message="drawn", severity="notice", suggestion=REDRAW)
     for index, names in changes.items():
         for name in names:
             if FIELDS[name].dimension is Dimension.ANGLE:

@@ -6,6 +6,7 @@ from dataclasses import field
 from typing import Literal, TypeAlias
 
 from dh2urdf.late_dataclasses import dataclass
+from dh2urdf.mass_properties import Inertias
 
 Shape: TypeAlias = Literal["cylinder", "box", "capsule", "arm"]
 
@@ -56,11 +57,19 @@ class AlphaSwapOptions:
         default=2700.0,
         metadata={"help": "density of links without a mass [kg/m³]; the default is aluminium", "measures": "density"},
     )
+    inertias: Inertias = field(
+        default="keep",
+        metadata={
+            "flag": "HOW",
+            "help": "what becomes of inertias that no body has, as some are published: they are refused (keep), the "
+            "nearest that a body can have is used (repair), or that of the drawn shape at the stated mass (recompute)",
+        },
+    )
     inertia_floor: float | None = field(
         default=None,
         metadata={
-            "help": "what principal moments of inertia of 0 are raised to [kg·m²], as makers print them for small "
-            "links; such a tensor is refused by default",
+            "help": "smallest principal moment of a repaired inertia [kg·m²]; with it, moments of 0, as makers print "
+            "them for small links, are repaired also where other inertias are kept",
             "measures": "moment of inertia",
         },
     )

@@ -6,9 +6,10 @@ import math
 from dataclasses import replace
 from typing import TYPE_CHECKING, Literal
 
+from dh2urdf.drawn_links import GAP, is_to_compare, mesh_gap
 from dh2urdf.elementwise import is_column, where
 from dh2urdf.manipulator import Convention, DHRow, JointType
-from dh2urdf.mass_properties import has_zero_moments, inertia_problem, is_sound, principal_moments, with_floor
+from dh2urdf.mass_properties import inertia_problem, is_sound, possible_inertia
 from dh2urdf.rotations import HALF_PI, nearest_quarter, quarter_turns, rounded_quarter_turn
 from dh2urdf.row_fields import NUMBERS
 from dh2urdf.source import Problem, did_you_mean
@@ -19,7 +20,8 @@ if TYPE_CHECKING:
 
     from dh2urdf.columns import ManipulatorColumns
     from dh2urdf.elementwise import Condition, Number
-    from dh2urdf.manipulator import Inertia, LinkGeometry, Manipulator, Payload
+    from dh2urdf.manipulator import LinkGeometry, Manipulator, Payload
+    from dh2urdf.mass_properties import Inertias
 
 SUSPICIOUS = 2e-3
 """Distance from a quarter turn [rad] at which an angle was probably meant to be one: 3.14 and 1.57 are nearer."""
@@ -31,6 +33,12 @@ PAYLOAD = "payload"
 """Name of the link that is the payload."""
 
 TENSOR = "the tensor about the centre of mass, in kg·m², of a body that exists, or nothing: then it is computed"
+
+REPAIR = (
+    "where it is published so, choose the option inertias of the transform, such as `--set inertias=repair`: `repair` "
+    "takes the nearest that a body can have, `recompute` that of the drawn shape at the stated mass"
+)
+"""What to do about an inertia that no body has."""
 
 PAPER_ANGLES = {"0": 0.0, "pi": math.pi, "pi/2": HALF_PI, "-pi/2": -HALF_PI}
 """The set of the paper's equation (1), by the words that a table may use."""
@@ -155,8 +163,11 @@ def sure_tables(columns: ManipulatorColumns) -> Condition:
 
     sure = np.ones(len(columns), dtype=bool)
     with np.errstate(all="ignore"):
+        compares = is_to_compare(columns.table)
         for row in columns.table.rows:
             sure &= _is_sure(row)
+            if compares:
+                sure &= mesh_gap(row) < GAP
     if sure.any():
         one = columns.pick(int(sure.argmax()))
         sure &= not table_problems(one) and not any(angle_notices(one))
@@ -211,7 +222,7 @@ def _row_problems(row: DHRow) -> Iterator[Problem]:
             accepted = "a number greater than 0, or nothing: then it is computed"
             yield row_problem(row, message, field=name, found=value, accepted=accepted)
     if row.inertia and (broken := inertia_problem(row.inertia)):
-        yield row_problem(row, broken, field="inertia", accepted=TENSOR, suggestion=_floor_advice(row.inertia))
+        yield row_problem(row, broken, field="inertia", accepted=TENSOR, suggestion=REPAIR)
 
 
 def is_frame(row: DHRow) -> bool:
@@ -250,50 +261,37 @@ def _payload_problems(payload: Payload, rows: Sequence[DHRow]) -> Iterator[Probl
     if payload.mass <= 0.0:
         yield _positive("payload.mass", payload.mass)
     if payload.inertia and (broken := inertia_problem(payload.inertia)):
-        yield Problem(
-            message=broken, field="payload.inertia", accepted=TENSOR, suggestion=_floor_advice(payload.inertia)
-        )
+        yield Problem(message=broken, field="payload.inertia", accepted=TENSOR, suggestion=REPAIR)
     if any(PAYLOAD in (row.joint, row.link) for row in rows):
         message = f"a row of the table is called {PAYLOAD}, and so is the link of the payload"
         yield Problem(message=message, field="payload", accepted="another name of the row")
 
 
-def with_inertia_floor(manipulator: Manipulator, floor: float | None) -> tuple[Manipulator, list[Problem]]:
-    """The manipulator with moments of inertia of 0 raised to a floor [kg·m²], and a notice of each."""
-    if floor is None:
-        return manipulator, []
+def with_possible_inertias(
+    manipulator: Manipulator, how: Inertias, floor: float | None
+) -> tuple[Manipulator, list[Problem]]:
+    """The manipulator with the inertias that are used, and a notice of each that is not the table's.
+
+    Args:
+        manipulator: the table.
+        how: what becomes of inertias that no body has.
+        floor: smallest principal moment of those that are repaired [kg·m²].
+    """
     notices, rows = [], []
     for row in manipulator.rows:
-        if row.inertia and has_zero_moments(row.inertia):
-            raised = with_floor(row.inertia, floor)
-            notices.append(row_problem(row, _raised(row.inertia, raised), field="inertia", severity="notice"))
-            row = replace(row, inertia=raised)  # noqa: PLW2901 - the row as it is used
+        if row.inertia is not None:
+            used, message = possible_inertia(row.inertia, how, floor)
+            if message:
+                notices.append(row_problem(row, message, field="inertia", severity="notice"))
+                row = replace(row, inertia=used)  # noqa: PLW2901 - the row as it is used
         rows.append(row)
     payload = manipulator.payload
-    if payload and payload.inertia and has_zero_moments(payload.inertia):
-        raised = with_floor(payload.inertia, floor)
-        message = _raised(payload.inertia, raised)
-        notices.append(Problem(message=message, field="payload.inertia", severity="notice"))
-        payload = replace(payload, inertia=raised)
+    if payload and payload.inertia:
+        used, message = possible_inertia(payload.inertia, how, floor)
+        if message:
+            notices.append(Problem(message=message, field="payload.inertia", severity="notice"))
+            payload = replace(payload, inertia=used)
     return (replace(manipulator, rows=tuple(rows), payload=payload) if notices else manipulator), notices
-
-
-def _raised(inertia: Inertia, raised: Inertia) -> str:
-    before, after = (", ".join(f"{moment + 0.0:.9g}" for moment in principal_moments(i)) for i in (inertia, raised))
-    return (
-        f"the principal moments of inertia are {before} kg·m², which no body has; {after} kg·m² are used, since "
-        "inertia_floor is set"
-    )
-
-
-def _floor_advice(inertia: Inertia) -> str | None:
-    """What to do about moments of 0."""
-    if not has_zero_moments(inertia):
-        return None
-    return (
-        "if a maker rounded small moments to 0, give the transform the option inertia_floor, such as "
-        "`--set inertia_floor=1e-6`: moments of 0 are raised to it, or to what a body needs"
-    )
 
 
 def _same_turn(angle: float) -> str | None:

@@ -7,6 +7,7 @@ the centres of mass in the Denavit-Hartenberg product. Pinocchio computes them f
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -14,9 +15,10 @@ import numpy as np
 import pytest
 import yaml
 
+import dh2urdf
 from dh2urdf.errors import TransformError
 from dh2urdf.manipulator import Inertia, Manipulator
-from dh2urdf.mass_properties import has_zero_moments, inertia_problem, principal_moments, with_floor
+from dh2urdf.mass_properties import has_zero_moments, inertia_problem, possible_inertia, principal_moments, repaired
 from dh2urdf_plugins.emitters.urdf import EMITTER as URDF
 from dh2urdf_plugins.readers import csv, yaml as yaml_reader
 from dh2urdf_plugins.readers.table import TableOptions
@@ -32,6 +34,8 @@ HAND = {"mass": 0.73, "com": [-0.01, 0.0, 0.03], "inertia": [0.001, 0.0025, 0.00
 """Franka's hand, as its description has it but for two products of inertia, which it lacks."""
 POSES = 20
 GRAVITY = 9.81
+SPARE = 1.0 + 1e-6
+"""By how much the sum of the smaller moments of a repaired inertia exceeds the greatest."""
 ELEMENTS = ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
 
 
@@ -181,13 +185,109 @@ def test_the_robot_moves_as_the_published_numbers_say(
 
 
 def test_an_inertia_that_no_body_has_is_refused(tmp_path: Path) -> None:
-    """Two of those identified for the LBR iiwa 14: the message names both, with their principal moments."""
-    path = tmp_path / "arm.csv"
-    path.write_text(as_csv(ARMS["iiwa14"], None), encoding="utf-8")
-    (rejected,) = csv.READER.read(path, TableOptions())
-    assert not isinstance(rejected, Manipulator)
-    assert {problem.joint for problem in rejected.problems} == {"joint_4", "joint_7"}
-    assert all("the inertia breaks the triangle inequality" in problem.message for problem in rejected.problems)
+    """Two of those identified for the LBR iiwa 14: the message names both, their principal moments, and the option."""
+    arm = read(as_csv(ARMS["iiwa14"], None), tmp_path, ".csv")
+    with pytest.raises(TransformError) as caught:
+        robot_of(arm)
+    problems = caught.value.problems
+    assert {problem.joint for problem in problems} == {"joint_4", "joint_7"}
+    assert all("the inertia breaks the triangle inequality" in problem.message for problem in problems)
+    assert all(problem.mark and problem.mark.line for problem in problems)
+    assert all("`--set inertias=repair`" in (problem.suggestion or "") for problem in problems)
+
+
+PUBLISHED = {
+    "Puma 560, link 3": [0.066, 0.086, 0.0125, 0, 0, 0],
+    "Puma 560, link 1": [0, 0.35, 0, 0, 0, 0],
+    "UR10, link 6": [0, 0, 0.0001, 0, 0, 0],
+    "iiwa 14, link 7": [0.001, 0.001, 0.1, 0.0, 0.0, 0.0],
+    "turned": [0.2, 0.1, 0.9, 0.05, -0.1, 0.07],
+    "negative": [-0.1, 0.5, 0.3, 0.02, 0, 0],
+}
+"""Inertias that no body has, as they are published, or like them."""
+
+
+class TestInertias:
+    """`keep` refuses them; `repair` takes the nearest that a body can have; `recompute` that of the drawn shape."""
+
+    @pytest.mark.parametrize("elements", PUBLISHED.values(), ids=PUBLISHED)
+    def test_the_repaired_is_the_nearest(self, elements: list[float]) -> None:
+        """No tensor that a body can have and that has no smaller moment is nearer: scipy looks for one."""
+        optimize = pytest.importorskip("scipy.optimize", reason="scipy is not installed")
+        raised = repaired(Inertia(**dict(zip(ELEMENTS, elements, strict=True))))
+        assert inertia_problem(raised) is None
+        before, after = tensor(elements), tensor([getattr(raised, name) for name in ELEMENTS])
+        moments = np.linalg.eigvalsh(before)
+        found = optimize.minimize(
+            lambda m: float(((m - moments) ** 2).sum()),
+            np.full(3, 2.0 * moments[2]),
+            bounds=[(max(moment, 0.0), None) for moment in moments],
+            constraints=[{"type": "ineq", "fun": lambda m, k=k: m.sum() - 2.0 * m[k]} for k in range(3)],
+            options={"ftol": 1e-16, "maxiter": 1000},
+        )
+        assert np.linalg.norm(after - before) == pytest.approx(math.sqrt(found.fun), rel=1e-4)
+        assert np.abs(before @ after - after @ before).max() <= 1e-14  # the same axes
+
+    @pytest.mark.parametrize("how", ["repair", "recompute"])
+    @pytest.mark.parametrize("elements", PUBLISHED.values(), ids=PUBLISHED)
+    def test_simulators_take_the_inertia(self, elements: list[float], how: str, tmp_path: Path) -> None:
+        """MuJoCo and PyBullet have the moments that were written; as published, neither takes them."""
+        mujoco, bullet = pytest.importorskip("mujoco"), pytest.importorskip("pybullet")
+        text = "# convention: standard\na,alpha,d,mass,ixx,iyy,izz,ixy,ixz,iyz\n"
+        arm = read(text + f"0.3,0.4,0.1,2,{','.join(map(str, elements))}\n", tmp_path, ".csv")
+        robot = robot_of(arm, inertias=how)
+        (notice,) = (notice for notice in robot.notices if notice.field == "inertia")
+        assert (notice.joint, notice.mark and notice.mark.line) == ("joint_1", 3)
+        body = next(link.inertial for link in robot.links if link.name == "link_1")
+        assert body is not None
+        assert body.mass == 2.0
+        wanted = principal_moments(body.inertia)
+        if how == "recompute":  # the inertia that the table without one gets
+            own = robot_of(replace(arm, rows=(replace(arm.rows[0], inertia=None),)))
+            assert body == next(link.inertial for link in own.links if link.name == "link_1")
+        path = tmp_path / "arm.urdf"
+        path.write_bytes(URDF.emit(robot, "arm", URDF.options())[0].content)
+        model = mujoco.MjModel.from_xml_path(str(path))
+        number = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_BODY, "link_1")
+        assert sorted(model.body_inertia[number]) == pytest.approx(wanted, rel=1e-6)
+        client = bullet.connect(bullet.DIRECT)
+        try:
+            flags = bullet.URDF_USE_INERTIA_FROM_FILE
+            loaded = bullet.loadURDF(str(path), useFixedBase=True, flags=flags, physicsClientId=client)
+            joints = range(bullet.getNumJoints(loaded, physicsClientId=client))
+            names = [bullet.getJointInfo(loaded, joint, physicsClientId=client)[12].decode() for joint in joints]
+            info = bullet.getDynamicsInfo(loaded, names.index("link_1"), physicsClientId=client)
+            assert sorted(info[2]) == pytest.approx(wanted, rel=1e-4)
+        finally:
+            bullet.disconnect(client)
+
+    def test_what_is_not_broken_stays(self, tmp_path: Path) -> None:
+        """Tensors of bodies are the same with each word; one without a moment above 0 is that of the drawn shape."""
+        arm = read(as_csv(possible(ARMS["iiwa14"]), None), tmp_path, ".csv")
+        assert robot_of(arm, inertias="repair") == robot_of(arm, inertias="recompute") == robot_of(arm)
+        empty = replace(arm.rows[0], inertia=Inertia(ixx=0.0, iyy=0.0, izz=0.0))
+        robot = robot_of(replace(arm, rows=(empty, *arm.rows[1:])), inertias="repair")
+        assert "the inertia of the drawn shape is used" in " ".join(notice.message for notice in robot.notices)
+
+    def test_of_a_payload(self, tmp_path: Path) -> None:
+        """Its inertia is treated as those of links are."""
+        hand = HAND | {"inertia": [0, 0, 0.001, 0, 0, 0]}
+        arm = read(as_yaml(possible(ARMS["ur20"]), hand), tmp_path, ".yaml")
+        with pytest.raises(TransformError, match=r"payload\.inertia"):
+            robot_of(arm)
+        robot = robot_of(arm, inertias="repair")
+        assert [notice.field for notice in robot.notices if "inertia" in (notice.field or "")] == ["payload.inertia"]
+
+    def test_in_a_run(self, tmp_path: Path) -> None:
+        """An option of the transform in a run file; of many arms, too."""
+        table = as_csv(ARMS["iiwa14"], None)
+        (tmp_path / "arm.csv").write_text(table, "utf-8")
+        run = {"inputs": [str(tmp_path / "arm.csv")], "output": {"directory": str(tmp_path / "out")}}
+        vary = {"of": "arm", "count": 20, "vary": [{"joints": [2], "field": "mass", "scale": [0.9, 1.1]}]}
+        options = {"inertias": "repair"}
+        report = dh2urdf.run(run | {"variations": [vary], "transform": {"stage": "alpha-swap", "options": options}})
+        assert {entry["status"] for entry in report["manipulators"]} == {"ok"}
+        assert dh2urdf.run(run)["manipulators"][0]["status"] == "failed"
 
 
 class TestFloor:
@@ -207,25 +307,25 @@ class TestFloor:
         (problem,) = caught.value.problems
         assert (problem.joint, problem.field) == ("joint_6", "inertia")
         assert "its principal moments are 0, 0 and 0.0002 kg·m²" in problem.message
-        assert "`--set inertia_floor=1e-6`" in (problem.suggestion or "")
+        assert "`--set inertias=repair`" in (problem.suggestion or "")
 
     def test_a_floor_makes_them_those_of_a_body(self, arm: Manipulator) -> None:
         """The least that the triangle inequality asks for, and a notice with both."""
         robot = robot_of(arm, inertia_floor=1e-6, frames="dh")
         body = next(link.inertial for link in robot.links if link.name == "link_6")
         assert body is not None
-        assert principal_moments(body.inertia) == pytest.approx((1e-4, 1e-4, 2e-4), rel=1e-12)
+        assert principal_moments(body.inertia) == pytest.approx((1e-4 * SPARE, 1e-4 * SPARE, 2e-4), rel=1e-12)
         (notice,) = (notice for notice in robot.notices if notice.field == "inertia")
         assert "0, 0, 0.0002 kg·m², which no body has; 0.0001, 0.0001, 0.0002 kg·m² are used" in notice.message
 
     @pytest.mark.parametrize(
         ("elements", "floor", "expected"),
         [
-            ([0, 0, 2e-4, 0, 0, 0], 1e-6, (1e-4, 1e-4, 2e-4)),
-            ([0, 0, 2e-4, 0, 0, 0], 3e-4, (2e-4, 3e-4, 3e-4)),
-            ([0, 1e-3, 2e-3, 0, 0, 0], 1e-6, (1e-3, 1e-3, 2e-3)),
+            ([0, 0, 2e-4, 0, 0, 0], 1e-6, (1e-4 * SPARE, 1e-4 * SPARE, 2e-4)),
+            ([0, 0, 2e-4, 0, 0, 0], 3e-4, (3e-4, 3e-4, 3e-4)),
+            ([0, 1e-3, 2e-3, 0, 0, 0], 1e-6, (5e-4 + 1e-9, 1.5e-3 + 1e-9, 2e-3)),
             ([0, 0, 0, 0, 0, 0], 1e-6, (1e-6, 1e-6, 1e-6)),
-            ([1, 1, 0, 1, 0, 0], 1e-6, (1, 1, 2)),  # a rod across x and y
+            ([1, 1, 0, 1, 0, 0], 1e-6, (SPARE, SPARE, 2)),  # a rod across x and y
         ],
     )
     def test_only_moments_of_0_are_raised(
@@ -233,15 +333,15 @@ class TestFloor:
     ) -> None:
         """To the floor, or to what a body with the other moments has; the axes stay."""
         given = Inertia(**dict(zip(ELEMENTS, elements, strict=True)))
-        raised = with_floor(given, floor)
+        raised = repaired(given, floor)
         assert has_zero_moments(given)
         assert inertia_problem(raised) is None
         assert principal_moments(raised) == pytest.approx(expected, rel=1e-12)
         before, after = tensor(elements), tensor([getattr(raised, name) for name in ELEMENTS])
         assert np.abs(before @ after - after @ before).max() <= 1e-15 * np.abs(after).max()
 
-    @pytest.mark.parametrize("elements", [[1, 1, 1, 0, 0, 0], [0.1, 0.1, 0.5, 0, 0, 0], [-1e-3, 1, 1, 0, 0, 0]])
-    def test_other_tensors_stay_as_they_are(self, elements: list[float]) -> None:
+    def test_other_tensors_stay_as_they_are(self) -> None:
         """Those of bodies, and those that break the rules otherwise: they are refused with a floor, too."""
-        given = Inertia(**dict(zip(ELEMENTS, elements, strict=True)))
-        assert with_floor(given, 1e-3) is given
+        for elements in ([1, 1, 1, 0, 0, 0], [0.1, 0.1, 0.5, 0, 0, 0], [-1e-3, 1, 1, 0, 0, 0]):
+            given = Inertia(**dict(zip(ELEMENTS, elements, strict=True)))
+            assert possible_inertia(given, "keep", 1e-3) == (given, "")

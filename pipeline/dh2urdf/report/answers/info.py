@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, Final, Literal
 from dh2urdf._version import __version__
 from dh2urdf.kinematics.chain import forward_kinematics, joint_variables
 from dh2urdf.manipulator import JointType, Manipulator
+from dh2urdf.provenance import Trace
 from dh2urdf.report.answers.conversions import BASE, filled_in
 from dh2urdf.report.axes import axes_entry
 from dh2urdf.rotations import norm
@@ -17,7 +18,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
 
     from dh2urdf.manipulator import DHRow
-    from dh2urdf.provenance import Said, Trace
+    from dh2urdf.provenance import Said
     from dh2urdf.results import (
         BriefEntry,
         Detail,
@@ -37,7 +38,9 @@ SCHEMA: Final = "dh2urdf-info/1"
 CELL: Final = "cell"
 DEFAULT: Final = "default"
 COMPUTED: Final = "computed"
-"""Where a value comes from: a cell of the table, a default, or the transform, which computes what is left open."""
+READ: Final = "read"
+"""Where a value comes from: a cell of the table, a default, or the transform, which computes what is left open; or a
+reader that does not say what it read where, as most of plugins."""
 
 _OPTIONAL = tuple(name for name in NUMBERS if name not in {"a", "alpha", "d", "theta", "offset", "mass"})
 _STATED = ("geometry", "density", "base_mass", "base_geometry", "payload", "visuals", "collisions")
@@ -94,24 +97,28 @@ def brief(item: Manipulator | Rejected) -> BriefEntry:
     }
 
 
-def details(manipulator: Manipulator, trace: Trace, robot: Robot | None, errors: Sequence[Problem] = ()) -> Detail:
+def details(
+    manipulator: Manipulator, trace: Trace | None, robot: Robot | None, errors: Sequence[Problem] = ()
+) -> Detail:
     """All that was understood of a manipulator.
 
     Args:
         manipulator: the manipulator.
-        trace: what its cells say; empty where its reader does not know it.
+        trace: what its cells say; None where its reader does not know it.
         robot: the robot that the default transform makes of it; None where it makes none.
         errors: why there is no robot.
     """
     joints = {joint.name: joint for joint in robot.joints} if robot else {}
+    unsaid: Literal["default", "read"] = READ if trace is None else DEFAULT
+    trace = trace or Trace()
     said = [*trace.rows, *([{}] * (len(manipulator.rows) - len(trace.rows)))]
     notices = (*manipulator.notices, *(robot.notices if robot else ()))
     return {
         "name": manipulator.name,
         "place": _place(manipulator.mark),
         "convention": {"value": manipulator.convention.value, "place": _said_at(trace, "convention")},
-        "base": _placement(manipulator.base, _said_at(trace, "base")),
-        "tool": _placement(manipulator.tool, _said_at(trace, "tool")),
+        "base": _placement(manipulator.base, _said_at(trace, "base"), unsaid),
+        "tool": _placement(manipulator.tool, _said_at(trace, "tool"), unsaid),
         "units": [
             {"of": key.partition(".")[2], "unit": said.text or "", "place": _place(said.mark)}
             for key, said in trace.table.items()
@@ -124,7 +131,10 @@ def details(manipulator: Manipulator, trace: Trace, robot: Robot | None, errors:
                 "link": row.link,
                 "type": row.type.value,
                 "place": _place(row.mark),
-                "fields": list(_fields(row, cells, joints.get(row.joint), _mass_of(row, robot))),
+                "fields": [
+                    {**entry, "from": unsaid} if entry["from"] == DEFAULT else entry
+                    for entry in _fields(row, cells, joints.get(row.joint), _mass_of(row, robot))
+                ],
             }
             for row, cells in zip(manipulator.rows, said, strict=True)
         ],
@@ -269,11 +279,11 @@ def _stated(manipulator: Manipulator) -> dict[str, Any]:
     return found
 
 
-def _placement(transform: RigidTransform, place: str | None) -> Placement:
+def _placement(transform: RigidTransform, place: str | None, unsaid: Literal["default", "read"]) -> Placement:
     return {
         "xyz": list(transform.translation),
         "rpy": list(transform.rpy),
-        "from": DEFAULT if place is None else CELL,
+        "from": unsaid if place is None else CELL,
         "place": place,
     }
 

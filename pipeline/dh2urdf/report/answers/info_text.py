@@ -7,7 +7,7 @@ from typing import IO, TYPE_CHECKING
 
 from dh2urdf.manipulator import JointType
 from dh2urdf.report.answers.conversions import counted
-from dh2urdf.report.answers.info import CELL, COMPUTED, DEFAULT, unit_of
+from dh2urdf.report.answers.info import CELL, DEFAULT, unit_of
 from dh2urdf.source import markdown_text, printable
 
 if TYPE_CHECKING:
@@ -146,7 +146,7 @@ def _placed(placement: Placement) -> str:
     if placement["from"] == DEFAULT:
         return "none (default)"
     xyz, rpy = ([_number(value) for value in placement[key]] for key in ("xyz", "rpy"))
-    return f"xyz {' '.join(xyz)} m, rpy {' '.join(rpy)} rad ({placement['place']})"
+    return f"xyz {' '.join(xyz)} m, rpy {' '.join(rpy)} rad ({placement['place'] or placement['from']})"
 
 
 def _stated(key: str, value: object) -> str:
@@ -204,12 +204,12 @@ def _rows(detail: Detail) -> list[tuple[str, ...]]:
     rows = []
     for joint in detail["joints"]:
         for field in joint["fields"]:
-            typed = {CELL: repr(field["typed"]) if field["typed"] is not None else "", DEFAULT: "default"}
+            typed = {CELL: repr(field["typed"]) if field["typed"] is not None else ""}
             cells = (
                 joint["name"],
                 field["field"],
                 _value(field),
-                typed.get(field["from"], COMPUTED),
+                typed.get(field["from"], field["from"]),
                 field["read_in"] or "",
                 field["place"] or "",
             )

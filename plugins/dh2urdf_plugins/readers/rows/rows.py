@@ -7,7 +7,6 @@ from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from dh2urdf.manipulator import ENDS, DHRow, Inertia, JointType, Limits
-from dh2urdf.mass_properties import inertia_problem
 from dh2urdf.provenance import Said
 from dh2urdf.quantities import Dimension, accepted_units
 from dh2urdf.row_fields import COM, INERTIA, NUMBERS, ROW_FIELDS
@@ -340,7 +339,6 @@ class RowReader(RowCells):
     def _inertia(self) -> Inertia | None:
         if all(self._absent(name) for name in INERTIA):
             return None
-        before = self.errors
         for name in INERTIA[:3]:
             if self._absent(name):
                 message = f"a part of the inertia tensor is given, and {name} is not"
@@ -351,10 +349,7 @@ class RowReader(RowCells):
                 "mass",
                 accepted="both, or neither: they are computed from the link's shape and density then",
             )
-        inertia = Inertia(**{name: self._quantity(name).value for name in INERTIA})
-        if self.errors == before and (broken := inertia_problem(inertia, zeros=True)):
-            self._error(broken, "inertia", accepted="the inertia of a body about its centre of mass, or none")
-        return inertia
+        return Inertia(**{name: self._quantity(name).value for name in INERTIA})
 
 
 NO_LIMITS = Limits()

@@ -6,7 +6,6 @@ import math
 from typing import TYPE_CHECKING
 
 from dh2urdf.manipulator import Inertia, Payload
-from dh2urdf.mass_properties import inertia_problem
 from dh2urdf.quantities import Dimension
 from dh2urdf.row_fields import INERTIA
 from dh2urdf.source import Problem
@@ -81,10 +80,7 @@ class PayloadReader:
                 self._error(node, f"payload.inertia.{name}", message, ACCEPTED_TENSOR)
         if self.errors != before:
             return None
-        inertia = Inertia(**entries)
-        if broken := inertia_problem(inertia, zeros=True):
-            self._error(node, "payload.inertia", broken, "the inertia of a body about its centre of mass, or none")
-        return inertia
+        return Inertia(**entries)
 
     def _entries(self, node: Node) -> list[tuple[str, Node]]:
         if isinstance(node.value, dict):

@@ -36,6 +36,7 @@ PUBLIC = {
     "dh2urdf.commands": "tables as files, which are read back before anybody gets them",
     "dh2urdf.columns": "many manipulators or robots that differ in numbers only, for stages that work on all at once",
     "dh2urdf.documents": "YAML with the place of every value, and text files in whatever encoding",
+    "dh2urdf.drawn_links": "links that do not follow the lengths of their table",
     "dh2urdf.elementwise": "arithmetic that is the same for numbers and for arrays of them",
     "dh2urdf.errors": "every exception, with its exit status",
     "dh2urdf.foreign_robot": "robot descriptions of any origin: the robot, and the joints that follow others",

@@ -27,8 +27,10 @@ if TYPE_CHECKING:
 
 LENGTHS = ("a", "d", "alpha")
 """The numbers of a row for which a link is drawn."""
-GAP, TURN = 1e-3, math.radians(1.0)
-"""From which gaps [m] and turns [rad] on it is noticed: the arms of a series differ by less from their drawings."""
+GAP = 1e-3
+"""Gap from which on it is noticed [m]: the arms of a series differ by less from their drawings."""
+TURN = math.radians(1.0)
+"""Turn from which on it is noticed [rad]."""
 REDRAW = "meshes, com and inertia do not follow a, d and alpha: give those of the new lengths, or leave them out"
 """What to do about it: a table with a notice that suggests this has been compared before."""
 _PLANE = 1e-4  # m: how far the origin of a mesh may be from the plane of x and the joint's axis

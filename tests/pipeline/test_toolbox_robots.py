@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import dh2urdf
-from dh2urdf.errors import ConfigError, ProofError, TableError
+from dh2urdf.errors import ProofError, TableError
 from dh2urdf.manipulator import Convention, JointType
 
 if TYPE_CHECKING:
@@ -149,5 +149,5 @@ def test_inertias_as_they_were_published() -> None:
     with pytest.warns(dh2urdf.TableWarning, match="the inertia of the drawn shape is used in its place"):
         assert dh2urdf.from_roboticstoolbox(robot, inertias="recompute").rows[0].inertia is None
     wrong: Any = "mend"
-    with pytest.raises(ConfigError, match="accepted: keep, repair, recompute"):
+    with pytest.raises(TableError, match="accepted: keep, repair, recompute"):
         dh2urdf.from_roboticstoolbox(robot, inertias=wrong)

@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-import warnings
 from contextlib import contextmanager, suppress
 from typing import TYPE_CHECKING, Any
 
 from dh2urdf.commands.options_of_stages import stage_calls
 from dh2urdf.conversion.one_manipulator import read_items
 from dh2urdf.documents.text_files import check_file, is_file
-from dh2urdf.errors import ConfigError, TableError, TableWarning
+from dh2urdf.errors import ConfigError, TableError
 from dh2urdf.manipulator import Manipulator
-from dh2urdf.plugin_system.at_work import at_work_here
 from dh2urdf.source import Mark, Problem, did_you_mean, shown
 from dh2urdf.stages import Rejected
 
@@ -24,20 +22,6 @@ if TYPE_CHECKING:
     from dh2urdf.provenance import Trace
     from dh2urdf.stage_calls.calls import Call
     from dh2urdf.stages import Reader
-
-
-def warn_of(notices: Iterable[Problem], depth: int = 1) -> None:
-    """Give notices as warnings, each once, at the line that called a public function.
-
-    While a stage is at work, its caller takes them with what the stage gives: of a reader that calls `from_dh`, say.
-
-    Args:
-        notices: the notices.
-        depth: how many functions are between this one and that line.
-    """
-    if at_work_here() is None:
-        for text in dict.fromkeys(map(str, notices)):
-            warnings.warn(text, TableWarning, stacklevel=depth + 2)
 
 
 def chosen_reader(catalog: Catalog, table: Path, name: str | None, asker: Asker) -> Reader[Any]:

@@ -209,9 +209,8 @@ class GivenRows:
 
     def _at(self, row: int, column: int | None, words: str) -> Mark:
         """A row or a cell of the table; in a file, behind the table's own place in it."""
-        whole = self.place
-        words = ", ".join(filter(None, (whole.in_file, words)))
-        return Mark(file=whole.file, line=whole.line or row, column=column, place=words)
+        place = ", ".join(filter(None, (self.place.in_file, words)))
+        return Mark(file=self.place.file, line=self.place.line or row, column=column, place=place)
 
     def _rows(self, table: Any) -> list[Sequence[Any]]:  # noqa: ANN401 - whatever is given
         if isinstance(table, (str, bytes, Mapping, AbstractSet)) or not isinstance(table, Iterable):

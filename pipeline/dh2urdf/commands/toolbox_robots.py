@@ -9,13 +9,13 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any, get_args
 
-from dh2urdf.commands.chosen_table import warn_of
-from dh2urdf.errors import ConfigError, ProofError, TableError
+from dh2urdf.errors import ProofError, TableError
 from dh2urdf.kinematics.chain import angle_error, forward_kinematics, position_error
 from dh2urdf.manipulator import Convention, DHRow, Inertia, JointType, Limits, Manipulator
 from dh2urdf.mass_properties import Inertias, possible_inertia
 from dh2urdf.rotations import RigidTransform, Rotation, Vec3, nearest_rotation
-from dh2urdf.source import Mark, Problem, shown
+from dh2urdf.source import Problem
+from dh2urdf.table_warnings import warn_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -49,17 +49,15 @@ def from_roboticstoolbox(
     Args:
         robot: a `DHRobot`, standard or modified, lengths in m.
         name: the name of the manipulator; that of the robot without it.
-        inertias: what becomes of inertias that no body has: the toolbox carries those of its Puma 560, for example, as
-            they were published. ``repair`` takes the nearest that a body can have, ``recompute`` that of the drawn
-            shape at the stated mass, ``keep`` leaves them to `convert`, which refuses them.
+        inertias: what becomes of inertias that no body has, as the toolbox has them of its Puma 560: ``repair`` takes
+            the nearest that a body can have, ``recompute`` that of the drawn shape, ``keep`` leaves them to `convert`.
 
     Returns:
-        The manipulator. Its notices say what has no place in a table, and which inertias are others; they are also
-        given as `TableWarning`.
+        The manipulator. Its notices, which are also given as `TableWarning`, say what has no place in a table.
 
     Raises:
-        TableError: the robot has no DH links, or links of both conventions, or a number of it is wrong.
-        ConfigError: `inertias` is none of the three words.
+        TableError: the robot has no DH links, or links of both conventions, or a number of it is wrong; or `inertias`
+            is none of its three words.
         ProofError: T(q) of the table is not the robot's.
     """
     links = list(getattr(robot, "links", ()))
@@ -71,14 +69,8 @@ def from_roboticstoolbox(
             suggestion="a robot of a URDF or of elementary transforms has no table: `dh2urdf.extract()` makes one of "
             "its URDF",
         )
-    if inertias not in (accepted := get_args(Inertias)):
-        wrong = Problem(
-            message=f"{shown(str(inertias))} is no way to treat inertias",
-            mark=Mark(file=_FUNCTION),
-            field="inertias",
-            accepted=", ".join(accepted),
-        )
-        raise ConfigError(wrong)
+    if inertias not in get_args(Inertias):
+        raise _error("no such treatment of inertias", found=str(inertias), accepted=", ".join(get_args(Inertias)))
     kinds = {bool(link.mdh) for link in links}
     if len(kinds) > 1:
         raise _error("its links are of both conventions", found="standard and modified", accepted="one of them")
@@ -99,13 +91,7 @@ def from_roboticstoolbox(
     return arm
 
 
-def _row(
-    link: Any,  # noqa: ANN401 - of another package
-    number: int,
-    name: str,
-    inertias: Inertias,
-    notices: list[Problem],
-) -> DHRow:
+def _row(link: Any, number: int, name: str, how: Inertias, notices: list[Problem]) -> DHRow:  # noqa: ANN401
     """A row: the joint variable is ±q + offset, and takes the place of theta, or of d, of the link."""
     slides = bool(link.isprismatic)
     gear = float(getattr(link, "G", 0.0) or 0.0) or 1.0
@@ -116,7 +102,7 @@ def _row(
         message = f"link {number + 1} has a centre of mass or an inertia, and no mass: both are left out"
         notices.append(Problem(message=message, severity="notice", joint=joint, field="mass"))
     if mass and inertia:
-        inertia, message = possible_inertia(inertia, inertias)
+        inertia, message = possible_inertia(inertia, how)
         if message:
             notices.append(Problem(message=message, severity="notice", joint=joint, field="inertia"))
     forward, backward = _two(getattr(link, "Tc", None))

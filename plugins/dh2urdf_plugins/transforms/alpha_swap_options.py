@@ -6,7 +6,6 @@ from dataclasses import field
 from typing import Literal, TypeAlias
 
 from dh2urdf.late_dataclasses import dataclass
-from dh2urdf.mass_properties import Inertias
 
 Shape: TypeAlias = Literal["cylinder", "box", "capsule", "arm"]
 
@@ -57,7 +56,7 @@ class AlphaSwapOptions:
         default=2700.0,
         metadata={"help": "density of links without a mass [kg/m³]; the default is aluminium", "measures": "density"},
     )
-    inertias: Inertias = field(
+    inertias: Literal["keep", "repair", "recompute"] = field(
         default="keep",
         metadata={
             "flag": "HOW",

@@ -35,8 +35,8 @@ PAYLOAD = "payload"
 TENSOR = "the tensor about the centre of mass, in kg·m², of a body that exists, or nothing: then it is computed"
 
 REPAIR = (
-    "where it is published so, choose the option inertias of the transform, such as `--set inertias=repair`: `repair` "
-    "takes the nearest that a body can have, `recompute` that of the drawn shape at the stated mass"
+    "if it is published so, set the option inertias of the transform: `--set inertias=repair` takes the nearest that a "
+    "body can have, `--set inertias=recompute` that of the drawn shape at the stated mass"
 )
 """What to do about an inertia that no body has."""
 
@@ -267,16 +267,8 @@ def _payload_problems(payload: Payload, rows: Sequence[DHRow]) -> Iterator[Probl
         yield Problem(message=message, field="payload", accepted="another name of the row")
 
 
-def with_possible_inertias(
-    manipulator: Manipulator, how: Inertias, floor: float | None
-) -> tuple[Manipulator, list[Problem]]:
-    """The manipulator with the inertias that are used, and a notice of each that is not the table's.
-
-    Args:
-        manipulator: the table.
-        how: what becomes of inertias that no body has.
-        floor: smallest principal moment of those that are repaired [kg·m²].
-    """
+def with_inertias(manipulator: Manipulator, how: Inertias, floor: float | None) -> tuple[Manipulator, list[Problem]]:
+    """The manipulator with the inertias that are used (`possible_inertia`), and a notice of each other one."""
     notices, rows = [], []
     for row in manipulator.rows:
         if row.inertia is not None:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from dh2urdf.drawn_links import other_lengths
 from dh2urdf.errors import TransformError
-from dh2urdf_plugins.transforms.checks import angle_notices, paper_problems, table_problems, with_possible_inertias
+from dh2urdf_plugins.transforms.checks import angle_notices, paper_problems, table_problems, with_inertias
 from dh2urdf_plugins.transforms.exact import exact
 from dh2urdf_plugins.transforms.unused import unused_in_paper, unused_shapes
 
@@ -26,7 +26,7 @@ def robot_of(manipulator: Manipulator, options: AlphaSwapOptions) -> Robot:
     Raises:
         TransformError: no arm can be made of the table; all its problems are named.
     """
-    manipulator, raised = with_possible_inertias(manipulator, options.inertias, options.inertia_floor)
+    manipulator, raised = with_inertias(manipulator, options.inertias, options.inertia_floor)
     given, problems = manipulator, table_problems(manipulator)
     if options.near_parallel == "split" and options.variant == "exact" and not problems:
         from dh2urdf_plugins.extraction.split_tables import with_split_links

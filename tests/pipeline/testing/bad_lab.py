@@ -131,6 +131,14 @@ def read_carelessly(path: Path, _options: Any) -> Any:
         yield Manipulator(name=name, convention=Convention.STANDARD, rows=(row,), mark=Mark(file=str(path)))
 
 
+def read_elsewhere(path: Path, _options: Any) -> Any:
+    """Its messages name the function that it calls, not the file."""
+    rows = [
+        dict(zip("ad", line.split()[1:], strict=False), alpha="0") for line in path.read_text("latin-1").splitlines()
+    ]
+    yield replace(Manipulator.from_dh(rows, convention="standard"), mark=Mark(file=str(path)))
+
+
 def trace(path: Path, options: Any, its: Any) -> Any:
     """A good trace: a and d are in metres."""
     for table in read(path, options):

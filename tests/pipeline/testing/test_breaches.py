@@ -50,6 +50,7 @@ BREACHES = [
     ("TestReaderByHash", "test_is_deterministic", "[0].rows[0].joint is once "),
     ("TestCaching", "test_keeps_its_input", "table.cache"),
     ("TestCarelessReader", "test_raises_documented_errors_only", "Error: "),
+    ("TestErrorsElsewhere", "test_errors_name_the_file", "Manipulator.from_dh():row 1"),
     ("TestTracingAnother", "test_traces_what_it_reads", "[0].name is once 'arm' and once 'another'"),
     ("TestTracingNothing", "test_traces_what_it_reads", "0 rows in the trace of 'arm', which has 1"),
     ("TestTracingMillimetres", "test_traces_what_it_reads", "'0.5' in mm as a of "),

@@ -91,11 +91,11 @@ PHYSICS = {
 
 
 def with_masses(robot: ReferenceRobot) -> Manipulator:
-    """The robot's table with the masses, centres of mass and inertias that were published with it."""
+    """The robot's table with what was published of its bodies; a mass of 0 there is that of a link of unknown mass."""
     record = next(record for record in json.loads(FACTS.read_text("utf-8"))["robots"] if record["id"] == robot.id)
     rows = []
     for row, facts in zip(robot.manipulator.rows, record["rows"], strict=True):
-        if "mass" in facts:
+        if facts.get("mass"):
             (ixx, ixy, ixz), (_, iyy, iyz), (_, _, izz) = facts["inertia"]
             inertia = Inertia(ixx=ixx, iyy=iyy, izz=izz, ixy=ixy, ixz=ixz, iyz=iyz)
             rows.append(replace(row, mass=facts["mass"], com=tuple(facts["com"]), inertia=inertia))
@@ -121,7 +121,9 @@ def test_masses_that_no_body_can_have_are_refused(
     joint, rule = PHYSICS[name]
     refused = cli("convert", f"arm.{form}", "-o", "arm.urdf", status=2).stderr
     assert f"error: joint '{joint}', field 'inertia': {rule}" in refused
+    assert "`--set inertias=repair`" in refused
     assert [path.name for path in tmp_path.iterdir()] == [f"arm.{form}"]
+    cli("convert", f"arm.{form}", "-o", "arm.urdf", "--inertias", "repair")
 
 
 def test_masses_that_a_body_can_have_are_written(

@@ -281,8 +281,8 @@ class Manipulator:
             options: further options of the reader of tables: ``base``, ``tool``, ``length_unit``, ``angle_unit``.
 
         Returns:
-            The manipulator. Its notices are also given as `TableWarning`, but where a plugin's stage calls this: then
-            whoever called the stage reports them.
+            The manipulator. Its notices are also given as `TableWarning`; where a stage of a plugin calls this, the
+            caller of the stage reports them.
 
         Raises:
             TableError: the table cannot be read; the row and the column are named.

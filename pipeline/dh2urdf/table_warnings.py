@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 def warn_of(notices: Iterable[Problem], depth: int = 1) -> None:
     """Give notices as warnings, each once, at the line that called a public function.
 
-    Not while a stage is at work, such as a reader that calls `from_dh`: whoever called the stage gets its notices.
+    Not while a stage is at work, such as a reader that calls `from_dh`: the caller of the stage reports its notices.
 
     Args:
         notices: the notices.

@@ -57,8 +57,8 @@ BASH = "/bin/bash"
 
 NEEDED_MODULES = {
     "coming-from.md": "roboticstoolbox",
-    "first-conversion.md": "pybullet",
-    "index.md": "pybullet",
+    "first-conversion.md": "mujoco",
+    "index.md": "mujoco",
     "collisions.md": "pinocchio",
     "plugin-programs.md": "yourdfpy",
     "tables/other-files.md": "pyarrow",

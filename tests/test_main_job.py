@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from subprocess import CompletedProcess
 
 CONFIGS = Path(__file__).parents[1] / "configs"
-FILES = {"ur5.urdf", "ur5_macro.xacro", "ur5.urdf.xacro", "ur5.png"}
+FILES = {"ur5.urdf", "ur5_macro.xacro", "ur5.urdf.xacro", "ur5.png", "ur5.mujoco.png"}
 COMMAND = [sys.executable, "-c", "from dh2urdf.cli import main; main()"]
 
 
@@ -68,15 +68,17 @@ def test_the_summary_tells_the_errors(checkout: Path) -> None:
     assert "largest distance of tool0 from the DH product, in metres" in printed
     header = next(line for line in printed.splitlines() if "manipulator" in line)
     assert [cell.strip() for cell in header.strip("┃").split("┃")] == [
-        *("manipulator", "status", "urdf", "xacro", "pybullet", "holds still", "files")
+        *("manipulator", "status", "urdf", "xacro", "pybullet", "mujoco", "holds still", "files")
     ]
-    name, status, urdf, xacro, pybullet, holds, files = (
-        cell.strip() for cell in next(line for line in printed.splitlines() if "│" in line).strip("│").split("│")
+    rows = [line.strip("│").split("│") for line in printed.splitlines() if "│" in line]
+    name, status, urdf, xacro, pybullet, mujoco, holds, files = (
+        " ".join(parts).strip() for parts in zip(*([cell.strip() for cell in row] for row in rows), strict=True)
     )
     assert (name, status, holds) == ("ur5", "ok", "yes")
     assert float(urdf) < 1e-12
     assert float(xacro) < 1e-12
     assert 1e-9 < float(pybullet) < 1e-6
+    assert float(mujoco) < 1e-12
     assert set(files.split(", ")) == FILES
     assert "1 made\n" in printed
     assert printed.endswith("written to build/ur5\n")
@@ -104,7 +106,7 @@ def test_the_report_has_its_full_form(output: Path) -> None:
     assert entry["notices"] == entry["errors"] == []
     assert [file["stage"] for file in entry["files"]] == ["urdf", "xacro", "xacro"]
     assert {"position_error", "angle_error", "q"} <= set(entry["proof"]["urdf"]) == set(entry["proof"]["xacro"])
-    assert set(entry["loaders"]) == {"pybullet"}
+    assert set(entry["loaders"]) == {"pybullet", "mujoco"}
 
 
 def test_the_report_knows_every_file(output: Path, manipulator: dict[str, Any]) -> None:
@@ -193,7 +195,7 @@ def test_durations_are_in_timing(output: Path) -> None:
     assert set(timing) == {"total", "per_second", "steps", "manipulators"}
     (entry,) = timing["manipulators"]
     assert entry.pop("name") == "ur5"
-    assert set(entry) == {"transform", "emit", "load pybullet"}
+    assert set(entry) == {"transform", "emit", "load pybullet", "load mujoco"}
     assert entry.items() <= timing["steps"].items()
     assert set(timing["steps"]) == {*entry, "draw", "write"}
     assert 0 < sum(entry.values()) < sum(timing["steps"].values()) < timing["total"]
@@ -208,19 +210,28 @@ def test_the_manifest_says_the_same(output: Path, manipulator: dict[str, Any]) -
     assert index == {"manipulators": 1, "ok": 1, "failed": 0, "failures": {}}
 
 
-@pytest.mark.parametrize(("module", "package"), [("pybullet", "pybullet"), ("PIL", "pillow")])
+@pytest.mark.parametrize(
+    ("module", "lines"),
+    [
+        ("pybullet", {"pybullet": "pybullet"}),
+        ("PIL", {"pybullet": "pillow", "mujoco": "pillow"}),
+    ],
+)
 def test_a_simulator_that_is_not_installed(
-    dh2urdf: Callable[..., CompletedProcess[str]], tmp_path: Path, module: str, package: str
+    dh2urdf: Callable[..., CompletedProcess[str]], tmp_path: Path, module: str, lines: dict[str, str]
 ) -> None:
-    """Without PyBullet, or without Pillow for its picture, nothing starts, and the message says what to type."""
+    """Without PyBullet, or without Pillow for pictures, the other simulators do the job, and a line says what to type."""
     shutil.copytree(CONFIGS, tmp_path / "configs")
     blocker = tmp_path / "blocker"
     blocker.mkdir()
     # Python runs this at its start, in every child process too.
     (blocker / "sitecustomize.py").write_text(f"import sys\nsys.modules[{module!r}] = None\n")
-    failed = dh2urdf("run", "configs/ur5.yaml", path=[blocker], status=3)
-    assert failed.stderr == f"loader 'pybullet' needs {package}: pip install 'dh2urdf[pybullet]'\n"
-    assert failed.stdout == ""
-    assert not (tmp_path / "build").exists()
-    without = ["--set", "loaders.0.options.picture=false"] if module == "PIL" else ["--set", "loaders=[]"]
-    dh2urdf("run", "configs/ur5.yaml", *without, path=[blocker])
+    done = dh2urdf("run", "configs/ur5.yaml", path=[blocker])
+    assert [line for line in done.stdout.splitlines() if line.startswith("- ur5: ")] == [
+        f"- ur5: loader {loader!r} needs {package}: {sys.executable} -m pip install 'dh2urdf[{loader}]'"
+        for loader, package in lines.items()
+    ]
+    states = ["0 of 1 (not installed)" if loader in lines else "1 of 1" for loader in ("pybullet", "mujoco")]
+    assert f"simulators: pybullet {states[0]}, mujoco {states[1]}\n" in done.stdout
+    required = dh2urdf("run", "configs/ur5.yaml", "--set", "loaders=[pybullet]", path=[blocker], status=3)
+    assert required.stderr.endswith(f"{sys.executable} -m pip install 'dh2urdf[pybullet]'\n")

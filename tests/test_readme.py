@@ -136,18 +136,19 @@ def output(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def test_the_run_file_does_the_main_job(output: Path, reports: frozenset[str]) -> None:
     assert {path.name for path in output.iterdir()} == {
-        *("ur5.urdf", "ur5_macro.xacro", "ur5.urdf.xacro", "ur5.png", *reports)
+        *("ur5.urdf", "ur5_macro.xacro", "ur5.urdf.xacro", "ur5.png", "ur5.mujoco.png", *reports)
     }
 
 
 def test_the_errors_are_as_small_as_the_readme_says(output: Path) -> None:
     """Below 1e-12 m for URDF and xacro, about 1e-7 m for PyBullet."""
     text = " ".join(README.read_text("utf-8").split())
-    assert "below 1e-12 m for URDF and for the xacro" in text
-    assert "inside PyBullet (about 1e-7 m" in text
+    assert "below 1e-12 m for URDF, for the xacro as the real `xacro` expands it, and inside MuJoCo" in text
+    assert "PyBullet is installed too where it has a wheel, which is with Python 3.11 (about 1e-7 m" in text
     (entry,) = json.loads((output / "report.json").read_bytes())["manipulators"]
     assert entry["proof"]["urdf"]["position_error"] < 1e-12
     assert entry["proof"]["xacro"]["position_error"] < 1e-12
+    assert entry["loaders"]["mujoco"]["position_error"] < 1e-12
     assert 1e-8 < entry["loaders"]["pybullet"]["position_error"] < 1e-6
 
 

@@ -36,6 +36,7 @@ Every exception carries its data as attributes; its text says where, what was fo
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, ClassVar
 
@@ -323,6 +324,13 @@ class StageConflictError(PluginError):
         )
 
 
+def pip_install(requirement: str) -> str:
+    """Return the command that installs a package for the Python that runs, whichever `pip` comes first in PATH."""
+    from shlex import quote
+
+    return f"{quote(sys.executable)} -m pip install '{requirement}'"
+
+
 class MissingDependencyError(PluginError):
     """A stage needs an optional package that is not installed, or that lacks a library of the system.
 
@@ -351,7 +359,7 @@ class MissingDependencyError(PluginError):
                 f"{self.stage} needs {self.package}, which is installed and cannot be imported: {self.reason}; "
                 "a library of the system is installed with the system's package manager"
             )
-        return f"{self.stage} needs {self.package}: pip install '{self.extra}'"
+        return f"{self.stage} needs {self.package}: {pip_install(self.extra)}"
 
 
 class MissingProgramError(PluginError):

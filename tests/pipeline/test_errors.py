@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import inspect
 import pickle
+import sys
 from typing import Literal
 
 import pytest
@@ -163,7 +164,7 @@ class TestMessages:
     def test_of_a_missing_dependency(self) -> None:
         """It says what to type."""
         error = MissingDependencyError("loader 'pybullet'", "pybullet", "dh2urdf[pybullet]")
-        assert str(error) == "loader 'pybullet' needs pybullet: pip install 'dh2urdf[pybullet]'"
+        assert str(error) == f"loader 'pybullet' needs pybullet: {sys.executable} -m pip install 'dh2urdf[pybullet]'"
 
     def test_of_a_dependency_that_lacks_a_library(self) -> None:
         """It is installed, so that installing it again would change nothing; where it is not, nothing else is said."""
@@ -176,7 +177,7 @@ class TestMessages:
         assert str(pickle.loads(pickle.dumps(error))) == str(error)  # noqa: S301 - made here
         absent = ModuleNotFoundError("No module named 'pydrake'")
         assert str(MissingDependencyError("loader 'drake'", "drake", "dh2urdf[drake]", absent)).endswith(
-            "needs drake: pip install 'dh2urdf[drake]'"
+            f"needs drake: {sys.executable} -m pip install 'dh2urdf[drake]'"
         )
 
     def test_of_a_missing_program(self) -> None:

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from importlib.util import find_spec
 
+from dh2urdf.errors import pip_install
+
 PAGE = "report.html"
-HOW_TO_GET = "a page with pictures of it, report.html, needs jinja2 and matplotlib: pip install 'dh2urdf[report]'"
+HOW_TO_GET = f"a page with pictures of it, report.html, needs jinja2 and matplotlib: {pip_install('dh2urdf[report]')}"
 """The message where the page cannot be written."""
 
 

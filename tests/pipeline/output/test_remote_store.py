@@ -88,9 +88,9 @@ class TestMissingPackages:
     @pytest.mark.parametrize(
         ("address", "missing", "message"),
         [
-            ("s3://bucket/a", "fsspec.core", "output to s3:// needs fsspec: pip install 'dh2urdf[remote]'"),
-            ("s3://bucket/a", "s3fs", "output to s3:// needs s3fs: pip install 'dh2urdf[remote]'"),
-            ("gs://bucket/a", "gcsfs", "output to gs:// needs gcsfs: pip install 'gcsfs'"),
+            ("s3://bucket/a", "fsspec.core", "output to s3:// needs fsspec: {python} -m pip install 'dh2urdf[remote]'"),
+            ("s3://bucket/a", "s3fs", "output to s3:// needs s3fs: {python} -m pip install 'dh2urdf[remote]'"),
+            ("gs://bucket/a", "gcsfs", "output to gs:// needs gcsfs: {python} -m pip install 'gcsfs'"),
         ],
     )
     def test_the_line_says_what_to_install(
@@ -102,7 +102,7 @@ class TestMissingPackages:
         monkeypatch.setitem(sys.modules, missing, None)
         with pytest.raises(MissingDependencyError) as caught:
             open_store(address)
-        assert str(caught.value) == message
+        assert str(caught.value) == message.format(python=sys.executable)
 
 
 class TestObjectStore:

@@ -129,6 +129,6 @@ def test_sobol_needs_scipy(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "scipy.stats", None)
     with pytest.raises(MissingDependencyError) as caught:
         require(Sampling.SOBOL)
-    assert str(caught.value) == "sampling 'sobol' needs scipy: pip install 'dh2urdf[sampling]'"
+    assert str(caught.value) == f"sampling 'sobol' needs scipy: {sys.executable} -m pip install 'dh2urdf[sampling]'"
     require(Sampling.RANDOM)
     require(Sampling.LATIN_HYPERCUBE)

@@ -512,7 +512,7 @@ def test_pyarrow_is_asked_for_where_it_is_missing(tmp_path: Path, monkeypatch: p
     monkeypatch.setitem(sys.modules, "pyarrow.parquet", None)
     with pytest.raises(MissingDependencyError) as caught:
         list(parquet.read(tmp_path / "arm.parquet", STANDARD))
-    assert str(caught.value) == "reader 'parquet' needs pyarrow: pip install 'dh2urdf[parquet]'"
+    assert str(caught.value) == f"reader 'parquet' needs pyarrow: {sys.executable} -m pip install 'dh2urdf[parquet]'"
 
 
 def test_a_reader_that_is_left_closes_its_file(large: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -12,7 +12,7 @@ import binascii
 import io
 from typing import TYPE_CHECKING
 
-from dh2urdf.errors import OutputError
+from dh2urdf.errors import OutputError, pip_install
 from dh2urdf.source import Problem
 
 if TYPE_CHECKING:
@@ -39,7 +39,7 @@ def gif(frames: Sequence[str]) -> bytes:
     try:
         from PIL import Image
     except ImportError as error:
-        remedy = "install Pillow: pip install 'dh2urdf[studio]'"
+        remedy = f"install Pillow: {pip_install('dh2urdf[studio]')}"
         raise OutputError(
             Problem(message="a turntable needs Pillow, which is not installed", suggestion=remedy)
         ) from error

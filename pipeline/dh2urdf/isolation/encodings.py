@@ -163,7 +163,7 @@ def _validated(kind: Any, sent: bytes) -> Any:  # noqa: ANN401 - of any kind
 
 
 class Pickled(Generic[T]):
-    """Pickles, of whatever can be pickled: for processes that do nothing that this one would not do."""
+    """Pickles of any value that can be pickled: for processes that do nothing that this one would not do."""
 
     def prepare(self) -> None:
         """Nothing is needed."""

@@ -81,9 +81,9 @@ class FenceError(PermissionError):
 
 @cache
 def missing_wall() -> str:
-    """Why the kernel stands behind no fence here, as a sentence; empty where it does.
+    """Return why the kernel cannot build a fence here, as a sentence; an empty text where it can.
 
-    The answer is kept: behind a fence nobody can ask.
+    The answer is kept, because a process behind a fence can no longer ask.
     """
     if sys.platform != "linux":
         return f"{sys.platform} has no Landlock, which is of Linux"

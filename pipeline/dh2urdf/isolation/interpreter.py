@@ -207,7 +207,7 @@ def _answer_from(pipe: IO[bytes]) -> tuple[Any, ...]:
             case ["left", int() | str() as code, str(text)]:
                 return "left", code, text
     except (ValueError, RecursionError):
-        pass  # It is told below.
+        pass  # The last line reports it.
     return "garbled", "it does not begin with one of the words of an answer"
 
 

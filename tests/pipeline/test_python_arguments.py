@@ -202,7 +202,7 @@ NOT_DRAWN: dict[str, Any] = {"visuals": False, "collisions": False}
             {},
             ["base.geometry", "defaults.geometry.shape", "defaults.geometry.radius"],
         ),
-        ({"density": 2000.0}, FULL, {}, ["defaults.density"]),
+        ({"density": 2000.0, "base_mass": 0.0}, FULL, {}, ["defaults.density"]),
         ({"density": 2000.0}, {}, {}, []),
         ({"density": 2000.0, "payload": Payload(mass=1.0)}, {"mass": 1.0}, {}, []),
     ],

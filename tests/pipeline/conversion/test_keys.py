@@ -249,7 +249,7 @@ def plan_key(tmp_path: Path) -> Any:
         "transform: {options: {density: 2701}}",
         "emitters: [urdf, xacro]",
         "emitters: xacro",
-        "loaders: pybullet",
+        "loaders: mujoco",
         "proof: {poses: 33}",
         "output: {meshes: file}",
     ],
@@ -261,7 +261,7 @@ def test_what_is_done_counts(plan_key: Any, text: str) -> None:
 
 def test_the_options_of_loaders_count(plan_key: Any) -> None:
     """Another number of poses in a simulator is another report."""
-    assert plan_key("loaders: {stage: pybullet, options: {poses: 3}}") != plan_key("loaders: pybullet")
+    assert plan_key("loaders: {stage: pybullet, options: {poses: 3}}") != plan_key("loaders: mujoco")
 
 
 @pytest.mark.parametrize(

@@ -231,7 +231,7 @@ class TestLinks:
         assert robot.links[3].inertial.mass == 1.0  # type: ignore[union-attr]
         mesh_body.cache_clear()
         rows[1] = replace(rows[1], inertia=None)
-        with pytest.raises(MissingDependencyError, match=r"trimesh: pip install 'dh2urdf\[meshes\]'"):
+        with pytest.raises(MissingDependencyError, match=r"trimesh: .* -m pip install 'dh2urdf\[meshes\]'"):
             robot_of(replace(three_axes, rows=tuple(rows)))
 
     def test_links_can_go_unseen(self, three_axes: Manipulator, robot_of: Callable[..., Robot]) -> None:

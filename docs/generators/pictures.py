@@ -16,6 +16,7 @@ from dh2urdf.rotations import IDENTITY, RigidTransform, Vec3, add, rotate, scale
 from diagram import pipeline
 from drawing import FAINT, INK, X_COLOUR, Z_COLOUR, Camera, Drawing, axis_tip, svg
 from gallery import gallery
+from servo_steps import servo_steps
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -258,6 +259,7 @@ PICTURES: dict[str, Callable[[], str]] = {
     "frames.svg": frames,
     "alpha-swap.svg": swap,
     "pipeline.svg": pipeline,
+    "servo-steps.svg": servo_steps,
     **gallery(),
 }
 

@@ -26,11 +26,11 @@ class MjcfOptions:
         default="position",
         metadata={"help": "position: servos that hold the arm; motor: torques and forces; all within the efforts"},
     )
-    excludes: Literal["neighbours", "touching"] = field(
-        default="neighbours",
+    excludes: Literal["home", "neighbours", "touching"] = field(
+        default="home",
         metadata={
-            "help": "links without contacts: neighbours; touching: also those that touch at the start or always, "
-            "for which pinocchio is needed"
+            "help": "links without contacts: neighbours; home: also links that touch where the arm starts; "
+            "touching: also links that always touch, for which pinocchio is needed"
         },
     )
 

@@ -17,19 +17,18 @@ from dh2urdf.quantities import format_numbers
 from dh2urdf.robot import Box, Cylinder, Mesh, Sphere
 from dh2urdf.rotations import ZERO
 from dh2urdf.source import Problem
+from dh2urdf_plugins.emitters.home_contacts import touching_at_home
+from dh2urdf_plugins.emitters.servos import servos
 from dh2urdf_plugins.emitters.urdf_tree import Notation, serialise
+from dh2urdf_plugins.home_pose import initial_position
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
+    from collections.abc import Collection, Iterable, Iterator
 
     from dh2urdf.robot import Collision, Geometry, Inertial, Joint, Link, Origin, Robot, Visual
 
 DEEPEST = 490
 """Bodies, one within the other, that MuJoCo reads: its XML parser takes 500 elements, the outermost included."""
-SAG = 0.005
-"""How far a joint is from where its servo should hold it when it gives its full effort [rad or m]."""
-SETTLING = 0.05
-"""Time constant with which such a servo settles [s]."""
 
 _JOINT_TYPES = {JointType.REVOLUTE: "hinge", JointType.CONTINUOUS: "hinge", JointType.PRISMATIC: "slide"}
 
@@ -41,8 +40,9 @@ def mjcf_of(robot: Robot, *, actuators: str, excludes: str) -> bytes:
         EmitterError: XML cannot hold one of its names, MuJoCo cannot read so long a chain, or a mesh cannot be read.
         MissingDependencyError: what finds links that touch is not installed.
     """
-    touching = _touching(robot) if excludes == "touching" else ()
-    return serialise(_Model(robot, touching).tree(actuators), robot.comment)
+    touching = [] if excludes == "neighbours" else touching_at_home(robot)
+    touching += _touching(robot) if excludes == "touching" else []
+    return serialise(_Model(robot, actuators, touching).tree(), robot.comment)
 
 
 def _touching(robot: Robot) -> list[tuple[str, str]]:
@@ -57,14 +57,16 @@ def _touching(robot: Robot) -> list[tuple[str, str]]:
 class _Model:
     """A robot on its way to MJCF, which nests bodies, and has sites for frames that hold nothing."""
 
-    def __init__(self, robot: Robot, touching: Iterable[tuple[str, str]]) -> None:
+    def __init__(self, robot: Robot, actuators: str, touching: Iterable[tuple[str, str]]) -> None:
         self._robot, self._notation = robot, Notation()
-        self._touching = touching
+        self._actuators, self._touching = actuators, touching
+        self._servos = servos(robot) if actuators == "position" else {}
+        self._carried = set(_carried(robot, self._servos))
         self._joint_to = {joint.child: joint for joint in robot.joints}
         self._holders = {joint.parent for joint in robot.joints}
         self._meshes: dict[Mesh, str] = {}
 
-    def tree(self, actuators: str) -> etree._Element:
+    def tree(self) -> etree._Element:
         """The whole file.
 
         Raises:
@@ -75,15 +77,28 @@ class _Model:
         etree.SubElement(root, "compiler", {"angle": "radian", "eulerseq": "XYZ"})
         # A stiff servo on a light link makes an explicit integrator unstable.
         etree.SubElement(root, "option", {"integrator": "implicitfast"})
-        _append_classes(root)
+        self._append_classes(root)
         world = etree.Element("worldbody")
         self._append_bodies(world)
         self._append_meshes(root)
         root.append(world)
         self._append_excludes(root)
-        if actuators != "none":
-            self._append_actuators(root, actuators)
+        if self._actuators != "none":
+            self._append_actuators(root)
+        self._append_home(root, world)
         return root
+
+    def _append_classes(self, root: etree._Element) -> None:
+        """Appends what joints have in common, shapes that are seen, and shapes that touch; no shape weighs anything.
+
+        Servos carry the weight, within their efforts: without `actuatorgravcomp` the arm would be weightless.
+        """
+        default = etree.SubElement(root, "default")
+        if self._servos:
+            etree.SubElement(default, "joint", {"actuatorgravcomp": "true"})
+        seen = {"contype": "0", "conaffinity": "0", "group": "1", "mass": "0"}
+        for name, attributes in (("visual", seen), ("collision", {"group": "3", "mass": "0"})):
+            etree.SubElement(etree.SubElement(default, "default", {"class": name}), "geom", attributes)
 
     def _append_meshes(self, root: etree._Element) -> None:
         assets = etree.SubElement(root, "asset") if self._meshes else root
@@ -120,6 +135,8 @@ class _Model:
 
     def _append_content(self, body: etree._Element, link: Link, joint: Joint | None) -> None:
         if link.inertial and link.inertial.mass:
+            if link.name in self._carried:
+                body.set("gravcomp", "1")
             etree.SubElement(body, "inertial", self._mass_properties(link.inertial))
         if joint and joint.type is not JointType.FIXED:
             etree.SubElement(body, "joint", self._joint(joint))
@@ -144,7 +161,9 @@ class _Model:
             attributes["range"] = numbers((limits.lower, limits.upper))
         if limits.effort:
             attributes["actuatorfrcrange"] = numbers((-limits.effort, limits.effort))
-        dynamics = (("damping", joint.damping), ("frictionloss", joint.friction), ("armature", joint.armature))
+        servo = self._servos.get(joint.name)
+        armature = servo.armature if servo else joint.armature
+        dynamics = (("damping", joint.damping), ("frictionloss", joint.friction), ("armature", armature))
         for name, value in dynamics:
             if value is not None:
                 attributes[name] = numbers((value,))
@@ -190,16 +209,16 @@ class _Model:
         return {name: self._notation.numbers(vector) for name, vector in vectors.items() if vector != ZERO}
 
     def _append_excludes(self, root: etree._Element) -> None:
-        """Appends the pairs of neighbours, whose shapes may overlap at their joint.
+        """Appends the pairs of neighbours, whose shapes may overlap at their joint, and those that touch.
 
         MuJoCo leaves out contacts between a body and its parent by itself, but not where the parent stands still: a
         base with a collision shape throws the arm.
         """
-        pairs = list(self._neighbours())
-        known = set(map(frozenset, pairs))
-        pairs += [pair for pair in self._touching if WORLD not in pair and frozenset(pair) not in known]
+        pairs: dict[frozenset[str], tuple[str, str]] = {}
+        for pair in (*self._neighbours(), *(pair for pair in self._touching if WORLD not in pair)):
+            pairs.setdefault(frozenset(pair), pair)
         contact = etree.SubElement(root, "contact") if pairs else root
-        for first, second in pairs:
+        for first, second in pairs.values():
             bodies = {"body1": self._notation.name(first), "body2": self._notation.name(second)}
             etree.SubElement(contact, "exclude", bodies)
 
@@ -218,10 +237,10 @@ class _Model:
             seconds = dict.fromkeys([joint.child, *solid.get(joint.child, ())])
             yield from ((first, second) for first in firsts for second in seconds if first != WORLD)
 
-    def _append_actuators(self, root: etree._Element, kind: str) -> None:
-        """Appends a motor for every joint that has an effort, with the joint's name and its effort as its limit.
+    def _append_actuators(self, root: etree._Element) -> None:
+        """Appends a motor or a servo for every joint that has an effort, with the joint's name and its effort as limit.
 
-        A servo has the gain with which it gives its full effort at `SAG`; its target stays inside the joint's limits.
+        The target of a servo stays inside the joint's limits.
         """
         joints = [joint for joint in self._robot.moving_joints if joint.limits.effort]
         actuators = etree.SubElement(root, "actuator") if joints else root
@@ -229,14 +248,24 @@ class _Model:
             name, effort = self._notation.name(joint.name), joint.limits.effort or 0.0
             force = self._notation.numbers((-effort, effort))
             attributes = {"name": name, "joint": name}
-            if kind == "motor":
-                attributes["ctrlrange"] = force
-            else:
-                stiffness = effort / SAG
-                attributes["kp"], attributes["kv"] = format_numbers((stiffness, stiffness * SETTLING))
+            if servo := self._servos.get(joint.name):
+                attributes["kp"], attributes["kv"] = format_numbers((servo.stiffness, servo.damping))
                 if joint.limits.lower is not None and joint.limits.upper is not None:
                     attributes["ctrlrange"] = self._notation.numbers((joint.limits.lower, joint.limits.upper))
-            etree.SubElement(actuators, kind, {**attributes, "forcerange": force})
+            else:
+                attributes["ctrlrange"] = force
+            etree.SubElement(actuators, self._actuators, {**attributes, "forcerange": force})
+
+    def _append_home(self, root: etree._Element, world: etree._Element) -> None:
+        """Appends the pose in which the arm starts; the order of its numbers is that of joints and of actuators."""
+        home = {self._notation.name(joint.name): initial_position(joint) for joint in self._robot.moving_joints}
+        if not home:
+            return
+        numbers = {"qpos": [home[joint.get("name", "")] for joint in world.iter("joint")]}
+        if self._servos:
+            numbers["ctrl"] = [home[servo.get("name", "")] for servo in root.iterfind("actuator/position")]
+        texts = {name: self._notation.numbers(values) for name, values in numbers.items()}
+        etree.SubElement(etree.SubElement(root, "keyframe"), "key", {"name": "home", **texts})
 
     def _name(self, link: Link, joint: Joint | None) -> str:
         if link.name == WORLD:
@@ -255,9 +284,13 @@ def _is_frame(link: Link, joint: Joint | None) -> bool:
     return joint is not None and not (moves or is_body or link.visuals or link.collisions)
 
 
-def _append_classes(root: etree._Element) -> None:
-    """Appends what shapes that are seen, and shapes that touch, have in common; neither weighs anything."""
-    default = etree.SubElement(root, "default")
-    seen = {"contype": "0", "conaffinity": "0", "group": "1", "mass": "0"}
-    for name, attributes in (("visual", seen), ("collision", {"group": "3", "mass": "0"})):
-        etree.SubElement(etree.SubElement(default, "default", {"class": name}), "geom", attributes)
+def _carried(robot: Robot, servos: Collection[str]) -> Iterator[str]:
+    """The links whose weight the servos carry: those that move, and that no joint without a servo lets fall."""
+    moved, limp = set[str](), set[str]()
+    for joint in robot.joints:  # Parents before children.
+        moves = joint.type is not JointType.FIXED
+        if joint.parent in limp or (moves and joint.name not in servos):
+            limp.add(joint.child)
+        elif moves or joint.parent in moved:
+            moved.add(joint.child)
+            yield joint.child

@@ -14,7 +14,7 @@ from dh2urdf.errors import EmitterError
 from dh2urdf.manipulator import Convention, DHRow, Limits, Manipulator
 from dh2urdf.robot import Box, Cylinder, Sphere
 from dh2urdf_plugins.emitters.mjcf import EMITTER, MjcfOptions
-from dh2urdf_plugins.emitters.mjcf_model import DEEPEST, SAG
+from dh2urdf_plugins.emitters.mjcf_model import DEEPEST
 from dh2urdf_plugins.emitters.urdf import EMITTER as URDF
 from dh2urdf_plugins.transforms.alpha_swap import TRANSFORM
 
@@ -63,22 +63,28 @@ def contacts_at_zero(model: Any) -> set[frozenset[str]]:
     }
 
 
-def test_links_that_touch_at_the_start_are_excluded_on_request() -> None:
-    """A third link that lies along the first: MuJoCo finds this contact, and none with the option."""
+def test_links_that_touch_at_the_start_are_excluded() -> None:
+    """A third link that lies along the first: MuJoCo finds this contact if neighbours alone are excluded."""
     pytest.importorskip("pinocchio")
     rows = [
         DHRow(joint=f"j{number}", link=f"link_{number}", a=a, alpha=0.0, d=0.0, theta=theta)
         for number, (a, theta) in enumerate([(0.5, 0.0), (0.2, math.pi), (0.2, 0.0)], start=1)
     ]
     robot = robot_of(Manipulator(name="folded", convention=Convention.STANDARD, rows=tuple(rows)))
-    assert contacts_at_zero(model_of(robot)) == {frozenset(("link_1", "link_3"))}
-    model = model_of(robot, excludes="touching")
-    assert contacts_at_zero(model) == set()
-    assert model.nexclude == model_of(robot).nexclude + 1
+    neighbours = model_of(robot, excludes="neighbours")
+    assert contacts_at_zero(neighbours) == {frozenset(("link_1", "link_3"))}
+    for excludes in ("home", "touching"):
+        model = model_of(robot, excludes=excludes)
+        assert contacts_at_zero(model) == set()
+        assert model.nexclude == neighbours.nexclude + 1
 
 
 def test_the_whole_file_is_known(arm: Robot) -> None:
-    """What is in the file of a small arm, to the letter."""
+    """What is in the file of a small arm, to the letter.
+
+    Of its servo: 100 N less the weight of 2.5 kg, at 0.05 · 0.25 m, are 6038 N/m; times twice 50 ms, less the damping
+    of the joint, 603.3 N·s/m; and the inertia to which that belongs is 20 · 0.7548 kg.
+    """
     small = replace(arm, links=(*arm.links[:3], arm.links[-1]), joints=arm.joints[:2] + arm.joints[-1:])
     small = replace(small, joints=(*small.joints[:2], replace(small.joints[2], parent="link_1")))
     assert text_of(small) == (
@@ -88,6 +94,7 @@ def test_the_whole_file_is_known(arm: Robot) -> None:
   <compiler angle="radian" eulerseq="XYZ"/>
   <option integrator="implicitfast"/>
   <default>
+    <joint actuatorgravcomp="true"/>
     <default class="visual">
       <geom contype="0" conaffinity="0" group="1" mass="0"/>
     </default>
@@ -100,9 +107,9 @@ def test_the_whole_file_is_known(arm: Robot) -> None:
       <body name="base_link_inertia">
         <inertial pos="0 0 0.02" mass="4" fullinertia="0.25 0.25 0.5 0 0 0"/>
         <geom class="visual" type="cylinder" size="0.06 0.02" rgba="0.5 0.5 0.5 1"/>
-        <body name="link_1" pos="0 0 0.089159">
+        <body name="link_1" pos="0 0 0.089159" gravcomp="1">
           <inertial pos="0 0.00001 1e-7" mass="2.5" fullinertia="1 1.5 2 0.1 -0.2 0"/>
-          <joint name="lift" type="slide" axis="0 0 1" range="0 0.5" actuatorfrcrange="-100 100" damping="0.5"/>
+          <joint name="lift" type="slide" axis="0 0 1" range="0 0.5" actuatorfrcrange="-100 100" damping="0.5" armature="0.7548"/>
           <geom class="visual" type="cylinder" size="0.04 0.2125" pos="-0.2125 0 0" euler="0 1.5707963267948966 0" rgba="1 0.5 0 1"/>
           <geom class="visual" type="sphere" size="0.04" rgba="0.5 0.5 0.5 1"/>
           <geom class="collision" type="cylinder" size="0.04 0.1725"/>
@@ -115,8 +122,11 @@ def test_the_whole_file_is_known(arm: Robot) -> None:
     <exclude body1="base_link_inertia" body2="link_1"/>
   </contact>
   <actuator>
-    <position name="lift" joint="lift" kp="20000" kv="1000" ctrlrange="0 0.5" forcerange="-100 100"/>
+    <position name="lift" joint="lift" kp="6038" kv="603.3" ctrlrange="0 0.5" forcerange="-100 100"/>
   </actuator>
+  <keyframe>
+    <key name="home" qpos="0" ctrl="0"/>
+  </keyframe>
 </mujoco>
 """
     )
@@ -174,7 +184,7 @@ def settled(model: Any, seconds: float = 2.0) -> Any:
 def test_servos_hold_the_arm(reference_robots: Any) -> None:
     """With the actuators that are written by default and no code at all, an arm stays where it is."""
     data = settled(model_of(ur5(reference_robots)))
-    assert np.abs(data.qpos).max() < SAG
+    assert np.abs(data.qpos).max() < 1e-6
     assert np.abs(data.qvel).max() < 1e-3
 
 
@@ -222,7 +232,7 @@ def test_a_base_that_collides_throws_nothing(reference_robots: Any) -> None:
         contacts.append(data.ncon)
     assert contacts[0] > 0
     assert contacts[1] == 0
-    assert np.abs(settled(model_of(robot)).qpos).max() < SAG
+    assert np.abs(settled(model_of(robot)).qpos).max() < 1e-6
 
 
 def test_one_of_everything_loads(arm: Robot) -> None:
@@ -240,10 +250,14 @@ def test_one_of_everything_loads(arm: Robot) -> None:
 
 
 def test_the_rotors_are_felt(arm: Robot) -> None:
-    """MuJoCo has the armature of a joint that says one, and none of the others."""
+    """MuJoCo has the armature of a joint that says one, and of the others what servos need: none beside motors."""
     joints = tuple(replace(joint, armature=0.02) if joint.name == "turn" else joint for joint in arm.joints)
-    model = model_of(without_meshes(replace(arm, joints=joints)))
-    assert [model.dof_armature[model.joint(name).dofadr[0]] for name in ("lift", "turn", "spin")] == [0, 0.02, 0]
+    robot = without_meshes(replace(arm, joints=joints))
+    for actuators, others in (("position", [0.5586, 0.15]), ("motor", [0, 0]), ("none", [0, 0])):
+        model = model_of(robot, actuators=actuators)
+        lift, turn, spin = (model.dof_armature[model.joint(name).dofadr[0]] for name in ("lift", "turn", "spin"))
+        assert (turn, [lift, spin]) == (0.02, others)
+        assert (model.body_gravcomp.any(), model.jnt_actgravcomp.any()) == ((actuators == "position",) * 2)
 
 
 def test_colours_and_groups(arm: Robot) -> None:
@@ -274,7 +288,7 @@ def test_a_cell_has_all_its_arms(cli: Callable[..., Any], tmp_path: Path) -> Non
     assert len([name for name in sites if name.endswith("tool0")]) == 2
     assert cell.nu == cell.njnt == 7
     data = settled(cell)
-    assert np.abs(data.qpos).max() < 2 * SAG
+    assert np.abs(data.qpos).max() < 1e-6
 
 
 def chain_of(count: int) -> Robot:

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -74,13 +75,30 @@ def mjcf_text(planar: Any) -> str:
 
 
 def test_mjcf_is_confirmed(request_for: Any, planar: Any, mjcf_text: str) -> None:
-    """The same arm, its tool0 a site, is found right in MJCF too; its own servos hold it."""
+    """The same arm, its tool0 a site, is found right in MJCF too; its own servos hold it and bring it to a target."""
     report = run(request_for(mjcf_text))
     assert (report.findings, report.output) == ((), "")
     assert report.poses == len(planar.poses)
     assert report.mass == pytest.approx(6.7, rel=1e-15)
     assert report.hold["stayed"] is True
+    assert report.hold["target_error"] < 0.005
+    assert report.hold["overshoot"] < 0.1
+    assert report.hold["largest_speed"] < 8.0
     assert [joint["effort"] for joint in report.joints] == [60.0, 30.0, 50.0, 10.0]
+
+
+@pytest.mark.parametrize(
+    ("written", "instead"), [(r' armature="[^"]*"', ""), (r' kv="[^"]*"', ""), (r'kp="[^"]*"', 'kp="1e-3"')]
+)
+def test_servos_that_cannot_take_a_step_are_a_finding(
+    request_for: Any, mjcf_text: str, written: str, instead: str
+) -> None:
+    """Servos hold the arm without armature, without damping, and with hardly any gain, but follow no target."""
+    assert re.search(written, mjcf_text)
+    report = run(request_for(re.sub(written, instead, mjcf_text)))
+    assert report.hold["stayed"] is True
+    (finding,) = (each for each in report.findings if "do not follow a step" in each.message)
+    assert (finding.severity, finding.field) == ("notice", "limits.effort")
 
 
 @pytest.mark.parametrize(

@@ -10,7 +10,7 @@ from dh2urdf.kinematics import link_poses
 from dh2urdf.manipulator import TOOL, JointType
 from dh2urdf.rotations import norm
 from dh2urdf_plugins.emitters.ros2.package_files import filled
-from dh2urdf_plugins.emitters.srdf.semantics import initial_position
+from dh2urdf_plugins.home_pose import initial_position
 
 if TYPE_CHECKING:
     from dh2urdf.robot import Joint, Robot

@@ -10,8 +10,8 @@ import re
 from hashlib import sha256
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from dh2urdf_plugins.emitters.srdf.semantics import initial_position
 from dh2urdf_plugins.emitters.urdf_tree import INERTIA, LIMITS_OF
+from dh2urdf_plugins.home_pose import initial_position
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence

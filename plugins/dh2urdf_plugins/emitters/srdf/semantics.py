@@ -16,6 +16,7 @@ from dh2urdf.manipulator import ENDS, TOOL, WORLD, JointType
 from dh2urdf.quantities import format_numbers
 from dh2urdf.source import Problem, free_name
 from dh2urdf_plugins.emitters.urdf_tree import Notation
+from dh2urdf_plugins.home_pose import initial_position
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -41,14 +42,6 @@ class Group(NamedTuple):
     base: str
     tip: str
     joints: tuple[Joint, ...]
-
-
-def initial_position(joint: Joint) -> float:
-    """Where a joint starts: at 0, or in the middle of its limits where 0 is outside [rad or m]."""
-    lower, upper = joint.limits.lower, joint.limits.upper
-    if joint.type is JointType.CONTINUOUS or lower is None or upper is None or lower <= 0.0 <= upper:
-        return 0.0
-    return 0.5 * lower + 0.5 * upper
 
 
 def groups(robot: Robot, name: str) -> list[Group]:

@@ -16,11 +16,13 @@ from importlib.metadata import version
 from typing import TYPE_CHECKING, Any
 
 from dh2urdf.errors import LoaderError
+from dh2urdf.manipulator import JointType
 from dh2urdf.mass_properties import GRAVITY
 from dh2urdf.measuring import Body
 from dh2urdf.rotations import ZERO, RigidTransform, multiply, transpose
 from dh2urdf.source import shown
 from dh2urdf.stages import LoadReport
+from dh2urdf_plugins.home_pose import stepped
 from dh2urdf_plugins.loaders.comparison import Comparison
 from dh2urdf_plugins.loaders.measures import (
     HOLD_SECONDS,
@@ -47,6 +49,14 @@ MOTOR_SETTLING = 0.05
 """Time constant with which such a motor settles [s]."""
 WEIGHT_RISES = HOLD_SECONDS / 2
 """Time in which the weight comes on [s]; all at once, it would fall into the motors and ask for twice the effort."""
+FOLLOW_SECONDS = 3.0
+"""Time that the arm has to follow a step of its targets [s]."""
+REACHED = 0.005
+"""Distance from its target at which a joint has reached it [rad or m]."""
+OVERSHOOT = 0.5
+"""Share of the step by which a joint may overshoot at most."""
+FASTEST_JOINT = 8.0
+"""Speed up to which a joint follows a step without being thrown [rad/s or m/s]."""
 HELD_JOINTS = 300
 """Largest number of joints of a hold test: the time of a step grows with its cube, and beyond it takes minutes."""
 
@@ -71,6 +81,7 @@ class Arm:
         sites = {self.model.site(number).name: number for number in range(self.model.nsite)}
         self.sites = {name: number for name, number in sites.items() if name not in self.bodies}
         self.joints = {self.model.joint(number).name: number for number in range(self.model.njnt)}
+        self._servo = int(mujoco.mjtBias.mjBIAS_AFFINE)
         self._refuse_fused_links()
 
     def report(self) -> LoadReport:
@@ -96,6 +107,9 @@ class Arm:
         if len(joints) > HELD_JOINTS:
             return replace(report, findings=(self._too_many_joints(),))
         hold, findings = self._hold()
+        if hold["stayed"] and self.model.nkey and (self.model.actuator_biastype == self._servo).any():
+            followed, more_findings = self._follow()
+            hold, findings = {**hold, **followed}, (*findings, *more_findings)
         return replace(report, hold=hold, findings=findings)
 
     def addresses(self, model: Any) -> list[int]:  # noqa: ANN401 - MuJoCo's model
@@ -201,7 +215,7 @@ class Arm:
         own = {actuator.target: actuator for actuator in spec.actuators}
         for joint in self.robot.moving_joints:
             servo = own.get(joint.name)
-            if not (effort := joint.limits.effort) or (servo and servo.biastype == mujoco.mjtBias.mjBIAS_AFFINE):
+            if not (effort := joint.limits.effort) or (servo and servo.biastype == self._servo):
                 continue
             stiffness = effort / YIELD
             servo = servo or spec.add_actuator(name=f"hold {joint.name}", target=joint.name)
@@ -211,6 +225,48 @@ class Arm:
             servo.biasprm[1], servo.biasprm[2] = -stiffness, -stiffness * MOTOR_SETTLING
             servo.ctrllimited = mujoco.mjtLimited.mjLIMITED_FALSE
         return spec.compile()
+
+    def _follow(self) -> tuple[dict[str, Any], tuple[Problem, ...]]:
+        """Whether the servos of the file bring all joints to targets a step from home, with its own time steps."""
+        import numpy as np
+
+        mujoco, model = self.mujoco, self.model
+        data, joints = mujoco.MjData(model), [joint for joint in self.robot.moving_joints if joint.limits.effort]
+        places = [int(model.joint(joint.name).qposadr[0]) for joint in joints]
+        mujoco.mj_resetDataKeyframe(model, data, 0)
+        start = data.qpos[places]
+        ways = [[stepped(joint, steps) for joint in joints] for steps in (1.0, -1.0)]
+        target = np.where(np.abs(ways[0] - start) < np.abs(ways[1] - start), ways[1], ways[0])
+        for joint, value in zip(joints, target, strict=True):
+            data.actuator(joint.name).ctrl[0] = value
+        beyond, speed = np.zeros(len(joints)), 0.0
+        for _ in range(round(FOLLOW_SECONDS / model.opt.timestep)):
+            mujoco.mj_step(model, data)
+            beyond = np.fmax(beyond, (data.qpos[places] - target) / (target - start))
+            speed = max(speed, float(np.abs(data.qvel).max()))
+        errors, overshoot = np.abs(data.qpos[places] - target), float(beyond.max())
+        if any(data.warning[kind].number for kind in _divergence(mujoco)):
+            errors[:] = np.inf
+        error, joint = float(errors.max()), joints[int(errors.argmax())]
+        followed = {
+            "target_error": error if math.isfinite(error) else None,
+            "overshoot": overshoot,
+            "largest_speed": speed,
+        }
+        if error <= REACHED and overshoot < OVERSHOOT and speed <= FASTEST_JOINT:
+            return followed, ()
+        unit = "m" if joint.type is JointType.PRISMATIC else "rad"
+        by = f"{error:.3g} {unit} from its target" if math.isfinite(error) else "thrown away"
+        finding = self.comparison.problem(
+            message=f"the servos do not follow a step: after {FOLLOW_SECONDS:g} s this joint was {by}; "
+            f"joints overshot by up to {overshoot:.0%} of the step, at up to {speed:.3g} rad/s or m/s",
+            severity="notice",
+            joint=joint.name,
+            field="limits.effort",
+            found=str(joint.limits.effort),
+            suggestion="give the joint the effort that its motor has, or move its target slowly",
+        )
+        return followed, (finding,)
 
     def _overlaps(self, data: Any) -> list[tuple[str, str]]:  # noqa: ANN401 - MuJoCo's data
         """The pairs of links, none joined to the other, whose collision shapes overlap."""

@@ -1,0 +1,31 @@
+"""Where the joints of an arm start, and a step from there: for the named states of ROS and the keyframe of MuJoCo."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+from dh2urdf.manipulator import JointType
+
+if TYPE_CHECKING:
+    from dh2urdf.robot import Joint
+
+STEP = 0.2
+"""A step of a joint's target that servos follow [rad]."""
+SLIDING = 0.25
+"""Travel of a prismatic joint that counts like 1 rad of a revolute one [m]."""
+
+
+def initial_position(joint: Joint) -> float:
+    """Where a joint starts: at 0, or in the middle of its limits where 0 is outside [rad or m]."""
+    lower, upper = joint.limits.lower, joint.limits.upper
+    if joint.type is JointType.CONTINUOUS or lower is None or upper is None or lower <= 0.0 <= upper:
+        return 0.0
+    return 0.5 * lower + 0.5 * upper
+
+
+def stepped(joint: Joint, steps: float) -> float:
+    """The joint value some steps from where the joint starts, but inside its limits [rad or m]."""
+    value = initial_position(joint) + steps * STEP * (SLIDING if joint.type is JointType.PRISMATIC else 1.0)
+    lower, upper = joint.limits.lower, joint.limits.upper
+    return min(max(value, -math.inf if lower is None else lower), math.inf if upper is None else upper)

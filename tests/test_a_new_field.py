@@ -35,8 +35,8 @@ ADDED = {
         'for name in ("damping", "gear_ratio")]',
     ),
     "plugins/dh2urdf_plugins/emitters/mjcf_model.py": (
-        '("armature", joint.armature))',
-        '("armature", joint.armature), ("user", joint.gear_ratio))',
+        '("armature", armature))',
+        '("armature", armature), ("user", joint.gear_ratio))',
     ),
 }
 """By file: a text of it, and what is in its place."""

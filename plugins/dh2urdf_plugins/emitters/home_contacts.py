@@ -10,9 +10,10 @@ import math
 from itertools import combinations
 from typing import TYPE_CHECKING
 
-from dh2urdf.kinematics import link_poses
+from dh2urdf.kinematics import joint_motion
+from dh2urdf.manipulator import JointType
 from dh2urdf.robot import Box, Cylinder, Sphere
-from dh2urdf.rotations import add, dot, rotate, scale, subtract
+from dh2urdf.rotations import IDENTITY, add, dot, rotate, scale, subtract
 from dh2urdf_plugins.home_pose import stepped
 
 if TYPE_CHECKING:
@@ -28,23 +29,28 @@ GRAZING = 0.01
 
 
 def touching_at_home(robot: Robot) -> list[tuple[str, str]]:
-    """The pairs of links that touch at home, or where all joints have made up to a step from there."""
-    solid = {link.name: [*map(_capsule, link.collisions)] for link in robot.links if link.collisions}
-    capsules = {name: [each for each in found if each] for name, found in solid.items()}
+    """The pairs of links that touch at home, or where all joints have made a step from there, to either side."""
+    capsules = {link.name: [each for each in map(_capsule, link.collisions) if each] for link in robot.links}
+    origins = {joint.name: joint.origin.transform for joint in robot.joints}
     found: dict[tuple[str, str], None] = {}
-    for steps in (0.0, -0.5, 0.5, -1.0, 1.0):
-        poses = link_poses(robot, {joint.name: stepped(joint, steps) for joint in robot.moving_joints})
-        placed = {name: [_placed(each, poses[name]) for each in shapes] for name, shapes in capsules.items()}
-        found |= dict.fromkeys(
-            (first, second)
-            for first, second in combinations(placed, 2)
-            if any(
-                _distance(one, other) < -GRAZING * (one[2] + other[2])
-                for one in placed[first]
-                for other in placed[second]
-            )
-        )
+    for steps in (0.0, -1.0, 1.0):
+        frames = {robot.root: IDENTITY}
+        for joint in robot.joints:  # Parents before children.
+            frames[joint.child] = frames[joint.parent] @ origins[joint.name]
+            if joint.type is not JointType.FIXED:
+                frames[joint.child] @= joint_motion(joint, stepped(joint, steps))
+        placed = [(name, _placed(each, frames[name])) for name, shapes in capsules.items() for each in shapes]
+        for (first, one), (second, other) in combinations(placed, 2):
+            if first != second and _may_touch(one, other) and _distance(one, other) < -GRAZING * (one[2] + other[2]):
+                found[first, second] = None
     return list(found)
+
+
+def _may_touch(one: Capsule, other: Capsule) -> bool:
+    """Whether two capsules are nearer than the spheres around them: of most links, these are apart."""
+    (start, end, radius), (other_start, other_end, other_radius) = one, other
+    reach = radius + other_radius + math.dist(start, end) + math.dist(other_start, other_end)
+    return math.dist(start, other_start) <= reach
 
 
 def _capsule(shape: Collision) -> Capsule | None:

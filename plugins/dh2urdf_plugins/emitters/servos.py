@@ -111,10 +111,11 @@ def _loads(robot: Robot) -> dict[str, _Load]:
             continue
         mass, com, tensor = link.inertial.mass, link.inertial.com, link.inertial.inertia
         moment = 0.5 * (tensor.ixx + tensor.iyy + tensor.izz)  # No principal moment exceeds the sum of the other two.
+        away = norm(com)
         levers = [
             (each, 1.0, 0.0)
             if each.type is JointType.PRISMATIC
-            else (each, reach + _away(each, link.name, com), moment)
+            else (each, reach + (_across(each, com) if each is joint else away), moment)
             for each, reach in ways[link.name]
         ]
         reaches = total(_unit(each) * lever for each, lever, _ in levers)
@@ -127,14 +128,15 @@ def _loads(robot: Robot) -> dict[str, _Load]:
 
 def _ways(joint: Joint, before: list[tuple[Joint, float]]) -> Iterator[tuple[Joint, float]]:
     """How far the joints that move a link are from its frame at most [m]; the joint that holds it comes last."""
-    limits = joint.limits
+    limits, xyz = joint.limits, joint.origin.xyz
     travel = max(map(abs, (limits.lower or 0.0, limits.upper or 0.0))) if joint.type is JointType.PRISMATIC else 0.0
+    away = norm(xyz)
     for each, reach in before:
-        yield each, reach + _away(each, joint.parent, joint.origin.xyz) + travel
+        yield each, reach + (_across(each, xyz) if each.child == joint.parent else away) + travel
     if joint.type is not JointType.FIXED:
         yield joint, 0.0
 
 
-def _away(joint: Joint, link: str, point: Vec3) -> float:
-    """How far a point of a link is from its frame, or from the axis of the joint that moves this very link [m]."""
-    return norm(cross(point, joint.axis) if link == joint.child else point)
+def _across(joint: Joint, point: Vec3) -> float:
+    """How far a point of the link that a joint moves is from the joint's axis [m]."""
+    return norm(cross(point, joint.axis))

@@ -25,7 +25,10 @@ def initial_position(joint: Joint) -> float:
 
 
 def stepped(joint: Joint, steps: float) -> float:
-    """The joint value some steps from where the joint starts, but inside its limits [rad or m]."""
-    value = initial_position(joint) + steps * STEP * (SLIDING if joint.type is JointType.PRISMATIC else 1.0)
-    lower, upper = joint.limits.lower, joint.limits.upper
-    return min(max(value, -math.inf if lower is None else lower), math.inf if upper is None else upper)
+    """The joint value some steps from where the joint starts, on the side where its limits leave room [rad or m]."""
+    start = initial_position(joint)
+    lower = -math.inf if joint.limits.lower is None else joint.limits.lower
+    upper = math.inf if joint.limits.upper is None else joint.limits.upper
+    step = steps * STEP * (SLIDING if joint.type is JointType.PRISMATIC else 1.0)
+    ways = [min(max(value, lower), upper) for value in (start + step, start - step)]
+    return max(ways, key=lambda value: abs(value - start))

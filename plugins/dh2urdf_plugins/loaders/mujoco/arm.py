@@ -235,8 +235,7 @@ class Arm:
         places = [int(model.joint(joint.name).qposadr[0]) for joint in joints]
         mujoco.mj_resetDataKeyframe(model, data, 0)
         start = data.qpos[places]
-        ways = [[stepped(joint, steps) for joint in joints] for steps in (1.0, -1.0)]
-        target = np.where(np.abs(ways[0] - start) < np.abs(ways[1] - start), ways[1], ways[0])
+        target = np.array([stepped(joint, 1.0) for joint in joints])
         for joint, value in zip(joints, target, strict=True):
             data.actuator(joint.name).ctrl[0] = value
         beyond, speed = np.zeros(len(joints)), 0.0

@@ -78,7 +78,7 @@ def follow(model: Any, step: float) -> Response:  # noqa: ANN401 - MuJoCo's mode
     steps = np.where(model.jnt_type == mujoco.mjtJoint.mjJNT_SLIDE, step / 4, step)
     lower, upper = np.where(model.jnt_limited, model.jnt_range.T, [[-np.inf], [np.inf]])
     up, down = np.minimum(start + steps, upper), np.maximum(start - steps, lower)
-    target = np.where(up - start < start - down, down, up)
+    target = np.where((start + steps > upper) & (up - start < start - down), down, up)
     data.ctrl[:] = target[model.actuator_trnid[:, 0]]
     q, speed = [], 0.0
     for _ in range(round(SECONDS / model.opt.timestep)):

@@ -30,5 +30,7 @@ def stepped(joint: Joint, steps: float) -> float:
     lower = -math.inf if joint.limits.lower is None else joint.limits.lower
     upper = math.inf if joint.limits.upper is None else joint.limits.upper
     step = steps * STEP * (SLIDING if joint.type is JointType.PRISMATIC else 1.0)
+    if lower <= start + step <= upper:
+        return start + step
     ways = [min(max(value, lower), upper) for value in (start + step, start - step)]
     return max(ways, key=lambda value: abs(value - start))

@@ -1,29 +1,35 @@
 """What the bytes of a manipulator's files depend on, as a hash: whether an earlier run's files are still right.
 
-A key covers the manipulator as its table says it, the stages with their options and the versions of their
-distributions, what the proof and the sample ask of it, and where its files go. Two runs that give one manipulator the
+A key covers the manipulator as its table says it, the stages with their options, the versions of their distributions
+and their code, what the proof and the sample ask of it, and where its files go. Two runs that give one manipulator the
 same key give it the same files and the same row of the manifest.
 """
 
 from __future__ import annotations
 
+import os
+import re
 import sys
 from collections.abc import Mapping
 from dataclasses import fields, is_dataclass
 from enum import Enum
+from functools import lru_cache
 from hashlib import file_digest, sha256
+from importlib.util import find_spec
 from operator import attrgetter
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from dh2urdf._version import __version__
+from dh2urdf.documents.text_files import is_file
 from dh2urdf.row_fields import COMMON, INERTIA, LIMITS, NUMBERS, WORDS
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-    from pathlib import Path
+    from collections.abc import Iterator, Sequence
 
     from dh2urdf.columns import ManipulatorColumns
     from dh2urdf.conversion.one_manipulator import Recipe
+    from dh2urdf.plugin_system.discovery import Plugin
 
 DIGITS = 32
 """Hexadecimal digits of a key: 128 bits, so that no two of a million manipulators share one by chance."""
@@ -31,23 +37,101 @@ DIGITS = 32
 
 def recipe_key(recipe: Recipe) -> str:
     """The key of all that is done with every manipulator."""
-    stages = [
-        (call.kind, call.stage.name, call.plugin.distribution if call.plugin else "", whole(call.options))
-        for call in recipe.calls
-    ]
+    stages = [(call.kind, call.stage.name, _code_of(call.plugin), whole(call.options)) for call in recipe.calls]
     files = [(str(path), _hash_of(path)) for call in recipe.calls for path in call.files]
     python = sys.version_info[:2]
     told = (sorted(recipe.optional), sorted(recipe.missing.items()))
-    return key_of((python, stages, recipe.poses, recipe.mesh_prefix, recipe.mesh_conversion, told, files), __version__)
+    own = key_of(code_hash(__package__.partition(".")[0], ""), __version__)
+    return key_of((python, stages, recipe.poses, recipe.mesh_prefix, recipe.mesh_conversion, told, files), own)
 
 
 def _hash_of(path: Path) -> str | None:
-    """The hash of a file that an option names; None where the stage will say that it cannot be read."""
+    """The hash of a file; None where it cannot be read, which whoever needs it reports."""
     try:
         with path.open("rb") as file:
             return file_digest(file, "sha256").hexdigest()
     except OSError:
         return None
+
+
+# --- Code -------------------------------------------------------------------------------------------------------------
+
+_IMPORTS = re.compile(rb"^[ \t]*(?:from|import)[ \t]+(.+)", re.MULTILINE)
+_WORD = re.compile(rb"\w+")
+
+
+def _code_of(plugin: Plugin | None) -> tuple[str, str]:
+    """The version of a plugin and the hash of its code; the hash is empty where no entry point names the code."""
+    if plugin is None:
+        return "", ""
+    entry = plugin.name.partition(" = ")[2] if plugin.is_installed else ""
+    return plugin.distribution, code_hash(entry, plugin.distribution_name) if entry else ""
+
+
+@lru_cache(maxsize=64)
+def code_hash(entry: str, distribution: str) -> str:
+    """The hash of a plugin's code: its version may stand still while its code changes, as in an editable installation.
+
+    The code is every file of the top-level package that the entry point names, data files included, or that module
+    alone; and of the modules and packages beside it, those that it imports. In a folder of installed distributions,
+    only modules of the plugin's own distribution count as beside it: for all others, their versions stand. (The 700
+    files of dh2urdf take 30 ms.)
+
+    Args:
+        entry: what the entry point names: a module, or ``module:name``.
+        distribution: the name of the distribution.
+    """
+    parts = entry.partition(":")[0].strip().split(".")
+    names = (".".join(parts[: count + 1]) for count in range(len(parts)))
+    # The first part of a name may be a namespace, in which many distributions have a package each.
+    specs = (find_spec(name) for name in names)
+    # A module in a zip file has the code of the file.
+    found = (getattr(spec.loader, "archive", spec.origin) for spec in specs if spec)
+    origin = next(filter(None, found), None)
+    if origin is None:
+        return ""
+    place = Path(origin)
+    top = place.parent if place.name == "__init__.py" else place
+    beside = _beside(top, distribution)
+    waiting, hashes = [top], list[tuple[str, str]]()
+    while waiting:
+        for path in _files(waiting.pop()):
+            try:
+                with open(path, "rb") as file:  # noqa: PTH123
+                    content = file.read()
+            except OSError:
+                continue  # Python could not import it either.
+            hashes.append((path.removeprefix(str(top.parent)), sha256(content).hexdigest()))
+            lines = _IMPORTS.findall(content) if beside else ()
+            words = {word.decode() for line in lines for word in _WORD.findall(line)}
+            waiting += [beside.pop(word) for word in words if word in beside]
+    return key_of(sorted(hashes), "")
+
+
+def _beside(top: Path, distribution: str) -> dict[str, Path]:
+    """What a plugin may import from the folder that it is in: modules and packages by their names."""
+    home = top.parent
+    if home.name.endswith("-packages") or any(home.glob("*.dist-info/RECORD")):
+        from importlib.metadata import PackageNotFoundError, files
+
+        try:
+            places = {home / path.parts[0] for path in files(distribution) or () if path.suffix == ".py"}
+        except (PackageNotFoundError, ValueError):
+            places = set()
+    else:
+        places = set(home.iterdir())
+    return {place.stem: place for place in places - {top} if place.suffix == ".py" or is_file(place / "__init__.py")}
+
+
+def _files(place: Path) -> Iterator[str]:
+    """A file, or all files in a folder; not what is hidden, and not what Python compiles."""
+    if not place.is_dir():
+        yield str(place)
+    for folder, folders, names in os.walk(place):
+        folders[:] = [name for name in folders if name != "__pycache__" and not name.startswith(".")]
+        for name in names:
+            if not name.startswith(".") and not name.endswith(".pyc"):
+                yield f"{folder}/{name}"  # not a `Path` for each: it takes as long as the hash
 
 
 def column_keys(columns: ManipulatorColumns, recipe: str, contexts: Sequence[object]) -> list[str]:

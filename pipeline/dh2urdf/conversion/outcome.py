@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import asdict, field
+from hashlib import sha256
 from math import isfinite
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
@@ -117,6 +118,8 @@ class Outcome:
         }
         if self.meshes:
             row["meshes"] = [{"path": copy_path(file), "sha256": file.sha256} for file in self.meshes]
+        if self.pictures:
+            row["pictures"] = {name: sha256(picture).hexdigest() for name, picture in self.pictures.items()}
         if self.not_loaded:
             row["not_loaded"] = self.not_loaded
         return row

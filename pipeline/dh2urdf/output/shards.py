@@ -153,37 +153,42 @@ class Member(NamedTuple):
 
 
 def members(shard: BinaryIO) -> Iterator[Member]:
-    """The files of a shard that `ShardWriter` wrote, in their order, read in one pass.
+    """The files of a shard, in their order, read in one pass.
 
-    (`tarfile` would take a damaged header for the end of the shard.)
+    Every byte is compared with what `ShardWriter` writes of the same names and contents, from the first header to the
+    zeros at the end. (`tarfile` takes a damaged header for the end of the shard, and reads nothing behind the end.)
 
     Raises:
-        OutputError: the shard is damaged or ends too soon.
+        OutputError: the shard has other bytes, or ends too soon; it comes after the files before that place.
     """
-    position, long_name = 0, None
+    position = 0
     while (header := shard.read(_BLOCK)) != _ZEROS:
         name, size = _read_header(header, position)
         offset = position + _BLOCK
-        position = offset + size + -size % _BLOCK
-        content = shard.read(position - offset)
-        if len(content) < position - offset:
-            raise _damaged(len(content) + offset)
         if header[156:157] == _EXTENDED:  # It holds the name of the next one.
-            record = re.fullmatch(rb"[0-9]+ path=(.*)\n", content[:size], re.DOTALL)
-            long_name = record and record[1].decode(errors="replace")
-        else:
-            yield Member(long_name or name, offset, content[:size])
-            long_name = None
+            extension = shard.read(size + -size % _BLOCK)
+            record = re.fullmatch(rb"[0-9]+ path=(.*)\n", extension[:size], re.DOTALL)
+            name = record[1].decode(errors="replace") if record else name
+            header += extension + (last := shard.read(_BLOCK))
+            size = _read_header(last, position)[1]
+            offset = position + len(header)
+        content = shard.read(size + -size % _BLOCK)
+        if header != _header(name, size) or content[size:] != _ZEROS[: -size % _BLOCK]:
+            raise _damaged(position)
+        yield Member(name, offset, content[:size])
+        position = offset + len(content)
+    rest = bytes(_BLOCK + -(position + 2 * _BLOCK) % _RECORD)
+    if shard.read(len(rest) + 1) != rest:
+        raise _damaged(position)
 
 
 def _read_header(header: bytes, position: int) -> tuple[str, int]:
-    """Name and size of a member."""
+    """The name and the size that a header has, right or wrong."""
     try:
-        if sum(header[:148]) + 8 * ord(" ") + sum(header[156:]) == int(header[148:154], 8):
-            return header[:_LONGEST_NAME].rstrip(b"\x00").decode(errors="replace"), int(header[124:135], 8)
-    except ValueError:
-        pass
-    raise _damaged(position)
+        name, size = header[:_LONGEST_NAME].rstrip(b"\x00").decode(errors="replace"), header[124:135].decode("ascii")
+        return name, int(size if size.isdigit() else "", 8)
+    except ValueError as error:
+        raise _damaged(position) from error
 
 
 def _damaged(position: int) -> OutputError:

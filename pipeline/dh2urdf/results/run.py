@@ -138,6 +138,7 @@ class ManipulatorEntry(TypedDict):
     notices: Annotated[list[ProblemEntry], "what a careful person would want to know"]
     errors: Annotated[list[ProblemEntry], "why it failed"]
     meshes: NotRequired[Annotated[list[MeshEntry], "the copies of meshes that its files name"]]
+    pictures: NotRequired[Annotated[dict[str, Sha256], "the pictures that simulators took, by their names"]]
     not_loaded: NotRequired[
         Annotated[
             dict[str, Literal["not in the sample", "no file"]],

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from contextlib import suppress
 from hashlib import sha256
 from typing import TYPE_CHECKING
 
@@ -26,30 +25,24 @@ class EarlierFiles:
         self._store, self._layout = store, layout
         self._meshes: dict[str, str] = {}
         self._shards: dict[str, dict[str, bytes]] = {}
+        self._damaged: set[str] = set()
 
     def has(self, index: int, row: ManifestRow) -> bool:
-        """Whether all files of a row are there, with the bytes that they were written with, and all pictures."""
+        """Whether all files and pictures of a row are there, with the bytes that they were written with."""
         if not all(self.has_mesh(mesh["path"], mesh["sha256"]) for mesh in row.get("meshes", ())):
             return False
-        pictures = _pictures(row)
-        if self._layout.is_whole:
-            old = self._members(index)
-            contents = [old.get(file["path"]) for file in row["files"]]
-            return _are_same(contents, row) and all(name in old for name in pictures)
-        try:
-            contents = [self._store.read(file["path"]) for file in row["files"]]
-        except OutputError:
-            return False
-        return _are_same(contents, row) and all(self._store.size(self._layout.path(index, name)) for name in pictures)
+        digests = {file["path"]: file["sha256"] for file in row["files"]}
+        for name, digest in _pictures(row).items():
+            digests[name if self._layout.is_whole else self._layout.path(index, name)] = digest
+        return bool(row["files"]) and all(self._digest(index, name) == digest for name, digest in digests.items())
 
     def are_all(self, index: int, rows: Iterable[ManifestRow]) -> bool:
-        """Whether the files of these rows are all of the earlier shard that a manipulator goes into, in this order.
+        """Whether the earlier shard that a manipulator goes into is, byte for byte, the one of these rows.
 
-        One of a run with larger shards, or with more manipulators, has others behind them.
+        One of a run with larger shards, or with more manipulators, has other files behind them.
         """
-        return list(self._members(index)) == [
-            name for row in rows for name in (*(file["path"] for file in row["files"]), *_pictures(row))
-        ]
+        names = [name for row in rows for name in (*(file["path"] for file in row["files"]), *_pictures(row))]
+        return list(self._members(index)) == names and self._layout.folder(index) not in self._damaged
 
     def moved(self, index: int, row: ManifestRow, target: Destination) -> ManifestRow:
         """The row of a manipulator whose files go into a new shard, since the old one has not the same ones."""
@@ -73,23 +66,30 @@ class EarlierFiles:
                 self._meshes[path] = ""
         return self._meshes[path] == digest
 
+    def _digest(self, index: int, name: str) -> str:
+        """The hash of an earlier file of a manipulator; empty where there is none."""
+        try:
+            content = self._members(index)[name] if self._layout.is_whole else self._store.read(name)
+        except (KeyError, OutputError):
+            return ""
+        return sha256(content).hexdigest()
+
     def _members(self, index: int) -> dict[str, bytes]:
         """The files of the earlier shard that a manipulator goes into by their names, as far as it is whole."""
         name = self._layout.folder(index)
         if name not in self._shards:
             found = self._shards[name] = {}
-            with suppress(OutputError), self._store.open(name) as shard:
-                for member in members(shard):
-                    found[member.name] = member.content
+            try:
+                with self._store.open(name) as shard:
+                    for member in members(shard):
+                        if member.name in found:  # Readers of tar take the later one.
+                            self._damaged.add(name)
+                        found[member.name] = member.content
+            except OutputError:
+                self._damaged.add(name)
         return self._shards[name]
 
 
-def _are_same(contents: list[bytes] | list[bytes | None], row: ManifestRow) -> bool:
-    return bool(contents) and all(
-        content is not None and sha256(content).hexdigest() == file["sha256"]
-        for content, file in zip(contents, row["files"], strict=True)
-    )
-
-
-def _pictures(row: ManifestRow) -> list[str]:
-    return [report["picture"] for report in row["loaders"].values() if report["picture"]]
+def _pictures(row: ManifestRow) -> dict[str, str]:
+    """The pictures of a manipulator by their names, with the hashes of their bytes."""
+    return row.get("pictures", {})

@@ -1,0 +1,250 @@
+"""Resumed runs after files were damaged or code has changed: nothing old is passed off as new."""
+
+from __future__ import annotations
+
+import hashlib
+import io
+import json
+import tarfile
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
+
+import pytest
+
+if TYPE_CHECKING:
+    from pathlib import Path
+    from subprocess import CompletedProcess
+
+    from conftest import Answer
+
+Damage = Callable[[bytearray], "bytes | bytearray"]
+LAYOUTS = {"files": "", "folders": ", layout: folders, size: 4", "shards": ", layout: shards, size: 4"}
+TABLE = "# convention: standard\nrobot, joint, a, alpha, d\nr1, j1, 0.4, pi/2, 0.1\nr1, j2, 0.3, 0, 0\n"
+RUN = """\
+inputs: t.csv
+variations: [{of: r1, count: 9, seed: 7, vary: {joints: all, field: mass, uniform: [1, 5]}}]
+output: {directory: outLAYOUT}
+execution: {stage: local, options: {workers: 1}}
+report: {html: false}
+"""
+
+
+def run(layout: str) -> str:
+    """A run file with ten manipulators."""
+    return RUN.replace("LAYOUT", LAYOUTS[layout])
+
+
+def tree(folder: Path) -> dict[str, str]:
+    """The files of a run by their names, as hashes; not its durations."""
+    files = [path for path in folder.rglob("*") if path.is_file() and path.name != "timing.json"]
+    return {str(path.relative_to(folder)): hashlib.sha256(path.read_bytes()).hexdigest() for path in files}
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    (tmp_path / "t.csv").write_text(TABLE)
+    (tmp_path / "run.yaml").write_text(run("files"))
+    return tmp_path
+
+
+# --- Damaged files ----------------------------------------------------------------------------------------------------
+
+
+def end_of_data(shard: bytearray) -> int:
+    """Where the last block begins that is not all zeros, and so the last content ends."""
+    return len(shard.rstrip(b"\0")) // 512 * 512 + 512
+
+
+def with_member(shard: bytearray, name: str, kind: bytes = tarfile.REGTYPE) -> bytes:
+    """A shard with one more file behind the others, as GNU tar and Python append it."""
+    stream = io.BytesIO(shard)
+    with tarfile.open(fileobj=stream, mode="a") as archive:
+        member = tarfile.TarInfo(name)
+        member.type, member.linkname = kind, "/etc/passwd" if kind == tarfile.SYMTYPE else ""
+        content = b"old" if kind == tarfile.REGTYPE else b""
+        member.size = len(content)
+        archive.addfile(member, io.BytesIO(content))
+    return stream.getvalue()
+
+
+def with_header(shard: bytearray, place: int, field: bytes, *, checksum: bool = True) -> bytearray:
+    """A shard with another field in its first header, by default with the checksum that fits."""
+    shard[place : place + len(field)] = field
+    if checksum:
+        shard[148:156] = b" " * 8
+        shard[148:156] = b"%06o\0 " % sum(shard[:512])
+    return shard
+
+
+SHARD_DAMAGE: dict[str, Damage] = {
+    "the padding cut": lambda shard: shard[: end_of_data(shard) + 100],
+    "the end cut": lambda shard: shard[: end_of_data(shard)],
+    "the last byte of data cut": lambda shard: shard[: end_of_data(shard) - 1],
+    "a header cut": lambda shard: shard[: end_of_data(shard) - 600],
+    "garbage behind the end": lambda shard: shard + b"G" * 10_240,
+    "zeros behind the end": lambda shard: shard + bytes(512),
+    "a byte in the zeros of the end": lambda shard: shard[:-1] + b"x",
+    "a byte in the padding of a file": lambda shard: (
+        shard[: end_of_data(shard) - 1] + b"x" + shard[end_of_data(shard) :]
+    ),
+    "a new member": lambda shard: with_member(shard, "evil.urdf"),
+    "a link": lambda shard: with_member(shard, "r1_5.urdf", tarfile.SYMTYPE),
+    "a second member of a name": lambda shard: with_member(shard, "r1_4.urdf"),
+    "another name": lambda shard: with_header(shard, 3, b"99"),
+    "another checksum": lambda shard: with_header(shard, 148, b"7", checksum=False),
+    "another mode": lambda shard: with_header(shard, 100, b"0004777\0"),
+    "another time": lambda shard: with_header(shard, 136, b"%011o\0" % 1),
+    "another owner": lambda shard: with_header(shard, 265, b"root\0"),
+    "nothing left": lambda _: b"",
+}
+FILE_DAMAGE: dict[str, Damage] = {
+    "the end cut": lambda text: text[:-1],
+    "a byte more": lambda text: text + b"\n",
+    "another byte": lambda text: text.replace(b"0.4", b"0.5", 1),
+    "nothing left": lambda _: b"",
+}
+
+
+@pytest.mark.parametrize("layout", LAYOUTS)
+def test_damaged_files_are_written_anew(folder: Path, cli: Callable[..., Answer], layout: str) -> None:
+    """Whatever has happened to a file or a shard, a resumed run leaves the bytes of one that was never interrupted."""
+    (folder / "run.yaml").write_text(run(layout))
+    words = ("run", "run.yaml", "--quiet")
+    cli(*words)
+    whole = tree(folder / "out")
+    name = {"files": "r1_5.urdf", "folders": "00001/r1_5.urdf", "shards": "000001.tar"}[layout]
+    path = folder / "out" / name
+    sound = path.read_bytes()
+    for what, damage in (SHARD_DAMAGE if layout == "shards" else FILE_DAMAGE).items():
+        path.write_bytes(damage(bytearray(sound)))
+        assert path.read_bytes() != sound
+        cli(*words, "--resume")
+        assert tree(folder / "out") == whole, what
+
+
+def test_a_sound_shard_is_not_written_again(folder: Path, cli: Callable[..., Answer]) -> None:
+    """Of three shards, one of which is damaged, the other two keep their time of modification."""
+    (folder / "run.yaml").write_text(run("shards"))
+    words = ("run", "run.yaml")
+    cli(*words)
+    shards = sorted((folder / "out").glob("*.tar"))
+    before = [path.stat().st_mtime_ns for path in shards]
+    shards[1].write_bytes(shards[1].read_bytes() + bytes(10_240))
+    assert "10 unchanged" in cli(*words, "--resume").stdout
+    changed = [path.stat().st_mtime_ns != moment for path, moment in zip(shards, before, strict=True)]
+    assert changed == [False, True, False]
+
+
+# --- Changed code -----------------------------------------------------------------------------------------------------
+
+EMITTER = """
+from dh2urdf.hookspecs import hookimpl
+from dh2urdf.stages import EmittedFile, Emitter, Loader, LoadReport, NoOptions
+from {helper} import length
+
+def emit(robot, stem, options):
+    return [EmittedFile(name=f"{{stem}}.txt", content=str(length()).encode())]
+
+def load(request, options):
+    request.picture.write_bytes(b"a picture of " + request.robot.name.encode())
+    return LoadReport(simulator="camera", version="1", picture=request.picture.name)
+
+@hookimpl
+def dh2urdf_emitters():
+    return [Emitter(name="ruler", summary="measures", emit=emit, options=NoOptions, suffixes=(".txt",))]
+
+@hookimpl
+def dh2urdf_loaders():
+    return [Loader(name="camera", summary="takes pictures", load=load, options=NoOptions, poses=lambda _: 1,
+                   picture=lambda _: True, time_limit=lambda _: 60.0)]
+"""
+HELPER = "def length():\n    return 1\n"
+SHAPES = {
+    "a package": ("ruler.plugin", {"ruler/__init__.py": "", "ruler/plugin.py": EMITTER.format(helper=".lengths")}),
+    "a part of a namespace": ("acme.ruler:plugin", {
+        "acme/ruler/__init__.py": "from . import plugin",
+        "acme/ruler/plugin.py": EMITTER.format(helper=".lengths"),
+    }),
+    "a module": ("ruler", {"ruler.py": EMITTER.format(helper="lengths")}),
+}  # fmt: skip
+"""Plugins by their entry points; each has its length in a module of its own."""
+
+
+def install(folder: Path, shape: str, *, editable: bool) -> tuple[Path, list[Path]]:
+    """Install a plugin as pip does; its module with the length, and the folders that Python searches."""
+    entry, files = SHAPES[shape]
+    site = folder / "site-packages"
+    home = folder / "src" if editable else site
+    helper = "lengths.py" if shape == "a module" else f"{entry.partition(':')[0].removesuffix('.plugin')}/lengths.py"
+    helper = helper.replace(".ruler", "/ruler")
+    for name, text in {**files, helper: HELPER}.items():
+        path = home / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text)
+    info = site / "ruler-1.0.dist-info"
+    info.mkdir(parents=True)
+    (info / "METADATA").write_text("Metadata-Version: 2.1\nName: ruler\nVersion: 1.0\n")
+    (info / "entry_points.txt").write_text(f"[dh2urdf]\nruler = {entry}\n")
+    recorded = ["_ruler.pth"] if editable else [*files, helper]
+    (info / "RECORD").write_text("".join(f"{name},,\n" for name in (*recorded, "ruler-1.0.dist-info/METADATA")))
+    return home / helper, [site, home]
+
+
+@pytest.mark.parametrize("editable", [True, False], ids=["editable", "installed"])
+@pytest.mark.parametrize("shape", SHAPES)
+def test_changed_code_of_a_plugin_makes_its_files_anew(
+    folder: Path, dh2urdf: Callable[..., CompletedProcess[str]], shape: str, *, editable: bool
+) -> None:
+    """Its version stands still, and only a module changes that the plugin imports: the files are those of the new code."""
+    helper, path = install(folder, shape, editable=editable)
+    words = ("run", "run.yaml", "--set", "emitters=ruler")
+    dh2urdf(*words, path=path)
+    helper.write_text(HELPER.replace("return 1", "return 1 * 2"))
+    assert "10 made" in dh2urdf(*words, "--resume", path=path).stdout
+    assert {file.read_text() for file in (folder / "out").glob("*.txt")} == {"2"}
+
+
+def test_what_lies_beside_a_plugin_does_not_count(folder: Path, dh2urdf: Callable[..., CompletedProcess[str]]) -> None:
+    """Files that a plugin does not import, what Python compiled, and other distributions change no key."""
+    _, path = install(folder, "a module", editable=True)
+    words = ("run", "run.yaml", "--set", "emitters=ruler")
+    dh2urdf(*words, path=path)
+    (folder / "src/others.py").write_text("import lengths\n")
+    (folder / "src/notes.txt").write_text("lengths\n")
+    (folder / "site-packages/others.py").write_text("import ruler\n")
+    assert "10 unchanged" in dh2urdf(*words, "--resume", path=path).stdout
+
+
+def test_changed_data_of_a_plugin_count(folder: Path, dh2urdf: Callable[..., CompletedProcess[str]]) -> None:
+    """A template in the plugin's package is as good as its code."""
+    helper, path = install(folder, "a package", editable=True)
+    template = helper.with_name("template.txt")
+    template.write_text("1")
+    helper.write_text(
+        "from pathlib import Path\ndef length():\n    return Path(__file__).with_name('template.txt').read_text()\n"
+    )
+    words = ("run", "run.yaml", "--set", "emitters=ruler")
+    dh2urdf(*words, path=path)
+    template.write_text("2")
+    assert "10 made" in dh2urdf(*words, "--resume", path=path).stdout
+    assert {file.read_text() for file in (folder / "out").glob("*.txt")} == {"2"}
+
+
+@pytest.mark.parametrize("layout", LAYOUTS)
+def test_a_damaged_picture_is_taken_anew(
+    folder: Path, dh2urdf: Callable[..., CompletedProcess[str]], layout: str
+) -> None:
+    """The manifest has the hashes of the pictures that simulators took."""
+    _, path = install(folder, "a package", editable=True)
+    (folder / "run.yaml").write_text(run(layout) + "emitters: [urdf, ruler]\nloaders: camera\n")
+    words = ("run", "run.yaml")
+    dh2urdf(*words, path=path)
+    whole = tree(folder / "out")
+    rows: list[dict[str, Any]] = [json.loads(line) for line in (folder / "out/manifest.jsonl").open("rb")]
+    digest = hashlib.sha256(b"a picture of r1_5").hexdigest()
+    assert [row["pictures"] for row in rows if row["name"] == "r1_5"] == [{"r1_5.png": digest}]
+    name = {"files": "r1_5.png", "folders": "00001/r1_5.png", "shards": "000001.tar"}[layout]
+    file = folder / "out" / name
+    file.write_bytes(file.read_bytes().replace(b"a picture of r1_5", b"a blemish of r1_5"))
+    assert "1 made, 9 unchanged" in dh2urdf(*words, "--resume", path=path).stdout
+    assert tree(folder / "out") == whole

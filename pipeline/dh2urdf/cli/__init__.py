@@ -299,6 +299,11 @@ def _ended_by(error: Exception, words: list[str], *, debug: bool) -> int:
         return _failed(words, error, OutputError.exit_status, text, "output")
     if debug:
         raise error
+    if isinstance(error, OSError):
+        from dh2urdf.output.whole_files import is_of_the_disk, refused
+
+        if is_of_the_disk(error):
+            return _ended_by(refused(error.filename or "a file", error, "write or read"), words, debug=debug)
     text = (
         f"dh2urdf: internal error: {type(error).__name__}: {error}\n"
         "    this is a fault of dh2urdf, not of your table; `dh2urdf --debug …` shows where"

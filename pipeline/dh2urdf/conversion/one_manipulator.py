@@ -5,21 +5,24 @@ The command `convert` and every worker of a run go through here, so one table an
 
 from __future__ import annotations
 
+import os
 from collections.abc import Mapping
+from contextlib import contextmanager
 from dataclasses import field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, TypeVar, overload
 
 from dh2urdf.columns import ManipulatorGroups
 from dh2urdf.conversion.robots import a_robot, keeps_kinematics
-from dh2urdf.errors import ProofError, RecordError, TableError
+from dh2urdf.documents.text_files import unreadable
+from dh2urdf.errors import ProofError, RecordError, StageError, TableError
 from dh2urdf.kinematics.proof import Proof, prove
 from dh2urdf.kinematics.proof_vectors import proof_vectors
 from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.manipulator import Manipulator
 from dh2urdf.meshes.files import RELATIVE, copy_path, located, mesh_files, prefix_of, read_mesh
 from dh2urdf.meshes.kinds import MeshConversion
-from dh2urdf.output.whole_files import put_in_place, refuse_inputs, staging, write_files, write_whole
+from dh2urdf.output.whole_files import put_in_place, refuse_inputs, refused, staging, write_files, write_whole
 from dh2urdf.source import Mark, Problem, shown
 from dh2urdf.stage_calls.answers import a_record, a_whole_record, emitted_files, items_of, whole_records
 from dh2urdf.stage_calls.calls import Call, blaming
@@ -34,6 +37,7 @@ if TYPE_CHECKING:
     from dh2urdf.robot import Robot
 
 O = TypeVar("O")  # noqa: E741 - the options type of a stage
+T = TypeVar("T")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -251,7 +255,10 @@ def emit_robot(
         write_files(folder, files, place)
         looked = proved and (sampled or not emitter.costly_proof)
         robots = [folder / file.name for file in files if looked and file.is_robot]
-        proof = _prove_file(expected, robot, robots[0], call, poses, recipe=recipe, at_once=at_once) if robots else None
+        proof = None
+        if robots:
+            where = f"{place or folder.parent}/{robots[0].relative_to(folder)}"
+            proof = _prove_file(expected, robot, robots[0], call, poses, place=where, recipe=recipe, at_once=at_once)
         written.append(Written(stage=emitter.name, files=tuple(files), proof=proof))
     return tuple(written)
 
@@ -263,14 +270,20 @@ def _prove_file(
     call: Call[Emitter[Any]],
     poses: Poses,
     *,
+    place: str,
     recipe: Recipe,
     at_once: bool,
 ) -> Proof | None:
     emitter = call.stage
     if emitter.read_back is None:
         return None
-    with blaming(call, "read_back"):
-        described = a_robot(emitter.read_back(path), call)
+    try:
+        with blaming(call, "read_back"):
+            described = a_robot(emitter.read_back(path), call)
+    except ProofError as error:
+        if isinstance(error.__cause__, OSError):
+            raise refused(place, error.__cause__, "read") from error
+        raise
     makers: tuple[Call[Any], ...] = (recipe.transform, *recipe.edits)
     try:
         proof = prove(expected, described, poses, at_once=at_once)
@@ -313,14 +326,14 @@ def read_items(
     """
     before, reader = _state_of(path), call.stage
     try:
-        with blaming(call):
+        with _reporting_reads(path), blaming(call):
             if columns and reader.read_columns is not None:
                 items = items_of(reader.read_columns(path, call.options), Manipulator)
             elif trace is None or reader.trace is None:
                 items = items_of(reader.read(path, call.options), Manipulator)
             else:
                 items = items_of(reader.trace(path, call.options, trace), Manipulator)
-        for item in checked_items(items, call, columns=columns):
+        for item in _read(checked_items(items, call, columns=columns), path):
             if isinstance(item, Rejected) and _state_of(path) != before:
                 raise TableError(item.problems)  # A row that was cut off is no fault of the table.
             yield item
@@ -375,6 +388,23 @@ def checked_items(
             else:
                 a_record(item, Manipulator, Rejected)
         yield item
+
+
+def _read(items: Iterator[T], path: Path) -> Iterator[T]:
+    """Items as a reader yields them; what the operating system declares about the file is no fault of the reader."""
+    with _reporting_reads(path):
+        yield from items
+
+
+@contextmanager
+def _reporting_reads(path: Path) -> Iterator[None]:
+    try:
+        yield
+    except StageError as error:
+        reason = error.__cause__
+        if isinstance(reason, OSError) and reason.errno and reason.filename in (None, os.fspath(path)):
+            raise TableError(unreadable(path, reason)) from error
+        raise
 
 
 def _state_of(path: Path) -> tuple[int, ...] | None:

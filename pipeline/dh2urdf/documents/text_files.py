@@ -81,7 +81,7 @@ def read_bytes(path: Path, error: type[InputError] = ConfigError, *, limit: int 
         if size <= limit:
             return path.read_bytes()
     except OSError as reason:
-        raise error(_unreadable(path, reason)) from None
+        raise error(unreadable(path, reason)) from None
     raise error(
         Problem(
             message=f"the file has {size / 2**20:.0f} MiB, too much to be read at once",
@@ -113,7 +113,7 @@ def check_file(path: Path, error: type[InputError] = ConfigError) -> None:
             with path.open("rb"):
                 return
     except (OSError, ValueError) as reason:  # ValueError: a null character in the path
-        raise error(_unreadable(path, reason)) from None
+        raise error(unreadable(path, reason)) from None
     mark = Mark(file=str(path))
     if stat.S_ISDIR(mode):
         raise error(Problem(message="this is a folder, not a file", mark=mark, accepted="a file"))
@@ -123,7 +123,8 @@ def check_file(path: Path, error: type[InputError] = ConfigError) -> None:
     )
 
 
-def _unreadable(path: Path, reason: OSError | ValueError) -> Problem:
+def unreadable(path: Path, reason: OSError | ValueError) -> Problem:
+    """Why a file cannot be read, and what is there instead."""
     mark = Mark(file=shown(str(path), LONG_PATH)[1:-1])
     if isinstance(reason, FileNotFoundError):
         if path.is_symlink():

@@ -207,7 +207,8 @@ class LocalStore(Store):
                     os.unlink(self._path(_LOCK))  # noqa: PTH108
                     os.rmdir(self._path(WORKING))  # noqa: PTH106 - unless the run keeps something there
                 if fcntl is not None:
-                    os.close(lock)
+                    with suppress(OSError):  # The file is empty, and the lock is given back all the same.
+                        os.close(lock)
         finally:
             _locked.discard(place)
 

@@ -73,7 +73,8 @@ class ShardWriter:
                 end = self._size + 2 * _BLOCK
                 self._parts.append(bytes(2 * _BLOCK + -end % _RECORD))
                 self._write()
-                self._file.close()
+                with reporting_os_errors(self._place):
+                    self._file.close()
                 self._store.put(self._name, self._path)
 
     def add(self, name: str, content: bytes) -> int:

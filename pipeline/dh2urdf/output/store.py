@@ -117,5 +117,6 @@ class ReportingStream(io.RawIOBase):
 
     def close(self) -> None:
         """Close the stream too."""
-        self._stream.close()
+        with self._reporting():
+            self._stream.close()
         super().close()

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import unicodedata
 from contextlib import contextmanager, suppress
-from errno import EACCES, EDQUOT, EISDIR, ENAMETOOLONG, ENOSPC, EPERM, EROFS
+from errno import EACCES, EBADF, EDQUOT, EISDIR, ENAMETOOLONG, ENOSPC, EPERM, EROFS
 from itertools import permutations, product, takewhile
 from pathlib import Path, PurePosixPath
 from stat import S_ISDIR, S_ISLNK, S_ISREG
@@ -323,6 +323,29 @@ def reporting_os_errors(path: Path | str, doing: str = "write") -> Iterator[None
         yield
     except (OSError, ValueError) as error:
         raise refused(path, error, doing) from error
+
+
+@contextmanager
+def reporting_the_disk(place: Path | str) -> Iterator[None]:
+    """Turn what no step has reported of what the operating system declares into one line about its file.
+
+    Args:
+        place: what is named where the error names no file, as after a failed `read` or `close`.
+
+    Raises:
+        OutputError: whatever OSError came, unless it is a fault of the program.
+    """
+    try:
+        yield
+    except OSError as error:
+        if not is_of_the_disk(error):
+            raise
+        raise refused(error.filename or place, error, "write or read") from error
+
+
+def is_of_the_disk(error: OSError) -> bool:
+    """Whether the operating system declares something that is no fault of the program, and no broken connection."""
+    return error.errno not in (None, EBADF) and not isinstance(error, ConnectionError)
 
 
 def refused(path: Path | str, error: Exception, doing: str = "write") -> OutputError:

@@ -17,6 +17,7 @@ from dh2urdf.isolation.encodings import PICKLED
 from dh2urdf.isolation.watchdog import this_process
 from dh2urdf.output.journal import JOURNAL, MANIFEST, Earlier, earlier_rows, next_journal
 from dh2urdf.output.leftovers import clear_leftovers
+from dh2urdf.output.whole_files import reporting_the_disk
 from dh2urdf.plugin_system.at_work import unmarked
 from dh2urdf.report.first_manipulators import FULL, FirstManipulators
 from dh2urdf.report.json import TABLE, run_report, write_reports, write_timing
@@ -122,14 +123,19 @@ def execute(
     told = reproduction(plan.command, files, plan.recipe, plan.variations)
     result = Result(keeps_kinematics=plan.recipe.keeps_kinematics)
     if dry_run:
-        with tempfile.TemporaryFile(prefix="dh2urdf-") as rows:
+        with reporting_the_disk(tempfile.gettempdir()), tempfile.TemporaryFile(prefix="dh2urdf-") as rows:
             manifest = ManifestWriter(rows, tempfile.gettempdir(), told)
             _make(plan, Depth.LOOK, "", None, manifest, result, note, FirstManipulators(0))
             report = run_report(manifest, result)
         result.seconds["total"] = time.perf_counter() - started
         return result, report
     store, reports = plan.store, plan.report_store
-    with _locked(store, reports), _earlier(reports, resume=resume) as earlier, reports.scratch() as folder:
+    with (
+        reporting_the_disk(str(store)),
+        _locked(store, reports),
+        _earlier(reports, resume=resume) as earlier,
+        reports.scratch() as folder,
+    ):
         journal = next_journal(reports)
         path = folder / "manifest"
         first_manipulators = FirstManipulators()

@@ -5,27 +5,24 @@ The command `convert` and every worker of a run go through here, so one table an
 
 from __future__ import annotations
 
-import os
 from collections.abc import Mapping
-from contextlib import contextmanager
 from dataclasses import field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, TypeVar, overload
 
 from dh2urdf.columns import ManipulatorGroups
 from dh2urdf.conversion.robots import a_robot, keeps_kinematics
-from dh2urdf.documents.text_files import unreadable
-from dh2urdf.errors import ProofError, RecordError, StageError, TableError
+from dh2urdf.errors import ProofError, RecordError, TableError
 from dh2urdf.kinematics.proof import Proof, prove
 from dh2urdf.kinematics.proof_vectors import proof_vectors
 from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.manipulator import Manipulator
 from dh2urdf.meshes.files import RELATIVE, copy_path, located, mesh_files, prefix_of, read_mesh
 from dh2urdf.meshes.kinds import MeshConversion
-from dh2urdf.output.whole_files import put_in_place, refuse_inputs, refused, staging, write_files, write_whole
+from dh2urdf.output.whole_files import put_in_place, refuse_inputs, staging, write_files, write_whole
 from dh2urdf.source import Mark, Problem, shown
 from dh2urdf.stage_calls.answers import a_record, a_whole_record, emitted_files, items_of, whole_records
-from dh2urdf.stage_calls.calls import Call, blaming
+from dh2urdf.stage_calls.calls import Call, blaming, reading
 from dh2urdf.stages import Edit, EmittedFile, Emitter, Loader, Reader, Rejected, Transform
 
 if TYPE_CHECKING:
@@ -37,7 +34,6 @@ if TYPE_CHECKING:
     from dh2urdf.robot import Robot
 
 O = TypeVar("O")  # noqa: E741 - the options type of a stage
-T = TypeVar("T")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -277,13 +273,8 @@ def _prove_file(
     emitter = call.stage
     if emitter.read_back is None:
         return None
-    try:
-        with blaming(call, "read_back"):
-            described = a_robot(emitter.read_back(path), call)
-    except ProofError as error:
-        if isinstance(error.__cause__, OSError):
-            raise refused(place, error.__cause__, "read") from error
-        raise
+    with reading(path, place), blaming(call, "read_back"):
+        described = a_robot(emitter.read_back(path), call)
     makers: tuple[Call[Any], ...] = (recipe.transform, *recipe.edits)
     try:
         proof = prove(expected, described, poses, at_once=at_once)
@@ -326,17 +317,18 @@ def read_items(
     """
     before, reader = _state_of(path), call.stage
     try:
-        with _reporting_reads(path), blaming(call):
-            if columns and reader.read_columns is not None:
-                items = items_of(reader.read_columns(path, call.options), Manipulator)
-            elif trace is None or reader.trace is None:
-                items = items_of(reader.read(path, call.options), Manipulator)
-            else:
-                items = items_of(reader.trace(path, call.options, trace), Manipulator)
-        for item in _read(checked_items(items, call, columns=columns), path):
-            if isinstance(item, Rejected) and _state_of(path) != before:
-                raise TableError(item.problems)  # A row that was cut off is no fault of the table.
-            yield item
+        with reading(path):
+            with blaming(call):
+                if columns and reader.read_columns is not None:
+                    items = items_of(reader.read_columns(path, call.options), Manipulator)
+                elif trace is None or reader.trace is None:
+                    items = items_of(reader.read(path, call.options), Manipulator)
+                else:
+                    items = items_of(reader.trace(path, call.options, trace), Manipulator)
+            for item in checked_items(items, call, columns=columns):
+                if isinstance(item, Rejected) and _state_of(path) != before:
+                    raise TableError(item.problems)  # A row that was cut off is no fault of the table.
+                yield item
     except TableError as error:
         if _state_of(path) != before:
             raise TableError([_changed(path), *error.problems], error.notices) from error
@@ -388,23 +380,6 @@ def checked_items(
             else:
                 a_record(item, Manipulator, Rejected)
         yield item
-
-
-def _read(items: Iterator[T], path: Path) -> Iterator[T]:
-    """Items as a reader yields them; what the operating system declares about the file is no fault of the reader."""
-    with _reporting_reads(path):
-        yield from items
-
-
-@contextmanager
-def _reporting_reads(path: Path) -> Iterator[None]:
-    try:
-        yield
-    except StageError as error:
-        reason = error.__cause__
-        if isinstance(reason, OSError) and reason.errno and reason.filename in (None, os.fspath(path)):
-            raise TableError(unreadable(path, reason)) from error
-        raise
 
 
 def _state_of(path: Path) -> tuple[int, ...] | None:

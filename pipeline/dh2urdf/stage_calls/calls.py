@@ -8,6 +8,7 @@ whole run depends on it.
 
 from __future__ import annotations
 
+import os
 from contextlib import contextmanager
 from dataclasses import field, fields, replace
 from functools import cache
@@ -23,9 +24,11 @@ from dh2urdf.errors import (
     MissingDependencyError,
     MissingProgramError,
     OutputError,
+    ProofError,
     RecordError,
     RecordTypeError,
     StageError,
+    TableError,
 )
 from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.plugin_system.at_work import AtWork
@@ -37,7 +40,7 @@ from dh2urdf.stages import Edit, Emitter, Executor, Kind, Loader, Reader, Transf
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
-__all__ = ["Call", "a_record", "blaming", "broken", "default_call", "depending_on", "fault", "own_work"]
+__all__ = ["Call", "a_record", "blaming", "broken", "default_call", "depending_on", "fault", "own_work", "reading"]
 
 S = TypeVar("S", Reader[Any], Transform[Any], Edit[Any], Emitter[Any], Loader[Any], Executor[Any])
 
@@ -133,6 +136,30 @@ def blaming(call: Call[Any], what: str = "") -> Iterator[None]:
         raise
     except BaseException as error:
         raise fault(call, error, what) from error
+
+
+@contextmanager
+def reading(path: Path, place: str = "") -> Iterator[None]:
+    """Turn what the operating system declares about a file into an error of the file: the stage that reads it is sound.
+
+    Args:
+        path: the file.
+        place: where it will be in the end, where dh2urdf has written it.
+
+    Raises:
+        TableError: a table cannot be read.
+        OutputError: a file at such a place cannot be read.
+    """
+    try:
+        yield
+    except (StageError, ProofError) as error:
+        reason = error.__cause__
+        if not isinstance(reason, OSError) or not reason.errno or reason.filename not in (None, os.fspath(path)):
+            raise
+        from dh2urdf.documents.text_files import unreadable
+        from dh2urdf.output.whole_files import refused
+
+        raise (refused(place, reason, "read") if place else TableError(unreadable(path, reason))) from error
 
 
 def _name_stage(error: InputError | ManipulatorError, call: Call[Any], what: str) -> None:

@@ -46,7 +46,7 @@ def recipe_key(recipe: Recipe) -> str:
 
 
 def _hash_of(path: Path) -> str | None:
-    """The hash of a file; None where it cannot be read, which whoever needs it reports."""
+    """The hash of a file; None where it cannot be read, which its stage reports."""
     try:
         with path.open("rb") as file:
             return file_digest(file, "sha256").hexdigest()

@@ -366,21 +366,64 @@ def test_no_file_names_a_folder_of_one_machine() -> None:
     assert found == []
 
 
-def test_modules_tell_one_story() -> None:
-    """Every module begins with a docstring and is short enough to be read in one sitting."""
-    texts = {relative(path): path.read_text("utf-8") for path in (*modules(HOST), *modules(PLUGINS))}
-    assert [path for path, text in texts.items() if not ast.get_docstring(ast.parse(text))] == []
-    assert [path for path, text in texts.items() if len(text.splitlines()) > 400] == []
+def test_modules_say_what_they_are() -> None:
+    """Every module begins with a docstring."""
+    paths = (*modules(HOST), *modules(PLUGINS))
+    assert [relative(path) for path in paths if not ast.get_docstring(ast.parse(path.read_text("utf-8")))] == []
 
 
-def test_packages_can_be_overlooked() -> None:
-    """No package has more than 2,500 lines of its own, but the top level, which has the words of all."""
-    sizes = {
-        relative(package.parent): sum(len(path.read_text("utf-8").splitlines()) for path in package.parent.glob("*.py"))
-        for root in (HOST, PLUGINS)
-        for package in root.rglob("__init__.py")
-    }
-    assert [name for name, size in sizes.items() if size > 2500] == ["pipeline/dh2urdf"]
+BUDGETS = {
+    "pipeline/dh2urdf": 5750,
+    "pipeline/dh2urdf/cells": 410,
+    "pipeline/dh2urdf/cli": 2900,
+    "pipeline/dh2urdf/commands": 2510,
+    "pipeline/dh2urdf/conversion": 1490,
+    "pipeline/dh2urdf/documents": 1070,
+    "pipeline/dh2urdf/isolation": 1510,
+    "pipeline/dh2urdf/kinematics": 3120,
+    "pipeline/dh2urdf/measuring": 420,
+    "pipeline/dh2urdf/meshes": 1300,
+    "pipeline/dh2urdf/output": 2100,
+    "pipeline/dh2urdf/plugin_system": 1890,
+    "pipeline/dh2urdf/quantities": 1520,
+    "pipeline/dh2urdf/report": 3210,
+    "pipeline/dh2urdf/results": 640,
+    "pipeline/dh2urdf/run_file": 2460,
+    "pipeline/dh2urdf/running": 1180,
+    "pipeline/dh2urdf/scaffold": 450,
+    "pipeline/dh2urdf/stage_calls": 740,
+    "pipeline/dh2urdf/studio": 9740,
+    "pipeline/dh2urdf/tasks": 1290,
+    "pipeline/dh2urdf/testing": 2960,
+    "pipeline/dh2urdf/validation": 660,
+    "pipeline/dh2urdf/variations": 1260,
+    "plugins/dh2urdf_plugins": 340,
+    "plugins/dh2urdf_plugins/calibrations": 460,
+    "plugins/dh2urdf_plugins/collision_pairs": 570,
+    "plugins/dh2urdf_plugins/descriptions": 2380,
+    "plugins/dh2urdf_plugins/edits": 700,
+    "plugins/dh2urdf_plugins/emitters": 5060,
+    "plugins/dh2urdf_plugins/executors": 650,
+    "plugins/dh2urdf_plugins/extraction": 1370,
+    "plugins/dh2urdf_plugins/lint": 7330,
+    "plugins/dh2urdf_plugins/loaders": 3370,
+    "plugins/dh2urdf_plugins/read_back": 3180,
+    "plugins/dh2urdf_plugins/readers": 14070,
+    "plugins/dh2urdf_plugins/transforms": 2690,
+    "plugins/dh2urdf_plugins/xacro_fence": 820,
+}
+"""Lines that a room may have at most, with all below it. A change that needs more lowers another budget, or says why not."""
+
+
+def test_rooms_keep_to_their_budgets() -> None:
+    """No package has more lines than its budget, and no budget is for a package that is gone."""
+    sizes = dict.fromkeys(BUDGETS, 0)
+    for path in (*modules(HOST), *modules(PLUGINS)):
+        room = (
+            "/".join(Path(relative(path)).parts[:3]) if len(Path(relative(path)).parts) > 3 else relative(path.parent)
+        )
+        sizes[room] = sizes.get(room, 0) + len(path.read_text("utf-8").splitlines())
+    assert {room: size for room, size in sizes.items() if not 0 < size <= BUDGETS.get(room, 0)} == {}
 
 
 STAGES_NAMED = {

@@ -353,6 +353,7 @@ def test_what_is_not_run_needs_what_no_test_machine_has() -> None:
         ("machines.md", "python"),
         ("plugin-cookbook.md", "python"),
         ("plugin-cookbook.md", "python"),
+        ("plugin-cookbook.md", "python"),
         ("ros2-packages.md", "sh"),
         ("ros2-packages.md", "sh"),
         ("simulators.md", "sh"),

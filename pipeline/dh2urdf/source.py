@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import replace
+from itertools import islice
 from typing import TYPE_CHECKING, Literal
 
 from dh2urdf.late_dataclasses import dataclass
@@ -19,6 +20,10 @@ if TYPE_CHECKING:
 
 SHOWN_TEXT = 60
 """Characters of a found text that a message repeats; a longer one is cut in the middle."""
+LONGEST_SLIP = 100
+"""Characters of a word that is compared with others: a longer one is no slip of the pen."""
+MOST_CHOICES = 200
+"""Words that a word is compared with: of more, none is named, so that a file of n slips costs no n² comparisons."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -171,8 +176,11 @@ def listed(texts: Sequence[str], most: int = 5) -> str:
 
 
 def did_you_mean(word: str, choices: Iterable[str]) -> str | None:
-    """The sentence that names the choice nearest to a word, or None where nothing is near."""
+    """The sentence that names the choice nearest to a word, or None where nothing is near or the choices are many."""
     from difflib import get_close_matches
 
-    near = get_close_matches(word.casefold(), list(choices), n=1, cutoff=0.6)
+    few = list(islice(choices, MOST_CHOICES + 1))
+    if len(word) > LONGEST_SLIP or len(few) > MOST_CHOICES:
+        return None
+    near = get_close_matches(word.casefold(), few, n=1, cutoff=0.6)
     return f"did you mean {near[0]!r}?" if near else None

@@ -13,6 +13,7 @@ from dh2urdf_plugins.lint.document.description import ALL, MOVING, Hit, few
 from dh2urdf_plugins.lint.merged import head_of, inertial_of, merged_inertial
 from dh2urdf_plugins.lint.numbers import ROUNDED, SMALLEST_MOMENT, is_no_inertia
 from dh2urdf_plugins.lint.single_readers.gazebo import (
+    body_of,
     holding_nothing,
     kept,
     mass_of,
@@ -59,7 +60,7 @@ def _root(description: Description, root: LinkNode) -> Iterator[Hit]:
         yield Hit("root-without-inertial", root.element, f"the root link {shown(root.name)} has no inertial")
     elif root.mass != 0.0:
         yield Hit("root-with-inertial", root.element, f"the root link {shown(root.name)} has an inertial")
-    if not any(kept(description)):
+    if not description.once(kept):
         message = f"the root link {shown(root.name)} weighs nothing, nor does what is fixed to it"
         yield Hit("weightless-root", root.element, message)
 
@@ -127,7 +128,7 @@ def _inertia(description: Description, link: LinkNode, inertial: Element) -> Ite
         yield from _moments_alone(inertia, about)
         return
     if body.inertia == WEIGHTLESS.inertia:
-        merged = merged_inertial(description, head := head_of(description, link))
+        merged = description.once(merged_inertial, head := head_of(description, link))
         if (
             body.mass > 0.0
             and _moves(description, head)
@@ -151,7 +152,8 @@ def _moments(description: Description, link: LinkNode, inertia: Element, body: I
     else:
         if low < SMALLEST_MOMENT:
             yield Hit("inertia-semidefinite", inertia, moments)
-        if not takes_inertia(tensor_of(link.inertial)) and any(_is_alone(link, each) for each in kept(description)):
+        body_in_gazebo = description.once(body_of).get(link)
+        if body_in_gazebo and not takes_inertia(tensor_of(link.inertial)) and _is_alone(link, body_in_gazebo):
             yield Hit("inertia-triangle-inequality", inertia, f"{moments}, but for rounding", {"gazebo"})
 
 
@@ -166,17 +168,17 @@ def _moments_alone(inertia: Element, about: str) -> Iterator[Hit]:
 
 def _gazebo_takes(description: Description, link: LinkNode) -> set[str]:
     """Gazebo, where it drops a link, or where what is fixed to the link makes it right."""
-    for body in kept(description):
-        if _is_alone(link, body) and mass_of(link.inertial) >= 0.0:
-            return {"gazebo"} if takes_inertia(tensor_of(link.inertial)) else set()
-        if link in body:
-            merged = merged_by_gazebo(description, body)
-            if merged is None:
-                return set()
-            low, middle, high = principal_moments(merged.inertia)
-            wrong = merged.mass < 0.0 or low < -ROUNDED * high or low + middle < high * (1.0 - ROUNDED)
-            return set() if wrong else {"gazebo"}
-    return {"gazebo"}
+    body = description.once(body_of).get(link)
+    if body is None:
+        return {"gazebo"}
+    if _is_alone(link, body) and mass_of(link.inertial) >= 0.0:
+        return {"gazebo"} if takes_inertia(tensor_of(link.inertial)) else set()
+    merged = description.once(merged_by_gazebo, body)
+    if merged is None:
+        return set()
+    low, middle, high = principal_moments(merged.inertia)
+    wrong = merged.mass < 0.0 or low < -ROUNDED * high or low + middle < high * (1.0 - ROUNDED)
+    return set() if wrong else {"gazebo"}
 
 
 def _is_alone(link: LinkNode, body: list[LinkNode]) -> bool:
@@ -186,7 +188,7 @@ def _is_alone(link: LinkNode, body: list[LinkNode]) -> bool:
 
 def _weightless_chains(description: Description) -> Iterator[Hit]:
     """Links that sdformat adds up to a mass of 0: their common centre of mass is 0/0."""
-    for link in (link for body in kept(description) for link in without_centre(description, body)):
+    for link in (link for body in description.once(kept) for link in without_centre(description, body)):
         if (holder := description.holder(link)) is None:
             continue
         about, above = f"link {shown(link.name)}", f"link {shown(holder.parent)}"
@@ -198,7 +200,7 @@ def _weightless_chains(description: Description) -> Iterator[Hit]:
 
 def _weightless_holders(description: Description) -> Iterator[Hit]:
     """Links that weigh nothing, are fixed to another one, and hold a joint that moves."""
-    for link in (link for body in kept(description) for link in holding_nothing(description, body)):
+    for link in (link for body in description.once(kept) for link in holding_nothing(description, body)):
         moving = [shown(joint.name) for joint in description.held.get(link.name, ()) if joint.kind in MOVING]
         if moving:
             message = f"link {shown(link.name)} weighs nothing, and holds the moving joint {moving[0]}"

@@ -17,11 +17,21 @@ if TYPE_CHECKING:
 
 def head_of(description: Description, link: LinkNode) -> LinkNode:
     """The link that a link is merged into: itself, where it moves or is a root."""
-    seen = {link.name}
-    while (holder := description.holder(link)) and holder.kind == "fixed" and holder.parent not in seen:
-        seen.add(holder.parent)
-        link = description.link[holder.parent]
-    return link
+    head = description.once(_heads)[link.name]
+    return link if head.name == link.name else head
+
+
+def _heads(description: Description) -> dict[str, LinkNode]:
+    """The link that each link is merged into; of a ring of fixed links, each into one of them."""
+    heads: dict[str, LinkNode] = {}
+    for link in description.link.values():
+        way = {link.name: link}
+        while link.name not in heads and (holder := description.holder(link)) and holder.kind == "fixed":
+            if holder.parent in way:
+                break
+            link = way[holder.parent] = description.link[holder.parent]  # noqa: PLW2901 - the way up
+        heads.update(dict.fromkeys(way, heads.get(link.name, link)))
+    return heads
 
 
 def inertial_of(element: Element) -> Inertial | None:

@@ -65,17 +65,17 @@ def _circles(description: Description) -> Iterator[Hit]:
         for joint in description.joints
         if (mimic := joint.element.first("mimic")) is not None and mimic.get("joint") != joint.name
     }
-    told = set[str]()
+    seen = set[str]()
     for joint in description.joints:
-        path: list[str] = []
+        path: dict[str, int] = {}
         name = joint.name
-        while name in leaders and name not in path:
-            path.append(name)
+        while name in leaders and name not in path and name not in seen:
+            path[name] = len(path)
             name = leaders[name]
-        if name in path and name not in told:
-            circle = path[path.index(name) :]
-            told.update(circle)
+        if name in path:
+            circle = list(path)[path[name] :]
             yield Hit("mimic-circle", joint.element, f"the joints {few(circle)} follow each other in a circle")
+        seen.update(path)
 
 
 def _joints_of(control: Element, joints: set[str]) -> Iterator[Hit]:

@@ -53,32 +53,34 @@ def _length(what: str, element: Element) -> Iterator[Hit]:
         yield Hit("name-too-long", element, f"the name of {what} {shown(name)} has {len(name):,} characters")
 
 
-def _has_its_name(description: Description, element: Element) -> bool:
+def _has_its_name(element: Element, heads: set[str]) -> bool:
     """Whether sdformat asks for the name of a link or joint: those of what it merges into the link above are gone."""
     child = element.first("child")
-    link = element.get("name") if element.tag == "link" else child and child.get("link")
-    return any(body[0].name == link for body in kept(description))
+    return (element.get("name") if element.tag == "link" else child and child.get("link")) in heads
 
 
 def _names(description: Description) -> Iterator[Hit]:
     root = description.root
     owners: dict[tuple[str, str], Element] = {}
+    heads = {body[0].name for body in description.once(kept)}
+    is_only_link = len(root.all("link")) == 1
+    nameless_joints = [joint.get("name") for joint in root.all("joint")].count("")
     for element in root.children:
         kind, name = element.tag, element.get("name")
         if kind not in {"link", "joint"}:
             continue
         if not name:
-            alone = kind == "link" and len(root.all("link")) == 1  # urdfdom calls it by the empty name then
+            alone = kind == "link" and is_only_link  # urdfdom calls it by the empty name then
             takers = {"pinocchio", "ros"} if alone else set()
             if kind == "link" and name is not None:
                 takers.add("mujoco")
             if kind == "joint" and name is not None:
                 takers = {"mujoco", "drake"}
-                if [joint.get("name") for joint in root.all("joint")].count("") == 1:
-                    takers |= {"pinocchio", "ros"} | (set() if _has_its_name(description, element) else {"gazebo"})
+                if nameless_joints == 1:
+                    takers |= {"pinocchio", "ros"} | (set() if _has_its_name(element, heads) else {"gazebo"})
             yield Hit("missing-name", element, f"a {kind} has no name", ALL - takers)
             continue
-        if not name.strip(_BLANKS) and _has_its_name(description, element):
+        if not name.strip(_BLANKS) and _has_its_name(element, heads):
             yield Hit("missing-name", element, f"the name of a {kind} is blank", {"gazebo"})
         if (kind, name) in owners:
             message = f"{kind} {shown(name)} has the name of the {kind} in {description.place(owners[kind, name])}"
@@ -91,7 +93,7 @@ def _names(description: Description) -> Iterator[Hit]:
 
 def _shared_names(description: Description) -> Iterator[Hit]:
     """Names of links and joints that SDF keeps, and of the model, that collide or that SDF has for itself."""
-    heads = {body[0].name: body[0] for body in kept(description)}
+    heads = {body[0].name: body[0] for body in description.once(kept)}
     joints = [joint for joint in description.joints if joint.child in heads and joint.parent in description.link]
     for joint in joints:
         if joint.name in heads:
@@ -109,6 +111,7 @@ def _shared_names(description: Description) -> Iterator[Hit]:
 
 def _ends(description: Description) -> Iterator[Hit]:
     """A joint is of a known type and between two links."""
+    has_nameless_link = any(link.get("name") == "" for link in description.root.all("link"))
     for joint in description.joints:
         yield from _type(joint)
         about = f"joint {shown(joint.name)}"
@@ -117,8 +120,7 @@ def _ends(description: Description) -> Iterator[Hit]:
             if not name and (found is None or found.get("link") is None):
                 yield Hit("missing-parent-or-child", joint.element, f"{about} has no {end}")
             elif not name:
-                is_there = any(link.get("name") == "" for link in description.root.all("link"))
-                of = ALL - {"mujoco"} if is_there else None
+                of = ALL - {"mujoco"} if has_nameless_link else None
                 yield Hit("empty-parent-or-child", joint.element, f"the {end} of {about} is an empty name", of)
             elif name not in description.link:
                 near = did_you_mean(name, description.link)
@@ -171,14 +173,16 @@ def _tree(description: Description) -> Iterator[Hit]:
 
 
 def _several_parents(description: Description) -> Iterator[Hit]:
-    reached = description.reached()
+    if all(len(joints) == 1 for joints in description.holders.values()):
+        return
+    reached, rings, closes = description.reached(), description.rings(), _closes_a_loop(description)
     for name, joints in description.holders.items():
+        hangs = name in reached and any(rings[joint.parent] == rings[name] for joint in joints)
         for joint in joints[1:]:
             message = f"joint {shown(joint.name)} moves link {shown(name)}, as joint {shown(joints[0].name)} does"
-            if name in reached and any(other.parent in description.below(name) for other in joints):
+            if hangs:
                 yield Hit("cycle-from-root", joint.element, f"{message}, and hangs from it")
             else:
-                closes = _closes_a_loop(description)
                 yield Hit("several-parents", joint.element, message, None if closes else ALL - {"drake"})
 
 
@@ -188,6 +192,7 @@ def _closes_a_loop(description: Description) -> bool:
 
     def head(name: str) -> str:
         while group[name] != name:
+            group[name] = group[group[name]]  # halves the way
             name = group[name]
         return name
 

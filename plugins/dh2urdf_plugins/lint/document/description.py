@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.late_tuples import NamedTuple
@@ -16,6 +16,8 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from dh2urdf_plugins.lint.document.mesh_sizes import MeshFile
+
+T = TypeVar("T")
 
 ALL = frozenset({"pybullet", "mujoco", "pinocchio", "drake", "ros", "gazebo", "coppeliasim"})
 """The readers that were tried with every rule."""
@@ -125,6 +127,7 @@ class Description:
         self.links = [LinkNode(name, element) for element in root.all("link") if (name := element.get("name"))]
         self.joints = [_joint(element) for element in root.all("joint")]
         self.link = {node.name: node for node in reversed(self.links)}
+        self._once: dict[tuple[object, ...], Any] = {}
         self._meshes: dict[Path, MeshFile | None] = {}
         self._bytes_left = MOST_BYTES
 
@@ -134,6 +137,13 @@ class Description:
             self._bytes_left -= path.stat().st_size
             self._meshes[path] = read_mesh(path) if self._bytes_left >= 0 else None
         return self._meshes[path]
+
+    def once(self, find: Callable[..., T], *about: object) -> T:
+        """What a function finds about this description and parts of it, found once: rules ask it for every link."""
+        key = (find, *map(id, about))
+        if key not in self._once:
+            self._once[key] = find(self, *about)
+        return self._once[key]  # type: ignore[no-any-return]  # what `find` has returned
 
     @cached_property
     def holders(self) -> dict[str, list[JointNode]]:
@@ -178,17 +188,39 @@ class Description:
 
     def reached(self) -> set[str]:
         """Names of the links below the roots, these included."""
-        return self.below(*(root.name for root in self.roots))
-
-    def below(self, *names: str) -> set[str]:
-        """Names of the links that hang from some links, these included."""
-        waiting, seen = [*names], set[str]()
+        waiting, seen = [root.name for root in self.roots], set[str]()
         while waiting:
             name = waiting.pop()
             if name not in seen:
                 seen.add(name)
                 waiting.extend(joint.child for joint in self.held.get(name, ()))
         return seen
+
+    def rings(self) -> dict[str, int]:
+        """The same number for links that hang from each other, by name.
+
+        Kosaraju's algorithm (Aho, Hopcroft and Ullman, *Data Structures and Algorithms*, 1983, section 6.7).
+        """
+        finished: list[str] = []
+        seen = set[str]()
+        for start in self.link:
+            waiting = [(start, False)]
+            while waiting:
+                name, is_done = waiting.pop()
+                if is_done:
+                    finished.append(name)
+                elif name not in seen:
+                    seen.add(name)
+                    waiting += [(name, True), *((joint.child, False) for joint in self.held.get(name, ()))]
+        ring: dict[str, int] = {}
+        for number, start in enumerate(reversed(finished)):
+            above = [start]
+            while above:
+                name = above.pop()
+                if name not in ring:
+                    ring[name] = number
+                    above.extend(joint.parent for joint in self.holders.get(name, ()))
+        return ring
 
 
 def few(names: Iterable[str]) -> str:

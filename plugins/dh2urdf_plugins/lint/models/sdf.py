@@ -21,7 +21,7 @@ from dh2urdf_plugins.lint.models.sdf_frames import hits as hits_of_frames, undef
 from dh2urdf_plugins.lint.models.sdf_values import fault_of, hits as hits_of_values
 from dh2urdf_plugins.lint.numbers import ROUNDED, drake_numbers
 from dh2urdf_plugins.read_back.sdf.reader import read_model
-from dh2urdf_plugins.read_back.sdf.versions import FRAMES_SINCE, IN_MODEL
+from dh2urdf_plugins.read_back.sdf.versions import FRAMES_SINCE, IN_MODEL, LONGEST_VERSION
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -150,8 +150,9 @@ def _model(model: etree._Element) -> Iterator[Hit]:
         yield Hit("reserved-name", model, f"{_name(model)} has `::` in its name")
     yield from _joints(model, kinds, has_more=has_more)
     yield from hits_of_frames(model, by_name, has_more=has_more)
+    frames = {*kinds, "__model__"}
     for part in parts:
-        yield from _frames(part, {*kinds, "__model__"}, has_more=has_more)
+        yield from _frames(part, frames, has_more=has_more)
 
 
 def _frames(part: etree._Element, frames: set[str], *, has_more: bool) -> Iterator[Hit]:
@@ -215,15 +216,16 @@ def _is_nested(model: etree._Element) -> bool:
 
 
 def _tree(joint: etree._Element, parent: str, child: str, parents: dict[str, str]) -> Iterator[Hit]:
-    """Says where a joint closes a chain; `parents` has the links above each link so far."""
+    """Says where a joint closes a chain; `parents` has a link above each link so far, shortened on the way."""
     if child in parents:
         yield Hit("several-parents", joint, f"{_name(joint)} holds link {shown(child)}, which another joint holds")
         return
-    above, seen = parent, set[str]()
-    while above in parents and above not in seen:
-        seen.add(above)
-        above = parents[above]
-    if child in {parent, above, *seen}:
+    top, way = parent, list[str]()
+    while top in parents:
+        way.append(top)
+        top = parents[top]
+    parents.update(dict.fromkeys(way, top))
+    if child == top:  # Nothing holds it so far.
         yield Hit("cycle", joint, f"{_name(joint)} closes a circle")
         return
     parents[child] = parent
@@ -244,8 +246,8 @@ def _children(element: etree._Element) -> Iterator[Hit]:
 
 
 def _is_before(element: etree._Element, version: tuple[int, ...]) -> bool:
-    own = re.findall(r"[0-9]+", next(element.iterancestors("sdf")).get("version") or VERSIONS[-1])
-    return tuple(map(int, own)) < version
+    own = next(element.iterancestors("sdf")).get("version") or VERSIONS[-1]
+    return tuple(map(int, re.findall(r"[0-9]+", own[:LONGEST_VERSION]))) < version
 
 
 def _value(element: etree._Element) -> Iterator[Hit]:

@@ -43,18 +43,17 @@ def _circles(parts: Mapping[str, etree._Element]) -> Iterator[Hit]:
         for name, part in parts.items()
         if (pose := part.find("pose")) is not None and (target := pose.get("relative_to"))
     }
-    for way, what in ((attached, "attached to"), (placed, "placed by")):
+    ends, ends_placed = _ends(attached), _ends(placed)
+    for way, found, what in ((attached, ends, "attached to"), (placed, ends_placed, "placed by")):
         for name in way:
-            if _end(name, way) is None and (
-                way is attached or name not in attached or _end(name, attached) is not None
-            ):
+            if found[name] is None and (way is attached or ends.get(name, name) is not None):
                 message = f"{parts[name].tag} {shown(name)} is {what} itself, by way of {shown(way[name])}"
                 yield Hit("frame-cycle", parts[name], message)
     for name, part in parts.items():
         parent, child = _text(part, "parent"), _text(part, "child")
         if not parent or not child:
             continue
-        if parent == name or (_end(parent, attached) or parent) == (_end(child, attached) or child):
+        if parent == name or (ends.get(parent) or parent) == (ends.get(child) or child):
             yield Hit("joint-of-one-link", part, f"joint {shown(name)} joins {shown(parent)} to {shown(child)}")
 
 
@@ -62,15 +61,17 @@ def _text(part: etree._Element, end: str) -> str:
     return (part.findtext(end) or "").strip() if part.tag == "joint" else ""
 
 
-def _end(name: str, way: Mapping[str, str]) -> str | None:
-    """What a name leads to; None where that is a circle."""
-    seen = set[str]()
-    while name in way:
-        if name in seen:
-            return None
-        seen.add(name)
-        name = way[name]
-    return name
+def _ends(way: Mapping[str, str]) -> dict[str, str | None]:
+    """What each name leads to; None where that is a circle."""
+    ends: dict[str, str | None] = {}
+    for start in way:
+        name, passed = start, dict[str, None]()
+        while name in way and name not in ends and name not in passed:
+            passed[name] = None
+            name = way[name]
+        end = None if name in passed else ends.get(name, name)
+        ends.update(dict.fromkeys(passed, end))
+    return ends
 
 
 def undefined(

@@ -116,14 +116,14 @@ def _frames(description: Description) -> Iterator[_Found]:
 
 def _groups(description: Description) -> Iterator[_Found]:
     read = [group for group in description.root.all(_GROUP) if group.get("ignore") != "true"]
-    names = [group.get("name") for group in read]
-    for number, group in enumerate(read):
+    names, before = {group.get("name") for group in read}, set[str | None]()
+    for group in read:
         about, members = f"a {_GROUP}", group.all("drake:member")
         links = [member.get("link") for member in members]
         ignored = [each.get("name") for each in group.all("drake:ignored_collision_filter_group")]
         if None in {group.get("name"), *links, *ignored}:
             yield "missing-name", (group, f"{about}, or one in it, has no name")
-        elif names[number] in names[:number]:
+        elif group.get("name") in before:
             yield "duplicate-link", (group, f"{about} has the name of another")
         elif not members and not group.all("drake:member_group"):
             yield "undefined-link", (group, f"{about} has no members")
@@ -131,3 +131,4 @@ def _groups(description: Description) -> Iterator[_Found]:
             yield "undefined-link", (group, f"{about} has the link {shown(lost[0] or '')}, and there is no such link")
         elif lost := [name for name in ignored if name not in names]:
             yield "undefined-link", (group, f"{about} ignores the group {shown(lost[0] or '')}, which is not there")
+        before.add(group.get("name"))

@@ -12,7 +12,7 @@ from dh2urdf_plugins.lint.document.description import TURNING_OR_SLIDING, Hit
 from dh2urdf_plugins.lint.numbers import drake_number, drake_numbers
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterator, Mapping
 
     from dh2urdf_plugins.lint.document.description import Description
     from dh2urdf_plugins.lint.document.tree import Element
@@ -95,15 +95,16 @@ def _problems(description: Description) -> Iterator[tuple[Element, Iterator[str]
     names = {joint.name for joint in description.joints}
     for joint in description.root.all("drake:joint"):
         if joint.get("drake_ignore") != "true":
-            yield joint, _of_joint(joint, description, {*names})
+            yield joint, _of_joint(joint, description, names)
         names.add(joint.get("name") or "")
-    frames = {*description.link, *(frame.get("name") or "" for frame in description.root.all("frame"))}
+    links, kinds = {*description.link}, {joint.name: joint.kind for joint in description.joints}
+    frames = {*links, *(frame.get("name") or "" for frame in description.root.all("frame"))}
     for tag, force in _FORCES.items():
         for element in description.root.all(tag):
-            yield element, _of_ends(element, force, {*description.link} if force.ends == _BODIES else frames)
+            yield element, _of_ends(element, force, links if force.ends == _BODIES else frames)
             yield element, _of_parts(element, force)
             if tag == _TENDON:
-                yield element, _of_tendon(element, force.prefix, description)
+                yield element, _of_tendon(element, force.prefix, kinds)
     for actuator in (actuator for each in description.root.all("transmission") for actuator in each.all("actuator")):
         if gains := actuator.first("drake:controller_gains"):
             yield gains, _of_numbers(gains, {"p": 0.0, "d": 0.0})
@@ -194,8 +195,8 @@ def _of_parts(element: Element, force: _Force) -> Iterator[str]:
             yield f"has no {about} with {what}{bound}"
 
 
-def _of_tendon(element: Element, prefix: str, description: Description) -> Iterator[str]:
-    kinds, seen = {joint.name: joint.kind for joint in description.joints}, set[str]()
+def _of_tendon(element: Element, prefix: str, kinds: Mapping[str, str]) -> Iterator[str]:
+    seen = set[str]()
     for joint in element.all(f"{prefix}joint"):
         name = joint.get("name") or ""
         if kinds.get(name) not in TURNING_OR_SLIDING:

@@ -36,10 +36,11 @@ def mass_of(inertial: Element | None) -> float:
     return numbers[0] if numbers else 0.0
 
 
-def kept(description: Description) -> Iterator[list[LinkNode]]:
+def kept(description: Description) -> list[list[LinkNode]]:
     """The bodies that are left, each a link with those that are fixed to it; below one that weighs nothing, none."""
     if not description.roots:
-        return
+        return []
+    found: list[list[LinkNode]] = []
     apart = _kept_apart(description)
     root = description.roots[0]
     heads = [root]
@@ -61,9 +62,15 @@ def kept(description: Description) -> Iterator[list[LinkNode]]:
                     body.append(description.link[joint.child])
         if head.name != WORLD and abs(sum(mass_of(node.inertial) for node in body)) <= _NOTHING:
             continue
-        yield body
+        found.append(body)
         lost = {link.name for link in holding_nothing(description, body)}
         heads.extend(description.link[joint.child] for joint in joints if joint.parent not in lost)
+    return found
+
+
+def body_of(description: Description) -> dict[LinkNode, list[LinkNode]]:
+    """The body that is left of each link, where one is."""
+    return {link: body for body in description.once(kept) for link in body}
 
 
 def holding_nothing(description: Description, body: list[LinkNode]) -> list[LinkNode]:

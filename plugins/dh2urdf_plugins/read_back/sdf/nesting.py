@@ -6,6 +6,7 @@ model ``n`` is called ``n::…`` outside of it, the frame of the model is called
 
 from __future__ import annotations
 
+from collections import defaultdict
 from typing import TYPE_CHECKING
 
 from lxml import etree
@@ -35,9 +36,8 @@ def flatten(model: etree._Element) -> str | None:
     """
     canonical = model.get("canonical_link") or next((link.get("name") for link in model.iterchildren("link")), None)
     for inner in model.findall("model"):
-        name, place, includes = inner.get("name", ""), model.index(inner), inner.find(".//include") is not None
+        name, includes = inner.get("name", ""), inner.find(".//include") is not None
         own = flatten(inner)
-        model.remove(inner)
         carrier = own or (AT_INCLUDED if includes else None)
         frame = etree.Element("frame", name=name, attached_to=f"{name}::{carrier}" if carrier else MODEL)
         canonical = canonical or (f"{name}::{own}" if own else None)
@@ -52,8 +52,9 @@ def flatten(model: etree._Element) -> str | None:
         children = list(inner.iterchildren(*_NAMED))
         for child in children:
             _rename(child, name)
-        for child in reversed([frame, *children]):
-            model.insert(place, child)
+        for child in [frame, *children]:
+            inner.addprevious(child)
+        model.remove(inner)
     return canonical
 
 
@@ -68,17 +69,25 @@ def leave_out_attached(model: etree._Element, not_read: Callable[[etree._Element
         not_read: takes each of them, and the words for it.
     """
     known = {element.get("name") for element in model.iterchildren(*_NAMED)} | {MODEL, WORLD}
-    while left := [each for each in model.iterchildren("joint", "frame") if not _references(each) <= known]:
-        for each in left:
-            not_read(each, f"a {each.tag} at an included model")
-            known.discard(each.get("name"))
-            child = each.find("child")
-            if child is not None and (child.text or "").strip() in known:
-                each[:] = [child]
-                etree.SubElement(each, "parent").text = WORLD
-                each.set("type", AT_INCLUDED)
-            else:
-                model.remove(each)
+    parts = list(model.iterchildren("joint", "frame"))
+    at: defaultdict[str | None, list[etree._Element]] = defaultdict(list)
+    for each in parts:
+        for target in _references(each):
+            at[target].append(each)
+    for each in parts:  # Behind them come those at what is left out.
+        if each.getparent() is not model or _references(each) <= known:
+            continue
+        not_read(each, f"a {each.tag} at an included model")
+        if (name := each.get("name")) in known:
+            known.discard(name)
+            parts += at[name]
+        child = each.find("child")
+        if child is not None and (child.text or "").strip() in known:
+            each[:] = [child]
+            etree.SubElement(each, "parent").text = WORLD
+            each.set("type", AT_INCLUDED)
+        else:
+            model.remove(each)
 
 
 def _references(element: etree._Element) -> set[str]:

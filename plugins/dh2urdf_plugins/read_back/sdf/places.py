@@ -56,6 +56,8 @@ class Places:
     def __init__(self, elements: SdfElements, model: etree._Element, canonical: str | None) -> None:
         self._elements, self._model = elements, model
         self.canonical = canonical or WORLD
+        self._bodies: dict[str, str] = {}  # what `body` has found, so that a chain of frames is walked once
+        self._rest: dict[str, RigidTransform] = {}  # what `_at_rest` has found in the model
         self._links = {elements.name(link) for link in model.iterchildren("link")}
         self._places = {
             self.key(element): self._place(element)
@@ -87,16 +89,23 @@ class Places:
 
     def body(self, name: str) -> str:
         """The link, or the world, that a frame is rigidly joined to."""
-        way = [name]
-        while way[-1] != WORLD:
-            place = None if way[-1] == MODEL else self._known(way[-1])
+        way: dict[str, None] = {}
+        while name not in self._bodies and name != WORLD:
+            place = None if name == MODEL else self._known(name)
             if place is not None and place.kind == "link":
-                return way[-1]
-            onto = self.canonical if place is None else place.moves_with
-            if onto in way:
-                raise self._elements.error(self._model, f"frame {shown(onto)} is attached to itself")
-            way.append(onto)
-        return WORLD
+                break
+            way[name] = None
+            name = self.canonical if place is None else place.moves_with
+            if name in way:
+                raise self._elements.error(self._model, f"frame {shown(name)} is attached to itself")
+        body = self._bodies.get(name, name)
+        self._bodies.update(dict.fromkeys(way, body))
+        return body
+
+    def rest_in_world(self) -> None:
+        """What is in the model is in the world, since no joint moves its canonical link."""
+        self.canonical = WORLD
+        self._bodies.clear()
 
     def between(self, base: str, name: str) -> RigidTransform:
         """The pose of one frame in another at q = 0; where it is written so, without a rounding."""
@@ -123,13 +132,16 @@ class Places:
 
     def _at_rest(self, name: str, base: str = MODEL) -> RigidTransform:
         """The pose of a frame in the model, or in a frame that it is placed by, at q = 0."""
-        pose, way = IDENTITY, [name]
-        while way[-1] not in {WORLD, MODEL, base}:
-            place = self._known(way[-1])
-            if place.reference in way:
-                raise self._elements.error(self._model, f"the pose of {shown(place.reference)} is relative to itself")
-            pose = place.pose @ pose
-            way.append(place.reference)
+        found = self._rest if base == MODEL else {base: IDENTITY}
+        way: dict[str, _Place] = {}
+        while name not in found and name not in {WORLD, MODEL}:
+            way[name] = place = self._known(name)
+            name = place.reference
+            if name in way:
+                raise self._elements.error(self._model, f"the pose of {shown(name)} is relative to itself")
+        pose = found.get(name, IDENTITY)
+        for each, place in reversed(way.items()):
+            pose = found[each] = pose @ place.pose
         return pose
 
     def _known(self, name: str) -> _Place:
@@ -141,14 +153,15 @@ class Places:
         """The pose of the model in its world, by the frames and models of the world that it is relative to."""
         around = self._model.getparent()
         others = {} if around is None else {each.get("name"): each for each in around.iterchildren("frame", "model")}
-        pose, way = IDENTITY, [self._model]
+        pose, at, seen = IDENTITY, self._model, {self._model}
         while True:
-            own = way[-1].find("pose")
-            pose = self._elements.pose(way[-1]) @ pose
-            named = (None if own is None else own.get("relative_to")) or way[-1].get("attached_to") or WORLD
+            own = at.find("pose")
+            pose = self._elements.pose(at) @ pose
+            named = (None if own is None else own.get("relative_to")) or at.get("attached_to") or WORLD
             if named == WORLD:
                 return pose
-            if (onto := others.get(named)) is None or onto in way or (onto.tag == "model" and onto.get(PLACED_BY)):
+            if (onto := others.get(named)) is None or onto in seen or (onto.tag == "model" and onto.get(PLACED_BY)):
                 message = f"the model is placed by {shown(named)}, which is not read here"
                 raise self._elements.error(self._model, message, "a frame of the world, or a model in it")
-            way.append(onto)
+            seen.add(onto)
+            at = onto

@@ -150,7 +150,7 @@ class _Reader(SdfElements):
                 self.not_read(joint, "a second joint of a link")
                 self._doubly.add(body)
         if self._is_at_rest(canonical):  # Then what is in the model is in the world.
-            self._places.canonical = WORLD
+            self._places.rest_in_world()
 
     def model(self) -> Model:
         links, joints = [Link(name=WORLD)], []
@@ -173,11 +173,11 @@ class _Reader(SdfElements):
 
     def _is_at_rest(self, link: str | None) -> bool:
         """Whether no joint moves a link; what nothing holds is at rest in the world."""
-        way: list[str] = []
+        way = set[str]()
         while link is not None and link not in way and (joint := self._joint_to.get(link)) is not None:
             if _type(joint) != JointType.FIXED.value:
                 return False
-            way.append(link)
+            way.add(link)
             link = self._places.body(self.word(joint, "parent"))
         return True
 

@@ -20,6 +20,8 @@ IN_MODEL = "use_parent_model_frame"
 """The element of an axis that said whether the axis is in the frame of the model."""
 _OWN_AXES_SINCE = (1, 5)
 FRAMES_SINCE = (1, 7)
+LONGEST_VERSION = 20
+"""Characters of the text of a version that are looked at."""
 
 
 def modernise(root: etree._Element) -> None:
@@ -28,7 +30,8 @@ def modernise(root: etree._Element) -> None:
     Args:
         root: the outermost element; it is changed.
     """
-    version = tuple(int(word) for word in (root.get("version") or "").split(".") if word.isdecimal())
+    words = (root.get("version") or "")[:LONGEST_VERSION].split(".")
+    version = tuple(int(word) for word in words if word.isdecimal())
     if not version or version >= FRAMES_SINCE:
         return
     for pose in root.iter("pose"):

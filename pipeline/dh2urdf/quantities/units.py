@@ -230,8 +230,14 @@ class _Words:
         self.define(Unit("N·s/mm", Dimension.LINEAR_DAMPING, 3))
 
 
+LONGEST_UNIT = 100
+"""Characters of a text that may be a unit."""
+
+
 def _factors(text: str) -> list[str]:
     """The factors of a unit as they are written, without case: ``kg m^2`` is kg and m2, ``kgm²`` is one word."""
+    if len(text) > LONGEST_UNIT:
+        return [text]
     if text.isascii() and text.replace("_", "").isalnum() and "sec" not in (word := text.lower()) and "min" not in word:
         return [word]
     word = in_latin_letters(composed(text).casefold().strip())

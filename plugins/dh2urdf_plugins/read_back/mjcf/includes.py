@@ -12,6 +12,8 @@ from dh2urdf.source import Problem, shown
 from dh2urdf_plugins.read_back.xml_files import FILE, LARGEST, mark_of, tree_of
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from lxml import etree
 
 _MOST = 1000
@@ -44,19 +46,28 @@ def include_files(root: etree._Element, path: Path) -> list[Missing]:
     """
     missing: list[Missing] = []
     taken = {path.resolve()}
-    while (include := root.find(".//include")) is not None and (parent := include.getparent()) is not None:
+    waiting = [*_includes_in(root)][::-1]
+    while waiting:
+        include = waiting.pop()
         own = mark_of(include, str(path)).file
-        place = parent.index(include)
         try:
             file = _file(include, path, Path(own).parent, taken)
-            for child in reversed(tree_of(read_bytes(file, InputError, limit=LARGEST), str(file), is_deep=True)):
+            included = tree_of(read_bytes(file, InputError, limit=LARGEST), str(file), is_deep=True)
+            waiting += [*_includes_in(included)][::-1]
+            for child in list(included):
                 child.set(FILE, str(file))
-                parent.insert(place, child)
+                include.addprevious(child)
         except (InputError, ProofError) as error:
             missing.append(Missing(include, error.problems[0].message))
         include.set(FILE, own)  # It is taken out, and messages may name its place.
-        parent.remove(include)
+        if (parent := include.getparent()) is not None:
+            parent.remove(include)
     return missing
+
+
+def _includes_in(root: etree._Element) -> Iterator[etree._Element]:
+    """The elements that include files, in their order; one in another goes with that."""
+    return (each for each in root.iter("include") if next(each.iterancestors("include"), None) is None)
 
 
 def _file(include: etree._Element, path: Path, beside: Path, taken: set[Path]) -> Path:

@@ -11,6 +11,7 @@ origin, and each of several joints of a body, gets a link of its own.
 
 from __future__ import annotations
 
+from collections import defaultdict
 from typing import TYPE_CHECKING
 
 from dh2urdf.errors import ProofError
@@ -135,6 +136,7 @@ class _Reader:
 
     def __init__(self, root: etree._Element, file: str) -> None:
         self._elements = Elements(root, file)
+        self._nameless_in = defaultdict[str, int](lambda: 1)  # by their place, the bodies and sites without a name
         for element in root.iter(*_NOT_READ):
             message, how = (
                 f"the element {element.tag} is not read here",
@@ -216,13 +218,11 @@ class _Reader:
             raise self._elements.error(element, f"a {element.tag} is in a {above.tag}", "a body, a frame or worldbody")
         return names[above]
 
-    @staticmethod
-    def _nameless(element: etree._Element, taken: set[str | None]) -> str:
+    def _nameless(self, element: etree._Element, taken: set[str | None]) -> str:
         name = place = f"{element.tag} in line {element.sourceline}"
-        number = 1
         while name in taken:
-            number += 1
-            name = f"{place} ({number})"
+            self._nameless_in[place] += 1
+            name = f"{place} ({self._nameless_in[place]})"
         taken.add(name)
         return name
 

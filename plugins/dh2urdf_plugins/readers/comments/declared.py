@@ -14,6 +14,7 @@ from dh2urdf.quantities import Dimension, QuantityError, evaluate
 from dh2urdf.source import Problem, shown
 from dh2urdf.table_text import STATEMENTS
 from dh2urdf_plugins.readers.header.words import one_slip, read_header
+from dh2urdf_plugins.readers.words.bounds import MAX_TEXT
 from dh2urdf_plugins.readers.words.comment_lines import Comment, within
 from dh2urdf_plugins.readers.words.fields import convention_of
 from dh2urdf_plugins.readers.words.word_keys import without_separators
@@ -96,8 +97,10 @@ def statements_in(comment: Comment) -> dict[str, Node]:
         TableError: it is a misspelt key, a key of something that nothing reads, or the value is not YAML.
     """
     text = comment.text
-    match = None if _BEHIND_KEYS.isdisjoint(text) else _STATEMENT.match(text)
+    match = None if _BEHIND_KEYS.isdisjoint(text) else _STATEMENT.match(text[:MAX_TEXT])
     key = match[1].casefold() if match else ""
+    if len(text) > MAX_TEXT:
+        return {key: _value(comment, key, match.end())} if match and key in STATEMENTS else {}
     if (not match or key not in STATEMENTS or key == "name") and (name := name_said(comment)):
         from dh2urdf.table_text import yaml_word
 
@@ -156,11 +159,11 @@ def comment_below(line: str, place: Mark) -> Comment:
     Raises:
         TableError: it says something under a key, which would not hold for the rows above.
     """
-    comment = Comment.of(line, place)
-    match = _STATEMENT.match(comment.text)
-    if match and match[1].casefold() in STATEMENTS and statements_in(comment):
-        raise TableError(below_header(comment))
-    return comment
+    whole = Comment.of(line, place, longest=len(line))
+    match = _STATEMENT.match(whole.text[:MAX_TEXT])
+    if match and match[1].casefold() in STATEMENTS and statements_in(whole):
+        raise TableError(below_header(whole))
+    return Comment.of(line, place)
 
 
 def below_header(comment: Comment) -> Problem:

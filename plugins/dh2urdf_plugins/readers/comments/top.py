@@ -18,6 +18,7 @@ from dh2urdf_plugins.readers.header.columns import TURN_ROUND, Columns, are_join
 from dh2urdf_plugins.readers.header.header_rows import headers_in, join_headers, text_in
 from dh2urdf_plugins.readers.header.unknown_columns import DIFFERENCES, other_geometry
 from dh2urdf_plugins.readers.header.words import read_header
+from dh2urdf_plugins.readers.words.bounds import MAX_COLUMNS, MAX_TEXT
 from dh2urdf_plugins.readers.words.cells import SPACES
 from dh2urdf_plugins.readers.words.comment_lines import Comment, is_comment, joined
 from dh2urdf_plugins.readers.words.fields import convention_of
@@ -84,7 +85,9 @@ def read_top(rows: Iterable[CellRow], whole: Mark, statements: Mapping[str, Node
         if likely is None or not _fields(likely):
             raise TableError(_no_header(top.titles, whole))
         header = likely
-    if above and above in top.titles and above is not header:
+    if problem := _too_large(header):
+        raise TableError(problem)
+    if above and above in top.titles and above is not header and not _too_large(above):
         header, unused = join_headers(above, header)
         top.titles[-1:] = [unused] if any(unused.cells) else []
     if isinstance(rows, HeaderRows):
@@ -92,6 +95,18 @@ def read_top(rows: Iterable[CellRow], whole: Mark, statements: Mapping[str, Node
     texts = headers_in(header)
     columns = name_columns(texts, header.marks or [header.mark] * len(texts), header.mark)
     return Top(columns, top.said, top.comments, [*top.notices, *_title_notices(top.titles)])
+
+
+def _too_large(header: CellRow) -> Problem | None:
+    """What is wrong with a header of too many columns, or one of whose cells is too long."""
+    count, longest = len(header.cells), max((len(text_in(cell)) for cell in header.cells), default=0)
+    if count > MAX_COLUMNS:
+        message, accepted = f"the header has {count:,} columns", f"at most {MAX_COLUMNS:,} columns"
+    elif longest > MAX_TEXT:
+        message, accepted = f"a column has a header of {longest:,} characters", f"at most {MAX_TEXT:,} characters"
+    else:
+        return None
+    return Problem(message=message, mark=header.mark, accepted=accepted)
 
 
 @runtime_checkable
@@ -134,12 +149,12 @@ class _TopReader:
     def add(self, row: CellRow) -> None:
         """Takes a row, which may say something with or without a # before it."""
         text = comment_text(row)
-        comment = Comment.of(text, row.mark)
+        comment = Comment.of(text, row.mark, longest=len(text))
         if not is_comment(text, top=True):
             _refuse_other_comment(text, row.mark)
         found = statements_in(comment)
         if not found:
-            self.comments.append(comment)
+            self.comments.append(Comment.of(text, row.mark))
             if not is_comment(text, top=True):
                 self.titles.append(row)
         for key, node in found.items():

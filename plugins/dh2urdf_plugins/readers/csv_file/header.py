@@ -16,6 +16,7 @@ from dh2urdf_plugins.readers.comments.top import MAX_TITLES, is_header
 from dh2urdf_plugins.readers.header.columns import TURN_ROUND, are_joints
 from dh2urdf_plugins.readers.header.unknown_columns import DIFFERENCES, other_geometry
 from dh2urdf_plugins.readers.header.words import read_header
+from dh2urdf_plugins.readers.words.bounds import MAX_TEXT
 from dh2urdf_plugins.readers.words.cells import SPACES
 from dh2urdf_plugins.readers.words.comment_lines import as_typed, is_comment, is_open, is_quoted, without_marker
 
@@ -251,7 +252,7 @@ def _no_header(line: str, number: int, file: str, others: Sequence[str]) -> Prob
         found=line,
         accepted="a header with at least the columns a, alpha and d, such as `joint,type,a,alpha,d,theta`, with one "
         "delimiter: comma, semicolon or tab",
-        suggestion=_advice(line) or next(filter(None, map(_other_form, others[:_FIRST])), None),
+        suggestion=_advice(line[:MAX_TEXT]) or next(filter(None, map(_other_form, others[:_FIRST])), None),
     )
 
 
@@ -277,7 +278,7 @@ _FIRST = 20
 
 
 def _other_form(line: str) -> str | None:
-    return next((advice for pattern, advice in _OTHER_FORMS if pattern.search(line)), None)
+    return next((advice for pattern, advice in _OTHER_FORMS if pattern.search(line[:MAX_TEXT])), None)
 
 
 def _advice(line: str) -> str | None:

@@ -10,6 +10,7 @@ from dh2urdf.patterns import late_pattern
 from dh2urdf.quantities import Dimension, QuantityError, evaluate, find_unit, is_unit, is_zero
 from dh2urdf.source import Mark, Problem, did_you_mean, shown
 from dh2urdf_plugins.readers.header.words import Header, misspelt, read_header, suspected
+from dh2urdf_plugins.readers.words.bounds import MAX_TEXT
 from dh2urdf_plugins.readers.words.comment_lines import SPREADSHEET_ERROR
 from dh2urdf_plugins.readers.words.fields import FIELDS
 from dh2urdf_plugins.readers.words.unheld import GEOMETRY, IGNORED, LIKELY, MOVES_BY_ITSELF, NO, is_still, meaning_of
@@ -120,7 +121,7 @@ def refusal(text: str, header: Header, what: str = "column") -> Refusal | None:
 
 def other_geometry(text: str, what: str) -> Refusal | None:
     """Why a column of a parameter is refused that is not the one which the row has, or not all of it."""
-    match = _OTHER_ONE.fullmatch(text)
+    match = _OTHER_ONE.fullmatch(text) if len(text) <= MAX_TEXT else None
     named = read_header(match[1] or match[2]).field if match else None
     if named is None or named.name not in ("a", "alpha", "d", "theta"):
         return None

@@ -11,6 +11,7 @@ from dh2urdf.source import Mark, Problem, shown
 from dh2urdf_plugins.readers.header.words import read_header
 from dh2urdf_plugins.readers.words.cells import text_of
 from dh2urdf_plugins.readers.words.fields import FIELDS, GROUPS
+from dh2urdf_plugins.readers.words.unheld import IGNORED
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -93,6 +94,11 @@ def is_accepted(kind: Any, field: str | None) -> bool:  # noqa: ANN401 - a type 
     return bool(
         is_text(kind) or _is_number(kind) or types.is_decimal(kind) or types.is_boolean(kind) or types.is_null(kind)
     )
+
+
+def is_readable(field: Any) -> bool:  # noqa: ANN401 - a field of pyarrow
+    """Whether cells of a column are read whatever it is called: others are of types that no field has, or left out."""
+    return not field.name.startswith(IGNORED) and is_accepted(field.type, next(iter(GROUPS)))
 
 
 def numbers_of(array: Any) -> Sequence[Value]:  # noqa: ANN401 - an array of pyarrow

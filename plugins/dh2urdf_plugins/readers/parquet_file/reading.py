@@ -30,12 +30,14 @@ from dh2urdf_plugins.readers.parquet_file.columns import (
     holds_numbers,
     is_accepted,
     is_as_written,
+    is_readable,
     is_text,
     numbers_of,
     texts_of,
     unread,
     with_unit,
 )
+from dh2urdf_plugins.readers.parquet_file.sizes import refuse_large, refuse_many_columns, refuse_one_manipulator
 from dh2urdf_plugins.readers.table import TableOptions, read_table_columns
 from dh2urdf_plugins.readers.words.cells import Cell
 
@@ -112,7 +114,9 @@ def _items(
             refuse_other_kind(start, str(path), TableError, "a Parquet file", "a whole Parquet file")
         with _reporting_errors(Mark(file=str(path)), "this is no Parquet file that can be read"):
             file = ParquetFile(binary, buffer_size=_BUFFER, pre_buffer=False)
+            refuse_many_columns(file, str(path))
             fields = list(file.schema_arrow)
+            refuse_large(file, path, [field.name for field in fields if is_readable(field)])
         metadata = file.metadata.metadata or {}
         said, remarks = _statements(metadata, str(path)), list(_remarks(metadata, fields, str(path)))
         file_rows = _ParquetRows(file, fields, str(path))
@@ -222,6 +226,7 @@ class _ParquetRows:
         self.notices: list[Problem] = []
         self.comments: list[Comment] = []
         self.cells: list[Callable[[Any], Sequence[Value]]] = []
+        self.constant: list[str] = []  # what stands for each cell of a column that is not read: nothing, or its type
         self.short: dict[int, str] = {}
         self.skipped = 0  # rows at the top that are no joints
 
@@ -241,11 +246,13 @@ class _ParquetRows:
         """
         if not any(is_text(field.type) for field in self.fields):
             return header
+        names = [field.name for field in self.fields if is_readable(field)]
         with _reporting_errors(Mark(file=self.path, line=1, place="row 1"), "the file is broken from here on"):
-            first = next(self.file.iter_batches(1, use_threads=False), None)
+            first = next(self.file.iter_batches(1, columns=names, use_threads=False), None)
         if first is None or not first.num_rows:
             return header
-        cells = [None if _is_missing(cell) else cell for (cell,) in (column.to_pylist() for column in first.columns)]
+        found = {name: first.column(name).to_pylist()[0] for name in names}
+        cells = [None if _is_missing(cell := found.get(field.name)) else cell for field in self.fields]
         joined = completed(header, CellRow(cells, Mark(file=self.path, line=1, place="row 1"), self.marks(1, ())))
         self.skipped = joined is not None
         return joined or header
@@ -259,9 +266,13 @@ class _ParquetRows:
         kinds = [field.type for field in self.fields]
         kept = [index for index in range(len(kinds)) if index not in columns.ignored]
         _refuse_others(columns, kinds, kept)
+        robot = self.fields[columns.fields.index("robot")].name if "robot" in columns.fields else None
+        refuse_one_manipulator(self.file, self.path, robot, self.skipped)
         numbers = frozenset(index for index in kept if holds_numbers(columns.fields[index], kinds[index]))
         for index, kind in enumerate(kinds):
-            self.cells.append(unread if index not in kept else numbers_of if index in numbers else texts_of)
+            is_read = index in kept and is_readable(self.fields[index])
+            self.cells.append(numbers_of if index in numbers else texts_of if is_read else unread)
+            self.constant.append(str(kind) if index in kept and not is_read else "")
             if index in numbers and str(kind) in DIGITS:
                 self.short[index] = str(kind)
         return replace(columns, numbers=numbers, quoted_commas=True)
@@ -279,10 +290,9 @@ class _ParquetRows:
                 batch = next(batches, None)
                 if batch is None:
                     return
-                none = [""] * batch.num_rows
                 cells = [
-                    none if cells_of is unread else cells_of(batch.column(name))
-                    for name, cells_of in zip(names, self.cells, strict=True)
+                    [constant] * batch.num_rows if cells_of is unread else cells_of(batch.column(name))
+                    for name, cells_of, constant in zip(names, self.cells, self.constant, strict=True)
                 ]
             self._look_at_digits(cells)
             rows = zip(*cells, strict=True)

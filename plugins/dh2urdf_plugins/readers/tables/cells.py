@@ -20,7 +20,7 @@ from dh2urdf_plugins.readers.header.unknown_columns import (
 from dh2urdf_plugins.readers.header.words import read_header
 from dh2urdf_plugins.readers.rows.joint_rows import LABEL
 from dh2urdf_plugins.readers.rows.names import holds_type, kind_of
-from dh2urdf_plugins.readers.words.bounds import REMEMBERED
+from dh2urdf_plugins.readers.words.bounds import MAX_TEXT, REMEMBERED
 from dh2urdf_plugins.readers.words.cells import SPACES, Cell, text_of
 from dh2urdf_plugins.readers.words.comment_lines import SPREADSHEET_ERROR, Comment, joined, marks_a_comment
 from dh2urdf_plugins.readers.words.decimal_signs import DecimalSigns, largest
@@ -77,18 +77,15 @@ class TableCells:
             reader: what takes the problems.
         """
         columns, joint, texts = self.columns, f"joint_{number}", list(map(text_of, row))
+        if problem := self._pass_over(texts, marks, joint):
+            reader.add(problem)
+            return None
         cells = self._label(texts, marks)
         self.d_text = texts[columns.fields.index("d")].casefold() if "d" in columns.fields[: len(texts)] else ""
         if self.steps:
             parent, child = (Cell(texts[k].strip(SPACES), marks[k]) for k in self.steps)
             self._follow(parent, child, number)
-        behind = (place for place in range(len(columns.fields), len(texts)) if marks_a_comment(texts[place]))
-        if (place := next(behind, None)) is not None:  # a comment behind the row, which may have commas
-            comment = Comment.of(joined(texts[place:]).strip(SPACES), marks[place])
-            beside = "; ".join(map("{}: {}".format, columns.fields, texts))
-            words = not any(map(str.isdigit, comment.text))  # they say the same beside other numbers
-            key = dict(zip(columns.fields, texts, strict=False)).get("type", "") if words else beside
-            self.remarks.setdefault(f"{key}; {comment.line}", (comment, number, beside))
+        self._note_behind(texts, marks, number)
         for index, (name, text) in enumerate(zip(columns.fields, texts, strict=False)):
             if index in columns.ignored:
                 continue
@@ -109,6 +106,29 @@ class TableCells:
                 is_text = FIELDS[part].dimension is not None and isinstance(row[index], str)
                 cells[part] = self._number(of_part, part, number) if is_text else of_part
         return cells
+
+    def _note_behind(self, texts: Sequence[str], marks: Sequence[Mark], number: int) -> None:
+        """Notes a comment behind the row, which may have commas."""
+        columns = self.columns
+        behind = (place for place in range(len(columns.fields), len(texts)) if marks_a_comment(texts[place]))
+        if (place := next(behind, None)) is not None:
+            comment = Comment.of(joined(texts[place:]).strip(SPACES), marks[place])
+            beside = "; ".join(map("{}: {}".format, columns.fields, texts))
+            words = not any(map(str.isdigit, comment.text))  # they say the same beside other numbers
+            key = dict(zip(columns.fields, texts, strict=False)).get("type", "") if words else beside
+            self.remarks.setdefault(f"{key}; {comment.line}", (comment, number, beside))
+
+    def _pass_over(self, texts: list[str], marks: Sequence[Mark], joint: str) -> Problem | None:
+        """Empties the long cells that no field knows, which are prose; what is wrong where a field knows one."""
+        for index, name in enumerate(self.columns.fields[: len(texts)]):
+            if len(texts[index]) <= MAX_TEXT:
+                continue
+            if name and index not in self.columns.ignored:
+                return _long_cell(Cell(texts[index], marks[index]), name, joint)
+            if index in self.columns.silent:
+                self.left_out.add(index)
+            texts[index] = ""
+        return None
 
     def _follow(self, parent: Cell, child: Cell, number: int) -> None:
         """Notes a row that does not begin where the row above it ends: a branch, or another order."""
@@ -335,6 +355,17 @@ def _spreadsheet_error(cell: Cell, name: str, joint: str) -> Problem:
         found=cell.text,
         accepted="a name",
         suggestion="fix the formula in the spreadsheet, and save the table again",
+    )
+
+
+def _long_cell(cell: Cell, name: str, joint: str) -> Problem:
+    return Problem(
+        message=f"the cell has {len(cell.text):,} characters",
+        mark=cell.mark,
+        joint=joint,
+        field=name,
+        found=cell.text[:MAX_TEXT],
+        accepted=f"at most {MAX_TEXT:,} characters",
     )
 
 

@@ -7,7 +7,6 @@ puts cells in quotes, and splits what stood between brackets at every comma. Her
 from __future__ import annotations
 
 import csv
-import re
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -15,6 +14,7 @@ from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.patterns import late_pattern
 from dh2urdf.source import Mark
+from dh2urdf_plugins.readers.words.bounds import MAX_TEXT
 from dh2urdf_plugins.readers.words.cells import SPACES
 
 if TYPE_CHECKING:
@@ -30,7 +30,7 @@ _QUOTED = "#>"
 _INVISIBLE = SPACES + "\ufeff\u3000"
 _APOSTROPHES = "'\N{RIGHT SINGLE QUOTATION MARK}\N{LEFT SINGLE QUOTATION MARK}`\N{ACUTE ACCENT}"
 _ANY_START = late_pattern(
-    rf'(?P<outer>(?:[{_INVISIBLE},;]|"")*)(?P<quote>"?)[{_INVISIBLE}]*[{_APOSTROPHES}]*[{_INVISIBLE}]*'
+    rf'(?P<outer>(?:[{_INVISIBLE},;]|"")*+)(?P<quote>"?)[{_INVISIBLE}]*+[{_APOSTROPHES}]*+[{_INVISIBLE}]*+'
     rf"(?P<sign>{'|'.join(SIGNS)})"
 )
 SPREADSHEET_ERROR = late_pattern(
@@ -38,7 +38,8 @@ SPREADSHEET_ERROR = late_pattern(
 )
 """What spreadsheets write for an error: ``#REF!``, ``#NAME?``, ``#N/A``, in German ``#WERT!`` and ``#NV``."""
 _DECIMAL_COMMA = late_pattern(r"([^,]*?[+-]?[0-9]*),([0-9]+[^,]*)")
-_OPEN_KEY = late_pattern(r".*[:=\uff1a]", re.DOTALL)
+_OPEN_KEY = (":", "=", "\uff1a")
+"""What a key ends with whose value is in the next cell."""
 _BRACKETS = frozenset("[{")
 _NUMBER = late_pattern(r"[-+−(]*([0-9]|[.,][0-9]|\\?pi\b|π)")
 
@@ -60,11 +61,11 @@ class Comment:
     whole: Mark
 
     @classmethod
-    def of(cls, line: str, place: Mark) -> Comment:
-        """The comment that a line or a row is, with its marker or without one; a quoted one has no text."""
+    def of(cls, line: str, place: Mark, *, longest: int = MAX_TEXT) -> Comment:
+        """The comment that a line or a row is, with its marker or without one; a quoted or long one has no text."""
         start = _start_of(line)
         text = line[start.end :] if start else line
-        if is_quoted(line):
+        if is_quoted(line) or len(text) > longest:
             text = ""
         rest = text.lstrip(f"{_INVISIBLE}{''.join(MARKERS)}")
         return cls(rest, within(place, len(line) - len(rest)), line.strip(), place)
@@ -182,10 +183,8 @@ def joined(cells: Sequence[str], *, decimal_comma: bool = False) -> str:
     parts = [cell for cell in cells if cell.strip(SPACES)]
     if decimal_comma and len(parts) > 1:
         parts = [_with_point(part) for part in parts]
-    text = ""
-    for part in parts:
-        text += part if not text else f" {part}" if _OPEN_KEY.fullmatch(text.strip(SPACES)) else f",{part}"
-    return text.rstrip(SPACES)
+    signs = [" " if part.rstrip(SPACES).endswith(_OPEN_KEY) else "," for part in parts]
+    return "".join(map(str.__add__, parts, signs))[:-1].rstrip(SPACES)
 
 
 def _with_point(part: str) -> str:

@@ -28,7 +28,7 @@ from dh2urdf_plugins.readers.csv_file.header import MAX_HEADER
 from dh2urdf_plugins.readers.rows.rows import MAX_PROBLEMS
 from dh2urdf_plugins.readers.statements.text import MAX_LINE
 from dh2urdf_plugins.readers.table import TableOptions
-from dh2urdf_plugins.readers.words.bounds import MAX_JOINTS
+from dh2urdf_plugins.readers.words.bounds import MAX_COLUMNS, MAX_JOINTS, MAX_TEXT
 from dh2urdf_plugins.readers.words.names import MAX_NAME
 
 if TYPE_CHECKING:
@@ -125,13 +125,40 @@ def test_a_line_has_a_million_characters(read: Callable[..., Manipulator]) -> No
         read(f"a,alpha,d,{header}\n1,0,0,{','.join([*cells, *cells])}\n")
 
 
-def test_a_header_has_a_hundred_thousand_characters(read: Callable[..., Manipulator]) -> None:
-    """Thousands of columns that nothing is called are left out, with one notice; a longer header is refused."""
-    columns = (MAX_HEADER - len("a,alpha,d")) // len(",comment")
+def test_a_header_has_a_thousand_columns(read: Callable[..., Manipulator]) -> None:
+    """Hundreds of columns that nothing is called are left out, with one notice; more are refused, and a long header."""
+    columns = MAX_COLUMNS - len(("a", "alpha", "d"))
     (notice,) = read(f"a,alpha,d{',comment' * columns}\n1,0,0{',x' * columns}\n").notices
     assert "are left out" in notice.message
-    with pytest.raises(TableError, match=f"at most {MAX_HEADER} characters"):
+    with pytest.raises(TableError, match=r"the header has 1,001 columns\n *accepted: at most 1,000 columns"):
         read(f"a,alpha,d{',comment' * (columns + 1)}\n1,0,0{',' * (columns + 1)}\n")
+    with pytest.raises(TableError, match=f"at most {MAX_HEADER} characters"):
+        read(f"a,alpha,d{',' * MAX_HEADER}\n1,0,0\n")
+
+
+def test_a_header_and_a_cell_have_a_thousand_characters(read: Callable[..., Manipulator]) -> None:
+    """Of a column that a field has; a cell that nothing reads may be longer."""
+    (notice,) = read(f"a,alpha,d,{'x' * MAX_TEXT}\n1,0,0,{'x' * CELL}\n").notices
+    assert "is left out" in notice.message
+    with pytest.raises(TableError, match="a column has a header of 1,001 characters"):
+        read(f"a,alpha,d,{'x' * (MAX_TEXT + 1)}\n1,0,0,1\n")
+    with pytest.raises(TableError, match="field 'a': the cell has 1,001 characters"):
+        read(f"a,alpha,d\n{'1' * (MAX_TEXT + 1)},0,0\n")
+
+
+def test_a_long_comment_is_prose(read: Callable[..., Manipulator]) -> None:
+    """Nothing looks at it, wherever it is; a statement of that length is read, and not passed over below the header."""
+    other = "after the book of Craig "
+    assert read(f"# {other}\na,alpha,d\n1,0,0\n").notices
+    prose = other + "x" * MAX_TEXT
+    assert not read(f"# {prose}\na,alpha,d\n1,0,0,# {prose}\n# {prose}\n").notices
+    assert not read(f"# {prose}\njoints:\n- {{a: 1, alpha: 0, d: 0}} # {prose}\n", ".yaml").notices
+    base = f"# base: {{xyz: [0, 0,{' ' * MAX_TEXT}0.3]}}\n"
+    moved = read(f"{base}a,alpha,d\n1,0,0\n").base
+    assert moved is not None
+    assert moved.translation == (0, 0, 0.3)
+    with pytest.raises(TableError, match="is below the header, and would not hold for the rows above"):
+        read(f"a,alpha,d\n1,0,0\n{base}")
 
 
 def test_a_comment_line_that_says_something_has_ten_thousand_characters(read: Callable[..., Manipulator]) -> None:

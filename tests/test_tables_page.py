@@ -33,11 +33,12 @@ from dh2urdf_plugins.readers import csv, parquet, xlsx, yaml
 from dh2urdf_plugins.readers.comments import declared, top
 from dh2urdf_plugins.readers.csv_file import header as csv_header
 from dh2urdf_plugins.readers.header import units as table_units, words as header_words
+from dh2urdf_plugins.readers.parquet_file import sizes as parquet_sizes
 from dh2urdf_plugins.readers.rows import cells as row_cells, rows
 from dh2urdf_plugins.readers.statements import plausibility, text
 from dh2urdf_plugins.readers.table import TableOptions
 from dh2urdf_plugins.readers.tables import tables
-from dh2urdf_plugins.readers.words import fields, names, other_words, unheld
+from dh2urdf_plugins.readers.words import bounds as table_bounds, fields, names, other_words, unheld
 from dh2urdf_plugins.readers.words.word_keys import key_of
 from dh2urdf_plugins.readers.xlsx_file import workbook as xlsx_file
 from dh2urdf_plugins.readers.yaml_file import reading as yaml_reading, schema as yaml_schema
@@ -762,6 +763,8 @@ def test_every_way_to_write_a_unit_in_a_header_is_read() -> None:
 CONSTANTS = {
     "characters in a line of a CSV file": (text, "MAX_LINE"),
     "characters in the header of a CSV file": (csv_header, "MAX_HEADER"),
+    "columns of a table": (table_bounds, "MAX_COLUMNS"),
+    "characters in the header of one column, and in a cell that a field has": (table_bounds, "MAX_TEXT"),
     "characters in a comment line with a statement": (declared, "MAX_STATEMENT"),
     "rows above the header that are no comments": (top, "MAX_TITLES"),
     "characters in a number or an expression": (expressions, "MAX_CHARACTERS"),
@@ -770,6 +773,10 @@ CONSTANTS = {
     "joints of a manipulator": (tables, "MAX_JOINTS"),
     "bytes in a workbook, unpacked": (xlsx_file, "MAX_UNPACKED"),
     "parts of a workbook": (xlsx_file, "MAX_PARTS"),
+    "rows of a sheet, also of such as hold nothing": (xlsx_file, "MAX_ROW"),
+    "columns of a sheet": (xlsx_file, "MAX_COLUMN"),
+    "bytes of a column in one row group of a Parquet file, unpacked": (parquet_sizes, "MAX_UNPACKED"),
+    "bytes of a text that several rows of a Parquet file share": (parquet_sizes, "MAX_CELL"),
     "bytes in a YAML file": (textfiles, "MAX_BYTES"),
     "mappings and lists inside each other in YAML": (yaml_composer, "MAX_DEPTH"),
     "values that YAML aliases stand for": (yaml_composer, "MAX_ALIASED"),

@@ -100,15 +100,22 @@ def _mass(description: Description, link: LinkNode, inertial: Element) -> Iterat
     elif value == 0.0 and _moves(description, link):
         of = ALL if description.is_body_weightless(link) else {"drake"}
         yield Hit("zero-mass", mass, f"{about} moves and has the mass 0", of)
-    elif value and _moves(description, link) and _mass_of_body(description, link) < SMALLEST_MASS:
+    elif value and _moves(description, link) and _is_body_light(description, link):
         yield Hit("zero-mass", mass, f"{about} moves and has the mass {value:g}, which MuJoCo takes for 0", {"mujoco"})
     elif value == 0.0 and (body := inertial_of(inertial)) and body.inertia != WEIGHTLESS.inertia:
         yield Hit("zero-mass", mass, f"{about} has the mass 0, and an inertia", {"drake"})
 
 
-def _mass_of_body(description: Description, link: LinkNode) -> float:
-    """The mass of a link and of all that is fixed to it; infinite where one is not known."""
-    return sum(math.inf if each.mass is None else each.mass for each in description.body(link) if each.inertial)
+def _is_body_light(description: Description, link: LinkNode) -> bool:
+    """Whether MuJoCo takes the mass of a link and of all that is fixed to it for 0; not where one is not known."""
+    if (link.mass or 0.0) >= SMALLEST_MASS and not description.once(_has_negative_mass):
+        return False  # without a look at the others
+    body = [each for each in description.body(link) if each.inertial]
+    return sum(math.inf if each.mass is None else each.mass for each in body) < SMALLEST_MASS
+
+
+def _has_negative_mass(description: Description) -> bool:
+    return any((link.mass or 0.0) < 0.0 for link in description.links)
 
 
 def _inertia(description: Description, link: LinkNode, inertial: Element) -> Iterator[Hit]:

@@ -27,7 +27,10 @@ MAX_UNPACKED = 2**29
 """Bytes of a workbook when unpacked [B]: a zip archive may hold a thousand times its own size."""
 MAX_PARTS = 10_000
 """Parts of a workbook."""
+MAX_ROW, MAX_COLUMN = 2**20, 2**14
+"""The last row and column of a sheet in Excel: rows that hold nothing are read up to the one that has a cell."""
 
+_LONGEST_REFERENCE = 20
 _PROLOG = 2**16
 _STRICT = b"http://purl.oclc.org/ooxml/"
 """What the names of a strict workbook's elements begin with (ISO/IEC 29500-1); openpyxl knows the transitional ones."""
@@ -243,6 +246,8 @@ def _see_row(layout: SheetLayout, row: Any, number: int) -> None:  # noqa: ANN40
     hidden = _is_true(row.get("hidden"))
     column = 0
     filled = False
+    if number > MAX_ROW:
+        raise ValueError(f"a row has the number {number:,}, and a sheet has {MAX_ROW:,} rows")
     for cell in row:
         column = _cell(cell.get("r"))[1] if cell.get("r") else column + 1
         value = cell.findtext("{*}v")
@@ -269,9 +274,16 @@ def _range(ref: str) -> tuple[int, int, int, int]:
 
 
 def _cell(ref: str) -> tuple[int, int]:
-    """Row and column of a reference such as ``C4``."""
+    """Row and column of a reference such as ``C4``.
+
+    Raises:
+        ValueError: it is beyond the last row or column of a sheet.
+    """
     letters = ref.rstrip("0123456789")
     column = 0
-    for letter in letters.replace("$", "").upper():
+    for letter in letters[:_LONGEST_REFERENCE].replace("$", "").upper():
         column = 26 * column + ord(letter) - 64
-    return int(ref[len(letters) :] or 1), column
+    row = int(ref[len(letters) :][:_LONGEST_REFERENCE] or 1)
+    if row > MAX_ROW or column > MAX_COLUMN:
+        raise ValueError(f"the cell {ref[:_LONGEST_REFERENCE]} is beyond the last one of a sheet")
+    return row, column

@@ -6,7 +6,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from dh2urdf.documents import decoded, read_bytes, stream_yaml
-from dh2urdf.errors import TableError
+from dh2urdf.errors import SCREENFUL, TableError
 from dh2urdf.manipulator import Convention, JointType, Manipulator
 from dh2urdf.row_fields import COM, INERTIA, LIMITS
 from dh2urdf.source import Problem, shown
@@ -391,5 +391,7 @@ class _Table:
             f"{shown(key)} is no key of {what}",
             found=key,
             accepted=", ".join(_JOINT_KEYS),
-            suggestion=forms.in_the_joint(node) or meant_key(key, header, why and why.field, _JOINT_KEYS),
+            suggestion=forms.in_the_joint(node)
+            or (len(self.unknown) <= SCREENFUL and meant_key(key, header, why and why.field, _JOINT_KEYS))
+            or None,  # of what is not printed nothing is looked for: it takes 20 ms
         )

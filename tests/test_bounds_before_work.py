@@ -1,0 +1,171 @@
+"""Small files that would take gigabytes or minutes: each is refused in one sentence, in a child that is measured."""
+
+from __future__ import annotations
+
+import io
+import subprocess
+import sys
+import zipfile
+from typing import TYPE_CHECKING, Any
+
+import pytest
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+MOST = 300
+"""What reading may take beyond the memory that a plain table of the same kind takes [MiB]."""
+CHILD = """
+import resource, sys, time
+from dh2urdf.errors import Dh2UrdfError
+import dh2urdf
+begun = time.process_time()
+try:
+    dh2urdf.read(sys.argv[1])
+    print("read")
+except Dh2UrdfError as error:
+    print(len(error.problems), error.problems[0].message)
+print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss // 1024, time.process_time() - begun)
+"""
+GEOMETRY: dict[str, Any] = {"a": [0.1, 0.2], "alpha": [0.0, 0.1], "d": [0.1, 0.0]}
+ARM = {"convention": ["standard"] * 2, "joint": ["j1", "j2"], **GEOMETRY}
+
+
+def read(path: Path) -> tuple[str, int, float]:
+    """What a child says of a file, its memory [MiB] and its processor time [s]."""
+    ended = subprocess.run([sys.executable, "-c", CHILD, str(path)], capture_output=True, text=True, check=True)
+    said, measured = ended.stdout.splitlines()
+    memory, seconds = measured.split()
+    return said, int(memory), float(seconds)
+
+
+def refused(path: Path, plain: Path) -> str:
+    """The one sentence in which a file is refused that takes no more than a plain one does, but for `MOST`."""
+    accepted, memory_of_plain, _ = read(plain)
+    assert accepted == "read"
+    said, memory, _ = read(path)
+    assert memory < memory_of_plain + MOST
+    count, _, message = said.partition(" ")
+    assert count == "1", said
+    return message
+
+
+@pytest.fixture
+def parquet(tmp_path: Path) -> Any:
+    """Writes columns into a Parquet file."""
+    pa, pq = pytest.importorskip("pyarrow"), pytest.importorskip("pyarrow.parquet")
+
+    def write(name: str, columns: dict[str, Any], **options: Any) -> Path:
+        path = tmp_path / f"{name}.parquet"
+        pq.write_table(pa.table(columns), path, compression="zstd", **options)
+        assert path.stat().st_size < 2**22
+        return path
+
+    write("plain", ARM)
+    return write
+
+
+def test_a_cell_of_parquet_of_hundreds_of_megabytes(parquet: Any, tmp_path: Path) -> None:
+    """48 kB that hold one text of 1.5 GB took 7.4 GB before they were refused."""
+    path = parquet("cell", {**ARM, "joint": ["x" * 300_000_000, "j2"]})
+    assert refused(path, tmp_path / "plain.parquet") == "the column 'joint' has 286 MiB in 2 rows when unpacked"
+
+
+@pytest.mark.parametrize("typed", [False, True])
+def test_a_long_cell_that_many_rows_of_parquet_share(parquet: Any, tmp_path: Path, *, typed: bool) -> None:
+    """A dictionary holds it once, and each row that is read would have its own: 30 GB."""
+    import pyarrow as pa
+
+    count = 3000
+    columns = {key: values * (count // 2) for key, values in ARM.items()}
+    note = pa.DictionaryArray.from_arrays(pa.array([0] * count, pa.int32()), ["x" * 10_000_000])
+    columns |= {"robot": [f"r{k}" for k in range(count)], "note": note}
+    path = parquet("shared", columns, store_schema=typed)
+    assert refused(path, tmp_path / "plain.parquet") == "the column 'note' holds a text of 10,000,000 bytes"
+
+
+def test_a_list_of_parquet_of_a_hundred_million_numbers(parquet: Any, tmp_path: Path) -> None:
+    """A list of numbers that are the same is a few bytes; its type, and how many there are, is looked at first."""
+    import numpy as np
+    import pyarrow as pa
+
+    numbers = pa.array(np.zeros(20_000_000))
+    lists = pa.ListArray.from_arrays(pa.array([0, 0, len(numbers)], pa.int32()), numbers)
+    path = parquet("list", {**ARM, "com": lists})
+    assert refused(path, tmp_path / "plain.parquet") == "the column 'com' has 20,000,001 values in 2 rows"
+    path = parquet("other", {**ARM, "a": lists})
+    assert refused(path, tmp_path / "plain.parquet").startswith("the column 'a' ")
+
+
+@pytest.mark.parametrize("named", [False, True])
+def test_rows_of_one_manipulator_are_counted_before_they_are_read(parquet: Any, tmp_path: Path, *, named: bool) -> None:
+    """3,000,000 rows took 16 s, to say that there are at most 5,000 joints."""
+    import numpy as np
+    import pyarrow as pa
+
+    count = 3_000_000
+    columns: dict[str, Any] = dict.fromkeys(GEOMETRY, np.zeros(count))
+    columns["convention"] = pa.array(["standard"] * count).dictionary_encode()
+    if named:
+        columns["robot"] = pa.array(["a"] * count).dictionary_encode()
+    path, plain = parquet("rows", columns), tmp_path / "plain.parquet"
+    assert " joints" in refused(path, plain)
+    assert read(path)[2] < read(plain)[2] + 1.0
+
+
+@pytest.mark.parametrize("suffix", [".parquet", ".csv"])
+def test_a_table_has_a_thousand_columns(parquet: Any, tmp_path: Path, suffix: str) -> None:
+    """4,000 columns that nothing is called took 9 to 15 s."""
+    names = [f"c{k}" for k in range(4000)]
+    if suffix == ".parquet":
+        path = parquet("columns", {**ARM, **{name: [1.0, 2.0] for name in names}})
+        plain = tmp_path / "plain.parquet"
+    else:
+        path, plain = tmp_path / "columns.csv", tmp_path / "plain.csv"
+        plain.write_text("# convention: standard\na,alpha,d\n0.1,0,0.2\n")
+        path.write_text(f"# convention: standard\na,alpha,d,{','.join(names)}\n0.1,0,0.2{',1' * len(names)}\n")
+    assert refused(path, plain).endswith(" columns")
+    assert read(path)[2] < read(plain)[2] + 1.0
+
+
+def workbook(path: Path, sheet: bytes = b"") -> Path:
+    """A workbook, whose sheet has other XML where that is given."""
+    openpyxl = pytest.importorskip("openpyxl")
+    book = openpyxl.Workbook()
+    for row in (["# convention: standard"], ["a", "alpha", "d"], [0.1, 0, 0.2]):
+        book.active.append(row)
+    written = io.BytesIO()
+    book.save(written)
+    with zipfile.ZipFile(written) as old, zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as new:
+        for name in old.namelist():
+            content = old.read(name)
+            is_sheet = name.endswith("sheet1.xml") and sheet
+            new.writestr(name, content.replace(b"</sheetData>", sheet + b"</sheetData>") if is_sheet else content)
+    return path
+
+
+@pytest.mark.parametrize(
+    "sheet", [b'<row r="2000000000"/>', b'<row r="9"><c r="A2000000000"/></row>', b'<row r="9"><c r="ZZZZZZZ9"/></row>']
+)
+def test_a_row_behind_two_thousand_million_that_hold_nothing(tmp_path: Path, sheet: bytes) -> None:
+    """A sheet has 1,048,576 rows and 16,384 columns; a higher number would have been waited for for hours."""
+    plain = workbook(tmp_path / "plain.xlsx")
+    message = refused(workbook(tmp_path / "far.xlsx", sheet), plain)
+    assert message.startswith("the workbook cannot be read: ")
+
+
+def test_a_workbook_is_measured_before_it_is_unpacked(tmp_path: Path) -> None:
+    """Its parts say what they have when unpacked."""
+    plain = workbook(tmp_path / "plain.xlsx")
+    path = workbook(tmp_path / "large.xlsx", b" " * 600_000_000)
+    assert refused(path, plain).endswith("MiB in 9 parts when unpacked")
+
+
+@pytest.mark.parametrize("suffix", [".yaml", ".json"])
+def test_aliases_are_counted_before_they_are_unfolded(tmp_path: Path, suffix: str) -> None:
+    """Forty aliases of two aliases each would be a million million values; JSON has none, and is nested instead."""
+    plain, path = tmp_path / f"plain{suffix}", tmp_path / f"bomb{suffix}"
+    plain.write_text('{"convention": "standard", "joints": [{"a": 0.1, "alpha": 0, "d": 0.2}]}')
+    aliases = "a0: &a0 [1, 1]\n" + "".join(f"a{k + 1}: &a{k + 1} [*a{k}, *a{k}]\n" for k in range(40))
+    path.write_text(aliases if suffix == ".yaml" else '{"joints": ' + "[" * 10_000_000)
+    refused(path, plain)

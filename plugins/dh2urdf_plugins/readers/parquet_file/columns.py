@@ -18,7 +18,8 @@ if TYPE_CHECKING:
 
     from dh2urdf_plugins.readers.words.cells import Value
 
-
+INDEX = "__index_level_0__"
+"""The column that pandas writes for an index without a name."""
 _UNIT_KEYS = ("unit", "units")
 """Keys under which the metadata of a column have its unit."""
 
@@ -98,7 +99,8 @@ def is_accepted(kind: Any, field: str | None) -> bool:  # noqa: ANN401 - a type 
 
 def is_readable(field: Any) -> bool:  # noqa: ANN401 - a field of pyarrow
     """Whether cells of a column are read whatever it is called: others are of types that no field has, or left out."""
-    return not field.name.startswith(IGNORED) and is_accepted(field.type, next(iter(GROUPS)))
+    is_left_out = field.name.startswith(IGNORED) and field.name != INDEX
+    return not is_left_out and is_accepted(field.type, next(iter(GROUPS)))
 
 
 def numbers_of(array: Any) -> Sequence[Value]:  # noqa: ANN401 - an array of pyarrow

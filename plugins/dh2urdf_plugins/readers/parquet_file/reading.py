@@ -25,6 +25,7 @@ from dh2urdf_plugins.readers.comments.phrases import unit_of_measure
 from dh2urdf_plugins.readers.header.header_rows import completed
 from dh2urdf_plugins.readers.header.words import read_header
 from dh2urdf_plugins.readers.parquet_file.columns import (
+    INDEX,
     DIGITS,
     as_written,
     holds_numbers,
@@ -55,8 +56,6 @@ if TYPE_CHECKING:
     from dh2urdf_plugins.readers.words.cells import Value
     from dh2urdf_plugins.readers.words.comment_lines import Comment
 
-_INDEX = "__index_level_0__"
-"""The column that pandas writes for an index without a name."""
 _ATTRIBUTES = "PANDAS_ATTRS"
 """The metadata that pandas writes for the attributes of a data frame."""
 _ALMOST = late_pattern(r"dh2urdf[\W_]*", re.IGNORECASE)
@@ -203,7 +202,7 @@ def _with_labels(headers: list[str], fields: Sequence[Any]) -> list[str]:
     """Headers with the index of a data frame as the joints' names: pandas gives it this name where it has none."""
     if any((field := read_header(header).field) and field.name == "joint" for header in headers):
         return headers
-    are_labels = [field.name == _INDEX and is_text(field.type) for field in fields]
+    are_labels = [field.name == INDEX and is_text(field.type) for field in fields]
     return ["joint" if labels else header for labels, header in zip(are_labels, headers, strict=True)]
 
 

@@ -25,8 +25,8 @@ from dh2urdf_plugins.readers.comments.phrases import unit_of_measure
 from dh2urdf_plugins.readers.header.header_rows import completed
 from dh2urdf_plugins.readers.header.words import read_header
 from dh2urdf_plugins.readers.parquet_file.columns import (
-    INDEX,
     DIGITS,
+    INDEX,
     as_written,
     holds_numbers,
     is_accepted,

@@ -102,8 +102,9 @@ def test_the_user_is_told_once(
     pytest.importorskip("xacro")
     path = tmp_path / "arm.xacro"
     path.write_text('<robot name="arm"><link name="a"/></robot>')
+    monkeypatch.setattr(fence, "is_own", lambda: False)  # Another test may have claimed this process.
     with warnings.catch_warnings(record=True) as caught:
-        warnings.simplefilter("always")
+        warnings.simplefilter("always", RuntimeWarning)
         for _ in range(2):
             assert b'name="arm"' in expand_foreign(path).content
     text = f"{WHY}; the fence around files of unknown origin is Python's audit hook and limits of the system"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -499,7 +500,7 @@ def test_without_a_package_the_message_says_what_to_install(
     )
     words = ("--convert-meshes", "decomposition")
     told = dh2urdf("convert", "arm.yaml", "-o", "out/arm.urdf", *words, path=[folder], status=3).stderr
-    assert told.strip().endswith(f"needs {package}: pip install 'dh2urdf[meshes]'")
+    assert told.strip().endswith(f"needs {package}: {sys.executable} -m pip install 'dh2urdf[meshes]'")
 
 
 def test_a_notice_that_a_conversion_settles_is_not_given(folder: Path) -> None:

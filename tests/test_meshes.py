@@ -6,6 +6,7 @@ import io
 import json
 import math
 import shutil
+import sys
 import tarfile
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -405,7 +406,7 @@ def test_without_trimesh_the_message_says_what_to_install(
     (folder / "trimesh.py").write_text("raise ModuleNotFoundError('not here')\n")
     (folder / "arm.yaml").write_text(table("standard", "link.stl"))
     told = dh2urdf("convert", "arm.yaml", "-o", "out/arm.urdf", path=[folder], status=3).stderr
-    assert told.strip().endswith("needs trimesh: pip install 'dh2urdf[meshes]'")
+    assert told.strip().endswith(f"needs trimesh: {sys.executable} -m pip install 'dh2urdf[meshes]'")
     body = "mass: 1, com: [0, 0, 0], inertia: {ixx: 1, iyy: 1, izz: 1}"
     (folder / "arm.yaml").write_text(
         f"convention: standard\njoints:\n  - {{a: 0.3, alpha: 0, d: 0.1, {body}, mesh: meshes/link.stl}}\n"

@@ -55,7 +55,7 @@ def test_without_nicegui_it_is_said_how_to_get_it(monkeypatch: pytest.MonkeyPatc
     """The message names the command and the extra."""
     monkeypatch.setattr("importlib.util.find_spec", lambda _: None)
     with pytest.raises(
-        MissingDependencyError, match=r"the command 'studio' needs nicegui: pip install 'dh2urdf\[studio\]'"
+        MissingDependencyError, match=r"the command 'studio' needs nicegui: .* -m pip install 'dh2urdf\[studio\]'"
     ):
         server.require_nicegui("studio")
 

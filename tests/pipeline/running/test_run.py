@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import json
 import pickle
+import sys
 from dataclasses import dataclass, field, replace
 from itertools import islice
 from pathlib import Path
@@ -292,7 +293,9 @@ class TestPlan:
 
     def test_a_missing_package_is_known_before_anything_is_read(self, lab: Lab) -> None:
         """A loader that is not installed ends the run before it begins."""
-        with pytest.raises(MissingDependencyError, match=r"loader 'absent' needs absent: pip install 'lab\[absent\]'"):
+        with pytest.raises(
+            MissingDependencyError, match=r"loader 'absent' needs absent: .* -m pip install 'lab\[absent\]'"
+        ):
             lab.run("arm", "loaders: [paper, absent]")
         assert lab.written() == set()
 
@@ -512,7 +515,7 @@ class TestLoaders:
         told = {(notice["loader"], notice["manipulators"], notice["message"]) for notice in report["simulator_notices"]}
         assert told == {
             ("paper", 2, "paper: too heavy to hold"),
-            ("absent", 3, "loader 'absent' needs absent: pip install 'lab[absent]'"),
+            ("absent", 3, f"loader 'absent' needs absent: {sys.executable} -m pip install 'lab[absent]'"),
         }
         assert coverage_line(report["coverage"]) == (
             "paper 3 of 3 (2 refused), ink 3 of 3, absent 0 of 3 (not installed)"

@@ -602,10 +602,10 @@ def test_the_page_speaks_of_its_switches(tab: Any) -> None:
     """Where a file would need a line or the command line an option, the page has a button, and the message names it."""
     tab.open("ur5")
     tab.type_into(1, "alpha", "90")
-    tab.page.get_by_text("if these are degrees, press deg above the table").wait_for()
+    tab.page.get_by_text("if these are degrees, press deg").wait_for()
     tab.type_into(1, "alpha", "0")
     tab.type_into(1, "a", "425")
-    tab.page.get_by_text("if its lengths are in mm, press mm above the table").wait_for()
+    tab.page.get_by_text("if its lengths are in mm, press mm").wait_for()
 
 
 @pytest.mark.long

@@ -736,7 +736,7 @@ def test_what_is_done_meanwhile_waits_for_what_was_lost(slow: tuple[Any, Network
         const { query } = socket.io.opts, { emit } = socket;
         query.implicit_handshake = false;
         const key = document.querySelector(".dh-table .ag-row[row-index='0']").getAttribute("row-id");
-        socket.on("connect", () => emitEvent("dh-edit", [key, "d", "0.7"]));
+        socket.on("connect", () => emitEvent("dh-edit", [key, "d", "0.7", 0]));
     }"""
     tab.page.evaluate(script)
     with network.broken():
@@ -749,7 +749,7 @@ def test_what_is_too_large_is_in_nobodys_way(studio_address: str, new_tab: Calla
     """NiceGUI sends nothing of more than a megabyte; what is done afterwards arrives."""
     tab = new_tab(studio_address, faults=False)
     page = tab.open("ur5")
-    page.evaluate("emitEvent('dh-edit', [0, 'd', '1'.repeat(1_100_000)])")
+    page.evaluate("emitEvent('dh-edit', [0, 'd', '1'.repeat(1_100_000), 0])")
     tab.type_into(1, "a", "-0.9")
     page.wait_for_function("dhPage.kept().includes('-0.9')")
 

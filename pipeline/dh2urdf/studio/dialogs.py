@@ -127,7 +127,7 @@ async def _ask(
 # --- Opening ----------------------------------------------------------------------------------------------------------
 
 
-async def ask_table(catalog: Catalog) -> TableText | None:
+async def ask_table(catalog: Catalog) -> Opened | None:
     """A table of the gallery or of a file; None where none was chosen."""
     suffixes = table_suffixes(catalog)
     with card("Open a table") as dialog:
@@ -192,17 +192,11 @@ def table_suffixes(catalog: Catalog) -> list[str]:
     return [suffix for item in catalog.provided("reader") for suffix in getattr(item.stage, "suffixes", ())]
 
 
-async def choose(tables: tuple[Opened, ...] | None) -> TableText | None:
+async def choose(tables: tuple[Opened, ...] | None) -> Opened | None:
     """One of some tables; a person is asked where there are several. None where none was chosen."""
     if not tables:
         return None
-    chosen = tables[0] if len(tables) == 1 else await _ask_which(tables)
-    if chosen is None:
-        return None
-    if remarks := words.remarks(chosen):
-        warn("\n".join(remarks))
-    table: TableText = chosen.table
-    return table
+    return tables[0] if len(tables) == 1 else await _ask_which(tables)
 
 
 async def ask_back(table: TableText) -> bool:
@@ -218,8 +212,14 @@ async def ask_back(table: TableText) -> bool:
 
 
 def warn(text: str) -> None:
-    """Shows what a person should know, until it is closed."""
-    ui.notify(text, type="warning", multi_line=True, timeout=0, close_button="Close")
+    """Shows what a person should know of the table on the page, until it is closed or another table is there."""
+    ui.notification(text, type="warning", multi_line=True, timeout=None, close_button="Close").mark("table")
+
+
+def forget_warnings() -> None:
+    """Takes away what was shown of a table that is no longer on the page."""
+    for shown in ElementFilter(kind=ui.notification, marker="table"):
+        shown.dismiss()
 
 
 class Warnings:

@@ -11,6 +11,7 @@
     typed.delete(target);
     taken.set(target, target.value);
   };
+  const isTyped = (field) => typed.has(field) && taken.get(field) !== field.value;
   document.addEventListener("input", ({ target }) => isField(target) && typed.add(target), true);
   document.addEventListener("focusin", take, true);
   document.addEventListener("change", take, true);
@@ -24,7 +25,7 @@
       }
       if (!(event.ctrlKey || event.metaKey) || event.altKey || !["z", "y"].includes(key)) return;
       const { target } = event;
-      if (typed.has(target) && taken.get(target) !== target.value) return;
+      if (isTyped(target)) return;
       event.preventDefault();
       if (target.closest?.(".ag-cell-inline-editing")) return; // Esc leaves the cell as it was
       if (document.querySelector(".studio-table") && !document.querySelector(".q-dialog")) emitEvent("dh-undo", event.shiftKey || key === "y");
@@ -88,8 +89,7 @@
   const unfinished = () => {
     const cell = window.dhGrid?.unfinished(), field = document.activeElement;
     if (cell) return [cell.row, cell.field, cell.text];
-    const isTyped = field?.dataset.text && typed.has(field) && taken.get(field) !== field.value;
-    return isTyped ? [null, field.dataset.text, field.value] : null;
+    return field?.dataset.text && isTyped(field) ? [null, field.dataset.text, field.value] : null;
   };
   // What is being typed is not in the table of the server yet, but it is in the table that is kept.
   const keepUnfinished = () => {
@@ -223,6 +223,21 @@
     document.activeElement?.blur();
   };
 
+  // What is being typed into a field stays there, though a late answer has another text for it; a text that is chosen as a
+  // whole stays so. An answer may wait for those before it: the field is looked up when the answer is read.
+  const spare = (elements) => {
+    const spared = (id, element) => {
+      const field = document.activeElement;
+      if (!isField(field) || !document.getElementById(`c${id}`)?.contains(field)) return element;
+      for (const name of isTyped(field) ? ["value", "model-value"] : []) if (name in element.props) element.props[name] = field.value;
+      if (field.value && `${getSelection()}` === field.value) setTimeout(() => isTyped(field) || field.matches(":focus") && field.select());
+      return element;
+    };
+    for (const [id, element] of Object.entries(elements))
+      if (element?.props) Object.defineProperty(elements, id, { get: () => spared(id, element) });
+    return elements;
+  };
+
   window.dhPage = {
     answered: (id) => waiting.delete(id),
     back,
@@ -232,6 +247,7 @@
     link,
     linked,
     pasted,
+    spare,
     keep(table, rows) {
       keys = rows;
       sessionStorage.setItem(KEPT, table);

@@ -11,6 +11,7 @@ from dh2urdf.studio import dialogs, joints, pasting, words
 from dh2urdf.studio.connection import ANSWERED
 from dh2urdf.studio.editing import axes, edits
 from dh2urdf.studio.editing.keeping import finish_typing, kept_table, kept_text
+from dh2urdf.studio.editing.opening import Opened
 from dh2urdf.studio.layout.dropping import lay_drop
 from dh2urdf.studio.layout.head import StudioHead
 from dh2urdf.studio.layout.problem_list import ProblemList
@@ -25,6 +26,7 @@ from dh2urdf.studio.panels.target import TargetPanel
 from dh2urdf.studio.pasting import questions
 from dh2urdf.studio.table_grid import TableGrid
 from dh2urdf.studio.widgets import ArmView, JointSliders, LiveHtml
+from dh2urdf.table_text import LENGTH_UNITS
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
@@ -45,7 +47,7 @@ class StudioPage:
 
     def __init__(self, session: Session, meshes: MeshStore) -> None:
         """Lays the page out; `show` fills it."""
-        self.session, self._meshes = session, meshes
+        self.session, self._meshes, self._number = session, meshes, session.history.number
         ui.on_exception(dialogs.show_fault)
         ui.on("dh-undo", lambda event: self._do(self.session.redo if event.args else self.session.undo))
         with ui.element("div").classes("studio") as page:
@@ -72,7 +74,6 @@ class StudioPage:
     def _lay_table(self) -> None:
         self._bar = TableBar(
             self.session,
-            on_axes=self._resize,
             on_convention=self._choose_convention,
             on_units=self._choose_units,
             on_columns=self._all_columns,
@@ -86,6 +87,7 @@ class StudioPage:
             on_paste=self._paste,
             on_clear=self._clear,
             on_act=self._act,
+            on_axes=self._resize,
         )
         self._target = TargetPanel(self.session, self._show_pose, self._show_handle)
         self._panels = (
@@ -93,9 +95,9 @@ class StudioPage:
             PosesPanel(self.session, self._show_pose),
             MeasuringPanel(self.session, self._show_pose, self._show_cloud),
             LessonPanel(self.session, self._show_pose),
-            ComparingPanel(self.session, self._meshes, self._show_arm, lambda table: self._put(table, all_cells=True)),
+            ComparingPanel(self.session, self._meshes, self._show_arm, self._put),
         )
-        self._problems = ProblemList(on_click=self._go_to)
+        self._problems = ProblemList(self.session, on_unit=self._answer_unit)
         self._ends = EndFields(self.session, self._set_texts)
 
     def _lay_scene(self) -> None:
@@ -131,18 +133,14 @@ class StudioPage:
 
     # --- What is shown ------------------------------------------------------------------------------------------------
 
-    def show(self, *, all_cells: bool = False) -> None:
-        """Shows all of the session.
-
-        Args:
-            all_cells: whether the cells on the screen may be others than those of the table.
-        """
+    def show(self) -> None:
+        """Shows all of the session."""
         if self._view.is_deleted:  # The tab was closed during a dialog.
             return
-        if all_cells:
-            self._table.refresh()
-        else:
-            self._table.show()
+        if self._number != (number := self.session.history.number):
+            self._number = number
+            dialogs.forget_warnings()
+        self._table.show()
         self._show_words()
         self._show_arm()
 
@@ -158,7 +156,7 @@ class StudioPage:
         self._layers.show()
         self._empty.set_visibility(not self.session.table.rows)
         self._keep()
-        self._ends.show(wrong=self._problems.show(self.session))
+        self._ends.show(wrong=self._problems.show())
 
     def _show_arm(self) -> None:
         session = self.session
@@ -190,11 +188,11 @@ class StudioPage:
 
     def _do(self, act: Callable[[], None]) -> None:
         act()
-        self.show(all_cells=True)
+        self.show()
 
-    def _put(self, table: TableText, *, all_cells: bool = False) -> None:
-        self.session.put(table)
-        self.show(all_cells=all_cells)
+    def _put(self, table: TableText, keys: Sequence[str] = ()) -> None:
+        self.session.put(table, keys)
+        self.show()
 
     def _set_texts(self, **texts: str) -> None:
         self.session.set_texts(**texts)
@@ -242,67 +240,61 @@ class StudioPage:
             self._refuse("paste")
         elif answer == "cells" and columns is not None:
             put = pasting.pasted(session.table, row, field, text, columns)
-            self._put(put.table, all_cells=True)
+            self._put(put.table)
             if put.left_out:
                 dialogs.warn(words.left_out(put.left_out))
         elif isinstance(answer, tuple):
             await self._show_opened(await dialogs.choose(answer))
 
-    def _resize(self, count: float | None) -> None:
+    def _resize(self, count: float | None, keys: Sequence[str]) -> None:
         moving = axes.moving_rows(self.session.table, self.session.arm)
-        if count is None or count < 0 or int(count) == len(moving):  # an emptied field takes no rows away
-            self._show_words()
+        # An emptied field takes no rows away, and Enter says a number twice.
+        if count is None or count < 0 or min(int(count), edits.MOST_ROWS) == len(moving):
+            self.show()
             return
         if count > edits.MOST_ROWS:
             dialogs.warn(
                 f"A table of the studio has at most {edits.MOST_ROWS} rows: these are the first of {int(count)}."
             )
-        self._put(axes.with_axes(self.session.table, int(count), self.session.arm))
-        self._invite()
+        self._put(axes.with_axes(self.session.table, int(count), self.session.arm), keys)
 
-    def _invite(self) -> None:
-        """Puts the cursor where the table begins, once there are rows and a convention and nothing else."""
-        table = self.session.table
-        if table.rows and table.convention and self.session.reading.waiting == len(table.rows):
-            self._table.focus(0, "a")
-
-    def _act(self, act: str, key: str | None, other: str | None = None) -> None:
+    def _act(self, act: str, key: str | None, other: str | None) -> None:
         """What was done to a row."""
         try:
             self.session.arrange(act, key, other)
         except LookupError:
             self._refuse(act)
             return
-        self.show(all_cells=True)
-        self._table.focus(self.session.row, "a" if act == "add" else None)
+        self.show()
 
     def _clear(self, rows: Sequence[int], fields: Sequence[str]) -> None:
         # Of a row that is gone, nothing is left to empty.
         cells = {(row, field): "" for row in rows for field in fields if row >= 0}
-        self._put(edits.with_cells(self.session.table, cells), all_cells=True)
+        self._put(edits.with_cells(self.session.table, cells))
 
     def _refuse(self, act: str) -> None:
         """The page showed other rows than those of the table when something was done to them."""
         dialogs.warn(words.refused(act))
-        self.show(all_cells=True)
+        self.show()
 
     def _all_columns(self) -> None:
         self.session.all_columns = not self.session.all_columns
         self.show()
 
-    def _pick(self, row: int | None) -> None:
-        if row not in (self.session.row, -1):
-            self.session.row = row
-            self._view.highlight(self.session.drawn_row)
-            self._table.pick()
-            if self.session.lesson is not None:
-                self._show_pose()
+    def _pick(self, key: str | None) -> None:
+        self.session.picked = key
+        self._view.highlight(self.session.drawn_row)
+        if self.session.lesson is not None:
+            self._show_pose()
 
-    def _go_to(self, found: CellProblem) -> None:
-        if found.row is not None:
-            self._table.focus(found.row, found.field if found.field in self.session.columns else "a", edit=True)
-        elif found.field:
-            self._ends.focus(found.field)
+    def _answer_unit(self, found: CellProblem, unit: str) -> None:
+        table = self.session.table
+        if unit in (table.length_unit, table.angle_unit):
+            self.session.confirmed |= {found.problem.message}
+        else:
+            units = (unit, table.angle_unit) if unit in LENGTH_UNITS else (table.length_unit, unit)
+            self.session.set_units(*units, convert=False)
+        self.show()
 
     async def _choose_convention(self, convention: Convention) -> None:
         session = self.session
@@ -311,8 +303,7 @@ class StudioPage:
             convert = await dialogs.ask_convention(convention, possible=session.convertible is not None)
         if convert is not None:
             session.set_convention(convention, convert=convert)
-        self.show(all_cells=True)
-        self._invite()
+        self.show()
 
     async def _choose_units(self, length: str, angle: str) -> None:
         session = self.session
@@ -321,7 +312,7 @@ class StudioPage:
             chosen = await dialogs.ask_units(length, angle, possible=session.convertible is not None)
         if chosen is not None:
             session.set_units(*chosen[:2], convert=chosen[2])
-        self.show(all_cells=True)
+        self.show()
 
     def _choose_layers(self, layers: frozenset[str]) -> None:
         self.session.layers = layers
@@ -353,15 +344,17 @@ class StudioPage:
     async def _open(self) -> None:
         await self._show_opened(await dialogs.ask_table(self.session.catalog))
 
-    async def _show_opened(self, table: TableText | None, *, keep_view: bool = False) -> None:
-        if table is not None:
-            self.session.open(table)
-            self.show(all_cells=True)
+    async def _show_opened(self, opened: Opened | None, *, keep_view: bool = False) -> None:
+        if opened is not None:
+            self.session.open(opened.table)
+            self.show()
+            if remarks := words.remarks(opened):
+                dialogs.warn("\n".join(remarks))
             self._view.fit(keep=keep_view)
 
     def _new(self) -> None:
         self.session.open(type(self.session.table)(name="arm"))
-        self.show(all_cells=True)
+        self.show()
 
     async def _generate(self) -> None:
         await dialogs.generate(self.session)
@@ -376,11 +369,11 @@ class StudioPage:
         self.show()
         self._view.fit(keep=True)  # a person may have turned the camera already
         if (linked := await sharing.linked_table()) is not None:
-            await self._show_opened(linked, keep_view=True)
+            await self._show_opened(Opened(linked), keep_view=True)
             return
         if is_new and kept is not None and kept != self.session.table:
             self._keep(kept)  # The page may be loaded again before the question is answered.
             if await dialogs.ask_back(kept):
-                await self._show_opened(kept)
+                await self._show_opened(Opened(kept))
             else:
                 self._keep()

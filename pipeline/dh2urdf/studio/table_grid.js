@@ -54,7 +54,10 @@
   }
 
   let grid = null; // the table on the page
-  let arranged = 0; // how often a person has added, removed or moved a row
+  let picked = null; // the key of the row that a person has gone to; the server learns of it, and never sets it
+  let acts = 0; // how often a person has changed a cell or the rows; an answer has the number of the last one before it
+  let arranged = 0; // the number of the last one that added, removed or moved a row
+  let unanswered = []; // texts of cells that no answer knows yet: {act, key, field, text}
   let made = 0; // rows that were added
   let anchor = null; // where a range of cells begins: {row, column}
   let last = null; // the cell that was clicked last
@@ -67,7 +70,7 @@
   };
   // A row is known by its key, which it has wherever it goes; its number is that of its place.
   const keyAt = (api, row) => api.getDisplayedRowAtIndex(row)?.data.id;
-  const rowsOf = (api) => Array.from({ length: api.getDisplayedRowCount() }, (_, row) => api.getDisplayedRowAtIndex(row));
+  const rowsOf = (api) => Array.from({ length: api?.getDisplayedRowCount() ?? 0 }, (_, row) => api.getDisplayedRowAtIndex(row));
   const keysFrom = (api, first, last) => Array.from({ length: last - first + 1 }, (_, at) => keyAt(api, first + at));
   // The rows and fields of the range, or of the cell that has the cursor.
   const range = (api) => {
@@ -80,9 +83,9 @@
   };
   const CURSOR = "dh2urdf-cursor";
   if (location.hash) sessionStorage.removeItem(CURSOR); // a link opens another table
+  const isHere = () => Boolean(document.activeElement.closest(".dh-table"));
   window.addEventListener("pagehide", () => {
-    const left = document.activeElement?.closest(".dh-table") && grid && place(grid);
-    if (left) sessionStorage.setItem(CURSOR, JSON.stringify([keyAt(grid, left.row), left.column]));
+    if (picked) sessionStorage.setItem(CURSOR, JSON.stringify([picked, isHere() ? place(grid)?.column : null]));
   });
   let shown = null; // the range that is marked
   const mark = (api) => {
@@ -108,7 +111,10 @@
       return cell && { row: cell.closest(".ag-row").getAttribute("row-id"), field: cell.getAttribute("col-id"), text: input.value };
     },
     stopEditing: () => grid?.stopEditing(),
-    focusAgain: () => grid?.getFocusedCell() && grid.setFocusedCell(place(grid).row, place(grid).column),
+    focusAgain() {
+      const cell = grid && place(grid);
+      if (cell) grid.setFocusedCell(grid.getRowNode(picked)?.rowIndex ?? cell.row, cell.column);
+    },
     inRange: ({ colDef, node }) =>
       Boolean(shown) && shown.first <= node.rowIndex && node.rowIndex <= shown.last && shown.fields.includes(colDef.field),
 
@@ -123,7 +129,7 @@
         lines.push(cells.fields.map((field) => data[field] ?? "").join("\t"));
       }
       event.clipboardData.setData("text/plain", lines.join("\n"));
-      if (event.type === "cut") emitEvent("dh-clear", [keysFrom(api, cells.first, cells.last), cells.fields]);
+      if (event.type === "cut") this.clear(api, cells);
     },
 
     paste(api, event, emit) {
@@ -153,11 +159,6 @@
         return true;
       }
       if (!editing && this.select(event, api, node, column)) return true;
-      // Only what a person does moves the picked row: rows that are exchanged take the cursor along.
-      setTimeout(() => {
-        const row = api.getFocusedCell()?.rowIndex;
-        if (row !== undefined && row !== node.rowIndex) this.choose(api, row);
-      });
       if (event.key === "Tab") home ??= column;
       else if (event.key.startsWith("Arrow") && !editing) home = null;
       if (event.key !== "Enter" || !editing) return false;
@@ -167,11 +168,11 @@
       return true;
     },
 
-    // A button does the same to the row that is picked, or else to the last one.
+    // A button does the same to the row that is picked; without one, a new row is the last one.
     press(act) {
-      const rows = rowsOf(grid), picked = rows.find(({ data }) => data.picked);
-      if (!picked && ["up", "down"].includes(act)) this.tell(act, null);
-      else this.act(grid, act, picked ?? rows.at(-1), grid.getFocusedCell()?.column ?? "a");
+      const node = rowsOf(grid).find(({ data }) => data.id === picked);
+      if (node) this.act(grid, act, node, grid.getFocusedCell()?.column ?? "a");
+      else if (act === "add") this.act(grid, act, rowsOf(grid).at(-1), "a");
     },
 
     // Rows are in their new places at once, and the cursor is with them. The answer to the last act has the rows of all:
@@ -179,37 +180,68 @@
     act(api, act, node, column) {
       const row = node?.rowIndex ?? -1, to = row + { up: -1, down: 1, add: 1, remove: 0 }[act];
       const rows = rowsOf(api).map(({ data }) => data);
-      if (to < 0 || to >= rows.length + (act === "add")) return;
-      const own = act === "add" ? { id: `${window.clientId} ${(made += 1)}` } : rows.splice(row, 1)[0];
-      this.tell(act, node?.data.id ?? null, act === "add" ? own.id : null);
+      if (to < 0 || to >= rows.length + (act === "add")) return void this.focusAgain();
+      const own = act === "add" ? { id: this.newKey() } : rows.splice(row, 1)[0];
+      this.arrange(act, node?.data.id ?? null, act === "add" ? own.id : null);
       if (act !== "remove") rows.splice(to, 0, own);
       this.put(api, rows);
-      if (!rows.length) return;
-      api.setFocusedCell(Math.min(to, rows.length - 1), act === "add" ? "a" : column);
-      this.pick(api, keyAt(api, Math.min(to, rows.length - 1)));
+      if (rows.length) api.setFocusedCell(Math.min(to, rows.length - 1), act === "add" ? "a" : column);
     },
-    tell(act, key, other = null) {
-      arranged += 1;
-      emitEvent("dh-act", [act, key, other]);
-    },
-    fill(api, rows, acts) {
-      if (acts >= arranged) this.put(api, rows);
+    newKey: () => `${window.clientId} ${(made += 1)}`,
+    tell: (event, ...args) => emitEvent(event, [...args, (acts += 1)]),
+    arrange(...args) {
+      this.tell("dh-act", ...args);
+      arranged = acts;
     },
 
-    // The cursor goes with its row. What is being typed into a row that is gone is sent, to be refused in words; the
-    // letters that follow are not for the row that is in its place.
+    // The rows of an empty table are there at once, so that what is typed next finds them.
+    resize(most) {
+      const { value } = document.querySelector(".studio-axes input"), isEmpty = grid && !rowsOf(grid).length;
+      const count = value === "" ? null : Number(value);
+      const rows = Array.from({ length: isEmpty ? Math.min(Math.max(Math.trunc(count), 0), most) : 0 }, (_, at) => (
+        { id: this.newKey(), joint: `joint_${at + 1}`, type: "revolute" }));
+      this.tell("dh-axes", count, rows.map(({ id }) => id));
+      if (rows.length) arranged = acts, this.put(grid, rows);
+      if (document.querySelector(".studio-convention [aria-pressed=true]")) this.begin();
+    },
+    // The cursor goes to where the table begins, once there are rows and a convention and nothing else.
+    begin() {
+      const rows = rowsOf(grid), names = ["id", "problems", "joint", "type", "link"];
+      const isBlank = ({ data }) => Object.keys(data).every((key) => names.includes(key) || !data[key]);
+      if (rows.length && rows.every(isBlank)) this.focus(grid, rows[0].data.id, "a");
+    },
+
+    // What an answer knows of the table. Texts that were typed since stay, and so do rows that were arranged since: there
+    // is an answer to that, too.
+    fill(api, rows, known) {
+      this.know(known);
+      if (known < arranged) return;
+      for (const { key, field, text } of unanswered) Object.assign(rows.find(({ id }) => id === key) ?? {}, { [field]: text });
+      this.put(api, rows);
+    },
+    setCell(api, key, field, text, known) {
+      this.know(known);
+      const node = api.getRowNode(key);
+      if (node && !unanswered.some((one) => one.key === key && one.field === field)) node.data[field] = text;
+    },
+    know: (known) => (unanswered = unanswered.filter(({ act }) => act > known)),
+
+    // The cursor goes with its row, and what is picked with it; where the row is gone, to the one in its place. What is
+    // being typed into a row that is gone is sent, to be refused in words; the letters that follow are not for another row.
     put(api, rows) {
-      const cell = place(api), key = cell && keyAt(api, cell.row), typing = this.unfinished();
-      if (typing && !rows.some(({ id }) => id === typing.row)) {
+      const cell = place(api), key = cell && keyAt(api, cell.row), typing = this.unfinished(), had = isHere();
+      const at = api.getRowNode(picked)?.rowIndex ?? 0, isGone = typing && !rows.some(({ id }) => id === typing.row);
+      if (isGone) {
         api.stopEditing();
         api.clearFocusedCell();
         document.activeElement.blur();
       }
       api.setGridOption("rowData", rows);
       api.refreshCells({ columns: ["number"], force: true });
-      const row = key ? api.getRowNode(key)?.rowIndex : undefined;
-      if (row === undefined || row === cell.row) return;
-      api.setFocusedCell(row, cell.column);
+      if (picked && !api.getRowNode(picked)) this.choose(api, Math.min(at, rows.length - 1));
+      if (!cell || !rows.length || isGone || !had) return;
+      const row = api.getRowNode(key)?.rowIndex ?? Math.min(cell.row, rows.length - 1);
+      if (row !== cell.row || !isHere()) api.setFocusedCell(row, cell.column);
       if (typing) document.querySelector(".dh-table .ag-cell-inline-editing input")?.focus();
     },
 
@@ -234,8 +266,7 @@
         return true;
       }
       if (event.key === "Delete") {
-        const cells = range(api);
-        emitEvent("dh-clear", [keysFrom(api, cells.first, cells.last), cells.fields]);
+        this.clear(api, range(api));
         return true;
       }
       if (event.key === "Tab") {
@@ -279,44 +310,51 @@
     },
 
     // At once for the same reason.
-    edited({ data, colDef, newValue }) {
-      data[colDef.field] = newValue ?? "";
-      emitEvent("dh-edit", [data.id, colDef.field, newValue ?? ""]);
+    edited({ data, colDef: { field }, newValue }) {
+      const text = (newValue ?? "").slice(0, 10_000); // a cell is shorter, and a message of a megabyte is not sent
+      this.tell("dh-edit", data.id, field, text);
+      this.write(data, field, text);
       return true;
+    },
+    clear(api, { first, last, fields }) {
+      this.tell("dh-clear", keysFrom(api, first, last), fields);
+      for (const { data } of rowsOf(api).slice(first, last + 1)) for (const field of fields) this.write(data, field, "");
+      api.refreshCells({ force: true });
+    },
+    write(data, field, text) {
+      data[field] = text;
+      unanswered.push({ act: acts, key: data.id, field, text });
     },
 
     // A row was dragged elsewhere.
     dragged({ api, node }) {
-      this.tell("to", node.data.id, keyAt(api, node.rowIndex - 1) ?? null);
+      this.arrange("to", node.data.id, keyAt(api, node.rowIndex - 1) ?? null);
       this.put(api, rowsOf(api).map(({ data }) => data));
     },
 
-    // A cell as the table has it: what was sent before it was typed may have overtaken it.
-    setCell(api, key, field, text) {
-      const node = api.getRowNode(key);
-      if (node) node.data[field] = text;
-    },
-
-    // Problems by row and field, and which row is picked. What is being typed is left alone.
-    mark(api, problems, picked) {
+    // Problems by row and field. What is being typed is left alone.
+    mark(api, problems) {
       grid = api;
-      api.forEachNode((node) => {
-        node.data.problems = problems[node.data.id] ?? {};
-        node.data.picked = node.data.id === picked;
-      });
+      api.forEachNode(({ data }) => (data.problems = problems[data.id] ?? {}));
       api.refreshCells({ force: true });
-      this.pick(api, picked);
+      this.pick(picked);
       this.comeBack(api);
       if (!api.getEditingCells().length) this.widen(api);
     },
 
     // The row that a person has gone to is picked at once: what a button does is done to that.
     choose(api, row) {
-      this.pick(api, keyAt(api, row));
-      emitEvent("dh-focus", keyAt(api, row));
+      const key = keyAt(api, row) ?? null;
+      if (key === picked) return;
+      this.pick(key);
+      emitEvent("dh-focus", key);
     },
-    pick(api, picked) {
-      api.forEachNode((node) => (node.data.picked = node.data.id === picked));
+    focusin() {
+      const cell = grid && place(grid);
+      if (cell) this.choose(grid, cell.row);
+    },
+    pick(key) {
+      picked = key;
       for (const row of document.querySelectorAll(".dh-table .ag-row"))
         row.classList.toggle("dh-picked", row.getAttribute("row-id") === picked);
     },
@@ -324,17 +362,15 @@
     // The row of a link of the scene, which may show the arm that the table had before something was wrong with it.
     draw: (api, keys) => (drawn = keys),
     chooseDrawn({ row }) {
-      const key = drawn[row];
-      if (!grid || (row !== null && !grid.getRowNode(key))) return;
-      this.pick(grid, key ?? null);
-      emitEvent("dh-focus", key ?? null);
-      if (row !== null) this.focus(grid, key, "a");
+      const node = row === null ? null : grid?.getRowNode(drawn[row]);
+      if (!grid || node === undefined) return;
+      this.choose(grid, node?.rowIndex ?? -1);
+      if (node) this.focus(grid, node.data.id, "a");
     },
 
-    // A cursor that is in the table already stays: its person has gone on while the answer was on its way.
+    // A cursor that is in the table already stays: its person has gone on.
     focus(api, key, field, edit) {
       if (!edit && document.activeElement.closest(".dh-table .ag-cell")) return;
-      field ??= api.getFocusedCell()?.column.colId ?? "a";
       const row = api.getRowNode(key)?.rowIndex;
       if (row === undefined) return;
       api.ensureIndexVisible(row);
@@ -343,12 +379,19 @@
       if (edit) api.startEditingCell({ rowIndex: row, colKey: field });
     },
 
-    // The cursor is where it was when the page was loaded anew, unless a person has put it elsewhere meanwhile.
+    // The cell, or the field below the table, that a problem is about.
+    goTo(key, field) {
+      if (key === null) document.querySelector(`[data-text="${field}"]`)?.focus();
+      else this.focus(grid, key, field, true);
+    },
+
+    // What was picked, and the cursor, are where they were when the page was loaded anew, unless a person has gone elsewhere.
     comeBack(api) {
-      const left = JSON.parse(sessionStorage.getItem(CURSOR) ?? "null");
-      if (!left || !api.getDisplayedRowCount()) return;
+      const [key, column] = JSON.parse(sessionStorage.getItem(CURSOR) ?? "[]");
+      if (!key || !api.getDisplayedRowCount()) return;
       sessionStorage.removeItem(CURSOR);
-      if (document.activeElement === document.body) this.focus(api, ...left);
+      if (picked === null) this.choose(api, api.getRowNode(key)?.rowIndex ?? -1);
+      if (column && document.activeElement === document.body) this.focus(api, key, column);
     },
 
     // The letter that opens an editor is in it already: the editor gets it like those that follow.
@@ -358,7 +401,7 @@
       setTimeout(() => tell(document.querySelector(".dh-table .ag-cell-inline-editing input")));
     },
 
-    typing(event) {
+    input(event) {
       const cell = event.target.closest?.(".ag-cell");
       const row = cell?.closest(".ag-row");
       if (!row || typeof event.target.value !== "string") return;

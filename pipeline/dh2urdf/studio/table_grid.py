@@ -12,7 +12,6 @@ from dh2urdf.studio.pasting import first_field
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    from dh2urdf.studio.editing.reading import CellProblem
     from dh2urdf.studio.editing.session import Session
 
 _HEADERS = {
@@ -47,20 +46,23 @@ class TableGrid:
     """The rows of a session's table, to edit.
 
     The page knows a row by its key. So what a person does to it is done to that row, though rows were added, removed or
-    moved meanwhile; where it is gone, that is reported, and no other row changes.
+    moved meanwhile; where it is gone, that is reported, and no other row changes. Cursor and picked row are the page's:
+    the server learns of them, and moves neither. The page numbers what is done to cells and rows, and each answer has
+    the number of the last act before it: what was done since stays on the screen.
 
     Args:
         session: the session.
         on_edit: is called with row, field and text of a cell that was typed.
         on_typing: is called with row, field and text of a cell that is being typed.
         on_end: is called when typing has ended.
-        on_pick: is called with the number of the row that has the cursor, or whose link was picked in the scene; None
+        on_pick: is called with the key of the row that has the cursor, or whose link was picked in the scene; None
             where nothing was.
         on_paste: is called with the row, the field and the text where cells are pasted; the text is None where there is
             none, and the row where the table is empty.
         on_clear: is called with the rows and the fields of cells that are cut or deleted.
         on_act: is called with ``add``, ``remove``, ``up``, ``down`` or ``to``, the key of a row and another key; see
             `dh2urdf.studio.editing.edits.rearranged`.
+        on_axes: is called with the number of axes, None where the field is empty, and keys for new rows.
     """
 
     def __init__(
@@ -70,16 +72,16 @@ class TableGrid:
         on_edit: Callable[[int, str, str], None],
         on_typing: Callable[[int, str, str], None],
         on_end: Callable[[], None],
-        on_pick: Callable[[int | None], None],
+        on_pick: Callable[[str | None], None],
         on_paste: Callable[[int, str, str | None], Any],
         on_clear: Callable[[Sequence[int], Sequence[str]], None],
-        on_act: Callable[..., None],
+        on_act: Callable[[str, str | None, str | None], None],
+        on_axes: Callable[[float | None, Sequence[str]], None],
     ) -> None:
         self._session = session
         self._header: tuple[Any, ...] = ()
         self._columns: list[dict[str, Any]] = []
-        self._rows: list[dict[str, Any]] | None = None
-        self._arranged = 0
+        self._acts = 0
         self._drawn: Sequence[str] = ()
         self._grid = ui.aggrid(
             {
@@ -117,10 +119,11 @@ class TableGrid:
             auto_size_columns=False,
         ).classes("dh-table")
         grid = self._grid
-        ui.on("dh-edit", lambda event: on_edit(self._number(event.args[0]), *event.args[1:]))
+        self._take("dh-edit", lambda key, field, text: on_edit(self._number(key), field, text))
         grid.on("cellEditingStopped", lambda _: on_end(), ["rowId"])
-        ui.on("dh-focus", lambda event: on_pick(None if event.args is None else self._number(event.args)))
-        grid.on("input", js_handler="e => dhGrid.typing(e)")
+        ui.on("dh-focus", lambda event: on_pick(event.args))
+        for event in ("input", "focusin"):
+            grid.on(event, js_handler=f"e => dhGrid.{event}(e)")
         ui.on("dh-typing", lambda event: on_typing(self._number(event.args[0]), *event.args[1:]))
         grid.on(
             "paste",
@@ -130,8 +133,9 @@ class TableGrid:
         ui.on("dh-paste", lambda event: on_paste(self._first([]), first_field(event.args), event.args))
         for event, function in {"copy": "copy", "cut": "copy", "mousedown": "clicked"}.items():
             grid.on(event, js_handler=f"e => dhGrid.{function}(getElement({grid.id}).api, e)")
-        ui.on("dh-clear", lambda event: on_clear([*map(self._number, event.args[0])], event.args[1]))
-        ui.on("dh-act", lambda event: self._arrange(on_act, *event.args))
+        self._take("dh-clear", lambda keys, fields: on_clear([*map(self._number, keys)], fields))
+        self._take("dh-act", on_act)
+        self._take("dh-axes", on_axes)
         ui.on("dh-text-size", self._lay_columns)
 
     def _number(self, key: str) -> int:
@@ -144,11 +148,15 @@ class TableGrid:
         now, first = self._session.history.keys, len(self._session.history.keys) - len(keys)
         return first if list(now[max(first, 0) :]) == list(keys) and (keys or not now) else -1
 
-    def _arrange(self, act: Callable[..., None], *arguments: object) -> None:
-        """What the page has done to its rows already; of the answers to several such acts it takes the last one."""
-        self._arranged += 1
-        self._rows = None
-        act(*arguments)
+    def _take(self, event: str, act: Callable[..., None]) -> None:
+        """What a person does to cells and rows; the page has done it already, and has numbered it."""
+
+        def take(arguments: Sequence[Any]) -> None:
+            *told, number = arguments
+            self._acts = int(number)
+            act(*told)
+
+        ui.on(event, lambda event: take(event.args))
 
     def show(self) -> None:
         """Shows the table, and what is wrong with it."""
@@ -158,9 +166,8 @@ class TableGrid:
             self._header = header
             self._columns = _columns(session)
             self._lay_columns()
-        if (rows := _rows(session)) != self._rows:
-            self._rows = rows
-            self._run("fill", rows, self._arranged)
+        rows = [{"id": key, **row} for key, row in zip(session.history.keys, session.table.rows, strict=True)]
+        self._run("fill", rows, self._acts)
         self.mark()
 
     def _lay_columns(self) -> None:
@@ -177,37 +184,22 @@ class TableGrid:
         if session.columns != self._header[0]:
             self.show()
             return
-        self._rows = _rows(session)
-        self._run("setCell", session.history.keys[row], field, session.table.rows[row].get(field, ""))
+        self._run("setCell", session.history.keys[row], field, session.table.rows[row].get(field, ""), self._acts)
         self.mark()
 
     def answer(self) -> None:
         """What is being typed is on the screen, as far as it was asked for."""
         self._run("ask")
 
-    def refresh(self) -> None:
-        """Sends all cells again: the grid shows something else than the table."""
-        self._rows = None
-        self.show()
-
     def mark(self) -> None:
-        """Marks the wrong cells, and the row that is picked."""
-        self._run("mark", _problems(self._session), self._session.key)
-
-    def pick(self) -> None:
-        """Marks the row that is picked."""
-        self._run("pick", self._session.key)
+        """Marks the wrong cells."""
+        self._run("mark", _problems(self._session))
 
     def draw(self, keys: Sequence[str]) -> None:
         """The keys of the rows of the arm that is in the scene now."""
         if keys != self._drawn:
             self._drawn = keys
             self._run("draw", keys)
-
-    def focus(self, row: int | None, field: str | None, *, edit: bool = False) -> None:
-        """Puts the cursor into a cell; without a field, into the column where it is."""
-        key = dict(enumerate(self._session.history.keys)).get(-1 if row is None else row)
-        self._run("focus", key, field, edit)
 
     def _run(self, name: str, *arguments: object) -> None:
         import json
@@ -218,19 +210,10 @@ class TableGrid:
         )
 
 
-def all_problems(session: Session) -> Sequence[CellProblem]:
-    """What is wrong with a table, from every source."""
-    return (*session.reading.problems, *session.problems_of_making)
-
-
-def _rows(session: Session) -> list[dict[str, Any]]:
-    return [{"id": key, **row} for key, row in zip(session.history.keys, session.table.rows, strict=True)]
-
-
 def _problems(session: Session) -> dict[str, dict[str, dict[str, str]]]:
     """The problems by key of the row and field; errors go before notices."""
     found: dict[str, dict[str, dict[str, str]]] = {}
-    for problem in sorted(all_problems(session), key=lambda item: item.problem.severity == "notice"):
+    for problem in sorted(session.problems, key=lambda item: item.problem.severity == "notice"):
         if problem.row is not None:
             cells = found.setdefault(session.history.keys[problem.row], {})
             cells.setdefault(problem.field or "number", {"severity": problem.problem.severity, "text": problem.text})

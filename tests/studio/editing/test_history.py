@@ -44,7 +44,7 @@ def test_a_row_keeps_its_key(acts: list[tuple[str, int]]) -> None:
         elif act == "open":
             history = history.then(weighed(resized(TableText(), at)), ())
         elif keys or act == "add":
-            rows, _ = rearranged(keys, act, keys[at % len(keys)] if keys else None, None)
+            rows = rearranged(keys, act, keys[at % len(keys)] if keys else None, None)
             table = weighed(arranged(history.table, rows))
             history = history.then(table, [None if row is None else keys[row] for row in rows])
         for key, texts in zip(history.keys, history.table.rows, strict=True):
@@ -59,3 +59,28 @@ def test_very_old_states_are_forgotten() -> None:
         history = history.then(TableText(name=str(number)))
     assert len(history.states) == LONGEST
     assert history.table.name == str(LONGEST + 9)
+
+
+def test_an_opened_table_is_another_one() -> None:
+    """Edits, rows and units leave it the same table; undo of what was opened brings back the number of the one before."""
+    first = History.of(resized(TableText(convention="standard"), 2))
+    edited = first.then(with_cells(first.table, {(0, "a"): "1"}))
+    converted = edited.then(replace(edited.table, length_unit="mm"))
+    opened = converted.then(resized(TableText(), 3), ())
+    assert first.number == edited.number == converted.number == opened.undo().number != opened.number
+    assert opened.undo().redo().number == opened.number
+
+
+def test_a_convention_that_is_chosen_leaves_the_rows() -> None:
+    """Numbers that had no convention have one now; below another unit they are others."""
+    table = with_cells(resized(TableText(), 2), {(0, "a"): "1"})
+    history = History.of(table)
+    chosen = history.then(replace(table, convention="standard"))
+    assert chosen.keys == history.keys
+    assert not {*chosen.then(replace(chosen.table, convention="modified")).keys} & {*chosen.keys}
+
+
+def test_empty_rows_change_places() -> None:
+    """They look the same, and a cursor is in one of them."""
+    history = History.of(resized(TableText(), 2))
+    assert history.then(arranged(history.table, [1, 0]), ["1", "0"]).keys == ("1", "0")

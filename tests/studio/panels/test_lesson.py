@@ -117,7 +117,7 @@ def test_a_row_in_the_browser(studio_address: str, new_tab: Callable[..., Any], 
     tab.cell(1, "a").click()
     page.get_by_text("A2 = Rz(θ) Tz(d) Tx(a) Rx(α)").wait_for()
     session = Session(catalog, gallery.table("ur5.csv", catalog))
-    session.row, session.lesson = 1, 4.0
+    session.picked, session.lesson = session.history.keys[1], 4.0
     arrows = {stroke.field: stroke.points[-1] for stroke in session.strokes()}
     for field in "xyz":
         tab.wait_for_arrow(f"{field} 2", arrows[field])

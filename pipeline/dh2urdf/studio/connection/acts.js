@@ -33,7 +33,8 @@
     get: () => socket,
     set(made) {
       socket = made;
-      const emit = made.emit.bind(made);
+      const emit = made.emit.bind(made), on = made.on.bind(made);
+      made.on = (kind, act) => on(kind, kind === "update" ? (elements) => act(dhPage.spare(elements)) : act);
       const send = (act) => emit("act", ...act, (arrived) => arrived && (acts = acts.filter((one) => one !== act)));
       const sendAgain = () => acts.forEach(send);
       made.emit = (kind, message, answered) => {

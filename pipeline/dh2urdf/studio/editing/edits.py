@@ -70,8 +70,8 @@ def arranged(table: TableText, rows: Sequence[int | None]) -> TableText:
     return replace(table, rows=_numbered([_new_row(table.rows) if row is None else table.rows[row] for row in rows]))
 
 
-def rearranged(keys: Sequence[str], act: str, key: str | None, other: str | None) -> tuple[list[int | None], int]:
-    """What a person did to a row, as `arranged` takes it, and the number of the row that is picked then.
+def rearranged(keys: Sequence[str], act: str, key: str | None, other: str | None) -> list[int | None]:
+    """What a person did to a row, as `arranged` takes it.
 
     Args:
         keys: the keys of the rows of the table.
@@ -89,13 +89,12 @@ def rearranged(keys: Sequence[str], act: str, key: str | None, other: str | None
     if act == "add":
         if len(keys) < MOST_ROWS:
             rows.insert(at + 1, None)
-        return rows, min(at + 1, len(rows) - 1)
+        return rows
     own = rows.pop(at)
-    if act == "remove":
-        return rows, min(at, len(rows) - 1)
-    to = {"up": max(at - 1, 0), "down": at + 1}.get(act, 0 if other is None else rows.index(keys.index(other)) + 1)
-    rows.insert(to, own)
-    return rows, rows.index(own)
+    if act != "remove":
+        to = {"up": max(at - 1, 0), "down": at + 1}.get(act, 0 if other is None else rows.index(keys.index(other)) + 1)
+        rows.insert(to, own)
+    return rows
 
 
 def begun(table: TableText) -> int:

@@ -25,12 +25,14 @@ class History:
         position: which of them is on the screen.
         row_keys: the keys of the rows of each state. A row keeps its key wherever it goes, and no other gets it.
         made: how many keys have been made.
+        tables: the number of the table that each is a state of: one that was opened is another one.
     """
 
     states: tuple[TableText, ...] = (TableText(),)
     position: int = 0
     row_keys: tuple[tuple[str, ...], ...] = ((),)
     made: int = 0
+    tables: tuple[int, ...] = (0,)
 
     @staticmethod
     def of(table: TableText) -> History:
@@ -49,6 +51,11 @@ class History:
         return self.row_keys[self.position]
 
     @property
+    def number(self) -> int:
+        """The number of the table, which all states have that are its own."""
+        return self.tables[self.position]
+
+    @property
     def can_undo(self) -> bool:
         """Whether there is an older state."""
         return self.position > 0
@@ -64,21 +71,24 @@ class History:
         Args:
             table: the new state.
             keys: the keys of its first rows, None for new rows; further rows are new. Without them, each row is the one
-                that had its number, unless its numbers are in other units or of another convention: what was typed
-                below the old header is not for the new one.
+                that had its number, unless its numbers are in other units or of another convention, where it had one:
+                what was typed below the old header is not for the new one. No keys at all are those of another table.
         """
-        if table == self.table:
+        if table == self.table and (keys is None or (*keys,) == self.keys):
             return self
+        number = max(self.tables) + 1 if keys == () else self.number
         count = len(table.rows)
         if keys is None:
-            keys = () if begun(table) and _header(table) != _header(self.table) else self.keys
+            is_read_anew = begun(table) and self.table.convention and _header(table) != _header(self.table)
+            keys = () if is_read_anew else self.keys
         given = [*keys, *[None] * count][:count]
         made = self.made + given.count(None)
         numbers = iter(range(self.made, made))
         every = tuple(str(next(numbers)) if key is None else key for key in given)
         states = (*self.states[: self.position + 1], table)[-LONGEST:]
         row_keys = (*self.row_keys[: self.position + 1], every)[-LONGEST:]
-        return History(states=states, position=len(states) - 1, row_keys=row_keys, made=made)
+        tables = (*self.tables[: self.position + 1], number)[-LONGEST:]
+        return History(states=states, position=len(states) - 1, row_keys=row_keys, made=made, tables=tables)
 
     def undo(self) -> History:
         """One state back, where there is one."""

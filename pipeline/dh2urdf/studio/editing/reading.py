@@ -25,7 +25,7 @@ from dh2urdf.source import Mark, Problem, in_file_order
 from dh2urdf.stage_calls.calls import Call, default_call
 from dh2urdf.stages import Rejected, Transform
 from dh2urdf.studio.editing.edits import begun
-from dh2urdf.table_text import FIELDS, STATEMENTS, TableText, WrittenTable
+from dh2urdf.table_text import ANGLE_UNITS, FIELDS, LENGTH_UNITS, STATEMENTS, TableText, WrittenTable
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -33,6 +33,7 @@ if TYPE_CHECKING:
     from dh2urdf.plugin_system.catalog import Catalog
 
 _TEXTS = ("message", "accepted", "suggestion")
+_PRESSED = re.compile(r"press (\w+)")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -55,6 +56,14 @@ class CellProblem:
         problem = self.problem
         parts = [problem.message, f"accepted: {problem.accepted}" if problem.accepted else "", problem.suggestion or ""]
         return "\n".join(filter(None, parts))
+
+    def units(self, table: TableText) -> list[str]:
+        """The units that are an answer: those that the reader asks about, and of a notice the table's own."""
+        pressed = _PRESSED.findall(self.problem.suggestion or "")
+        for units, own in ((LENGTH_UNITS, table.length_unit), (ANGLE_UNITS, table.angle_unit)):
+            if asked := [unit for unit in pressed if unit in units and unit != own]:
+                return [*asked, own] if self.problem.severity == "notice" else asked
+        return []
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -161,7 +170,7 @@ def on_the_page(text: str) -> str:
             return "press standard or modified above the table"
         unit = _UNIT.search(ways[0])
         rest = ", or " if ways[0].endswith(", or ") else ""
-        return f"press {unit[1]} above the table{rest}" if unit else ways[0]
+        return f"press {unit[1]}{rest}" if unit else ways[0]
 
     return re.sub(r"(?:write|declare it:|say so:) " + _WAYS.pattern, pressed, text)
 

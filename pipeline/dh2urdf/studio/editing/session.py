@@ -27,7 +27,7 @@ from dh2urdf.studio.editing.reading import CellProblem, Reading, make, read, var
 from dh2urdf.table_text import FIELDS, TableText
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
+    from collections.abc import Iterator, Mapping, Sequence
 
     from dh2urdf.plugin_system.catalog import Catalog
     from dh2urdf.studio.joints import Slider
@@ -75,7 +75,8 @@ class Session:
         variants: the variants of the transform, the usual one first.
         variant: which variant is shown, or `BOTH`.
         layers: what is shown.
-        row: number of the row that is picked, counted from 0; None where none is.
+        picked: the key of the row that is picked, as the page has told it; None where none is.
+        confirmed: messages of notices that a person has answered: the unit is right.
         all_columns: whether columns are shown that are empty.
         lesson: how many motions of the picked row are done, where the row is explained; None where it is not.
         poses: joint values that a person has stored, by name [rad or m].
@@ -96,7 +97,8 @@ class Session:
         self.variants = variants(catalog)
         self.variant = self.variants[0]
         self.layers: frozenset[str] = frozenset(("links", "axes", "frames", "outlines"))
-        self.row: int | None = None
+        self.picked: str | None = None
+        self.confirmed: frozenset[str] = frozenset()
         self.all_columns = False
         self.lesson: float | None = None
         self.poses: list[dict[str, float]] = []
@@ -132,26 +134,25 @@ class Session:
         return tuple(field for field in FIELDS if self.all_columns or field in used or field in COLUMNS)
 
     @property
-    def key(self) -> str | None:
-        """The key of the row that is picked; None where none is."""
-        return dict(enumerate(self.history.keys)).get(-1 if self.row is None else self.row)
+    def row(self) -> int | None:
+        """The number of the row that is picked; None where none is."""
+        keys = self.history.keys
+        return keys.index(self.picked) if self.picked in keys else None
 
     # --- The table ----------------------------------------------------------------------------------------------------
 
-    def put(self, table: TableText) -> None:
-        """Another table takes the place of this one, with the same rows; undo brings it back."""
-        self._go_to(self.history.then(table))
+    def put(self, table: TableText, keys: Sequence[str] = ()) -> None:
+        """Another table takes the place of this one, with the same rows, and some more with these keys."""
+        self._go_to(self.history.then(table, [*self.history.keys, *keys] if keys else None))
 
     def arrange(self, act: str, key: str | None, other: str | None = None) -> None:
         """Something was done to a row, as `edits.rearranged` has it; ``other`` may be the key of a new row."""
-        rows, picked = edits.rearranged(self.history.keys, act, key, other)
+        rows = edits.rearranged(self.history.keys, act, key, other)
         keys = [other if row is None else self.history.keys[row] for row in rows]
         self._go_to(self.history.then(edits.arranged(self.table, rows), keys))
-        self.row = picked if rows else None
 
     def _go_to(self, history: History) -> None:
-        picked, self.history = self.key, history
-        self.row = history.keys.index(picked) if picked in history.keys else self.row
+        self.history = history
         self.look()
 
     def open(self, table: TableText) -> None:
@@ -159,6 +160,7 @@ class Session:
         self.q = {}
         self.poses = []
         self.arm = None
+        self.confirmed = frozenset()
         self._draw()
         self._go_to(self.history.then(table, ()))
 
@@ -218,6 +220,12 @@ class Session:
             converted = conversions.with_units(self.table, self.convertible, length_unit, angle_unit)
             table = conversions.as_typed(converted, self.history, self.catalog)
         self.put(table)
+
+    @property
+    def problems(self) -> tuple[CellProblem, ...]:
+        """What is wrong with the table, from every source, but for what a person has answered."""
+        found = (*self.reading.problems, *self.problems_of_making)
+        return tuple(each for each in found if each.problem.message not in self.confirmed)
 
     @property
     def convertible(self) -> Manipulator | None:
@@ -282,7 +290,7 @@ class Session:
     def drawn_row(self) -> int | None:
         """The number that the picked row has in the arm on the screen, which may be an earlier one; None without."""
         keys = self.arm.keys if self.arm else ()
-        return keys.index(self.key) if self.key in keys else None
+        return keys.index(self.picked) if self.picked in keys else None
 
     @property
     def pose(self) -> RigidTransform | None:
@@ -319,8 +327,6 @@ class Session:
             self._draw()
         else:
             self._take(self.reading)
-        if self.row is not None and self.row >= len(self.table.rows):
-            self.row = None
 
     def _take(self, reading: Reading) -> bool:
         """Makes the arm of a reading, where there is one."""
@@ -358,17 +364,9 @@ class Session:
             figures.append(Figure(robot=arm.other, tint=PAPER, link_frames=False))
         if variant == BOTH and arm.other is not None:
             aside = 0.6 * max(extent(arm.robot), extent(arm.other))
-            place = RigidTransform(IDENTITY.rotation, (0.0, aside, 0.0))
-            figures.append(
-                Figure(
-                    robot=arm.other,
-                    name=f"{self.variants[-1]}/",
-                    place=place,
-                    tint=PAPER,
-                    title=self.variants[-1],
-                    link_frames=False,
-                )
-            )
+            place, name = RigidTransform(IDENTITY.rotation, (0.0, aside, 0.0)), self.variants[-1]
+            other = Figure(robot=arm.other, name=f"{name}/", place=place, tint=PAPER, title=name, link_frames=False)
+            figures.append(other)
         if self._described is not None:
             described, base, tip = self._described
             self.beside = beside(described, arm.manipulator, arm.robot, base_link=base, tip_link=tip)

@@ -17,16 +17,16 @@ if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable
 
     from dh2urdf.plugin_system.catalog import Catalog
-    from dh2urdf.table_text import TableText
+    from dh2urdf.studio.editing.opening import Opened
 
 
-def lay_drop(page: ui.element, catalog: Catalog, on_table: Callable[[TableText | None], Awaitable[None]]) -> None:
+def lay_drop(page: ui.element, catalog: Catalog, on_table: Callable[[Opened | None], Awaitable[None]]) -> None:
     """A file that is dropped anywhere on a page is opened as if it had been chosen.
 
     Args:
         page: the page; parts of it that take files themselves come before it.
         catalog: the installed stages.
-        on_table: takes the table, or None where a person has chosen none of several.
+        on_table: takes the table, with what is to be known of it, or None where a person has chosen none of several.
     """
 
     async def take(event: Any) -> None:  # noqa: ANN401 - NiceGUI's

@@ -8,6 +8,7 @@ from nicegui import ui
 
 from dh2urdf.manipulator import Convention
 from dh2urdf.studio.editing.axes import moving_rows
+from dh2urdf.studio.editing.edits import MOST_ROWS
 from dh2urdf.table_text import ANGLE_UNITS, LENGTH_UNITS
 
 if TYPE_CHECKING:
@@ -43,7 +44,6 @@ class TableBar:
 
     Args:
         session: the session.
-        on_axes: takes the number of axes, None where the field is empty.
         on_convention: takes the convention that was chosen; it may ask a person.
         on_units: takes the units of lengths and angles that were chosen; it may ask a person.
         on_columns: shows all columns, or those in use.
@@ -53,24 +53,25 @@ class TableBar:
         self,
         session: Session,
         *,
-        on_axes: Callable[[float | None], None],
         on_convention: Callable[[Convention], Any],
         on_units: Callable[[str, str], Any],
         on_columns: Callable[[], None],
     ) -> None:
         self._session = session
         self._filling = False
-        self._on_axes, self._on_convention, self._on_units = on_axes, on_convention, on_units
+        self._on_convention, self._on_units = on_convention, on_units
         with ui.element("div").classes("studio-row"):
             with ui.element("div").classes("studio-group"):
                 ui.label("axes").classes("studio-caption")
                 self._axes = ui.number(min=0, precision=0, format="%d")
                 self._axes.props('dense outlined aria-label="number of axes"').classes("studio-axes")
                 self._axes.props["autofocus"] = not session.table.rows  # to leave it costs the first key into a cell
-                self._axes.on("keydown.enter", self._choose_axes).on("change", self._choose_axes)
+                for event in ("keydown.enter", "change"):
+                    self._axes.on(event, js_handler=f"() => dhGrid.resize({MOST_ROWS})")
             with ui.element("div").classes("studio-group"):
                 self._convention = ui.toggle([str(kind) for kind in Convention], on_change=self._choose_convention)
                 self._convention.props('dense unelevated no-caps toggle-color=primary aria-label="convention"')
+                self._convention.classes("studio-convention").on("click", js_handler="() => dhGrid.begin()")
             with ui.element("div").classes("studio-group"):
                 self._length = ui.toggle(list(LENGTH_UNITS), on_change=self._choose_units)
                 self._length.props('dense unelevated no-caps aria-label="unit of lengths"')
@@ -93,10 +94,6 @@ class TableBar:
         self._length.set_value(table.length_unit)
         self._angle.set_value(table.angle_unit)
         self._filling = False
-
-    def _choose_axes(self) -> None:
-        if not self._filling:
-            self._on_axes(self._axes.value)
 
     async def _choose_convention(self, event: Any) -> None:  # noqa: ANN401 - NiceGUI's
         if not self._filling and event.value and event.value != self._session.table.convention:
@@ -127,10 +124,6 @@ class EndFields:
                 field.on("change", lambda key=key: on_text(**{key: self._fields[key].value or ""}))
                 field.tooltip(told)
                 self._fields[key] = field
-
-    def focus(self, key: str) -> None:
-        """Put the cursor into a field."""
-        self._fields[key].run_method("focus")
 
     def show(self, wrong: Collection[str]) -> None:
         """Show the texts; those that are wrong stand out."""

@@ -107,20 +107,20 @@ def plausibility(rows: Sequence[DHRow], statements: Statements, units: Units) ->
 
 def _of_the_arm(rows: Sequence[DHRow], statements: Statements, units: Units, reach: float) -> Iterator[Problem]:
     length = arm_length(rows)
-    declare = "if its lengths are in mm, declare it: `a [mm]`, `units: {length: mm}` or `--length-unit mm`"
+    declare = "if its lengths are in {0}, declare it: `a [{0}]`, `units: {{length: {0}}}` or `--length-unit {0}`"
+    known = Dimension.LENGTH in statements.stated
     if length > longest_plain(len(rows)):
-        known = Dimension.LENGTH in statements.stated
-        advice = _CALIBRATED if _is_calibrated(rows) else None if known else declare
+        advice = _CALIBRATED if _is_calibrated(rows) else None if known else declare.format("mm")
         yield _of_all(f"the arm is {length:.4g} m long", rows, None, advice)
     elif 0 < reach < SHORTEST_ARM:
-        yield _of_all(f"the arm is {1000 * reach:.4g} mm long", rows, None, "are its numbers in metres?")
+        yield _of_all(f"the arm is {1000 * reach:.4g} mm long", rows, None, declare.format("m") if known else _ANOTHER)
     else:
         for name in ("a", "d"):
             unit = units.columns.get(name) or units.of(Dimension.LENGTH)
             longest = max(abs(getattr(row, name)) for row in rows)
             if unit and not unit.is_si and 0 < longest < SMALLEST_LENGTH:
                 message = f"no {name} is longer than {1000 * longest:.4g} mm, and the unit of {name} is {unit.symbol}"
-                yield _of_all(message, rows, name, "are its numbers in metres?")
+                yield _of_all(message, rows, name, declare.format("m"))
     for what, where, least in (("base", statements.base, 1.0), ("tool", statements.tool, 0.0)):
         distance = math.hypot(*where.translation) if where else 0.0
         if 0 < reach < distance > least and distance <= LONGEST_ARM / 10:

@@ -27,8 +27,11 @@ TIPS = {
 
 
 @pytest.mark.parametrize("config", sorted(CONFIGS.glob("*.yaml")), ids=lambda path: path.stem)
-def test_it_is_run(cli: Callable[..., Answer], tmp_path: Path, config: Path) -> None:
+def test_it_is_run(
+    cli: Callable[..., Answer], tmp_path: Path, config: Path, require_loaders: Callable[..., None]
+) -> None:
     """Exit status 0, every manipulator ok, and not a word on standard error: an example gives no cause for a notice."""
+    require_loaders(*(name for name in ("pybullet", "mujoco") if name in config.read_text("utf-8")))
     answer = cli("run", config, "-o", tmp_path / "out")
     said = [line for line in answer.stderr.splitlines() if not line.endswith(" left")]  # how far a slow machine is
     assert said == []

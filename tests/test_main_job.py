@@ -18,6 +18,9 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
     from subprocess import CompletedProcess
 
+pytest.importorskip("pybullet")
+pytest.importorskip("mujoco")
+
 CONFIGS = Path(__file__).parents[1] / "configs"
 FILES = {"ur5.urdf", "ur5_macro.xacro", "ur5.urdf.xacro", "ur5.png", "ur5.mujoco.png"}
 COMMAND = [sys.executable, "-c", "from dh2urdf.cli import main; main()"]

@@ -125,6 +125,9 @@ def output(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Where the run file of the first block puts its files."""
     from dh2urdf.cli import exit_status_of
 
+    pytest.importorskip("pybullet")
+    pytest.importorskip("mujoco")
+
     folder = tmp_path_factory.mktemp("readme")
     shutil.copytree(ROOT / "configs", folder / "configs")
     assert (

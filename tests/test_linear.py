@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
     from pathlib import Path
 
+pytestmark = pytest.mark.long
 MOST = 8.0
 """How many times as long four times as much may take."""
 MEASURABLE = 0.15

@@ -21,7 +21,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from dh2urdf._version import __version__
-from dh2urdf.documents.text_files import is_file
+from dh2urdf.documents.text_files import is_file, is_folder
 from dh2urdf.row_fields import COMMON, INERTIA, LIMITS, NUMBERS, WORDS
 
 if TYPE_CHECKING:
@@ -125,7 +125,7 @@ def _beside(top: Path, distribution: str) -> dict[str, Path]:
 
 def _files(place: Path) -> Iterator[str]:
     """A file, or all files in a folder; not what is hidden, and not what Python compiles."""
-    if not place.is_dir():
+    if not is_folder(place):
         yield str(place)
     for folder, folders, names in os.walk(place):
         folders[:] = [name for name in folders if name != "__pycache__" and not name.startswith(".")]

@@ -261,7 +261,7 @@ def test_what_is_done_counts(plan_key: Any, text: str) -> None:
 
 def test_the_options_of_loaders_count(plan_key: Any) -> None:
     """Another number of poses in a simulator is another report."""
-    assert plan_key("loaders: {stage: pybullet, options: {poses: 3}}") != plan_key("loaders: mujoco")
+    assert plan_key("loaders: {stage: mujoco, options: {poses: 3}}") != plan_key("loaders: mujoco")
 
 
 @pytest.mark.parametrize(

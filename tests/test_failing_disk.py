@@ -55,7 +55,7 @@ def faults(library: Path, folder: Path, calls: str, *words: str) -> list[tuple[s
 
 
 def check(found: list[tuple[str, int, int, str]], calls: str) -> None:
-    """Each fault is told as an error of a file, with path and reason, or has changed nothing."""
+    """Each fault is reported as an error of a file, with path and reason, or has changed nothing."""
     assert {call for call, *_ in found} >= set(calls.split(","))
     for call, number, status, said in found:
         place = f"{call} {number}: {said}"

@@ -1,4 +1,4 @@
-"""XML of unknown origin: what is refused of it, whoever reads it."""
+"""XML of unknown origin: what every reader refuses."""
 
 from __future__ import annotations
 

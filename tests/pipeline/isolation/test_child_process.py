@@ -132,7 +132,7 @@ def test_unpicklable_exception_is_wrapped(functions: ModuleType, encoding: Data[
 
 
 def test_unpicklable_value_is_an_exception(functions: ModuleType) -> None:
-    """A value that cannot be sent is told in the words of the encoding."""
+    """The encoding reports a value that cannot be sent."""
     with pytest.raises(TypeError, match=r"^what it returned cannot be sent as data: .*function"):
         run_in_child(functions.return_unpicklable, timeout=LONG)
     with pytest.raises((pickle.PicklingError, AttributeError, TypeError), match="lambda"):
@@ -196,7 +196,7 @@ def test_records_and_marks_arrive(functions: ModuleType) -> None:
 
 
 def test_derived_error_arrives_as_what_it_derives_from(functions: ModuleType) -> None:
-    """A plugin's own kind of `LoaderError` is a `LoaderError` in the parent, which imports no class that it is told."""
+    """A plugin's own kind of `LoaderError` is a `LoaderError` in the parent, which imports no class by a name from the child."""
     with pytest.raises(LoaderError, match="too heavy") as caught:
         run_in_child(functions.refuse_in_own_words, timeout=LONG)
     assert type(caught.value) is LoaderError

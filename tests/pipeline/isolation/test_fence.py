@@ -1,4 +1,4 @@
-"""Which walls stand around a child that works on a stranger's file, and what is told where the kernel offers none."""
+"""Which walls stand around a child that works on a stranger's file, and what the user reads where the kernel offers none."""
 
 from __future__ import annotations
 

@@ -18,7 +18,7 @@ from dh2urdf_plugins.emitters.profile_names import ProfileName
 from dh2urdf_plugins.emitters.urdf import EMITTER, UrdfOptions
 from dh2urdf_plugins.transforms.alpha_swap import TRANSFORM
 
-sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "plugins" / "lint"))
+sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "check"))
 from faulty_files import SOUND, write_meshes as write_part
 
 if TYPE_CHECKING:

@@ -34,11 +34,11 @@ from description_sources import sources, write_meshes
 from description_texts import FORMS
 from description_tree import Node, piece
 
-sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "plugins" / "lint"))
+sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "check"))
 from consumers import READERS, Behaviour, Reader
 
-from dh2urdf_plugins.lint.inspection import inspect_urdf
-from dh2urdf_plugins.lint.rules import Outcome, rules
+from dh2urdf_check.inspection import inspect_urdf
+from dh2urdf_check.rules import Outcome, rules
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence

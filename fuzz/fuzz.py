@@ -97,7 +97,7 @@ def fuzz(name: str, seconds: int, runs: int, seed: int, *, keep: bool) -> None:
 
     corpus = CORPUS / name
     seeds = [path for folder in (corpus, REFERENCE) for path in sorted(folder.glob("*")) if _is_seed(path, name)]
-    with atheris.instrument_imports(include=["dh2urdf", "dh2urdf_plugins"]):
+    with atheris.instrument_imports(include=["dh2urdf", "dh2urdf_check", "dh2urdf_plugins"]):
         from targets import TARGETS as FUNCTIONS
 
         function = FUNCTIONS[name]

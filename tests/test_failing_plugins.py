@@ -18,9 +18,9 @@ from dh2urdf.cli import exit_status_of
 from dh2urdf.errors import InputError, StageError
 from dh2urdf.manipulator import Manipulator
 from dh2urdf.plugin_system import KINDS, RECORDS, load
-from dh2urdf.studio.editing.opening import open_tables
-from dh2urdf.studio.editing.save import table_file
-from dh2urdf.studio.viewing import load_figures
+from dh2urdf_studio.editing.opening import open_tables
+from dh2urdf_studio.editing.save import table_file
+from dh2urdf_studio.viewing import load_figures
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -15,9 +15,9 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 from dh2urdf.errors import Dh2UrdfError
-from dh2urdf_plugins.lint.inspection import inspect_urdf
-from dh2urdf_plugins.lint.models.mjcf import inspect_mjcf
-from dh2urdf_plugins.lint.models.sdf import inspect_sdf
+from dh2urdf_check.inspection import inspect_urdf
+from dh2urdf_check.models.mjcf import inspect_mjcf
+from dh2urdf_check.models.sdf import inspect_sdf
 from dh2urdf_plugins.read_back.mjcf.reader import read_model as read_mjcf
 from dh2urdf_plugins.read_back.sdf.reader import read_model as read_sdf
 from dh2urdf_plugins.read_back.urdf_reader import read_urdf

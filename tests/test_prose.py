@@ -74,7 +74,7 @@ def packages() -> list[Path]:
     """The files and folders below which the sources are, each for a test of its own."""
     found = []
     for name in CODE:
-        for path in (ROOT / name / "dh2urdf", ROOT / name / "dh2urdf_plugins", ROOT / name):
+        for path in (ROOT / name / "dh2urdf", ROOT / name):
             if path.is_dir():
                 found += sorted(each for each in path.iterdir() if each.is_dir() or each.suffix in SUFFIXES)
                 break

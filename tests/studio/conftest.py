@@ -20,8 +20,8 @@ import pytest
 from dh2urdf.kinematics import forward_kinematics
 from dh2urdf.kinematics.chain import as_matrices
 from dh2urdf.plugin_system import load
-from dh2urdf.studio import gallery
-from dh2urdf.studio.editing.keeping import kept_text
+from dh2urdf_studio import gallery
+from dh2urdf_studio.editing.keeping import kept_text
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -73,7 +73,7 @@ def serving(
     """
     code = "from dh2urdf.cli import main; main()"
     if patience is not None:
-        code = f"from dh2urdf.studio import server; server.PATIENCE = {patience}; {code}"
+        code = f"from dh2urdf_studio import server; server.PATIENCE = {patience}; {code}"
     command = [sys.executable, "-c", code, *map(str, words), "--no-browser", "--port", str(port)]
     environment = {**os.environ, "PYTHONUNBUFFERED": "1"}
     environment.pop("PYTEST_CURRENT_TEST", None)  # NiceGUI would take the server for its own test.

@@ -7,7 +7,7 @@ import pytest
 
 pytest.importorskip("nicegui")
 
-from dh2urdf.studio import app
+from dh2urdf_studio import app
 
 
 class Shown:
@@ -55,8 +55,8 @@ def test_the_first_arm_waits_for_no_import() -> None:
     code = """
 import sys
 from dh2urdf.plugin_system.catalog import load
-from dh2urdf.studio import app
-from dh2urdf.studio.editing.session import Session
+from dh2urdf_studio import app
+from dh2urdf_studio.editing.session import Session
 from dh2urdf.table_text import TableText
 catalog = load()
 app.rehearse(catalog)

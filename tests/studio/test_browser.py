@@ -11,11 +11,11 @@ import numpy as np
 import pytest
 
 from dh2urdf.manipulator import Convention
-from dh2urdf.studio import gallery
-from dh2urdf.studio.editing import edits, save
-from dh2urdf.studio.editing.reading import read_whole
-from dh2urdf.studio.editing.session import Session
 from dh2urdf.table_text import TableText
+from dh2urdf_studio import gallery
+from dh2urdf_studio.editing import edits, save
+from dh2urdf_studio.editing.reading import read_whole
+from dh2urdf_studio.editing.session import Session
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -5,14 +5,14 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-import dh2urdf.studio
-from dh2urdf.studio import gallery
+import dh2urdf_studio
+from dh2urdf_studio import gallery
 
 if TYPE_CHECKING:
     from dh2urdf.plugin_system import Catalog
 
 TABLES = Path(__file__).parents[2] / "configs" / "tables"
-GALLERY = Path(dh2urdf.studio.__file__).parent / "arms"
+GALLERY = Path(dh2urdf_studio.__file__).parent / "arms"
 
 
 def test_the_gallery_is_configs() -> None:

@@ -7,7 +7,7 @@ from hypothesis import given, strategies as st
 
 from dh2urdf.manipulator import JointType, Limits
 from dh2urdf.robot import Joint
-from dh2urdf.studio import joints
+from dh2urdf_studio import joints
 
 
 def joint(kind: JointType = JointType.REVOLUTE, lower: float | None = -1.0, upper: float | None = 2.0) -> Joint:

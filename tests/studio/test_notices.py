@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from dh2urdf.studio import gallery
+from dh2urdf_studio import gallery
 
 if TYPE_CHECKING:
     from collections.abc import Callable

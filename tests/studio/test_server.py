@@ -5,7 +5,7 @@ import socket
 import pytest
 
 from dh2urdf.errors import InputError, MissingDependencyError
-from dh2urdf.studio import server
+from dh2urdf_studio import server
 
 
 def test_any_free_port() -> None:

@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from dh2urdf.studio import gallery
-from dh2urdf.studio.editing import edits
-from dh2urdf.studio.editing.keeping import kept_text
-from dh2urdf.studio.editing.reading import read_whole
+from dh2urdf_studio import gallery
+from dh2urdf_studio.editing import edits
+from dh2urdf_studio.editing.keeping import kept_text
+from dh2urdf_studio.editing.reading import read_whole
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator

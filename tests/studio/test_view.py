@@ -12,7 +12,7 @@ import pytest
 import trimesh
 from PIL import Image
 
-from dh2urdf.studio.viewing import View, load_figures
+from dh2urdf_studio.viewing import View, load_figures
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -10,7 +10,7 @@ import trimesh
 from dh2urdf.errors import InputError
 from dh2urdf.kinematics.chain import as_matrices
 from dh2urdf.robot import Mesh
-from dh2urdf.studio.viewing import View, ends, load_figures
+from dh2urdf_studio.viewing import View, ends, load_figures
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -65,6 +65,13 @@ COMMANDS = {
     "new-plugin": "Write the beginning of a plugin.",
 }
 
+ELSEWHERE = {
+    "check": "dh2urdf_check.command",
+    "studio": "dh2urdf_studio.studio_command",
+    "view": "dh2urdf_studio.view_command",
+}
+"""The modules of the commands that plugins bring."""
+
 
 class _Interrupted(BaseException):
     """Ctrl-C or SIGTERM came while a command was at work."""
@@ -90,7 +97,8 @@ class _LazyGroup(Command, click.Group):
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:  # noqa: ARG002 - click's signature
         if cmd_name not in COMMANDS:
             return None
-        command: click.Command = import_module(f"dh2urdf.cli.{cmd_name.replace('-', '_')}").command
+        module = ELSEWHERE.get(cmd_name) or f"dh2urdf.cli.{cmd_name.replace('-', '_')}"
+        command: click.Command = import_module(module).command
         return command
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:  # noqa: ARG002 - click's signature

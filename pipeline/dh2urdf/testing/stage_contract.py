@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
     from dh2urdf.stages import Kind
 
-LIGHT = frozenset({"click", "dh2urdf", "dh2urdf_plugins", "lxml", "orjson", "pluggy", "yaml"})
+LIGHT = frozenset({"click", "dh2urdf", "dh2urdf_check", "dh2urdf_plugins", "lxml", "orjson", "pluggy", "yaml"})
 """What registering a plugin may import besides the standard library and its own package: it is there anyway."""
 WORK: dict[Kind, tuple[str, ...]] = {
     "reader": ("read",),

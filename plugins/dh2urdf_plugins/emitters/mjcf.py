@@ -54,14 +54,14 @@ def check(path: Path) -> Inspection:
     Raises:
         InputError: the file cannot be read.
     """
-    from dh2urdf_plugins.lint.models.mjcf import inspect_mjcf
+    from dh2urdf_check.models.mjcf import inspect_mjcf
 
     return inspect_mjcf(path)
 
 
 def descriptions(roots: Mapping[Path, str]) -> Iterable[Path]:
     """The MJCFs that no other includes among the files of a folder."""
-    from dh2urdf_plugins.lint.whole_files import mjcfs
+    from dh2urdf_check.whole_files import mjcfs
 
     return mjcfs(roots)
 

@@ -53,14 +53,14 @@ def check(path: Path) -> Inspection:
     Raises:
         InputError: the file cannot be read.
     """
-    from dh2urdf_plugins.lint.models.sdf import inspect_sdf
+    from dh2urdf_check.models.sdf import inspect_sdf
 
     return inspect_sdf(path)
 
 
 def descriptions(roots: Mapping[Path, str]) -> Iterable[Path]:
     """The SDFs among the files of a folder."""
-    from dh2urdf_plugins.lint.whole_files import sdfs
+    from dh2urdf_check.whole_files import sdfs
 
     return sdfs(roots)
 

@@ -91,7 +91,7 @@ def check(path: Path, expansion: Expansion | None = None) -> Inspection:
     Raises:
         InputError: the file cannot be read, or a folder of packages is none.
     """
-    from dh2urdf_plugins.lint.inspection import inspect_urdf
+    from dh2urdf_check.inspection import inspect_urdf
 
     return inspect_urdf(path, expansion)
 
@@ -102,14 +102,14 @@ def fix(path: Path) -> Repair:
     Raises:
         InputError: the file cannot be read.
     """
-    from dh2urdf_plugins.lint.fixing import fixed
+    from dh2urdf_check.fixing import fixed
 
     return fixed(path)
 
 
 def descriptions(roots: Mapping[Path, str]) -> Iterable[Path]:
     """The URDFs among the files of a folder."""
-    from dh2urdf_plugins.lint.whole_files import urdfs
+    from dh2urdf_check.whole_files import urdfs
 
     return urdfs(roots)
 

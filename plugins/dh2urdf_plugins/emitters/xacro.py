@@ -60,14 +60,14 @@ def check(path: Path, expansion: Expansion | None = None) -> Inspection:
     Raises:
         InputError: the file cannot be read.
     """
-    from dh2urdf_plugins.lint.inspection import inspect_xacro
+    from dh2urdf_check.inspection import inspect_xacro
 
     return inspect_xacro(path, expansion)
 
 
 def descriptions(roots: Mapping[Path, str]) -> Iterable[Path]:
     """The xacros of whole robots among the files of a folder."""
-    from dh2urdf_plugins.lint.whole_files import xacros
+    from dh2urdf_check.whole_files import xacros
 
     return xacros(roots)
 

@@ -21,7 +21,7 @@ from dh2urdf.kinematics.comparison import TOLERANCE, changes, compare, number_te
 from dh2urdf.manipulator import Convention, DHRow, JointType, Manipulator
 from dh2urdf.robot import Joint, Link, Origin, Robot
 from dh2urdf.rotations import IDENTITY, RigidTransform
-from dh2urdf_plugins.lint.inspection import inspect_urdf
+from dh2urdf_check.inspection import inspect_urdf
 from dh2urdf_plugins.readers.csv import READER
 from dh2urdf_plugins.transforms.alpha_swap import TRANSFORM
 

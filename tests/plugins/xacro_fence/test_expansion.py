@@ -20,11 +20,11 @@ from dh2urdf.errors import CrashError, InputError, ProofError, TableError
 from dh2urdf.isolation import run_in_child
 from dh2urdf.plugin_system import load
 from dh2urdf.stages import Expansion
-from dh2urdf.studio.viewing import load_figures
+from dh2urdf_check.inspection import inspect_xacro
 from dh2urdf_plugins.descriptions.foreign import foreign_xacro
-from dh2urdf_plugins.lint.inspection import inspect_xacro
 from dh2urdf_plugins.read_back.xacro_reader import read_foreign_xacro
 from dh2urdf_plugins.xacro_fence.expansion import expand_foreign
+from dh2urdf_studio.viewing import load_figures
 
 if TYPE_CHECKING:
     from collections.abc import Callable

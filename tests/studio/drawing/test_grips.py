@@ -10,8 +10,8 @@ import pytest
 
 from dh2urdf.foreign_robot import Follower
 from dh2urdf.kinematics.chain import as_matrices
-from dh2urdf.studio.drawing.grips import Grip
-from dh2urdf.studio.viewing import View, load_figures
+from dh2urdf_studio.drawing.grips import Grip
+from dh2urdf_studio.viewing import View, load_figures
 
 if TYPE_CHECKING:
     from pathlib import Path

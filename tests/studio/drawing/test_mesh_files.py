@@ -11,7 +11,7 @@ import pytest
 import trimesh
 
 from dh2urdf.errors import OutputError
-from dh2urdf.studio.drawing.mesh_files import DrawnMesh, surfaces, triangles
+from dh2urdf_studio.drawing.mesh_files import DrawnMesh, surfaces, triangles
 
 if TYPE_CHECKING:
     from pathlib import Path

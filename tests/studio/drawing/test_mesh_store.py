@@ -12,9 +12,9 @@ import trimesh
 
 from dh2urdf.errors import OutputError
 from dh2urdf.isolation.child_process import pickled_call, started
-from dh2urdf.studio.drawing import mesh_store
-from dh2urdf.studio.drawing.mesh_files import DrawnMesh, triangles
-from dh2urdf.studio.drawing.mesh_store import MeshStore
+from dh2urdf_studio.drawing import mesh_store
+from dh2urdf_studio.drawing.mesh_files import DrawnMesh, triangles
+from dh2urdf_studio.drawing.mesh_store import MeshStore
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -11,7 +11,7 @@ from dh2urdf.kinematics import dh_frames, row_transform
 from dh2urdf.kinematics.chain import as_matrices
 from dh2urdf.manipulator import Convention, DHRow, JointType, Manipulator
 from dh2urdf.rotations import RigidTransform
-from dh2urdf.studio.drawing.motions import motions, moving_frame, order, so_far
+from dh2urdf_studio.drawing.motions import motions, moving_frame, order, so_far
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -14,8 +14,8 @@ from dh2urdf.kinematics.facts import Line
 from dh2urdf.manipulator import Convention, DHRow, JointType, Manipulator
 from dh2urdf.rotations import RigidTransform
 from dh2urdf.stage_calls.calls import default_call
-from dh2urdf.studio import gallery
-from dh2urdf.studio.drawing.normals import (
+from dh2urdf_studio import gallery
+from dh2urdf_studio.drawing.normals import (
     Position,
     common_normal,
     robot_normals,
@@ -23,7 +23,7 @@ from dh2urdf.studio.drawing.normals import (
     table_normals,
     where_x_is,
 )
-from dh2urdf.studio.editing.session import Session
+from dh2urdf_studio.editing.session import Session
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -15,10 +15,10 @@ from dh2urdf.kinematics.chain import as_matrices
 from dh2urdf.manipulator import Convention, Inertia, JointType
 from dh2urdf.robot import Inertial, Joint, Link, Mesh, Origin, Robot, Visual
 from dh2urdf.rotations import RigidTransform
-from dh2urdf.studio.drawing.colours import APART, PAPER
-from dh2urdf.studio.drawing.scene import FRAME_SIZE, Drawing, Figure, extent, numbers, poses_as_json, towards
-from dh2urdf.studio.editing.reading import make
 from dh2urdf.table_text import table_text
+from dh2urdf_studio.drawing.colours import APART, PAPER
+from dh2urdf_studio.drawing.scene import FRAME_SIZE, Drawing, Figure, extent, numbers, poses_as_json, towards
+from dh2urdf_studio.editing.reading import make
 
 if TYPE_CHECKING:
     from conftest import ReferenceRobot

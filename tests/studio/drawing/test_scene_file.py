@@ -15,11 +15,11 @@ from dh2urdf.errors import OutputError
 from dh2urdf.kinematics import dh_frames, link_poses
 from dh2urdf.kinematics.chain import as_matrices
 from dh2urdf.rotations import RigidTransform
-from dh2urdf.studio import gallery
-from dh2urdf.studio.drawing.scene import LAYERS, Drawing
-from dh2urdf.studio.drawing.scene_file import glb
-from dh2urdf.studio.editing.session import BOTH, Session
-from dh2urdf.studio.viewing import View, load_figures
+from dh2urdf_studio import gallery
+from dh2urdf_studio.drawing.scene import LAYERS, Drawing
+from dh2urdf_studio.drawing.scene_file import glb
+from dh2urdf_studio.editing.session import BOTH, Session
+from dh2urdf_studio.viewing import View, load_figures
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -12,11 +12,11 @@ import pytest
 import trimesh
 from PIL import Image
 
-from dh2urdf.studio.drawing import mesh_files
-from dh2urdf.studio.drawing.mesh_files import DrawnMesh, triangles
-from dh2urdf.studio.drawing.mesh_store import MeshStore
-from dh2urdf.studio.drawing.scene_file import glb
-from dh2urdf.studio.viewing import View, load_figures
+from dh2urdf_studio.drawing import mesh_files
+from dh2urdf_studio.drawing.mesh_files import DrawnMesh, triangles
+from dh2urdf_studio.drawing.mesh_store import MeshStore
+from dh2urdf_studio.drawing.scene_file import glb
+from dh2urdf_studio.viewing import View, load_figures
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -14,7 +14,7 @@ from urllib.parse import urlsplit
 import pytest
 from foreign_pages import foreign_page
 
-from dh2urdf.studio.viewing import View, load_figures
+from dh2urdf_studio.viewing import View, load_figures
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator

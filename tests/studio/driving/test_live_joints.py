@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 from dh2urdf.errors import InputError
-from dh2urdf.studio.driving.live_joints import LiveJoints
-from dh2urdf.studio.viewing import View, load_figures
+from dh2urdf_studio.driving.live_joints import LiveJoints
+from dh2urdf_studio.viewing import View, load_figures
 
 if TYPE_CHECKING:
     from pathlib import Path

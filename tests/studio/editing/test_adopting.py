@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING
 import pytest
 
 import dh2urdf
-from dh2urdf.studio import gallery
-from dh2urdf.studio.editing.adopting import adopted, changed_cells, own_table
-from dh2urdf.studio.editing.edits import with_cells
-from dh2urdf.studio.editing.given_files import GivenFiles
-from dh2urdf.studio.editing.session import Session
+from dh2urdf_studio import gallery
+from dh2urdf_studio.editing.adopting import adopted, changed_cells, own_table
+from dh2urdf_studio.editing.edits import with_cells
+from dh2urdf_studio.editing.given_files import GivenFiles
+from dh2urdf_studio.editing.session import Session
 
 if TYPE_CHECKING:
     from dh2urdf.plugin_system.catalog import Catalog

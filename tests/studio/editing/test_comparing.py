@@ -9,16 +9,16 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 import dh2urdf
-import dh2urdf.studio
-from dh2urdf.studio.editing.comparing import NAME
-from dh2urdf.studio.editing.given_files import GivenFiles
-from dh2urdf.studio.editing.opening import open_tables
-from dh2urdf.studio.editing.session import Session
+import dh2urdf_studio
 from dh2urdf.table_text import TableText
+from dh2urdf_studio.editing.comparing import NAME
+from dh2urdf_studio.editing.given_files import GivenFiles
+from dh2urdf_studio.editing.opening import open_tables
+from dh2urdf_studio.editing.session import Session
 
 if TYPE_CHECKING:
     from dh2urdf.plugin_system import Catalog
-    from dh2urdf.studio.drawing.scene import Figure
+    from dh2urdf_studio.drawing.scene import Figure
 
 # Two links of 0.3 m and 0.2 m in a plane, the second joint 2 mm off and tilted by 1°, the tip 5 mm too far.
 ARM = """<robot name="other"><link name="world"/><link name="one"/><link name="two"/><link name="ee"/>
@@ -59,7 +59,7 @@ def test_the_same_arm(catalog: Catalog) -> None:
 @pytest.mark.parametrize("name", ["panda.yaml", "stanford.csv", "track.csv"])
 def test_the_file_of_a_table_is_its_arm(catalog: Catalog, name: str) -> None:
     """In both conventions, with joints that slide, and with frames of links that are not those of the table."""
-    path = Path(dh2urdf.studio.__file__).parent / "arms" / name
+    path = Path(dh2urdf_studio.__file__).parent / "arms" / name
     content = dh2urdf.convert(path).text.encode()
     (opened, *_) = open_tables(path, catalog)
     session = Session(catalog, opened.table)

@@ -9,11 +9,11 @@ import pytest
 from dh2urdf.kinematics import angle_error, forward_kinematics, position_error
 from dh2urdf.manipulator import Convention, DHRow, Inertia, JointType, Limits, Manipulator
 from dh2urdf.rotations import RigidTransform
-from dh2urdf.studio import gallery
-from dh2urdf.studio.editing.conversions import with_convention, with_units
-from dh2urdf.studio.editing.reading import make, read_whole
-from dh2urdf.studio.editing.session import Session
 from dh2urdf.table_text import TableText, table_text
+from dh2urdf_studio import gallery
+from dh2urdf_studio.editing.conversions import with_convention, with_units
+from dh2urdf_studio.editing.reading import make, read_whole
+from dh2urdf_studio.editing.session import Session
 
 if TYPE_CHECKING:
     from conftest import ReferenceRobot

@@ -5,10 +5,10 @@ from typing import TYPE_CHECKING
 import pytest
 from hypothesis import given, strategies as st
 
-from dh2urdf.studio import gallery
-from dh2urdf.studio.editing import axes, edits
-from dh2urdf.studio.editing.session import Session
 from dh2urdf.table_text import TableText
+from dh2urdf_studio import gallery
+from dh2urdf_studio.editing import axes, edits
+from dh2urdf_studio.editing.session import Session
 
 if TYPE_CHECKING:
     from dh2urdf.plugin_system import Catalog

@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING
 import pytest
 
 from dh2urdf.errors import InputError
-from dh2urdf.studio.drawing.scene import Drawing
-from dh2urdf.studio.editing import given_files
-from dh2urdf.studio.editing.given_files import GivenFiles
+from dh2urdf_studio.drawing.scene import Drawing
+from dh2urdf_studio.editing import given_files
+from dh2urdf_studio.editing.given_files import GivenFiles
 
 if TYPE_CHECKING:
     from pathlib import Path

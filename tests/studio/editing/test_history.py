@@ -5,9 +5,9 @@ from itertools import count
 
 from hypothesis import given, strategies as st
 
-from dh2urdf.studio.editing.edits import arranged, rearranged, resized, with_cells
-from dh2urdf.studio.editing.history import LONGEST, History
 from dh2urdf.table_text import TableText
+from dh2urdf_studio.editing.edits import arranged, rearranged, resized, with_cells
+from dh2urdf_studio.editing.history import LONGEST, History
 
 
 @given(st.lists(st.sampled_from(["undo", "redo", "a", "b", "c"]), max_size=40))

@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from dh2urdf.studio import gallery
-from dh2urdf.studio.editing import edits
-from dh2urdf.studio.editing.keeping import finish_typing, kept_table, kept_text
-from dh2urdf.studio.editing.session import Session
 from dh2urdf.table_text import TableText
+from dh2urdf_studio import gallery
+from dh2urdf_studio.editing import edits
+from dh2urdf_studio.editing.keeping import finish_typing, kept_table, kept_text
+from dh2urdf_studio.editing.session import Session
 
 if TYPE_CHECKING:
     from dh2urdf.plugin_system import Catalog

@@ -9,9 +9,9 @@ import pytest
 
 from dh2urdf.errors import InputError
 from dh2urdf.manipulator import Manipulator
-from dh2urdf.studio import words
-from dh2urdf.studio.editing.opening import open_tables, tables_of
-from dh2urdf.studio.editing.reading import read_whole
+from dh2urdf_studio import words
+from dh2urdf_studio.editing.opening import open_tables, tables_of
+from dh2urdf_studio.editing.reading import read_whole
 
 if TYPE_CHECKING:
     from dh2urdf.plugin_system import Catalog

@@ -5,9 +5,9 @@ from typing import TYPE_CHECKING
 import pytest
 
 from dh2urdf.source import in_file_order
-from dh2urdf.studio.editing import edits
-from dh2urdf.studio.editing.reading import make, read, read_whole
 from dh2urdf.table_text import TableText
+from dh2urdf_studio.editing import edits
+from dh2urdf_studio.editing.reading import make, read, read_whole
 
 if TYPE_CHECKING:
     from pathlib import Path

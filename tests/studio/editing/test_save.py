@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 from dh2urdf.errors import EmitterError, InputError
-from dh2urdf.studio import gallery
-from dh2urdf.studio.editing import edits, save
-from dh2urdf.studio.editing.opening import tables_of
-from dh2urdf.studio.editing.reading import read_whole
 from dh2urdf.table_text import TableText
+from dh2urdf_studio import gallery
+from dh2urdf_studio.editing import edits, save
+from dh2urdf_studio.editing.opening import tables_of
+from dh2urdf_studio.editing.reading import read_whole
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -9,10 +9,10 @@ import pytest
 
 from dh2urdf.kinematics.chain import as_matrices
 from dh2urdf.manipulator import Convention
-from dh2urdf.studio import gallery
-from dh2urdf.studio.editing import edits
-from dh2urdf.studio.editing.session import Session
 from dh2urdf.table_text import NAMES, TableText
+from dh2urdf_studio import gallery
+from dh2urdf_studio.editing import edits
+from dh2urdf_studio.editing.session import Session
 
 if TYPE_CHECKING:
     from dh2urdf.plugin_system import Catalog

@@ -10,12 +10,12 @@ import pytest
 import trimesh
 
 import dh2urdf
-import dh2urdf.studio
+import dh2urdf_studio
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-UR5 = Path(dh2urdf.studio.__file__).parent / "arms" / "ur5.csv"
+UR5 = Path(dh2urdf_studio.__file__).parent / "arms" / "ur5.csv"
 COUNT = "document.querySelector('.arm-view').scene.children[0].children.filter(node => node.name.startsWith('description/')).length"
 
 

@@ -12,10 +12,10 @@ import pytest
 from dh2urdf.kinematics import dh_frames, dh_transform
 from dh2urdf.kinematics.chain import as_matrices
 from dh2urdf.manipulator import Convention
-from dh2urdf.studio import gallery
-from dh2urdf.studio.editing.session import Session
-from dh2urdf.studio.panels.lesson_words import explained
 from dh2urdf.table_text import TableText
+from dh2urdf_studio import gallery
+from dh2urdf_studio.editing.session import Session
+from dh2urdf_studio.panels.lesson_words import explained
 
 if TYPE_CHECKING:
     from collections.abc import Callable

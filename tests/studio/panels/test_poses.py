@@ -13,9 +13,9 @@ from scipy.spatial.transform import Rotation
 
 from dh2urdf.kinematics import dh_frames, forward_kinematics
 from dh2urdf.kinematics.chain import as_matrices
-from dh2urdf.studio import gallery
-from dh2urdf.studio.editing.session import Session
-from dh2urdf.studio.panels.poses import between
+from dh2urdf_studio import gallery
+from dh2urdf_studio.editing.session import Session
+from dh2urdf_studio.panels.poses import between
 
 if TYPE_CHECKING:
     from collections.abc import Callable

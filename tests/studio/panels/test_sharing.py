@@ -16,10 +16,10 @@ from PIL import Image
 
 from dh2urdf.kinematics import forward_kinematics
 from dh2urdf.kinematics.chain import as_matrices
-from dh2urdf.studio import gallery
-from dh2urdf.studio.drawing.turntable import FRAMES, LARGEST
-from dh2urdf.studio.editing.keeping import kept_table
-from dh2urdf.studio.editing.session import Session
+from dh2urdf_studio import gallery
+from dh2urdf_studio.drawing.turntable import FRAMES, LARGEST
+from dh2urdf_studio.editing.keeping import kept_table
+from dh2urdf_studio.editing.session import Session
 
 if TYPE_CHECKING:
     from collections.abc import Callable

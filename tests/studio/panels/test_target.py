@@ -12,10 +12,10 @@ from scipy.spatial.transform import Rotation
 from dh2urdf.kinematics import forward_kinematics
 from dh2urdf.kinematics.chain import as_matrices
 from dh2urdf.rotations import RigidTransform
-from dh2urdf.studio import gallery
-from dh2urdf.studio.editing import edits
-from dh2urdf.studio.editing.session import Session
 from dh2urdf.table_text import TableText
+from dh2urdf_studio import gallery
+from dh2urdf_studio.editing import edits
+from dh2urdf_studio.editing.session import Session
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from dh2urdf.studio import pasting
-from dh2urdf.studio.editing import edits
-from dh2urdf.studio.editing.reading import read
 from dh2urdf.table_text import TableText
+from dh2urdf_studio import pasting
+from dh2urdf_studio.editing import edits
+from dh2urdf_studio.editing.reading import read
 
 if TYPE_CHECKING:
     from dh2urdf.plugin_system import Catalog

@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from dh2urdf.studio import pasting
-from dh2urdf.studio.editing.opening import tables_of
+from dh2urdf_studio import pasting
+from dh2urdf_studio.editing.opening import tables_of
 
 if TYPE_CHECKING:
     from dh2urdf.plugin_system import Catalog

@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pytest
 
-from dh2urdf.studio.editing.opening import tables_of
-from dh2urdf.studio.editing.reading import read_whole
-from dh2urdf.studio.pasting import cells_of, whole_tables
-from dh2urdf.studio.pasting.typeset import typeset
 from dh2urdf_plugins.emitters.table.latex import latex_file
 from dh2urdf_plugins.emitters.table.markdown import markdown_file
 from dh2urdf_plugins.emitters.table.options import TableOptions
+from dh2urdf_studio.editing.opening import tables_of
+from dh2urdf_studio.editing.reading import read_whole
+from dh2urdf_studio.pasting import cells_of, whole_tables
+from dh2urdf_studio.pasting.typeset import typeset
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -51,14 +51,14 @@ def check(path: Path, expansion: Expansion) -> Inspection:
     Raises:
         InputError: the file is in no package, or a folder of packages is none.
     """
-    from dh2urdf_plugins.lint.packages.inspection import inspect_package
+    from dh2urdf_check.packages.inspection import inspect_package
 
     return inspect_package(path, expansion)
 
 
 def descriptions(roots: Mapping[Path, str]) -> Iterable[Path]:
     """The package.xml of each package among the files of a folder."""
-    from dh2urdf_plugins.lint.packages.inspection import packages
+    from dh2urdf_check.packages.inspection import packages
 
     return packages(roots)
 

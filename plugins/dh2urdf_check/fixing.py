@@ -1,0 +1,179 @@
+"""Fixes in a URDF what can be fixed without asking, at its place in the text: every other byte stays as it is."""
+
+from __future__ import annotations
+
+import math
+import re
+from typing import TYPE_CHECKING
+from xml.parsers import expat
+
+from dh2urdf.documents import read_bytes
+from dh2urdf.errors import InputError
+from dh2urdf.late_tuples import NamedTuple
+from dh2urdf.quantities import format_numbers
+from dh2urdf.rotations import norm
+from dh2urdf.source import Mark, Problem, free_name, shown
+from dh2urdf.stages import Repair
+from dh2urdf_check.document.tree import numbers_of
+from dh2urdf_check.joints import UNIT
+from dh2urdf_plugins.read_back.xml_files import LARGEST
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+    from pathlib import Path
+
+DENSITY = 2700.0
+"""Of the ball whose inertia takes the place of 0: aluminium, as of drawn shapes [kg/m³]."""
+_DECLARATION = b'<?xml version="1.0" encoding="utf-8"?>\n'
+_BOM = b"\xef\xbb\xbf"
+_ATTRIBUTE = re.compile(rb"""([\w:.-]+)\s*=\s*("[^"<]*"|'[^'<]*')""")
+_TROUBLESOME = re.compile(r"[^A-Za-z0-9_.-]+")
+_NAMING = {
+    "link": ("name",),
+    "joint": ("name",),
+    "parent": ("link",),
+    "child": ("link",),
+    "mimic": ("joint",),
+    "gazebo": ("reference",),
+}
+"""The attributes that hold the name of a link or joint."""
+
+
+class _Tag(NamedTuple):
+    """A start tag: its name, its values, where each value is in the bytes of the file, and its line and column."""
+
+    name: str
+    above: tuple[str, ...]
+    values: dict[str, str]
+    spans: dict[str, tuple[int, int]]
+    line: int
+    column: int
+
+
+class _Edit(NamedTuple):
+    span: tuple[int, int]
+    text: bytes
+    tag: _Tag
+    message: str
+
+
+def fixed(path: Path) -> Repair:
+    """A URDF with what is mechanical fixed.
+
+    Raises:
+        InputError: the file cannot be read, is no XML, or is not in UTF-8.
+    """
+    content = read_bytes(path, InputError, limit=LARGEST)
+    tags = _tags(content, path)
+    edits = [*_axes(tags), *_limits(tags), *_inertias(tags), *_names(tags)]
+    pieces, end = list[bytes](), 0
+    for edit in sorted(edits, key=lambda edit: edit.span):
+        pieces += [content[end : edit.span[0]], edit.text]
+        end = edit.span[1]
+    text = b"".join([*pieces, content[end:]])
+    told: dict[str, Problem] = {}
+    for edit in sorted(edits, key=lambda edit: edit.span):
+        mark = Mark(file=str(path), line=edit.tag.line, column=edit.tag.column)
+        told.setdefault(edit.message, Problem(message=edit.message, severity="notice", mark=mark))
+    changes = list(told.values())
+    if not text.removeprefix(_BOM).startswith(b"<?xml"):
+        text = _DECLARATION + text.removeprefix(_BOM)
+        message = "the file begins with an XML declaration"
+        changes.insert(0, Problem(message=message, severity="notice", mark=Mark(file=str(path), line=1, column=1)))
+    return Repair(content=text, changes=tuple(changes))
+
+
+def _after_space(content: bytes, place: int) -> int:
+    while content[place : place + 1].isspace():
+        place += 1
+    return place
+
+
+def _tags(content: bytes, path: Path) -> list[_Tag]:
+    tags: list[_Tag] = []
+    above: list[str] = []
+    parser = expat.ParserCreate()
+
+    def started(name: str, values: dict[str, str]) -> None:
+        start = parser.CurrentByteIndex
+        spans: dict[str, tuple[int, int]] = {}
+        place = start + 1 + len(name.encode())
+        while match := _ATTRIBUTE.match(content, _after_space(content, place)):
+            spans[match[1].decode()] = (match.start(2) + 1, match.end(2) - 1)
+            place = match.end()
+        if set(spans) == set(values):  # Otherwise the text is not as it is read, and stays.
+            tag = _Tag(name, tuple(above), values, spans, parser.CurrentLineNumber, parser.CurrentColumnNumber + 1)
+            tags.append(tag)
+        above.append(name)
+
+    def ended(_name: str) -> None:
+        above.pop()
+
+    parser.StartElementHandler, parser.EndElementHandler = started, ended
+    try:
+        content.decode("utf-8")
+        parser.Parse(content, True)
+    except (expat.ExpatError, ValueError, LookupError) as error:
+        message = f"only XML in UTF-8 can be fixed: {error}"
+        raise InputError(Problem(message=message, mark=Mark(file=str(path)))) from None
+    return tags
+
+
+def _of_robot(tag: _Tag, *above: str) -> bool:
+    return tag.above == ("robot", *above)
+
+
+def _axes(tags: list[_Tag]) -> Iterator[_Edit]:
+    for tag in tags:
+        axis = numbers_of(tag.values.get("xyz"), 3)
+        if tag.name != "axis" or not _of_robot(tag, "joint") or not axis:
+            continue
+        length = norm((axis[0], axis[1], axis[2]))
+        if length > UNIT and abs(length - 1.0) > UNIT:
+            text = " ".join(format_numbers([value / length for value in axis]))
+            message = f"the axis {shown(tag.values['xyz'])} is {shown(text)}, of length 1"
+            yield _Edit(tag.spans["xyz"], text.encode(), tag, message)
+
+
+def _limits(tags: list[_Tag]) -> Iterator[_Edit]:
+    for tag in tags:
+        ends = [numbers_of(tag.values.get(name), 1) for name in ("lower", "upper")]
+        if tag.name != "limit" or not _of_robot(tag, "joint") or not ends[0] or not ends[1] or ends[0] <= ends[1]:
+            continue
+        message = f"lower {ends[0][0]:g} and upper {ends[1][0]:g} are exchanged"
+        for name, other in (("lower", "upper"), ("upper", "lower")):
+            yield _Edit(tag.spans[name], tag.values[other].encode(), tag, message)
+
+
+def _inertias(tags: list[_Tag]) -> Iterator[_Edit]:
+    """The inertia 0 of a mass becomes that of a ball: I = 2/5·m·r², with m = 4/3·π·r³·ρ."""
+    mass: float | None = None
+    for tag in tags:
+        if tag.name in {"inertial", "mass"}:
+            found = numbers_of(tag.values.get("value"), 1)
+            mass = found[0] if found else None
+        moments = [numbers_of(tag.values.get(name), 1) for name in ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")]
+        if tag.name != "inertia" or not mass or mass < 0.0 or not _of_robot(tag, "link", "inertial"):
+            continue
+        if any(moment is None or moment[0] for moment in moments):
+            continue
+        moment = 0.4 * mass * (3.0 * mass / (4.0 * math.pi * DENSITY)) ** (2.0 / 3.0)
+        message = f"the inertia 0 of {mass:g} kg is {moment:.6g} kg·m², that of an aluminium ball"
+        for name in ("ixx", "iyy", "izz"):
+            yield _Edit(tag.spans[name], f"{moment:.9g}".encode(), tag, message)
+
+
+def _names(tags: list[_Tag]) -> Iterator[_Edit]:
+    named = (tag for tag in tags if _of_robot(tag) and tag.name in {"link", "joint"})
+    names = {tag.values["name"] for tag in named if "name" in tag.values}
+    taken, renamed = set(names), dict[str, str]()
+    for name in sorted(names):
+        if _TROUBLESOME.search(name):
+            new = _TROUBLESOME.sub("_", name).strip("_") or "unnamed"
+            renamed[name] = free_name(new, taken)
+    for tag in tags:
+        for attribute in _NAMING.get(tag.name, ()):
+            old = tag.values.get(attribute, "")
+            if old in renamed:
+                message = f"the name {shown(old)} is {shown(renamed[old])}"
+                yield _Edit(tag.spans[attribute], renamed[old].encode(), tag, message)

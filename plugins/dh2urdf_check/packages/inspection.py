@@ -1,0 +1,66 @@
+"""Inspects a package of ROS 2 of any origin: what colcon, launch files and MoveIt will do with it."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from lxml import etree
+
+from dh2urdf.documents import is_file, read_bytes
+from dh2urdf.errors import InputError
+from dh2urdf.meshes import own_folder, packages_in, with_its_own
+from dh2urdf.source import Mark, Problem
+from dh2urdf.stages import PACKAGE_FILE, Finding, Inspection
+from dh2urdf_check.models.models import parsed
+from dh2urdf_check.packages import manifest, names, paths
+from dh2urdf_check.packages.package import CONSUMERS, LONGEST, Hit, Package, package_rules
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator, Mapping
+    from pathlib import Path
+
+    from dh2urdf.stages import Expansion
+
+
+def packages(roots: Mapping[Path, str]) -> Iterator[Path]:
+    """The package.xml of each package among the files of a folder."""
+    return (path for path in roots if path.name == PACKAGE_FILE)
+
+
+def inspect_package(path: Path, expansion: Expansion) -> Inspection:
+    """What there is to report of the package that a file is in.
+
+    Args:
+        path: its package.xml, or any other file of it.
+        expansion: where the packages are that it uses.
+
+    Raises:
+        InputError: the file is in no package, or a folder of packages is none.
+    """
+    folder = own_folder(path)
+    if not is_file(folder / PACKAGE_FILE):
+        message, accepted = "this file is in no package of ROS", f"a folder with {PACKAGE_FILE}, or a file below it"
+        raise InputError(Problem(message=message, mark=Mark(file=str(path)), accepted=accepted))
+    place = path if path.name == PACKAGE_FILE else folder / PACKAGE_FILE
+    content = read_bytes(place, InputError, limit=LONGEST)
+    try:
+        root = parsed(content, place)
+    except etree.XMLSyntaxError as error:
+        mark = Mark(file=str(place), line=max(error.position[0], 1))
+        return _inspection([Hit("package-not-xml", mark, f"this is not XML: {error.msg}")])
+    if root.tag != "package":
+        message = f"the outermost element is {root.tag}, not package"
+        return _inspection([Hit("package-not-xml", Mark(file=str(place), line=1), message)])
+    known = with_its_own(path, packages_in(expansion.package_paths))
+    package = Package(place.parent, root, {name: each for name, each in known.items() if each != folder})
+    package = Package(place.parent, root, {**package.known, package.name: place.parent})
+    return _inspection([hit for rules in (manifest, paths, names) for hit in rules.hits(package)])
+
+
+def _inspection(hits: Iterable[Hit]) -> Inspection:
+    return Inspection(consumers=CONSUMERS, findings=tuple(map(_finding, hits)))
+
+
+def _finding(hit: Hit) -> Finding:
+    rule = package_rules()[hit.rule]
+    return Finding(rule=rule.name, message=hit.message, fix=rule.fix, effects=rule.effects, mark=hit.mark)

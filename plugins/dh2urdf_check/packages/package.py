@@ -1,0 +1,141 @@
+"""A package as its rules see it: its folder, its files, and the robots that its descriptions are."""
+
+from __future__ import annotations
+
+import os
+from functools import cache, cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from dh2urdf.documents import is_file, is_there, read_bytes
+from dh2urdf.errors import Dh2UrdfError, InputError
+from dh2urdf.late_dataclasses import dataclass
+from dh2urdf.late_tuples import NamedTuple
+from dh2urdf.stages import PACKAGE_FILE, Expansion
+from dh2urdf_check.rules import Rule, rules_of
+from dh2urdf_check.whole_files import urdfs, xacros
+from dh2urdf_plugins.descriptions.description import urdf_description, xacro_description
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping  # noqa: TC004 - the annotations of a dataclass are not evaluated
+
+    from lxml import etree  # noqa: TC004
+
+    from dh2urdf.robot import Joint, Robot
+    from dh2urdf.source import Mark
+
+CONSUMERS = {
+    "colcon": "colcon and rosdep",
+    "ros2": "ROS 2: launch files, xacro and ros2_control",
+    "moveit": "MoveIt",
+}
+"""The readers of packages that the rules speak of, by the names that ``--for`` takes."""
+LONGEST = 2**24
+"""Size of a file of a package that is read [B]."""
+MOST_FILES = 10_000
+_DESCRIPTIONS = {".urdf", ".xacro"}
+
+
+class Hit(NamedTuple):
+    """A place where a rule is broken.
+
+    Attributes:
+        rule: the name of the rule.
+        mark: the place.
+        message: what is there.
+    """
+
+    rule: str
+    mark: Mark
+    message: str
+
+
+@cache
+def package_rules() -> dict[str, Rule]:
+    """The rules of packages by name, in the order of their table."""
+    return rules_of("packages", CONSUMERS)
+
+
+@dataclass(frozen=True)
+class Package:
+    """A package of ROS 2.
+
+    Attributes:
+        folder: its folder.
+        root: the outermost element of its package.xml.
+        known: the folders of packages by name, itself included.
+    """
+
+    folder: Path
+    root: etree._Element
+    known: Mapping[str, Path]
+
+    @property
+    def manifest(self) -> Path:
+        """Its package.xml."""
+        return self.folder / PACKAGE_FILE
+
+    @property
+    def name(self) -> str:
+        """Its name."""
+        return (self.root.findtext("name") or "").strip()
+
+    @cached_property
+    def files(self) -> tuple[Path, ...]:
+        """Its files, without hidden folders and packages inside."""
+        found: list[Path] = []
+        for inner, folders, names in os.walk(self.folder):
+            here = Path(inner)
+            folders[:] = sorted(
+                name for name in folders if not name.startswith(".") and not is_there(here / name / PACKAGE_FILE)
+            )
+            found += [here / name for name in sorted(names)]
+            if len(found) > MOST_FILES:
+                break
+        return tuple(found[:MOST_FILES])
+
+    def content(self, path: Path) -> bytes | None:
+        """The content of a file; None where it cannot be read, which other rules report."""
+        try:
+            return read_bytes(path, InputError, limit=LONGEST)
+        except InputError:
+            return None
+
+    @cached_property
+    def robots(self) -> tuple[Robot, ...]:
+        """The robots of the descriptions that the package has, or that its `.setup_assistant` names."""
+        return tuple(robot for path in self._descriptions() if (robot := self._robot(path)) is not None)
+
+    @cached_property
+    def joints(self) -> dict[str, Joint]:
+        """The joints of all these robots that move."""
+        return {joint.name: joint for robot in self.robots for joint in robot.moving_joints}
+
+    def _descriptions(self) -> Iterator[Path]:
+        roots = {path: "robot" for path in self.files if path.suffix in _DESCRIPTIONS}
+        found = [*urdfs(roots), *xacros(roots)]
+        yield from found
+        if not found and (path := self._of_the_setup_assistant()) is not None:
+            yield path
+
+    def _of_the_setup_assistant(self) -> Path | None:
+        content = self.content(self.folder / ".setup_assistant")
+        if content is None:
+            return None
+        from dh2urdf.documents import load_yaml
+
+        try:
+            settings = load_yaml(content, ".setup_assistant", InputError).plain()["moveit_setup_assistant_config"]
+            urdf = settings.get("urdf") or settings["URDF"]
+            path = self.known[urdf["package"]] / urdf["relative_path"]
+        except (InputError, KeyError, TypeError, AttributeError):
+            return None
+        return path if is_file(path) else None
+
+    def _robot(self, path: Path) -> Robot | None:
+        try:
+            if path.suffix == ".xacro":
+                return xacro_description(path, Expansion(package_paths=tuple(self.known.values()))).robot
+            return urdf_description(path).robot
+        except Dh2UrdfError:  # The check of the description itself reports it.
+            return None

@@ -1,0 +1,392 @@
+"""What is to be drawn: links, joint axes and frames as nodes with parts, and where the nodes are at q.
+
+A node is a rigid thing with a name; its parts never move in it. So what a browser needs once is a `Drawing`, and what
+it needs while joints move is a pose for every node. The poses come from `dh2urdf.kinematics`: links from the robot,
+DH frames from the table, by different code, so that the screen itself would show the one off the other.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import field, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from dh2urdf.foreign_robot import Follower
+from dh2urdf.kinematics.chain import dh_frames, link_poses
+from dh2urdf.late_dataclasses import dataclass
+from dh2urdf.manipulator import FLANGE, TOOL, WORLD, JointType, Manipulator
+from dh2urdf.robot import Box, Cylinder, Joint, Mesh, Robot, Sphere
+from dh2urdf.rotations import IDENTITY, RigidTransform, norm, scale
+from dh2urdf.source import Problem
+from dh2urdf.table_text import TableText
+from dh2urdf_studio.drawing.colours import COLLISION, GREY, Colour, axis_colour
+from dh2urdf_studio.drawing.grips import Grip, grips
+from dh2urdf_studio.drawing.masses import mass_parts
+from dh2urdf_studio.drawing.mesh_files import DrawnMesh, drawn_mesh
+from dh2urdf_studio.drawing.normals import robot_normals, table_normals
+from dh2urdf_studio.drawing.parts import SceneNode, ScenePart, towards
+from dh2urdf_studio.drawing.strokes import Stroke, strokes
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+
+    from dh2urdf.robot import Geometry, Link
+
+LAYERS = {
+    "links": "links",
+    "axes": "joint axes",
+    "frames": "frames",
+    "lines": "lines between frames",
+    "parameters": "a α d θ",
+    "normals": "common normals",
+    "collision": "collision",
+    "masses": "centres of mass",
+    "inertias": "inertias",
+    "outlines": "outline of the picked link",
+}
+"""What can be shown and hidden, and what a person calls it."""
+
+FRAME_SIZE = 0.08
+"""Length of a frame's arrows in reaches of the arm."""
+CENTRE_SIZE = 0.012
+"""Radius of the ball at a centre of mass in reaches."""
+REACH_OF_A_POINT = 0.5
+"""Reach that an arm of no size is drawn with [m]."""
+_AXIS_LENGTH = 2.6
+_DECIMALS = 9
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Figure:
+    """One robot in the scene.
+
+    Attributes:
+        robot: the robot.
+        manipulator: its table, where it has one.
+        name: what stands before the names of its nodes.
+        place: where its root is.
+        tint: a colour in place of its own ones.
+        plain: the colour of links that have none.
+        opacity: less than 1 for a robot that is looked through, to see another one at its place.
+        typed: the table as it was typed, whose texts and units are at its parameters.
+        title: a text that is at its root.
+        link_frames: whether frames of its links are shown: of all where it has no table, else flange and tool0.
+        files: the files that the addresses of its meshes mean.
+        as_in_ros: whether the axis up of their COLLADA files is not followed: see `dh2urdf.meshes.read_parts`.
+        followers: the joints that follow another one, by name.
+        loose: the types of joints that no table has, which are fixed in the robot, by the name of the joint.
+        notices: what is in its file and could not be read.
+    """
+
+    robot: Robot
+    manipulator: Manipulator | None = None
+    typed: TableText | None = None
+    name: str = ""
+    place: RigidTransform = IDENTITY
+    tint: Colour | None = None
+    plain: Colour = GREY
+    opacity: float = 1.0
+    title: str = ""
+    link_frames: bool = True
+    files: Mapping[str, Path] = field(default_factory=dict)
+    as_in_ros: bool = True
+    followers: Mapping[str, Follower] = field(default_factory=dict)
+    loose: Mapping[str, str] = field(default_factory=dict)
+    notices: tuple[Problem, ...] = ()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Drawing:
+    """A scene without its poses.
+
+    Attributes:
+        figures: the robots.
+        nodes: everything that has a pose.
+        reach: how far the largest of the robots reaches [m].
+        unseen: the meshes that have no file, or none that can be drawn.
+    """
+
+    figures: tuple[Figure, ...] = ()
+    nodes: tuple[SceneNode, ...] = ()
+    reach: float = 1.0
+    unseen: tuple[str, ...] = field(default=())
+
+    @classmethod
+    def of(cls, figures: Sequence[Figure]) -> Drawing:
+        """The drawing of some robots."""
+        size = max((extent(figure.robot) for figure in figures), default=1.0)
+        size = size if size > 1 / 10**_DECIMALS else REACH_OF_A_POINT
+        nodes = tuple(node for figure in figures for node in _nodes(figure, size))
+        meshes = ((mesh, figure) for figure in figures for mesh in meshes_of(figure.robot))
+        unseen = dict.fromkeys(mesh.filename for mesh, figure in meshes if _file_of(mesh, figure) is None)
+        return cls(figures=tuple(figures), nodes=nodes, reach=size, unseen=tuple(unseen))
+
+    @property
+    def meshes(self) -> dict[str, DrawnMesh]:
+        """The mesh files that are drawn, by what a page asks for them by."""
+        parts = (part for node in self.nodes for part in node.parts)
+        return {part.mesh.key: part.mesh for part in parts if part.mesh is not None}
+
+    @property
+    def grips(self) -> dict[str, Grip]:
+        """How links can be dragged, by the names of their nodes."""
+        return {node.name: node.grip for node in self.nodes if node.grip is not None}
+
+    @property
+    def first_meshes(self) -> tuple[str, ...]:
+        """The keys of the mesh files that links show, in the order of the links: collision shapes come on request."""
+        parts = (part for node in self.nodes for part in node.parts if part.layer == "links")
+        return tuple(dict.fromkeys(part.mesh.key for part in parts if part.mesh is not None))
+
+    def poses(self, q: Mapping[str, float]) -> tuple[RigidTransform, ...]:
+        """Where the nodes are, in their order.
+
+        Args:
+            q: joint values by the names of joints, those of a named figure with its name before them [rad or m].
+        """
+        return tuple(pose for figure in self.figures for pose in _poses(figure, q))
+
+    def strokes(self, q: Mapping[str, float]) -> tuple[Stroke, ...]:
+        """The DH parameters of the figures that have a table, where they are at q."""
+        return tuple(
+            stroke
+            for figure in self.figures
+            if figure.manipulator is not None
+            for stroke in strokes(
+                figure.manipulator,
+                _own_values(figure, q),
+                place=figure.place,
+                radius=0.8 * FRAME_SIZE * self.reach,
+                typed=figure.typed,
+            )
+        )
+
+    def normals(self, q: Mapping[str, float], only: int | None = None) -> tuple[Stroke, ...]:
+        """The joint axes and their common normals at q; of tables of one row alone, where its number is given."""
+        return tuple(stroke for figure in self.figures for stroke in _normals(figure, q, self.reach, only))
+
+    def as_json(self) -> dict[str, Any]:
+        """The drawing as a browser takes it."""
+        return {
+            "reach": self.reach,
+            "nodes": [
+                {
+                    "name": node.name,
+                    "row": node.row,
+                    "figure": node.figure,
+                    "grip": node.grip
+                    and {"carrier": node.grip.carrier, "axis": node.grip.axis, "slides": node.grip.slides},
+                    "carrier": node.carrier,
+                    "label": node.label,
+                    "layer": node.layer,
+                    "rooted": node.rooted,
+                    "parts": [
+                        {
+                            "shape": part.shape,
+                            "size": part.size,
+                            "pose": numbers(part.pose),
+                            "layer": part.layer,
+                            "colour": part.colour,
+                            "opacity": part.opacity,
+                            "mesh": part.mesh and part.mesh.key,
+                            "ownColours": part.own_colours,
+                        }
+                        for part in node.parts
+                    ],
+                }
+                for node in self.nodes
+            ],
+        }
+
+
+def poses_as_json(poses: Sequence[RigidTransform], strokes: Sequence[Stroke] = ()) -> dict[str, Any]:
+    """Poses and strokes as a browser takes them: twelve numbers a pose, all in one list."""
+    return {
+        "poses": [number for pose in poses for number in numbers(pose)],
+        "strokes": [
+            {
+                "row": stroke.row,
+                "field": stroke.field,
+                "label": stroke.label,
+                "points": [[round(x, _DECIMALS) for x in point] for point in stroke.points],
+            }
+            for stroke in strokes
+        ],
+    }
+
+
+def numbers(pose: RigidTransform) -> list[float]:
+    """The upper three rows of the 4x4 matrix, to a nanometre."""
+    r, t = pose
+    return [round(x, _DECIMALS) for x in (*r[0:3], t[0], *r[3:6], t[1], *r[6:9], t[2])]
+
+
+def extent(robot: Robot) -> float:
+    """An upper bound of the distance of any link from the root, prismatic joints at their farther limit [m]."""
+    far: dict[str, float] = {}
+    for joint in robot.joints:
+        travel = max(abs(joint.limits.lower or 0.0), abs(joint.limits.upper or 0.0))
+        slide = travel if joint.type is JointType.PRISMATIC else 0.0
+        far[joint.child] = far.get(joint.parent, 0.0) + norm(joint.origin.xyz) + slide
+    return max(far.values(), default=0.0)
+
+
+# --- Nodes ------------------------------------------------------------------------------------------------------------
+
+
+def _nodes(figure: Figure, reach: float) -> Iterator[SceneNode]:
+    robot, table = figure.robot, figure.manipulator
+    rows = {row.joint: number for number, row in enumerate(table.rows)} if table else {}
+    above = {joint.child: joint for joint in robot.joints}
+    rooted = frozenset() if table else _held_by_the_root(robot)
+    size = _frame_size(max(extent(arm.kind) for arm in robot.arms) if robot.arms else reach, robot)
+    held = grips(robot, figure.followers, figure.name)
+    bodies_of = {link.name: list(_bodies(link, figure)) for link in robot.links}
+    for link in robot.links:
+        joint = above.get(link.name)
+        row = rows.get(joint.name) if joint else None
+        bodies = bodies_of[link.name]
+        near = [] if joint is None else [*bodies_of.get(joint.parent, ()), *bodies]
+        if not any(part.layer == "links" for part in bodies):
+            bodies += _sticks(link, figure, 0.15 * size)
+        parts = [*bodies, *mass_parts(link, CENTRE_SIZE * reach), *(_axis(joint, size, near) if joint else ())]
+        is_flange = link.name == FLANGE
+        is_frame = link.name == TOOL or (figure.link_frames and joint is not None and (table is None or is_flange))
+        if is_frame:  # The flange's is smaller: tool0 often stands where it does.
+            parts.append(ScenePart(shape="frame", size=(0.6 * size if is_flange else size,), layer="frames"))
+        label, layer = link.name if is_frame else "", "frames"
+        if joint is None and figure.title:
+            label, layer = figure.title, "links"
+        yield SceneNode(
+            name=figure.name + link.name,
+            row=row,
+            figure=figure.name,
+            grip=held.get(link.name),
+            carrier=_carrier(figure, joint) if is_frame else None,
+            parts=tuple(parts),
+            label=label,
+            layer=layer,
+            rooted=link.name in rooted,
+        )
+    if table is not None:
+        root = next(link.name for link in robot.links if link.name not in above)
+        for number in range(len(table.rows) + 1):
+            part = ScenePart(shape="frame", size=(size,), layer="frames")
+            row = number - 1 if number else None
+            name = f"{figure.name}frame {number}"
+            carrier = f"{figure.name}{f'frame {number - 1}' if number else root}"
+            label = f"{{{number}}}"
+            yield SceneNode(name=name, row=row, figure=figure.name, carrier=carrier, parts=(part,), label=label)
+
+
+def _carrier(figure: Figure, joint: Joint | None) -> str | None:
+    """The node of the frame that carries a link's: its parent's or, in a table, the last DH frame."""
+    if joint is None or not figure.link_frames:
+        return None
+    table = figure.manipulator
+    return figure.name + (joint.parent if table is None or joint.parent == FLANGE else f"frame {len(table.rows)}")
+
+
+def _held_by_the_root(robot: Robot) -> frozenset[str]:
+    """The links that no joint moves."""
+    moved = {joint.child for joint in robot.moving_joints}
+    while more := {joint.child for joint in robot.joints if joint.parent in moved} - moved:
+        moved |= more
+    return frozenset(link.name for link in robot.links if link.name not in moved)
+
+
+def _frame_size(reach: float, robot: Robot) -> float:
+    """Length of a frame's arrows: so many reaches, and no more than half of a usual link, which they would bury."""
+    links = max(1, len(robot.moving_joints) // max(1, len(robot.arms)))
+    return min(FRAME_SIZE, 0.5 / links) * reach
+
+
+def _bodies(link: Link, figure: Figure) -> Iterator[ScenePart]:
+    for visual in link.visuals:
+        part = _part(visual.geometry, figure)
+        if part is not None:
+            red, green, blue, opacity = visual.material.rgba if visual.material else (*figure.plain, 1.0)
+            colour, pose = figure.tint or (red, green, blue), visual.origin.transform
+            is_foreign = isinstance(visual.geometry, Mesh) and visual.geometry.file is None
+            own = figure.tint is None and (is_foreign or visual.material is None)
+            yield replace(part, pose=pose, colour=colour, opacity=opacity * figure.opacity, own_colours=own)
+    for collision in link.collisions:
+        part = _part(collision.geometry, figure)
+        if part is not None:
+            pose = collision.origin.transform
+            yield replace(part, pose=pose, layer="collision", colour=COLLISION, opacity=0.45)
+
+
+def _sticks(link: Link, figure: Figure, radius: float) -> Iterator[ScenePart]:
+    """The skeleton of a link that has nothing to draw: from its own origin to those of the joints that it holds."""
+    colour, opacity = figure.tint or figure.plain, figure.opacity
+    for joint in figure.robot.joints:
+        length = norm(joint.origin.xyz)
+        stands_there = joint.parent == WORLD and joint.type is JointType.FIXED  # Nothing holds it in the world.
+        if joint.parent == link.name and length > 0.0 and not stands_there:
+            pose = RigidTransform(towards(joint.origin.xyz), scale(0.5, joint.origin.xyz))
+            yield ScenePart(shape="cylinder", size=(radius, length), pose=pose, colour=colour, opacity=opacity)
+
+
+def meshes_of(robot: Robot) -> Iterator[Mesh]:
+    """The meshes of a robot's visuals and collisions, link by link."""
+    for link in robot.links:
+        geometries = (*(visual.geometry for visual in link.visuals), *(other.geometry for other in link.collisions))
+        yield from (geometry for geometry in geometries if isinstance(geometry, Mesh))
+
+
+def _file_of(mesh: Mesh, figure: Figure) -> DrawnMesh | None:
+    return drawn_mesh(mesh, figure.files.get(mesh.filename), as_in_ros=figure.as_in_ros)
+
+
+def _part(geometry: Geometry, figure: Figure) -> ScenePart | None:
+    """A shape in its own frame; None for a mesh that cannot be drawn."""
+    match geometry:
+        case Box(size=size):
+            return ScenePart(shape="box", size=size)
+        case Cylinder(radius=radius, length=length):
+            return ScenePart(shape="cylinder", size=(radius, length))
+        case Sphere(radius=radius):
+            return ScenePart(shape="sphere", size=(radius,))
+        case Mesh():
+            file = _file_of(geometry, figure)
+            return ScenePart(shape="mesh", size=(), mesh=file) if file else None
+
+
+def _axis(joint: Joint, size: float, near: Sequence[ScenePart]) -> Iterator[ScenePart]:
+    """The axis of a joint in its child's frame, among the bodies that it joins."""
+    colour = axis_colour(joint.type, [part.colour for part in near if part.layer == "links"])
+    if colour is not None and norm(joint.axis) > 0.0:
+        pose = RigidTransform(towards(joint.axis), (0.0, 0.0, 0.0))
+        yield ScenePart(
+            shape="cylinder", size=(0.035 * size, _AXIS_LENGTH * size), pose=pose, layer="axes", colour=colour
+        )
+
+
+def _normals(figure: Figure, q: Mapping[str, float], reach: float, only: int | None) -> Iterator[Stroke]:
+    own, table = _own_values(figure, q), figure.manipulator
+    if table is None:
+        return robot_normals(figure.robot, own, place=figure.place, reach=reach)
+    return table_normals(table, own, place=figure.place, reach=reach, typed=figure.typed, only=only)
+
+
+# --- Poses ------------------------------------------------------------------------------------------------------------
+
+
+def _poses(figure: Figure, q: Mapping[str, float]) -> Iterator[RigidTransform]:
+    own = _own_values(figure, q)
+    links = link_poses(figure.robot, own)
+    for link in figure.robot.links:
+        yield figure.place @ links.get(link.name, IDENTITY)
+    if figure.manipulator is not None:
+        for frame in dh_frames(figure.manipulator, _vector(figure.manipulator, own)):
+            yield figure.place @ frame
+
+
+def _own_values(figure: Figure, q: Mapping[str, float]) -> dict[str, float]:
+    return {joint.name: q.get(figure.name + joint.name, 0.0) for joint in figure.robot.moving_joints}
+
+
+def _vector(table: Manipulator, q: Mapping[str, float]) -> list[float]:
+    return [q.get(row.joint, 0.0) for row in table.moving_rows]

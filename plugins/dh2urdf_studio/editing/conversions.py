@@ -1,0 +1,360 @@
+"""The same arm in the other convention or in other units: new numbers, same T(q).
+
+The two conventions differ in where a row is cut. With S_i = Tx(a_i)·Rx(alpha_i) and J_i = Rz(theta_i)·Tz(d_i),
+
+    standard:  base · J_1 S_1 · J_2 S_2 · … · J_N S_N · tool
+    modified:  base · S_0 J_1 · S_1 J_2 · … · S_{N-1} J_N · tool
+
+so a and alpha move by one row, and what is left over at one end goes into the tool or the base. Centres of mass and
+inertias hold in DH frame i, which is S_i further in the standard convention, and are moved into the other frame.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from dh2urdf.late_tuples import NamedTuple
+from dh2urdf.manipulator import Convention, DHRow, Inertia, JointType
+from dh2urdf.quantities.number_text import format_number
+from dh2urdf.quantities.quantity import QuantityError, evaluate
+from dh2urdf.quantities.units import UNITS, Unit
+from dh2urdf.rotations import IDENTITY, RigidTransform, cos_sin, multiply, rotation_x, transpose
+from dh2urdf.table_text import (
+    FIELDS,
+    TableText,
+    dimension_of,
+    number_in,
+    table_text,
+    transform_text,
+    unit_of,
+)
+from dh2urdf_studio.editing.reading import read_whole
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from dh2urdf.manipulator import Manipulator
+    from dh2urdf.plugin_system.catalog import Catalog
+    from dh2urdf_studio.editing.history import History
+
+_VARIABLE_FIELDS = {"d", "theta", "offset", "sign"}
+"""Fields of which one cell may say several: ``-q2 + pi/2`` is an angle, an offset and a sign."""
+_TO_AND_FRO = 1e-13
+"""Relative difference of numbers that went to and fro."""
+_MOVED_TO_AND_FRO = 1e-12
+"""That of products of transforms."""
+_LEFT_OF_ZERO = 1e-16
+"""What may be left of a 0 then."""
+_ENTRY = re.compile(r"\b(xyz|com|radius|rpy): (\[[^]]*\]|[^,}]*)")
+_NUMBER = re.compile(r"(?!0[\],]|0$)[^\[\], ][^\[\],]*")
+_TRANSLATION = re.compile(r"(?<=, )(?!0\])([^\[\], ]+)(?=\], \[)")
+"""The last number in a row of a matrix, but of the last row."""
+_ENDS = ("base", "tool", "payload", "defaults")
+_MASS_FIELDS = ("com_x", "com_y", "com_z", "ixx", "iyy", "izz", "ixy", "ixz", "iyz")
+
+
+class CommonNormal(NamedTuple):
+    """Tx(a)·Rx(alpha).
+
+    Attributes:
+        a: [m].
+        alpha: [rad].
+    """
+
+    a: float = 0.0
+    alpha: float = 0.0
+
+    @property
+    def transform(self) -> RigidTransform:
+        """The rigid transform."""
+        return RigidTransform(rotation_x(*cos_sin(self.alpha)), (self.a, 0.0, 0.0))
+
+
+def with_convention(
+    table: TableText, manipulator: Manipulator, convention: Convention, earlier: Manipulator | None = None
+) -> TableText:
+    """The same arm in a convention.
+
+    Texts of a and alpha move as they are; the base, the tool, centres of mass and inertias become numbers where they
+    change.
+
+    Args:
+        table: the table.
+        manipulator: what a reader makes of it.
+        convention: the convention wanted.
+        earlier: what the table was when it had this convention; its first or last row has its a and alpha back where
+            the base or the tool still is what came of them.
+    """
+    if manipulator.convention is convention:
+        return replace(table, convention=str(convention))
+    length, angle = UNITS[table.length_unit], UNITS[table.angle_unit]
+    to_modified = convention is Convention.MODIFIED
+    screws: list[Mapping[str, str]] = [{k: row[k] for k in ("a", "alpha") if k in row} for row in table.rows]
+    base, tool = manipulator.base, manipulator.tool
+    if to_modified:
+        last = manipulator.rows[-1]
+        first, base = _left_over(base, earlier, to_modified=True)
+        tool = CommonNormal(last.a, last.alpha).transform @ tool
+        shifted = [_texts(first or CommonNormal(), length, angle), *screws[:-1]]
+    else:
+        row = manipulator.rows[0]
+        base = base @ CommonNormal(row.a, row.alpha).transform
+        final, tool = _left_over(tool, earlier, to_modified=False)
+        shifted = [*screws[1:], _texts(final or CommonNormal(), length, angle)]
+    cuts = _cut(manipulator, convention, None if to_modified else final)
+    bodies = [_body_texts(cut, to_modified=to_modified, length=length) for cut in cuts]
+    rows = tuple(
+        {
+            **{field: text for field, text in row.items() if field not in _MASS_FIELDS or field not in body},
+            **moved,
+            **body,
+        }
+        for row, moved, body in zip(table.rows, shifted, bodies, strict=True)
+    )
+    body = {"mass": manipulator.base_mass, "geometry": manipulator.base_geometry}
+    return replace(
+        table,
+        convention=str(convention),
+        base=table.base if base == manipulator.base else transform_text(base, length, angle, **body),  # type: ignore[arg-type]  # of two types
+        tool=table.tool if tool == manipulator.tool else transform_text(tool, length, angle),
+        rows=rows,
+    )
+
+
+def _left_over(
+    end: RigidTransform, earlier: Manipulator | None, *, to_modified: bool
+) -> tuple[CommonNormal | None, RigidTransform]:
+    """The screw at the base, or at the tool, that goes into a row, and what is left of the base or tool."""
+    if earlier is not None:
+        row, rest = (earlier.rows[0], earlier.base) if to_modified else (earlier.rows[-1], earlier.tool)
+        screw = CommonNormal(row.a, row.alpha)
+        moved = rest @ screw.transform if to_modified else screw.transform @ rest
+        if all(_is_near(*pair) for pair in zip(moved, end, strict=True)):
+            return screw, rest
+    found = _screw_of(end)
+    return found, IDENTITY if found else end
+
+
+def _is_near(one: Sequence[float], other: Sequence[float]) -> bool:
+    """Whether rotations or translations are the same, rounding aside."""
+    return math.dist(one, other) <= _MOVED_TO_AND_FRO * math.hypot(*other) + _LEFT_OF_ZERO
+
+
+def _screw_of(transform: RigidTransform) -> CommonNormal | None:
+    """The a and alpha of a transform that is Tx(a)·Rx(alpha); None where it is another one, or the identity."""
+    x, y, z = transform.translation
+    roll, pitch, yaw = transform.rpy
+    screw = CommonNormal(x, roll)
+    plain = not (y or z or pitch or yaw) and transform != IDENTITY
+    return screw if plain and screw.transform == transform else None
+
+
+def _texts(screw: CommonNormal, length: Unit, angle: Unit) -> dict[str, str]:
+    return {"a": number_in(screw.a, length), "alpha": number_in(screw.alpha, angle)}
+
+
+class _Cut(NamedTuple):
+    """A row and what stands between its two frames."""
+
+    row: DHRow
+    between: RigidTransform
+
+
+def _cut(manipulator: Manipulator, convention: Convention, final: CommonNormal | None) -> list[_Cut]:
+    """Every row with S_i, which leads from its modified frame to its standard one, in the screws that it will have."""
+    rows = manipulator.rows
+    if convention is Convention.MODIFIED:
+        return [_Cut(row, CommonNormal(row.a, row.alpha).transform) for row in rows]
+    return [
+        _Cut(row, (CommonNormal(after.a, after.alpha) if after else final or CommonNormal()).transform)
+        for row, after in zip(rows, (*rows[1:], None), strict=True)
+    ]
+
+
+def _body_texts(cut: _Cut, *, to_modified: bool, length: Unit) -> dict[str, str]:
+    """Centre of mass and inertia in the other frame, where the row has them and they are other numbers there."""
+    row = cut.row
+    if (row.com is None and row.inertia is None) or cut.between == IDENTITY:
+        return {}
+    move = cut.between if to_modified else cut.between.inverse
+    texts: dict[str, str] = {}
+    if row.com is not None:
+        com = (move @ RigidTransform(IDENTITY.rotation, row.com)).translation
+        texts |= {f"com_{axis}": number_in(value, length) for axis, value in zip("xyz", com, strict=True)}
+    if row.inertia is not None:
+        turned = _turned(row.inertia, move)
+        texts |= {name: format_number(getattr(turned, name)) for name in ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")}
+    return texts
+
+
+def _turned(inertia: Inertia, move: RigidTransform) -> Inertia:
+    """The tensor in axes turned by a rotation: R I R^T."""
+    i = inertia
+    tensor = (i.ixx, i.ixy, i.ixz, i.ixy, i.iyy, i.iyz, i.ixz, i.iyz, i.izz)
+    ixx, ixy, ixz, _, iyy, iyz, _, _, izz = multiply(multiply(move.rotation, tensor), transpose(move.rotation))
+    return Inertia(ixx=ixx, iyy=iyy, izz=izz, ixy=ixy, ixz=ixz, iyz=iyz)
+
+
+# --- Units ------------------------------------------------------------------------------------------------------------
+
+
+def with_units(table: TableText, manipulator: Manipulator, length_unit: str, angle_unit: str) -> TableText:
+    """The same arm in other units; texts that name their unit stay as they are.
+
+    Args:
+        table: the table.
+        manipulator: what a reader makes of it.
+        length_unit: the unit wanted of lengths.
+        angle_unit: the unit wanted of angles.
+    """
+    old = UNITS[table.length_unit], UNITS[table.angle_unit]
+    new = UNITS[length_unit], UNITS[angle_unit]
+    rows = tuple(
+        {field: _in_unit(field, text, row.type, old, new) for field, text in texts.items()}
+        for texts, row in zip(table.rows, manipulator.rows, strict=True)
+    )
+    written = table_text(manipulator, length_unit, angle_unit)
+    return replace(
+        table,
+        length_unit=length_unit,
+        angle_unit=angle_unit,
+        base=written.base if table.base else "",
+        tool=written.tool if table.tool else "",
+        payload=written.payload if table.payload else "",
+        defaults=written.defaults if table.defaults else "",
+        rows=rows,
+    )
+
+
+def _in_unit(field: str, text: str, kind: JointType, old: tuple[Unit, Unit], new: tuple[Unit, Unit]) -> str:
+    """A cell's text in another unit; as it is where it measures nothing, names its unit, or is no quantity."""
+    dimension = dimension_of(field, kind)
+    if dimension is None:
+        return text
+    before, after = unit_of(dimension, *old), unit_of(dimension, *new)
+    try:
+        quantity = evaluate(text, dimension, before, decimal_comma=True)
+    except QuantityError:
+        return text
+    if quantity.has_unit or before == after:
+        return text
+    number = number_in(quantity.value, after)
+    if quantity.variable is None:
+        return number
+    symbol = f"{'-' if quantity.sign < 0 else ''}{quantity.variable.text}"
+    added = f" - {number[1:]}" if number.startswith("-") else f" + {number}"
+    return symbol + (added if quantity.value else "")
+
+
+# --- Units that nothing declares --------------------------------------------------------------------------------------
+
+
+def _readable(converted: TableText, before: TableText, catalog: Catalog) -> TableText:
+    """A converted table with units behind the numbers that the reader refuses without them.
+
+    Metres and radians are declared nowhere in a table, and beside cells in other units a bare number is in doubt.
+    """
+    arm = read_whole(before, catalog).manipulator
+    length, angle = UNITS[converted.length_unit], UNITS[converted.angle_unit]
+    named, done = converted, set[tuple[int | None, str | None]]()
+    while places := {(problem.row, problem.field) for problem in read_whole(named, catalog).errors}:
+        if arm is None or places & done:
+            return converted
+        done |= places  # there may be others, which the reader sees once these are right
+        rows = [dict(row) for row in named.rows]
+        ends: dict[str, str] = {}
+        for row, field in places:
+            if row is None and field in _ENDS:
+                ends[field] = _with_units_in(getattr(named, field), length, angle)
+            elif row is not None and field in rows[row] and (dimension := dimension_of(field, arm.rows[row].type)):
+                rows[row][field] += f" {unit_of(dimension, length, angle).symbol}"
+        named = replace(named, rows=tuple(rows), **ends)
+    return named
+
+
+def _with_units_in(text: str, length: Unit, angle: Unit) -> str:
+    """A transform, payload or geometry of `table_text` with units behind its numbers."""
+
+    def entry(found: re.Match[str]) -> str:
+        unit = angle if found[1] == "rpy" else length
+        return found[1] + ": " + _NUMBER.sub(lambda number: f"{number[0]} {unit.symbol}", found[2])
+
+    return _TRANSLATION.sub(rf"\1 {length.symbol}", _ENTRY.sub(entry, text))
+
+
+# --- And back ---------------------------------------------------------------------------------------------------------
+
+
+def earlier_arm(history: History, convention: Convention, catalog: Catalog) -> Manipulator | None:
+    """What the table was when it last had a convention."""
+    states = history.states[history.position :: -1]
+    state = next((each for each in states if each.convention == str(convention) and each.rows), None)
+    return read_whole(state, catalog).manipulator if state else None
+
+
+def as_typed(converted: TableText, history: History, catalog: Catalog) -> TableText:
+    """A converted table with the texts that a person has typed in its convention and units, where they are its numbers.
+
+    Args:
+        converted: the table.
+        history: what it was before; the newest table of the same convention and units is the one that was typed.
+        catalog: the installed stages.
+    """
+    typed = _with_old_texts(_readable(converted, history.table, catalog), history, catalog)
+    return _readable(typed, history.table, catalog)
+
+
+def _with_old_texts(converted: TableText, history: History, catalog: Catalog) -> TableText:
+    old = next((each for each in history.states[history.position :: -1] if _meaning(each) == _meaning(converted)), None)
+    if old is None or len(old.rows) != len(converted.rows):
+        return converted
+    now, was = (read_whole(each, catalog).manipulator for each in (converted, old))
+    if now is None or was is None:
+        return converted
+    before = history.table
+    to_before = _readable(with_convention(old, was, Convention(before.convention)), old, catalog)
+    same_units = (old.length_unit, old.angle_unit) == (before.length_unit, before.angle_unit)
+    if not same_units and (again := read_whole(to_before, catalog).manipulator) is not None:
+        to_before = _readable(with_units(to_before, again, before.length_unit, before.angle_unit), old, catalog)
+    if to_before == before:  # nothing was edited since: a tool and the last row may share a screw in several ways
+        return old
+    one, other = (table_text(each, converted.length_unit, converted.angle_unit) for each in (now, was))
+    ends = {name: getattr(old, name) for name in _ENDS if getattr(one, name) == getattr(other, name)}
+    rows = zip(now.rows, converted.rows, old.rows, one.rows, other.rows, strict=True)
+    return replace(converted, **ends, rows=tuple(_typed_row(row.type, *texts) for row, *texts in rows))
+
+
+def _meaning(table: TableText) -> tuple[str, str, str]:
+    return table.convention, table.length_unit, table.angle_unit
+
+
+def _typed_row(
+    kind: JointType,
+    row: Mapping[str, str],
+    old: Mapping[str, str],
+    numbers: Mapping[str, str],
+    old_numbers: Mapping[str, str],
+) -> Mapping[str, str]:
+    """A converted row with the old text of each quantity that is the same number."""
+    quantities = {field for field in FIELDS if field in _MASS_FIELDS or dimension_of(field, kind) is not None}
+    others = {field for field in FIELDS if not _is_same(numbers.get(field), old_numbers.get(field))}
+    if others & _VARIABLE_FIELDS:
+        others |= _VARIABLE_FIELDS
+    texts = {field: (old if field in quantities - others else row).get(field, "") for field in FIELDS}
+    return {
+        **{field: text for field, text in row.items() if field not in FIELDS},
+        **{f: t for f, t in texts.items() if t},
+    }
+
+
+def _is_same(one: str | None, other: str | None) -> bool:
+    """Whether two texts are one number, rounding aside."""
+    try:
+        return one == other or math.isclose(
+            float(one or ""), float(other or ""), rel_tol=_TO_AND_FRO, abs_tol=_LEFT_OF_ZERO
+        )
+    except ValueError:  # an expression or a name
+        return False

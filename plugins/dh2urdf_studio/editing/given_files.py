@@ -1,0 +1,155 @@
+"""Files that a browser sent: a robot description, alone or with the mesh files that it names, or all of it as a ZIP."""
+
+from __future__ import annotations
+
+import os
+import tempfile
+import zipfile
+from dataclasses import replace
+from pathlib import Path, PurePosixPath
+from typing import TYPE_CHECKING
+
+from dh2urdf.documents import BROKEN_ARCHIVE
+from dh2urdf.errors import Dh2UrdfError, InputError
+from dh2urdf.meshes import named_files
+from dh2urdf.source import Problem, shown
+from dh2urdf.stages import PACKAGE_FILE, Emitter
+from dh2urdf_studio.drawing.mesh_files import LARGEST, SUFFIXES
+from dh2urdf_studio.drawing.scene import meshes_of
+from dh2urdf_studio.viewing import description
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Sequence
+
+    from dh2urdf.plugin_system.catalog import Catalog
+    from dh2urdf_studio.drawing.scene import Figure
+
+MOST_FILES = 1000
+"""Files that are kept of those that were sent."""
+
+
+def description_suffixes(catalog: Catalog) -> tuple[str, ...]:
+    """How the names of robot descriptions end that can be compared."""
+    stages = [item.stage for item in catalog.provided("emitter")]
+    return tuple(
+        suffix for stage in stages if isinstance(stage, Emitter) and stage.read_foreign for suffix in stage.suffixes
+    )
+
+
+def too_much() -> InputError:
+    """The error of more files, or larger ones, than are kept."""
+    message = f"these are more than {MOST_FILES} files, or more than {LARGEST // 2**20} MB"
+    return InputError(Problem(message=message, suggestion="choose the description and its mesh files alone"))
+
+
+class GivenFiles:
+    """A folder with files that were sent, which is there until `close`.
+
+    Args:
+        files: their names, with slashes where they are in folders, and their bytes. A ZIP is unpacked.
+        catalog: the installed stages.
+
+    Raises:
+        InputError: they are more than `MOST_FILES`, or larger than `LARGEST` unpacked, or a ZIP cannot be read.
+    """
+
+    def __init__(self, files: Iterable[tuple[str, bytes]], catalog: Catalog) -> None:
+        self._catalog = catalog
+        self._described = description_suffixes(catalog)
+        self._wanted = (*self._described, *SUFFIXES, *named_files.SUFFIXES, ".yaml", ".yml")
+        self._folder = tempfile.TemporaryDirectory(prefix="dh2urdf-")
+        # One folder deeper: an MJCF may include files beside its folder, and nothing is there.
+        self._root = Path(self._folder.name).resolve() / "files"
+        self._paths: list[Path] = []
+        self._left = LARGEST
+        try:
+            for name, content in files:
+                self.add(name, content)
+        except BaseException:
+            self.close()
+            raise
+
+    @property
+    def descriptions(self) -> Sequence[str]:
+        """The descriptions among them, those in fewer folders first."""
+        paths = [path.relative_to(self._root) for path in self._paths]
+        found = [path for path in paths if path.name.lower().endswith(self._described) and path.name != PACKAGE_FILE]
+        return [path.as_posix() for path in sorted(found, key=lambda path: (len(path.parts), path))]
+
+    def figure(self, name: str) -> Figure | str:
+        """The robot of one of the descriptions, with the mesh files that are here; or what is wrong with it."""
+        path = self.path(name)
+        try:
+            figure = description(path, self._catalog)
+        except Dh2UrdfError as error:
+            return str(error).replace(f"{path.parent}{os.sep}", "").replace(f"{self._root}{os.sep}", "")
+        addresses = dict.fromkeys(mesh.filename for mesh in meshes_of(figure.robot))
+        files = {address: file for address in addresses if (file := self._file(address, figure.files.get(address)))}
+        return replace(figure, title=path.name, files=files)
+
+    def path(self, name: str) -> Path:
+        """Where one of the descriptions is."""
+        return self._root / name
+
+    def close(self) -> None:
+        """Removes the files."""
+        self._folder.cleanup()
+
+    def _file(self, address: str, found: Path | None) -> Path | None:
+        """The file that an address means: the one that was found, or that whose path ends most like the address."""
+        if found is not None and (path := found.resolve()).is_relative_to(self._root):
+            return path
+        wanted = [part for part in address.replace("\\", "/").split("/") if part]
+
+        def alike(path: Path) -> int:
+            count = 0
+            for one, other in zip(reversed(path.relative_to(self._root).parts), reversed(wanted), strict=False):
+                if one != other:
+                    break
+                count += 1
+            return count
+
+        best = max(self._paths, key=alike, default=None)
+        return best if best is not None and alike(best) else None
+
+    def add(self, name: str, content: bytes) -> None:
+        """Keeps another file.
+
+        Raises:
+            InputError: see the class.
+        """
+        if not name.lower().endswith(".zip"):
+            self._write(name, content)
+            return
+        with tempfile.TemporaryFile() as packed:
+            packed.write(content)
+            try:
+                with zipfile.ZipFile(packed) as archive:
+                    for entry in archive.infolist():
+                        if not entry.is_dir() and self._place(entry.filename) is not None:
+                            with archive.open(entry) as file:
+                                self._write(entry.filename, file.read(self._left + 1))
+            except BROKEN_ARCHIVE as error:
+                raise InputError(Problem(message=f"{shown(name)} cannot be unpacked: {error}")) from error
+
+    def _place(self, name: str) -> Path | None:
+        """Where a file is written; None for one that nothing here reads, or whose name leads elsewhere."""
+        parts = PurePosixPath(name.replace("\\", "/")).parts
+        if not parts or not name.lower().endswith(self._wanted):
+            return None
+        if any(part in ("..", "/") or ":" in part or "\0" in part for part in parts):
+            return None
+        return self._root.joinpath(*parts)
+
+    def _write(self, name: str, content: bytes) -> None:
+        if (path := self._place(name)) is None:
+            return
+        self._left -= len(content)
+        if self._left < 0 or len(self._paths) == MOST_FILES:
+            raise too_much()
+        try:
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_bytes(content)
+        except OSError as error:
+            raise InputError(Problem(message=f"{shown(name)} cannot be kept: {error.strerror}")) from error
+        self._paths.append(path)

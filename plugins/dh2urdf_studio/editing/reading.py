@@ -1,0 +1,217 @@
+"""What the readers report about a table that is being typed: the manipulator, or a message for every wrong cell.
+
+The table is written as a file and read by the reader of that format, so that the studio accepts what the command line
+accepts, and has the same message for a wrong cell.
+"""
+
+from __future__ import annotations
+
+import re
+import tempfile
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from dh2urdf.commands.written_tables import in_format
+from dh2urdf.conversion.one_manipulator import read_items
+from dh2urdf.conversion.robots import make_robot
+from dh2urdf.errors import InputError, ManipulatorError
+from dh2urdf.late_dataclasses import dataclass
+from dh2urdf.manipulator import Manipulator
+from dh2urdf.plugin_system.option_types import choices, type_hints
+from dh2urdf.plugin_system.options import make_options
+from dh2urdf.robot import Robot
+from dh2urdf.source import Mark, Problem, in_file_order
+from dh2urdf.stage_calls.calls import Call, default_call
+from dh2urdf.stages import Rejected, Transform
+from dh2urdf.table_text import ANGLE_UNITS, FIELDS, LENGTH_UNITS, STATEMENTS, TableText, WrittenTable
+from dh2urdf_studio.editing.edits import begun
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from dh2urdf.plugin_system.catalog import Catalog
+
+_TEXTS = ("message", "accepted", "suggestion")
+_PRESSED = re.compile(r"press (\w+)")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CellProblem:
+    """A problem and the cell that it is about.
+
+    Attributes:
+        problem: the reader's own.
+        row: number of the row, counted from 0; None where it is about the whole table.
+        field: the field, or the attribute of `TableText`; None where it is about a whole row or table.
+    """
+
+    problem: Problem
+    row: int | None = None
+    field: str | None = None
+
+    @property
+    def text(self) -> str:
+        """What is wrong and what to do, without the place in a file that nobody has seen."""
+        problem = self.problem
+        parts = [problem.message, f"accepted: {problem.accepted}" if problem.accepted else "", problem.suggestion or ""]
+        return "\n".join(filter(None, parts))
+
+    def units(self, table: TableText) -> list[str]:
+        """The units that are an answer: those that the reader asks about, and of a notice the table's own."""
+        pressed = _PRESSED.findall(self.problem.suggestion or "")
+        for units, own in ((LENGTH_UNITS, table.length_unit), (ANGLE_UNITS, table.angle_unit)):
+            if asked := [unit for unit in pressed if unit in units and unit != own]:
+                return [*asked, own] if self.problem.severity == "notice" else asked
+        return []
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Reading:
+    """What a reader makes of a table.
+
+    Attributes:
+        table: the table.
+        manipulator: the arm of the rows that have been begun; None where something is wrong with them.
+        problems: errors and notices, in the order of the table.
+        waiting: how many rows at the end nobody has begun to fill in.
+    """
+
+    table: TableText
+    manipulator: Manipulator | None = None
+    problems: tuple[CellProblem, ...] = ()
+    waiting: int = 0
+
+    @property
+    def errors(self) -> tuple[CellProblem, ...]:
+        """The problems that keep an arm from being made."""
+        return tuple(found for found in self.problems if found.problem.severity == "error")
+
+    @property
+    def is_whole(self) -> bool:
+        """Whether all rows are one arm."""
+        return self.manipulator is not None and not self.waiting
+
+
+def read(table: TableText, catalog: Catalog) -> Reading:
+    """What the reader reports about a table, as far as its rows have been begun."""
+    count = begun(table)
+    if not count:
+        return Reading(table=table, waiting=len(table.rows))
+    return replace(
+        read_whole(replace(table, rows=table.rows[:count]), catalog), table=table, waiting=len(table.rows) - count
+    )
+
+
+def read_whole(table: TableText, catalog: Catalog) -> Reading:
+    """What the reader reports about all rows of a table."""
+    reader = catalog.cell_reader()
+    if blank := [number for number, row in enumerate(table.rows) if not row]:
+        return Reading(table=table, problems=tuple(map(_blank, blank)))
+    written = in_format([table], default_call(catalog, reader))
+    with tempfile.TemporaryDirectory(prefix="dh2urdf-") as folder:
+        path = Path(folder) / f"table{reader.suffixes[0]}"
+        path.write_bytes(written.content)
+        try:
+            (item,) = read_items(default_call(catalog, reader), path)
+        except InputError as error:
+            item = Rejected(name=table.name, problems=error.problems, notices=error.notices)
+    manipulator = item if isinstance(item, Manipulator) else None
+    said = in_file_order((*item.notices, *(() if isinstance(item, Manipulator) else item.problems)))
+    problems = located([_without_path(problem, path, written) for problem in said], written, table)
+    return Reading(table=table, manipulator=manipulator, problems=problems)
+
+
+def _blank(row: int) -> CellProblem:
+    message = f"row {row + 1} is empty"
+    return CellProblem(problem=Problem(message=message, suggestion="fill it in, or remove it"), row=row)
+
+
+def located(problems: Iterable[Problem], written: WrittenTable, table: TableText) -> tuple[CellProblem, ...]:
+    """Problems with the cells that they are about."""
+    return tuple(_located(problem, written, table) for problem in problems)
+
+
+def _located(problem: Problem, written: WrittenTable, table: TableText) -> CellProblem:
+    row, field = written.at(problem.mark)
+    whole, _, part = (problem.field or "").partition(".")
+    if whole in STATEMENTS:
+        return CellProblem(problem=problem, field=whole)
+    if row is None and problem.joint is not None:
+        row = next((index for index, texts in enumerate(table.rows) if texts.get("joint") == problem.joint), None)
+    said = part or whole  # `limits.lower` is the field lower
+    if field is None and said in FIELDS:
+        field = said
+    return CellProblem(problem=problem, row=row, field=field)
+
+
+def _without_path(problem: Problem, path: Path, written: WrittenTable) -> Problem:
+    """A problem that speaks of rows, and not of lines of a file that nobody has seen."""
+    pattern = re.compile(rf"{re.escape(str(path))}(?::(\d+))?(?::\d+)?")
+
+    def said(match: re.Match[str]) -> str:
+        row, _ = written.at(Mark(file=str(path), line=int(match[1]))) if match[1] else (None, None)
+        return "the table" if row is None else f"row {row + 1}"
+
+    texts = {name: on_the_page(pattern.sub(said, text)) for name in _TEXTS if (text := getattr(problem, name))}
+    return replace(problem, **texts)  # type: ignore[arg-type]  # all are texts
+
+
+_WAYS = re.compile(r"(?:`[^`]*`(?: (?:above a CSV header|in the header|in YAML))?(?:, or give | or |, or |, )?)+")
+"""Ways to state a thing in a file or on the command line, one after the other."""
+_UNIT = re.compile(r"(?:length|angle)(?:-unit|:) ?(\w+)")
+
+
+def on_the_page(text: str) -> str:
+    """A reader's advice for somebody who has switches: not what to write into a file, but what to press."""
+
+    def pressed(ways: re.Match[str]) -> str:
+        if "convention" in ways[0]:
+            return "press standard or modified above the table"
+        unit = _UNIT.search(ways[0])
+        rest = ", or " if ways[0].endswith(", or ") else ""
+        return f"press {unit[1]}{rest}" if unit else ways[0]
+
+    return re.sub(r"(?:write|declare it:|say so:) " + _WAYS.pattern, pressed, text)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Made:
+    """A robot, or why there is none.
+
+    Attributes:
+        robot: the robot.
+        problems: what the transform declares about the table.
+    """
+
+    robot: Robot | None = None
+    problems: tuple[CellProblem, ...] = ()
+
+
+def make(manipulator: Manipulator, variant: str, table: TableText, catalog: Catalog) -> Made:
+    """The robot of a manipulator as a variant of the transform makes it."""
+    reader = catalog.cell_reader()
+    try:
+        robot = make_robot(manipulator, transform_call(catalog, variant))
+    except ManipulatorError as error:
+        return Made(problems=located(error.problems, in_format([table], default_call(catalog, reader)), table))
+    return Made(robot=robot)
+
+
+def variants(catalog: Catalog) -> tuple[str, ...]:
+    """The variants of the usual transform that are shown side by side, the usual one first; one where it has no two."""
+    stage = catalog.usual("transform")
+    names = choices(type_hints(stage.options)[stage.compared]) if stage.compared else []
+    return tuple(names[:2]) or (stage.name,)
+
+
+def variant_options(stage: Transform[Any], variant: str) -> dict[str, str]:
+    """The options of the usual transform that make a variant."""
+    return {stage.compared: variant} if stage.compared else {}
+
+
+def transform_call(catalog: Catalog, variant: str) -> Call[Transform[Any]]:
+    """The transform with a variant, as the command line would call it."""
+    stage = catalog.usual("transform")
+    options = make_options(stage.options, variant_options(stage, variant), where=f"transform {stage.name!r}")
+    return Call(stage=stage, options=options, plugin=catalog.plugin_of(stage))

@@ -1,0 +1,396 @@
+"""A tab of the studio: the table and its past, what the readers report about it, the arm on the screen and its pose.
+
+It knows no browser. Whatever a person does is a method; the page shows what the attributes say afterwards.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from dh2urdf.kinematics.chain import dh_frames, forward_kinematics
+from dh2urdf.late_dataclasses import dataclass
+from dh2urdf.manipulator import ROOT, TOOL, Convention, Manipulator
+from dh2urdf.robot import Robot
+from dh2urdf.rotations import IDENTITY, RigidTransform
+from dh2urdf.table_text import FIELDS, TableText
+from dh2urdf_studio import joints
+from dh2urdf_studio.drawing.colours import PAPER
+from dh2urdf_studio.drawing.grips import Grasp
+from dh2urdf_studio.drawing.motions import moving_frame
+from dh2urdf_studio.drawing.scene import FRAME_SIZE, Drawing, Figure, extent
+from dh2urdf_studio.drawing.strokes import Stroke
+from dh2urdf_studio.editing import conversions, edits
+from dh2urdf_studio.editing.comparing import Beside, beside, tip_error
+from dh2urdf_studio.editing.history import History
+from dh2urdf_studio.editing.reading import CellProblem, Reading, make, read, variants
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping, Sequence
+
+    from dh2urdf.plugin_system.catalog import Catalog
+    from dh2urdf_studio.joints import Slider
+
+BOTH = "both"
+"""The choice of both variants, side by side."""
+COLUMNS = ("joint", "type", "a", "alpha", "d", "theta", "lower", "upper")
+"""The columns of the paper's form, and limits; others are shown where the table uses them, or on request."""
+LEAST_LENGTH = 1e-6
+"""What is drawn of a distance at least, in reaches."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class OpenArm:
+    """The last table that was right, as robots.
+
+    Attributes:
+        table: the table.
+        keys: the keys of its rows.
+        manipulator: what a reader makes of it.
+        robot: the robot of the exact variant.
+        other: the robot of the other variant; None where it is not shown, there is none, or it refuses the table.
+        refusal: why it does.
+    """
+
+    table: TableText
+    keys: tuple[str, ...]
+    manipulator: Manipulator
+    robot: Robot
+    other: Robot | None = None
+    refusal: tuple[CellProblem, ...] = ()
+
+
+class Session:
+    """What a tab shows.
+
+    Attributes:
+        catalog: the installed stages.
+        history: the table and its past.
+        reading: what the readers report about the table.
+        arm: the last arm that could be made; None before there is one.
+        drawing: it, as it is drawn.
+        sliders: its moving joints.
+        q: their values by name [rad or m].
+        variants: the variants of the transform, the usual one first.
+        variant: which variant is shown, or `BOTH`.
+        layers: what is shown.
+        picked: the key of the row that is picked, as the page has told it; None where none is.
+        confirmed: messages of notices that a person has answered: the unit is right.
+        all_columns: whether columns are shown that are empty.
+        lesson: how many motions of the picked row are done, where the row is explained; None where it is not.
+        poses: joint values that a person has stored, by name [rad or m].
+        measured: the names of the two frames between which is measured; None where nothing is.
+        opacities: how opaque the bodies of robots are, by their names, where a person has changed it.
+        grasp: the link that a person drags.
+        beside: the description that lies upon the arm, compared with it; None where there is none.
+        problems_of_making: why no arm can be made of a table that can be read.
+    """
+
+    def __init__(self, catalog: Catalog, table: TableText | None = None) -> None:
+        self.catalog = catalog
+        self.history = History.of(table or TableText(name="arm"))
+        self.arm: OpenArm | None = None
+        self.drawing = Drawing()
+        self.sliders: tuple[Slider, ...] = ()
+        self.q: dict[str, float] = {}
+        self.variants = variants(catalog)
+        self.variant = self.variants[0]
+        self.layers: frozenset[str] = frozenset(("links", "axes", "frames", "outlines"))
+        self.picked: str | None = None
+        self.confirmed: frozenset[str] = frozenset()
+        self.all_columns = False
+        self.lesson: float | None = None
+        self.poses: list[dict[str, float]] = []
+        self.measured: tuple[str, str] | None = None
+        self.opacities: dict[str, float] = {}
+        self.grasp = Grasp()
+        self.beside: Beside | None = None
+        self._described: tuple[Figure, str, str] | None = None
+        self.reading = Reading(table=self.table)
+        self.problems_of_making: tuple[CellProblem, ...] = ()
+        self._before_preview: tuple[OpenArm | None, dict[str, float], list[dict[str, float]], tuple[Slider, ...]] | None
+        self._before_preview = None
+        self.look()
+
+    def copy(self) -> Session:
+        """Another session that goes on from here: a tab that was duplicated."""
+        other = Session.__new__(Session)
+        other.__dict__.update(self.__dict__)  # All of it is immutable but q and poses.
+        other.q = dict(self.q)
+        other.grasp = Grasp()
+        other.poses = list(self.poses)
+        return other
+
+    @property
+    def table(self) -> TableText:
+        """The table as it is typed."""
+        return self.history.table
+
+    @property
+    def columns(self) -> tuple[str, ...]:
+        """The columns of the table on the screen."""
+        used = {field for row in self.table.rows for field in row}
+        return tuple(field for field in FIELDS if self.all_columns or field in used or field in COLUMNS)
+
+    @property
+    def row(self) -> int | None:
+        """The number of the row that is picked; None where none is."""
+        keys = self.history.keys
+        return keys.index(self.picked) if self.picked in keys else None
+
+    # --- The table ----------------------------------------------------------------------------------------------------
+
+    def put(self, table: TableText, keys: Sequence[str] = ()) -> None:
+        """Another table takes the place of this one, with the same rows, and some more with these keys."""
+        self._go_to(self.history.then(table, [*self.history.keys, *keys] if keys else None))
+
+    def arrange(self, act: str, key: str | None, other: str | None = None) -> None:
+        """Something was done to a row, as `edits.rearranged` has it; ``other`` may be the key of a new row."""
+        rows = edits.rearranged(self.history.keys, act, key, other)
+        keys = [other if row is None else self.history.keys[row] for row in rows]
+        self._go_to(self.history.then(edits.arranged(self.table, rows), keys))
+
+    def _go_to(self, history: History) -> None:
+        self.history = history
+        self.look()
+
+    def open(self, table: TableText) -> None:
+        """A table that was opened takes the place of this one, and of its arm, with every joint at 0."""
+        self.q = {}
+        self.poses = []
+        self.arm = None
+        self.confirmed = frozenset()
+        self._draw()
+        self._go_to(self.history.then(table, ()))
+
+    def edit(self, row: int, field: str, text: str) -> None:
+        """A cell was typed.
+
+        Raises:
+            LookupError: there is no such cell.
+        """
+        self.put(edits.with_cell(self.table, row, field, text))
+
+    def set_texts(self, **texts: str) -> None:
+        """A text of the whole table was typed: its name, base, tool or defaults."""
+        self.put(replace(self.table, **{key: edits.clean(text) for key, text in texts.items()}))  # type: ignore[arg-type]  # all are texts
+
+    def undo(self) -> None:
+        """One state back."""
+        self._go_to(self.history.undo())
+
+    def redo(self) -> None:
+        """One state forward."""
+        self._go_to(self.history.redo())
+
+    def preview(self, row: int, field: str, text: str) -> bool:
+        """Shows the arm of a cell that is still being typed, where there is one; nothing is kept of it.
+
+        Returns:
+            Whether there is something new to show.
+        """
+        try:
+            table = edits.with_cell(self.table, row, field, text)
+        except LookupError:
+            return False
+        if self._before_preview is None:
+            self._before_preview = self.arm, dict(self.q), self.poses, self.sliders
+        _, self.q, self.poses, self.sliders = self._before_preview  # half a limit moves no joint for good
+        return self._take(read(table, self.catalog))
+
+    @property
+    def previews(self) -> bool:
+        """Whether the arm on the screen is that of a cell which is still being typed."""
+        return self._before_preview is not None
+
+    def set_convention(self, convention: Convention, *, convert: bool) -> None:
+        """The other convention: the same arm with new numbers, or the same numbers with a new meaning."""
+        table = replace(self.table, convention=str(convention))
+        if convert and self.convertible is not None:
+            earlier = conversions.earlier_arm(self.history, convention, self.catalog)
+            converted = conversions.with_convention(self.table, self.convertible, convention, earlier)
+            table = conversions.as_typed(converted, self.history, self.catalog)
+        self.put(table)
+
+    def set_units(self, length_unit: str, angle_unit: str, *, convert: bool) -> None:
+        """Other units: the same arm with new numbers, or the same numbers with a new meaning."""
+        table = replace(self.table, length_unit=length_unit, angle_unit=angle_unit)
+        if convert and self.convertible is not None:
+            converted = conversions.with_units(self.table, self.convertible, length_unit, angle_unit)
+            table = conversions.as_typed(converted, self.history, self.catalog)
+        self.put(table)
+
+    @property
+    def problems(self) -> tuple[CellProblem, ...]:
+        """What is wrong with the table, from every source, but for what a person has answered."""
+        found = (*self.reading.problems, *self.problems_of_making)
+        return tuple(each for each in found if each.problem.message not in self.confirmed)
+
+    @property
+    def convertible(self) -> Manipulator | None:
+        """The arm that a conversion would keep; None while something is wrong with the table or missing from it."""
+        return self.reading.manipulator if self.reading.is_whole else None
+
+    def lay_beside(self, figure: Figure | None, base_link: str = "", tip_link: str = "") -> None:
+        """Lays a description upon the arm, or takes it away; an empty name of a link stands for the likeliest one."""
+        self._described = None if figure is None else (figure, base_link, tip_link)
+        self._draw()
+
+    # --- The arm ------------------------------------------------------------------------------------------------------
+
+    def show_variant(self, variant: str) -> None:
+        """The arm of a variant, or of both side by side."""
+        self.variant = variant
+        self._draw()
+
+    def move(self, values: Mapping[str, float]) -> None:
+        """Joint values by name [rad or m]; they are kept inside the limits."""
+        self.q = joints.kept({**self.q, **values}, self.sliders)
+        if self._before_preview is not None:
+            self._before_preview[1].update(values)
+
+    def strokes(self) -> tuple[Stroke, ...]:
+        """The DH parameters that are shown, at the pose on the screen; of an explained row its own, and a frame."""
+        row = self.drawn_row
+        if self.lesson is None or row is None or self.arm is None:
+            shown = self.drawing.strokes(self.q) if "parameters" in self.layers else ()
+            normals = self.drawing.normals(self.joint_values()) if "normals" in self.layers else ()
+            return (*shown, *normals, *self._measured_line())
+        own = [stroke for stroke in self.drawing.strokes(self.q) if stroke.row == row]
+        # A length a is the common normal; where it is 0, the cross product of the axes takes its place.
+        more = ("line", "foot") if self.arm.manipulator.rows[row].a else ("line", "foot", "normal")
+        own += [stroke for stroke in self.drawing.normals(self.q, row) if stroke.field in more]
+        size = 1.6 * FRAME_SIZE * self.drawing.reach
+        return (*own, *moving_frame(self.arm.manipulator, row, self.q, self.lesson, size))
+
+    def _measured_line(self) -> Iterator[Stroke]:
+        frames = self.frames
+        if self.measured is not None and frames.keys() >= set(self.measured):
+            one, other = (frames[name].translation for name in self.measured)
+            if math.dist(one, other) > LEAST_LENGTH * self.drawing.reach:
+                yield Stroke(row=None, field="distance", points=(one, other), label="")
+
+    @property
+    def frames(self) -> dict[str, RigidTransform]:
+        """The frames of the table in base_link at the pose on the screen, by the names that they have there."""
+        if self.arm is None:
+            return {}
+        table = self.arm.manipulator
+        frames = dh_frames(table, self._vector(table))
+        numbered = {f"{{{number}}}": frame for number, frame in enumerate(frames)}
+        return {ROOT: IDENTITY, **numbered, TOOL: frames[-1] @ table.tool}
+
+    @property
+    def shown_layers(self) -> frozenset[str]:
+        """What is shown: the layers that were chosen, and what belongs to a row that is explained."""
+        return self.layers if self.lesson is None else self.layers | {"parameters", "lesson"}
+
+    @property
+    def drawn_row(self) -> int | None:
+        """The number that the picked row has in the arm on the screen, which may be an earlier one; None without."""
+        keys = self.arm.keys if self.arm else ()
+        return keys.index(self.picked) if self.picked in keys else None
+
+    @property
+    def pose(self) -> RigidTransform | None:
+        """T(base_link → tool0) of the table at the pose on the screen: the DH product."""
+        if self.arm is None:
+            return None
+        return forward_kinematics(self.arm.manipulator, self._vector(self.arm.manipulator))
+
+    @property
+    def reach(self) -> float:
+        """An upper bound of the distance from base_link to tool0, every joint anywhere inside its limits [m]."""
+        return 0.0 if self.arm is None else joints.reach(self.arm.manipulator, self.sliders)
+
+    @property
+    def other_error(self) -> tuple[float, float] | None:
+        """How far the other variant's tool0 is from the arm's [m, rad]; None where there is none."""
+        if self.arm is None or self.arm.other is None or (pose := self.pose) is None:
+            return None
+        return tip_error(self.arm.other, self.q, pose)
+
+    def _vector(self, manipulator: Manipulator) -> list[float]:
+        return [self.q.get(row.joint, 0.0) for row in manipulator.moving_rows]
+
+    def look(self) -> None:
+        """Reads the table; what was right last stays on the screen while something is wrong, a preview does not."""
+        if self._before_preview is not None:
+            self.arm, self.q, self.poses, self.sliders = self._before_preview
+            self._before_preview = None
+            self._draw()
+        self.reading = read(self.table, self.catalog)
+        self.problems_of_making = ()
+        if self.reading.waiting == len(self.table.rows):  # Nothing has been begun: no arm was ever this table's.
+            self.arm = None
+            self._draw()
+        else:
+            self._take(self.reading)
+
+    def _take(self, reading: Reading) -> bool:
+        """Makes the arm of a reading, where there is one."""
+        manipulator = reading.manipulator
+        if manipulator is None:
+            return False
+        made = make(manipulator, self.variants[0], reading.table, self.catalog)
+        if made.robot is None:
+            self.problems_of_making = made.problems
+            return False
+        keys = self.history.keys
+        self.arm = OpenArm(table=reading.table, keys=keys, manipulator=manipulator, robot=made.robot)
+        self._draw()
+        return True
+
+    def _make_other(self) -> None:
+        """Makes the other variant, which no letter has to wait for while it is not shown."""
+        if self.arm is not None and self.arm.other is None and not self.arm.refusal:
+            made = make(self.arm.manipulator, self.variants[-1], self.arm.table, self.catalog)
+            self.arm = replace(self.arm, other=made.robot, refusal=made.problems)
+
+    def _draw(self) -> None:
+        self.beside = None
+        if self.variant != self.variants[0]:
+            self._make_other()
+        if self.arm is None:
+            self.drawing, self.sliders = Drawing(), ()
+            return
+        arm, variant = self.arm, self.variant
+        figures = []
+        if variant in (BOTH, self.variants[0]) or arm.other is None:
+            title = "the arm" if variant == BOTH and arm.other else ""
+            figures.append(Figure(robot=arm.robot, manipulator=arm.manipulator, typed=arm.table, title=title))
+        elif variant == self.variants[-1]:
+            figures.append(Figure(robot=arm.other, tint=PAPER, link_frames=False))
+        if variant == BOTH and arm.other is not None:
+            aside = 0.6 * max(extent(arm.robot), extent(arm.other))
+            place, name = RigidTransform(IDENTITY.rotation, (0.0, aside, 0.0)), self.variants[-1]
+            other = Figure(robot=arm.other, name=f"{name}/", place=place, tint=PAPER, title=name, link_frames=False)
+            figures.append(other)
+        if self._described is not None:
+            described, base, tip = self._described
+            self.beside = beside(described, arm.manipulator, arm.robot, base_link=base, tip_link=tip)
+            figures.append(self.beside.figure)
+        self.drawing = Drawing.of(figures)
+        before, table = self.sliders, arm.table
+        self.sliders = joints.sliders(arm.robot.moving_joints, table.length_unit, table.angle_unit)
+        self.poses = [joints.renamed(pose, before, self.sliders) for pose in self.poses]
+        self.q = joints.kept(joints.renamed(self.q, before, self.sliders), self.sliders)
+
+    def drag(self, node: str, by: float, *, begins: bool) -> None:
+        """A link has been dragged so far since it was taken [rad or m]: its joint moves, inside the limits."""
+        grip = self.drawing.grips.get(node)
+        names = [slider.name for slider in self.sliders]
+        own = {f"{self.variants[-1]}/{name}": name for name in names} | {name: name for name in names}
+        if self.beside is not None:
+            own |= self.beside.named(names)
+        if grip is not None and (name := own.get(grip.joint)) is not None:
+            self.move({**self.q, name: self.grasp.value(grip, self.q[name], by, begins=begins)})
+
+    def joint_values(self) -> dict[str, float]:
+        """The pose on the screen by the names of all joints in the drawing [rad or m]."""
+        variant = f"{self.variants[-1]}/"
+        values = {**self.q, **{variant + name: value for name, value in self.q.items()}}
+        if self.beside is None or self.arm is None:
+            return values
+        return {**values, **self.beside.named(self._vector(self.arm.manipulator))}

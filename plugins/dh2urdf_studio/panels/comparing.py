@@ -1,0 +1,258 @@
+"""A robot description beside the table: laid upon the arm, and how far the two are from each other."""
+
+from __future__ import annotations
+
+import json
+import math
+from html import escape
+from typing import TYPE_CHECKING, Any
+from urllib.parse import unquote
+
+from nicegui import run, ui
+
+from dh2urdf.errors import InputError
+from dh2urdf.kinematics.comparison import TOLERANCE, changes
+from dh2urdf.meshes import named_files
+from dh2urdf.quantities.units import UNITS
+from dh2urdf_studio import dialogs, words
+from dh2urdf_studio.drawing import mesh_files
+from dh2urdf_studio.drawing.digits import decimals, short
+from dh2urdf_studio.drawing.scene import Drawing
+from dh2urdf_studio.editing.adopting import adopted, changed_cells, own_table
+from dh2urdf_studio.editing.comparing import Apart, Beside, differences
+from dh2urdf_studio.editing.given_files import MOST_FILES, GivenFiles, description_suffixes, too_much
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+    from dh2urdf.manipulator import Manipulator
+    from dh2urdf.table_text import TableText
+    from dh2urdf_studio.drawing.mesh_store import MeshStore
+    from dh2urdf_studio.drawing.scene import Figure
+    from dh2urdf_studio.editing.session import Session
+
+_LIKELIEST = "the likeliest"
+_DIGITS = 3
+_MM = UNITS["mm"]
+
+
+class ComparingPanel:
+    """Opens a description, lays it upon the arm of the table, and shows the differences."""
+
+    ICON, TITLE = "compare", "compare with a robot description"
+
+    def __init__(
+        self,
+        session: Session,
+        meshes: MeshStore,
+        on_arm: Callable[[], None],
+        on_table: Callable[[TableText], None],
+    ) -> None:
+        """Lay the panel out, hidden.
+
+        Args:
+            session: what it is about.
+            meshes: serves the mesh files of the description.
+            on_arm: draws the arm anew.
+            on_table: puts another table in place of the one that is there, as one step of undo.
+        """
+        self._session, self._meshes, self._on_arm, self._on_table = session, meshes, on_arm, on_table
+        self._is_open = False
+        self._files: GivenFiles | None = None
+        self._figure: Figure | None = None
+        self._served: tuple[str, ...] = ()
+        suffixes = description_suffixes(session.catalog)
+        ends = [*suffixes, ".zip", *mesh_files.SUFFIXES, *named_files.SUFFIXES, ".yaml", ".yml"]
+        wanted = json.dumps({"ends": ends, "most": MOST_FILES, "largest": mesh_files.LARGEST, "refused": "dh-no-files"})
+        nothing = f"No description was found. Accepted: {', '.join(suffixes)}, with mesh files, or a ZIP of them."
+        answers = {"none": nothing, "too much": str(too_much()), "lost": dialogs.LOST}
+        ui.on("dh-no-files", lambda event: self._answer(answers[str(event.args)]))
+        ui.context.client.on_delete(self._forget)
+        if session.beside is not None:  # of a page that was loaded anew, whose files are gone
+            session.lay_beside(None)
+        with ui.element("aside").classes("studio-panel").props('aria-label="comparing"') as self._panel:
+            upload = ui.upload(multiple=True, on_multi_upload=self._take).style("display: none")
+            address = json.dumps(upload.props["url"])
+            self._panel.on("dragover", js_handler="event => event.preventDefault()")
+            self._panel.on("drop", js_handler=f"event => dhPage.drop(event, {address}, {wanted})")
+            with ui.element("div").classes("studio-row"):
+                for told, icon, folder in (
+                    ("Open a description", "folder_open", "false"),
+                    ("Open a folder", "drive_folder_upload", "true"),
+                ):
+                    choose = ui.button(told, icon=icon).props("outline dense no-caps size=sm")
+                    choose.on("click", js_handler=f"() => dhPage.choose({address}, {wanted}, {folder})")
+                self._which = ui.select([], on_change=self._choose_description)
+                self._which.props('dense outlined prefix="file" aria-label="description"').set_visibility(False)
+                self._ends = {
+                    end: ui.select([_LIKELIEST], value=_LIKELIEST, on_change=self._choose).props(
+                        f'dense outlined prefix="{end}" aria-label="{end} of the description"'
+                    )
+                    for end in ("base link", "tip link")
+                }
+                self._adopt = ui.button("Take its numbers over", on_click=self._take_over)
+                self._adopt.props("outline dense no-caps size=sm")
+                self._adopt.tooltip("puts the numbers that differ into the table; undo brings the old ones back")
+                self._away = ui.button("Take it away", on_click=self._close)
+                self._away.props("flat dense no-caps size=sm")
+            self._status = ui.label().classes("studio-compared").style("white-space: pre-line").props('role="status"')
+            self._numbers = ui.html(sanitize=False)
+        self.show()
+
+    def switch(self) -> None:
+        """Open it, or close it; the description is shown while it is open."""
+        self._is_open = not self._is_open
+        self._compare()
+
+    def show(self) -> None:
+        """Show the differences at the pose of the sliders."""
+        session, found = self._session, self._session.beside
+        self._panel.set_visibility(self._is_open)
+        for element in (*self._ends.values(), self._away):
+            element.set_visibility(self._figure is not None)
+        agreement = found.agreement if found is not None else None
+        differs = agreement is not None and agreement.difference is not None and not agreement.holds
+        self._adopt.set_visibility(differs and session.reading.is_whole)
+        if not self._is_open or self._figure is None:
+            return
+        if found is None or session.arm is None:
+            self._answer("The table has no arm yet.")
+            self._numbers.set_content("")
+            return
+        table = session.arm.manipulator
+        self._answer("\n".join(_words(found, table)))
+        here: tuple[Apart, ...] = ()
+        if found.chain is not None:
+            here = differences(found.chain, table, [session.q.get(row.joint, 0.0) for row in table.moving_rows])
+        self._numbers.set_content(_as_html(found, table, here, 1 + decimals(_MM, session.reach)) if here else "")
+
+    async def _take(self, event: Any) -> None:  # noqa: ANN401 - NiceGUI's
+        self._close()
+        if len(event.files) > MOST_FILES or sum(file.size() for file in event.files) > mesh_files.LARGEST:
+            self._answer(str(too_much()))  # before any of it is in memory
+            return
+        files = GivenFiles((), self._session.catalog)
+        try:
+            for file in event.files:
+                await run.io_bound(files.add, unquote(file.name), await file.read())
+        except InputError as error:
+            files.close()
+            self._answer(str(error))
+            return
+        self._files, names = files, list(files.descriptions)
+        if not names:
+            self._answer("There is no robot description among these files.")
+            return
+        self._which.set_options(names, value=names[0])  # which opens it
+        self._which.set_visibility(len(names) > 1)
+
+    async def _choose_description(self) -> None:
+        files, name = self._files, self._which.value
+        if files is None or name not in files.descriptions:
+            return
+        found = await run.io_bound(files.figure, name)
+        if isinstance(found, str):
+            self._lay(None)
+            self._answer(found)
+        elif found is not None:  # as it is while the server ends
+            links = [_LIKELIEST, *(link.name for link in found.robot.links)]
+            for select in self._ends.values():
+                select.set_options(links, value=_LIKELIEST)
+            self._lay(found)
+
+    def _close(self) -> None:
+        """Takes the description away, and removes its files."""
+        self._lay(None)
+        self._which.set_options([], value=None)
+        self._which.set_visibility(False)
+        self._forget()
+
+    def _forget(self) -> None:
+        """Serves the mesh files no longer, and removes them."""
+        self._meshes.forget(self._served)
+        if self._files is not None:
+            self._files.close()
+            self._files = None
+
+    async def _take_over(self) -> None:
+        session, found = self._session, self._session.beside
+        if session.arm is None or found is None or found.agreement is None or self._files is None:
+            return
+        table, arm, ends = session.table, session.arm.manipulator, (found.agreement.base_link, found.agreement.tip_link)
+        own = await run.io_bound(own_table, self._files.path(str(self._which.value)), session.catalog, arm, ends)
+        taken = adopted(table, arm, found, own, session.catalog)
+        if session.table is not table:  # it was edited meanwhile
+            return
+        if taken is None:
+            ui.notify(
+                "No numbers in these rows make the table this arm. Open has the description's own table.",
+                type="warning",
+            )
+            return
+        self._on_table(taken)
+        ui.notify(
+            f"{words.count(changed_cells(table, taken), 'cell has', 'cells have')} the description's numbers",
+            type="positive",
+        )
+
+    def _answer(self, text: str) -> None:
+        self._status.set_text(text)
+
+    def _lay(self, figure: Figure | None) -> None:
+        self._figure = figure
+        self._answer("")
+        self._numbers.set_content("")
+        self._compare()
+
+    def _choose(self) -> None:
+        if self._figure is not None:
+            self._compare()
+
+    def _compare(self) -> None:
+        ends = ("" if each.value == _LIKELIEST else str(each.value) for each in self._ends.values())
+        self._session.lay_beside(self._figure if self._is_open else None, *ends)
+        self._meshes.forget(self._served)
+        drawn = Drawing.of([self._session.beside.figure]) if self._session.beside is not None else Drawing()
+        self._meshes.add(drawn.meshes)
+        self._served = tuple(drawn.meshes)
+        self._on_arm()
+        self.show()
+
+
+def _words(found: Beside, table: Manipulator) -> Iterator[str]:
+    """Whether the two are the same arm; where they are not, what would make them so."""
+    agreement = found.agreement
+    if agreement is None:
+        yield found.refusal
+        return
+    if unseen := Drawing.of([found.figure]).unseen:
+        told = words.count(len(unseen), "mesh file was not found", "mesh files were not found")
+        yield f"{told}, and the links are drawn as sticks: {words.some_of(unseen)}. Open them together, or the folder."
+    yield from (f"{notice.message[:1].upper()}{notice.message[1:]}." for notice in found.figure.notices)
+    yield f"{found.figure.title}: {agreement.base_link} to {agreement.tip_link}, {len(agreement.joints)} moving joints"
+    if agreement.holds:
+        yield "The description is the arm of the table."
+    if agreement.first_difference:
+        yield f"They are different arms: {agreement.first_difference}."
+    if agreement.corrected is not None and agreement.remaining is not None:
+        exactly = "the same arm" if agreement.remaining.is_none else "nearly the same arm"
+        yield f"With these entries the table is {exactly}:"
+        yield from changes(table, agreement.corrected)
+
+
+def _as_html(found: Beside, table: Manipulator, here: tuple[Apart, ...], digits: int) -> str:
+    """The differences as a table: now, and at the worst of the joint vectors that a proof takes."""
+    names = [f"axis of {row.joint}" for row in table.moving_rows]
+    tip = found.agreement.tip_link if found.agreement else ""
+    rows = "".join(
+        f"<tr><th scope='row'>{escape(name)}</th>{_cells(now, digits)}{_cells(worst, digits)}</tr>"
+        for name, now, worst in zip((*names, f"tool0 and {tip}"), here, found.worst, strict=True)
+    )
+    head = "".join(f"<th scope='col'>{name}</th>" for name in ("mm now", "° now", "mm at most", "° at most"))
+    return f"<table class='studio-differences'><thead><tr><td></td>{head}</tr></thead><tbody>{rows}</tbody></table>"
+
+
+def _cells(apart: Apart, digits: int) -> str:
+    kind = "" if max(apart) <= TOLERANCE else " class='studio-differs'"
+    distance, angle = short(_MM.number(apart.distance), digits), short(math.degrees(apart.angle), _DIGITS)
+    return f"<td{kind}>{distance}</td><td{kind}>{angle}</td>"

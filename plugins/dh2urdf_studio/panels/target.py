@@ -1,0 +1,237 @@
+"""The pose of tool0: boxes to type it in, a handle to drag it by, and how well the arm moves from there."""
+
+from __future__ import annotations
+
+import asyncio
+import math
+from typing import TYPE_CHECKING
+
+from nicegui import run, ui
+
+from dh2urdf.errors import InputError
+from dh2urdf.kinematics.reaching.dexterity import dexterity
+from dh2urdf.kinematics.reaching.inverse import InverseSolution, inverse_kinematics
+from dh2urdf.manipulator import JointType
+from dh2urdf.quantities.quantity import evaluate
+from dh2urdf.quantities.units import UNITS, Dimension, QuantityError, Unit
+from dh2urdf.rotations import (
+    IDENTITY_ROTATION,
+    RigidTransform,
+    quaternion_from_rotation,
+    rotation_from_quaternion,
+    rotation_from_rpy,
+)
+from dh2urdf_studio.drawing.digits import USUAL, decimals, short
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from dh2urdf.manipulator import Manipulator
+    from dh2urdf.rotations import Vec3
+    from dh2urdf_studio.editing.session import Session
+
+PLACE = ("x", "y", "z")
+TURNS = {"roll, pitch, yaw": ("roll", "pitch", "yaw"), "quaternion": ("qx", "qy", "qz", "qw")}
+_BARE = Unit(symbol="", dimension=Dimension.NUMBER)
+_NO_LENGTH = 1e-9  # of a quaternion
+_SINGULAR = 1e-9  # a singular value that is less is rounding
+_PATIENCE = 0.2  # of a person who waits for an answer [s]
+
+
+class TargetPanel:
+    """Shows the pose of tool0 in boxes, and moves the arm to the pose that is typed there, or dragged to."""
+
+    ICON, TITLE = "ads_click", "set the pose of tool0"
+
+    def __init__(self, session: Session, on_move: Callable[[], None], on_switch: Callable[..., None]) -> None:
+        """Lay the panel out, hidden.
+
+        Args:
+            session: what it is about.
+            on_move: draws the pose anew.
+            on_switch: shows the handle in the scene, or hides it.
+        """
+        self._session, self._on_move, self._on_switch = session, on_move, on_switch
+        self._is_open = False
+        self._keeps_texts = False  # what was typed stays where the arm does not reach it: other boxes may follow
+        self._shown: dict[str, tuple[str, float]] = {}  # the text of a box, and the value that it was made of
+        self._focused = ""  # the box that a person types in
+        self._searches = 0
+        self._dragged = IDENTITY_ROTATION  # how tool0 was turned when the handle was taken
+        with ui.element("aside").classes("studio-panel").props('aria-label="the pose of tool0"') as self._panel:
+            with ui.element("div").classes("studio-row"):
+                ui.label("T(base_link → tool0)").classes("studio-caption")
+                self._turn = ui.toggle(list(TURNS), value=next(iter(TURNS)), on_change=self.show)
+                self._turn.props('dense unelevated no-caps aria-label="how the orientation is written"')
+            with ui.element("div").classes("studio-row"):
+                self._boxes = {name: self._box(name) for name in (*PLACE, *sum(TURNS.values(), ()))}
+            self._answer = ui.label().classes("studio-target-answer").props('role="status"')
+            self._numbers = ui.label().classes("studio-target-numbers")
+        self.show()
+
+    def _box(self, name: str) -> ui.input:
+        box = ui.input().props(f'dense outlined prefix="{name}" aria-label="{name} of tool0"')
+        box.classes("studio-target-box").on("change", self._typed)
+        box.on("focus", lambda: self._focus(name)).on("blur", lambda: self._blur(name))
+        return box
+
+    def _focus(self, name: str) -> None:
+        self._focused = name
+
+    def _blur(self, name: str) -> None:
+        if self._focused == name:  # The browser reports it after the focus of the next box.
+            self._focused = ""
+
+    def switch(self) -> None:
+        """Open it, or close it."""
+        self._is_open = not self._is_open
+        self._answer.set_text("")
+        self._on_switch(shown=self._is_open)
+        self.show()
+
+    def show(self) -> None:
+        """Show the pose, and what the arm can do from here."""
+        arm, pose = self._session.arm, self._session.pose
+        self._panel.set_visibility(self._is_open and pose is not None)
+        if not self._is_open or arm is None or pose is None:
+            return
+        rpy, quaternion = TURNS.values()
+        length, angle = self._units
+        values = {name: (length, value) for name, value in zip(PLACE, pose.translation, strict=True)}
+        values |= {name: (angle, value) for name, value in zip(rpy, pose.rpy, strict=True)}
+        parts = quaternion_from_rotation(pose.rotation)
+        values |= {name: (_BARE, part) for name, part in zip(quaternion, parts, strict=True)}
+        for name, box in self._boxes.items():
+            if not self._keeps_texts and name != self._focused:
+                unit, value = values[name]
+                digits = max(USUAL, decimals(length, self._session.reach)) if name in PLACE else USUAL
+                box.set_value(short(unit.number(value), digits))
+                self._shown[name] = box.value, value
+            box.set_visibility(name in PLACE or name in TURNS[self._turn.value])
+        self._numbers.set_text(_words_of(arm.manipulator, self._session))
+
+    @property
+    def _units(self) -> tuple[Unit, Unit]:
+        arm = self._session.arm
+        table = arm.table if arm else self._session.table
+        return UNITS[table.length_unit], UNITS[table.angle_unit]
+
+    def _number(self, name: str, unit: Unit) -> float:
+        """The number in a box in SI units; where nothing was typed, all digits of it.
+
+        Raises:
+            QuantityError: it is none.
+        """
+        text = self._boxes[name].value or ""
+        shown, value = self._shown.get(name, ("", 0.0))
+        if text == shown:
+            return value
+        try:
+            return evaluate(text, unit.dimension, unit, decimal_comma=True).value
+        except QuantityError as error:
+            error.add_note(name)
+            raise
+
+    def _pose(self) -> RigidTransform:
+        """The pose in the boxes.
+
+        Raises:
+            QuantityError: a text is no number, or the quaternion is 0.
+        """
+        length, angle = self._units
+        x, y, z = (self._number(name, length) for name in PLACE)
+        names = TURNS[self._turn.value]
+        if len(names) == len(PLACE):
+            roll, pitch, yaw = (self._number(name, angle) for name in names)
+            return RigidTransform(rotation_from_rpy((roll, pitch, yaw)), (x, y, z))
+        parts = [self._number(name, _BARE) for name in names]
+        size = math.hypot(*parts)
+        if size < _NO_LENGTH:
+            message = "a quaternion of length 0 is no orientation"
+            raise QuantityError(message, "four numbers, at least one of which is not 0")
+        return RigidTransform(rotation_from_quaternion([part / size for part in parts]), (x, y, z))
+
+    async def _typed(self) -> None:
+        """Move the arm to the pose in the boxes; in a thread, as a search may take a while."""
+        arm = self._session.arm
+        if arm is None:
+            return
+        self._searches += 1
+        number = self._searches
+        try:
+            pose = self._pose()
+            found = await self._search(arm.manipulator, pose)
+        except (QuantityError, InputError) as error:
+            self._answer.set_text(": ".join([*getattr(error, "__notes__", ()), str(error)]))
+            return
+        is_newest = number == self._searches and self._session.arm is arm
+        if found is not None and is_newest:  # else the studio ends, or something else was asked for meanwhile
+            self._keeps_texts = not found.reached
+            self._take(arm.manipulator, found)
+            self._keeps_texts = False
+
+    async def _search(self, arm: Manipulator, pose: RigidTransform) -> InverseSolution | None:
+        """The nearest pose of the arm; the panel says that it is searched for where that takes a while."""
+        search: asyncio.Future[InverseSolution | None] = asyncio.ensure_future(
+            run.io_bound(inverse_kinematics, arm, pose, self._start(arm))
+        )
+        done, _ = await asyncio.wait({search}, timeout=_PATIENCE)
+        if not done:
+            self._answer.set_text("searching …")
+        return await search
+
+    def drag(self, place: Vec3, *, begins: bool) -> None:
+        """Follow the handle: tool0 comes to a place [m], turned as it was when the handle was taken."""
+        arm, pose = self._session.arm, self._session.pose
+        if arm is None or pose is None:
+            return
+        if begins:
+            self._dragged = pose.rotation
+        target = RigidTransform(self._dragged, place)
+        found = inverse_kinematics(arm.manipulator, target, self._start(arm.manipulator), attempts=1)
+        self._take(arm.manipulator, found)
+
+    def _start(self, arm: Manipulator) -> list[float]:
+        return [self._session.q.get(row.joint, 0.0) for row in arm.moving_rows]
+
+    def _take(self, arm: Manipulator, found: InverseSolution) -> None:
+        self._session.move(_joint_values(arm, found))
+        self._on_move()
+        self._answer.set_text(_report(found))
+
+
+def _three_digits(number: float) -> str:
+    """Three digits that count, and no power of ten: 1080."""
+    return f"{float(f'{number:.3g}'):g}"
+
+
+def _report(found: InverseSolution) -> str:
+    if found.reached:
+        return "tool0 is there"
+    return (
+        f"The arm cannot reach this pose: tool0 is {_three_digits(found.position_error * 1000.0)} mm and "
+        f"{math.degrees(found.angle_error):.3g}° from it."
+    )
+
+
+def _joint_values(arm: Manipulator, found: InverseSolution) -> dict[str, float]:
+    """The joint values of a solution; of a joint that turns without limits those within half a turn."""
+    values = {}
+    for row, value in zip(arm.moving_rows, found.q, strict=True):
+        turns = row.type is not JointType.PRISMATIC and row.limits.lower is None
+        values[row.joint] = math.remainder(value, 2.0 * math.pi) if turns else value
+    return values
+
+
+def _words_of(arm: Manipulator, session: Session) -> str:
+    """Manipulability, the distance from a singularity, and the joint that is nearest to a limit."""
+    here = dexterity(arm, [session.q.get(row.joint, 0.0) for row in arm.moving_rows])
+    parts = [f"manipulability {here.manipulability:.3g}", f"smallest singular value {here.smallest_singular_value:.3g}"]
+    if here.smallest_singular_value < _SINGULAR:
+        parts = ["The arm is at a singularity: manipulability 0"]
+    sliders = [slider for slider in session.sliders if slider.name in here.margins]
+    if sliders:
+        nearest = min(sliders, key=lambda slider: here.margins[slider.name])
+        margin = nearest.shown(here.margins[nearest.name])
+        parts.append(f"nearest limit: {nearest.name}, {margin:.4g} {nearest.unit.symbol}")
+    return "; ".join(parts)

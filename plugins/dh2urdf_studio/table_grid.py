@@ -1,0 +1,258 @@
+"""The table on the page: AG Grid with a column for every field, and the readers' messages in its cells."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from nicegui import ui
+
+from dh2urdf.manipulator import Convention
+from dh2urdf_studio.pasting import first_field
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from dh2urdf_studio.editing.session import Session
+
+_HEADERS = {
+    "joint": "name",
+    "alpha": "α",
+    "theta": "θ",
+    "lower": "q min",
+    "upper": "q max",
+    "com_x": "com x",
+    "com_y": "com y",
+    "com_z": "com z",
+}
+_WIDTHS = {"joint": 128, "type": 74, "link": 90, "alpha": 64, "theta": 62, "lower": 58, "upper": 58}
+_WIDTH = 70
+_LENGTHS = ("a", "d", "radius", "com_x", "com_y", "com_z")
+_ANGLES = ("alpha", "theta")
+_TOLD = {
+    "joint": "name of the joint",
+    "type": "revolute (R), prismatic (P), continuous (C) or fixed (F)",
+    "a": "length of the common normal, along x",
+    "alpha": "twist: angle about x from one joint axis to the next",
+    "d": "offset along the joint axis z",
+    "theta": "angle about the joint axis z; the joint value is added to it",
+    "offset": "added to the joint value",
+    "sign": "1, or -1 where the joint counts the other way",
+    "lower": "smallest joint value",
+    "upper": "largest joint value",
+}
+
+
+class TableGrid:
+    """The rows of a session's table, to edit.
+
+    The page knows a row by its key. So what a person does to it is done to that row, though rows were added, removed or
+    moved meanwhile; where it is gone, that is reported, and no other row changes. Cursor and picked row are the page's:
+    the server learns of them, and moves neither. The page numbers what is done to cells and rows, and each answer has
+    the number of the last act before it: what was done since stays on the screen.
+
+    Args:
+        session: the session.
+        on_edit: is called with row, field and text of a cell that was typed.
+        on_typing: is called with row, field and text of a cell that is being typed.
+        on_end: is called when typing has ended.
+        on_pick: is called with the key of the row that has the cursor, or whose link was picked in the scene; None
+            where nothing was.
+        on_paste: is called with the row, the field and the text where cells are pasted; the text is None where there is
+            none, and the row where the table is empty.
+        on_clear: is called with the rows and the fields of cells that are cut or deleted.
+        on_act: is called with ``add``, ``remove``, ``up``, ``down`` or ``to``, the key of a row and another key; see
+            `dh2urdf_studio.editing.edits.rearranged`.
+        on_axes: is called with the number of axes, None where the field is empty, and keys for new rows.
+    """
+
+    def __init__(
+        self,
+        session: Session,
+        *,
+        on_edit: Callable[[int, str, str], None],
+        on_typing: Callable[[int, str, str], None],
+        on_end: Callable[[], None],
+        on_pick: Callable[[str | None], None],
+        on_paste: Callable[[int, str, str | None], Any],
+        on_clear: Callable[[Sequence[int], Sequence[str]], None],
+        on_act: Callable[[str, str | None, str | None], None],
+        on_axes: Callable[[float | None, Sequence[str]], None],
+    ) -> None:
+        self._session = session
+        self._header: tuple[Any, ...] = ()
+        self._columns: list[dict[str, Any]] = []
+        self._acts = 0
+        self._drawn: Sequence[str] = ()
+        self._grid = ui.aggrid(
+            {
+                "columnDefs": [],
+                "rowData": [],
+                ":getRowId": "params => String(params.data.id)",
+                "defaultColDef": {
+                    "editable": True,
+                    "sortable": False,
+                    "resizable": True,
+                    "suppressMovable": True,
+                    "suppressHeaderMenuButton": True,
+                    "cellClassRules": {
+                        ":dh-wrong": "params => dhGrid.wrong(params)",
+                        ":dh-remarked": "params => dhGrid.remarked(params)",
+                        ":dh-empty": "params => dhGrid.empty(params)",
+                        ":dh-range": "params => dhGrid.inRange(params)",
+                    },
+                    ":valueSetter": "params => dhGrid.edited(params)",
+                    ":suppressKeyboardEvent": "params => dhGrid.keys(params)",
+                    ":tooltipValueGetter": "params => dhGrid.tooltip(params)",
+                },
+                "enableBrowserTooltips": True,
+                "suppressHeaderFocus": True,
+                ":onCellEditingStarted": "e => dhGrid.started(e)",
+                ":onCellEditingStopped": "() => dhGrid.stopped()",
+                "stopEditingWhenCellsLoseFocus": True,
+                "animateRows": False,  # a row that is gone would stay for a moment
+                "rowDragManaged": True,
+                "suppressMoveWhenRowDragging": True,
+                ":onRowDragEnd": "e => dhGrid.dragged(e)",
+                "overlayNoRowsTemplate": "<span>choose the number of axes, or paste a table</span>",
+            },
+            theme="balham",
+            auto_size_columns=False,
+        ).classes("dh-table")
+        grid = self._grid
+        self._take("dh-edit", lambda key, field, text: on_edit(self._number(key), field, text))
+        grid.on("cellEditingStopped", lambda _: on_end(), ["rowId"])
+        ui.on("dh-focus", lambda event: on_pick(event.args))
+        for event in ("input", "focusin"):
+            grid.on(event, js_handler=f"e => dhGrid.{event}(e)")
+        ui.on("dh-typing", lambda event: on_typing(self._number(event.args[0]), *event.args[1:]))
+        grid.on(
+            "paste",
+            lambda event: on_paste(self._first(event.args[0]), *event.args[1:]),
+            js_handler=f"e => dhGrid.paste(getElement({grid.id}).api, e, emit)",
+        )
+        ui.on("dh-paste", lambda event: on_paste(self._first([]), first_field(event.args), event.args))
+        for event, function in {"copy": "copy", "cut": "copy", "mousedown": "clicked"}.items():
+            grid.on(event, js_handler=f"e => dhGrid.{function}(getElement({grid.id}).api, e)")
+        self._take("dh-clear", lambda keys, fields: on_clear([*map(self._number, keys)], fields))
+        self._take("dh-act", on_act)
+        self._take("dh-axes", on_axes)
+        ui.on("dh-text-size", self._lay_columns)
+
+    def _number(self, key: str) -> int:
+        """The number of a row of the page, -1 where it is no longer in the table."""
+        keys = self._session.history.keys
+        return keys.index(key) if key in keys else -1
+
+    def _first(self, keys: Sequence[str]) -> int:
+        """The number of the first of the last rows of the page, -1 where other rows are the last ones by now."""
+        now, first = self._session.history.keys, len(self._session.history.keys) - len(keys)
+        return first if list(now[max(first, 0) :]) == list(keys) and (keys or not now) else -1
+
+    def _take(self, event: str, act: Callable[..., None]) -> None:
+        """What a person does to cells and rows; the page has done it already, and has numbered it."""
+
+        def take(arguments: Sequence[Any]) -> None:
+            *told, number = arguments
+            self._acts = int(number)
+            act(*told)
+
+        ui.on(event, lambda event: take(event.args))
+
+    def show(self) -> None:
+        """Shows the table, and what is wrong with it."""
+        session = self._session
+        header = (session.columns, session.table.convention, session.table.length_unit, session.table.angle_unit)
+        if header != self._header:
+            self._header = header
+            self._columns = _columns(session)
+            self._lay_columns()
+        rows = [{"id": key, **row} for key, row in zip(session.history.keys, session.table.rows, strict=True)]
+        self._run("fill", rows, self._acts)
+        self.mark()
+
+    def _lay_columns(self) -> None:
+        """The columns, as wide as the text of the page is large, and as wide as the cells need."""
+        self._grid.run_grid_method("setGridOption", "columnDefs", self._columns)
+        self._run("widen")
+
+    def typed(self, row: int, field: str) -> None:
+        """Shows what is wrong after a cell was typed, and the cell as it was taken.
+
+        Other cells stay as they are on the screen, where a person may have gone on typing.
+        """
+        session = self._session
+        if session.columns != self._header[0]:
+            self.show()
+            return
+        self._run("setCell", session.history.keys[row], field, session.table.rows[row].get(field, ""), self._acts)
+        self.mark()
+
+    def answer(self) -> None:
+        """What is being typed is on the screen, as far as it was asked for."""
+        self._run("ask")
+
+    def mark(self) -> None:
+        """Marks the wrong cells."""
+        self._run("mark", _problems(self._session))
+
+    def draw(self, keys: Sequence[str]) -> None:
+        """The keys of the rows of the arm that is in the scene now."""
+        if keys != self._drawn:
+            self._drawn = keys
+            self._run("draw", keys)
+
+    def _run(self, name: str, *arguments: object) -> None:
+        import json
+
+        said = ", ".join(json.dumps(argument) for argument in arguments)
+        self._grid.client.run_javascript(
+            f"{{const api = getElement({self._grid.id})?.api; if (api) dhGrid.{name}(api, {said});}}"
+        )
+
+
+def _problems(session: Session) -> dict[str, dict[str, dict[str, str]]]:
+    """The problems by key of the row and field; errors go before notices."""
+    found: dict[str, dict[str, dict[str, str]]] = {}
+    for problem in sorted(session.problems, key=lambda item: item.problem.severity == "notice"):
+        if problem.row is not None:
+            cells = found.setdefault(session.history.keys[problem.row], {})
+            cells.setdefault(problem.field or "number", {"severity": problem.problem.severity, "text": problem.text})
+    return found
+
+
+def _columns(session: Session) -> list[dict[str, Any]]:
+    number = {
+        "field": "number",
+        "colId": "number",
+        "headerName": "i",
+        ":valueGetter": "params => dhGrid.number(params)",
+        "editable": False,
+        ":width": "dhGrid.wide(58)",
+        "pinned": "left",
+        "rowDrag": True,
+        "cellClass": "dh-number",
+        "suppressNavigable": True,
+        "resizable": False,
+    }
+    return [number, *(_column(field, session) for field in session.columns)]
+
+
+def _column(field: str, session: Session) -> dict[str, Any]:
+    table = session.table
+    header = _HEADERS.get(field, field)
+    if field in ("a", "alpha") and table.convention:
+        header += "ᵢ₋₁" if table.convention == Convention.MODIFIED else "ᵢ"
+    if field in ("d", "theta"):
+        header += "ᵢ"
+    unit = table.length_unit if field in _LENGTHS else table.angle_unit if field in _ANGLES else ""
+    column: dict[str, Any] = {
+        "field": field,
+        "colId": field,
+        "headerName": f"{header} [{unit}]" if unit else header,
+        "headerTooltip": _TOLD.get(field, field),
+        ":minWidth": f"dhGrid.wide({_WIDTHS.get(field, _WIDTH)})",
+        "flex": _WIDTHS.get(field, _WIDTH),
+    }
+    if field == "type":
+        column[":cellEditor"] = "dhGrid.TypeEditor"
+    return column

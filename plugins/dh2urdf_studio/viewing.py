@@ -1,0 +1,298 @@
+"""What `dh2urdf view` shows: robots of descriptions, of tables and of run files' cells, in one scene."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from dh2urdf.cells.cell import Cell
+from dh2urdf.commands.check import expanded_with
+from dh2urdf.conversion.one_manipulator import read_items
+from dh2urdf.conversion.robots import make_item, make_robot
+from dh2urdf.documents.text_files import check_file
+from dh2urdf.errors import InputError, ManipulatorError
+from dh2urdf.foreign_robot import ForeignRobot, following, with_followers
+from dh2urdf.kinematics.chain import link_poses
+from dh2urdf.manipulator import TOOL
+from dh2urdf.meshes import mesh_finder, packages_in, with_its_own
+from dh2urdf.robot import Robot
+from dh2urdf.rotations import IDENTITY, RigidTransform, norm, scale
+from dh2urdf.run_file.config import RUN_SUFFIXES, is_run_file, load_config
+from dh2urdf.run_file.plan import make_plan
+from dh2urdf.run_file.records import StageCall
+from dh2urdf.source import Mark, Problem, listed, shown
+from dh2urdf.stage_calls.answers import a_whole_record
+from dh2urdf.stage_calls.calls import blaming, default_call
+from dh2urdf.stages import Expansion, Rejected
+from dh2urdf.tasks.batch import items
+from dh2urdf.tasks.expected import Expected
+from dh2urdf.variations.variation import Variant
+from dh2urdf_studio import joints
+from dh2urdf_studio.drawing.colours import GREY
+from dh2urdf_studio.drawing.grips import Grasp
+from dh2urdf_studio.drawing.scene import Drawing, Figure, extent, meshes_of
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping, Sequence
+    from pathlib import Path
+
+    from dh2urdf.manipulator import Manipulator
+    from dh2urdf.plugin_system.catalog import Catalog
+    from dh2urdf_studio.drawing.colours import Colour
+    from dh2urdf_studio.drawing.mesh_files import DrawnMesh
+    from dh2urdf_studio.joints import Slider
+
+MOST_FIGURES = 50
+"""Robots that one scene shows."""
+TOLD_NAMES = 6
+"""Names of robots that the page's head has room for."""
+
+
+def load_figures(paths: Sequence[Path], catalog: Catalog, expansion: Expansion | None = None) -> tuple[Figure, ...]:
+    """The robots of some files.
+
+    Args:
+        paths: the files.
+        catalog: the readers and emitters that there are.
+        expansion: how those of them are expanded that hold macros.
+
+    Raises:
+        InputError: a file cannot be read; the problems of all files are reported at once.
+    """
+    found: list[Figure] = []
+    problems: list[Problem] = []
+    notices: list[Problem] = []
+    for path in paths:
+        try:
+            found += _figures(path, catalog, expansion)
+        except (InputError, ManipulatorError) as error:
+            problems += [problem.about(mark=Mark(file=str(path))) for problem in error.problems]
+            notices += error.notices
+    if problems:
+        raise InputError(problems, notices)
+    if expansion not in (None, Expansion()) and not any(_holds_macros(path, catalog) for path in paths):
+        message = "none of the files has macros: they take no arguments and no package paths"
+        raise InputError(Problem(message=message, mark=Mark(file=str(paths[0])), accepted="a xacro among the files"))
+    if len(found) > MOST_FIGURES:
+        raise InputError(_too_many(str(len(found))))
+    if len(found) == 1:
+        return (replace(found[0], name="", title=""),)
+    return tuple(_with_own_names(found))
+
+
+def _holds_macros(path: Path, catalog: Catalog) -> bool:
+    emitters = [item.stage for item in catalog.provided("emitter") if getattr(item.stage, "expandable", False)]
+    return path.name.lower().endswith(tuple(suffix for each in emitters for suffix in getattr(each, "suffixes", ())))
+
+
+def _figures(path: Path, catalog: Catalog, expansion: Expansion | None) -> Iterator[Figure]:
+    """The robots of one file.
+
+    Raises:
+        InputError: it cannot be read.
+        ManipulatorError: it is no robot, or no robot can be made of it.
+    """
+    check_file(path, InputError)
+    if path.suffix.lower() in RUN_SUFFIXES and is_run_file(path):
+        yield from _of_run(path, catalog)
+        return
+    if catalog.is_table(path):
+        transform = default_call(catalog, catalog.usual("transform"))
+        for item in read_items(default_call(catalog, catalog.reader_for(path)), path):
+            arm = _accepted(item)
+            yield Figure(robot=make_robot(arm, transform), manipulator=arm, title=arm.name)
+        return
+    yield description(path, catalog, expansion)
+
+
+def description(path: Path, catalog: Catalog, expansion: Expansion | None = None) -> Figure:
+    """The robot of a robot description.
+
+    Args:
+        path: the file.
+        catalog: the emitters that there are.
+        expansion: how it is expanded, where it holds macros, and where its packages are.
+
+    Raises:
+        InputError: no emitter reads files of its format, or it cannot be read.
+        ManipulatorError: it is no robot.
+    """
+    emitter = catalog.emitter_for(path)
+    if (reading := emitter.read_foreign or emitter.read_back) is None:
+        raise InputError(Problem(message=f"files of the emitter {emitter.name!r} cannot be read back", found=path.name))
+    given = expanded_with(emitter, expansion, path) if emitter.expandable else ()
+    with blaming(default_call(catalog, emitter), "read_foreign" if emitter.read_foreign else "read_back"):
+        read = a_whole_record(reading(path, *given), ForeignRobot, Robot)
+    found = read if isinstance(read, ForeignRobot) else ForeignRobot(robot=read)
+    robot = _with_unit_axes(found.robot)
+    packages = with_its_own(path, packages_in(expansion.package_paths if expansion else ()))
+    find = mesh_finder(found.folder or path.resolve().parent, packages)
+    addresses = dict.fromkeys(mesh.filename for mesh in meshes_of(robot))
+    files = {address: file for address in addresses if (file := find(address))}
+    followers = following(found.followers, [joint.name for joint in robot.moving_joints])
+    title = robot.name.strip() or path.stem
+    return Figure(robot=robot, title=title, files=files, followers=followers, loose=found.loose, notices=found.notices)
+
+
+def _with_unit_axes(robot: Robot) -> Robot:
+    """A robot whose axes have the length 1, as simulators make them of any length; 0 stays 0."""
+    joints = (replace(each, axis=scale(1.0 / (norm(each.axis) or 1.0), each.axis)) for each in robot.joints)
+    return replace(robot, joints=tuple(joints))
+
+
+def _of_run(path: Path, catalog: Catalog) -> Iterator[Figure]:
+    """The cells of a run file; of one that has none, its manipulators with their meshes, and its variants."""
+    config = load_config(path)
+    # Nothing is written, loaded or handed to workers.
+    looking = replace(config, loaders=(), execution=StageCall()).written_to(path.parent)
+    plan = make_plan(looking, catalog)
+    transform, edits = plan.recipe.transform, plan.recipe.edits
+    every = (what for item in items(plan, Expected(plan)) for what in item.each)
+    shown_only = (what for what in every if isinstance(what, Cell | Rejected) or not plan.cells)
+    for count, what in enumerate(shown_only):
+        if isinstance(what, Rejected):
+            raise InputError(what.problems, what.notices)
+        if count == MOST_FIGURES:
+            raise InputError(_too_many(f"more than {MOST_FIGURES}"))
+        arm = what.manipulator(what.drawn()) if isinstance(what, Variant) else what
+        robot, _ = make_item(arm, transform, edits)
+        yield Figure(robot=robot, manipulator=None if isinstance(arm, Cell) else arm, title=robot.name)
+
+
+def _too_many(count: str) -> Problem:
+    return Problem(message=f"these are {count} robots", accepted=f"at most {MOST_FIGURES} in one scene")
+
+
+def _accepted(item: Manipulator | Rejected) -> Manipulator:
+    if isinstance(item, Rejected):
+        raise InputError(item.problems, item.notices)
+    return item
+
+
+def _with_own_names(figures: Sequence[Figure]) -> Iterator[Figure]:
+    """Figures with a name each, so that no two nodes are called alike."""
+    taken: set[str] = set()
+    for figure in figures:
+        name, number = figure.title, 1
+        while name in taken:
+            number += 1
+            name = f"{figure.title} {number}"
+        taken.add(name)
+        yield replace(figure, name=f"{name}/", title=name)
+
+
+class View:
+    """What a tab of `dh2urdf view` shows.
+
+    Attributes:
+        figures: the robots.
+        layers: what is shown.
+        apart: whether the robots stand side by side, or all at one place.
+        as_in_ros: whether the axis up of COLLADA files is not followed: see `dh2urdf.meshes.read_parts`.
+        plain: the colour of links that have none.
+        sliders: the joints of all robots.
+        followers: the joints that follow others, by name: they have no slider.
+        q: the values of all joints by name [rad or m].
+        drawing: the robots, as they are drawn.
+        hidden: the links that are not shown, by the names of their nodes.
+        picked: the link that stands out, by the name of its node.
+        opacities: how opaque robots are, by their names, where a person has changed it.
+    """
+
+    def __init__(self, figures: Sequence[Figure]) -> None:
+        self.figures = tuple(figures)
+        self.layers: frozenset[str] = frozenset(("links", "axes", "outlines"))
+        self.apart, self.as_in_ros, self.plain = True, True, GREY
+        self.followers = {
+            figure.name + name: follower._replace(leader=figure.name + follower.leader)
+            for figure in figures
+            for name, follower in figure.followers.items()
+        }
+        self.sliders: tuple[Slider, ...] = tuple(
+            slider for figure in figures for slider in self._sliders_of(figure) if slider.name not in self.followers
+        )
+        self.q = self._followed(joints.zero(self.sliders))
+        self.drawing = Drawing()
+        self.hidden: frozenset[str] = frozenset()
+        self.picked: str | None = None
+        self.opacities: dict[str, float] = {}
+        self._grasp = Grasp()
+        self.place()
+        if self.drawing.meshes:  # which joint axes would only lie on
+            self.layers -= {"axes"}
+
+    @staticmethod
+    def _sliders_of(figure: Figure) -> tuple[Slider, ...]:
+        named = [replace(joint, name=figure.name + joint.name) for joint in figure.robot.moving_joints]
+        return joints.sliders(named, angle_unit="deg", group=figure.title)
+
+    def _followed(self, values: Mapping[str, float]) -> dict[str, float]:
+        return with_followers(values, self.followers)
+
+    def copy(self) -> View:
+        """Another view of the same robots, at the same joint values."""
+        other = View(self.figures)
+        other.q = self.q
+        return other
+
+    def place(self, *, apart: bool | None = None, as_in_ros: bool | None = None, plain: Colour | None = None) -> None:
+        """Puts the robots side by side or all at one place, their meshes as ROS or as their files have them."""
+        self.apart = self.apart if apart is None else apart
+        self.as_in_ros = self.as_in_ros if as_in_ros is None else as_in_ros
+        self.plain = plain or self.plain
+        figures = [replace(figure, as_in_ros=self.as_in_ros, plain=self.plain) for figure in self.figures]
+        self.drawing = Drawing.of(list(_placed(figures)) if self.apart else figures)
+
+    @property
+    def turns(self) -> bool:
+        """Whether there are meshes whose files may say which axis is up, and need not be believed."""
+        return any(mesh.as_in_ros and mesh.path.suffix.lower() == ".dae" for mesh in self.drawing.meshes.values())
+
+    def meshes(self) -> dict[str, DrawnMesh]:
+        """Every mesh file that the page may ask for, by its key."""
+        return {
+            key: mesh
+            for as_in_ros in (True, False)
+            for key, mesh in Drawing.of([replace(one, as_in_ros=as_in_ros) for one in self.figures]).meshes.items()
+        }
+
+    def move(self, values: Mapping[str, float]) -> None:
+        """Joint values by name [rad or m]; they are kept inside the limits, and followers follow."""
+        self.q = self._followed(joints.kept({**self.q, **values}, self.sliders))
+
+    def drag(self, node: str, by: float, *, begins: bool) -> None:
+        """A link has been dragged so far since it was taken [rad or m]: its joint moves, inside the limits."""
+        if (grip := self.drawing.grips.get(node)) is not None:
+            self.move({grip.joint: self._grasp.value(grip, self.q[grip.joint], by, begins=begins)})
+
+    def tips(self) -> Iterator[tuple[str, RigidTransform]]:
+        """The links at the ends, with their poses in the robots' roots."""
+        for figure in self.figures:
+            own = {joint.name: self.q[figure.name + joint.name] for joint in figure.robot.moving_joints}
+            poses = link_poses(figure.robot, own)
+            for name in ends(figure.robot):
+                yield figure.name + name, poses.get(name, IDENTITY)
+
+
+def ends(robot: Robot) -> tuple[str, ...]:
+    """The links that stand for the ends of arms: those called tool0, or else those that hold no other."""
+    holding = {joint.parent for joint in robot.joints}
+    last = [link.name for link in robot.links if link.name not in holding]
+    tools = [link.name for link in robot.links if link.name.endswith(TOOL)]
+    return tuple(tools or last)
+
+
+def _placed(figures: Sequence[Figure]) -> Iterator[Figure]:
+    """Robots in a row along y, as far from each other as their arms do not touch when they are stretched."""
+    edge = 0.0
+    for number, figure in enumerate(figures):
+        half = 0.6 * max(extent(figure.robot), 0.1)
+        edge += half if number else 0.0
+        yield replace(figure, place=RigidTransform(IDENTITY.rotation, (0.0, edge, 0.0)))
+        edge += half
+
+
+def told(figures: Sequence[Figure]) -> str:
+    """The robots in a line."""
+    names = [shown(figure.title or figure.robot.name)[1:-1] for figure in figures]
+    return listed(names, TOLD_NAMES)

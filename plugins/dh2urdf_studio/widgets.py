@@ -1,0 +1,212 @@
+"""The studio's own widgets: the scene and the sliders, each one element of the page that takes one message a change."""
+
+from __future__ import annotations
+
+import contextlib
+import math
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+from nicegui.element import Element
+from nicegui.elements import scene as _scene  # noqa: F401 - it makes three.js known to the page as nicegui-scene
+
+from dh2urdf.output.whole_files import safe_stem
+from dh2urdf.quantities.units import QuantityError
+from dh2urdf_studio.drawing.scene import poses_as_json
+
+if TYPE_CHECKING:
+    from collections.abc import AsyncIterator, Callable, Collection, Iterable, Mapping, Sequence
+
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from dh2urdf.rotations import RigidTransform
+    from dh2urdf_studio.drawing.scene import Drawing
+    from dh2urdf_studio.drawing.strokes import Stroke
+    from dh2urdf_studio.joints import Slider
+
+ShownScene: TypeAlias = "tuple[str, Drawing, Mapping[str, float], Collection[str]]"
+"""The name of a scene, what is drawn, joint values by name [rad or m], and the layers that are shown."""
+_STEPS = {"deg": 1.0, "rad": 0.01, "m": 0.001, "cm": 0.1, "mm": 1.0}
+"""What an arrow key moves a slider by, in its unit."""
+_DIGITS = {"deg": 2, "rad": 4, "m": 4, "cm": 2, "mm": 1}
+"""Digits behind the point of what a slider shows."""
+_LEAST_STEPS = 50
+"""From one limit of a joint to the other; of a joint that moves by a millimetre the steps are smaller."""
+
+
+class ArmView(Element, component="arm_view.js", esm={"dh2urdf-scene": "scene3d"}):  # type: ignore[call-arg]  # Element is any type to mypy
+    """The arm in 3D."""
+
+    def __init__(
+        self,
+        on_undrawn: Callable[[str], None] | None = None,
+        on_aim: Callable[..., None] | None = None,
+        on_pick_node: Callable[[str | None], None] | None = None,
+        on_grip: Callable[..., None] | None = None,
+    ) -> None:
+        super().__init__()
+        if on_pick_node is not None:
+            self.on("pick", lambda event: on_pick_node(event.args["node"]))
+        else:
+            self.on("pick", js_handler="event => dhGrid.chooseDrawn(event)")
+        if on_aim is not None:
+            self.on("aim", lambda event: self._aimed(on_aim, event.args))
+        if on_grip is not None:
+            self.on("grip", lambda event: self._gripped(on_grip, event.args))
+        if on_undrawn is not None:
+            self.on("undrawn", lambda event: on_undrawn(str(event.args["message"])))
+
+    def show(self, drawing: Drawing, poses: Sequence[RigidTransform], strokes: Sequence[Stroke]) -> None:
+        """Another drawing."""
+        self.run_method("show", drawing.as_json(), poses_as_json(poses, strokes))
+
+    def pose(self, poses: Sequence[RigidTransform], strokes: Sequence[Stroke]) -> None:
+        """The same drawing in another pose."""
+        self.run_method("move", poses_as_json(poses, strokes))
+
+    async def drawn(self) -> None:
+        """Waits until the browser has drawn what it has got; a tab that is not seen draws once a second at most."""
+        with contextlib.suppress(TimeoutError):
+            await self.run_method("nextPicture", timeout=1.0)
+
+    def set_layers(self, layers: Iterable[str]) -> None:
+        """What is shown."""
+        self.run_method("setLayers", sorted(layers))
+
+    def highlight(self, row: int | None, node: str | None = None) -> None:
+        """The link and the frame of a row stand out, or a node by its name."""
+        self.run_method("highlight", row, node)
+
+    def hide(self, nodes: Iterable[str]) -> None:
+        """These nodes are not shown, by their names; all others are."""
+        self.run_method("hide", sorted(nodes))
+
+    def save_picture(self, name: str, *, transparent: bool) -> None:
+        """Hands the scene over as the browser draws it, as a PNG of twice the size; with or without the ground."""
+        self.run_method("savePicture", safe_stem(name or "arm"), transparent)
+
+    async def turn(self, frames: int, largest: int) -> AsyncIterator[str]:
+        """Frames of a turn of the camera about the arm, as data addresses of PNGs; the camera is back afterwards.
+
+        Args:
+            frames: their number.
+            largest: the longer side of a frame, at most [px].
+
+        Raises:
+            TimeoutError: the page does not answer.
+        """
+        try:
+            for number in range(frames):
+                yield str(await self.run_method("turn", number / frames, largest, timeout=30.0))
+        finally:
+            self.run_method("turn", None)
+
+    def show_cloud(self, points: NDArray[np.float64]) -> None:
+        """Points of shape (n, 3) [m] in place of those before, to a micrometre."""
+        self.run_method("showCloud", points.round(6).ravel().tolist())
+
+    def show_handle(self, *, shown: bool) -> None:
+        """The handle at tool0, which a person drags."""
+        self.run_method("showHandle", shown)
+
+    def _aimed(self, on_aim: Callable[..., None], args: Mapping[str, Any]) -> None:
+        x, y, z = (float(number) for number in args["place"])
+        if all(map(math.isfinite, (x, y, z))):
+            on_aim((x, y, z), begins=bool(args["begins"]))
+        self.run_method("answered")
+
+    def _gripped(self, on_grip: Callable[..., None], args: Mapping[str, Any]) -> None:
+        by = float(args["by"])
+        if math.isfinite(by):
+            on_grip(str(args["node"]), by, begins=bool(args["begins"]))
+        self.run_method("answered")
+
+    def grasp(self, *, on: bool) -> None:
+        """Whether links can be dragged without the Shift key."""
+        self.run_method("grasp", on)
+
+    def fade(self, opacities: Mapping[str, float]) -> None:
+        """How opaque the bodies of robots are, by the names of the robots: 1 as they are drawn without it."""
+        self.run_method("fade", dict(opacities))
+
+    def follow_picked(self, *, on: bool) -> None:
+        """Whether the camera moves with what is picked."""
+        self.run_method("followPicked", on)
+
+    def look(self, view: str) -> None:
+        """The camera where it sees all of the arm from one of the standard sides."""
+        self.run_method("look", view)
+
+    def fit(self, *, keep: bool = False) -> None:
+        """The camera where it sees all of the arm; from where it looks now, if it is to keep its direction."""
+        self.run_method("fit", keep)
+
+
+class LiveHtml(Element, component="live_html.js"):  # type: ignore[call-arg]
+    """HTML that changes with every letter and every slider."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._content = ""
+
+    def show(self, content: str) -> None:
+        """Other HTML, of the studio's own making: it is not sanitized."""
+        if content != self._content:
+            self._content = content
+            self.run_method("show", content)
+
+
+class JointSliders(Element, component="joint_sliders.js"):  # type: ignore[call-arg]
+    """A slider and a number for every moving joint."""
+
+    def __init__(self, on_values: Callable[[Mapping[str, float]], None]) -> None:
+        super().__init__()
+        self._sliders: tuple[Slider, ...] = ()
+        self._on_values = on_values
+        self._number = 0
+        self.on("typed", lambda event: self._typed(int(event.args["index"]), str(event.args["text"])))
+        self.on("values", lambda event: self._moved(event.args["values"], int(event.args["number"])))
+
+    def show(self, sliders: Sequence[Slider], q: Mapping[str, float]) -> None:
+        """Other joints, or the same in another pose [rad or m]."""
+        if tuple(sliders) == self._sliders:
+            self.answer(q)
+            return
+        self._sliders = tuple(sliders)
+        self.run_method("show", [self._as_json(slider) for slider in sliders], self._shown(q))
+
+    def answer(self, q: Mapping[str, float]) -> None:
+        """The pose that holds now [rad or m]."""
+        self.run_method("answer", self._shown(q), self._number)
+
+    def _moved(self, values: Sequence[Any], number: int) -> None:
+        self._number = number
+        if len(values) == len(self._sliders):  # else the joints have changed meanwhile
+            pairs = zip(self._sliders, values, strict=True)
+            self._on_values({slider.name: slider.value(float(shown)) for slider, shown in pairs})
+
+    def _typed(self, index: int, text: str) -> None:
+        if index < len(self._sliders):
+            try:
+                self.run_method("take", index, self._sliders[index].read(text))
+            except QuantityError as error:
+                self.run_method("refuse", index, str(error))
+
+    def _shown(self, q: Mapping[str, float]) -> list[float]:
+        return [slider.shown(q.get(slider.name, 0.0)) for slider in self._sliders]
+
+    @staticmethod
+    def _as_json(slider: Slider) -> dict[str, Any]:
+        unit = slider.unit.symbol
+        step, span = _STEPS.get(unit, 0.01), slider.shown(slider.upper) - slider.shown(slider.lower)
+        if 0.0 < span < _LEAST_STEPS * step:
+            step = 10.0 ** math.floor(math.log10(span / _LEAST_STEPS))
+        return {
+            "name": slider.name,
+            "group": slider.group,
+            "lower": slider.shown(slider.lower),
+            "upper": slider.shown(slider.upper),
+            "unit": "°" if slider.unit.degrees else unit,
+            "step": step,
+            "digits": max(_DIGITS.get(unit, 4), 1 - math.floor(math.log10(step))),
+        }

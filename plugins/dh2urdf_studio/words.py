@@ -1,0 +1,151 @@
+"""What the studio says: texts of a session for its page."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+from dh2urdf.quantities.units import UNITS
+from dh2urdf.source import listed
+from dh2urdf.table_text import number_in
+from dh2urdf_studio.drawing.digits import decimals, plain
+from dh2urdf_studio.editing.axes import moving_rows
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from dh2urdf.rotations import RigidTransform
+    from dh2urdf.table_text import TableText
+    from dh2urdf_studio.editing.opening import Opened
+    from dh2urdf_studio.editing.reading import CellProblem
+    from dh2urdf_studio.editing.session import Session
+
+EMPTY = (
+    "<b>An empty table.</b><br>Choose the number of axes and the convention, then enter a, α and d of every row: "
+    "<code>pi/2</code>, <code>90°</code> and <code>-425 mm</code> are fine. The arm appears as you type. "
+    "Or paste a table, open one of yours, or one of the gallery."
+)
+"""What the scene of a table without rows says, as HTML."""
+_LARGE = 100_000
+"""From this size on, the size of a file is written in megabytes [B]."""
+MOST_LOST = 6
+"""What a table cannot hold, or what was lost, as far as it is reported."""
+
+
+def status(session: Session, errors: int) -> tuple[str, str]:
+    """The state of the table in a line, and whether it is good or bad."""
+    rows, waiting = len(session.table.rows), session.reading.waiting
+    if errors:
+        told = count(errors, "problem", "problems")
+        return (f"{told}; the last good arm is shown" if session.arm else told), "bad"
+    if not rows:
+        return "choose the number of axes, or paste a table", ""
+    if not session.table.convention and waiting == rows:
+        return "choose the convention: standard (Denavit-Hartenberg, Spong) or modified (Craig)", ""
+    if waiting:
+        done = rows - waiting
+        which = f"row {rows} is" if waiting == 1 else f"rows {done + 1} to {rows} are"
+        shown = f"; the arm of the {'first row' if done == 1 else f'first {done} rows'} is shown" if done else ""
+        return f"{which} still empty{shown}", ""
+    moving = len(moving_rows(session.table, session.arm))
+    fixed = f" and {count(rows - moving, 'fixed joint', 'fixed joints')}" if rows > moving else ""
+    return f"{count(moving, 'axis', 'axes')}{fixed}; the arm is the table's", "good"
+
+
+def count(number: int, one: str, many: str) -> str:
+    """A number of things."""
+    return f"{number} {one if number == 1 else many}"
+
+
+def busy(name: str, size: int) -> str:
+    """The message while a file is read."""
+    return (
+        f"reading {name}, {size / 1e6:.1f} MB" if size >= _LARGE else f"reading {name}, {max(size / 1e3, 0.1):.1f} kB"
+    )
+
+
+def remarks(opened: Opened) -> list[str]:
+    """What a person should know of a table that was opened."""
+    return [*([without(opened.lost)] if opened.lost else ()), *opened.notices]
+
+
+def without(lost: Sequence[str]) -> str:
+    """What a table that was opened says, and the table on the screen does not."""
+    return f"The studio's table has no place for {some_of(lost)}: what is made here is without."
+
+
+def lost(acts: Sequence[str]) -> str:
+    """The message where the connection has taken acts along."""
+    more = len(acts) - MOST_LOST
+    lines = [*acts[:MOST_LOST], *([f"and {more} more"] if more > 0 else ())]
+    return "\n".join(["The connection broke before this arrived, and the table is without it:", *lines])
+
+
+def some_of(things: Sequence[str]) -> str:
+    """The first of some things, and how many more there are."""
+    return listed(things, MOST_LOST)
+
+
+def left_out(number: int) -> str:
+    """The message where pasted cells found no place."""
+    cells = count(number, "cell finds", "cells find")
+    return (
+        f"{cells} no place to the right of the last column or below the last row.\n"
+        "Start further to the left, show all columns, or copy the header too: then columns are known by their names."
+    )
+
+
+def refused(act: str) -> str:
+    """The message where something was done to rows that are others by now, or whose numbers mean something else."""
+    return (
+        "The table was changed before this reached it, and nothing was done: its rows, its units or its convention are "
+        f"others.\n{act}"
+    )
+
+
+def place(found: CellProblem, table: TableText) -> str:
+    """Where a problem is, before its message."""
+    if found.row is None:
+        return f"{found.field}: " if found.field else ""
+    name = table.rows[found.row].get("joint", f"joint_{found.row + 1}") if found.row < len(table.rows) else ""
+    return f"row {found.row + 1}, {name}{f', {found.field}' if found.field else ''}: "
+
+
+def numbers(pose: RigidTransform, table: TableText, reach: float) -> str:
+    """T(base → tool0) and the reach as HTML; numbers only, nothing that a person has typed."""
+    r, t = pose
+    length, angle = UNITS[table.length_unit], UNITS[table.angle_unit]
+    factor = 10.0**-length.power
+    digits = decimals(length, reach)
+    rows = [
+        " ".join(f"{plain(x, 4):>7}" for x in r[3 * i : 3 * i + 3]) + f" {plain(t[i] * factor, digits):>9}"
+        for i in range(3)
+    ]
+    rows.append(" ".join(f"{x:>7}" for x in "000") + f" {'1':>9}")
+    matrix = "\n".join(rows)
+    turn = ", ".join(plain(math.degrees(x) if angle.degrees else x, 4) for x in pose.rpy)
+    sign = "°" if angle.degrees else " rad"
+    return (
+        f'<div><b>T(base_link → tool0)</b></div><pre class="studio-matrix">{matrix}</pre>'
+        f"<div>rpy <b>{turn}</b>{sign}</div>"
+        f"<div>distance <b>{plain(math.hypot(*t) * factor, digits)}</b> {length.symbol}, "
+        f"reach at most <b>{plain(float(number_in(reach, length)), digits)}</b> {length.symbol}</div>"
+    )
+
+
+def remark(session: Session) -> str:
+    """The message about the variant on the screen."""
+    if session.arm is None or session.variant == session.variants[0]:
+        return ""
+    name = session.variants[-1]
+    if session.arm.other is None:
+        told = "; ".join(found.text.partition("\n")[0] for found in session.arm.refusal[:3])
+        return f"The variant {name} refuses this table: {told}"
+    error = session.other_error
+    if error is None:
+        return ""
+    distance, angle = error
+    return (
+        f"The variant {name} is not the arm of the table: at this pose its tool0 is {distance:.4g} m and "
+        f"{math.degrees(angle):.4g}° from the table's."
+    )

@@ -1,0 +1,308 @@
+"""`dh2urdf check` as people and scripts call it."""
+
+from __future__ import annotations
+
+import json
+import re
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+from urllib.parse import quote
+
+import pytest
+
+from dh2urdf.commands.check import inspect
+from dh2urdf.errors import ConfigError
+from dh2urdf.plugin_system import load
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from conftest import Answer
+
+    Cli = Callable[..., Answer]
+
+TABLE = "# convention: standard\njoint, a, alpha, d\nfirst, 0.4, pi/2, 0.1\nsecond, 0.3, 0, 0\n"
+
+
+@pytest.fixture
+def arm(cli: Cli, tmp_path: Path) -> Path:
+    """The URDF of a small table, beside it."""
+    (tmp_path / "arm.csv").write_text(TABLE)
+    cli("convert", "arm.csv", "-o", "arm.urdf")
+    return tmp_path / "arm.urdf"
+
+
+def swap_limits(path: Path) -> None:
+    text = path.read_text("utf-8")
+    lower = text.index('lower="')
+    path.write_text(text[:lower] + text[lower:].replace('lower="-', 'lower="1', 1).replace('upper="', 'upper="-', 1))
+
+
+def test_a_file_of_ours_is_taken_by_all(cli: Cli, arm: Path) -> None:
+    """Notes only, and exit status 0."""
+    answer = cli("check", arm.name)
+    assert answer.stderr == ""
+    assert ": note: " in answer.stdout
+    assert not {": error: ", ": warning: "} & set(answer.stdout.split("["))
+    last = answer.stdout.splitlines()[-1]
+    assert last == "3 notes for pybullet, mujoco, pinocchio, drake, ros, gazebo, coppeliasim"
+
+
+def test_an_error_is_printed_with_its_place_and_its_fix(cli: Cli, arm: Path) -> None:
+    """File, line, column, severity, what is there, the rule; what each consumer does; what to do. Exit status 1."""
+    swap_limits(arm)
+    lines = cli("check", arm.name, status=1).stdout.splitlines()
+    (index,) = [i for i, line in enumerate(lines) if "[swapped-limits]" in line]
+    number = next(i for i, line in enumerate(arm.read_text().splitlines(), start=1) if 'lower="1' in line)
+    assert lines[index].startswith(f"arm.urdf:{number}:5: error: joint 'first' has lower ")
+    assert lines[index + 1] == "    pybullet (warning), mujoco (warning): leaves the joint without limits"
+    assert "    drake: ends the interpreter with SystemExit" in lines
+    assert "    fix: exchange them" in lines
+    assert lines[-1].startswith("1 error, 3 notes for ")
+
+
+def test_one_simulator_is_asked_for(cli: Cli, arm: Path) -> None:
+    """`--for` keeps what it does, and its severity: what Drake refuses does not matter to MuJoCo."""
+    swap_limits(arm)
+    cli("check", arm.name, "--for", "drake", status=1)
+    answer = cli("check", arm.name, "--for", "mujoco", "--for", "pinocchio")
+    assert ": warning: " in answer.stdout
+    assert "pybullet" not in answer.stdout
+    assert "drake" not in answer.stdout
+    answer = cli("check", arm.name, "--for", "mujoc", status=2)
+    assert "did you mean 'mujoco'?" in answer.stderr
+    assert "coppeliasim" in answer.stderr
+
+
+def test_a_xacro_is_expanded(cli: Cli, arm: Path) -> None:
+    """With places in its own files, and where macros are called."""
+    cli("convert", "arm.csv", "-o", "arm.urdf.xacro")
+    assert arm.is_file()
+    lines = cli("check", "arm.urdf.xacro").stdout.splitlines()
+    assert lines[0].startswith("arm_macro.xacro:")
+    assert re.fullmatch(r"    by the macro called at arm\.urdf\.xacro:\d+:\d+", lines[1])
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["nowhere.urdf"], "no such file"),
+        (["arm.txt"], "`--as NAME` says what it is"),
+        (["arm.urdf", "--against", "nowhere.csv"], "no such file"),
+        (["arm.urdf", "--against", "bare.csv"], "convention"),
+        (["arm.urdf", "--against", "arm.csv", "--tip-link", "tool"], "did you mean 'tool0'?"),
+        (["arm.urdf", "--format", "xml"], "'xml'"),
+        ([], "FILE"),
+    ],
+)
+def test_what_cannot_be_read_ends_with_2(cli: Cli, arm: Path, words: list[str], said: str) -> None:
+    """The file, the table, or the command line."""
+    (arm.parent / "arm.txt").write_bytes(arm.read_bytes())
+    (arm.parent / "bare.csv").write_text("a,alpha,d\n0,0,0\n")
+    assert said in cli("check", *words, status=2).stderr
+
+
+def test_the_format_may_be_said(cli: Cli, arm: Path) -> None:
+    """Where the suffix does not say it."""
+    arm.rename(arm.with_suffix(".txt"))
+    assert "3 notes" in cli("check", "arm.txt", "--as", "urdf").stdout
+
+
+def test_a_format_without_a_check_is_refused() -> None:
+    """With the formats that have one."""
+
+    class Catalog:
+        get = staticmethod(lambda _kind, name: type("Emitter", (), {"name": name, "check": None}))
+        provided = staticmethod(load().provided)
+
+    with pytest.raises(ConfigError, match=r"(?s)'mine' cannot be checked.*urdf, xacro"):
+        inspect(Catalog(), Path("arm.mine"), "mine", "`--as NAME`")  # type: ignore[arg-type]
+
+
+# --- Fixing -----------------------------------------------------------------------------------------------------------
+
+
+def test_a_fixed_file_is_written_and_checked(cli: Cli, arm: Path) -> None:
+    """What was done is printed with its place; the input stays, and the rest of the text too."""
+    right = arm.read_bytes()
+    swap_limits(arm)
+    wrong = arm.read_bytes()
+    answer = cli("check", arm.name, "--fix", "-o", "fixed.urdf")
+    (line, last) = answer.stderr.splitlines()
+    assert re.fullmatch(r"arm\.urdf:\d+:\d+: fixed: lower 1\S+ and upper -\S+ are exchanged", line)
+    assert last == "1 fix; written to fixed.urdf"
+    assert "swapped-limits" not in answer.stdout
+    assert "fixed.urdf:" in answer.stdout
+    assert arm.read_bytes() == wrong
+    assert len(arm.with_name("fixed.urdf").read_bytes().splitlines()) == len(right.splitlines())
+    cli("check", arm.name, "--fix", "--out", arm.name)  # It was named.
+    assert arm.read_bytes() == arm.with_name("fixed.urdf").read_bytes()
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["arm.urdf", "--fix"], "--fix takes one FILE, and writes to the file that -o names"),
+        (["arm.urdf", "-o", "new.urdf"], "--fix takes one FILE"),
+        (["arm.urdf", "arm.xacro", "--fix", "-o", "new.urdf"], "--fix takes one FILE"),
+        ([".", "--fix", "-o", "new.urdf"], "--fix takes one FILE"),
+        (["arm.xacro", "--fix", "-o", "new.xacro"], "files of the format 'xacro' are not fixed"),
+    ],
+)
+def test_what_is_not_fixed_is_refused(cli: Cli, arm: Path, words: list[str], said: str) -> None:
+    """And nothing is written."""
+    arm.with_name("arm.xacro").write_bytes(arm.read_bytes())
+    assert said in " ".join(cli("check", *words, status=2).stderr.split())
+    assert not arm.with_name("new.urdf").exists()
+
+
+# --- Against a table --------------------------------------------------------------------------------------------------
+
+
+def test_the_same_arm_is_said_to_be_the_same(cli: Cli, arm: Path) -> None:
+    """With the ends of the chain and the errors."""
+    last = cli("check", arm.name, "--against", "arm.csv").stdout.splitlines()[-1]
+    assert last.startswith("the same arm as arm of arm.csv (base_link to tool0, 2 joints): within ")
+
+
+def test_another_arm_is_an_error_with_its_correction(cli: Cli, arm: Path) -> None:
+    """Base, tool, signs and offsets in a form that goes into a table: with them, it is the same arm."""
+    other = TABLE.replace("# conv", "# tool: {xyz: [0, 0, 0.1], rpy: [0, 0, 0]}\n# conv").replace("d\nf", "d, sign\nf")
+    other = other.replace("pi/2, 0.1", "pi/2, 0.1, -1").replace("0, 0\n", "0, 0, 1\n")
+    (arm.parent / "other.csv").write_text(other)
+    out = cli("check", arm.name, "--against", "other.csv", status=1).stdout
+    assert "error: not the arm other of other.csv as it stands (base_link to tool0, 2 joints) [other-kinematics]" in out
+    assert "    with this in the table they agree, within " in out
+    assert out.splitlines()[-2:] == ["        tool: {xyz: [0, 0, 0], rpy: [0, 0, 0]}", "        joint first: sign: 1"]
+    told = json.loads(cli("check", arm.name, "--against", "other.csv", "--format", "json", status=1).stdout)
+    assert told["comparison"]["agrees"] is False
+    assert told["comparison"]["correction"]["changes"] == [
+        "tool: {xyz: [0, 0, 0], rpy: [0, 0, 0]}",
+        "joint first: sign: 1",
+    ]
+
+
+def test_the_table_takes_the_options_of_convert(cli: Cli, arm: Path) -> None:
+    """Convention, units, base, tool, and which manipulator of several."""
+    (arm.parent / "many.csv").write_text("robot,joint,a,alpha,d\nx,j,1,0,0\ny,first,400,90,100\ny,second,300,0,0\n")
+    words = ["--convention", "standard", "--length-unit", "mm", "--angle-unit", "deg", "--robot", "y"]
+    assert "the same arm as y of many.csv" in cli("check", arm.name, "--against", "many.csv", *words).stdout
+    words += ["--base", "{xyz: [0, 0, 0.3]}"]
+    assert "base: {xyz: [0, 0, 0]" in cli("check", arm.name, "--against", "many.csv", *words, status=1).stdout
+
+
+def test_a_file_that_is_no_robot_is_no_arm(cli: Cli, arm: Path) -> None:
+    """It has nothing that could be compared."""
+    arm.write_text("<sdf/>")
+    out = cli("check", arm.name, "--against", "arm.csv", status=1).stdout
+    assert "arm.urdf has no tree of links that could be compared" in out
+
+
+# --- For scripts ------------------------------------------------------------------------------------------------------
+
+
+def test_the_same_as_json(cli: Cli, arm: Path) -> None:
+    """Everything that the text says, with the exit status of the text."""
+    swap_limits(arm)
+    told = json.loads(cli("check", arm.name, "--format", "json", status=1).stdout)
+    assert set(told) == {"schema", "version", "file", "consumers", "counts", "findings"}
+    assert told["schema"] == "dh2urdf-check/1"
+    assert told["counts"] == {"error": 1, "warning": 0, "note": 3}
+    (finding,) = [finding for finding in told["findings"] if finding["severity"] == "error"]
+    assert set(finding) == {
+        "rule",
+        "severity",
+        "file",
+        "line",
+        "column",
+        "calls",
+        "message",
+        "fix",
+        "consumers",
+    }
+    assert finding["consumers"]["drake"] == {"severity": "error", "does": "ends the interpreter with SystemExit"}
+
+
+def test_the_same_as_sarif(cli: Cli, arm: Path) -> None:
+    """SARIF 2.1.0: a run, the tool with its rules, and a result for each finding, at its place."""
+    swap_limits(arm)
+    log: dict[str, Any] = json.loads(cli("check", arm.name, "--format", "sarif", status=1).stdout)
+    assert set(log) == {"$schema", "version", "runs"}
+    assert log["version"] == "2.1.0"
+    (run,) = log["runs"]
+    driver = run["tool"]["driver"]
+    assert {"name", "semanticVersion", "rules"} == set(driver)
+    assert len(run["results"]) == 4
+    for result in run["results"]:
+        assert result["ruleId"] == driver["rules"][result["ruleIndex"]]["id"]
+        assert result["level"] in {"error", "warning", "note"}
+        assert result["message"]["text"]
+        (location,) = result["locations"]
+        place = location["physicalLocation"]
+        assert place["artifactLocation"] == {"uri": "arm.urdf"}
+        assert all(isinstance(number, int) and number > 0 for number in place["region"].values())
+        assert set(place["region"]) <= {"startLine", "startColumn"}
+
+
+def test_sarif_has_the_places_of_a_xacro(cli: Cli, arm: Path) -> None:
+    """The file where the element is written, and the call of the macro as a related place."""
+    cli("convert", "arm.csv", "-o", "my arm.urdf.xacro")
+    (run,) = json.loads(cli("check", "my arm.urdf.xacro", "--format", "sarif").stdout)["runs"]
+    assert arm.is_file()
+    assert run["results"]
+    for result in run["results"]:
+        ((place,), (call,)) = result["locations"], result["relatedLocations"]
+        for location, file in ((place, "my arm_macro.xacro"), (call, "my arm.urdf.xacro")):
+            physical = location["physicalLocation"]
+            assert physical["artifactLocation"] == {"uri": quote(file)}
+            line = Path(file).read_text().splitlines()[physical["region"]["startLine"] - 1]
+            assert line[physical["region"]["startColumn"] - 1] == "<"
+        assert call["message"] == {"text": "the macro is called here"}
+
+
+def test_a_line_of_the_expanded_text_is_none_of_the_file(cli: Cli, arm: Path) -> None:
+    """The message names it, and SARIF has the file alone."""
+    text = '<robot name="r" xmlns:xacro="http://ros.org/wiki/xacro"><link name="${9000 * \'x\'}"/></robot>'
+    arm.with_name("r.xacro").write_text(text)
+    (run,) = json.loads(cli("check", "r.xacro", "--format", "sarif", status=1).stdout)["runs"]
+    (result,) = [result for result in run["results"] if result["ruleId"] == "long-line"]
+    assert result["locations"] == [{"physicalLocation": {"artifactLocation": {"uri": "r.xacro"}}}]
+    assert "(line 7 of what it expands to)" in result["message"]["text"]
+
+
+def test_names_of_strangers_do_not_reach_the_terminal(cli: Cli, arm: Path) -> None:
+    """Control characters and markup are shown as text, on a terminal too."""
+    text = arm.read_text().replace('"second"', '"[red]a&#155;2J"')
+    arm.write_text(text)
+    assert "[red]a\\x9b2J" in cli("check", arm.name).stdout
+
+
+def test_a_table_on_a_terminal(arm: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]) -> None:
+    """With the same findings."""
+    from dh2urdf.cli.printing import findings as module
+    from dh2urdf_check.inspection import inspect_urdf
+
+    swap_limits(arm)
+    monkeypatch.setattr(sys.stdout, "isatty", lambda: True)
+    monkeypatch.setenv("COLUMNS", "160")
+    found = inspect_urdf(arm)
+    module.print_findings(found.findings, found.consumers, None)
+    out = capfd.readouterr().out
+    for word in ("swapped-limits", "exchange them", "ends the interpreter", "1 error, 3 notes"):
+        assert word in out
+
+
+@pytest.mark.parametrize(
+    ("words", "given"),
+    [
+        (["--convention", "modified"], "--convention is"),
+        (["--tip-link", "tool0"], "--tip-link is"),
+        (["--robot", "one", "--from", "csv", "--fix", "-o", "new.urdf"], "--from and --robot are"),
+    ],
+)
+def test_options_of_a_table_that_is_not_there(cli: Cli, arm: Path, words: list[str], given: str) -> None:
+    """They were passed over without a word."""
+    said = cli("check", arm.name, *words, status=2).stderr
+    assert f"{given} for a table, and no --against names one" in said
+    assert not arm.with_name("new.urdf").exists()

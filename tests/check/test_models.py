@@ -1,0 +1,686 @@
+"""Every rule about SDF and MJCF against a file that breaks it, and what it says against the consumers themselves."""
+
+from __future__ import annotations
+
+import re
+import struct
+import zlib
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import pytest
+from consumers import require
+from faulty_models import MJCF, MJCF_FAULTS, SDF, SDF_FAULTS, write_models
+from foretelling import wrong_models
+from model_consumers import outcomes
+
+from dh2urdf_check.models.mjcf import inspect_mjcf, schema
+from dh2urdf_check.models.models import CONSUMERS, model_rules
+from dh2urdf_check.models.sdf import inspect_sdf
+from dh2urdf_check.rules import Outcome
+from dh2urdf_check.single_readers.mujoco import kind_of
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from dh2urdf.stages import Inspection
+
+FAULTS = {**SDF_FAULTS, **MJCF_FAULTS}
+SOUND = {"sdf": SDF, "mjcf": MJCF}
+
+
+@pytest.fixture(scope="module")
+def files(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
+    return write_models(tmp_path_factory.mktemp("models"))
+
+
+def inspected(path: Path) -> Inspection:
+    return inspect_sdf(path) if path.suffix == ".sdf" else inspect_mjcf(path)
+
+
+def test_every_rule_has_a_file_that_breaks_it() -> None:
+    """None is untried."""
+    assert {*model_rules("sdf"), *model_rules("mjcf")} == set(FAULTS)
+
+
+def test_the_tables_are_in_order() -> None:
+    """Names are in kebab-case and begin with the format; phrases have no full stop."""
+    for name in CONSUMERS:
+        for rule in model_rules(name).values():
+            assert re.fullmatch(rf"{name}(-[a-z]+)+", rule.name)
+            assert rule.effects
+            assert set(rule.outcomes) <= set(CONSUMERS[name])
+            for text in (rule.fault, rule.fix, *(effect.text for effect in rule.effects)):
+                assert text == text.strip()
+                assert not text.endswith(".")
+
+
+@pytest.mark.parametrize("name", ["sdf", "mjcf"])
+def test_a_sound_model_has_no_finding(files: dict[str, Path], name: str) -> None:
+    """And is an arm, which can be compared with a table."""
+    inspection = inspected(files[name])
+    assert inspection.findings == ()
+    assert inspection.robot is not None
+
+
+@pytest.mark.parametrize("rule", FAULTS)
+def test_a_fault_is_found(files: dict[str, Path], rule: str) -> None:
+    """Once, at its line; and nothing else is."""
+    name = rule.partition("-")[0]
+    findings = inspected(files[rule]).findings
+    assert [finding.rule for finding in findings if finding.rule not in FAULTS[rule].besides] == [rule]
+    (finding,) = [finding for finding in findings if finding.rule == rule]
+    assert finding.mark is not None
+    assert finding.mark.file == str(files[rule])
+    assert finding.mark.line == FAULTS[rule].line(SOUND[name])
+    assert finding.fix == model_rules(name)[rule].fix
+
+
+MEASURED = [(name, consumer) for name in CONSUMERS for consumer in CONSUMERS[name]]
+
+
+@pytest.fixture(scope="module", params=MEASURED, ids="-".join)
+def measured(request: pytest.FixtureRequest, files: dict[str, Path]) -> tuple[str, str, dict[str, dict[str, Any]]]:
+    """A format, a consumer, and what it does with every file of the format."""
+    name, consumer = request.param
+    require(consumer)
+    mine = {rule: path for rule, path in files.items() if rule.startswith(name)}
+    return name, consumer, dict(zip(mine, outcomes(consumer, list(mine.values())), strict=True))
+
+
+IGNORED = {
+    "sdf-relative-pose": "poses are not asked for",
+    "sdf-undefined-frame": "poses are not asked for",
+    "sdf-invalid-vector": "poses are not asked for",
+    "sdf-missing-inertial": "sdformat prints the file as it is",
+    "sdf-inertia-not-positive-definite": "inertias are not asked for",
+    "sdf-inertia-triangle-inequality": "inertias are not asked for",
+    "sdf-invalid-number": "the number is the one that was there",
+    "sdf-unknown-element": "what is ignored has no trace",
+    "sdf-missing-include": "what is ignored has no trace",
+    "mjcf-unknown-element": "what is ignored has no trace",
+    "mjcf-unknown-attribute": "what is ignored has no trace",
+    "mjcf-repeated-element": "the first is the one that was there",
+    "mjcf-invalid-number": "the number is the one that was there",
+    "mjcf-misread-number": "the number is the one that was there",
+    "mjcf-missing-include": "what is ignored has no trace",
+    "mjcf-short-keyframe": "keyframes are not asked for",
+    "mjcf-global-coordinates": "poses are not asked for",
+    "mjcf-undefined-mesh": "shapes are not asked for",
+}
+"""Alterations that leave no trace in what is asked of a consumer."""
+
+
+@pytest.mark.long
+def test_the_table_says_what_happens(
+    files: dict[str, Path], measured: tuple[str, str, dict[str, dict[str, Any]]]
+) -> None:
+    """A consumer refuses, crashes or loads as the table has it, and what it alters is other than of the sound file."""
+    name, consumer, found = measured
+    sound, wrong = found[name], []
+    assert sound["end"] == "loads"
+    for rule in FAULTS:
+        if not rule.startswith(name):
+            continue
+        of = {rule: model_rules(name)[rule].outcomes.get(consumer)} | {
+            finding.rule: model_rules(name)[finding.rule].outcomes[consumer]
+            for finding in inspected(files[rule]).findings
+            if any(effect.consumer == consumer for effect in finding.effects)
+        }
+        ends = {outcome.value for outcome in of.values() if outcome in {Outcome.REFUSES, Outcome.CRASHES}}
+        end = min(ends, default="loads")
+        behaviour = found[rule]
+        if behaviour["end"] != end:
+            wrong.append(f"{rule}: it {behaviour['end']}, and the table says that it {end}: {behaviour}")
+        if end != "loads" or behaviour["end"] != "loads":
+            continue
+        printed = [line for line in behaviour["printed"].splitlines() if line not in sound["printed"]]
+        text = next((effect.text for effect in model_rules(name)[rule].effects if effect.consumer == consumer), "")
+        if ("with a message" in text or "says" in text) != bool(
+            [line for line in printed if "expected a world" not in line]
+        ):
+            wrong.append(f"{rule}: it printed {printed}, and the table says {text!r}")
+        differs = any(behaviour.get(key) != sound.get(key) for key in ("masses", "joints"))
+        if of[rule] in {Outcome.ALTERS, Outcome.LOSES} and not differs and not printed and rule not in IGNORED:
+            wrong.append(f"{rule}: it makes the same of it as of the sound file, and the table says {text!r}")
+        if not any(of.values()) and behaviour["masses"] != sound["masses"]:
+            wrong.append(f"{rule}: the table says nothing, and it makes {behaviour} of it")
+    assert wrong == []
+
+
+def test_the_schema_is_that_of_mujoco() -> None:
+    """Every element and attribute that MuJoCo prints, and no other."""
+    mujoco = pytest.importorskip("mujoco")
+    rows: list[tuple[int, str, set[str]]] = []
+    for line in mujoco.mj_printSchema(False, False).splitlines():
+        if match := re.match(r"^( *)(\S+) \(.\)\s*(.*)$", line):
+            rows.append((len(match[1]) // 3, match[2], set(match[3].split())))
+        elif line.strip():
+            rows[-1][2].update(line.split())
+    path, printed = [], {}
+    for depth, tag, attributes in rows:
+        path[depth:] = [tag]
+        printed["/".join(path)] = attributes
+    ours = {}
+    text = (Path(inspect_mjcf.__code__.co_filename).with_name("mjcf_schema.txt")).read_text("utf-8")
+    for line in text.splitlines():
+        depth = len(line) - len(line.lstrip(" "))
+        tag, _, *attributes = line.split()
+        path[depth:] = [tag]
+        ours["/".join(path)] = {attribute.rstrip("!") for attribute in attributes}
+    assert ours == printed
+    assert {"body", "geom", "frame"} <= set(schema().children["mujoco"].children["worldbody"].children)
+
+
+def test_what_is_included_is_part_of_the_model(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Names may be defined in another file, and a fault there is reported with that file and its line."""
+    write_models(tmp_path)
+    asset = MJCF[MJCF.index("  <asset>") : MJCF.index("  <worldbody>")]
+    path, inner = tmp_path / "arm.xml", tmp_path / "assets.xml"
+    path.write_text(MJCF.replace(asset, '  <include file="assets.xml"/>\n'))
+    inner.write_text(f"<mujocoinclude>\n{asset}</mujocoinclude>\n")
+    assert inspect_mjcf(path).findings == ()
+    inner.write_text(inner.read_text().replace("rgba", "colour"))
+    (finding,) = inspect_mjcf(path).findings
+    assert (finding.rule, str(finding.mark)) == ("mjcf-unknown-attribute", f"{inner}:3")
+    monkeypatch.chdir(tmp_path.parent)
+    relative = Path(tmp_path.name)
+    (finding,) = inspect_mjcf(relative / "arm.xml").findings
+    assert str(finding.mark) == f"{relative / 'assets.xml'}:3"
+
+
+WORLD = f"""<?xml version="1.0"?>
+<sdf version="1.7">
+  <world name="w">
+    {SDF[SDF.index("<model") : SDF.index("</sdf>")]}
+    <model name="marker"><static>true</static><pose>0 0 1 0 0 0</pose></model>
+    <model name="floor"><static>1</static><link name="floor">
+      <sensor name="touch" type="contact"><contact><collision>shape</collision></contact></sensor>
+      <collision name="shape"><geometry><plane><normal>0 0 1</normal></plane></geometry></collision></link></model>
+    <!-- -- a comment, as simulators take it --->
+    <plugin filename="p" name="p"><gz:topic gz:of="a">t</gz:topic><model><link>a</link></model><visual>b</visual></plugin>
+    <state world_name="w"><model name="arm"><link name="base"><velocity>0 0 0 0 0 0</velocity></link></model></state>
+  </world>
+</sdf>
+"""
+
+
+def test_what_is_no_part_of_a_model_is_no_fault(tmp_path: Path) -> None:
+    """Plugins, sensors and states have words of models; a prefix may be declared nowhere; static models need no link."""
+    path = tmp_path / "w.sdf"
+    path.write_text(WORLD)
+    assert [finding.message for finding in inspect_sdf(path).findings] == []
+    require("gazebo")
+    (found,) = outcomes("gazebo", [path])
+    assert found["end"] == "loads"
+    path.write_text(WORLD.replace("</plugin>", ""))
+    (finding,) = inspect_sdf(path).findings
+    assert (finding.rule, finding.message) == (
+        "sdf-not-xml",
+        f"this is not XML: Opening and ending tag mismatch: plugin line {WORLD[: WORLD.index('<plugin')].count(chr(10)) + 1} and world",
+    )
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "rule"),
+    [
+        ('type="contact">', 'type="contact"><pose>0 0 1 0 0</pose>', "sdf-invalid-vector"),
+        ('<collision name="shape">', '<collision name="shape"><pose>0 0 1</pose>', "sdf-invalid-vector"),
+        (
+            '<joint name="elbow" type="revolute">',
+            '<joint name="elbow" type="revolute"><pose>0</pose>',
+            "sdf-invalid-vector",
+        ),
+        ('<model name="marker">', '<model name="arm">', "sdf-duplicate-part"),
+    ],
+)
+def test_what_gazebo_refuses_in_a_world(tmp_path: Path, old: str, new: str, rule: str) -> None:
+    """Poses of sensors, shapes and joints, and names of models."""
+    path = tmp_path / "w.sdf"
+    path.write_text(WORLD.replace(old, new, 1))
+    assert [finding.rule for finding in inspect_sdf(path).findings] == [rule]
+    require("gazebo")
+    (found,) = outcomes("gazebo", [path])
+    assert found["end"] == "refuses"
+
+
+NAMED = """<mujoco model="named">
+  <compiler angle="radian"/><include file="parts/rest.xml"/>
+  <default><default class="unused"><geom material="nowhere" mesh="nowhere"/></default>
+    <default class="shell"><geom material="red" mass="0" group="2"/></default></default>
+  <worldbody>
+    <body name="a"><freejoint/><geom class="shell" size="1"/><body name="tip"><geom size="0.1"/></body>
+      <frame pos="0 0 1"><body name="b"><joint name="j"/><site name="s"/><geom name="g" size="0.1" material="red"/></body></frame>
+    </body>
+  </worldbody>
+  <tendon><spatial name="t"><site site="s"/><geom geom="g"/><site site="end"/></spatial></tendon>
+  <sensor><framepos objtype="xbody" objname="b" reftype="site" refname="s"/><contact subtree1="a" geom2="g"/><tendonpos
+    tendon="t"/></sensor>
+  <keyframe><key qpos="0 0 1 1 0 0 0 0.5" qvel="0 0 0 0 0 0 1" ctrl="2"/></keyframe>
+</mujoco>"""
+REST = """<mujoco><compiler meshdir="meshes"/><asset><mesh file="part.obj"/><material name="red"/></asset><worldbody><site name="end"
+  pos="1 0 0"/></worldbody><actuator><motor tendon="t" class="main"/></actuator></mujoco>"""
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "rule"),
+    [
+        ("", "", None),
+        ('objname="b"', 'objname="c"', "mjcf-undefined-name"),
+        ('refname="s"', 'refname="b"', "mjcf-undefined-name"),
+        ('geom2="g"', 'geom2="a"', "mjcf-undefined-name"),
+        ('tendon="t"/></s', 'tendon="s"/></s', "mjcf-undefined-name"),
+        ('geom geom="g"', 'geom geom="s"', "mjcf-undefined-name"),
+        ('<geom material="red" mass', '<geom material="blue" mass', "mjcf-undefined-material"),
+        ('<site name="s"/>', '<site name="s" material="blue"/>', "mjcf-undefined-material"),
+        ('<geom size="0.1"/>', '<joint/><geom size="0.1" mass="0"/>', "mjcf-weightless-body"),
+        ('<geom size="0.1"/>', "", "mjcf-weightless-body"),
+        ("0 0.5", "0 0.5 0.6", "mjcf-long-keyframe"),
+        ('ctrl="2"', 'ctrl="2 3"', "mjcf-long-keyframe"),
+        ("0 0 0 0 0 0 1", "0 0 0 0 0 0 1 2", "mjcf-long-keyframe"),
+    ],
+)
+def test_what_is_named_carried_and_kept_is_what_mujoco_finds(
+    tmp_path: Path, old: str, new: str, rule: str | None
+) -> None:
+    """Sensors and tendons of any kind of thing, defaults that nothing takes, masses of fixed bodies, several files."""
+    mujoco = pytest.importorskip("mujoco")
+    write_models(tmp_path)
+    for folder in ("parts", "meshes"):
+        (tmp_path / folder).mkdir()
+    (tmp_path / "part.obj").rename(tmp_path / "meshes" / "part.obj")
+    (tmp_path / "parts" / "rest.xml").write_text(REST)
+    path = tmp_path / "named.xml"
+    path.write_text(NAMED.replace(old, new, 1))
+    found = [finding.rule for finding in inspect_mjcf(path).findings if finding.severity == "error"]
+    assert {*found} == ({rule} if rule else set())
+    if rule is None:
+        mujoco.MjModel.from_xml_path(str(path))
+    else:
+        with pytest.raises(ValueError, match="Error"):
+            mujoco.MjModel.from_xml_path(str(path))
+
+
+@pytest.mark.parametrize("beside", [True, False])
+def test_a_mesh_may_be_beside_the_file_that_names_it(tmp_path: Path, *, beside: bool) -> None:
+    """Else it is in `meshdir` of the main file; MuJoCo looks nowhere else."""
+    mujoco = pytest.importorskip("mujoco")
+    write_models(tmp_path)
+    (tmp_path / "parts" / "meshes").mkdir(parents=True)
+    (tmp_path / "part.obj").rename(tmp_path / "parts" / ("part.obj" if beside else "meshes/part.obj"))
+    (tmp_path / "parts" / "rest.xml").write_text(REST)
+    path = tmp_path / "named.xml"
+    path.write_text(NAMED)
+    rules = [finding.rule for finding in inspect_mjcf(path).findings if finding.severity == "error"]
+    if beside:
+        assert rules == []
+        mujoco.MjModel.from_xml_path(str(path))
+    else:
+        assert rules == ["mjcf-missing-mesh"]
+        with pytest.raises(ValueError, match=r"part\.obj"):
+            mujoco.MjModel.from_xml_path(str(path))
+
+
+@pytest.mark.parametrize("length", ["0", "1e-170"])
+def test_a_quaternion_without_a_length_stops_no_check(tmp_path: Path, length: str) -> None:
+    """The arm cannot be read then, and the rest of the file is checked all the same."""
+    quaternion = f"{length} 0 0 0"
+    pose = f'<pose rotation_format="quat_xyzw">0.2 0 0.1 {quaternion}</pose>'
+    texts = {
+        "arm.xml": MJCF.replace('pos="0.2 0 0"', f'pos="0.2 0 0" quat="{quaternion}"'),
+        "arm.sdf": SDF.replace("<pose>0.2 0 0.1 0 0 0</pose>", pose),
+    }
+    for name, text in texts.items():
+        (tmp_path / name).write_text(text)
+        assert inspected(tmp_path / name).robot is None
+
+
+@pytest.mark.parametrize("bomb", ["sdf", "mujoco"])
+def test_entities_are_not_expanded(tmp_path: Path, bomb: str) -> None:
+    """A thousand million of one letter are no memory."""
+    entities = "".join(f'<!ENTITY e{i + 1} "{f"&e{i};" * 10}">' for i in range(9))
+    path = tmp_path / f"bomb.{'sdf' if bomb == 'sdf' else 'xml'}"
+    path.write_text(f'<!DOCTYPE r [<!ENTITY e0 "l">{entities}]>\n<{bomb} version="1.7" model="a">&e9;</{bomb}>')
+    assert all(len(finding.message) < 1000 for finding in inspected(path).findings)
+
+
+ODD_BASE = (
+    MJCF.replace('<inertial pos="0.1 0 0" mass="1"', '<inertial pos="0.1 0 0" quat="1 0 0 0" mass="1"')
+    .replace('<body name="arm_1" pos="0 0 0.1">', '<body name="arm_1" pos="0 0 0.1" quat="1 0 0 0">')
+    .replace('<body name="arm_2"', '<body name="arm_2" euler="0 0 0"')
+    .replace('axis="0 0 1" limited', 'axis="0 0 1" pos="0 0 0" armature="1" frictionloss="1" limited')
+    .replace(
+        '<geom type="sphere" size="0.02"/>',
+        """<geom type="sphere" size="0.02" pos="0 0 0" quat="1 0 0 0" mass="1"/><geom size="0.1" euler="0 0 0"/>
+        <geom type="capsule" size="0.01" fromto="0 0 0 0 0 1"/><geom type="ellipsoid" size="0.1 0.1 0.1"/>
+        <site name="s" pos="0 0 0" quat="1 0 0 0"/><site name="t" euler="0 0 0"/>""",
+    )
+)
+"""The sound MJCF with more attributes."""
+
+
+def odd_models() -> dict[str, str]:
+    """The model with another text for a number, word or element."""
+    found = {"whole": ODD_BASE}
+    numbers = r"<(joint|inertial|body|geom|site) [^>]*"
+    for match in re.finditer(
+        rf'(?={numbers}\b(axis|pos|damping|armature|quat|euler|fromto|mass|size)="([^"]*)")', ODD_BASE
+    ):
+        words = match[3].split()
+        for text in ("nan", "inf", "-inf", "0x1", "1e999", "x"):
+            odd = " ".join([text, *words[1:]])
+            found[f"{match[1]} {match[2]} {odd}"] = ODD_BASE[: match.start(3)] + odd + ODD_BASE[match.end(3) :]
+    changes = [
+        *(('angle="radian"', f'angle="{word}"') for word in ("rad", "degree", "")),
+        *(('angle="radian"', f'angle="radian" {more}') for more in ('autolimits="no"', 'coordinate="world"')),
+        *(('angle="radian"', f'angle="radian" {more}') for more in ('inertiagrouprange="0"', 'eulerseq="xy"')),
+        *(("<default>", f"<option {more}/><default>") for more in ('timestep="x"', 'solver="newton"', 'gravity="0 0"')),
+        *(("<default>", f"<option {more}/><default>") for more in ('iterations="1.5"', 'cone="elliptic"')),
+        *(("<default>", f"<size {more}/><default>") for more in ('nkey="x"', 'nkey="3"')),
+        *(('limited="true"', f'limited="{word}"') for word in ("yes", "True", "auto")),
+        *(('type="sphere" size="0.02"', f'type="{kind}"') for kind in ("sphere", 'capsule" size="1', 'box" size="1 1')),
+        *(('type="sphere" size="0.02"', f'type="sphere" size="{size}"') for size in ("0", "-1", "1 2 3", "1 2 3 4")),
+        *(('mass="1" dia', f'mass="{mass}" dia') for mass in ("1e-16", "9e-16", "1e-15", "2e-15")),
+        ('diaginertia="0.005 0.006 0.007"', 'diaginertia="1e-16 1e-16 1e-16"'),
+        *(('<joint name="slide"', f'{joint}<joint name="slide"') for joint in ("<freejoint/>", '<joint type="free"/>')),
+        ('<default class="drive">', '<default class="drive"/><default class="drive">'),
+        ('<default class="drive">', '<default class="main"/><default class="drive">'),
+        *(
+            ("</actuator>", f"</actuator><equality>{equality}</equality>")
+            for equality in (
+                *('<joint joint1="elbow" joint2="elbow"/>', '<joint joint1="elbow" joint2="slide"/>'),
+                *('<weld body1="arm_1" body2="arm_1"/>', '<weld body1="arm_1"/>'),
+            )
+        ),
+    ]
+    for old, new in changes:
+        assert old in ODD_BASE
+        found[new] = ODD_BASE.replace(old, new, 1)
+    return found
+
+
+SHARED = {
+    "joint": 'name="elbow"',
+    "geom": 'name="shape"',
+    "material": 'name="grey"',
+    "mesh": 'name="part"',
+    "position": 'name="elbow" joint="elbow"',
+    "body": 'name="arm_2"',
+}
+"""The elements of the sound MJCF that get attributes, and how they begin."""
+ATTRIBUTES = {
+    "joint": "armature=1 ref=1 frictionloss=1 stiffness=1 actuatorfrclimited=auto",
+    "geom": "group=1 conaffinity=1 condim=3 friction=1|0.1|0.1 solref=0.02|1 rgba=1|1|1|1 fluidshape=none",
+    "material": "specular=0.5 texuniform=true",
+    "mesh": "scale=1|1|1 inertia=exact",
+    "position": "forcerange=-1|1 gear=1 ctrllimited=true forcelimited=auto",
+    "body": "gravcomp=0 mocap=false",
+}
+"""Attributes, and what they may be."""
+
+
+def more_odd_models() -> dict[str, str]:
+    """The sound MJCF with another text for an attribute, and what it lacks."""
+    found = {"sound": MJCF}
+    for tag, written in ATTRIBUTES.items():
+        start = f"<{tag} {SHARED[tag]}"
+        assert MJCF.count(start) == 1
+        for name, value in (each.replace("|", " ").split("=") for each in written.split()):
+            texts = [value, "x", "nan", f"{value} 1", "", " ", f"{value}x", " ".join(["0x1", *value.split()[1:]])]
+            for text in dict.fromkeys(texts):
+                found[f"{tag} {name} {text!r}"] = MJCF.replace(start, f'{start} {name}="{text}"')
+    ends = {
+        "equality": (
+            *("<connect/>", '<connect body1="arm_1"/>', '<connect body1="arm_1" anchor=""/>', "<weld/>"),
+            *('<connect body1="arm_1" anchor="0 0"/>', '<connect body1="arm_1" anchor="0 0 0"/>', "<joint/>"),
+        ),
+        "sensor": (
+            *('<jointpos joint="elbow"/>', "<jointpos/>", '<jointpos joint="elbow" noise="-1"/>'),
+            *("<rangefinder/>", '<framepos objtype="body"/>', '<framepos objtype="arm" objname="arm_1"/>'),
+        ),
+        "tendon": tuple(
+            f'<fixed {limits}><joint joint="elbow" coef="1"/></fixed>'
+            for limits in (
+                "",
+                'limited="true"',
+                'limited="true" range="0 1"',
+                'limited="true" range="1 0"',
+                'range="1"',
+            )
+        ),
+        "actuator": (
+            *("<motor/>", '<motor joint="slide"/>', '<velocity joint="slide" ctrllimited="true"/>'),
+            *('<motor joint="slide" forcelimited="true" forcerange="inf 2"/>', '<general joint="slide" dyntype="x"/>'),
+            *('<velocity joint="nowhere" kv="1"/>', '<motor joint="slide" ctrllimited="true" ctrlrange="0x1 1"/>'),
+        ),
+    }
+    for section, elements in ends.items():
+        for element in elements:
+            found[element] = MJCF.replace("</mujoco>", f"<{section}>{element}</{section}></mujoco>")
+    geoms = (
+        "plane",
+        'plane" size="1 1 1',
+        'plane" size="1 1',
+        "mesh",
+        'capsule" size="1" fromto="0 0 0 0 0 0',
+        "hfield",
+    )
+    geoms += ('sphere" size="1" fromto="0 0 0 0 0 1', 'sphere" size="1" axisangle="0 0 0 1', 'box" size="1 x 1')
+    for geom in geoms:
+        found[geom] = MJCF.replace('<body name="base">', f'<geom type="{geom}"/><body name="base">')
+        found[f"moving {geom}"] = MJCF.replace('<body name="arm_2"', f'<geom type="{geom}"/><body name="arm_2"')
+    for text in ("0x1 0.02 0.02", "-1 -1 -1", "0 0 0", "inf 1 1", "1 1 1"):
+        found[f"base {text}"] = MJCF.replace("0.02 0.02 0.02", text)
+    for limits in ('range="inf 2"', 'range=" "', 'range="0x1 0.5"'):
+        found[limits] = MJCF.replace('range="-1 2"', limits)
+    found["boundmass"] = MJCF.replace('angle="radian"', 'angle="radian" boundmass="0"').replace('mass="1"', 'mass="-1"')
+    found["integrator"] = MJCF.replace("<default>", '<option integrator="discrete"/><default>', 1)
+    return found
+
+
+@pytest.mark.long
+@pytest.mark.parametrize(
+    ("consumer", "models"), [("mujoco", odd_models), ("mujoco", more_odd_models), ("drake", more_odd_models)]
+)
+def test_what_a_reader_makes_of_an_oddity_is_foretold(
+    tmp_path: Path, consumer: str, models: Callable[[], dict[str, str]]
+) -> None:
+    """It refuses a model where a finding says so, and loads it where none does: also with nan, inf and 0x10."""
+    write_models(tmp_path)
+    wrong = wrong_models(tmp_path, consumer, models(), "mjcf")
+    assert wrong == [], "\n".join(wrong)
+
+
+def test_the_words_and_counts_are_those_of_mujoco(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of every attribute whose element needs nothing else: it takes each word and count, and no other."""
+    mujoco = pytest.importorskip("mujoco")
+    monkeypatch.chdir(tmp_path)  # MuJoCo writes a log
+
+    def refusal(section: str, tag: str, name: str, text: str) -> str:
+        inner = f'<{tag} {name}="{text}"/>'
+        outer = "<worldbody>%s</worldbody>" if section == "worldbody" else f"<{section}>%s</{section}>"
+        try:
+            mujoco.MjSpec.from_string(f"<mujoco>{inner if section == tag else outer % inner}</mujoco>")
+        except ValueError as error:
+            return str(error)
+        return ""
+
+    tried, wrong = 0, []
+    sections = {**schema().children["mujoco"].children}
+    for section in ("compiler", "option", "size", "statistic", "visual", "default", "asset", "worldbody", "actuator"):
+        inner = (
+            {section: sections[section]} if section in {"compiler", "option", "size"} else sections[section].children
+        )
+        for tag, node in inner.items():
+            for name in node.attributes:
+                kind = kind_of(tag, name)
+                if kind == "any" or tag in {"dcmotor", "default", "flexcomp", "replicate"}:
+                    continue
+                tried += 1
+                least, _, most = kind.removeprefix("whole ").partition("-")
+                taken = kind.split("|") if "|" in kind else [" ".join(["1"] * int(n)) for n in (least, most) if n]
+                refused = ["qqq"] if "|" in kind else ["x", " ".join(["1"] * (int(most or least) + 1))]
+                if kind.endswith("-"):
+                    refused = ["x"]
+                wrong += [
+                    f"{tag} {name}: {text} is not taken"
+                    for text in taken
+                    if re.search("keyword|format|much|enough", refusal(section, tag, name, text))
+                ]
+                wrong += [f"{tag} {name}: {text} is taken" for text in refused if not refusal(section, tag, name, text)]
+    assert wrong == []
+    assert tried > 300
+
+
+def test_a_texture_and_a_height_field_have_the_names_of_their_files(tmp_path: Path) -> None:
+    """Where none is written, as in models with a file for each card."""
+    mujoco = pytest.importorskip("mujoco")
+    (tmp_path / "hill.bin").write_bytes(struct.pack("<2i4f", 2, 2, 0.0, 1.0, 1.0, 0.0))
+    corner = struct.pack(">2I5B", 1, 1, 8, 2, 0, 0, 0)
+    parts = ((b"IHDR", corner), (b"IDAT", zlib.compress(bytes(4))), (b"IEND", b""))
+    chunks = [
+        len(data).to_bytes(4, "big") + tag + data + zlib.crc32(tag + data).to_bytes(4, "big") for tag, data in parts
+    ]
+    (tmp_path / "wood.png").write_bytes(b"\x89PNG\r\n\x1a\n" + b"".join(chunks))
+    path = tmp_path / "named.xml"
+    path.write_text(
+        '<mujoco model="named"><asset><texture type="2d" file="wood.png"/><material name="m" texture="wood"/>'
+        '<hfield file="hill.bin" size="1 1 1 1"/></asset>'
+        '<worldbody><geom type="hfield" hfield="hill" material="m"/></worldbody></mujoco>'
+    )
+    assert inspect_mjcf(path).findings == ()
+    mujoco.MjModel.from_xml_path(str(path))
+
+
+BODY = (
+    '<mujoco model="m"><asset>%s</asset><worldbody>%s<body name="a"><joint name="j"/><geom size="0.1"/>%s</body></worldbody>%s'
+    "</mujoco>"
+)
+TETRA = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n"
+MESHES = {
+    "sound.obj": TETRA,
+    "line.obj": f"{TETRA}l 1\n",
+    "flat.obj": "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nf 1 2 3\nf 2 4 3\n",
+    "few.obj": "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n",
+    "points.obj": TETRA.partition("f")[0],
+    "empty.obj": "",
+    "pointer.obj": "version https://git-lfs.github.com/spec/v1\noid sha256:0\nsize 9\n",
+    "pointer.stl": "version https://git-lfs.github.com/spec/v1\noid sha256:0\nsize 9\n",
+    "text.stl": "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\nendsolid a\n",
+    "sound.glb": "glTF",
+    "sound.dae": "<COLLADA/>",
+}
+
+
+def odd_meshes() -> dict[str, str]:
+    """Models with a mesh of each file, used in each way."""
+    found = {}
+    drawn, weighed = ('contype="0" conaffinity="0"', '<inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/>')
+    for file in MESHES:
+        for more in ("", 'inertia="shell"', 'scale="1 1 0"', 'scale="1e-9 1 1"', 'maxhullvert="3"', 'maxhullvert="4"'):
+            for use in (
+                "",
+                '<geom type="mesh" mesh="x"/>',
+                f'<geom type="mesh" mesh="x" {drawn}/>{weighed}',
+                f'<geom type="mesh" mesh="x"/>{weighed}',
+            ):
+                found[f"{file} {more} {use}"] = BODY % (f'<mesh name="x" file="{file}" {more}/>', "", use, "")
+    return found
+
+
+def odd_bounds() -> dict[str, str]:
+    """Models with numbers at their bounds, and beyond them."""
+    found = {}
+    for value in ("-1", "0", "1"):
+        for name in ("mass", "density", "friction"):
+            found[f"{name} {value}"] = BODY % ("", "", f'<geom size="1" {name}="{value}"/>', "")
+        for name in ("kv", "dampratio", "timeconst", "kp"):
+            position = f'<actuator><position name="p" joint="j" {name}="{value}"/></actuator>'
+            found[f"{name} {value}"] = BODY % ("", "", "", position)
+        for kind, target in (("adhesion", 'body="a"'), ("damper", 'joint="j"')):
+            actuator = f'<actuator><{kind} {target} ctrlrange="{value} 2"/></actuator>'
+            found[f"{kind} {value}"] = BODY % ("", "", "", actuator)
+        tendon = f'<tendon><fixed armature="{value}"><joint joint="j" coef="1"/></fixed></tendon>'
+        found[f"armature {value}"] = BODY % ("", "", "", tendon)
+        found[f"hill {value}"] = BODY % (f'<hfield name="h" size="1 1 {value} 1" nrow="2" ncol="2"/>', "", "", "")
+        found[f"extent {value}"] = BODY % ("", "", "", f'<statistic extent="{value}"/>')
+        found[f"znear {value}"] = BODY % ("", "", "", f'<visual><map znear="{value}"/></visual>')
+    for angle in ("-1", "0", "179", "180"):
+        found[f"fovy {angle}"] = BODY % ("", "", f'<camera fovy="{angle}"/>', "")
+    for tensor in ("", 'diaginertia="inf inf inf"', 'diaginertia="1 1 1"', 'fullinertia="1 1 1 0 0 0"'):
+        for more in ("", 'quat="1 0 0 0"', 'fullinertia="1 1 1 0 0 0"'):
+            if tensor.partition("=")[0] != more.partition("=")[0]:
+                found[f"{tensor} {more}"] = BODY % ("", "", f'<inertial pos="0 0 0" mass="1" {tensor} {more}/>', "")
+    replicate = '<replicate count="2" offset="1 0 0" prefix="p"><geom name="g" size="1"/></replicate>'
+    found["prefix"] = BODY % ("", replicate, "", "")
+    return found
+
+
+def odd_skins() -> dict[str, str]:
+    """Skins whose bones lack something, layers of materials that do, materials that are not there, paths of tendons."""
+    bone = {"body": "a", "bindpos": "0 0 0", "bindquat": "1 0 0 0", "vertid": "0 1 2", "vertweight": "1 1 1"}
+    skin = '<skin name="k" vertex="0 0 0 1 0 0 0 1 0" face="0 1 2"%s><bone %s/></skin>'
+    tendon = '<site name="s"/><site name="t" pos="1 0 0"/>'
+    spatial = '<tendon><spatial%s><site site="s"/><site site="t"/></spatial></tendon>'
+    found = {}
+    wraps = {"s": '<site site="s"/>', "t": '<site site="t"/>', "g": '<geom geom="g"/>', "p": "<pulley divisor='2'/>"}
+    wraps |= {"j": '<joint joint="j" coef="1"/>', "b": '<joint joint="b" coef="1"/>'}
+    above = f'<body name="c"><joint name="b" type="ball"/><geom name="g" size="1"/></body>{tendon}'
+    for path in [
+        "s",
+        "p",
+        "g",
+        "ss",
+        "st",
+        "sg",
+        "gs",
+        "sgt",
+        "gst",
+        "sggt",
+        "pst",
+        "stp",
+        "stpst",
+        "sp",
+        "spt",
+        "stps",
+        "stppst",
+        "sts",
+        "sptps",
+        "sgpst",
+        "stpsgt",
+    ]:
+        inner = "".join(wraps[each] for each in path)
+        found[f"path {path}"] = BODY % ("", "", above, f"<tendon><spatial>{inner}</spatial></tendon>")
+    found["no path"] = BODY % ("", "", "", "<tendon><spatial/></tendon>")
+    for path in ("", "j", "jj", "b", "jb"):
+        inner = "".join(wraps[each] for each in path)
+        found[f"joints {path}"] = BODY % ("", "", above, f"<tendon><fixed>{inner}</fixed></tendon>")
+    for lacking in ("", *bone):
+        attributes = " ".join(f'{name}="{text}"' for name, text in bone.items() if name != lacking)
+        found[f"bone without {lacking}"] = BODY % (skin % ("", attributes), "", "", "")
+        if not lacking:
+            found["skin of nothing"] = BODY % (skin % (' material="nowhere"', attributes), "", "", "")
+    for material in ("", ' material="nowhere"'):
+        found[f"tendon {material}"] = BODY % ("", "", tendon, spatial % material)
+    texture = (
+        '<texture name="t" type="2d" builtin="flat" width="4" height="4"/><material name="m"><layer %s/></material>'
+    )
+    for layer in ('texture="t" role="rgb"', 'texture="t"', 'role="rgb"', 'texture="nowhere" role="rgb"'):
+        found[f"layer {layer}"] = BODY % (texture % layer, "", "", "")
+    return found
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("consumer", ["mujoco", "drake"])
+def test_skins_and_layers_are_foretold(tmp_path: Path, consumer: str) -> None:
+    """Of attributes that a bone or a layer needs, and of materials that are not there."""
+    test_what_a_reader_makes_of_an_oddity_is_foretold(tmp_path, consumer, odd_skins)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("consumer", ["mujoco", "drake"])
+def test_meshes_and_bounds_are_foretold(tmp_path: Path, consumer: str) -> None:
+    """Of meshes that are flat, pointers, or of other formats, and of numbers at their bounds."""
+    for name, text in MESHES.items():
+        (tmp_path / name).write_text(text)
+    test_what_a_reader_makes_of_an_oddity_is_foretold(tmp_path, consumer, lambda: odd_meshes() | odd_bounds())

@@ -1,0 +1,123 @@
+"""The pages in docs/rules have what the tables of rules have. `pytest --renew` writes them again."""
+
+from __future__ import annotations
+
+import importlib.metadata
+import re
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import pytest
+
+from dh2urdf.kinematics import comparison as agreement
+from dh2urdf_check.command import command
+from dh2urdf_check.inspection import inspect_urdf
+from dh2urdf_check.models.models import CONSUMERS as MODEL_CONSUMERS, model_rules
+from dh2urdf_check.packages.package import CONSUMERS as PACKAGE_CONSUMERS, package_rules
+from dh2urdf_check.rules import CONSUMERS, GROUPS, rules_of
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator, Mapping
+
+    from dh2urdf_check.rules import Rule
+
+DOCS = Path(__file__).parents[2] / "docs"
+PAGE = DOCS / "check.md"
+GENERATED = re.compile(
+    r"(?P<remark><!-- (?:rules|matrix): [^>]*-->\n)(?P<lines>.*?)(?=<!-- /(?:rules|matrix) -->)", re.DOTALL
+)
+
+PAGES: dict[str, tuple[dict[str, Rule], Mapping[str, str]]] = {
+    **{group: (rules_of(group), CONSUMERS) for group in GROUPS},
+    **{name: (model_rules(name), MODEL_CONSUMERS[name]) for name in MODEL_CONSUMERS},
+    "packages": (package_rules(), PACKAGE_CONSUMERS),
+}
+
+
+def head(consumers: Iterable[str]) -> Iterator[str]:
+    """The head of a matrix."""
+    names = list(consumers)
+    yield f"\n| rule | {' | '.join(names)} |"
+    yield f"|---|{'---|' * len(names)}"
+
+
+def matrix(page: str, rules: Mapping[str, Rule], consumers: Iterable[str]) -> Iterator[str]:
+    """A row for each rule, a column for each consumer."""
+    for rule in rules.values():
+        cells = " | ".join(rule.outcomes.get(consumer, "") for consumer in consumers)
+        yield f"| [{rule.name}]({page}.md#{rule.name}) | {cells} |".replace("|  ", "| ")
+
+
+def paragraphs(rules: Mapping[str, Rule]) -> Iterator[str]:
+    """A section for each rule."""
+    for rule in rules.values():
+        yield f"\n## {rule.name}\n\n{rule.fault[0].upper()}{rule.fault[1:]}.\n"
+        together: dict[str, list[str]] = {}
+        for effect in rule.effects:
+            together.setdefault(f"{effect.text} ({rule.outcomes[effect.consumer]})", []).append(f"`{effect.consumer}`")
+        for text, consumers in together.items():
+            yield f"- {', '.join(consumers)}: {text}"
+        yield f"\nFix: {rule.fix}."
+
+
+def all_matrices() -> Iterator[str]:
+    """The matrix of URDF, of all its tables, then those of SDF, MJCF and packages."""
+    yield "\n## URDF"
+    yield from head(CONSUMERS)
+    for group in GROUPS:
+        yield from matrix(group, *PAGES[group])
+    for name, consumers in MODEL_CONSUMERS.items():
+        yield f"\n## {name.upper()}"
+        yield from head(consumers)
+        yield from matrix(name, *PAGES[name])
+    yield "\n## Packages of ROS 2"
+    yield from head(PACKAGE_CONSUMERS)
+    yield from matrix("packages", *PAGES["packages"])
+
+
+@pytest.mark.parametrize("name", ["index", *PAGES])
+def test_every_rule_is_in_the_pages(name: str, *, renew: bool) -> None:
+    """With what every consumer does, and how to fix it."""
+    path = DOCS / "rules" / f"{name}.md"
+    expected = "\n".join(all_matrices() if name == "index" else paragraphs(PAGES[name][0])) + "\n\n"
+    if renew:
+        path.write_text(GENERATED.sub(lambda match: match["remark"] + expected, path.read_text("utf-8")), "utf-8")
+    match = GENERATED.search(path.read_text("utf-8"))
+    assert match is not None
+    assert match["lines"] == expected
+
+
+def test_every_option_is_in_the_page() -> None:
+    """And the numbers are those of the code."""
+    page = PAGE.read_text("utf-8")
+    options = {option for parameter in command.params for option in parameter.opts if option.startswith("--")}
+    assert {option for option in options if option not in page} == set()
+    assert f"at {agreement.POSES + 1} joint vectors" in page
+    assert (agreement.TOLERANCE, agreement.NEAR) == (1e-6, 5e-3)
+    assert all(f"`{name}`" in page for name in agreement.USUAL_TIPS)
+
+
+QUOTED = re.compile(r"^(?P<file>\w+\.urdf):\d+:\d+: error: (?P<message>.*)\n(?P<more>(?:    .*\n)+)", re.MULTILINE)
+
+
+def test_what_is_quoted_of_real_robots_is_said_of_them() -> None:
+    """Findings, effects and fixes; the lines may be others in another version of the package."""
+    try:
+        files = importlib.metadata.files("example-robot-data") or ()
+    except importlib.metadata.PackageNotFoundError:
+        pytest.skip("example-robot-data is not installed")
+    paths = {file.name: Path(file.locate()) for file in files if file.suffix == ".urdf"}
+    quotes = list(QUOTED.finditer(PAGE.read_text("utf-8")))
+    assert len(quotes) == 4
+    for quote in quotes:
+        finding = next(each for each in inspect_urdf(paths[quote["file"]]).findings if quote["message"] in each.message)
+        said = [f"fix: {finding.fix}"]
+        for effect in finding.effects:
+            severity = "" if effect.severity == finding.severity else f" ({effect.severity})"
+            said.append(f"{effect.consumer}{severity}: {effect.text}")
+        assert {line.strip() for line in quote["more"].splitlines()} <= set(said)
+
+
+def test_the_readme_leads_to_the_page() -> None:
+    """From where it shows the command."""
+    assert "(docs/check.md)" in (PAGE.parents[1] / "README.md").read_text("utf-8")

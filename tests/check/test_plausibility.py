@@ -1,0 +1,140 @@
+"""What is hardly meant is found, what is meant is not, and every consumer takes both as they stand."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import pytest
+from consumers import behaviours, require
+from faulty_files import CYLINDER, ELBOW_AXIS, ELBOW_LIMIT, END, IMPLAUSIBLE, LINK_1_BODY, SOUND
+from real_robots import descriptions, findings_of
+
+from dh2urdf_check.inspection import inspect_urdf
+from dh2urdf_check.rules import Outcome, plausibility_rules
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from dh2urdf.stages import Finding
+
+NOT_MEANT_OTHERWISE = {
+    "no limits": (ELBOW_LIMIT, ELBOW_LIMIT.replace('"-2" upper="2"', '"-100" upper="100"')),
+    "many turns": (ELBOW_LIMIT, ELBOW_LIMIT.replace('"-2" upper="2"', '"-25.13274" upper="25.13274"')),
+    "a turn": ('rpy="0 1.5707963267948966 0"', 'rpy="0 6.283185307179586 0"'),
+    "a rotor that is not drawn": (CYLINDER, '<cylinder radius="0.001" length="0.001"/>'),
+    "a transmission": (END, f'<transmission name="t"><joint name="elbow"/></transmission>{END}'),
+    "what ROS 2 controls": (END, f'<ros2_control name="c" type="system"><joint name="elbow"/></ros2_control>{END}'),
+    "a reference to a link": (END, f'<gazebo reference="link_2"/>{END}'),
+    "an attribute of one's own": (ELBOW_AXIS, '<axis xyz="0 1 0" colour="red"/>'),
+}
+
+
+def write(folder: Path, name: str, old: str, new: str) -> Path:
+    assert SOUND.count(old) == 1
+    path = folder / f"{name}.urdf"
+    path.write_text(SOUND.replace(old, new))
+    return path
+
+
+def found(path: Path) -> list[Finding]:
+    return [finding for finding in inspect_urdf(path).findings if finding.rule in plausibility_rules()]
+
+
+def test_every_rule_has_a_file_that_breaks_it() -> None:
+    assert set(IMPLAUSIBLE) == set(plausibility_rules())
+
+
+@pytest.mark.parametrize("rule", IMPLAUSIBLE)
+def test_a_fault_is_found(tmp_path: Path, rule: str) -> None:
+    """Once, as a warning, and nothing else of its kind is."""
+    (finding,) = found(write(tmp_path, rule, *IMPLAUSIBLE[rule]))
+    assert finding.rule == rule
+    assert finding.severity == "warning"
+    assert finding.mark is not None
+    assert finding.mark.line is not None
+
+
+@pytest.mark.parametrize("name", NOT_MEANT_OTHERWISE)
+def test_what_may_be_meant_is_not_spoken_of(tmp_path: Path, name: str) -> None:
+    assert found(write(tmp_path, "arm", *NOT_MEANT_OTHERWISE[name])) == []
+
+
+def test_the_probable_attribute_is_told(tmp_path: Path) -> None:
+    (finding,) = found(write(tmp_path, "arm", *IMPLAUSIBLE["unknown-attribute"]))
+    assert finding.message == "dynamics has no attribute 'frictoin': did you mean 'friction'?"
+
+
+def test_an_effort_of_0_is_no_limit_to_mujoco_and_takes_drakes_actuator(tmp_path: Path) -> None:
+    """Drake reads efforts where a transmission makes an actuator, and nothing is said of it elsewhere."""
+    require("drake", "mujoco")
+    drive = (
+        '<transmission name="t"><type>transmission_interface/SimpleTransmission</type><joint name="elbow"/>'
+        f'<actuator name="motor"/></transmission>{END}'
+    )
+    paths = [
+        write(tmp_path, "plain", *IMPLAUSIBLE["zero-effort"]),
+        tmp_path / "driven.urdf",
+        write(tmp_path, "with effort", END, drive),
+    ]
+    paths[1].write_text(paths[0].read_text().replace(END, drive))
+    spoken_of = [
+        "drake" in {effect.consumer for effect in finding.effects} for path in paths for finding in found(path)
+    ]
+    assert spoken_of == [False, True]
+    assert [each.extra["actuators"] for each in behaviours("drake", paths)] == [0, 0, 1]
+    efforts = [each.extra["told"]["elbow"]["effort"] for each in behaviours("mujoco", paths)]
+    assert efforts == [None, None, 20.0]
+
+
+def test_a_ground_may_be_large(tmp_path: Path) -> None:
+    """A single link with a box of 200 m is where robots stand."""
+    path = tmp_path / "plane.urdf"
+    path.write_text(
+        '<robot name="plane"><link name="ground"><collision><geometry><box size="200 200 10"/></geometry>'
+        "</collision></link></robot>"
+    )
+    assert found(path) == []
+
+
+def test_an_inertia_of_negative_moments_is_no_larger_body(tmp_path: Path) -> None:
+    """It is found by another rule, and it has no radius of gyration."""
+    moments = 'ixx="0.01" ixy="0" ixz="0" iyy="0.01" iyz="0" izz="0.01"'
+    body = LINK_1_BODY.replace(moments, 'ixx="-1" ixy="0" ixz="0" iyy="-1" iyz="0" izz="-1"')
+    path = write(tmp_path, "arm", LINK_1_BODY, body)
+    assert found(path) == []
+    assert "inertia-not-positive-definite" in {finding.rule for finding in inspect_urdf(path).findings}
+
+
+@pytest.mark.parametrize("consumer", ["pybullet", "mujoco", "pinocchio", "drake", "ros", "gazebo"])
+def test_the_table_says_what_happens(tmp_path: Path, consumer: str) -> None:
+    """Each consumer loads or refuses the files as the table has it."""
+    require(consumer)
+    rules = plausibility_rules()
+    paths = {rule: write(tmp_path, rule, *IMPLAUSIBLE[rule]) for rule in rules}
+    ends = {rule: each.end for rule, each in zip(paths, behaviours(consumer, list(paths.values())), strict=True)}
+    said = {rule: rules[rule].outcomes.get(consumer) for rule in rules}
+    assert ends == {
+        rule: outcome.value if outcome in {Outcome.REFUSES, Outcome.CRASHES} else "loads"
+        for rule, outcome in said.items()
+    }
+
+
+TRUE = {
+    "inertia-of-a-larger-body": {"a1.urdf", "b1-z1.urdf", "tiago.urdf"},
+    "reference-to-nothing": {"talos_left_arm.urdf", "tiago_dual.urdf"},
+}
+"""Descriptions of real robots of which each finding was looked at by hand."""
+
+
+@pytest.mark.long
+def test_real_robots_are_plausible_but_for_what_was_looked_at() -> None:
+    """No arm of a maker has limits, angles or lengths that are taken for other units."""
+    by_rule: dict[str, set[str]] = {}
+    for path in descriptions():
+        for finding in findings_of(path):
+            if finding.rule not in plausibility_rules():
+                continue
+            by_rule.setdefault(finding.rule, set()).add(path.name)
+    assert set(by_rule) == {*TRUE, "zero-velocity", "zero-effort"}
+    for rule, names in TRUE.items():
+        assert names <= by_rule[rule]

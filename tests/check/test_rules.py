@@ -1,0 +1,489 @@
+"""Every rule against a file that breaks it, and every sentence of the table against the consumer that it speaks of."""
+
+from __future__ import annotations
+
+import math
+import os
+import re
+import shutil
+from typing import TYPE_CHECKING, Any
+
+import pytest
+from consumers import Behaviour, behaviours, require
+from faulty_files import BOX, FAULTS, LONG_NAME, SOUND, TOOL0, TOOL0_JOINT, WEIGHTLESS as ZEROS, write_all
+from real_robots import descriptions, findings_of
+
+from dh2urdf.stages import Expansion
+from dh2urdf_check.inspection import inspect_urdf
+from dh2urdf_check.rules import CONSUMERS, Outcome, plausibility_rules, rules
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+    from pathlib import Path
+
+    from dh2urdf.stages import Finding
+
+OF_ANY_FILE = {"root-without-inertial", "fixed-link", "named-colour"}
+"""Notes of every file that a person would call right."""
+WITHOUT_A_FAULT = {"root-without-inertial", "named-colour", "xacro-fails"}
+"""Rules that the sound file has, or that no URDF can break."""
+IN_THE_TEXT = {"not-xml", "not-strict-xml", "nul-byte", "wrong-encoding", "bad-character-reference"}
+"""Rules whose findings are at a letter, and not at an element."""
+
+
+@pytest.fixture(scope="module")
+def files(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
+    return write_all(tmp_path_factory.mktemp("lint"))
+
+
+def by_rule(path: Path) -> dict[str, Finding]:
+    return {finding.rule: finding for finding in inspect_urdf(path).findings}
+
+
+# --- What is found ----------------------------------------------------------------------------------------------------
+
+
+def test_every_rule_has_a_file_that_breaks_it() -> None:
+    """None is untried."""
+    assert set(rules()) - set(plausibility_rules()) == set(FAULTS) | WITHOUT_A_FAULT
+
+
+def test_a_sound_file_has_nothing_but_three_notes(files: dict[str, Path]) -> None:
+    """The root frame that KDL wants, the frames that some readers merge, and the colours that CoppeliaSim loses."""
+    findings = inspect_urdf(files["sound"]).findings
+    assert {finding.rule for finding in findings} == OF_ANY_FILE
+    assert {finding.severity for finding in findings} == {"note"}
+
+
+@pytest.mark.parametrize("rule", FAULTS)
+def test_a_fault_is_found(files: dict[str, Path], rule: str) -> None:
+    """Once, at its line, with the consumers of the table; and nothing else is."""
+    fault = FAULTS[rule]
+    findings = inspect_urdf(files[rule]).findings
+    (finding,) = [finding for finding in findings if finding.rule == rule]
+    assert {finding.rule for finding in findings} - OF_ANY_FILE - {*fault.besides} <= {rule}
+    assert finding.mark is not None
+    assert (finding.mark.file, finding.mark.line) == (str(files[rule]), fault.line)
+    if finding.mark.column is not None and rule not in IN_THE_TEXT:
+        line = fault.text.splitlines()[fault.line - 1]
+        assert line[finding.mark.column - 1] == "<"
+    assert finding.fix == rules()[rule].fix
+    of = fault.of or tuple(rules()[rule].outcomes)
+    assert [effect.consumer for effect in finding.effects] == [name for name in CONSUMERS if name in of]
+
+
+def test_the_table_is_in_order() -> None:
+    """Names are in kebab-case; every fault, fix and sentence is a phrase without a full stop."""
+    for rule in rules().values():
+        assert re.fullmatch(r"[a-z]+(-[a-z]+)*", rule.name)
+        assert rule.effects
+        assert set(rule.outcomes) <= set(CONSUMERS)
+        for text in (rule.fault, rule.fix, *(effect.text for effect in rule.effects)):
+            assert text == text.strip()
+            assert not text.endswith(".")
+
+
+# --- What the consumers do --------------------------------------------------------------------------------------------
+
+IGNORED = {
+    "repeated-element",
+    "unknown-element",
+    "xacro-element",
+    "mimic-joint",
+    "mimic-itself",
+    "mimic-undefined",
+    "mimic-of-fixed",
+    "cycle",
+}
+"""Faults whose effect is that a part of the file is ignored: what is measured is the sound robot."""
+UNMEASURED = {
+    # check_urdf prints the tree of links, and nothing else of what it read.
+    *(("ros", rule) for rule in ("axis-zero", "missing-range", "swapped-limits", "missing-inertial", "negative-mass")),
+    ("ros", "axis-without-direction"),
+    *(("ros", rule) for rule in ("nothing-that-weighs", "missing-mesh", "unresolved-package")),
+    *(("ros", f"inertia-{rule}") for rule in ("not-positive-definite", "triangle-inequality")),
+    *((name, rule) for name in ("ros", "gazebo") for rule in ("unreadable-mesh", "hollow-mesh", "missing-vertex")),
+    ("pybullet", "missing-vertex"),  # The shape is another, if anything.
+    # Without a display nothing is drawn; the merged tool0 is not in the SDF.
+    *(("gazebo", rule) for rule in ("missing-mesh", "unresolved-package", "several-parents")),
+}
+
+
+def _expected(rule: str, path: Path, consumer: str) -> tuple[str, list[Outcome], list[str]]:
+    """How loading should end, the outcomes, and the sentences."""
+    fault = FAULTS[rule]
+    found = [finding for finding in findings_of(path) if finding.rule in {rule, *fault.besides}]
+    effects = [(finding.rule, effect) for finding in found for effect in finding.effects if effect.consumer == consumer]
+    outcomes = [rules()[name].outcomes[consumer] for name, _ in effects]
+    ends = {outcome.value for outcome in outcomes if outcome in {Outcome.REFUSES, Outcome.CRASHES}}
+    return min(ends, default="loads"), outcomes, [effect.text for _, effect in effects]
+
+
+def _measured(behaviour: Behaviour) -> tuple[Any, ...]:
+    return behaviour.masses, behaviour.joints, behaviour.finite, behaviour.positions, behaviour.extra
+
+
+def _printed(behaviour: Behaviour, sound: Behaviour) -> list[str]:
+    return [line for line in behaviour.printed.splitlines() if line not in sound.printed]
+
+
+@pytest.fixture(scope="module", params=[name for name in CONSUMERS if name != "coppeliasim"])
+def measured(request: pytest.FixtureRequest, files: dict[str, Path]) -> tuple[str, dict[str, Behaviour]]:
+    """A consumer, and what it does with every file."""
+    consumer = str(request.param)
+    require(consumer)
+    return consumer, dict(zip(files, behaviours(consumer, list(files.values())), strict=True))
+
+
+@pytest.mark.long
+def test_the_table_says_what_happens(measured: tuple[str, dict[str, Behaviour]], files: dict[str, Path]) -> None:
+    """A consumer refuses, crashes or loads as the table has it; what it loads otherwise is measured; it says what it says."""
+    consumer, found = measured
+    sound, wrong = found["sound"], []
+    assert sound.end == "loads"
+    for rule in FAULTS:
+        end, outcomes, sentences = _expected(rule, files[rule], consumer)
+        behaviour = found[rule]
+        if behaviour.end != end:
+            wrong.append(f"{rule}: it {behaviour.end}, and the table says that it {end}: {behaviour.extra}")
+        if end != "loads" or behaviour.end != "loads":
+            continue
+        printed = _printed(behaviour, sound)
+        speaks = Outcome.WARNS in outcomes or any(re.search("with a message|print", sentence) for sentence in sentences)
+        if bool(printed) != speaks:
+            wrong.append(f"{rule}: it printed {printed}, and the table says {sentences}")
+        changes = set(outcomes) & {Outcome.ALTERS, Outcome.LOSES}
+        differs = _measured(behaviour) != _measured(sound)
+        if changes and not differs and not printed and rule not in IGNORED and (consumer, rule) not in UNMEASURED:
+            wrong.append(f"{rule}: it makes the same of it as of the sound file, and the table says {sentences}")
+        if rule in IGNORED and Outcome.ALTERS in outcomes and behaviour.masses != sound.masses:
+            wrong.append(f"{rule}: the masses are {behaviour.masses}")
+    assert wrong == []
+
+
+@pytest.mark.long
+def test_an_empty_cell_was_seen(measured: tuple[str, dict[str, Behaviour]]) -> None:
+    """Where a rule does not name a reader, the reader loaded the faulty file, or another fault in it is to blame."""
+    consumer, found = measured
+    untried = set(rules()) - set(plausibility_rules()) - set(found) - WITHOUT_A_FAULT
+    refused = [
+        rule
+        for rule, fault in FAULTS.items()
+        if not any(consumer in rules()[name].outcomes for name in (rule, *fault.besides)) and found[rule].end != "loads"
+    ]
+    assert (untried, refused) == (set(), [])
+
+
+ONE = pytest.approx(1.0)
+SAID: dict[tuple[str, str], Callable[[Behaviour], bool]] = {
+    ("pybullet", "missing-inertial"): lambda b: (
+        b.masses["link_1"] == 1.0 and b.extra["inertias"]["link_1"] == [1, 1, 1]
+    ),
+    ("pybullet", "frame-without-inertial"): lambda b: b.masses["tool0"] == 1.0,
+    ("pybullet", "long-line"): lambda b: b.masses["link_2"] == 0.0,
+    ("pybullet", "misread-number"): lambda b: b.joints["elbow"] == [-2, 1],
+    ("pybullet", "unexpanded-xacro"): lambda b: b.extra["effort"]["elbow"] == 0.0,
+    ("pybullet", "axis-not-unit"): lambda b: b.extra["axis"]["elbow"] == [0, 2, 0],
+    ("pybullet", "axis-zero"): lambda b: not b.finite,
+    ("pybullet", "missing-axis"): lambda b: b.extra["axis"]["elbow"] == [1, 0, 0],
+    ("pybullet", "continuous-joint"): lambda b: b.joints["elbow"] == [0, -1],
+    ("pybullet", "missing-range"): lambda b: b.joints["elbow"] == [0, -1],
+    ("pybullet", "swapped-limits"): lambda b: b.joints["elbow"] == [2, -2],  # lower > upper is its word for no limits
+    ("pybullet", "floating-joint"): lambda b: b.positions == 1,
+    ("pybullet", "mimic-joint"): lambda b: b.positions == 2,
+    ("pybullet", "negative-mass"): lambda b: b.masses["link_2"] == -1.0,
+    ("pybullet", "too-many-joints"): lambda b: not b.extra["moves"],
+    ("pybullet", "zero-outside-limits"): lambda b: b.extra["start"]["elbow"] == 0.0,
+    ("pybullet", "inertia-not-positive-definite"): lambda b: b.extra["inertias"]["link_2"] == [0, 0, 0],
+    ("pybullet", "inertia-triangle-inequality"): lambda b: b.extra["inertias"]["link_2"] == [0, 0, 0],
+    ("mujoco", "missing-inertial"): lambda b: b.masses["link_1"] == pytest.approx(1000 * math.pi * 0.02**2 * 0.05),
+    ("mujoco", "missing-limit"): lambda b: b.joints["elbow"] is None,
+    ("mujoco", "missing-range"): lambda b: b.joints["elbow"] is None,
+    ("mujoco", "equal-limits"): lambda b: b.joints["elbow"] is None,
+    ("mujoco", "negative-effort"): lambda b: b.extra["told"]["elbow"]["effort"] == 30.0,
+    ("mujoco", "swapped-limits"): lambda b: b.joints["elbow"] is None,
+    ("mujoco", "several-roots"): lambda b: b.masses["stray"] == 1.0 and b.positions == 2,
+    ("mujoco", "planar-joint"): lambda b: b.positions == 4 and b.joints["elbow_TX"] == [-2, 2],
+    ("mujoco", "mimic-joint"): lambda b: b.extra["equalities"] == 1,
+    ("mujoco", "missing-axis"): lambda b: b.extra["axis"]["elbow"] == [1, 0, 0],
+    ("mujoco", "fixed-link"): lambda b: set(b.masses) == {"link_1", "link_2"},
+    ("mujoco", "no-link"): lambda b: b.masses == {},
+    ("mujoco", "zero-outside-limits"): lambda b: b.extra["start"] == [0, 0],
+    ("mujoco", "duplicate-joint"): lambda b: b.positions == 2,
+    ("pinocchio", "missing-inertial"): lambda b: b.masses["shoulder"] == 0.0,
+    ("pinocchio", "mass-without-inertia"): lambda b: (
+        b.masses["elbow"] == 1.0 and b.extra["inertias"]["elbow"] == [0, 0, 0]
+    ),
+    ("pinocchio", "inertial-without-mass"): lambda b: b.masses["elbow"] == 0.0,
+    ("pinocchio", "negative-mass"): lambda b: b.masses["elbow"] == -1.0,
+    ("pinocchio", "continuous-joint"): lambda b: b.positions == 3,
+    ("pinocchio", "floating-joint"): lambda b: b.positions == 1 + 7,
+    ("pinocchio", "planar-joint"): lambda b: b.positions == 1 + 4,
+    ("pinocchio", "missing-range"): lambda b: b.joints["elbow"] == [0, 0],
+    ("pinocchio", "swapped-limits"): lambda b: b.joints["elbow"] == [2, -2],
+    ("pinocchio", "axis-zero"): lambda b: b.finite and not b.extra["rigid"],
+    ("pinocchio", "several-parents"): lambda b: b.extra["tool0"] == pytest.approx([0, 0, 0.1]),
+    ("pinocchio", "missing-mesh"): lambda b: "could not be found" in b.extra["geometry"],
+    ("pinocchio", "unresolved-package"): lambda b: "could not be found" in b.extra["geometry"],
+    ("pinocchio", "package-address"): lambda b: "could not be found" in b.extra["geometry"],
+    ("pinocchio", "relative-mesh"): lambda b: "could not be found" in b.extra["geometry"],
+    ("drake", "missing-inertial"): lambda b: b.masses["link_1"] == 0.0,
+    ("drake", "mass-without-inertia"): lambda b: b.masses["link_2"] == 1.0,
+    ("drake", "inertial-without-mass"): lambda b: b.masses["link_2"] == ONE,
+    ("drake", "zero-mass"): lambda b: b.masses["link_2"] == ONE,
+    ("drake", "negative-mass"): lambda b: b.masses["link_2"] == ONE,
+    ("drake", "misread-number"): lambda b: b.joints["elbow"] == [-2, 1],
+    ("drake", "missing-limit"): lambda b: b.joints["elbow"] == [-math.inf, math.inf],
+    ("drake", "missing-range"): lambda b: b.joints["elbow"] == [-math.inf, math.inf],
+    ("drake", "empty-parent-or-child"): lambda b: "elbow" not in b.joints,
+    ("drake", "several-roots"): lambda b: b.positions == 2 + 7 + 7,
+    ("drake", "floating-joint"): lambda b: b.positions == 1 + 7 + 7,
+    ("drake", "planar-joint"): lambda b: b.positions == 1 + 3 + 7,
+    ("drake", "mimic-joint"): lambda b: b.extra["constraints"] == 1,
+    ("drake", "no-link"): lambda b: b.masses == {},
+    ("ros", "cycle"): lambda b: b.extra["status"] == 0 and "one" not in b.extra["stdout"].split(),
+    ("ros", "mass-without-inertia"): lambda b: b.extra["status"] == 0,
+    ("ros", "several-parents"): lambda b: b.extra["stdout"].count("tool0") == 2,
+    ("gazebo", "missing-inertial"): lambda b: set(b.masses) == {"base_link"},
+    ("gazebo", "zero-mass"): lambda b: set(b.masses) == {"base_link", "link_1"},
+    ("gazebo", "inertial-without-mass"): lambda b: set(b.masses) == {"base_link", "link_1"},
+    ("gazebo", "fixed-link"): lambda b: set(b.masses) == {"base_link", "link_1", "link_2"},
+    ("gazebo", "missing-range"): lambda b: b.joints["elbow"] == [0, 0],
+    ("gazebo", "swapped-limits"): lambda b: b.joints["elbow"] == [-2, 2],
+    ("gazebo", "weightless-holder"): lambda b: set(b.masses) == {"base_link", "link_1"} and "elbow" not in b.joints,
+    ("gazebo", "weightless-chain"): lambda b: "Pose values must be finite" in b.printed,
+}
+"""What a sentence says in numbers."""
+
+
+@pytest.mark.long
+def test_the_numbers_of_the_table_are_measured(measured: tuple[str, dict[str, Behaviour]]) -> None:
+    """Masses, limits, coordinates and axes are those that the sentences speak of."""
+    consumer, found = measured
+    wrong = [rule for (name, rule), holds in SAID.items() if name == consumer and not holds(found[rule])]
+    assert wrong == [], [found[rule] for rule in wrong]
+
+
+@pytest.mark.long
+def test_the_root_frame_is_noted_by_pybullet(measured: tuple[str, dict[str, Behaviour]]) -> None:
+    """Of the sound file PyBullet prints that the root has no inertial, and nobody else prints anything."""
+    consumer, found = measured
+    lines = [line for line in found["sound"].printed.splitlines() if "warn" in line.lower() or "No inertial" in line]
+    assert bool(lines) == (consumer == "pybullet")
+
+
+WEIGHTLESS = '<inertial><mass value="0"/><inertia ixx="{}" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial>'
+IN_SDF = {
+    "a weightless link with an inertia that no body has": (
+        "inertia-not-positive-definite",
+        SOUND.replace(TOOL0, f'<link name="tool0">{WEIGHTLESS.format(-1)}</link>'),
+    ),
+    "a weightless link below one without an inertial": (
+        "weightless-chain",
+        SOUND.replace(TOOL0_JOINT, TOOL0_JOINT.replace("link_2", "flange")).replace(
+            f'<link name="flange">\n{ZEROS}  </link>', '<link name="flange"/>'
+        ),
+    ),
+    "a link called world that is not the root": (
+        "reserved-name",
+        SOUND.replace('<link name="link_2">', '<link name="world">').replace('link="link_2"', 'link="world"'),
+    ),
+}
+
+
+@pytest.mark.parametrize("name", IN_SDF)
+def test_what_sdformat_merges_is_refused_as_it_is_said(tmp_path: Path, name: str) -> None:
+    """And the sound file, and its reserved name for the root, are taken."""
+    require("gazebo")
+    rule, text = IN_SDF[name]
+    paths = [tmp_path / "wrong.urdf", tmp_path / "sound.urdf"]
+    paths[0].write_text(text)
+    paths[1].write_text(SOUND.replace('"base_link"', '"world"'))
+    assert [each.end == "loads" for each in behaviours("gazebo", paths)] == [False, True]
+    spoken_of = [{name for name, each in by_rule(path).items() if _of_gazebo(each)} for path in paths]
+    assert spoken_of == [{rule}, set()]
+
+
+def _of_gazebo(finding: Finding) -> bool:
+    return any(effect.consumer == "gazebo" and effect.severity == "error" for effect in finding.effects)
+
+
+@pytest.mark.parametrize(("moment", "loads"), [("9e-15", False), ("1.1e-14", True)])
+def test_mujoco_takes_a_moment_below_1e_14_for_0(tmp_path: Path, moment: str, *, loads: bool) -> None:
+    require("mujoco")
+    path = tmp_path / "arm.urdf"
+    path.write_text(SOUND.replace('ixx="0.005"', f'ixx="{moment}"').replace('iyy="0.006"', 'iyy="0.007"'))
+    assert ("inertia-semidefinite" not in by_rule(path)) == loads
+    assert (behaviours("mujoco", [path])[0].end == "loads") == loads
+
+
+@pytest.mark.parametrize("consumer", ["pybullet", "mujoco", "pinocchio", "drake", "ros", "gazebo"])
+def test_a_long_name_of_the_robot_ends_pybullet_alone(tmp_path: Path, consumer: str) -> None:
+    require(consumer)
+    path = tmp_path / "long.urdf"
+    path.write_text(SOUND.replace('<robot name="arm">', f'<robot name="{LONG_NAME}">'))
+    effects = by_rule(path)["name-too-long"].effects
+    assert [effect.consumer for effect in effects] == ["pybullet"]
+    (behaviour,) = behaviours(consumer, [path])
+    assert behaviour.end == ("crashes" if consumer == "pybullet" else "loads")
+
+
+def test_a_capsule_in_a_visual_is_left_out_by_coppeliasim(tmp_path: Path) -> None:
+    """Seen in 4.10.0: the import ends well, without the shape."""
+    path = tmp_path / "arm.urdf"
+    path.write_text(SOUND.replace(BOX, '<capsule radius="0.02" length="0.05"/>'))
+    outcomes = {
+        rules()[rule].outcomes["coppeliasim"]
+        for rule, finding in by_rule(path).items()
+        if any(effect.consumer == "coppeliasim" for effect in finding.effects)
+    }
+    assert outcomes - {Outcome.NOTE} == {Outcome.LOSES}
+
+
+# --- Other people's files ---------------------------------------------------------------------------------------------
+
+
+def foreign_files() -> list[Path]:
+    """Without the hands of one robot, which have meshes in a package that is not there, in more ways than a test needs."""
+    return [path for path in descriptions() if "alex" not in path.name]
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("consumer", ["pybullet", "mujoco", "pinocchio", "drake", "ros"])
+def test_what_is_said_of_real_robots_is_true(consumer: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of each of some sixty descriptions a consumer loads those, and only those, of which no finding says that it does not."""
+    paths = foreign_files()
+    require(consumer)
+    if not paths:
+        pytest.skip("example-robot-data is not installed")
+    assert len(paths) > 50
+    if consumer == "pybullet":  # It reads all meshes, and takes its time.
+        paths = paths[::4]
+    share = next(above for above in paths[0].parents if above.name == "example-robot-data")
+    monkeypatch.setenv("DRAKE_PACKAGES", str(share))  # Drake is told where the package is, as the finding asks for.
+    told = {"package-address"} if consumer == "drake" else set()
+    assert _mispredicted(consumer, paths, told) == []
+
+
+@pytest.mark.long
+def test_what_is_said_of_real_robots_is_true_of_gazebo() -> None:
+    """The same, of a few: sdformat starts slowly."""
+    require("gazebo")
+    names = {
+        "ur5_robot",
+        "panda",
+        "z1",
+        "anymal",
+        "allegro_left_hand",
+        "tiago",
+        "talos_reduced",
+        "romeo",
+        "human",
+        "pr2",
+    }
+    paths = [path for path in foreign_files() if path.stem in names]
+    if not paths:
+        pytest.skip("example-robot-data is not installed")
+    assert _mispredicted("gazebo", paths, set()) == []
+
+
+def _mispredicted(consumer: str, paths: Sequence[Path], told: set[str]) -> list[str]:
+    wrong = []
+    for path, behaviour in zip(paths, behaviours(consumer, paths), strict=True):
+        fatal = {
+            finding.rule
+            for finding in findings_of(path)
+            for effect in finding.effects
+            if effect.consumer == consumer
+            and rules()[finding.rule].outcomes[consumer] in {Outcome.REFUSES, Outcome.CRASHES}
+        } - told
+        if bool(fatal) != (behaviour.end != "loads"):
+            wrong.append(f"{path.name} {behaviour.end}: {sorted(fatal)} {behaviour.extra}")
+    return wrong
+
+
+def test_a_package_is_found_by_its_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Above the file, in ROS_PACKAGE_PATH, or in AMENT_PREFIX_PATH."""
+    text = SOUND.replace('<box size="0.1 0.05 0.05"/>', '<mesh filename="package://my_robot/part.obj"/>')
+    path = tmp_path / "arm.urdf"
+    path.write_text(text)
+    for variable, folder in (("ROS_PACKAGE_PATH", "a/my_robot"), ("AMENT_PREFIX_PATH", "b/share/my_robot")):
+        assert "unresolved-package" in by_rule(path)
+        (tmp_path / folder).mkdir(parents=True)
+        (tmp_path / folder / "part.obj").touch()
+        with monkeypatch.context() as context:
+            context.setenv(variable, f"{os.pathsep}{tmp_path / folder.partition('/')[0]}")
+            assert "unresolved-package" not in by_rule(path)
+            address = by_rule(path)["package-address"]  # PyBullet looks in the folders above the file alone.
+            assert "pybullet" in {effect.consumer for effect in address.effects}
+    inside = tmp_path / "a" / "my_robot" / "urdf" / "arm.urdf"
+    inside.parent.mkdir()
+    inside.write_text(text)
+    assert "unresolved-package" not in by_rule(inside)
+
+
+@pytest.mark.parametrize(("folder", "is_above"), [("src/my_robot", True), ("src/somewhere", False)])
+def test_a_package_has_the_name_that_it_gives_itself(tmp_path: Path, folder: str, *, is_above: bool) -> None:
+    """A file's own, and one that the user names; PyBullet finds it by a folder of its name above the file alone."""
+    text = SOUND.replace('<box size="0.1 0.05 0.05"/>', '<mesh filename="package://my_robot/part.obj"/>')
+    package = tmp_path / folder
+    for path in (package / "urdf" / "arm.urdf", tmp_path / "apart" / "arm.urdf"):
+        path.parent.mkdir(parents=True)
+        path.write_text(text)
+    (package / "package.xml").write_text("<package><name>my_robot</name></package>")
+    shutil.copy(write_all(tmp_path)["sound"].parent / "part.obj", package)
+    inside, apart = package / "urdf" / "arm.urdf", tmp_path / "apart" / "arm.urdf"
+    assert "unresolved-package" in by_rule(apart)
+    named = inspect_urdf(apart, Expansion(package_paths=(tmp_path / "src",))).findings
+    assert not {finding.rule for finding in named} & {"unresolved-package", "missing-mesh"}
+    assert not {*by_rule(inside)} & {"unresolved-package", "missing-mesh"}
+    require("pybullet")
+    for path, findings, loads in ((inside, by_rule(inside).values(), is_above), (apart, named, False)):
+        (finding,) = [finding for finding in findings if finding.rule == "package-address"]
+        assert ("pybullet" not in {effect.consumer for effect in finding.effects}) == loads
+        assert (behaviours("pybullet", [path])[0].end == "loads") == loads
+
+
+# --- Names of nothing -------------------------------------------------------------------------------------------------
+
+_BODY = '<inertial><mass value="1"/><inertia ixx="0.1" iyy="0.1" izz="0.1" ixy="0" ixz="0" iyz="0"/></inertial>'
+_LIMIT = '<limit lower="-1" upper="1" effort="1" velocity="1"/>'
+_BLANK = ("", " ", "&#9;", "&#10;", "&#13;", "&#160;", "&#8195;")
+
+
+def _without_names() -> list[str]:
+    """Two joints, the first of them fixed, with names of nothing in the places of names, one or two at once."""
+    texts = []
+    for root in (f'<link name="a">{_BODY}</link>', '<link name="world"/>'):
+        form = (
+            f'<robot name="r">{root}<link name="B">{_BODY}</link><link name="C">{_BODY}</link>'
+            '<joint name="F" type="fixed"><parent link="ROOT"/><child link="B"/></joint>'
+            f'<joint name="J" type="KIND"><parent link="B"/><child link="C"/>{_LIMIT}</joint></robot>'
+        ).replace("ROOT", "world" if "world" in root else "a")
+        for kind in ("revolute", "fixed"):
+            text = form.replace("KIND", kind)
+            names = [(place, blank) for place in ('"B"', '"C"', '"F"', '"J"') for blank in _BLANK]
+            texts += [text.replace(place, f'"{blank}"') for place, blank in names]
+            texts += [text.replace('"F"', f'"{blank}"').replace('"J"', f'"{blank}"') for blank in _BLANK[:2]]
+            kept = '<gazebo reference="F"><preserveFixedJoint>true</preserveFixedJoint></gazebo></robot>'
+            texts += [text.replace("</robot>", kept).replace('"F"', f'"{blank}"') for blank in _BLANK[:2]]
+    return texts
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("consumer", ["pybullet", "mujoco", "pinocchio", "drake", "ros", "gazebo"])
+def test_names_of_nothing_are_refused_as_foretold(tmp_path: Path, consumer: str) -> None:
+    """sdformat never sees the name of a fixed joint, or of a link, that it merges; MuJoCo and Drake take an empty one."""
+    require(consumer)
+    paths = []
+    for number, text in enumerate(_without_names()):
+        paths.append(tmp_path / f"{number}.urdf")
+        paths[-1].write_text(f'<?xml version="1.0"?>\n{text}')
+    wrong = []
+    for path, behaviour in zip(paths, behaviours(consumer, paths), strict=True):
+        found = inspect_urdf(path).findings
+        told = {each.rule for each in found for effect in each.effects if effect.consumer == consumer}
+        fatal = {rule for rule in told if rules()[rule].outcomes[consumer] in {Outcome.REFUSES, Outcome.CRASHES}}
+        if bool(fatal) != (behaviour.end != "loads"):
+            wrong.append(f"{path.read_text()} {behaviour.end}: {fatal}")
+    assert wrong == []

@@ -394,7 +394,7 @@ BUDGETS = {
     "pipeline/dh2urdf/meshes": 1300,
     "pipeline/dh2urdf/output": 2100,
     "pipeline/dh2urdf/plugin_system": 1890,
-    "pipeline/dh2urdf/quantities": 1520,
+    "pipeline/dh2urdf/quantities": 1230,
     "pipeline/dh2urdf/report": 3210,
     "pipeline/dh2urdf/results": 640,
     "pipeline/dh2urdf/run_file": 2460,

@@ -12,7 +12,7 @@ from dh2urdf.patterns import late_pattern
 from dh2urdf.quantities.spellings import advice, misreading
 
 _STARTED = """
-import re, sys
+import pathlib, re, sys
 compiled = []
 compile_ = re.compile
 re.compile = lambda *given: compiled.append(given) or compile_(*given)

@@ -19,13 +19,12 @@ import re
 import unicodedata
 from typing import TYPE_CHECKING, NoReturn
 
+from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.patterns import late_pattern
-from dh2urdf.quantities.exact_numbers import Decimal
-from dh2urdf.quantities.functions import FUNCTIONS, OTHER_NAMES, Function, from_degrees
 from dh2urdf.quantities.spellings import SIGNS, advice, misreading
-from dh2urdf.quantities.tokens import MAX_CHARACTERS, MAX_NESTING, TOKEN, Intermediate, Token, Variable, negative
 from dh2urdf.quantities.units import (
     UNITS,
+    Decimal,
     Dimension,
     QuantityError,
     Unit,
@@ -34,10 +33,146 @@ from dh2urdf.quantities.units import (
     unit_where,
     unknown_unit,
 )
+from dh2urdf.rotations import HALF_PI, cos_sin
 from dh2urdf.source import shown
 
 if TYPE_CHECKING:
     from collections.abc import Callable
+
+
+# --- Tokens -----------------------------------------------------------------------------------------------------------
+
+MAX_CHARACTERS = 1000
+"""Length of a number or an expression: more digits than a double can use, and no work for an attacker."""
+MAX_NESTING = 30
+"""Brackets inside each other in an expression."""
+
+
+class Variable(NamedTuple):
+    """The joint variable as an expression names it.
+
+    Attributes:
+        kind: ``q``, ``theta`` or ``d``.
+        row: the row that it names, counted from 1; None for ``q``, ``q_i`` and the like.
+        text: how it is written.
+    """
+
+    kind: str
+    row: int | None
+    text: str
+
+
+class Intermediate(NamedTuple):
+    """An intermediate result.
+
+    Attributes:
+        number: the number, in the unit that the text means; in SI units where it has a dimension.
+        decimal: the decimal text of a bare number.
+        dimension: what it measures, where it names a unit.
+        variable: the joint variable in it.
+        factor: of the joint variable.
+        uses_pi: whether it is a number that was made of π, so that it can only be radians.
+        foreign: whether it names a unit other than the SI unit.
+    """
+
+    number: float
+    decimal: Decimal | None = None
+    dimension: Dimension | None = None
+    variable: Variable | None = None
+    factor: float = 0.0
+    uses_pi: bool = False
+    foreign: bool = False
+
+
+SPACE = r"[^\S\x1c-\x1f]"
+"""White space between the parts of a number; Python counts four control characters to it, and `float` does not."""
+
+
+TOKEN = late_pattern(
+    f"(?P<space>{SPACE}+)"
+    r"""
+      | (?P<number>(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]{1,18}(?![0-9]))?)
+      | (?P<word>\\?[^\W\d]\w*(?:_?\{\w+\})?(?:\.[^\W\d]\w*)*)
+      | (?P<degree>°)
+      | (?P<sign>.)""",
+    re.VERBOSE | re.DOTALL,
+)
+
+
+class Token(NamedTuple):
+    """A piece of an expression."""
+
+    kind: str
+    text: str
+    start: int
+
+
+def negative(value: Intermediate) -> Intermediate:
+    """The value with the other sign, of its decimal text too."""
+    decimal = value.decimal
+    if decimal is not None:
+        digits = decimal.digits[1:] if decimal.digits.startswith("-") else f"-{decimal.digits}"
+        decimal = Decimal(digits, decimal.exponent)
+    return value._replace(number=-value.number, decimal=decimal, factor=-value.factor)
+
+
+_DECIMAL_COMMA = late_pattern(r"(?<![0-9.,])([0-9]*),([0-9]+)(?![0-9.,])")
+_LONGEST_UNIT = 7
+"""Tokens of the longest unit: ``N * m * s / rad``."""
+_TORN = late_pattern(r"[\s*·]\d|(?<!\w)(?!(?:N|kN|mN|kg|kgf|g|t|lb|lbf|oz|ozf|slug|ft|in|s)\s)\w+\s+\w", re.IGNORECASE)
+"""A power without its sign, and a word with a space behind it that is no factor: `m m` is no mm, `N m` is Nm."""
+_CONSTANTS = {"pi": math.pi, "π": math.pi, "m_pi": math.pi}
+_MODULES = ("np.", "numpy.", "math.")
+_VARIABLE = late_pattern(r"\\?(q|th|theta|θ|d)_?\{?([0-9]{1,9}|i)?\}?")
+_VARIABLE_KINDS = {"th": "theta", "θ": "theta"}
+
+# --- Functions --------------------------------------------------------------------------------------------------------
+
+
+def _tangent(angle: float) -> float:
+    cosine, sine = cos_sin(angle)
+    return float(sine / cosine)
+
+
+def from_degrees(number: float) -> float:
+    """An angle in rad, of a number of degrees."""
+    return number / 90 * HALF_PI
+
+
+class Function(NamedTuple):
+    """A function of numbers.
+
+    Attributes:
+        call: what computes it.
+        takes: what its argument may measure besides nothing.
+        gives: what its value measures; None for a bare number.
+        arguments: how many it has.
+    """
+
+    call: Callable[..., float]
+    takes: Dimension | None = None
+    gives: Dimension | None = None
+    arguments: int = 1
+
+
+FUNCTIONS = {
+    "sqrt": Function(math.sqrt),
+    "abs": Function(abs),
+    "sin": Function(lambda angle: float(cos_sin(angle)[1]), takes=Dimension.ANGLE),
+    "cos": Function(lambda angle: float(cos_sin(angle)[0]), takes=Dimension.ANGLE),
+    "tan": Function(_tangent, takes=Dimension.ANGLE),
+    "asin": Function(math.asin, gives=Dimension.ANGLE),
+    "acos": Function(math.acos, gives=Dimension.ANGLE),
+    "atan": Function(math.atan, gives=Dimension.ANGLE),
+    "atan2": Function(math.atan2, gives=Dimension.ANGLE, arguments=2),
+    "radians": Function(from_degrees, gives=Dimension.ANGLE),
+}
+"""The functions by their names."""
+OTHER_NAMES = {"arcsin": "asin", "arccos": "acos", "arctan": "atan", "arctan2": "atan2", "deg2rad": "radians"}
+"""Names that people write for them."""
+
+
+# --- Parser -----------------------------------------------------------------------------------------------------------
 
 
 def parse(text: str, dimension: Dimension, *, decimal_comma: bool = False, angle: Unit | None = None) -> Intermediate:
@@ -53,23 +188,6 @@ def parse(text: str, dimension: Dimension, *, decimal_comma: bool = False, angle
         QuantityError: it is no expression, or one that can be read in two ways.
     """
     return _Parser(text, dimension, decimal_comma=decimal_comma, angle=angle).parse()
-
-
-# --- Tokens -----------------------------------------------------------------------------------------------------------
-
-
-_DECIMAL_COMMA = late_pattern(r"(?<![0-9.,])([0-9]*),([0-9]+)(?![0-9.,])")
-_LONGEST_UNIT = 7
-"""Tokens of the longest unit: ``N * m * s / rad``."""
-_TORN = late_pattern(r"[\s*·]\d|(?<!\w)(?!(?:N|kN|mN|kg|kgf|g|t|lb|lbf|oz|ozf|slug|ft|in|s)\s)\w+\s+\w", re.IGNORECASE)
-"""A power without its sign, and a word with a space behind it that is no factor: `m m` is no mm, `N m` is Nm."""
-_CONSTANTS = {"pi": math.pi, "π": math.pi, "m_pi": math.pi}
-_MODULES = ("np.", "numpy.", "math.")
-_VARIABLE = late_pattern(r"\\?(q|th|theta|θ|d)_?\{?([0-9]{1,9}|i)?\}?")
-_VARIABLE_KINDS = {"th": "theta", "θ": "theta"}
-
-
-# --- Parser -----------------------------------------------------------------------------------------------------------
 
 
 class _Parser:

@@ -11,10 +11,9 @@ import math
 
 from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.patterns import late_pattern
-from dh2urdf.quantities.exact_numbers import Decimal
-from dh2urdf.quantities.grammar import parse
-from dh2urdf.quantities.tokens import MAX_CHARACTERS, MAX_NESTING, SPACE, Intermediate, Variable
+from dh2urdf.quantities.grammar import MAX_CHARACTERS, MAX_NESTING, SPACE, Intermediate, Variable, parse
 from dh2urdf.quantities.units import (
+    Decimal,
     Dimension,
     QuantityError,
     Unit,

@@ -9,6 +9,8 @@ from __future__ import annotations
 
 import re
 import unicodedata
+from functools import cache
+from pathlib import Path
 
 from dh2urdf.patterns import late_pattern
 
@@ -62,105 +64,6 @@ _OF_INCHES = 127
 _DIGITS = 2
 """A number with more of them, or with a decimal sign, hardly is a divisor of one of its size."""
 
-_SPACES = "'’ʼ \u00a0\u2007\u2009\u202f"
-_ADVICE = (
-    (late_pattern(r"\s*[+-]?(nan|inf|infinity|∞)\s*", re.IGNORECASE), "write a finite number"),
-    (
-        late_pattern(r"\s*\$[^$]+\$\s*$|.*\\(?:[dt]?frac|over|circ|degree|textdegree|ang|SI|qty)(?![a-z])"),
-        "write the number without LaTeX: -pi/2, -90 deg",
-    ),
-    (
-        late_pattern(r"\s*[+-]?[0-9]*,[0-9]+\s*$"),
-        "write a decimal point, and no separators of thousands: 0.425, 1234.5",
-    ),
-    (late_pattern(r".*[½⅓⅔¼¾⅕⅖⅗⅘⅙⅚⅐⅛⅜⅝⅞⅑⅒]"), "write the fraction with its signs: 1/2, 1 + 1/2"),
-    (late_pattern(r"\s*[+-]?[0-9]+\s+[0-9]+\s*/\s*[0-9]+"), "write a mixed number as a sum: 1 + 1/2"),
-    (
-        late_pattern(rf"\s*[+-]?(?!0+[.,])[0-9]{{1,3}}(?:[.,{_SPACES}][0-9]{{3}})+"),
-        "write the number without separators of thousands: 1234.5",
-    ),
-    (late_pattern(r".*[0-9]_[0-9]"), "write the number without underscores"),
-    (late_pattern(r".*\b0[xXbBoO]"), "write a decimal number"),
-    (
-        late_pattern(r"\s*[+-]?(?:[0-9.,]+\s*[oO⁰]|(?:deg|rad)\s*\([^()]*\))\s*$"),
-        "write the unit behind the number: 90° or 90 deg, 1.57 rad",
-    ),
-    (
-        late_pattern(
-            r"\s*[+-]?\s*(?:var(?:iable)?\b|[jmtφϕ]_?[0-9]+|[θqd]\w*\s*\((?:t|var\w*)\)|theta\w*\s*\()", re.IGNORECASE
-        ),
-        "write the joint variable as q1, and what is added to it behind: q1 + pi/2",
-    ),
-    (
-        late_pattern(r"\s*\\?(?:[qθ]|th(?:eta)?)_?\{?[0-9]+\}?\s*[(\[∈]", re.IGNORECASE),
-        "write the joint variable alone, with an offset behind it, as q1 - 90 deg; its bounds go to a column limits",
-    ),
-    (
-        late_pattern(
-            r"\s*(?:[^\W\d]\w*(?:\s*[=:]|\s+\()|[adlr]_?[0-9]+\s*\()\s*[+-]?[0-9.,]+\s*(?:[^\W\d]{1,4}|°)?\s*\)?\s*$",
-            re.IGNORECASE,
-        ),
-        "write the number alone, without its symbol: 290 mm",
-    ),
-    (
-        late_pattern(r".*(?:[0-9]|pi|π)\s*(?:\[\s*[^\W\d]{1,4}\s*\]|\(\s*(?:mm|cm|m|°|deg|rad)\s*\)|\[\s*°\s*\])\s*$"),
-        "write the unit behind the number, without brackets: 290 mm, 90 deg",
-    ),
-    (
-        late_pattern(r"\s*[+-]?[0-9.,]+\s*(?:[^\W\d]{1,4}|°)?\s*\([^()0-9]*\)\s*$"),
-        "write the number alone, without the words behind it: 290 mm",
-    ),
-    (
-        late_pattern(r"[-+−–0-9.,/*\s°πa-z]*[0-9π]\s*[a-z]{0,3}\s*\([A-Za-z]_?[0-9]{1,2}\)\s*$"),
-        "write the number alone, without the symbol behind it: 290 mm",
-    ),
-    (
-        late_pattern(
-            r"(?:[-+−–0-9.,/*\s°π]|pi|deg|rad)+(?:\((?=.*[0-9π])[^()]*\)|=[-+−–0-9.,/*\s°π]*(?:pi|deg|rad)?[/0-9]*)\s*$"
-        ),
-        "write one of the two numbers: pi/2, or 90 deg",
-    ),
-    (
-        late_pattern(r"\s*(\*\*?|__?|`)[^*_`]+\1\s*$"),
-        "write the number without the marks that make it bold or code: -90 deg",
-    ),
-    (late_pattern(r".*(\*\*|\^|[²³¹⁰⁴-⁹⁺⁻])"), "powers are not accepted: write the product, or the number, as in 1e-3"),
-    (late_pattern(r".*[%‰]"), "percentages and remainders are not accepted: write the number"),
-    (late_pattern(r".*([$€£¥]|\b(eur|usd|gbp|chf)\b)", re.IGNORECASE), "write the number without a currency"),
-    (late_pattern(r"\s*[+-]?[0-9.]+[dD][+-]?[0-9]+\s*"), "write the exponent with e: 1e-3"),
-    (late_pattern(r"\s*[-+−–]?\s*(?:pi|π)\s*[0-9]+\s*$"), "write the fraction with its sign: pi/2"),
-    (late_pattern(r".*[0-9]\s*(pi|π)"), "write the product with its sign: 2*pi"),
-    (late_pattern(r"\s*[0-9][0-9.,]*\s*[^\W\d]{0,3}\s*-\s*$"), "write the minus before the number: -5"),
-    (late_pattern(r"\s*([-–—−]+|/|n\.?/?a\.?|none|null)\s*$", re.IGNORECASE), "write 0 if that is meant"),
-    (
-        late_pattern(r"\s*[^*†‡]*[0-9°a-zπ]\s*[*†‡]+\s*$", re.IGNORECASE),
-        "take out the mark at the end, of a footnote or of a product that is cut off",
-    ),
-    (late_pattern(r"\s*[-+−–]?\s*[0-9.]*\s*(?:n|п|[Il]{2}|[TТтr]{2})\s*/\s*[0-9]+\s*$"), "write π as pi: pi/2"),
-    (late_pattern(r".*(?:θ|th|theta|q)_?[0-9]+\*?\s+[0-9]"), "write the sign that is missing: q1 - 90 deg"),
-    (late_pattern(r"\s*[-+−–]?[0-9.]+\s*(?:''|[\"″”])\s*$"), "write inches as in: 11.8 in"),
-    (late_pattern(r"\s*[*†‡•]+\s*$"), "write the joint variable as q1, or the number of the row"),
-    (late_pattern(r"\s*[—―]\s*[0-9.pπ]"), "write the minus as a hyphen: -pi/2"),
-    (late_pattern(r"\s*(?:[≈~∼≃≅]|ca?\.)\s*[-+−–]?\s*[0-9.]"), "write the number alone: 290 mm"),
-    (late_pattern(r".*[0-9]\s*(?:±|\+/-)\s*[0-9.]"), "write the number alone, without its tolerance"),
-    (late_pattern(r".*[0-9π]\s*(?:deg|rad|mm|cm|m)\.\s*$"), "take out the point at its end"),
-    (
-        late_pattern(r"\s*[-+−–]?\s*[0-9]*(?:[.,]\s+|\s+[.,]\s*|\s+(?=[0-9]{3}(?![0-9])))[0-9]"),
-        "take out the space in it",
-    ),
-    (
-        late_pattern(r"\s*[-+−–]?\s*[a-zA-Z][\s_]*\{?[0-9₀-₉]{1,2}\}?\s*$"),
-        "write the number that it stands for: 290 mm",
-    ),
-    (
-        late_pattern(r"\s*[-+−–]?(?=[0-9.,]*[OoIl|])[0-9OoIl|]*[.,]?[0-9OoIl|]+\s*(?:mm|cm|m|°|deg|rad)?\s*$"),
-        "write the number with digits alone: 0 for the letter O, 1 for l or I",
-    ),
-    (late_pattern(r"\s*(±|\+/-|\+-|-\+)"), "write the two numbers, lower and upper, each with its own sign"),
-    (late_pattern(rf".*[0-9]\s*[{DEGREE_SIGNS}]\s*[0-9]"), "write decimal degrees: 12.5° for 12°30'"),
-    (late_pattern(r"\s*(#[A-Z]|=|')"), "write the number itself, without what the spreadsheet puts before it"),
-)
-
 
 def misreading(text: str) -> tuple[str, str] | None:
     """What a text is that the grammar would take for another number, and what to write; None for any other text."""
@@ -205,35 +108,20 @@ def _two_numbers(match: re.Match[str]) -> tuple[str, str] | None:
     return reason, "write bounds in a column limits; for the difference, put spaces around a hyphen"
 
 
+@cache
+def _advices() -> list[tuple[re.Pattern[str], str]]:
+    import tomllib
+
+    with (Path(__file__).parent / "advice.toml").open("rb") as file:
+        return [(re.compile(pattern), advised) for pattern, advised in tomllib.load(file)["advice"]]
+
+
 def advice(text: str) -> str | None:
     """What to write in place of a text that cannot be read, where its kind is known."""
-    return next((suggestion for pattern, suggestion in _ADVICE if pattern.match(text)), None)
+    return next((advised for pattern, advised in _advices() if pattern.match(text)), None)
 
 
 _DEGREE = str.maketrans(dict.fromkeys(DEGREE_SIGNS, "°"))
-_OTHER_SCRIPTS = {
-    "m": "м 米 メートル 미터",
-    "cm": "см 厘米 公分 センチ センチメートル 센티미터",
-    "mm": "мм 毫米 公厘 ミリ ミリメートル 밀리미터",
-    "rad": "рад 弧度 ラジアン 라디안",
-    "deg": "градус градуса градусы градусов градусах 度 도",
-    "s": "с сек 秒 초",
-    "min": "мин 分 분",
-    "kg": "кг 千克 公斤 キログラム 킬로그램",
-    "n": "н 牛 牛顿",
-    "nm": "нм 牛米",
-}
-"""The units that are written in other letters than those of Europe's west, by their words."""
-_LATIN = {word: unit for unit, words in _OTHER_SCRIPTS.items() for word in words.split()}
-_FIRST_OF_OTHERS = "\u0400"
-_IN_OTHERS = late_pattern(rf"[{_FIRST_OF_OTHERS}-\uffff]+")
-
-
-def in_latin_letters(word: str) -> str:
-    """A unit without case in Latin letters: ``мм/с`` is mm/s, ``кг·м²`` is kg·m²."""
-    if max(word, default="") < _FIRST_OF_OTHERS:
-        return word
-    return _IN_OTHERS.sub(lambda match: _LATIN.get(match[0], match[0]), word)
 
 
 def composed(text: str) -> str:

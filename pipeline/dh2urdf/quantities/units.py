@@ -8,15 +8,17 @@ from __future__ import annotations
 
 import math
 import re
+import tomllib
 import unicodedata
 from enum import StrEnum
 from functools import lru_cache
 from itertools import accumulate
+from pathlib import Path
 
 from dh2urdf.late_dataclasses import dataclass
+from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.patterns import late_pattern
-from dh2urdf.quantities.exact_numbers import ONE, Decimal, Ratio
-from dh2urdf.quantities.spellings import composed, in_latin_letters
+from dh2urdf.quantities.spellings import composed
 from dh2urdf.rotations import HALF_PI
 from dh2urdf.source import did_you_mean, shown
 
@@ -51,6 +53,18 @@ class Dimension(StrEnum):
         return self is other or (self is Dimension.EFFORT and other in (Dimension.FORCE, Dimension.TORQUE))
 
 
+class Decimal(NamedTuple):
+    """A decimal number as text, digits with sign and point, and a power of ten: `decimal` takes long to import."""
+
+    digits: str
+    exponent: int
+
+    @property
+    def is_zero(self) -> bool:
+        """Whether the number is 0, whatever a double can hold of it."""
+        return not self.digits.strip("+-0.")
+
+
 @dataclass(frozen=True, slots=True)
 class Unit:
     """A unit of measure.
@@ -62,25 +76,25 @@ class Unit:
         symbol: how messages write it.
         dimension: what it measures.
         power: the power of ten that it is of the SI unit.
-        factor: what else it is of the SI unit.
+        factor: what else it is of the SI unit: a decimal number, or a fraction of two; empty for 1.
         parts: how many of it a quarter turn has, or a quarter turn per second; None for what is no part of a turn.
     """
 
     symbol: str
     dimension: Dimension
     power: int = 0
-    factor: Ratio = ONE
+    factor: str = ""
     parts: float | None = None
 
     @property
     def degrees(self) -> bool:
         """Whether it counts degrees in place of radians."""
-        return self.parts == _DEGREES
+        return self.parts == 90  # noqa: PLR2004 - degrees of a quarter turn
 
     @property
     def is_shifted(self) -> bool:
         """Whether a decimal point in another place makes its numbers those of the SI unit."""
-        return self.factor == ONE and self.parts is None
+        return not self.factor and self.parts is None
 
     @property
     def is_si(self) -> bool:
@@ -100,134 +114,29 @@ class Unit:
         """
         if self.parts is not None:
             return number / self.parts * HALF_PI  # a multiple of 90° is whole quarter turns, to the last bit
-        if self.factor == ONE:
-            return self._shifted(number, decimal)
-        if number == 0 or not math.isfinite(number):
+        if self.is_si or number == 0 or not math.isfinite(number):
             return number
+        if not self.factor and decimal is not None:
+            return float(f"{decimal.digits}e{decimal.exponent + self.power}")
+        if not self.factor:
+            return number * 10.0**self.power if self.power > 0 else number / 10.0**-self.power
         from fractions import Fraction
 
+        over, _, under = self.factor.partition("/")
         exact = Fraction(number) if decimal is None else Fraction(decimal.digits) * Fraction(10) ** decimal.exponent
         try:
-            return float(exact * Fraction(self.factor.over, self.factor.under) * Fraction(10) ** self.power)
+            return float(exact * Fraction(over) / Fraction(under or 1) * Fraction(10) ** self.power)
         except OverflowError:
             return math.copysign(math.inf, number)
-
-    def _shifted(self, number: float, decimal: Decimal | None) -> float:
-        """A number times the power of ten."""
-        if self.power == 0:
-            return number
-        if decimal is not None:
-            return float(f"{decimal.digits}e{decimal.exponent + self.power}")
-        return number * 10.0**self.power if self.power > 0 else number / 10.0**-self.power
 
 
 # --- Words ------------------------------------------------------------------------------------------------------------
 
-_DEGREES = 90.0
-_POWERS = {"k": 3, "": 0, "c": -2, "m": -3, "µ": -6}
-_SECONDS = {"s": 1, "min": 60}
-_INCH = Ratio(254, 10_000)
-_POUND = Ratio(45_359_237, 100_000_000)
-_GRAVITY = Ratio(980_665, 100_000)
-"""Standard gravity, which makes a force of a mass, by the General Conference on Weights and Measures, 1901 [m/s²]."""
-_INCHES = {"in": 1, "ft": 12}
-_OUNCE = _POUND / 16
-_SLUG = _POUND * _GRAVITY / (_INCH * 12)
-
-
-class _Words:
-    """The units by their words, while they are being defined."""
-
-    def __init__(self) -> None:
-        self.units: dict[str, Unit] = {}
-        self.ends: dict[str, set[int]] = {}
-
-    def define(self, unit: Unit, *words: str) -> None:
-        for text in (unit.symbol, *words):
-            factors = unicodedata.normalize("NFKC", text).casefold().split("·")  # What `_factors` finds, too.
-            word = "".join(factors)
-            self.units[word] = unit
-            self.ends.setdefault(word, set()).update(accumulate(map(len, factors)))
-
-    def lengths(self) -> None:
-        """Lengths, and those that machines move by per second and per minute."""
-        for prefix, spoken in {"": "", "c": "centi", "m": "milli", "µ": "micro"}.items():
-            stems = ("meter", "meters", "metre", "metres")
-            unit = Unit(f"{prefix}m", Dimension.LENGTH, _POWERS[prefix])
-            self.define(unit, *(f"{spoken}{stem}" for stem in stems), *(("um",) if prefix == "µ" else ()))
-            self.speeds(unit, "um" if prefix == "µ" else unit.symbol)
-        for symbol, words in {"in": ("inch", "inches"), "ft": ("foot", "feet")}.items():
-            unit = Unit(symbol, Dimension.LENGTH, factor=_INCH * _INCHES[symbol])
-            self.define(unit, *words)
-            self.speeds(unit, symbol)
-        self.define(Unit("mil", Dimension.LENGTH, factor=_INCH / 1000), "mils", "thou")
-
-    def speeds(self, length: Unit, word: str) -> None:
-        """A length per second and per minute."""
-        for time, seconds in _SECONDS.items():
-            speed = Unit(f"{length.symbol}/{time}", Dimension.SPEED, length.power, length.factor / seconds)
-            self.define(speed, f"{word}/{time}")
-
-    def angles(self) -> None:
-        """Angles, and each of them per second and per minute."""
-        turns = ("turn", "turns", "revolution", "revolutions")
-        for symbol, parts, words in (
-            ("rad", None, ("radian", "radians")),
-            ("deg", _DEGREES, ("degree", "degrees", "°")),
-            ("rev", 0.25, turns),
-        ):
-            self.define(Unit(symbol, Dimension.ANGLE, parts=parts), *words)
-            for time, seconds in _SECONDS.items():
-                factor = ONE if parts else Ratio(1, seconds)
-                rate = Unit(f"{symbol}/{time}", Dimension.TURN_RATE, factor=factor, parts=parts and parts * seconds)
-                rates = {"rev/s": ("rps", "U/s"), "rev/min": ("rpm", "1/min", "U/min", "r/min")}
-                self.define(rate, *(f"{word}/{time}" for word in words), *rates.get(rate.symbol, ()))
-
-    def masses(self) -> None:
-        """Masses, moments of inertia and densities."""
-        metric = (("m", 0), ("cm", -2), ("mm", -3))
-        for unit, words, lengths in (
-            (Unit("kg", Dimension.MASS), ("kilogram", "kilograms"), metric),
-            (Unit("g", Dimension.MASS, -3), ("gram", "grams"), metric),
-            (Unit("t", Dimension.MASS, 3), ("tonne", "tonnes"), metric[2:]),
-        ):
-            self.define(unit, *words)
-            for length, power in lengths:
-                self.define(Unit(f"{unit.symbol}·{length}²", Dimension.INERTIA, unit.power + 2 * power))
-        for unit, names, inches in (
-            (Unit("lb", Dimension.MASS, factor=_POUND), ("lbs", "lbm", "pound", "pounds"), ("in", "ft")),
-            (Unit("oz", Dimension.MASS, factor=_OUNCE), ("ounce", "ounces"), ("in",)),
-            (Unit("slug", Dimension.MASS, factor=_SLUG), ("slugs",), ("ft",)),
-        ):
-            self.define(unit, *names)
-            for length in inches:
-                factor = unit.factor * _INCH * _INCH * _INCHES[length] ** 2
-                self.define(Unit(f"{unit.symbol}·{length}²", Dimension.INERTIA, factor=factor))
-        for symbol, power in (("kg/m³", 0), ("g/cm³", 3), ("kg/dm³", 3), ("g/mm³", 6)):
-            self.define(Unit(symbol, Dimension.DENSITY, power))
-        self.define(Unit("lb/in³", Dimension.DENSITY, factor=_POUND / _INCH / _INCH / _INCH))
-
-    def efforts(self) -> None:
-        """Forces, torques, and what damps with them."""
-        force, torque = Dimension.FORCE, Dimension.TORQUE
-        for prefix in ("", "k", "m"):
-            self.define(Unit(f"{prefix}N", force, _POWERS[prefix]), *(("newton", "newtons") if not prefix else ()))
-            self.define(Unit(f"{prefix}Nm", torque, _POWERS[prefix]), f"{prefix}N·m")
-        self.define(Unit("N·cm", torque, -2))
-        self.define(Unit("N·mm", torque, -3))
-        self.define(Unit("kgf", force, factor=_GRAVITY), "kp", "kg·f")
-        self.define(Unit("kgf·m", torque, factor=_GRAVITY))
-        self.define(Unit("kgf·cm", torque, factor=_GRAVITY / 100), "kg·cm")
-        self.define(Unit("lbf", force, factor=_POUND * _GRAVITY), "lb·f")
-        self.define(Unit("ozf", force, factor=_OUNCE * _GRAVITY), "oz·f")
-        for symbol, mass, length in (("lbf·in", _POUND, "in"), ("lbf·ft", _POUND, "ft"), ("ozf·in", _OUNCE, "in")):
-            short = symbol.replace("f", "", 1)
-            words = (short, *("·".join(reversed(word.split("·"))) for word in (symbol, short)))
-            self.define(Unit(symbol, torque, factor=mass * _GRAVITY * _INCH * _INCHES[length]), *words)
-        self.define(Unit("N·m·s/rad", Dimension.DAMPING), "N·m·s")
-        self.define(Unit("N·mm·s/rad", Dimension.DAMPING, -3))
-        self.define(Unit("N·s/m", Dimension.LINEAR_DAMPING))
-        self.define(Unit("N·s/mm", Dimension.LINEAR_DAMPING, 3))
+with (Path(__file__).parent / "units.toml").open("rb") as _file:
+    _TABLES = tomllib.load(_file)
+_LATIN = {word: unit for unit, words in _TABLES["scripts"].items() for word in words.split()}
+_FIRST_OF_OTHERS = "\u0400"
+_IN_OTHERS = late_pattern(rf"[{_FIRST_OF_OTHERS}-\uffff]+")
 
 
 LONGEST_UNIT = 100
@@ -240,7 +149,9 @@ def _factors(text: str) -> list[str]:
         return [text]
     if text.isascii() and text.replace("_", "").isalnum() and "sec" not in (word := text.lower()) and "min" not in word:
         return [word]
-    word = in_latin_letters(composed(text).casefold().strip())
+    word = composed(text).casefold().strip()
+    if max(word, default="") >= _FIRST_OF_OTHERS:  # мм/с is mm/s
+        word = _IN_OTHERS.sub(lambda match: _LATIN.get(match[0], match[0]), word)
     word = re.sub(r"sec(?:onds?)?", "s", re.sub(r"\s*\bper\s+", "/", word)).replace("minute", "min")
     if word.isalpha():
         return [word]
@@ -269,47 +180,30 @@ def unit_word(text: str) -> str:
 
 
 def _units() -> tuple[dict[str, Unit], dict[str, set[int]]]:
-    words = _Words()
-    for define in (words.lengths, words.angles, words.masses, words.efforts):
-        define()
-    return words.units, words.ends
+    """The units of `units.toml` by their words, and where in each word a factor may end."""
+    units: dict[str, Unit] = {}
+    ends: dict[str, set[int]] = {}
+    for dimension, table in _TABLES["units"].items():
+        for symbol, entry in table.items():
+            words = entry.pop("words", "").split()
+            unit = Unit(symbol, Dimension[dimension.upper()], **entry)
+            for text in (symbol, *words):
+                factors = unicodedata.normalize("NFKC", text).casefold().split("·")  # What `_factors` finds, too.
+                word = "".join(factors)
+                units[word] = unit
+                ends.setdefault(word, set()).update(accumulate(map(len, factors)))
+    return units, ends
 
 
 UNITS, _FACTOR_ENDS = _units()
 """The units by their words, as `unit_word` has these; and where in a word a factor may end."""
 _MEANT_THERE = {
     ("nm", Dimension.LENGTH): Unit("nm", Dimension.LENGTH, -9),
-    **{(word, Dimension.FORCE): UNITS["lbf"] for word in ("lb", "lbs", "pound", "pounds")},
-    **{(word, Dimension.FORCE): UNITS["ozf"] for word in ("oz", "ounce", "ounces")},
+    **{(word, Dimension.FORCE): UNITS[unit] for unit, words in _TABLES["force"].items() for word in words.split()},
 }
 """Words that are another unit where a quantity of some dimension stands."""
-_USUAL = {
-    Dimension.NUMBER: "no unit",
-    Dimension.LENGTH: "m, cm, mm, µm",
-    Dimension.ANGLE: "rad, deg, °",
-    Dimension.SPEED: "m/s, cm/s, mm/s, m/min, in/s",
-    Dimension.TURN_RATE: "rad/s, deg/s, °/s, rpm, rev/s",
-    Dimension.MASS: "kg, g, t, lb, oz",
-    Dimension.EFFORT: "N, kN, lbf, Nm, kNm, N·mm, lbf·in",
-    Dimension.FORCE: "N, kN, kgf, lbf",
-    Dimension.TORQUE: "Nm, kNm, N·cm, N·mm, kgf·cm, lbf·in, lbf·ft",
-    Dimension.DAMPING: "N·m·s/rad, N·mm·s/rad",
-    Dimension.LINEAR_DAMPING: "N·s/m, N·s/mm",
-    Dimension.INERTIA: "kg·m², kg·cm², kg·mm², g·cm², g·mm², lb·in²",
-    Dimension.DENSITY: "kg/m³, g/cm³",
-}
-
-_DEGREES_OR_GON = "write deg for degrees; gradians have to be converted: 1 gon is 0.9 deg"
-_MULTIPLES = "write rad, and the multiples of π in the cells: 0.5*pi"
-_PRIMES = "write in, ft or deg"
-_OTHER_UNITS = {
-    **dict.fromkeys(("gon", "gons", "gradian", "gradians"), "convert the numbers: 1 gon is 0.9 deg"),
-    **dict.fromkeys("grad grads grado grados gradi degré degrés grau graus град".split(), _DEGREES_OR_GON),  # noqa: SIM905
-    **dict.fromkeys(("pi", "π", "pirad", "πrad", "radpi", "radπ", "rad/pi", "rad/π", "×π"), _MULTIPLES),
-    **dict.fromkeys(('"', "'", "''", "″", "′", "′′", "“", "”", "’"), _PRIMES),
-    **dict.fromkeys(("hz", "1/s"), "write rev/s, rad/s or deg/s, whichever it is"),
-    **dict.fromkeys(("ton", "tons"), "write t for 1000 kg, or the numbers in kg"),
-}
+_USUAL = {Dimension[name.upper()]: units for name, units in _TABLES["usual"].items()}
+_OTHER_UNITS = {word: advice for advice, words in _TABLES["advice"].items() for word in words.split()}
 """What to do about units that people write and that are none here, by their words as `unit_word` has these."""
 _MEGA = late_pattern(r"M\s*N")
 

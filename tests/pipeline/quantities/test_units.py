@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, strategies as st
 
 from dh2urdf.quantities import UNITS, Dimension, QuantityError, evaluate, find_unit
-from dh2urdf.quantities.exact_numbers import Decimal
+from dh2urdf.quantities.units import Decimal
 
 LENGTHS = {"m": 0, "cm": -2, "mm": -3, "µm": -6}
 INCH, POUND, GRAVITY = Fraction("0.0254"), Fraction("0.45359237"), Fraction("9.80665")

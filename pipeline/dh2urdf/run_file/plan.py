@@ -14,8 +14,7 @@ from dh2urdf.conversion.simulators import missing_of, require
 from dh2urdf.errors import ConfigError
 from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.output.layouts import Layout
-from dh2urdf.output.open_store import open_store
-from dh2urdf.output.store import Store
+from dh2urdf.output.store import Store, open_store
 from dh2urdf.run_file.mesh_section import MeshCall
 from dh2urdf.run_file.stages_by_name import AskedStages
 from dh2urdf.source import Problem, in_file_order

@@ -28,8 +28,8 @@ from dh2urdf.stage_calls.calls import blaming
 from dh2urdf.stage_calls.column_calls import emit_columns, read_columns, transform_columns
 from dh2urdf.stages import EmittedFile, Emitter, Rejected
 from dh2urdf.tasks.batch import Doomed
-from dh2urdf.tasks.batch_report import BatchReport, Tally
-from dh2urdf.tasks.manifest_columns import columns_of
+from dh2urdf.tasks.batch_report import BatchReport
+from dh2urdf.tasks.manifest_table import table_rows
 from dh2urdf.validation.coercion import many_unchecked
 
 if TYPE_CHECKING:
@@ -51,21 +51,21 @@ class Work(BatchContent):
         """Make everything, and tell what became of it."""
         kept = self.kept()
         ready = self._side_by_side({place for place in range(len(self.batch)) if place not in kept})
-        report = Tally(self.batch.first)
-        rows: list[ManifestRow] = []
-        lines: list[bytes] = []
-        told: list[ManifestRow] = []
-        for places in self.worker.layout.parts(len(self.batch)):
-            for row, line in self._part(places, kept, ready, report):
-                if row["status"] != "ok" or self.recipe.loaders or self.worker.has_page:
-                    told.append(row)
-                rows.append(row)
-                lines.append(line)
-        columns = columns_of(rows) if self.worker.has_table else None
-        return report.report(b"".join(lines), told, columns, self.seconds)
+        report = BatchReport(first=self.batch.first, seconds=self.seconds)
+        made = [
+            pair
+            for places in self.worker.layout.parts(len(self.batch))
+            for pair in self._part(places, kept, ready, report)
+        ]
+        rows = [row for row, _ in made]
+        tells = self.recipe.loaders or self.worker.has_page
+        report.told = [row for row in rows if tells or row["status"] != "ok"]
+        report.rows = b"".join([line for _, line in made])
+        report.table = table_rows(rows) if self.worker.has_table else None
+        return report
 
     def _part(
-        self, places: range, kept: dict[int, tuple[ManifestRow, bytes]], ready: dict[int, Outcome], report: Tally
+        self, places: range, kept: dict[int, tuple[ManifestRow, bytes]], ready: dict[int, Outcome], report: BatchReport
     ) -> list[tuple[ManifestRow, bytes]]:
         """Put the files of a shard in their place, or of all where there are none; the rows of the manifest."""
         makes, is_whole = self.worker.effect is Depth.MAKE, self.worker.layout.is_whole

@@ -233,7 +233,7 @@ def _make(  # noqa: PLR0917 - what a run has in its hands
             manifest.add(report)
             result.add(report)
             readable = readable or report.was_read
-            unread.append(replace(report, rows=b"", told=(), columns=None))
+            unread.append(replace(report, rows=b"", told=[], table=None))
             if readable:
                 for each in unread:
                     if note:

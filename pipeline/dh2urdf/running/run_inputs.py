@@ -10,8 +10,7 @@ from typing import TYPE_CHECKING
 from dh2urdf.errors import ConfigError
 from dh2urdf.output.journal import MANIFEST
 from dh2urdf.output.layouts import Form
-from dh2urdf.output.local_store import LocalStore
-from dh2urdf.output.store import WORKING, Store
+from dh2urdf.output.store import WORKING, LocalStore, Store
 from dh2urdf.report.json import INDEX, REPORT, TABLE, TIMING
 from dh2urdf.report.page import PAGE
 from dh2urdf.source import Problem, shown

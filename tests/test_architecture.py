@@ -398,7 +398,7 @@ BUDGETS = {
     "pipeline/dh2urdf/report": 3210,
     "pipeline/dh2urdf/results": 630,
     "pipeline/dh2urdf/run_file": 2460,
-    "pipeline/dh2urdf/running": 1170,
+    "pipeline/dh2urdf/running": 1180,
     "pipeline/dh2urdf/scaffold": 450,
     "pipeline/dh2urdf/stage_calls": 740,
     "pipeline/dh2urdf/tasks": 1110,

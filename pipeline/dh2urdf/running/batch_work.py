@@ -59,10 +59,12 @@ class Work(BatchContent):
         ]
         rows = [row for row, _ in made]
         tells = self.recipe.loaders or self.worker.has_page
-        report.told = [row for row in rows if tells or row["status"] != "ok"]
-        report.rows = b"".join([line for _, line in made])
-        report.table = table_rows(rows) if self.worker.has_table else None
-        return report
+        return replace(
+            report,
+            rows=b"".join([line for _, line in made]),
+            told=[row for row in rows if tells or row["status"] != "ok"],
+            table=table_rows(rows) if self.worker.has_table else None,
+        )
 
     def _part(
         self, places: range, kept: dict[int, tuple[ManifestRow, bytes]], ready: dict[int, Outcome], report: BatchReport

@@ -16,7 +16,7 @@ TIMED = 1000
 """Manipulators of a run whose durations are listed one by one; those of the others are added up."""
 
 
-@dataclass(slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True, kw_only=True)
 class BatchReport:
     """What became of a batch: a worker adds up what became of its manipulators.
 
@@ -30,8 +30,7 @@ class BatchReport:
         problems: what was noticed and what failed, a screenful of each; what is noticed of many is there once.
         severities: how many notices and errors there are.
         tracebacks: where stages failed, a screenful.
-        was_read: whether there was a manipulator at all.
-        keeps_kinematics: whether the transform keeps T(q).
+        unread: the names of those of which there was no manipulator at all.
         seconds: how long the steps took, added up [s].
         timings: how long the steps of each took, of a run's first manipulators [s].
         printed: the lines that plugins printed in the worker.
@@ -46,7 +45,7 @@ class BatchReport:
     problems: list[Problem] = field(default_factory=list)
     severities: Counter[str] = field(default_factory=Counter)
     tracebacks: list[str] = field(default_factory=list)
-    was_read: bool = False
+    unread: list[str] = field(default_factory=list)
     seconds: dict[str, float] = field(default_factory=dict)
     timings: list[dict[str, Any]] = field(default_factory=list)
     printed: tuple[str, ...] = ()
@@ -56,6 +55,11 @@ class BatchReport:
     def count(self) -> int:
         """How many manipulators it is about."""
         return sum(self.statuses.values())
+
+    @property
+    def was_read(self) -> bool:
+        """Whether there was a manipulator at all."""
+        return self.count > len(self.unread)
 
     def note(self, outcome: Outcome) -> None:
         """Takes an outcome."""
@@ -68,7 +72,8 @@ class BatchReport:
             self.tracebacks.append(outcome.traceback)
         if self.first < TIMED and outcome.seconds:
             self.timings.append({"name": outcome.name, **outcome.seconds})
-        self.was_read = self.was_read or outcome.was_read
+        if not outcome.was_read:
+            self.unread.append(outcome.name)
 
     def _note_problems(self, outcome: Outcome) -> None:
         # What simulators notice is alike for many manipulators: the end of a run reports it, grouped.
@@ -83,7 +88,6 @@ class BatchReport:
     def keep(self) -> None:
         """Takes a manipulator that is kept from an earlier run."""
         self.statuses["kept"] += 1
-        self.was_read = True
 
 
 def is_new(problem: Problem, said: set[Problem]) -> bool:

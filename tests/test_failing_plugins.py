@@ -411,7 +411,7 @@ def test_where_rows_of_cells_are_given(
     """`Manipulator.from_dh` names the reader, the distribution and the version, where the plugin's reader is asked."""
     lab(what)
     catalog = load(("dh2urdf",))  # The reader of dh2urdf would be preferred.
-    monkeypatch.setattr("dh2urdf.tables_at_hand.load", lambda: catalog)
+    monkeypatch.setattr("dh2urdf.commands.given_tables.load", lambda: catalog)
     with pytest.raises(StageError, match=re.escape(message)):
         Manipulator.from_dh([{"a": 0.4, "alpha": 0, "d": 0.1}])
 

@@ -48,7 +48,7 @@ else:
         "Manipulator._repr_html_": "report.notebook.manipulator_html",
         "Manipulator.fk": "kinematics.pose_arrays.table_pose",
         "Manipulator.fk_all": "kinematics.pose_arrays.table_poses",
-        "Manipulator.from_dh": "tables_at_hand.manipulator_of",
+        "Manipulator.from_dh": "commands.given_tables.manipulator_of",
         "Manipulator.jacobian": "kinematics.pose_arrays.table_jacobian",
         "Manipulator.to_csv": "commands.written_tables.write_table",
         "Manipulator.to_yaml": "commands.written_tables.write_table",

@@ -10,10 +10,17 @@ import click
 
 from dh2urdf.cli import SETTLED
 from dh2urdf.cli.answers import answer
-from dh2urdf.cli.shared_options import PATH, catalog, option, without_option
-from dh2urdf.cli.stage_flags import StageCommand, given_options
+from dh2urdf.cli.shared_options import (
+    PATH,
+    StageCommand,
+    catalog,
+    given_options,
+    option,
+    package_paths_option,
+    table_options,
+    without_option,
+)
 from dh2urdf.cli.standard_input import DASH, NAME, given_description, given_table
-from dh2urdf.cli.tables import ASKER, package_paths_option, table_options
 from dh2urdf.commands.check import given_arguments, inspect, inspect_several, repaired
 from dh2urdf.commands.chosen_table import read_manipulator, reader_call
 from dh2urdf.documents.text_files import check_file, is_folder, is_there
@@ -229,8 +236,8 @@ def _only(finding: Finding, consumers: Mapping[str, str]) -> Finding | None:
 
 def _manipulator(catalog: Catalog, table: Path, flags: Mapping[str, str | None]) -> Manipulator:
     table, reader_name = given_table(table, flags["reader_name"], catalog)
-    call = reader_call(catalog, table, reader_name, ASKER, given_options(flags))
-    return read_manipulator(call, table, flags["robot"], ASKER)
+    call = reader_call(catalog, table, reader_name, COMMAND_LINE, given_options(flags))
+    return read_manipulator(call, table, flags["robot"], COMMAND_LINE)
 
 
 def _agreement(

@@ -10,14 +10,13 @@ import click
 from dh2urdf.cli import EXIT_STATUS
 from dh2urdf.cli.answers import answer
 from dh2urdf.cli.convert import print_notices
-from dh2urdf.cli.shared_options import Command, catalog, option, without_option
+from dh2urdf.cli.shared_options import catalog, option, package_paths_option, without_option
 from dh2urdf.cli.standard_input import refuse_dash
-from dh2urdf.cli.tables import package_paths_option
 from dh2urdf.documents.text_files import is_there
 from dh2urdf.plugin_system.options import COMMAND_LINE
 
 
-@click.command(cls=Command, name="view", epilog=EXIT_STATUS)
+@click.command(name="view", epilog=EXIT_STATUS)
 @click.argument("files", nargs=-1, required=True, metavar="FILE… [NAME:=VALUE]…")
 @package_paths_option
 @option("--port", type=click.IntRange(0, 65535), metavar="P", help="Port; 8420 or a free one without it.")

@@ -26,7 +26,7 @@ from typing import IO, TYPE_CHECKING, Any, NoReturn
 import click
 
 from dh2urdf._version import __version__
-from dh2urdf.cli.shared_options import Command, option, without_option
+from dh2urdf.cli.shared_options import option, without_option
 from dh2urdf.errors import BrokenPluginError, Dh2UrdfError, OutputError
 from dh2urdf.isolation.own_process import claim
 from dh2urdf.plugin_system.at_work import at_work_here, current_folder
@@ -88,7 +88,7 @@ class _Invocation:
         self.debug = debug
 
 
-class _LazyGroup(Command, click.Group):
+class _LazyGroup(click.Group):
     """A group that imports a command's module when the command is called: help and version cost nothing."""
 
     def list_commands(self, ctx: click.Context) -> list[str]:  # noqa: ARG002 - click's signature

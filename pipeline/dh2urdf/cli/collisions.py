@@ -9,9 +9,8 @@ import click
 from dh2urdf.cli import EXIT_STATUS
 from dh2urdf.cli.answers import answer
 from dh2urdf.cli.convert import print_notices
-from dh2urdf.cli.shared_options import PATH, Command, catalog, option, without_option
+from dh2urdf.cli.shared_options import PATH, catalog, option, package_paths_option, settings_of, without_option
 from dh2urdf.cli.standard_input import refuse_dash
-from dh2urdf.cli.tables import ASKER, package_paths_option, settings_of
 from dh2urdf.commands.check import given_arguments
 from dh2urdf.commands.collisions import annotation
 from dh2urdf.documents.text_files import is_there
@@ -24,7 +23,7 @@ from dh2urdf.stages import Expansion
 OPTIONS = ("trials", "seed", "min_distance")
 
 
-@click.command(cls=Command, name="collisions", epilog=EXIT_STATUS)
+@click.command(name="collisions", epilog=EXIT_STATUS)
 @click.argument("words", nargs=-1, required=True, metavar="ROBOT [NAME:=VALUE…]")
 @option(
     "-o",
@@ -78,7 +77,7 @@ def command(  # noqa: PLR0917 - click hands everything over by name
         catalog(),
         robots[0],
         expansion,
-        ASKER,
+        COMMAND_LINE,
         out=output,
         earlier=earlier,
         given={name: flags[name] for name in OPTIONS},

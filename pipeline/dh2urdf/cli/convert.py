@@ -9,13 +9,21 @@ import click
 
 from dh2urdf.cli import EXIT_STATUS
 from dh2urdf.cli.answers import answer
-from dh2urdf.cli.shared_options import PATH, catalog, option, without_option
-from dh2urdf.cli.stage_flags import StageCommand, given_options
+from dh2urdf.cli.shared_options import (
+    PATH,
+    StageCommand,
+    catalog,
+    given_options,
+    option,
+    settings_of,
+    table_options,
+    without_option,
+)
 from dh2urdf.cli.standard_input import DASH, files_behind, given_table
-from dh2urdf.cli.tables import ASKER, settings_of, table_options
 from dh2urdf.commands.convert import plan_conversion
 from dh2urdf.documents.text_files import is_folder
 from dh2urdf.errors import SCREENFUL
+from dh2urdf.plugin_system.options import COMMAND_LINE
 from dh2urdf.report.answers.conversions import closing_line
 
 if TYPE_CHECKING:
@@ -87,7 +95,7 @@ def command(  # noqa: PLR0917 - click hands everything over by name
         return plan_conversion(
             path,
             file,
-            ASKER,
+            COMMAND_LINE,
             installed,
             reader=reader,
             transform=transform_name,

@@ -12,10 +12,17 @@ import click
 from dh2urdf.cli import EXIT_STATUS
 from dh2urdf.cli.answers import answer
 from dh2urdf.cli.convert import print_notices
-from dh2urdf.cli.shared_options import PATH, catalog, option, without_option
-from dh2urdf.cli.stage_flags import StageCommand, given_options
+from dh2urdf.cli.shared_options import (
+    PATH,
+    StageCommand,
+    catalog,
+    given_options,
+    option,
+    package_paths_option,
+    settings_of,
+    without_option,
+)
 from dh2urdf.cli.standard_input import files_behind, given_table
-from dh2urdf.cli.tables import ASKER, package_paths_option, settings_of
 from dh2urdf.commands.check import given_arguments
 from dh2urdf.commands.extract import chains_of, description_reader, leaves_of, table_lines, write_extracted
 from dh2urdf.documents.text_files import is_there
@@ -92,7 +99,7 @@ def command(  # noqa: PLR0917 - click hands everything over by name
     def call(chosen: str | None = convention) -> Call[Reader[Any]]:
         options: Mapping[str, str | None] = {**given, "convention": chosen}
         return description_reader(
-            installed, robot, ASKER, reader=reader_name, given=options, settings=settings_of(settings)
+            installed, robot, COMMAND_LINE, reader=reader_name, given=options, settings=settings_of(settings)
         )
 
     if lists_tips:

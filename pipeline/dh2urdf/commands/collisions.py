@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
     from pathlib import Path
 
-    from dh2urdf.commands.options_of_stages import Asker, Setting
+    from dh2urdf.commands.options_of_stages import Setting
     from dh2urdf.plugin_system.catalog import Catalog
     from dh2urdf.stages import Expansion
 
@@ -25,7 +25,7 @@ def annotation(
     catalog: Catalog,
     description: Path,
     expansion: Expansion,
-    asker: Asker,
+    mark: Mark,
     *,
     out: Path | None = None,
     earlier: Path | None = None,
@@ -38,7 +38,7 @@ def annotation(
         catalog: the stages that there are.
         description: a robot description.
         expansion: how it is expanded, and where its packages are.
-        asker: who asks.
+        mark: the place that problems name: the command line, or the function that was called.
         out: the file to write; its suffix chooses the emitter. Where it exists, it is what is brought up to date.
         earlier: another file to bring up to date.
         given: options of the emitter as words.
@@ -55,7 +55,7 @@ def annotation(
     if earlier is not None:
         check_file(earlier, InputError)
     emitter = _emitter(catalog, out or earlier)
-    (call,) = stage_calls(catalog, {"emitter": [emitter]}, asker, {"emitter": dict(given or {})}, settings)["emitter"]
+    (call,) = stage_calls(catalog, {"emitter": [emitter]}, mark, {"emitter": dict(given or {})}, settings)["emitter"]
     with depending_on(call, "annotate"):
         made: Annotation = a_whole_record(emitter.annotate(description, expansion, earlier, call.options), Annotation)
         return made

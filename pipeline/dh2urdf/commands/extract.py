@@ -27,7 +27,7 @@ from dh2urdf.unchecked_records import changed
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence
 
-    from dh2urdf.commands.options_of_stages import Asker, Setting
+    from dh2urdf.commands.options_of_stages import Setting
     from dh2urdf.plugin_system.catalog import Catalog
     from dh2urdf.stage_calls.calls import Call
 
@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 def description_reader(
     catalog: Catalog,
     path: Path,
-    asker: Asker,
+    mark: Mark,
     *,
     reader: str | None = None,
     given: Mapping[str, str | None] | None = None,
@@ -46,7 +46,7 @@ def description_reader(
     Args:
         catalog: the stages that there are.
         path: the description.
-        asker: who asks.
+        mark: the place that problems name: the command line, or the function that was called.
         reader: name of the reader; without it the file's suffix says it.
         given: options as words.
         settings: further options.
@@ -57,14 +57,14 @@ def description_reader(
         InputError: no installed reader takes the file.
     """
     check_file(path, TableError)
-    stage = chosen_reader(catalog, path, reader, asker)
+    stage = chosen_reader(catalog, path, reader, mark)
     if stage.leaves is None:
         known = [item.stage for item in catalog.provided("reader")]
         names = [each.name for each in known if isinstance(each, Reader) and each.leaves is not None]
         raise ConfigError(
             Problem(
                 message=f"the reader {stage.name!r} reads tables, and a table is extracted of a robot description",
-                mark=asker.mark,
+                mark=mark,
                 found=str(path),
                 accepted=f"a file in the format {', '.join(names)}",
                 suggestion="`dh2urdf info` shows a table",
@@ -73,7 +73,7 @@ def description_reader(
     if given and "arguments" in given and "arguments" not in stage.options.__dataclass_fields__:
         message = f"files of the format {stage.name!r} have no macros: they take no arguments"
         raise ConfigError(Problem(message=message, mark=Mark(file=str(path)), accepted="NAME:=VALUE with a xacro"))
-    (call,) = stage_calls(catalog, {"reader": [stage]}, asker, {"reader": dict(given or {})}, settings)["reader"]
+    (call,) = stage_calls(catalog, {"reader": [stage]}, mark, {"reader": dict(given or {})}, settings)["reader"]
     return call
 
 

@@ -16,13 +16,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from dh2urdf.commands.convert import POSES, Planned, as_named, in_one_file
-from dh2urdf.commands.options_of_stages import asker_of
 from dh2urdf.commands.written_tables import in_format
 from dh2urdf.conversion.one_manipulator import Recipe
 from dh2urdf.errors import EmitterError
 from dh2urdf.kinematics.proof import Proof
 from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.output.whole_files import safe_stem
+from dh2urdf.source import Mark
 from dh2urdf.stage_calls.calls import Call, default_call
 from dh2urdf.stages import Emitter
 from dh2urdf.table_text import NAMES, yaml_word
@@ -184,8 +184,9 @@ def _make(table: TableText, emitters: Sequence[Call[Emitter[Any]]], variant: str
         saved = table_file(table, reader.stage.name, catalog)
         path = Path(folder) / saved.name
         path.write_bytes(saved.content)
-        asker = asker_of("dh2urdf studio")
-        made = Planned(table=path, target=None, reader=reader, recipe=recipe, robot=None, asker=asker).carry_out()
+        made = Planned(
+            table=path, target=None, reader=reader, recipe=recipe, mark=Mark(file="dh2urdf studio")
+        ).carry_out()
     return [
         Saved(name=file.name, content=file.content, proof=emitted.proof if file is emitted.files[0] else None)
         for emitted in made.written

@@ -520,7 +520,6 @@ ALIKE = {
     ("", "'__model__'"): "what writes SDF, what proves it and what measures it in Gazebo share nothing",
     ("", "'all'"): "all joints of a variation, and the group of all arms of a cell",
     ("", "{}"): "they are filled later",
-    ("", "range(3)"): "members of two enumerations",
     ("", "threading.Lock()"): "two locks",
     ("STDERR", "2"): "the watchdog imports nothing of the commands, nor these the watchdog",
     ("TOLERANCE", "1e-09"): "that of the proof is fixed, that of an extraction is a default",

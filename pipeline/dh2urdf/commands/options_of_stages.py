@@ -22,7 +22,7 @@ _FLAGS = {"reader": "--from", "formats": "--to", "out": "-o", "edits": "--edit",
 
 
 def option(mark: Mark, name: str, value: str = "") -> str:
-    """An option with its value, as whoever asks gives it: ``--robot NAME``, or ``robot=NAME`` in a program.
+    """An option with its value, as its user gives it: ``--robot NAME``, or ``robot=NAME`` in a program.
 
     Args:
         mark: the place that problems of the options name: the command line, or the function that was called.

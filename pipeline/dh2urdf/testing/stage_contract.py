@@ -16,7 +16,7 @@ from dh2urdf.errors import CrashError, Dh2UrdfError, PluginError
 from dh2urdf.hookspecs import PROJECT
 from dh2urdf.isolation.child_process import ChildFailure
 from dh2urdf.plugin_system.catalog import RECORDS, Catalog, Plugin, load
-from dh2urdf.plugin_system.option_types import describe_options, measures_of
+from dh2urdf.plugin_system.option_types import describe_options, keys_of
 from dh2urdf.plugin_system.options import make_options
 from dh2urdf.quantities import Dimension
 from dh2urdf.testing.breach import breach
@@ -118,8 +118,9 @@ class StageContract:
                     remedy=f"write `{name}: … = field(default=…, metadata={{'help': 'what it is for [unit]'}})`",
                 )
 
-        for name, word in measures_of(self.stage.options).items():
-            if word not in (words := [each.plain for each in Dimension]):
+        for name, key in keys_of(self.stage.options).items():
+            word, words = key.measures, [each.plain for each in Dimension]
+            if word is not None and word not in words:
                 self.breach(
                     self.test_options_are_explained,
                     found=f"the option {name!r} measures {word!r}",

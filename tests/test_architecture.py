@@ -382,10 +382,10 @@ def test_modules_say_what_they_are() -> None:
 
 
 BUDGETS = {
-    "pipeline/dh2urdf": 5610,
+    "pipeline/dh2urdf": 6070,
     "pipeline/dh2urdf/cells": 410,
     "pipeline/dh2urdf/cli": 2390,
-    "pipeline/dh2urdf/commands": 2540,
+    "pipeline/dh2urdf/commands": 2620,
     "pipeline/dh2urdf/conversion": 1490,
     "pipeline/dh2urdf/documents": 1070,
     "pipeline/dh2urdf/isolation": 1510,
@@ -403,7 +403,6 @@ BUDGETS = {
     "pipeline/dh2urdf/stage_calls": 740,
     "pipeline/dh2urdf/tasks": 1110,
     "pipeline/dh2urdf/testing": 2960,
-    "pipeline/dh2urdf/validation": 660,
     "pipeline/dh2urdf/variations": 1260,
     "plugins/dh2urdf_check": 7700,
     "plugins/dh2urdf_plugins": 340,

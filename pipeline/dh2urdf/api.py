@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from dh2urdf.commands.argument_words import word_of, words_of
+from dh2urdf.commands.arguments import check_arguments, check_names, mapping, path_or_none, several
 from dh2urdf.commands.chosen_table import reader_call
 from dh2urdf.commands.convert import Conversion, plan_conversion
 from dh2urdf.commands.given_tables import as_file, read_table
@@ -25,7 +26,6 @@ from dh2urdf.plugin_system.catalog import load
 from dh2urdf.robot import Robot
 from dh2urdf.source import Mark, Problem
 from dh2urdf.table_warnings import warn_of
-from dh2urdf.validation.arguments import a_name, a_path, check_flags, check_names, mapping, path_or_none, several
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
@@ -253,7 +253,8 @@ def check(
     mark = _mark("check")
     check_names(mark, emitter=emitter)
     given = several("package_paths", package_paths, mark, one=(str, PathLike))
-    folders = [Path(a_path("package_paths", folder, mark)) for folder in given]
+    for folder in given:
+        check_arguments("path", mark, package_paths=folder)
     words = mapping("arguments", arguments, mark, such_as="{'prefix': 'left_'}")
     catalog = _catalog(without, mark)
     if isinstance(description, Robot):
@@ -266,7 +267,7 @@ def check(
     with as_file(description, "emitter", emitter, catalog, "emitter=NAME") as path:
         check_file(path, InputError)
         expansion = Expansion(
-            arguments={name: str(value) for name, value in words.items()}, package_paths=tuple(folders)
+            arguments={name: str(value) for name, value in words.items()}, package_paths=tuple(map(Path, given))
         )
         return inspect(catalog, path, emitter, "`emitter=NAME`", expansion)
 
@@ -313,7 +314,7 @@ def run(
     from dh2urdf.running.run import execute, load_plan
 
     mark, root = _mark("run"), None
-    check_flags(mark, resume=resume, dry_run=dry_run, keep=keep)
+    check_arguments("flag", mark, resume=resume, dry_run=dry_run, keep=keep)
     changes = mapping("settings", settings, mark, such_as="{'transform.options.frames': 'dh'}")
     overrides = [setting.text for setting in settings_of(changes)]
     output = path_or_none("out", out, mark)
@@ -323,7 +324,8 @@ def run(
 
         root = load_yaml(word_of(config), str(mark), ConfigError)
         config = "run"
-    path = Path(a_path("config", config, mark, also=", or a mapping"))
+    check_arguments("path", mark, also=", or a mapping", config=config)
+    path = Path(config)
     asked = Asked(mark, "settings: ")
     plan = load_plan(path, catalog, overrides, output, root, asked=asked)
     _, report = execute(plan, resume=resume, dry_run=dry_run, keep=keep)
@@ -344,4 +346,7 @@ def _catalog(without: Iterable[str], mark: Mark) -> Catalog:
 
 
 def _names(argument: str, given: str | Iterable[str], mark: Mark) -> tuple[str, ...]:
-    return tuple([a_name(argument, name, mark) for name in several(argument, given, mark)])
+    names: tuple[str, ...] = several(argument, given, mark)
+    for name in names:
+        check_arguments("name", mark, **{argument: name})
+    return names

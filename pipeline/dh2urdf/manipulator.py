@@ -19,9 +19,9 @@ from dh2urdf.link_bodies import (
     MeshShape,
     Payload,
 )
+from dh2urdf.record_fields import refuse, take_exact_fields, take_fields
 from dh2urdf.rotations import IDENTITY, RigidTransform, Vec3
 from dh2urdf.source import Mark, Problem, shown
-from dh2urdf.validation.coercion import refuse, take_exact_fields, take_fields
 
 if TYPE_CHECKING:
     import os

@@ -19,6 +19,7 @@ from dh2urdf._faces import function_of
 from dh2urdf.elementwise import total
 from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.manipulator import Inertia, JointType, Limits, Manipulator
+from dh2urdf.record_fields import take_fields
 from dh2urdf.rotations import Z_AXIS, ZERO, Vec3
 from dh2urdf.shapes import (
     Box,
@@ -34,7 +35,6 @@ from dh2urdf.shapes import (
     Visual,
 )
 from dh2urdf.source import Mark, Problem, free_name
-from dh2urdf.validation.coercion import take_fields
 
 if TYPE_CHECKING:
     import os

@@ -17,6 +17,7 @@ from pathlib import Path
 from typing import IO, TYPE_CHECKING, Any, TypeAlias
 
 from dh2urdf.commands.argument_words import words_of
+from dh2urdf.commands.arguments import check_names, path_or_none, several
 from dh2urdf.commands.chosen_table import chosen_manipulator, read_manipulator, reader_call
 from dh2urdf.commands.options_of_stages import stage_calls
 from dh2urdf.conversion.one_manipulator import checked_items
@@ -29,7 +30,6 @@ from dh2urdf.stage_calls.answers import items_of
 from dh2urdf.stage_calls.calls import blaming
 from dh2urdf.table_text import METADATA, PARAMETERS, REMARKS, STATEMENTS, CellRow
 from dh2urdf.table_warnings import warn_of
-from dh2urdf.validation.arguments import check_names, path_or_none, several
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -386,7 +386,7 @@ def _cell(value: Any, mark: Mark) -> CellValue:  # noqa: ANN401 - whatever is gi
         return str.__str__(value)
     if isinstance(value, (list, tuple)) or getattr(value, "ndim", None):  # a range, a centre of mass, an inertia tensor
         return json.dumps(value, default=lambda items: items.tolist() if hasattr(items, "tolist") else str(items))
-    from dh2urdf.validation.coercion import as_number
+    from dh2urdf.record_fields import as_number
 
     try:
         number = as_number(value)

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from dh2urdf.columns import columns_of
 from dh2urdf.commands.argument_words import words_of
+from dh2urdf.commands.arguments import path_or_none
 from dh2urdf.commands.options_of_stages import stage_calls
 from dh2urdf.conversion.file_endings import refuse_other_ending
 from dh2urdf.errors import ProofError, RobotError
@@ -23,7 +24,6 @@ from dh2urdf.robot_check import check_robot
 from dh2urdf.source import Mark, Problem
 from dh2urdf.stage_calls.answers import a_whole_record, emitted_files
 from dh2urdf.stage_calls.calls import blaming
-from dh2urdf.validation.arguments import path_or_none
 
 if TYPE_CHECKING:
     import os

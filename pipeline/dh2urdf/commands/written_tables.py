@@ -6,6 +6,7 @@ from dataclasses import fields, is_dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from dh2urdf.commands.arguments import path_or_none
 from dh2urdf.conversion.file_endings import refuse_other_ending
 from dh2urdf.conversion.one_manipulator import read_items
 from dh2urdf.errors import InputError, RecordValueError
@@ -20,7 +21,6 @@ from dh2urdf.stage_calls.answers import a_whole_record
 from dh2urdf.stage_calls.calls import Call, blaming, default_call
 from dh2urdf.stages import Rejected
 from dh2urdf.table_text import WrittenTable, table_text
-from dh2urdf.validation.arguments import path_or_none
 
 if TYPE_CHECKING:
     import os

@@ -93,7 +93,7 @@ class _Given(Generic[T]):
         before: what stands before a message that somebody else has worded.
         problems: what is wrong.
         seen: the values by their place, each with its type and whether it may have a unit.
-        wrong: the places of values about which everything has been said.
+        wrong: the places of values whose problem is noted already.
         unknown: the keys that are none, by the place of their mapping.
     """
 

@@ -22,6 +22,7 @@ from dh2urdf.isolation.watchdog import watched
 from dh2urdf.kinematics.proof import Proof, prove_columns
 from dh2urdf.manipulator import Manipulator
 from dh2urdf.output.journal import Journal
+from dh2urdf.record_fields import many_unchecked
 from dh2urdf.running.batch_content import BatchContent, Depth, timed
 from dh2urdf.source import Mark
 from dh2urdf.stage_calls.calls import blaming
@@ -30,7 +31,6 @@ from dh2urdf.stages import EmittedFile, Emitter, Rejected
 from dh2urdf.tasks.batch import Doomed
 from dh2urdf.tasks.batch_report import BatchReport
 from dh2urdf.tasks.manifest_table import table_rows
-from dh2urdf.validation.coercion import many_unchecked
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -22,12 +22,12 @@ from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.manipulator import Manipulator
 from dh2urdf.output.layouts import Form
 from dh2urdf.output.whole_files import Stems
+from dh2urdf.record_fields import replace_unchecked
 from dh2urdf.run_file.mesh_section import MeshGiver
 from dh2urdf.source import Mark, Problem, shown
 from dh2urdf.stages import Rejected
 from dh2urdf.tasks.batch_sizes import BatchSizes
 from dh2urdf.tasks.run_item import RunItem, RunItems
-from dh2urdf.validation.coercion import replace_unchecked
 from dh2urdf.variations.binding import bind
 from dh2urdf.variations.columns import made_variants
 from dh2urdf.variations.variation import Variants, VariationCall

@@ -12,12 +12,12 @@ from dh2urdf.kinematics.expected_poses import ExpectedPoses
 from dh2urdf.kinematics.proof import TOLERANCE
 from dh2urdf.kinematics.proof_vectors import proof_vectors
 from dh2urdf.manipulator import ROOT, TOOL
+from dh2urdf.record_fields import replace_unchecked
 from dh2urdf.robot_check import check_robot
 from dh2urdf.testing.oracle import difference, robot_pose, table_pose
 from dh2urdf.testing.reference import copies_of, plain_robot
 from dh2urdf.testing.stage_contract import StageContract, each, each_outcome
 from dh2urdf.testing.transform_contract import POSES, impossible, stretched
-from dh2urdf.validation.coercion import replace_unchecked
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence

@@ -13,8 +13,7 @@ from dh2urdf.provenance import Trace
 from dh2urdf.quantities import is_zero
 from dh2urdf.source import Mark, Problem, shown
 from dh2urdf.stages import Reader
-from dh2urdf_plugins.calibrations.calibration import FIELDS, Calibration, RowDifference
-from dh2urdf_plugins.calibrations.ur_conf import read_ur_conf
+from dh2urdf_plugins.calibrations.calibration import FIELDS, Calibration, RowDifference, read_ur_conf
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 from dh2urdf.documents import BROKEN_ARCHIVE
 from dh2urdf.errors import Dh2UrdfError, InputError
-from dh2urdf.meshes import named_files
+from dh2urdf.meshes import addresses
 from dh2urdf.source import Problem, shown
 from dh2urdf.stages import PACKAGE_FILE, Emitter
 from dh2urdf_studio.drawing.mesh_files import LARGEST, SUFFIXES
@@ -56,7 +56,7 @@ class GivenFiles:
     def __init__(self, files: Iterable[tuple[str, bytes]], catalog: Catalog) -> None:
         self._catalog = catalog
         self._described = description_suffixes(catalog)
-        self._wanted = (*self._described, *SUFFIXES, *named_files.SUFFIXES, ".yaml", ".yml")
+        self._wanted = (*self._described, *SUFFIXES, *addresses.SUFFIXES, ".yaml", ".yml")
         self._folder = tempfile.TemporaryDirectory(prefix="dh2urdf-")
         # One folder deeper: an MJCF may include files beside its folder, and nothing is there.
         self._root = Path(self._folder.name).resolve() / "files"

@@ -7,14 +7,17 @@ import logging
 import re
 import shutil
 import subprocess
+import tomllib
 from collections import Counter
 from dataclasses import fields, replace
+from importlib.resources import files
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, get_args
 from xml.etree import ElementTree as ET
 
 import pytest
 
+import dh2urdf_plugins.emitters
 from dh2urdf.errors import EmitterError
 from dh2urdf.kinematics import KinematicChain
 from dh2urdf.stages import LoadRequest
@@ -338,16 +341,18 @@ def test_a_name_that_gazebo_needs_is_refused(ur5: Robot) -> None:
 def table() -> str:
     """The decisions as a table of Markdown."""
     lines = ["| portable | otherwise | for | why |", "|---|---|---|---|"]
+    decisions = tomllib.loads((files(dh2urdf_plugins.emitters) / "profiles.toml").read_text("utf-8"))
+    assert [*decisions] == [decision.name for decision in fields(Profile)]
     for decision in fields(Profile):
         users = [name for name, profile in PROFILES.items() if getattr(profile, decision.name) != decision.default]
-        words = decision.metadata
+        words = decisions[decision.name]
         listed = ", ".join(f"`{name}`" for name in users)
         lines.append(f"| {words['portable']} | {words['otherwise']} | {listed} | {words['why']} |")
     return "\n".join([*lines, ""])
 
 
 def test_the_page_has_every_decision(*, renew: bool) -> None:
-    """The table in docs/profiles.md is that of profiles.py; `--renew` writes it."""
+    """The table in docs/profiles.md is that of profiles.py and profiles.toml; `--renew` writes it."""
     text = PAGE.read_text("utf-8")
     pattern = re.compile(r"(?<=<!-- decisions -->\n)(.*?)(?=<!-- /decisions -->)", re.DOTALL)
     if renew:

@@ -32,7 +32,7 @@ def emit(robot: Robot, stem: str, options: Ros2Options) -> tuple[EmittedFile, ..
 def folders(stem: str, options: Ros2Options) -> tuple[str, ...]:
     """The packages of a robot."""
     from dh2urdf_plugins.emitters.ros2.moveit_package import moveit_name
-    from dh2urdf_plugins.emitters.ros2.names import package_stem
+    from dh2urdf_plugins.emitters.ros2.package_files import package_stem
 
     name = package_stem(stem, options.package)
     return (f"{name}_description", *([moveit_name(name)] if options.moveit else ()))

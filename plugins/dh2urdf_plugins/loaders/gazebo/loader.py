@@ -62,9 +62,9 @@ def load(request: LoadRequest, _options: GazeboOptions) -> LoadReport:
         LoaderError: sdformat refuses the file, or makes another arm of it than the one that was written.
         MissingProgramError: sdformat is not installed.
     """
-    from dh2urdf_plugins.loaders.comparison import Comparison
     from dh2urdf_plugins.loaders.gazebo.arm import Arm, precision
     from dh2urdf_plugins.loaders.gazebo.sdf_model import parse_sdf
+    from dh2urdf_plugins.loaders.measures import Comparison
 
     command, version = find_command()
     comparison = Comparison("sdformat", request, precision(request.robot))

@@ -14,8 +14,7 @@ import dh2urdf as api
 from dh2urdf.errors import EmitterError
 from dh2urdf.manipulator import LinkGeometry, Manipulator, MeshFile, MeshShape, Payload
 from dh2urdf.robot import Arm, Link, Origin, Robot
-from dh2urdf_plugins.emitters.table.emitter import EMITTER
-from dh2urdf_plugins.emitters.table.options import SUFFIXES, TableOptions
+from dh2urdf_plugins.emitters.table.emitter import EMITTER, SUFFIXES, TableOptions
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -2,6 +2,11 @@
 
 coal is the collision library behind pinocchio, made of FCL, which MoveIt uses. Meshes are surfaces in both: a link that
 is wholly inside the mesh of another does not touch it.
+
+A tree of links and joints that moves: what drives its joints, where they start, and random states. States are those of
+MoveIt's robot model: a joint starts at 0, or in the middle of its limits where 0 is outside; random values are uniform
+within the limits, or a turn where there are none; a joint that mimics another follows it, wherever that leads; a
+floating joint turns about its origin and a planar joint about z, since nothing limits where they are.
 """
 
 from __future__ import annotations

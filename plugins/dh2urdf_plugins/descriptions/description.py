@@ -1,4 +1,9 @@
-"""A robot description of any origin as the ground of a table: its robot, and what the robot does not hold."""
+"""A robot description of any origin as the ground of a table: its robot, and what the robot does not hold.
+
+What a description holds besides the links and joints of a robot: no table has it, and a notice names it.
+
+The shapes of a URDF that its reader has no word for: capsules become what robots have, and others are left out.
+"""
 
 from __future__ import annotations
 

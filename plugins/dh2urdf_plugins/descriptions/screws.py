@@ -4,9 +4,11 @@
     T(q) = M · exp([B_1] q_1) … exp([B_N] q_N)                        Blist: axes in the frame of the tool
     T(q) = Tr(p_0) · Rot(h_1, q_1) · Tr(p_1) … Rot(h_N, q_N) · Tr(p_N) · R    H and P
 
-Slist, Blist and M are those of K. Lynch and F. Park, Modern Robotics (2017), eqs. 4.14 and 4.16; H and P those of
-EAIK, of ssik, and of the papers on subproblems. All frames of joints have the axes of one frame at q = 0, so that only
-shifts are between them.
+Slist, Blist and M are those of K. Lynch and F. Park, Modern Robotics (2017), eqs. 4.14 and 4.16; H and P those of EAIK,
+of ssik, and of the papers on subproblems. All frames of joints have the axes of one frame at q = 0, so that only shifts
+are between them.
+
+The joints of a file of screw axes: names, types and limits, as the reader of YAML tables reads them.
 """
 
 from __future__ import annotations

@@ -5,16 +5,20 @@
 Frame K_i is the frame of joint i turned so that its z is the joint's axis. X_0 leads from the base link to K_1, X_i
 from K_i to K_(i+1) at q = 0, X_N from K_N to the tip link. Only what stands between two joints is multiplied: each X
 has its own rounding and no other.
+
+The numbers of an extracted table: zeros where zeros can be, exact parts of π, and else the shortest decimals.
+
+Every rigid transform is a screw along z, a screw along x and a screw along z: X = Z(φ, b)·S(a, α)·Z(ψ, e). Z(φ, b) =
+Rz(φ)·Tz(b) and S(a, α) = Tx(a)·Rx(α): what stands between two joints whose axes are the z of their frames. The common
+normal of the two axes is the x in the middle; a is its length and α the angle between the axes.
 """
 
 from __future__ import annotations
 
 import math
-import random
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from dh2urdf.kinematics import KinematicChain, largest_errors, table_chain
 from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.manipulator import JointType
@@ -34,10 +38,8 @@ from dh2urdf.rotations import (
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Sequence
+    from collections.abc import Iterable
 
-    from dh2urdf.kinematics import CompiledChain
-    from dh2urdf.manipulator import Manipulator
     from dh2urdf.robot import Joint
     from dh2urdf.rotations import Rotation, Vec3
 
@@ -322,58 +324,3 @@ def _after(first: RigidTransform, second: RigidTransform) -> RigidTransform:
     if first is IDENTITY:
         return second
     return first if second == IDENTITY else first @ second
-
-
-RANDOM_VECTORS = 32
-"""Random joint vectors at which poses are compared, besides zero."""
-_WIDEST_TURN = math.pi
-_WIDEST_SLIDE = 1.0
-
-
-class Difference(NamedTuple):
-    """The largest difference of two chains.
-
-    Attributes:
-        position: distance of the tips [m].
-        angle: angle between them [rad].
-    """
-
-    position: float
-    angle: float
-
-    @property
-    def largest(self) -> float:
-        """The larger of the two, as a tolerance counts them [m, rad]."""
-        return max(self.position, self.angle)
-
-
-def difference(table: Manipulator, joints: Sequence[Joint]) -> Difference:
-    """How far the table of a chain is from its joints, at q = 0 and at random q within the limits."""
-    return _difference(table_chain(table), KinematicChain.of(joints).compiled, joints)
-
-
-def chain_difference(one: Sequence[Joint], other: Sequence[Joint]) -> Difference:
-    """How far two chains of the same joints are from each other, at the same joint vectors."""
-    return _difference(KinematicChain.of(one).compiled, KinematicChain.of(other).compiled, one)
-
-
-def _difference(one: CompiledChain, other: CompiledChain, joints: Sequence[Joint]) -> Difference:
-    moving = [joint for joint in joints if joint.type is not JointType.FIXED]
-    errors = largest_errors(one, other, _joint_vectors(moving))
-    return Difference(errors.position, errors.angle)
-
-
-def _joint_vectors(moving: Sequence[Joint]) -> Iterator[tuple[float, ...]]:
-    yield (0.0,) * len(moving)
-    ranges = [_range(joint) for joint in moving]
-    draw = random.Random(f"dh2urdf {len(moving)}")  # noqa: S311 - reproducible on purpose
-    for _ in range(RANDOM_VECTORS):
-        yield tuple([lower + (upper - lower) * draw.random() for lower, upper in ranges])
-
-
-def _range(joint: Joint) -> tuple[float, float]:
-    widest = _WIDEST_SLIDE if joint.type is JointType.PRISMATIC else _WIDEST_TURN
-    lower, upper = joint.limits.lower, joint.limits.upper
-    if lower is None or upper is None or not lower < upper:
-        return -widest, widest
-    return max(lower, -2 * widest), min(upper, 2 * widest)

@@ -1,6 +1,8 @@
 """The ends of a chain: what base and tool hold, and what the first row and the last row take from them.
 
 The rows of the data sheet come first, and an identity comes before anything else.
+
+Where the axis of a prismatic joint lies: a sliding axis may be moved anywhere beside itself.
 """
 
 from __future__ import annotations
@@ -29,7 +31,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from dh2urdf.rotations import Vec3
-    from dh2urdf_plugins.extraction.chain import ZSZ, Chain, Precision
+    from dh2urdf_plugins.extraction.chain import Chain, Precision
 
 
 FARTHEST = 4.0

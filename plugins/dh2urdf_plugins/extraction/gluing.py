@@ -5,6 +5,11 @@
     modified:  base = Z(φ_0, b_0),              row i = (a_(i−1), α_(i−1), θ_i, d_i),  tool = S(a_N, α_N)·Z(ψ_N, e_N)
 
 A turn and a shift along z commute with a joint's own motion, whether it turns or slides. All else is choice.
+
+Which way the common normals point: an exact shortest path over two directions for each link. a, α → −a, −α with a half
+turn before and behind leaves the arm as it is. Of all such choices the table takes the one with the fewest constant
+angles, then the fewest negative lengths, then the fewest positive θ and negative α. Data sheets have θ = 0 throughout
+even if a is negative, and where a θ = ±π/2 is needed anyhow, a > 0 and θ = −π/2.
 """
 
 from __future__ import annotations
@@ -23,8 +28,7 @@ from dh2urdf_plugins.extraction.ends import Base, Tip, bases, tip
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from dh2urdf_plugins.extraction.chain import ZSZ, Chain, Precision
-    from dh2urdf_plugins.extraction.ends import Base, Tip
+    from dh2urdf_plugins.extraction.chain import Chain, Precision
 
 
 Cost: TypeAlias = tuple[int, int, int, int]

@@ -2,6 +2,10 @@
 
 The link is split at the line from a point P of the first axis to its projection on the second one. Both axes are
 perpendicular to that line, up to the small angle between them: the numbers of the rows are of the arm's own size.
+
+Tables of nearly parallel axes, such as those of calibrated arms, as tables whose numbers are of the arm's size. The
+common normal of axes that are 0.001 rad from parallel lies hundreds of metres away, and so do the DH frames. A fixed
+row between the two joints keeps T(q) and brings the frames back to the arm.
 """
 
 from __future__ import annotations

@@ -1,4 +1,7 @@
-"""What is measured of an arm in a simulator: the same quantities and the same hold test in all of them."""
+"""What is measured of an arm in a simulator: the same quantities and the same hold test in all of them.
+
+What a simulator holds, beside the robot that was written, and what its hold test says: the same for all loaders.
+"""
 
 from __future__ import annotations
 

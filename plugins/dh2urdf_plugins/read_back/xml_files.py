@@ -1,4 +1,9 @@
-"""XML files as elements, for the readers of URDF, SDF and MJCF."""
+"""XML files as elements, for the readers of URDF, SDF and MJCF.
+
+What a proof reads: robots that hold all that is in their files.
+
+Capsules, which robots have as a cylinder with a ball at each end.
+"""
 
 from __future__ import annotations
 

@@ -2,6 +2,8 @@
 
 What both variants share. A variant says where the joints stand and what the links look like; here they get the names,
 the mass properties and the limits that every reader of robot descriptions needs.
+
+The limits of joints that a table does not give: range, travel, velocity, and the effort for a load.
 """
 
 from __future__ import annotations

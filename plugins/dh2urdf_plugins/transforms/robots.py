@@ -1,4 +1,7 @@
-"""The robot of a table, in the variant that the options name, with what is wrong or odd about the table."""
+"""The robot of a table, in the variant that the options name, with what is wrong or odd about the table.
+
+What a table declares about shapes and densities that no description shows: each of it is worth a notice.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,9 @@
-"""The files that make a folder a package: package.xml, CMakeLists.txt, the README and what goes with them."""
+"""The files that make a folder a package: package.xml, CMakeLists.txt, the README and what goes with them.
+
+Names that ROS accepts: of packages (REP 144), links and joints.
+
+What shows a robot in ROS 2, and the test that a package runs: a launch file, a view of RViz, expected poses.
+"""
 
 from __future__ import annotations
 

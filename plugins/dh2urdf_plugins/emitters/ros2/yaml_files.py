@@ -2,6 +2,8 @@
 
 ROS parameters are typed, and xacro reads YAML as numbers: each real number is written as a float, ``3.0`` and not
 ``3``.
+
+The YAML files of a MoveIt package: kinematics, limits, controllers, and what the setup assistant reads.
 """
 
 from __future__ import annotations

@@ -2,6 +2,8 @@
 
 A robot has its table from the pipeline (`Robot.manipulator`); a cell has one for each kind of arm. The pipeline reads
 tables as YAML, CSV and JSON back and compares T(q); every other field is compared where the notices are made.
+
+Tables as JSON: numbers in SI units under the keys that the reader ``yaml`` knows, and transforms as matrices.
 """
 
 from __future__ import annotations

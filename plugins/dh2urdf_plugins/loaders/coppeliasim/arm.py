@@ -8,6 +8,8 @@ What its importer makes of a URDF, seen in CoppeliaSim 4.10.0:
   with mass properties and no collision shape gets a sphere for one, 5 cm across.
 - The frame of a shape is that of its first visual or collision; of a link without shapes it is the link's.
 - A mass of 0 is not read, so that the link weighs 1 kg. Sizes are 1 mm at least.
+
+What the importer of CoppeliaSim is given, and frames and limits as it has them.
 """
 
 from __future__ import annotations

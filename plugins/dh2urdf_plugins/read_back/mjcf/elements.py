@@ -3,6 +3,8 @@
 From MuJoCo's documentation (https://mujoco.readthedocs.io/en/stable/XMLreference.html and, for orientations, frames and
 defaults, modeling.html): angles are in degrees unless the file says radians, Euler angles follow ``eulerseq`` (capital
 letters: about fixed axes), attributes may come from default classes, and a ``frame`` moves what is in it.
+
+The files that an MJCF includes, put where it includes them.
 """
 
 from __future__ import annotations

@@ -1,4 +1,7 @@
-"""The shapes of an MJCF, made of those that a robot has: box, cylinder, sphere and mesh."""
+"""The shapes of an MJCF, made of those that a robot has: box, cylinder, sphere and mesh.
+
+The masses that bodies of an MJCF have from their shapes, where none are written.
+"""
 
 from __future__ import annotations
 

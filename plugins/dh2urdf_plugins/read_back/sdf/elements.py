@@ -1,4 +1,10 @@
-"""What a reader of SDF asks of its elements: words, numbers, poses and places."""
+"""What a reader of SDF asks of its elements: words, numbers, poses and places.
+
+Models of older versions of SDF in the words of version 1.7, as sdformat converts them. From the specifications of these
+versions (http://sdformat.org/spec): before 1.7 the attribute of a pose for the frame that it is in was ``frame``. The
+axis of a joint was in the frame of its model with ``use_parent_model_frame``, and before 1.5 always; sdformat keeps
+that to models that are in no other, since these versions had no models in models.
+"""
 
 from __future__ import annotations
 

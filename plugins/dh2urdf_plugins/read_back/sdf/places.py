@@ -3,6 +3,10 @@
 From the specification (http://sdformat.org/tutorials, "Pose Frame Semantics"): a pose is relative to the frame that it
 names, else a joint's to its child, a frame's to what it is attached to, and a link's to the model. The frame of a model
 is ``__model__``; it moves with the model's canonical link, the first one where none is named.
+
+Models within a model of SDF, as links, joints and frames of that one. From the specification
+(http://sdformat.org/tutorials, "Pose Frame Semantics" and "Model Composition"): what is in the model ``n`` is called
+``n::…`` outside of it, the frame of the model is called ``n``, and moves with its canonical link.
 """
 
 from __future__ import annotations

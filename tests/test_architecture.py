@@ -397,7 +397,7 @@ BUDGETS = {
     "pipeline/dh2urdf/quantities": 1230,
     "pipeline/dh2urdf/report": 3210,
     "pipeline/dh2urdf/results": 630,
-    "pipeline/dh2urdf/run_file": 2230,
+    "pipeline/dh2urdf/run_file": 2180,
     "pipeline/dh2urdf/running": 1180,
     "pipeline/dh2urdf/scaffold": 450,
     "pipeline/dh2urdf/stage_calls": 740,

@@ -7,7 +7,7 @@ kinds, are reported at once.
 
 from __future__ import annotations
 
-from dataclasses import fields, replace
+from dataclasses import replace
 from difflib import get_close_matches
 from typing import TYPE_CHECKING, Any
 
@@ -16,27 +16,30 @@ from dh2urdf.documents.document import Node, expect_mapping, load_yaml, read_yam
 from dh2urdf.documents.text_files import read_bytes
 from dh2urdf.errors import ConfigError
 from dh2urdf.manipulator import MeshShape
+from dh2urdf.meshes.conversion import conversion_of
 from dh2urdf.meshes.files import find_mesh, prefix_of
 from dh2urdf.output.layouts import Form, Layout
 from dh2urdf.plugin_system.validator import unknown_key
 from dh2urdf.rotations import RigidTransform
+from dh2urdf.run_file import sections as keys
+from dh2urdf.run_file.cell_section import read_cells
 from dh2urdf.run_file.mesh_section import MeshCall, Shapes
 from dh2urdf.run_file.overrides import ON_THE_COMMAND_LINE, Asked, with_setting
-from dh2urdf.run_file.records import InputCall, OutputSection, ProofSection, ReportSection, RunConfig, StageCall
+from dh2urdf.run_file.reading import Reading
+from dh2urdf.run_file.records import InputCall, OutputSection, RunConfig, StageCall
+from dh2urdf.run_file.sections import SECTIONS, written_out
+from dh2urdf.run_file.variation_section import read_variations
 from dh2urdf.source import Problem, did_you_mean, in_file_order
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
     from pathlib import Path
 
-    from dh2urdf.run_file.reading import Reading
-    from dh2urdf.run_file.sections import ShapesSection
 
 RUN_SUFFIXES = (".yaml", ".yml", ".json")
 """How the names of run files end."""
 LIKELY_BYTES = 2**20
 """Size of a file that may be a run file [B]: a table may be a thousand times larger."""
-_NAMES = [field.name for field in fields(RunConfig) if field.name not in {"folder", "problems"}]
 
 
 def is_run_file(path: Path) -> bool:
@@ -45,7 +48,7 @@ def is_run_file(path: Path) -> bool:
         root = load_yaml(read_bytes(path, limit=LIKELY_BYTES), str(path))
     except ConfigError:
         return False
-    return isinstance(root.value, dict) and not root.value.keys().isdisjoint(_NAMES)
+    return isinstance(root.value, dict) and not root.value.keys().isdisjoint(SECTIONS)
 
 
 def load_config(
@@ -65,9 +68,6 @@ def load_config(
     Raises:
         ConfigError: the file cannot be read, is not a YAML mapping, or has nothing of a run file.
     """
-    from dh2urdf.run_file.reading import Reading
-    from dh2urdf.run_file.sections import SECTIONS, written_out
-
     root = root or read_yaml(path)
     names = expect_mapping(root, "a run file").keys()
     if names and not any(get_close_matches(name, SECTIONS, cutoff=0.75) for name in names):
@@ -99,10 +99,6 @@ class _Sections:
 
     def config(self) -> RunConfig:
         """The records of all sections."""
-        from dh2urdf.run_file import sections as keys
-        from dh2urdf.run_file.cell_section import read_cells
-        from dh2urdf.run_file.variation_section import read_variations
-
         to = self.to
         unknown = [name for name in expect_mapping(self.root, "a run file") if name not in keys.SECTIONS]
         to.problems += [unknown_key(self.root, name, keys.SECTIONS, "a run file", "key") for name in unknown]
@@ -113,9 +109,9 @@ class _Sections:
         if not self._entries("emitters"):
             message = "the list is empty, and something must be written"
             to.add_problem(message, self._at("emitters"), "emitters", accepted="at least one stage")
-        proof = to.record(keys.ProofKeys, self._at("proof"), "proof") or keys.ProofKeys()
+        proof = to.record(keys.ProofSection, self._at("proof"), "proof") or keys.ProofSection()
         sample = to.record(keys.SampleSection, self._at("sample"), "sample") or keys.SampleSection()
-        report = to.record(keys.ReportKeys, self._at("report"), "report") or keys.ReportKeys()
+        report = to.record(keys.ReportSection, self._at("report"), "report") or keys.ReportSection()
         return RunConfig(
             inputs=tuple(each for each in inputs if each),
             transform=self._stage(keys.StageSection, self._at("transform"), "transform") or StageCall(),
@@ -131,11 +127,10 @@ class _Sections:
             cells=read_cells(self._entries("cells"), to),
             variations=read_variations(self._entries("variations"), to),
             meshes=read_meshes(self._entries("meshes"), to),
-            proof=ProofSection(poses=proof.poses, proved=Sample(first=proof.first, every=proof.every)),
+            proof=proof,
             sample=Sample(first=sample.first, every=sample.every),
-            report=ReportSection(
-                html=report.html, directory=to.directory(self._at("report").entry("directory"), "report.directory")
-            ),
+            report=report,
+            report_directory=to.directory(self._at("report").entry("directory"), "report.directory"),
         )
 
     def _at(self, section: str) -> Node:
@@ -165,9 +160,7 @@ class _Sections:
 
     def _input(self, node: Node, field: str) -> InputCall | None:
         """An input, with its calibration among the options of its reader."""
-        from dh2urdf.run_file.sections import InputSection, mapping_node
-
-        given = self.to.record(InputSection, node, field)
+        given = self.to.record(keys.InputSection, node, field)
         options, calibration, path = (node.entry(key) for key in ("options", "calibration", "path"))
         if given is None or path is None:
             return None
@@ -177,7 +170,7 @@ class _Sections:
             if "calibration" in others:
                 message = "the calibration is given twice, here and among the options"
                 self.to.add_problem(message, calibration, f"{field}.calibration")
-            options = mapping_node({**others, "calibration": calibration}, options or calibration)
+            options = keys.mapping_node({**others, "calibration": calibration}, options or calibration)
         return InputCall(
             paths=found.paths,
             stage=given.stage,
@@ -188,10 +181,7 @@ class _Sections:
         )
 
     def _output(self, node: Node) -> OutputSection:
-        from dh2urdf.meshes.conversion import conversion_of
-        from dh2urdf.run_file.sections import OutputKeys
-
-        given = self.to.record(OutputKeys, node, "output")
+        given = self.to.record(keys.OutputKeys, node, "output")
         directory = self.to.directory(node.entry("directory"), "output.directory")
         if given is None:
             return OutputSection(directory=directory)
@@ -215,12 +205,10 @@ class _Sections:
 
 def read_meshes(entries: Iterable[tuple[Node, str]], to: Reading) -> tuple[MeshCall, ...]:
     """The meshes of manipulators, each in its node at its place."""
-    from dh2urdf.run_file.sections import MeshesSection
-
     found = []
     for node, place in entries:
         before = len(to.problems)
-        if (given := to.record(MeshesSection, node, place)) is None:
+        if (given := to.record(keys.MeshesSection, node, place)) is None:
             continue
         base = _shapes(given.base, node.entry("base"), f"{place}.base", to)
         joints, by_joint = [], node.entry("joints")
@@ -234,7 +222,7 @@ def read_meshes(entries: Iterable[tuple[Node, str]], to: Reading) -> tuple[MeshC
     return tuple(found)
 
 
-def _shapes(given: ShapesSection | None, node: Node | None, place: str, to: Reading) -> Shapes:
+def _shapes(given: keys.ShapesSection | None, node: Node | None, place: str, to: Reading) -> Shapes:
     """The meshes of a link: `mesh` is both."""
     made: dict[str, MeshShape] = {}
     for name in ("visual", "collision", "mesh") if given and node else ():

@@ -127,7 +127,7 @@ def make_plan(config: RunConfig, catalog: Catalog) -> Plan:
 
 def _reports(config: RunConfig, emitters: Sequence[Call[Emitter[Any]] | None]) -> Store | None:
     """Where the files about a run go: beside the output, where that holds folders of packages and nothing else."""
-    asked, output = config.report.directory, config.output.directory
+    asked, output = config.report_directory, config.output.directory
     if asked is not None:
         return None if str(asked) == str(output) else open_store(asked)
     if emitters and all(call is not None and call.stage.in_folders for call in emitters):

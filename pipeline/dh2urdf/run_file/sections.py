@@ -22,10 +22,13 @@ from dh2urdf.meshes.kinds import MeshConversion
 from dh2urdf.output.layouts import DEFAULT_SIZE, LARGEST, Form
 from dh2urdf.plugin_system.option_types import Words, keys_of, members, records_of
 from dh2urdf.rotations import ZERO
-from dh2urdf.run_file.records import DEFAULT_POSES, DEFAULT_SAMPLE, DEFAULT_TIME_LIMIT
 from dh2urdf.variations.sampling import MOST_POINTS, Sampling
 from dh2urdf.variations.variation import AXES, FIELDS
 
+DEFAULT_SAMPLE = Sample(first=1000, every=50)
+"""What goes through xacro expansion and simulators: all of a run of up to 1,000, of a longer one a sample."""
+DEFAULT_TIME_LIMIT = 300.0
+"""How long one manipulator may take, simulators aside [s]."""
 MOST = 10**9
 """Largest whole number of a setting that counts manipulators."""
 MAX_POSES = 1_000_000
@@ -262,16 +265,21 @@ class OutputKeys:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class ProofKeys:
+class ProofSection:
     """How much is compared with the tables."""
 
     poses: Annotated[int, Field(ge=1, le=MAX_POSES)] = key(
-        "random joint vectors at which each file is compared with its table", DEFAULT_POSES
+        "random joint vectors at which each file is compared with its table", 32
     )
     first: Count = key(
         "so many manipulators at the beginning of the run are compared with their tables", Sample().first
     )
     every: Step = key("n, for every n-th of the other are compared with their tables", Sample().every)
+
+    @property
+    def proved(self) -> Sample:
+        """Whose files are compared."""
+        return Sample(first=self.first, every=self.every)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -288,7 +296,7 @@ class SampleSection:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class ReportKeys:
+class ReportSection:
     """What is reported of the run."""
 
     html: bool = key("whether report.html is written, where jinja2 and matplotlib are installed", True)
@@ -315,9 +323,9 @@ class RunFile:
     loaders: tuple[LoaderSection, ...] = key("what loads the files; none by default", ())
     output: OutputKeys = key("where the output goes: a folder or an address, alone or with its layout", OutputKeys())
     execution: ExecutionSection = key("what does the work", ExecutionSection())
-    proof: ProofKeys = key("how much is compared with the tables; all by default", ProofKeys())
+    proof: ProofSection = key("how much is compared with the tables; all by default", ProofSection())
     sample: SampleSection = key("how much goes through what is slow", SampleSection())
-    report: ReportKeys = key("what is reported of the run", ReportKeys())
+    report: ReportSection = key("what is reported of the run", ReportSection())
 
 
 SHORT_FORMS: dict[type[Any], str] = {

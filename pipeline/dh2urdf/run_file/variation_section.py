@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-from math import inf, tau
+from contextlib import suppress
 from typing import TYPE_CHECKING
 
-from dh2urdf.documents.nodes import LARGEST_BARE
+from dh2urdf.documents.measures import measured
 from dh2urdf.errors import ConfigError
 from dh2urdf.manipulator import JointType
 from dh2urdf.output.whole_files import safe_stem
 from dh2urdf.quantities.quantity import Dimension, QuantityError, evaluate
 from dh2urdf.run_file.reading import Reading
 from dh2urdf.run_file.sections import LAWS, NormalSection, SpacedSection, VariationSection
-from dh2urdf.source import Mark, Problem, did_you_mean, shown
+from dh2urdf.source import Mark, Problem, did_you_mean
 from dh2urdf.variations.binding import LEAST_PROBABILITY
 from dh2urdf.variations.laws import (
     Choices,
@@ -43,9 +43,8 @@ _RANGES: dict[str, type[Uniform | LogUniform | Scale | Offset]] = {
 JOINT_TYPES = tuple(kind.value for kind in JointType)
 ACCEPTED_JOINTS = "all, a joint's number from 1 or its name, or a list of these"
 SPACING = "{from: LOW, to: HIGH, points: N}"
-_BARE_ANGLES = {"alpha": tau, "theta": tau, "offset": tau, "lower": 10 * tau, "upper": 10 * tau}
-"""What a number without a unit may be at most where it may be an angle [rad]: beyond, degrees may be meant."""
-_BARE = {**dict.fromkeys(("a", "d", "radius"), LARGEST_BARE["length"]), **_BARE_ANGLES}
+MOST_TURNS = 10
+"""What a limit of a joint may be at most without a unit where it may be an angle: beyond, degrees may be meant."""
 
 
 class _LawReader:
@@ -171,36 +170,17 @@ class _LawReader:
 
     def _number(self, node: Node, dimension: Dimension | None = None) -> float | None:
         """A number in SI units; of the field's dimension where none is given."""
-        if node.text is None or node.value is None or isinstance(node.value, bool):
-            self.add_problem(f"{node.describe()} stands where a number is needed", node, accepted="a number")
+        field = FIELDS[self.what]
+        may_be = [dimension] if dimension else [each for each in (field.dimension, field.linear) if each]
+        each = next((each for each in may_be if _is_of(node, each)), may_be[0])
+        try:
+            number = measured(node, each, turns=MOST_TURNS if self.what in {"lower", "upper"} else 1)
+        except QuantityError as error:
+            self.add_problem(error.message, node, accepted=error.accepted, suggestion=error.suggestion)
             return None
-        what = FIELDS[self.what]
-        dimensions = [dimension] if dimension else [each for each in (what.dimension, what.linear) if each]
-        wrong: list[QuantityError] = []
-        for each in dimensions:
-            try:
-                quantity = evaluate(node.text, each)
-            except QuantityError as error:
-                wrong.append(error)
-                continue
-            if quantity.variable:
-                self.add_problem(f"{shown(node.text)} names a joint variable", node, accepted="a number")
-                return None
-            if quantity.has_unit:
-                self.units.append(each)
-            elif dimension is None and abs(quantity.value) > _BARE.get(self.what, inf):
-                text = node.text.strip()
-                if self.what in _BARE_ANGLES:
-                    message = f"{shown(text)} is more than {_BARE_ANGLES[self.what] / tau:g} turns in rad"
-                    near = f"if these are degrees, say so: '{text} deg'"
-                else:
-                    message = f"{shown(text)} is more than {_BARE[self.what]:g} m"
-                    near = f"if these are mm, say so: '{text} mm'; '{text} m' is read as such"
-                self.add_problem(message, node, accepted="numbers of this size with their unit", suggestion=near)
-                return None
-            return quantity.value
-        self.add_problem(wrong[0].message, node, accepted=wrong[0].accepted, suggestion=wrong[0].suggestion)
-        return None
+        if evaluate(node.text or "", each).has_unit:
+            self.units.append(each)
+        return number
 
     def _positive(self, node: Node, number: float | None) -> float | None:
         """A number that the field may have."""
@@ -210,6 +190,13 @@ class _LawReader:
             self.add_problem(message, node, accepted=f"numbers {field.bound}")
             return None
         return number
+
+
+def _is_of(node: Node, dimension: Dimension) -> bool:
+    """Whether a number has no unit, or one of a dimension."""
+    with suppress(QuantityError):
+        return node.text is not None and bool(evaluate(node.text, dimension))
+    return False
 
 
 # --- What the section says --------------------------------------------------------------------------------------------

@@ -335,10 +335,10 @@ class Loader(Generic[O]):
             `MissingProgramError` where it is a program that is not.
         time_limit: how long `load` may take with these options before it is taken for hung [s]; None where a person
             ends it, by closing a window. By default five minutes.
-        prepare: imports the simulator, as `load` with these options would. None, the default, gives every load a child
-            process of its own. A loader that has it promises that `load` may be called many times in one process: it
-            closes what it opens, and reports of a file the same whatever was loaded before. Then `prepare` is called
-            once in a child, which serves many manipulators of a run. What it prints is part of the output of each load.
+        prepare: imports the simulator, as `load` with these options would, and starts no thread. None, the default,
+            gives every load a child process of its own. With it, a child process imports the simulator once for many
+            manipulators of a run, and each `load` is called in a fork of this process: no load meets what another one
+            left in it. What `prepare` prints is part of the output of each load.
     """
 
     name: str

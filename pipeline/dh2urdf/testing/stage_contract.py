@@ -21,8 +21,7 @@ from dh2urdf.plugin_system.options import make_options
 from dh2urdf.quantities import Dimension
 from dh2urdf.testing.breach import breach
 from dh2urdf.testing.catalogs import catalog_of
-from dh2urdf.testing.children.forks import LIGHT_HOST
-from dh2urdf.testing.children.witness import witnessed
+from dh2urdf.testing.children.witness import LIGHT_HOST, witnessed
 from dh2urdf.testing.comparing import difference
 
 if TYPE_CHECKING:

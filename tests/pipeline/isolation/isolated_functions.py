@@ -21,9 +21,9 @@ from typing import Any, NoReturn
 
 from dh2urdf.errors import LoaderError, MissingDependencyError, ProofError
 from dh2urdf.isolation import enter, run_in_child
+from dh2urdf.isolation.child_process import LARGEST_ANSWER
 from dh2urdf.isolation.encodings import MOST_VALUES
-from dh2urdf.isolation.interpreter import LARGEST_ANSWER
-from dh2urdf.isolation.loads import MEMORY, KeptChildren, load_in_child
+from dh2urdf.isolation.loads import KeptChildren, load_in_child
 from dh2urdf.source import Problem
 from dh2urdf.stages import Loader, LoadReport, LoadRequest, NoOptions
 
@@ -136,7 +136,7 @@ def send_pickle(ran: str, when: str) -> str:
 
 def forge_answer(kind: str) -> None:
     """Sends an answer of its own and leaves."""
-    value = b'["value"]'
+    value = b'["value", ""]'
     head, body = {
         "no json": (value, b"\x80\x04"),
         "wrong form": (value, b'[["eA==", 5]]'),
@@ -230,6 +230,10 @@ SERVED: list[str] = []
 """The names of the files that this process has loaded: the global state of a simulator."""
 
 
+PREPARED: list[int] = []
+"""The process that has imported the simulator, once it has."""
+
+
 ORPHAN = """
 import subprocess, sys
 print(subprocess.Popen([sys.executable, "-c", "import time; time.sleep(600)"]).pid)
@@ -238,10 +242,12 @@ print(subprocess.Popen([sys.executable, "-c", "import time; time.sleep(600)"]).p
 
 
 def prepare(_options: NoOptions) -> None:
+    PREPARED.append(os.getpid())
     print("toy is starting")
 
 
 def prepare_otherwise(_options: NoOptions) -> None:
+    PREPARED.append(os.getpid())
     print("another toy is starting")
 
 
@@ -275,8 +281,6 @@ def kept_load(request: LoadRequest, _options: NoOptions) -> LoadReport:  # noqa:
             sys.path.insert(0, "/nowhere")
         case "warning":
             warnings.warn("a screw is loose", stacklevel=1)
-        case "memory":
-            assert b"x" * MEMORY
         case "much":
             print_much(4_000_000)
         case "crash":
@@ -289,11 +293,7 @@ def kept_load(request: LoadRequest, _options: NoOptions) -> LoadReport:  # noqa:
             os._exit(4)
         case "refused":
             raise LoaderError("I do not like it")
-        case "third" if len(SERVED) > 2:
-            raise LoaderError("I am tired")
-        case "dead_third" if len(SERVED) > 2:
-            os.kill(os.getpid(), signal.SIGKILL)
-    return LoadReport(simulator="toy", version=str(os.getpid()))
+    return LoadReport(simulator=" ".join(SERVED), version=str((PREPARED or [os.getpid()])[0]))
 
 
 KEPT = replace(LOADER, load=kept_load, prepare=prepare, time_limit=lambda _options: 20.0)

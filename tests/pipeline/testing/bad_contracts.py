@@ -144,7 +144,9 @@ TestLogKeeping = of(LoaderContract, bad_lab.LOADER, load=subtle_lab.load_and_log
 TestHalf = of(LoaderContract, bad_lab.LOADER, load=bad_lab.load_some)
 TestCredulous = of(LoaderContract, bad_lab.LOADER)
 TestClock = of(LoaderContract, bad_lab.LOADER, load=bad_lab.load_at_some_time)
-TestRemembering = of(LoaderContract, bad_lab.LOADER, load=bad_lab.load_and_remember, prepare=bad_lab.nothing)
+TestRemembering = of(
+    LoaderContract, bad_lab.LOADER, load=bad_lab.load_and_remember, prepare=bad_lab.prepare_and_remember
+)
 TestLeaving = of(LoaderContract, bad_lab.LOADER, load=bad_lab.load_and_leave)
 TestChanging = of(LoaderContract, bad_lab.LOADER, load=bad_lab.load_in_place)
 TestCarelessLoader = of(LoaderContract, bad_lab.LOADER, load=bad_lab.load_carelessly)

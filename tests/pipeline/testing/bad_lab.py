@@ -406,8 +406,8 @@ def load_and_leave(request: Any, options: Any) -> LoadReport:
 LOADED: list[Any] = []
 
 
-def nothing(_options: Any) -> None:
-    """Imports nothing."""
+def prepare_and_remember(_options: Any) -> None:
+    LOADED.append(None)
 
 
 def load_and_remember(request: Any, options: Any) -> LoadReport:

@@ -107,7 +107,7 @@ BREACHES = [
     (
         "TestRemembering",
         "test_reports_the_same_whatever_was_loaded_before",
-        "of 'panda', alone and after others: mass is once 1",
+        "of 'panda', alone and after `prepare`: mass is once 1",
     ),
     ("TestCarelessLoader", "test_raises_documented_errors_only", "ValueError: subsection not found"),
     ("TestNoTime", "test_settings_follow_from_the_options", "time_limit gives 0.0, not seconds or None"),

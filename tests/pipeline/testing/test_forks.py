@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 from dh2urdf.errors import CrashError
-from dh2urdf.testing.children import forks
+from dh2urdf.testing.children import witness
 from dh2urdf.testing.children.witness import marked, processes, witnessed
 
 if TYPE_CHECKING:
@@ -100,9 +100,9 @@ def test_a_fork_of_a_call_does_not_stay(stage: Any, is_running: Callable[[int], 
     seen = witnessed(stage.leave_a_fork)
     assert len(seen.left) == 1
     assert "started a process (os.fork)" in seen.deeds
-    kept = forks._KEPT[0, forks.HOST]
+    kept = witness._KEPT[0, witness.HOST]
     assert is_running(kept.number)
-    kept.end()
+    kept.child.end()
     assert not is_running(kept.number)
 
 

@@ -3,12 +3,14 @@
 What Python writes is seen where it happens. What a C library writes is not, so the child works in an empty folder,
 which is also that of temporary files, and what lies there afterwards was left behind.
 
-A child of its own, because what watches cannot be taken off again, and because another seed for the hashes of texts
-shows whether the order of a set has got into the result. `dh2urdf.testing.children.forks` has the children.
+It is a fork of a child that is kept, because what watches cannot be taken off again, and because another seed for the
+hashes of texts shows whether the order of a set has got into the result.
 """
 
 from __future__ import annotations
 
+import atexit
+import importlib
 import os
 import pickle
 import re
@@ -24,15 +26,42 @@ from typing import TYPE_CHECKING, Any, Generic, TypeVar
 from uuid import uuid4
 
 from dh2urdf.errors import CrashError
+from dh2urdf.isolation.child_process import Child, pickled_call
+from dh2urdf.isolation.encodings import PICKLED
 from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.late_tuples import NamedTuple
-from dh2urdf.testing.children.forks import HOST, MARK, environment, forking_interpreter, in_new_interpreter
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator
 
 T = TypeVar("T")
 
+MARK = "DH2URDF_CONTRACT"
+"""Environment variable by which a process, and whatever it starts, is known."""
+SEED = "PYTHONHASHSEED"
+"""Python's environment variable for the seed for the hashes of texts."""
+PATIENCE = 300.0
+"""How long a stage may take in a test [s]."""
+HOST = (
+    "lxml.etree",
+    "numpy",
+    "orjson",
+    "pydantic",
+    "yaml.nodes",
+    "dh2urdf.api",
+    "dh2urdf.commands",
+    "dh2urdf.kinematics.proof",
+    "dh2urdf.plugin_system.catalog",
+    "dh2urdf.testing.edits.contract",
+    "dh2urdf.testing.emitter_contract",
+    "dh2urdf.testing.loader_contract",
+    "dh2urdf.testing.reader_contract",
+    "dh2urdf.testing.transform_contract",
+)
+"""What a child that is kept has imported: modules of the host, and packages that the host needs."""
+LIGHT_HOST = ("dh2urdf.testing.stage_contract",)
+"""The same for a call that looks which packages it imports."""
+_WHO = "the stage"
 _WRITES = os.O_WRONLY | os.O_RDWR | os.O_CREAT | os.O_TRUNC | os.O_APPEND
 _CHANGES = frozenset(
     {"os.chdir", "os.mkdir", "os.rename", "os.remove", "os.rmdir", "os.link", "os.symlink", "os.truncate", "os.chmod"}
@@ -65,7 +94,7 @@ class Testimony(Generic[T]):
 
 
 def witnessed(function: Callable[..., T], *args: Any, seed: int = 0, modules: tuple[str, ...] = HOST) -> Testimony[T]:  # noqa: ANN401 - any arguments
-    """Calls a function in a child process and says what it did there.
+    """Call a function in a child process and report what it did there.
 
     Args:
         function: a function of a module that can be imported by name.
@@ -77,18 +106,94 @@ def witnessed(function: Callable[..., T], *args: Any, seed: int = 0, modules: tu
         CrashError: the child crashed, hung or left, cannot import the function, or cannot send what it returned.
         Exception: whatever the function raised.
     """
-    kept = forking_interpreter(seed, modules)
+    kept = _forking_child(seed, modules)
     with (
         tempfile.TemporaryDirectory(prefix="dh2urdf-", ignore_cleanup_errors=True) as folder,
         environment({"TMPDIR": folder, "TEMP": folder, "TMP": folder}),
     ):
-        if kept is None:
-            with marked() as mark:
-                return in_new_interpreter(_watched, (function, args, mark, folder), seed)
+        call = (pickled_call(function, args, _WHO), kept.mark, folder, _Surroundings(dict(os.environ), sys.path))
         try:
-            return kept.call(_watched, (function, args, kept.mark, folder))
+            return kept.child.call(_watched, call, PATIENCE, _WHO, PICKLED, in_fork=True).value
         finally:
             _end(set(processes(kept.mark)) - {kept.number})
+
+
+# --- Children that are kept
+
+
+class ForkingChild(NamedTuple):
+    """A child that is kept, and makes each call in a fork of itself.
+
+    It takes longer to start an interpreter and to import the host than to make most of the dozen calls of a contract.
+    The child imports no module of a plugin, so no call changes what another one meets.
+
+    Attributes:
+        child: the child.
+        mark: the value of `MARK` in its environment, and in that of all processes that its forks start.
+        number: its process number.
+    """
+
+    child: Child
+    mark: str
+    number: int
+
+
+class _Surroundings(NamedTuple):
+    """What a new interpreter would have of the process that starts it: its environment and its `sys.path`."""
+
+    variables: dict[str, str]
+    path: list[str]
+
+
+_KEPT: dict[tuple[int, tuple[str, ...]], ForkingChild] = {}
+"""The children of this process, by seed and imported modules."""
+
+
+def _forking_child(seed: int, modules: tuple[str, ...]) -> ForkingChild:
+    """The child that is kept for a seed."""
+    if not _KEPT:
+        atexit.register(_end_all, os.getpid())
+    kept = _KEPT.get((seed, modules))
+    if kept is None or not kept.child.is_alive():
+        mark = uuid4().hex
+        with environment({MARK: mark, SEED: str(seed)}):
+            child = Child.started()
+        number = child.call(_prepare, (modules,), PATIENCE, _WHO).value
+        kept = _KEPT[seed, modules] = ForkingChild(child, mark, number)
+    return kept
+
+
+def _prepare(modules: tuple[str, ...]) -> int:
+    """In the child: import modules; the number of its process."""
+    for module in modules:
+        with suppress(ImportError):  # A package that is not installed is needed by nobody here.
+            importlib.import_module(module)
+    return os.getpid()
+
+
+def _end_all(owner: int) -> None:
+    if os.getpid() == owner:  # A process that was forked off has copies of them, which are not its own to end.
+        for kept in _KEPT.values():
+            kept.child.end()
+    _KEPT.clear()
+
+
+@contextmanager
+def environment(variables: dict[str, str]) -> Iterator[None]:
+    """Environment variables for what is started meanwhile."""
+    before = {name: os.environ.get(name) for name in variables}
+    os.environ.update(variables)
+    try:
+        yield
+    finally:
+        for name, value in before.items():
+            if value is None:
+                os.environ.pop(name, None)
+            else:
+                os.environ[name] = value
+
+
+# --- Processes
 
 
 class _Process(NamedTuple):
@@ -180,8 +285,17 @@ def _end(numbers: Iterable[int]) -> None:
             os.kill(number, signal.SIGKILL if hasattr(signal, "SIGKILL") else signal.SIGTERM)
 
 
-def _watched(function: Callable[..., T], args: tuple[Any, ...], mark: str, folder: str) -> Testimony[T]:
-    """Makes a call in this process, which is made for it, and in a folder where nothing is yet."""
+def _watched(call: bytes, mark: str, folder: str, surroundings: _Surroundings) -> Testimony[Any]:
+    """In a fork: make a call as in a new interpreter, in a folder where nothing is yet."""
+    own = {name: os.environ[name] for name in (MARK, SEED) if name in os.environ}
+    os.environ.clear()
+    os.environ.update({**surroundings.variables, **own})
+    sys.path[:] = surroundings.path
+    importlib.invalidate_caches()
+    try:
+        function, args = pickle.loads(call)  # noqa: S301 - our own parent sent it
+    except Exception as error:
+        raise CrashError(f"a child process cannot import the stage: {type(error).__name__}: {error}") from error
     deeds: list[str] = []
     watching = True
 

@@ -14,6 +14,7 @@ from dh2urdf.cli.shared_options import (
     PATH,
     StageCommand,
     catalog,
+    files_and_arguments,
     given_options,
     option,
     package_paths_option,
@@ -21,9 +22,9 @@ from dh2urdf.cli.shared_options import (
     without_option,
 )
 from dh2urdf.cli.standard_input import DASH, NAME, given_description, given_table
-from dh2urdf.commands.check import given_arguments, inspect, inspect_several, repaired
+from dh2urdf.commands.check import inspect, inspect_several, repaired
 from dh2urdf.commands.chosen_table import read_manipulator, reader_call
-from dh2urdf.documents.text_files import check_file, is_folder, is_there
+from dh2urdf.documents.text_files import check_file, is_folder
 from dh2urdf.errors import ConfigError, InputError
 from dh2urdf.output.whole_files import write_whole
 from dh2urdf.plugin_system.options import COMMAND_LINE
@@ -103,9 +104,8 @@ def command(  # noqa: PLR0917 - click hands everything over by name
     if table is None:
         _refuse_without_table({"base_link": base_link, "tip_link": tip_link, **flags})
     installed = catalog()
-    arguments = [word for word in words if ":=" in word and not is_there(Path(word))]
-    files = [Path(word) for word in words if word not in arguments]
-    expansion = Expansion(arguments=given_arguments(arguments, COMMAND_LINE), package_paths=package_paths)
+    files, arguments = files_and_arguments(words)
+    expansion = Expansion(arguments=arguments, package_paths=package_paths)
     if is_fixed or out:
         files = [_fixed(installed, files, format_name, out if is_fixed else None)]
     if len(files) != 1 or is_folder(files[0]):

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 from operator import attrgetter
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -16,6 +15,7 @@ from dh2urdf.cli.shared_options import (
     PATH,
     StageCommand,
     catalog,
+    files_and_arguments,
     given_options,
     option,
     package_paths_option,
@@ -23,9 +23,7 @@ from dh2urdf.cli.shared_options import (
     without_option,
 )
 from dh2urdf.cli.standard_input import files_behind, given_table
-from dh2urdf.commands.check import given_arguments
 from dh2urdf.commands.extract import chains_of, description_reader, leaves_of, table_lines, write_extracted
-from dh2urdf.documents.text_files import is_there
 from dh2urdf.errors import SCREENFUL, ConfigError, ManipulatorError
 from dh2urdf.kinematics.facts import kinematic_facts
 from dh2urdf.manipulator import Convention
@@ -34,6 +32,7 @@ from dh2urdf.source import Problem, printable
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
+    from pathlib import Path
 
     from dh2urdf.commands.extract import Chains
     from dh2urdf.manipulator import Manipulator
@@ -83,8 +82,7 @@ def command(  # noqa: PLR0917 - click hands everything over by name
     xacro robot.urdf.xacro | dh2urdf extract - --from urdf
     """
     installed = catalog()
-    arguments = [word for word in words if ":=" in word and not is_there(Path(word))]
-    robots = [Path(word) for word in words if word not in arguments]
+    robots, arguments = files_and_arguments(words)
     if len(robots) != 1:
         message = f"{len(robots)} files are given, and tables are extracted from one"
         raise ConfigError(Problem(message=message, mark=COMMAND_LINE, accepted="one ROBOT"))
@@ -92,7 +90,7 @@ def command(  # noqa: PLR0917 - click hands everything over by name
     _check_units(length_unit, angle_unit)
     given = given_options(flags).get("reader", {})
     if arguments:
-        given["arguments"] = json.dumps(given_arguments(arguments, COMMAND_LINE))
+        given["arguments"] = json.dumps(arguments)
     if package_paths:
         given["package_paths"] = json.dumps([str(path) for path in package_paths])
 

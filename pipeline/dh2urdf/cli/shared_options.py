@@ -17,6 +17,7 @@ import click
 
 from dh2urdf.cli.answers import keep_apart, kept_apart
 from dh2urdf.commands.options_of_stages import Setting
+from dh2urdf.plugin_system.options import COMMAND_LINE
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
@@ -129,6 +130,33 @@ def settings_of(words: Iterable[str]) -> list[Setting]:
     """What `--set key=value` says."""
     parts = [(word, *word.partition("=")) for word in words]
     return [Setting(word, key.strip(), value.strip() if equals else None) for word, key, equals, value in parts]
+
+
+def files_and_arguments(words: Iterable[str]) -> tuple[list[Path], dict[str, str]]:
+    """Files, and arguments of a xacro among them as ROS writes them, ``NAME:=VALUE``.
+
+    Raises:
+        ConfigError: a word is no such argument, or one is given twice.
+    """
+    from dh2urdf.documents.text_files import is_there
+    from dh2urdf.errors import ConfigError
+    from dh2urdf.source import Problem, shown
+
+    files: list[Path] = []
+    arguments: dict[str, str] = {}
+    problems: list[Problem] = []
+    for word in words:
+        name, sign, value = word.partition(":=")
+        if not sign or is_there(Path(word)):
+            files.append(Path(word))
+            continue
+        if not name.strip() or name.strip() in arguments:
+            message = f"{shown(word)} {'is given twice' if name.strip() else 'is no argument'}"
+            problems.append(Problem(message=message, mark=COMMAND_LINE, accepted="NAME:=VALUE, each name once"))
+        arguments[name.strip()] = value
+    if problems:
+        raise ConfigError(problems)
+    return files, arguments
 
 
 def catalog() -> Catalog:

@@ -9,7 +9,7 @@ from dh2urdf.commands.described_files import described_files
 from dh2urdf.documents.text_files import check_file, is_folder
 from dh2urdf.errors import ConfigError, InputError
 from dh2urdf.late_tuples import NamedTuple
-from dh2urdf.source import Mark, Problem, shown
+from dh2urdf.source import Mark, Problem
 from dh2urdf.stage_calls.answers import a_whole_record
 from dh2urdf.stage_calls.calls import Call, depending_on
 from dh2urdf.stages import Expansion, Finding, Inspection, Repair
@@ -172,24 +172,3 @@ def expanded_with(emitter: Emitter[Any], expansion: Expansion | None, file: Path
             accepted="NAME:=VALUE with a xacro, and package paths with a xacro or a URDF",
         )
     )
-
-
-def given_arguments(words: Iterable[str], mark: Mark) -> dict[str, str]:
-    """Arguments of a description as ROS writes them, ``NAME:=VALUE``.
-
-    Raises:
-        ConfigError: a word is no such argument, or one is given twice.
-    """
-    found: dict[str, str] = {}
-    problems: list[Problem] = []
-    for word in words:
-        name, sign, value = word.partition(":=")
-        if not sign or not name.strip() or name in found:
-            message = "is given twice" if sign and name in found else "is no argument"
-            problems.append(
-                Problem(message=f"{shown(word)} {message}", mark=mark, accepted="NAME:=VALUE, each name once")
-            )
-        found[name.strip()] = value
-    if problems:
-        raise ConfigError(problems)
-    return found

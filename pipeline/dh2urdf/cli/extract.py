@@ -23,12 +23,14 @@ from dh2urdf.cli.shared_options import (
     without_option,
 )
 from dh2urdf.cli.standard_input import files_behind, given_table
-from dh2urdf.commands.extract import chains_of, description_reader, leaves_of, table_lines, write_extracted
+from dh2urdf.commands.extract import chains_of, description_reader, leaves_of, write_extracted
 from dh2urdf.errors import SCREENFUL, ConfigError, ManipulatorError
 from dh2urdf.kinematics.facts import kinematic_facts
 from dh2urdf.manipulator import Convention
 from dh2urdf.plugin_system.options import COMMAND_LINE
+from dh2urdf.quantities.units import UNITS
 from dh2urdf.source import Problem, printable
+from dh2urdf.table_text import table_text, transform_text
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
@@ -142,9 +144,25 @@ def _blocks(both: list[Chains], length_unit: str, angle_unit: str) -> Iterator[l
         if len(chains) > 1 or any(each.refused for each in both):
             yield [name]
         for arm in same:
-            yield [*table_lines(arm, length_unit, angle_unit)]
+            yield [*_table(arm, length_unit, angle_unit)]
         if facts := kinematic_facts(same[0]).sentences():
             yield facts
+
+
+def _table(arm: Manipulator, length_unit: str, angle_unit: str) -> Iterator[str]:
+    """A table as people read it: a line for each row, then base and tool where they are not the identity."""
+    text = table_text(arm, length_unit, angle_unit)
+    fields = ("joint", "type", "a", "alpha", "d", "theta")
+    units = {"a": length_unit, "d": length_unit, "alpha": angle_unit, "theta": angle_unit}
+    heads = [f"{field} [{units[field]}]" if field in units else field for field in fields]
+    cells = [heads, *([row.get(field, "") for field in fields] for row in text.rows)]
+    widths = [max(len(row[column]) for row in cells) for column in range(len(fields))]
+    yield f"{text.convention} convention"
+    for row in cells:
+        yield "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip()
+    for name, pose in (("base", arm.base), ("tool", arm.tool)):
+        if place := transform_text(pose, UNITS[length_unit], UNITS[angle_unit]):
+            yield f"{name}: {place}"
 
 
 def _moving(count: int) -> str:

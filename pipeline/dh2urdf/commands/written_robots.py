@@ -29,8 +29,6 @@ if TYPE_CHECKING:
     import os
     from collections.abc import Mapping
 
-    from dh2urdf.robot import Joint
-
 
 def write_description(
     robot: Robot, suffix: str, out: str | os.PathLike[str] | None, options: Mapping[str, object], function: str
@@ -72,16 +70,13 @@ def _compare(robot: Robot, described: Robot, mark: Mark) -> None:
         given, found = (KinematicChain.between(each, robot.root, tip) for each in (robot, described))
         moving = [joint for joint in given.joints if joint.type is not JointType.FIXED]
         for part in (0.0, 1.0, 0.3, 0.7):
-            q = [_value(joint, part if number % 2 else 1.0 - part) for number, joint in enumerate(moving)]
+            q = []
+            for number, joint in enumerate(moving):
+                lower = -math.pi if joint.limits.lower is None else joint.limits.lower
+                upper = math.pi if joint.limits.upper is None else joint.limits.upper
+                q.append(lower + (part if number % 2 else 1.0 - part) * (upper - lower))
             left, right = given.forward_kinematics(q), found.forward_kinematics(q)
             position, angle = position_error(left, right), angle_error(left, right)
             if not (position <= TOLERANCE and angle <= TOLERANCE):
                 message = f"what was written has {tip} {position:.3g} m and {angle:.3g} rad away at q = {q}"
                 raise ProofError(Problem(message=message, mark=mark, robot=robot.name))
-
-
-def _value(joint: Joint, part: float) -> float:
-    """A joint value inside the limits [rad or m]."""
-    lower = -math.pi if joint.limits.lower is None else joint.limits.lower
-    upper = math.pi if joint.limits.upper is None else joint.limits.upper
-    return lower + part * (upper - lower)

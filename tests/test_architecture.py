@@ -383,8 +383,8 @@ def test_modules_say_what_they_are() -> None:
 BUDGETS = {
     "pipeline/dh2urdf": 6010,
     "pipeline/dh2urdf/cells": 410,
-    "pipeline/dh2urdf/cli": 2390,
-    "pipeline/dh2urdf/commands": 2620,
+    "pipeline/dh2urdf/cli": 2350,
+    "pipeline/dh2urdf/commands": 2420,
     "pipeline/dh2urdf/conversion": 1490,
     "pipeline/dh2urdf/documents": 1080,
     "pipeline/dh2urdf/isolation": 1320,
@@ -403,7 +403,7 @@ BUDGETS = {
     "pipeline/dh2urdf/tasks": 1110,
     "pipeline/dh2urdf/testing": 2850,
     "pipeline/dh2urdf/variations": 1260,
-    "plugins/dh2urdf_check": 7700,
+    "plugins/dh2urdf_check": 7650,
     "plugins/dh2urdf_plugins": 340,
     "plugins/dh2urdf_plugins/calibrations": 430,
     "plugins/dh2urdf_plugins/collision_pairs": 540,
@@ -417,7 +417,7 @@ BUDGETS = {
     "plugins/dh2urdf_plugins/readers": 14290,
     "plugins/dh2urdf_plugins/transforms": 2660,
     "plugins/dh2urdf_plugins/xacro_fence": 810,
-    "plugins/dh2urdf_studio": 9890,
+    "plugins/dh2urdf_studio": 9880,
 }
 """Lines that a room may have at most, with all below it. A change that needs more lowers another budget, or says why not."""
 

@@ -407,7 +407,7 @@ BUDGETS = {
     "plugins/dh2urdf_plugins": 340,
     "plugins/dh2urdf_plugins/calibrations": 430,
     "plugins/dh2urdf_plugins/collision_pairs": 540,
-    "plugins/dh2urdf_plugins/descriptions": 2330,
+    "plugins/dh2urdf_plugins/descriptions": 2230,
     "plugins/dh2urdf_plugins/edits": 690,
     "plugins/dh2urdf_plugins/emitters": 4780,
     "plugins/dh2urdf_plugins/executors": 560,

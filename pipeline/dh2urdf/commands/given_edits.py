@@ -5,9 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from dh2urdf.commands.options_of_stages import option
-from dh2urdf.documents.document import load_yaml
 from dh2urdf.errors import ConfigError, InputError
-from dh2urdf.plugin_system.options import make_options, word_node
+from dh2urdf.plugin_system.options import broken_structure, make_options, word_node
 from dh2urdf.source import Problem, shown
 from dh2urdf.stage_calls.calls import Call
 
@@ -48,12 +47,9 @@ def edit_calls(words: Iterable[str], mark: Mark, catalog: Catalog) -> tuple[Call
 def _call(word: str, mark: Mark, catalog: Catalog) -> Call[Edit[Any]]:
     node = word_node(word, mark.file)
     name, options = node.text if isinstance(node.value, str) else None, None
-    if name and not node.quoted and (name[0] in "[{" or ": " in name):
-        try:
-            load_yaml(word, mark.file)
-        except InputError as error:
-            message = f"{option(mark, 'edits', shown(word))} cannot be read: {error.problems[0].message}"
-            raise ConfigError(Problem(message=message, mark=mark, found=word, accepted=ACCEPTED)) from None
+    if name and not node.quoted and (broken := broken_structure(word, mark.file)):
+        message = f"{option(mark, 'edits', shown(word))} cannot be read: {broken}"
+        raise ConfigError(Problem(message=message, mark=mark, found=word, accepted=ACCEPTED))
     if isinstance(node.value, dict) and "stage" in node.value and node.value.keys() <= {"stage", "options"}:
         name, options = node.value["stage"].text, node.value.get("options")  # as in a run file
     elif isinstance(node.value, dict) and len(node.value) == 1:

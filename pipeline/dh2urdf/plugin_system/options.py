@@ -5,6 +5,7 @@ A run file gives nodes, the command line gives words; both come through `make_op
 
 from __future__ import annotations
 
+import re
 from typing import TYPE_CHECKING, TypeVar
 
 from dh2urdf.documents.document import Node, expect_mapping, load_yaml
@@ -24,6 +25,8 @@ __all__ = ["COMMAND_LINE", "describe_options", "make_options", "word_node"]
 
 O = TypeVar("O")  # noqa: E741 - the options type of a stage
 COMMAND_LINE = Mark(file="command line")
+_STRUCTURED = re.compile(r"""^[\[{"']|:\s|:$""")
+"""What a word has where its writer meant more than a plain text."""
 
 
 def make_options(
@@ -64,6 +67,20 @@ def make_options(
         reason = f"the options type {options_type.__name__} of the {where} does not work: {told}"
         name, whose = (plugin.name, plugin.distribution) if plugin else (options_type.__module__, UNKNOWN)
         raise BrokenPluginError(name, whose, reason, traceback_of(error)) from error
+
+
+def broken_structure(word: str, file: str) -> str | None:
+    """What is wrong with a word that is meant as a list, a mapping or a quoted text, and is none.
+
+    `*.csv` is no YAML either, but a text.
+    """
+    if not _STRUCTURED.search(word):
+        return None
+    try:
+        load_yaml(word, file)
+    except InputError as error:
+        return error.problems[0].message
+    return None
 
 
 def word_node(word: str, file: str = COMMAND_LINE.file) -> Node:

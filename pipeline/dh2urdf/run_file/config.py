@@ -115,15 +115,11 @@ class _Sections:
         return RunConfig(
             inputs=tuple(each for each in inputs if each),
             transform=self._stage(keys.StageSection, self._at("transform"), "transform") or StageCall(),
-            emitters=self._once("emitters", keys.StageSection),
-            loaders=self._once("loaders", keys.LoaderSection),
+            emitters=self._stages("emitters", keys.StageSection),
+            loaders=self._stages("loaders", keys.LoaderSection),
             execution=self._stage(keys.ExecutionSection, self._at("execution"), "execution") or StageCall(),
             output=self._output(self._at("output")),
-            edits=tuple(
-                call
-                for node, field in self._entries("edits")
-                if (call := self._stage(keys.NamedStageSection, node, field))
-            ),
+            edits=self._stages("edits", keys.NamedStageSection),
             cells=read_cells(self._entries("cells"), to),
             variations=read_variations(self._entries("variations"), to),
             meshes=read_meshes(self._entries("meshes"), to),
@@ -151,12 +147,9 @@ class _Sections:
         others = {name: getattr(given, name) for name in ("optional", "time_limit") if hasattr(given, name)}
         return StageCall(stage=given.stage, options=node.entry("options"), mark=mark, **others)
 
-    def _once(self, section: str, kind: type[Any]) -> tuple[StageCall, ...]:
-        """The stages of a section, each name once."""
-        message = "the stage {} stands twice: both would make the same files"
-        calls = [(self._stage(kind, node, field), node, field) for node, field in self._entries(section)]
-        named = [(call, call.stage or "", node, field) for call, node, field in calls if call]
-        return self.to.distinct(named, message, "each stage once")
+    def _stages(self, section: str, kind: type[Any]) -> tuple[StageCall, ...]:
+        calls = [self._stage(kind, node, field) for node, field in self._entries(section)]
+        return tuple([call for call in calls if call])
 
     def _input(self, node: Node, field: str) -> InputCall | None:
         """An input, with its calibration among the options of its reader."""

@@ -356,7 +356,6 @@ def test_everything_that_is_wrong_is_said_at_once(folder: Path) -> None:
         ("inputs: [3]\n", "'work/3': there is no such file"),
         ("inputs: [[a]]\n", "field 'inputs.0': a run file cannot take a list of 1 here"),
         (TABLE + "emitters: []\n", "field 'emitters': the list is empty, and something must be written"),
-        (TABLE + "emitters: [urdf, xacro, urdf]\n", "the stage 'urdf' stands twice"),
         (TABLE + "loaders: [{options: {}}]\n", "field 'loaders.0.stage': a run file needs this key"),
         (TABLE + "transform: {options: [x]}\n", "field 'transform.options': a run file cannot take a list of 1 here"),
         (TABLE + "emitters: [urdf: {profile: x}]\n", "as in `{stage: NAME, options: {…}}`"),

@@ -33,6 +33,9 @@ from dh2urdf.plugin_system.at_work import MAGIC, MARK, SIZE, VARIABLE
 from dh2urdf.plugin_system.discovery import UNKNOWN, installed
 from dh2urdf.source import shown
 
+if sys.platform == "linux":
+    from fcntl import F_SETPIPE_SZ, fcntl
+
 if TYPE_CHECKING:
     from collections.abc import Callable
     from typing import Self
@@ -48,7 +51,7 @@ PLAIN: Data[Any] = Data()
 """The encoding of plain values: numbers, texts, lists and mappings of them."""
 
 _LARGEST_HEAD = 2**20  # bytes of the word and the text of an answer, at most
-_CHUNK = 2**20  # bytes that are read or written at a time
+_CHUNK = 2**20  # bytes that are read or written at a time: the most that a pipe of any user holds on Linux
 _GLANCE = 0.1  # [s] between looks whether the child has ended
 _LEAVING = 5.0  # [s] for a child that has closed the pipe of its answers to end
 _SIZES = struct.Struct(">II")
@@ -175,6 +178,9 @@ class Child:
         )
         for pipe in (self._calls, self._answers, self._printed):
             os.set_blocking(pipe.fileno(), False)
+            if sys.platform == "linux" and pipe is not self._printed:
+                with contextlib.suppress(OSError):  # This user has many pipes already.
+                    fcntl(pipe, F_SETPIPE_SZ, _CHUNK)  # Whenever a pipe is full, one side waits for the other.
         self._unsent = pickle.dumps(sys.path)
         self._is_reusable = True
 

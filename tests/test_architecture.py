@@ -381,18 +381,18 @@ def test_modules_say_what_they_are() -> None:
 
 
 BUDGETS = {
-    "pipeline/dh2urdf": 6010,
+    "pipeline/dh2urdf": 6220,
     "pipeline/dh2urdf/cells": 410,
-    "pipeline/dh2urdf/cli": 2350,
-    "pipeline/dh2urdf/commands": 2420,
-    "pipeline/dh2urdf/conversion": 1490,
+    "pipeline/dh2urdf/cli": 2360,
+    "pipeline/dh2urdf/commands": 2440,
+    "pipeline/dh2urdf/conversion": 1510,
     "pipeline/dh2urdf/documents": 1070,
     "pipeline/dh2urdf/isolation": 1330,
     "pipeline/dh2urdf/kinematics": 3120,
     "pipeline/dh2urdf/measuring": 420,
     "pipeline/dh2urdf/meshes": 1270,
     "pipeline/dh2urdf/output": 1790,
-    "pipeline/dh2urdf/plugin_system": 1970,
+    "pipeline/dh2urdf/plugin_system": 1900,
     "pipeline/dh2urdf/quantities": 1230,
     "pipeline/dh2urdf/report": 3210,
     "pipeline/dh2urdf/results": 630,
@@ -401,7 +401,7 @@ BUDGETS = {
     "pipeline/dh2urdf/scaffold": 450,
     "pipeline/dh2urdf/stage_calls": 700,
     "pipeline/dh2urdf/tasks": 1110,
-    "pipeline/dh2urdf/testing": 2850,
+    "pipeline/dh2urdf/testing": 1990,
     "pipeline/dh2urdf/variations": 1260,
     "plugins/dh2urdf_check": 7650,
     "plugins/dh2urdf_plugins": 340,
@@ -412,12 +412,12 @@ BUDGETS = {
     "plugins/dh2urdf_plugins/emitters": 4780,
     "plugins/dh2urdf_plugins/executors": 560,
     "plugins/dh2urdf_plugins/extraction": 1330,
-    "plugins/dh2urdf_plugins/loaders": 3330,
+    "plugins/dh2urdf_plugins/loaders": 3340,
     "plugins/dh2urdf_plugins/read_back": 3130,
-    "plugins/dh2urdf_plugins/readers": 14290,
+    "plugins/dh2urdf_plugins/readers": 14300,
     "plugins/dh2urdf_plugins/transforms": 2660,
     "plugins/dh2urdf_plugins/xacro_fence": 810,
-    "plugins/dh2urdf_studio": 9880,
+    "plugins/dh2urdf_studio": 9900,
 }
 """Lines that a room may have at most, with all below it. A change that needs more lowers another budget, or says why not."""
 
@@ -576,7 +576,6 @@ BY_TEXT = {
     "pipeline/dh2urdf/cli/__init__.py": "the commands, by their names",
     "pipeline/dh2urdf/plugin_system/entry_points.py": "plugins, by their entry points",
     "pipeline/dh2urdf/stages.py": "records of lower layers that few commands make",
-    "pipeline/dh2urdf/testing/children/witness.py": "the modules of a plugin that is tested",
 }
 """Where the host imports a module whose name is a text, which no contract about imports sees."""
 

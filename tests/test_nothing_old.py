@@ -155,8 +155,11 @@ def dh2urdf_emitters():
 
 @hookimpl
 def dh2urdf_loaders():
-    return [Loader(name="camera", summary="takes pictures", load=load, options=NoOptions, poses=lambda _: 1,
-                   picture=lambda _: True, time_limit=lambda _: 60.0)]
+    return [Loader(name="camera", summary="takes pictures", open=load, options=Settings)]
+
+@dataclass(frozen=True)
+class Settings:
+    poses, picture, time_limit = 1, True, 60.0
 """
 HELPER = "def length():\n    return 1\n"
 SHAPES = {

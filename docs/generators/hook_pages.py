@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from dh2urdf import hookspecs
 from dh2urdf.plugin_system import RECORDS
+from dh2urdf.plugin_system.plugin_stages import CAPABILITIES
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -38,4 +39,6 @@ def _hook(hook: Callable[..., Any], record: type[Any]) -> Iterator[str]:
     yield f"## `{hook.__name__}`"
     yield f"```python\n{signature(hook)}: ...\n```"
     yield inspect.getdoc(hook) or ""
-    yield f"::: {record.__module__}.{record.__qualname__}\n    options:\n      heading_level: 3"
+    kind = record.__name__.lower()
+    for each in (record, *CAPABILITIES[kind]):  # type: ignore[index]
+        yield f"::: {each.__module__}.{each.__qualname__}\n    options:\n      heading_level: 3"

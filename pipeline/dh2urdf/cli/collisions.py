@@ -27,7 +27,7 @@ from dh2urdf.plugin_system.options import COMMAND_LINE
 from dh2urdf.source import Mark, Problem, printable
 from dh2urdf.stage_calls.answers import a_whole_record
 from dh2urdf.stage_calls.calls import depending_on
-from dh2urdf.stages import Annotation, Expansion
+from dh2urdf.stages import Annotates, Annotation, Expansion
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -91,11 +91,11 @@ def command(  # noqa: PLR0917 - click hands everything over by name
     for file in filter(None, (robots[0], earlier)):
         check_file(file, InputError)
     installed = catalog()
-    emitter = _emitter(installed, output or earlier)
+    emitter, annotates = _emitter(installed, output or earlier)
     given = {"emitter": {name: flags[name] for name in OPTIONS}}
     (call,) = stage_calls(installed, {"emitter": [emitter]}, COMMAND_LINE, given, settings_of(settings))["emitter"]
     with depending_on(call, "annotate"):
-        made: Annotation = a_whole_record(emitter.annotate(robots[0], expansion, earlier, call.options), Annotation)
+        made: Annotation = a_whole_record(annotates.annotate(robots[0], expansion, earlier, call.options), Annotation)
     if not quiet:
         print_notices(made.notices)
     if output is None:
@@ -108,16 +108,16 @@ def command(  # noqa: PLR0917 - click hands everything over by name
     return 0
 
 
-def _emitter(catalog: Catalog, file: Path | None) -> Any:  # noqa: ANN401 - an emitter that annotates
+def _emitter(catalog: Catalog, file: Path | None) -> tuple[Any, Annotates]:
     """The emitter of a file's format; where there is no file, the first that annotates.
 
     Raises:
         InputError: the format is one of whole descriptions, or no emitter has it.
     """
-    able: list[Any] = [item.stage for item in catalog.provided("emitter") if getattr(item.stage, "annotate", None)]
+    able: list[Any] = [item.stage for item in catalog.provided("emitter") if item.stage.can(Annotates)]
     chosen: Any = catalog.emitter_for(file, "choose a name that ends in .srdf") if file else next(iter(able), None)
-    if chosen is not None and chosen.annotate is not None:
-        return chosen
+    if chosen is not None and (annotates := chosen.can(Annotates)):
+        return chosen, annotates
     suffixes = sorted({suffix for each in able for suffix in each.suffixes})
     message = "collision pairs are not written in this format" if file else "no emitter writes collision pairs"
     raise ConfigError(

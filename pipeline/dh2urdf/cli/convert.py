@@ -27,6 +27,7 @@ from dh2urdf.output.whole_files import safe_stem
 from dh2urdf.plugin_system.options import COMMAND_LINE
 from dh2urdf.report.answers.conversions import closing_line
 from dh2urdf.source import Problem, printable, shown
+from dh2urdf.stages import WritesFolders
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
@@ -206,7 +207,7 @@ def _files_of(
         key = unicodedata.normalize("NFC", stem).casefold()  # as on file systems that ignore case
         if key not in taken:
             taken[key] = table
-            files[table] = folder if emitter.in_folders else folder / f"{stem}{suffix}"
+            files[table] = folder if emitter.can(WritesFolders) else folder / f"{stem}{suffix}"
             continue
         both = f"and {shown(str(taken[key]))} would both become {stem}{suffix}"
         problem = Problem(

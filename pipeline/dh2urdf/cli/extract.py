@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from operator import attrgetter
+from operator import methodcaller
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -30,6 +30,7 @@ from dh2urdf.manipulator import Convention
 from dh2urdf.plugin_system.options import COMMAND_LINE
 from dh2urdf.quantities.units import UNITS
 from dh2urdf.source import Problem, printable
+from dh2urdf.stages import ReadsDescriptions
 from dh2urdf.table_text import table_text, transform_text
 
 if TYPE_CHECKING:
@@ -42,7 +43,13 @@ if TYPE_CHECKING:
     from dh2urdf.stages import Reader
 
 
-@click.command(name="extract", cls=StageCommand, kinds=("reader",), which=attrgetter("leaves"), epilog=EXIT_STATUS)
+@click.command(
+    name="extract",
+    cls=StageCommand,
+    kinds=("reader",),
+    which=methodcaller("can", ReadsDescriptions),
+    epilog=EXIT_STATUS,
+)
 @click.argument("words", nargs=-1, required=True, metavar="ROBOT [NAME:=VALUE…]")
 @option("-o", "--output", "output", type=PATH, metavar="TABLE", help="A .yaml or .csv file.")
 @option("--convention", metavar="C", help="standard or modified; without it and without -o, both are printed.")

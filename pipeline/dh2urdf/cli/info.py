@@ -30,6 +30,7 @@ from dh2urdf.report.answers.info import brief, details, info_report
 from dh2urdf.report.answers.info_text import lines, markdown, print_on_terminal
 from dh2urdf.source import Mark, Problem, did_you_mean, shown
 from dh2urdf.stage_calls.calls import default_call
+from dh2urdf.stages import Traces
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -72,7 +73,7 @@ def command(
     path, reader = given_table(table, reader_name, installed)
     call = reader_call(installed, path, reader, COMMAND_LINE, given_options(flags), settings=settings_of(settings))
     arms, chosen, trace = _read(call, path, robot)
-    detail = None if chosen is None else _detail(installed, chosen, trace if call.stage.trace else None)
+    detail = None if chosen is None else _detail(installed, chosen, trace if call.stage.can(Traces) else None)
     failed = any(arm["errors"] for arm in (arms if detail is None else [detail]))
     status: Literal[0, 1] = 1 if failed else 0
     report = info_report(str(path), arms, detail, status)

@@ -23,7 +23,7 @@ from dh2urdf.robot import Robot
 from dh2urdf.source import Mark, Problem, shown
 from dh2urdf.stage_calls.answers import a_record
 from dh2urdf.stage_calls.calls import Call, depending_on
-from dh2urdf.stages import Reader
+from dh2urdf.stages import OtherFiles, Reader, WritesFolders
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -218,7 +218,7 @@ def plan_conversion(
                 raise ConfigError(Problem(message=message, mark=mark, found=word))
     stages["transform"] = [catalog.get("transform", transform) if transform else catalog.usual("transform")]
     stages["emitter"] = emitters = _emitters(table, target, formats, mark, catalog)
-    one_file = len(emitters) == 1 and not emitters[0].in_folders
+    one_file = len(emitters) == 1 and not emitters[0].can(WritesFolders)
     calls = stage_calls(catalog, stages, mark, given or {}, settings)
     if target is None:
         calls["emitter"] = [in_one_file(call) for call in calls["emitter"]]
@@ -270,7 +270,7 @@ def _emitters(
     emitters = [catalog.get("emitter", name) for name in formats]
     if target is None:
         emitters = emitters or [catalog.usual("emitter")]
-    in_folders = [emitter.name for emitter in emitters if emitter.in_folders]
+    in_folders = [emitter.name for emitter in emitters if emitter.can(WritesFolders)]
     if target is None and in_folders:
         raise ConfigError(
             Problem(
@@ -299,10 +299,11 @@ def _emitters(
 
 def in_one_file(call: Call[Emitter[Any]]) -> Call[Emitter[Any]]:
     """An emitter with options that make it give a single file."""
-    if call.stage.one_file is None:
+    others = call.stage.can(OtherFiles)
+    if others is None or others.one_file is None:
         return call
     with depending_on(call, "one_file"):
-        return replace(call, options=a_record(call.stage.one_file(call.options), call.stage.options))
+        return replace(call, options=a_record(others.one_file(call.options), call.stage.options))
 
 
 def as_named(call: Call[Emitter[Any]], target: Path) -> Call[Emitter[Any]]:
@@ -311,14 +312,15 @@ def as_named(call: Call[Emitter[Any]], target: Path) -> Call[Emitter[Any]]:
     Raises:
         ConfigError: the suffix names none of the formats of an emitter that has several.
     """
-    if call.stage.for_suffix is None:
+    others = call.stage.can(OtherFiles)
+    if others is None or others.for_suffix is None:
         return call
     if (suffix := _suffix(target, call.stage)) is None:
         from dh2urdf.conversion.file_endings import names_no_format
 
         raise names_no_format(target, call.stage)
     with depending_on(call, "for_suffix"):
-        return replace(call, options=a_record(call.stage.for_suffix(call.options, suffix), call.stage.options))
+        return replace(call, options=a_record(others.for_suffix(call.options, suffix), call.stage.options))
 
 
 def _write(
@@ -331,7 +333,7 @@ def _write(
 
         with tempfile.TemporaryDirectory(prefix="dh2urdf-") as folder:
             return write_robot(expected, robot, recipe, directory=Path(folder), stem=stem)
-    if len(recipe.emitters) > 1 or recipe.emitters[0].stage.in_folders:
+    if len(recipe.emitters) > 1 or recipe.emitters[0].stage.can(WritesFolders) is not None:
         return write_robot(expected, robot, recipe, directory=target, stem=stem, inputs=inputs)
     name = target.name
     suffix = _suffix(target, recipe.emitters[0].stage)

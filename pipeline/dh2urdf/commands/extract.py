@@ -19,7 +19,7 @@ from dh2urdf.output.whole_files import refuse_inputs, write_whole
 from dh2urdf.source import Mark, Problem, listed
 from dh2urdf.stage_calls.answers import a_record
 from dh2urdf.stage_calls.calls import blaming, default_call
-from dh2urdf.stages import Reader, Rejected
+from dh2urdf.stages import Reader, ReadsDescriptions, Rejected
 from dh2urdf.table_text import table_text
 from dh2urdf.unchecked_records import changed
 
@@ -57,9 +57,9 @@ def description_reader(
     """
     check_file(path, TableError)
     stage = chosen_reader(catalog, path, reader, mark)
-    if stage.leaves is None:
+    if stage.can(ReadsDescriptions) is None:
         known = [item.stage for item in catalog.provided("reader")]
-        names = [each.name for each in known if isinstance(each, Reader) and each.leaves is not None]
+        names = [each.name for each in known if each.can(ReadsDescriptions)]
         raise ConfigError(
             Problem(
                 message=f"the reader {stage.name!r} reads tables, and a table is extracted of a robot description",
@@ -83,10 +83,11 @@ def leaves_of(call: Call[Reader[Any]], path: Path) -> Mapping[str, int]:
         TableError: the file cannot be read.
         StageError: the reader is at fault.
     """
-    if call.stage.leaves is None:
+    describes = call.stage.can(ReadsDescriptions)
+    if describes is None:
         raise TypeError(call.stage.name)
     with blaming(call, "leaves"):
-        return a_record(call.stage.leaves(path, call.options), dict)
+        return a_record(describes.leaves(path, call.options), dict)
 
 
 class Chains(NamedTuple):

@@ -28,6 +28,7 @@ from dh2urdf.plugin_system.catalog import load
 from dh2urdf.source import Mark, Problem, shown
 from dh2urdf.stage_calls.answers import items_of
 from dh2urdf.stage_calls.calls import blaming
+from dh2urdf.stages import ReadsCells
 from dh2urdf.table_text import METADATA, PARAMETERS, REMARKS, STATEMENTS, CellRow
 from dh2urdf.table_warnings import warn_of
 
@@ -184,9 +185,9 @@ def manipulator_of(
 
 
 def _read_cells(call: Call[Reader[Any]], rows: Iterable[CellRow], file: str) -> Iterator[Manipulator | Rejected]:
-    if call.stage.read_cells is not None:
+    if reads := call.stage.can(ReadsCells):
         with blaming(call):
-            items = items_of(call.stage.read_cells(rows, file, call.options), Manipulator)
+            items = items_of(reads.read_cells(rows, file, call.options), Manipulator)
         yield from checked_items(items, call)
 
 

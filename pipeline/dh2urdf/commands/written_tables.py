@@ -18,7 +18,7 @@ from dh2urdf.plugin_system.catalog import load
 from dh2urdf.source import Mark, Problem, shown
 from dh2urdf.stage_calls.answers import a_whole_record
 from dh2urdf.stage_calls.calls import Call, blaming, default_call
-from dh2urdf.stages import Rejected
+from dh2urdf.stages import Rejected, WritesTables
 from dh2urdf.table_text import WrittenTable, table_text
 
 if TYPE_CHECKING:
@@ -50,12 +50,13 @@ def in_format(tables: Sequence[TableText], call: Call[Reader[Any]]) -> WrittenTa
         InputError: the reader only reads, or a file of its format cannot hold several such tables.
         StageError: the reader is at fault.
     """
-    if call.stage.write is None:
+    writes = call.stage.can(WritesTables)
+    if writes is None:
         raise InputError(
             Problem(message=f"the reader {call.stage.name!r} does not write tables", found=call.stage.name)
         )
     with blaming(call, "write"):
-        return a_whole_record(call.stage.write(tables), WrittenTable)
+        return a_whole_record(writes.write(tables), WrittenTable)
 
 
 def table_content(

@@ -26,7 +26,7 @@ from dh2urdf.isolation.own_process import is_own
 from dh2urdf.measuring.opened_arm import load_function
 from dh2urdf.source import Problem
 from dh2urdf.stage_calls.answers import a_record, a_whole_record, whole_records
-from dh2urdf.stages import LoadReport
+from dh2urdf.stages import LoadReport, Reusable
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator
@@ -74,11 +74,12 @@ def load_in_child(
         who = who or f"the loader {loader.name!r}"
         opened = load_function(loader)
         load = update_wrapper(partial(_whole_report, opened), opened)
-        if children is None or loader.prepare is None or limit is None or sys.platform != "linux":
+        reusable = loader.can(Reusable)
+        if children is None or reusable is None or limit is None or sys.platform != "linux":
             # A person ends one without a limit, by closing its window. Only Linux forks safely.
             child = run_in_child(load, request, options, timeout=limit, who=who, encoding=_REPORT)
         else:
-            child = children.load(loader.prepare, load, request, options, limit, who)
+            child = children.load(reusable.prepare, load, request, options, limit, who)
     except (LoaderError, CrashError) as error:
         output = error.__cause__.output if isinstance(error.__cause__, ChildFailure) else ""
         said = whole_records(loader.read_output(request, output), Problem)
@@ -161,7 +162,7 @@ class KeptChildren:
         """What a loader returns, and what was printed meanwhile.
 
         Args:
-            prepare: what imports its simulator: `dh2urdf.stages.Loader.prepare`.
+            prepare: what imports its simulator: `dh2urdf.stages.Reusable`.
             load: what loads.
             request: what it is asked to load.
             options: its options.

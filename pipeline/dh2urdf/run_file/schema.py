@@ -26,6 +26,7 @@ from dh2urdf.run_file.sections import (
 )
 from dh2urdf.stage_calls.answers import a_record
 from dh2urdf.stage_calls.calls import Call, depending_on
+from dh2urdf.stages import HasSchema
 
 if TYPE_CHECKING:
     from dh2urdf.plugin_system.catalog import Catalog, Provided
@@ -73,10 +74,9 @@ def table_schema(catalog: Catalog) -> JsonSchema:
     """
     schemas = {}
     for item in catalog.provided("reader"):
-        reader: Any = item.stage
-        if reader.schema:
-            with depending_on(Call(stage=reader, options=None, plugin=item.plugin), "schema"):
-                schemas[item.full_name] = a_record(reader.schema(), dict)
+        if its := item.stage.can(HasSchema):
+            with depending_on(Call(stage=item.stage, options=None, plugin=item.plugin), "schema"):
+                schemas[item.full_name] = a_record(its.schema(), dict)
     if not schemas:
         raise ConfigError("no reader that is installed has a schema of its tables")
     if len(schemas) == 1:

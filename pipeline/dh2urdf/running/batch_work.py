@@ -27,7 +27,7 @@ from dh2urdf.running.batch_content import BatchContent, Depth, timed
 from dh2urdf.source import Mark
 from dh2urdf.stage_calls.calls import blaming
 from dh2urdf.stage_calls.column_calls import emit_columns, read_columns, transform_columns
-from dh2urdf.stages import EmittedFile, Emitter, Rejected
+from dh2urdf.stages import EmitsInColumns, EmittedFile, Emitter, ReadsBack, Rejected
 from dh2urdf.tasks.batch import Doomed
 from dh2urdf.tasks.batch_report import BatchReport
 from dh2urdf.tasks.manifest_table import table_rows
@@ -224,9 +224,10 @@ class Work(BatchContent):
         recipe, emitter = self.recipe, call.stage
         sure = [member for member, own in enumerate(files) if own]
         asked = {member for member in sure if self.batch.first + places[member] in recipe.proved}
-        if emitter.read_back is None or not asked:
+        if emitter.can(ReadsBack) is None or not asked:
             return dict.fromkeys(sure)
-        if emitter.read_columns is None:
+        emits = emitter.can(EmitsInColumns)
+        if emits is None or emits.read_columns is None:
             return dict.fromkeys([member for member in sure if member not in asked])
         with timed(self.seconds, "prove"), blaming(call):
             described = read_columns(call, [own[0].content if own else b"" for own in files])

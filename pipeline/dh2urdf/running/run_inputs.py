@@ -35,7 +35,7 @@ def refuse_overwriting(plan: Plan) -> None:
         ConfigError: a file that the run writes is one that it reads; it names all of them.
     """
     emitters = [call.stage for call in plan.recipe.emitters]
-    suffixes = tuple(ending for each in emitters for ending in (*each.suffixes, *each.other_endings))
+    suffixes = tuple(ending for each in emitters for ending in each.endings)
     pictures = (".png",) if plan.recipe.loaders else ()
     _refuse_overwriting(plan, plan.store, (*suffixes, *pictures), "output.directory")
     if plan.reports is not None:

@@ -180,7 +180,7 @@ def batches(plan: Plan, expected: Expected, own_files: Sequence[str] = ()) -> It
     emitters = [call.stage for call in plan.recipe.emitters]
     written = [
         *(each.suffixes for each in emitters),
-        *((end.lower(),) for each in emitters for end in each.other_endings),
+        *((end.lower(),) for each in emitters for end in each.endings[len(each.suffixes) :]),
     ]
     pictures = [(ending,) for ending in picture_endings(plan.recipe)]
     is_beside = plan.layout.form is Form.FILES

@@ -23,7 +23,7 @@ from dh2urdf.plugin_system import load
 from dh2urdf.provenance import Trace
 from dh2urdf.quantities import is_zero
 from dh2urdf.source import Mark, Problem, did_you_mean, shown
-from dh2urdf.stages import Reader
+from dh2urdf.stages import Reader, Traces
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -328,10 +328,11 @@ class CalibrationFile:
         given = {"convention": str(convention), **self._units}
         options = reader.options(**{name: value for name, value in given.items() if name in known})
         trace, file = Trace(), str(self.path)
-        if reader.trace is None:
+        traces = reader.can(Traces)
+        if traces is None:
             raise TypeError(reader.name)
         found = []
-        for item in reader.trace(self.path, options, trace):
+        for item in traces.trace(self.path, options, trace):
             if not isinstance(item, Manipulator):
                 raise TableError(item.problems)
             found.append((item, trace.rows))
@@ -365,10 +366,11 @@ class CalibrationFile:
             reader = catalog.reader_for(self.path)
         except InputError:
             reader = None
-        if reader is not None and reader.trace is not None:
+        if reader is not None and reader.can(Traces) is not None:
             return reader
         stages = [provided.stage for provided in catalog.provided("reader")]
-        suffixes = [suffix for each in stages if isinstance(each, Reader) and each.trace for suffix in each.suffixes]
+        able = [each for each in stages if isinstance(each, Reader) and each.can(Traces) is not None]
+        suffixes = [suffix for each in able for suffix in each.suffixes]
         raise TableError(
             Problem(
                 message=f"no calibration is known with the name {shown(self.path.name)}",

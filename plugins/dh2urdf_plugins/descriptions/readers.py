@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Literal
 from dh2urdf.errors import InputError, TableError
 from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.source import Mark, Problem
-from dh2urdf.stages import Reader, Rejected
+from dh2urdf.stages import Reader, ReadsDescriptions, Rejected
 from dh2urdf_plugins.extraction import TOLERANCE
 
 if TYPE_CHECKING:
@@ -185,7 +185,7 @@ def _reader(
         read=partial(_arms, name),
         options=options,
         suffixes=suffixes,
-        leaves=partial(_leaves, name),
+        capabilities=(ReadsDescriptions(partial(_leaves, name)),),
     )
 
 

@@ -19,7 +19,7 @@ from dh2urdf.errors import ExecutorError, MissingDependencyError
 from dh2urdf.isolation import is_own
 from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.source import Problem
-from dh2urdf.stages import Executor, Lost
+from dh2urdf.stages import Executor, Lost, Requires
 from dh2urdf_plugins.executors.local import processors
 
 if TYPE_CHECKING:
@@ -313,5 +313,5 @@ EXECUTOR = Executor(
     summary="workers of a Dask cluster, on this machine or on many",
     options=DaskOptions,
     map=map_on_dask,
-    require=require,
+    capabilities=(Requires(require),),
 )

@@ -22,7 +22,7 @@ from dh2urdf.errors import ExecutorError, PluginError
 from dh2urdf.isolation import claim
 from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.source import Problem, printable
-from dh2urdf.stages import Executor, Lost
+from dh2urdf.stages import Executor, Lost, Usual
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator
@@ -230,8 +230,8 @@ def _work(task: Any) -> Any:  # noqa: ANN401 - task and result are the caller's
 
 EXECUTOR = Executor(
     name="local",
-    is_usual=True,
     summary="processes of this machine",
     options=LocalOptions,
     map=map_locally,
+    capabilities=(Usual(),),
 )

@@ -15,7 +15,7 @@ import sys
 import threading
 import time
 import warnings
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, NoReturn
 
@@ -25,7 +25,7 @@ from dh2urdf.isolation.child_process import LARGEST_ANSWER
 from dh2urdf.isolation.encodings import MOST_VALUES
 from dh2urdf.isolation.loads import KeptChildren, load_in_child
 from dh2urdf.source import Problem
-from dh2urdf.stages import Loader, LoadReport, LoadRequest, NoOptions
+from dh2urdf.stages import Loader, LoadReport, LoadRequest, NoOptions, ReadsOutput, Reusable
 
 
 def double(number: float) -> float:
@@ -214,16 +214,18 @@ def read_output(_request: LoadRequest, output: str) -> list[Problem]:
     return [Problem(message=line, severity="notice") for line in output.splitlines() if "WARNING" in line]
 
 
+@dataclass(frozen=True)
+class Hasty:
+    time_limit: float = 2.0
+
+
 LOADER = Loader(
     name="toy",
     summary="loads nothing",
-    load=load,
+    open=load,
     options=NoOptions,
-    poses=lambda _options: 0,
-    picture=lambda _options: False,
-    read_output=read_output,
+    capabilities=(ReadsOutput(read_output),),
 )
-HASTY = replace(LOADER, time_limit=lambda _options: 2.0)
 
 
 SERVED: list[str] = []
@@ -296,7 +298,7 @@ def kept_load(request: LoadRequest, _options: NoOptions) -> LoadReport:  # noqa:
     return LoadReport(simulator=" ".join(SERVED), version=str((PREPARED or [os.getpid()])[0]))
 
 
-KEPT = replace(LOADER, load=kept_load, prepare=prepare, time_limit=lambda _options: 20.0)
+KEPT = replace(LOADER, open=kept_load, options=Hasty, capabilities=(ReadsOutput(read_output), Reusable(prepare)))
 
 
 def load_and_wait(path: str) -> None:

@@ -7,11 +7,11 @@ import subprocess
 import sys
 import threading
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import pytest
+from other_fields import with_field
 
 from dh2urdf.errors import CrashError, LoaderError, TimeLimitError
 from dh2urdf.isolation.child_process import KEPT_OUTPUT
@@ -46,9 +46,9 @@ def kept(
 ) -> Callable[..., LoadReport]:
     """The report of a kept child of a toy: its version is the child's number, its simulator the files that were loaded."""
 
-    def load(name: str, **changes: Any) -> LoadReport:
-        loader = replace(functions.KEPT, **changes)
-        return load_in_child(loader, request_for(f"{name}.urdf"), NoOptions(), None, children)
+    def load(name: str, prepare: Callable[..., None] = functions.prepare, time_limit: float = 20.0) -> LoadReport:
+        loader = with_field(functions.KEPT, "prepare", prepare)
+        return load_in_child(loader, request_for(f"{name}.urdf"), functions.Hasty(time_limit), None, children)
 
     return load
 
@@ -86,7 +86,7 @@ class TestOneLoad:
     ) -> None:
         """The limit is the loader's own, and the error is of its own kind."""
         with pytest.raises(TimeLimitError, match=r"^error: the loader 'toy' did not finish within 2 s"):
-            load_in_child(functions.HASTY, request_for("hang.urdf"), NoOptions())
+            load_in_child(functions.LOADER, request_for("hang.urdf"), functions.Hasty())
 
     @pytest.mark.parametrize("name", ["noisy.urdf", "refused_with_its_path.urdf"])
     def test_the_folder_of_the_file_is_not_told(
@@ -119,7 +119,7 @@ class TestKeptChild:
     def test_serves_one_loader_with_its_options(self, functions: ModuleType, children: KeptChildren) -> None:
         """Loaders of other functions have other children, and one that declares nothing has a new one each time."""
         request = LoadRequest(path=Path("good"), robot=Robot(name="arm", links=(), joints=()), poses=(), expected={})
-        others = [replace(functions.KEPT, prepare=functions.prepare_otherwise), replace(functions.KEPT, prepare=None)]
+        others = [with_field(functions.KEPT, "prepare", function) for function in (functions.prepare_otherwise, None)]
         pids = [
             load_in_child(loader, request, NoOptions(), None, children).version
             for loader in (functions.KEPT, *others) * 3
@@ -210,7 +210,7 @@ class TestKeptChild:
         """The third load is over its time limit; its processes are gone, and the fourth has a new child."""
         pids = [kept("good").version for _ in range(2)]
         with pytest.raises(TimeLimitError, match="the loader 'toy' did not finish within 3 s"):
-            kept("hang", time_limit=lambda _options: 3.0)
+            kept("hang", time_limit=3.0)
         left = [int(pid) for pid in (tmp_path / "hang.pids").read_text().split()]
         assert len(left) == 2
         assert soon(lambda: not any(map(is_running, left)))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from dh2urdf.stages import EmittedFile, Emitter
+from dh2urdf.stages import Checks, EmittedFile, Emitter, GivesNotices, ReadsBack, WritesFolders
 from dh2urdf_plugins.emitters.ros2.options import Ros2Options
 from dh2urdf_plugins.read_back import read_foreign_xacro
 
@@ -69,11 +69,10 @@ EMITTER = Emitter(
     suffixes=(),
     options=Ros2Options,
     emit=emit,
-    in_folders=folders,
-    read_back=read_foreign_xacro,
-    costly_proof=True,
-    notices=notices,
-    check=check,
-    finds_packages=True,
-    descriptions=descriptions,
+    capabilities=(
+        ReadsBack(read_foreign_xacro, is_costly=True),
+        WritesFolders(folders),
+        Checks(check, descriptions, finds_packages=True),
+        GivesNotices(notices),
+    ),
 )

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from dh2urdf.errors import ConfigError, InputError
 from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.source import Mark, Problem, shown
-from dh2urdf.stages import EmittedFile, Emitter
+from dh2urdf.stages import Annotates, EmittedFile, Emitter
 from dh2urdf_plugins.collision_pairs.options import PairOptions
 
 if TYPE_CHECKING:
@@ -110,5 +110,5 @@ EMITTER = Emitter(
     suffixes=(".srdf",),
     options=SrdfOptions,
     emit=emit,
-    annotate=annotate,
+    capabilities=(Annotates(annotate),),
 )

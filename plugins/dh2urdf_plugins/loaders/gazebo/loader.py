@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING
 from dh2urdf.errors import LoaderError, MissingProgramError
 from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.source import Problem, shown
-from dh2urdf.stages import Loader
+from dh2urdf.stages import Loader, ReadsOutput, Requires, Reusable
 from dh2urdf_plugins.loaders.options import SimulatorOptions
 
 if TYPE_CHECKING:
@@ -148,10 +148,12 @@ def read_output(request: LoadRequest, output: str) -> tuple[Problem, ...]:
 LOADER = Loader(
     name="gazebo",
     summary="has Gazebo's sdformat check SDF, or convert URDF, and compares the model with the table",
-    load=load,
+    open=load,
     options=GazeboOptions,
     formats=("sdf", "urdf"),
-    read_output=read_output,
-    require=require,
-    prepare=prepare,
+    capabilities=(
+        Requires(require),
+        ReadsOutput(read_output),
+        Reusable(prepare),
+    ),
 )

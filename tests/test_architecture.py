@@ -381,7 +381,7 @@ def test_modules_say_what_they_are() -> None:
 
 
 BUDGETS = {
-    "pipeline/dh2urdf": 6220,
+    "pipeline/dh2urdf": 6770,
     "pipeline/dh2urdf/cells": 410,
     "pipeline/dh2urdf/cli": 2360,
     "pipeline/dh2urdf/commands": 2440,
@@ -394,15 +394,14 @@ BUDGETS = {
     "pipeline/dh2urdf/output": 1790,
     "pipeline/dh2urdf/plugin_system": 1900,
     "pipeline/dh2urdf/quantities": 1230,
-    "pipeline/dh2urdf/report": 3210,
-    "pipeline/dh2urdf/results": 630,
+    "pipeline/dh2urdf/report": 3190,
     "pipeline/dh2urdf/run_file": 2160,
-    "pipeline/dh2urdf/running": 1180,
+    "pipeline/dh2urdf/running": 1150,
     "pipeline/dh2urdf/scaffold": 450,
     "pipeline/dh2urdf/stage_calls": 700,
-    "pipeline/dh2urdf/tasks": 1110,
+    "pipeline/dh2urdf/tasks": 1060,
     "pipeline/dh2urdf/testing": 1990,
-    "pipeline/dh2urdf/variations": 1260,
+    "pipeline/dh2urdf/variations": 1180,
     "plugins/dh2urdf_check": 7650,
     "plugins/dh2urdf_plugins": 340,
     "plugins/dh2urdf_plugins/calibrations": 430,

@@ -14,7 +14,7 @@ import orjson
 
 from dh2urdf.errors import MissingDependencyError
 from dh2urdf.late_tuples import NamedTuple
-from dh2urdf.results.run import ManipulatorEntry
+from dh2urdf.results import ManipulatorEntry
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence

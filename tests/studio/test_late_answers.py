@@ -207,7 +207,8 @@ class Monkey:
         self.click() if self.rows else self.resize()
 
     def resize(self) -> None:
-        """Another number of axes."""
+        """Another number of axes; the driver selects and fills in two steps, and an answer between them is no person's."""
+        self.tab.settle()
         count = self.random.randint(1, 7)
         field = self.page.get_by_label("number of axes")
         field.fill(str(count))

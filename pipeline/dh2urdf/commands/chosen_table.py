@@ -114,7 +114,7 @@ def refuse_run_file(table: Path) -> Iterator[None]:
 
         if not is_run_file(table):
             raise
-        advice = f"`dh2urdf run {shlex.quote(str(table))}` runs it"
+        advice = f"`dh2urdf run {shlex.quote(str(table))}`, or in Python `dh2urdf.run({str(table)!r})`, runs it"
         message = "this is a run file, not a table"
         raise ConfigError(Problem(message=message, mark=Mark(file=str(table)), suggestion=advice)) from None
 

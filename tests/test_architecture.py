@@ -392,7 +392,7 @@ BUDGETS = {
     "pipeline/dh2urdf/measuring": 420,
     "pipeline/dh2urdf/meshes": 1270,
     "pipeline/dh2urdf/output": 1790,
-    "pipeline/dh2urdf/plugin_system": 1900,
+    "pipeline/dh2urdf/plugin_system": 1920,
     "pipeline/dh2urdf/quantities": 1230,
     "pipeline/dh2urdf/report": 3190,
     "pipeline/dh2urdf/run_file": 2160,

@@ -138,6 +138,7 @@ def test_a_sound_shard_is_not_written_again(folder: Path, cli: Callable[..., Ans
 # --- Changed code -----------------------------------------------------------------------------------------------------
 
 EMITTER = """
+from dataclasses import dataclass
 from dh2urdf.hookspecs import hookimpl
 from dh2urdf.stages import EmittedFile, Emitter, Loader, LoadReport, NoOptions
 from {helper} import length

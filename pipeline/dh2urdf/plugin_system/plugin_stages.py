@@ -62,6 +62,7 @@ class PluginStages:
         self._manager = pluggy.PluginManager(hookspecs.PROJECT)
         self._manager.add_hookspecs(hookspecs)
         self._keys: dict[Plugin, str | None] = {}
+        self._not_imported: set[Plugin] = set()
         self._found: dict[tuple[Kind, Plugin], tuple[Provided, ...]] = {}
 
     def of(self, kind: Kind, plugin: Plugin) -> tuple[Provided, ...]:
@@ -92,9 +93,16 @@ class PluginStages:
         raise LookupError(stage.name)
 
     def _call(self, kind: Kind, plugin: Plugin, only: str | None) -> Iterator[Provided]:
-        if isinstance(plugin.module, tuple(RECORDS.values())):
+        if plugin in self._not_imported:  # It is imported once, and reported once.
+            return
+        try:
+            module = plugin.module
+        except BaseException:
+            self._not_imported.add(plugin)
+            raise
+        if isinstance(module, tuple(RECORDS.values())):
             source = f"the entry point {plugin.entry!r}"
-            given: list[Any] = [plugin.module] if only or isinstance(plugin.module, RECORDS[kind]) else []
+            given: list[Any] = [module] if only or isinstance(module, RECORDS[kind]) else []
         else:
             source = f"the hook dh2urdf_{kind}s"
             given = list(self._from_hooks(kind, plugin))

@@ -77,12 +77,28 @@ _ADAPTERS: dict[Any, TypeAdapter[Any]] = {}
 """Pydantic's checks of a type: to make them takes longer than to use them."""
 
 
+_NO_PLUGINS = "PYDANTIC_DISABLE_PLUGINS"
+
+
 def adapter_of(kind: Any) -> TypeAdapter[Any]:  # noqa: ANN401 - a dataclass
-    """Pydantic's checks of a type, and its JSON Schema."""
+    """Pydantic's checks of a type, and its JSON Schema.
+
+    Pydantic would look for its own plugins in the metadata of all distributions, and fail at a broken one.
+    """
+    import os
+
     from pydantic import TypeAdapter
 
     if kind not in _ADAPTERS:
-        _ADAPTERS[kind] = TypeAdapter(kind)
+        before = os.environ.get(_NO_PLUGINS)
+        os.environ[_NO_PLUGINS] = "__all__"
+        try:
+            _ADAPTERS[kind] = TypeAdapter(kind)
+        finally:
+            if before is None:
+                del os.environ[_NO_PLUGINS]
+            else:
+                os.environ[_NO_PLUGINS] = before
     return _ADAPTERS[kind]
 
 

@@ -17,6 +17,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from dh2urdf.documents import is_file
 from dh2urdf.late_tuples import NamedTuple
 
 if TYPE_CHECKING:
@@ -66,7 +67,7 @@ def in_child(function: Callable[..., Any], *args: Any, seed: int = 1) -> Seen:  
             timeout=PATIENCE,
             check=False,
         )
-        if not answer.exists():
+        if not is_file(answer):
             last = done.stdout.decode(errors="replace")[-1000:]
             raise RuntimeError(f"the process ended with exit status {done.returncode} and gave no result: {last}")
         raised, *found = pickle.loads(answer.read_bytes())  # noqa: S301 - our own child wrote it

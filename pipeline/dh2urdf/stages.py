@@ -168,10 +168,14 @@ class _Capable:
         keeps = self.can(KeepsKinematics)
         return keeps is None or keeps.keeps_kinematics(options)
 
-    def require(self, options: Any) -> None:  # noqa: ANN401 - the stage's own options
-        """Raise a `dh2urdf.errors.PluginError` where something that the stage needs is not installed."""
-        if needs := self.can(Requires):
-            needs.require(options)
+    def require(self, options: Any) -> Any:  # noqa: ANN401 - the stage's own options; what the plugin gives
+        """Raise a `dh2urdf.errors.PluginError` where something that the stage needs is not installed.
+
+        Returns:
+            What the plugin's function gives: None, or it is wrong.
+        """
+        needs: Any = self.can(Requires)
+        return needs.require(options) if needs else None
 
 
 # --- Capabilities of several kinds

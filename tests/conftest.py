@@ -138,13 +138,22 @@ def renew(request: pytest.FixtureRequest) -> bool:
     return bool(request.config.getoption("--renew"))
 
 
-# A test that needs what is not installed is skipped, with `pytest.importorskip` or `pytest.skip`. Where everything has
-# to be there, DH2URDF_REQUIRE_ALL=1 turns every skip into a failure, so that nothing goes untested in silence.
+# A test that needs what is not installed is skipped, with `pytest.importorskip` or `pytest.skip`, or because it failed
+# with the error that names the missing package. Where everything has to be there, DH2URDF_REQUIRE_ALL=1 turns every skip
+# into a failure, so that nothing goes untested in silence.
+_MISSING = re.compile(r"(?:[^\n]* needs [^\n]*-m pip install 'dh2urdf\[[^\n]*|No module named '(\w+)[^\n]*)")
 
 
 @pytest.hookimpl(wrapper=True)
-def pytest_runtest_makereport() -> Generator[None, pytest.TestReport, pytest.TestReport]:
-    return _no_skip((yield))
+def pytest_runtest_makereport(
+    item: pytest.Item, call: pytest.CallInfo[None]
+) -> Generator[None, pytest.TestReport, pytest.TestReport]:
+    report = yield
+    if report.failed and call.excinfo is not None and os.environ.get("DH2URDF_REQUIRE_ALL") != "1":
+        missing = _MISSING.search(str(call.excinfo.value))
+        if missing and (missing[1] is None or find_spec(missing[1]) is None):
+            report.outcome, report.longrepr = "skipped", (str(item.path), 0, missing[0].strip())
+    return _no_skip(report)
 
 
 @pytest.hookimpl(wrapper=True)

@@ -211,6 +211,7 @@ class Child:
         encoding: Data[Any] | Pickled[Any] = PLAIN,
         *,
         in_fork: bool = False,
+        spent: float = 0.0,
     ) -> ChildResult[T]:
         """What a function returns in the child, which is ended if it gives no answer.
 
@@ -221,11 +222,13 @@ class Child:
             who: as `run_in_child`.
             encoding: as `run_in_child`.
             in_fork: whether the child makes the call in a fork of itself, so that no other call meets what it leaves.
+            spent: how much of `timeout` is spent already [s].
 
         Raises:
             Exception: as `run_in_child`.
         """
-        answer = self.ask(pickled_call(function, args, who), timeout, encoding, in_fork=in_fork)
+        left = None if timeout is None else max(0.0, timeout - spent)
+        answer = self.ask(pickled_call(function, args, who), left, encoding, in_fork=in_fork)
         output = self.printed_before + self.output.text()
         try:
             if answer.word in {"value", "raised"}:

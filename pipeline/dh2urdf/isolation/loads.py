@@ -173,9 +173,8 @@ class KeptChildren:
             Exception: as `dh2urdf.isolation.child_process.run_in_child`.
         """
         key = pickled_call(prepare, (load, options), who)
-        child = self._taken(key)
+        child, begun = self._taken(key), time.monotonic()
         if child is None:
-            begun = time.monotonic()
             child = Child.started()
             try:
                 child.call(prepare, (options,), timeout, who)
@@ -183,9 +182,9 @@ class KeptChildren:
                 child.end()
                 raise
             child.printed_before = child.output.text()
-            timeout = max(0.0, timeout - (time.monotonic() - begun))
         try:
-            return child.call(load, (request, options), timeout, who, _REPORT, in_fork=True)
+            spent = time.monotonic() - begun
+            return child.call(load, (request, options), timeout, who, _REPORT, in_fork=True, spent=spent)
         finally:
             if child.is_alive():
                 with self._changing:

@@ -53,7 +53,8 @@ def work(function, tasks, options):
             yield {code}
 
 def loader(name, load):
-    return Loader(name=name, summary="s", open=load, options=NoOptions, formats=("bad",))
+    return Loader(name=name, summary="s", load=load, options=NoOptions, formats=("bad",), poses=lambda _: 2,
+                  picture=lambda _: False)
 
 @hookimpl
 def dh2urdf_readers():

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Any
 
 from dh2urdf import hookspecs
 from dh2urdf.plugin_system import RECORDS
-from dh2urdf.plugin_system.plugin_stages import CAPABILITIES
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -15,8 +14,7 @@ if TYPE_CHECKING:
 
 def hooks() -> str:
     """A section for each hook: its signature, what it is for, and the record of its kind of stage."""
-    shown: set[type[Any]] = set()
-    return "\n\n".join(text for hook, record in specified() for text in _hook(hook, record, shown))
+    return "\n\n".join(text for hook, record in specified() for text in _hook(hook, record))
 
 
 def interface_version() -> str:
@@ -36,15 +34,8 @@ def signature(hook: Callable[..., Any]) -> str:
     return f"def {hook.__name__}{inspect.signature(hook)}".replace("'", "")
 
 
-def _hook(hook: Callable[..., Any], record: type[Any], shown: set[type[Any]]) -> Iterator[str]:
+def _hook(hook: Callable[..., Any], record: type[Any]) -> Iterator[str]:
     yield f"## `{hook.__name__}`"
     yield f"```python\n{signature(hook)}: ...\n```"
     yield inspect.getdoc(hook) or ""
-    kind = record.__name__.lower()
-    for each in (record, *CAPABILITIES[kind]):  # type: ignore[index]
-        name = f"{each.__module__}.{each.__qualname__}"
-        if each in shown:
-            yield f"It may have [`{each.__qualname__}`][{name}], too."
-        else:
-            yield f"::: {name}\n    options:\n      heading_level: 3"
-        shown.add(each)
+    yield f"::: {record.__module__}.{record.__qualname__}\n    options:\n      heading_level: 3"

@@ -168,13 +168,14 @@ class Pickled(Generic[T]):
     def prepare(self) -> None:
         """Nothing is needed."""
 
-    def pack(self, value: Any) -> bytes:  # noqa: ANN401 - what the function returned
+    def pack(self, value: T) -> bytes:
         """What is sent for a value."""
         return pickle.dumps(value)
 
-    def unpack(self, sent: bytes) -> Any:  # noqa: ANN401 - what the function returned
-        """The value, or the exception."""
-        return pickle.loads(sent)  # noqa: S301 - our own worker sent it, see above
+    def unpack(self, sent: bytes) -> T:
+        """The value."""
+        value: T = pickle.loads(sent)  # noqa: S301 - our own worker sent it, see above
+        return value
 
     def pack_error(self, error: BaseException) -> bytes:
         """What is sent for an exception; where it does not survive the way, a `RuntimeError` that describes it."""
@@ -185,7 +186,10 @@ class Pickled(Generic[T]):
             return pickle.dumps(RuntimeError(f"{type(error).__name__}: {error}"))
         return sent
 
-    unpack_error = unpack
+    def unpack_error(self, sent: bytes) -> BaseException:
+        """The exception."""
+        error: BaseException = pickle.loads(sent)  # noqa: S301 - our own worker sent it, see above
+        return error
 
 
 PICKLED: Pickled[Any] = Pickled()

@@ -14,7 +14,6 @@ from dh2urdf.robot import Robot
 from dh2urdf.row_fields import LIMITS, NUMBERS
 from dh2urdf.stage_calls.answers import a_record, emitted_files
 from dh2urdf.stage_calls.calls import Call, blaming
-from dh2urdf.stages import EmitsInColumns, TransformsInColumns
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -35,7 +34,7 @@ def transform_columns(
         ManipulatorError: the transform refuses them, or is at fault.
     """
     with blaming(call):
-        groups = call.stage.can(TransformsInColumns).transform_columns(columns, call.options)  # type: ignore[union-attr] # asked before
+        groups = call.stage.transform_columns(columns, call.options)  # type: ignore[misc] # asked before
         return _groups(groups or (), len(columns), RobotColumns)
 
 
@@ -48,7 +47,7 @@ def emit_columns(
         ManipulatorError: the emitter refuses them, or is at fault.
     """
     with blaming(call):
-        emitted = call.stage.can(EmitsInColumns).emit_columns(robots, stems, call.options)  # type: ignore[union-attr] # asked before
+        emitted = call.stage.emit_columns(robots, stems, call.options)  # type: ignore[misc] # asked before
         if emitted is None:
             return None
         emitted = list(emitted)
@@ -64,8 +63,7 @@ def read_columns(call: Call[Emitter[Any]], contents: Sequence[bytes]) -> list[tu
         ManipulatorError: the emitter is at fault.
     """
     with blaming(call):
-        read = call.stage.can(EmitsInColumns).read_columns  # type: ignore[union-attr] # asked before
-        return _groups(read(contents), len(contents), Robot)  # type: ignore[misc] # asked before
+        return _groups(call.stage.read_columns(contents), len(contents), Robot)  # type: ignore[misc] # asked before
 
 
 def _groups(given: Sequence[Any], count: int, kind: type[T]) -> list[tuple[tuple[int, ...], T]]:

@@ -362,7 +362,7 @@ def read_back(_path: Path) -> Robot:
     return _WRITTEN["robot"]
 
 
-def check(_path: Path, _expansion: Any) -> Inspection:
+def check(_path: Path) -> Inspection:
     return Inspection(consumers={}, findings=(Finding(rule="no-good", message="it is no good", fix="give up"),))
 
 
@@ -406,8 +406,8 @@ def load_and_leave(request: Any, options: Any) -> LoadReport:
 LOADED: list[Any] = []
 
 
-def prepare_and_remember(_options: Any) -> None:
-    LOADED.append(None)
+def nothing(_options: Any) -> None:
+    """Imports nothing."""
 
 
 def load_and_remember(request: Any, options: Any) -> LoadReport:
@@ -426,17 +426,19 @@ def load_carelessly(request: Any, options: Any) -> LoadReport:
     return load(request, options)
 
 
-@dataclass(frozen=True)
-class Three:
-    poses = 3
+def three(_options: Any) -> int:
+    return 3
 
 
-@dataclass(frozen=True)
-class Never:
-    poses, time_limit = 3, 0.0
+def no(_options: Any) -> bool:
+    return False
 
 
-LOADER = Loader(name="bad", summary="bad", open=load, options=Three)
+def never(_options: Any) -> float:
+    return 0.0
+
+
+LOADER = Loader(name="bad", summary="bad", load=load, options=NoOptions, poses=three, picture=no)
 
 # --- Executors
 

@@ -20,7 +20,7 @@ from lxml import etree
 from dh2urdf.errors import EmitterError, TableError, TransformError
 from dh2urdf.hookspecs import hookimpl
 from dh2urdf.source import Problem
-from dh2urdf.stages import EmittedFile, Loader, Rejected, Requires
+from dh2urdf.stages import EmittedFile, Loader, NoOptions, Rejected
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -119,9 +119,11 @@ def require(_options: Any) -> None:
 HEAVY = Loader(
     name="heavy",
     summary="imports numpy in a helper of its module",
-    open=bad_lab.load,
-    options=bad_lab.Three,
-    capabilities=(Requires(require),),
+    load=bad_lab.load,
+    options=NoOptions,
+    poses=bad_lab.three,
+    picture=bad_lab.no,
+    require=require,
 )
 
 

@@ -184,6 +184,93 @@ def test_what_holds_for_all_joints_is_checked(
     assert key in str(arm.problems[0])
 
 
+@pytest.mark.parametrize(
+    ("comment", "joint", "said"),
+    [
+        ("# lengths in mm", "a: 300, alpha: 0, d: 0", "error: this comment mentions mm, and lengths are read in m"),
+        (
+            "# Winkel in Grad",
+            "a: 300, alpha: 0, d: 0",
+            "error: this comment mentions deg, and angles are",
+        ),
+        (
+            "# - {a: 0.2, alpha: 0, d: 0}",
+            "a: 0.3, alpha: 0, d: 0",
+            "notice: '# - {a: 0.2, alpha: 0, d: 0}' is a comment",
+        ),
+        ("#- a: -pi", "a: 0.3, alpha: 0, d: 0", "notice: '#- a: -pi' is a comment, and no joint"),
+        ("# - a: the length of the link", "a: 0.3, alpha: 0, d: 0", None),
+        ("# theta = q - pi/2", "a: 0.3, alpha: 0, d: 0", "notice: '# theta = q - pi/2' is a comment"),
+        ("# theta = q + offset", "a: 0.3, alpha: 0, d: 0", None),
+        (
+            "# an RRP arm",
+            "a: 0.3, alpha: 0, d: 0",
+            "error: '# an RRP arm' speaks of a prismatic joint, and the table has",
+        ),
+        ("# an RRP arm", "type: R, a: 0.3, alpha: 0, d: 0", None),
+        (
+            "# modified DH parameters",
+            "a: 0.3, alpha: 0, d: 0",
+            "notice: this comment speaks of the modified convention",
+        ),
+        ("# lengths in m, angles in rad", "a: 0.3, alpha: 0, d: 0", None),
+        ("# measured twice", "a: 0.3, alpha: 0, d: 0  # in mm it is 300", None),
+    ],
+)
+@pytest.mark.parametrize("place", ["above", "below"])
+def test_a_comment_that_contradicts_the_table(
+    comment: str, joint: str, said: str | None, place: str, read: Callable[..., list[Manipulator | Rejected]]
+) -> None:
+    """Nothing is read from it, and what it says of units, of the convention or of types was lost without a word."""
+    joint, *behind = joint.split("  #")
+    table = "\n".join(["convention: standard", "joints:", f"  - {{{joint}}}{''.join(map('  #{}'.format, behind))}"])
+    text = f"{comment}\n{table}\n" if place == "above" else f"{table}\n{comment}\n"
+    (arm,) = read(text, ".yaml")
+    problems = (*arm.notices, *(() if isinstance(arm, Manipulator) else arm.problems))
+    found = [f"{problem.severity}: {problem.message}" for problem in problems]
+    assert [text for text in found if said and text.startswith(said)] == (found if said else [])
+    assert bool(said) == bool(found)
+
+
+@pytest.mark.parametrize(
+    ("line", "said"),
+    [
+        ("{a: 425, alpha: 0, d: 0}  # mm", "2:"),
+        ("{a: 425, alpha: 90, d: 0}  # mm, deg", "4:"),
+        ("{a: 0.425, alpha: 0, d: 0}  # 425 mm", None),
+        ("{a: 425 mm, alpha: 90 deg, d: 0}  # mm, deg", None),
+        ("{a: 425 mm, alpha: 0, d: 0}  # cm", "notice"),
+        ("{a: 0.425, alpha: 0, d: 0}  # m", None),
+        ("{name: 'j # mm', a: 0.425, alpha: 0, d: 0}", None),
+        ("{a: 0.425, alpha: 0, d: 0}  # prismatic", "speaks of a prismatic joint"),
+        ("{type: P, a: 0.425, alpha: 0, d: 0}  # prismatic", None),
+        *((f"{{a: 0.425, alpha: 0, d: 0}}  # {word}", "nothing is read") for word in ("fixed", "Reversed.")),
+        ("{a: 0.425, alpha: 0, d: 0}  # linear", "the table has no types"),
+        ("{type: F, a: 0.425, alpha: 0, d: 0}  # fixed", None),
+        ("{sign: -1, a: 0.425, alpha: 0, d: 0}  # reversed", None),
+        ("{a: 0.425, alpha: 0, d: 0}  # fixed to the table", "nothing is read"),
+    ],
+)
+def test_a_comment_behind_a_value(
+    line: str, said: str | None, read: Callable[..., list[Manipulator | Rejected]]
+) -> None:
+    """It is judged with the units of its own line; a number of its own is no unit of the table's."""
+    (arm,) = read(f"convention: standard\njoints:\n  - {line}\n", ".yaml")
+    problems = [str(one) for one in (*arm.notices, *(() if isinstance(arm, Manipulator) else arm.problems))]
+    told = [text for text in problems if "comment" in text or "# prismatic" in text]
+    if said is None:
+        assert told == []
+    elif said == "notice":
+        assert ["notice" in text and "mentions cm" in text for text in told] == [True]
+    elif said in ("nothing is read", "the table has no types"):
+        assert ["notice" in text and ":3:" in text and said in text for text in told] == [True]
+    elif said[0].isdigit():
+        assert len(told) == int(said[0]) // 2
+        assert all("error" in text and ":3:" in text and "`units: {" in text for text in told)
+    else:
+        assert ["error" in text and said in text for text in told] == [True]
+
+
 def test_comments_of_several_manipulators(read: Callable[..., list[Manipulator | Rejected]]) -> None:
     """Each is about the manipulator below it or around it; what is above all of them is about each."""
     robot = "  - convention: standard\n    joints: [{{a: 0.3, alpha: 0, d: 0}}]{}\n"
@@ -214,3 +301,59 @@ def test_mappings_of_bounds_and_coordinates_have_the_words_of_cells(
     assert row.com == (0.0, 0.1, -0.2)
     assert row.limits is not None
     assert (row.limits.lower, row.limits.upper) == pytest.approx((math.radians(-170), math.radians(90)), abs=1e-12)
+
+
+def test_a_bound_under_two_words_is_refused(read: Callable[..., list[Manipulator | Rejected]]) -> None:
+    text = "convention: standard\njoints: [{a: 0.3, alpha: 0, d: 0, limits: {lower: -1, min: -2, upper: 1}}]\n"
+    (rejected,) = read(text, ".yaml")
+    assert isinstance(rejected, Rejected)
+    assert "'min' is no key of limits" in rejected.problems[0].message
+
+
+@pytest.mark.parametrize(
+    ("text", "advice"),
+    [
+        ("links: [{a: 0.3, alpha: 0, d: 0}]", "write `joints:`, a list with one mapping for each joint"),
+        ("dh_params: [[0.3, 0, 0, 0]]", "write `joints:`, a list with one mapping for each joint"),
+        ("a: [0.3]\nalpha: [0]\nd: [0]", "write `joints:`, a list with one mapping for each joint"),
+        ("joints: {elbow: {a: 0.3, alpha: 0, d: 0}}", "write each name in its entry: `- {name: elbow,"),
+        ("angle_unit: deg\njoints: [{a: 0.3, alpha: 0, d: 0}]", "write `units: {angle: deg}`"),
+        ("tcp: [0, 0, 0.1]\njoints: [{a: 0.3, alpha: 0, d: 0}]", "write `tool: {xyz: [0, 0, 0.1]}`"),
+        ("tool: {x: 0, y: 0, z: 0.1}\njoints: [{a: 0.3, alpha: 0, d: 0}]", "write `xyz: [x, y, z]`"),
+        ("tool: {quaternion: [0, 0, 0, 1]}\njoints: [{a: 0.3, alpha: 0, d: 0}]", "write `rpy: [roll, pitch, yaw]`"),
+    ],
+)
+def test_tables_in_the_words_of_other_programs_are_told_ours(
+    text: str, advice: str, read: Callable[..., list[Manipulator | Rejected]]
+) -> None:
+    """Each message had the keys that are read, and none said what to write."""
+    (rejected,) = read(f"convention: standard\n{text}\n", ".yaml")
+    assert isinstance(rejected, Rejected)
+    assert any(advice in (problem.suggestion or "") for problem in rejected.problems)
+
+
+def test_the_key_q_may_hold_the_variable_of_its_joint(read: Callable[..., list[Manipulator | Rejected]]) -> None:
+    """As a column q may: it was refused. With an offset, or of another joint, it is no mere variable."""
+
+    def joints(first: str) -> str:
+        rows = f"[{{a: 0.3, alpha: 0, d: 0.1, q: {first}}}, {{a: 0.2, alpha: 0, d: 0, q: q2}}]"
+        return f"convention: standard\njoints: {rows}\n"
+
+    (arm,) = read(joints("q1"), ".yaml")
+    assert isinstance(arm, Manipulator), arm.problems
+    assert arm.notices == ()
+    for other in ("q2", "q1 - pi/2", "-q1", "d1", "0.5"):
+        (rejected,) = read(joints(other), ".yaml")
+        assert not isinstance(rejected, Manipulator)
+        assert "'q' is the joint variable, which no key holds" in rejected.problems[0].message
+        assert str(rejected.problems[0].accepted).startswith("0 under this key, or a table of a, alpha, d and theta")
+
+
+@pytest.mark.parametrize("empty", ["~", "null", "", '""'])
+def test_a_type_that_is_empty_is_noticed(empty: str, read_one: Callable[..., Manipulator]) -> None:
+    """As an empty cell of a column of types is; a joint without the key is revolute, as the page on tables has it."""
+    joints = f"[{{type: P, a: 0, alpha: 0, d: 0.1}}, {{type: {empty}, a: 0.3, alpha: 0, d: 0}}]"
+    arm = read_one(f"joints: {joints}\n", ".yaml")
+    assert [notice.message for notice in arm.notices] == ["the type is empty; the joint is taken as revolute"]
+    arm = read_one("joints: [{type: P, a: 0, alpha: 0, d: 0.1}, {a: 0.3, alpha: 0, d: 0}]\n", ".yaml")
+    assert arm.notices == ()

@@ -15,6 +15,7 @@ from dh2urdf_plugins.loaders.viewpoint import (
     WIDTH,
     Frames,
     JointVector,
+    View,
     best_view,
 )
 
@@ -40,16 +41,7 @@ def write_picture(bullet: Any, robot: Robot, frames_at: Callable[[JointVector], 
 
     view = best_view(robot, frames_at)
     frames_at(view.q)
-    # A light floor under the arm, for its shadow to fall on.
-    (x, y, z), half = view.floor
-    thickness = half / 100
-    shape = bullet.createVisualShape(
-        bullet.GEOM_BOX, halfExtents=(half, half, thickness), rgbaColor=FLOOR, specularColor=(0, 0, 0)
-    )
-    bullet.createMultiBody(
-        baseVisualShapeIndex=shape,
-        basePosition=(x, y, z - thickness),
-    )
+    _lay_floor(bullet, view)
     width, height = WIDTH * SUPERSAMPLING, HEIGHT * SUPERSAMPLING
     pixels = bullet.getCameraImage(
         width,
@@ -70,3 +62,16 @@ def write_picture(bullet: Any, robot: Robot, frames_at: Callable[[JointVector], 
     data = BytesIO()
     image.resize((WIDTH, HEIGHT), Image.Resampling.BOX).save(data, "PNG", optimize=True)
     write_whole(path, data.getvalue())
+
+
+def _lay_floor(bullet: Any, view: View) -> None:  # noqa: ANN401 - a module without type information
+    """A light floor under the arm, for its shadow to fall on."""
+    (x, y, z), half = view.floor
+    thickness = half / 100
+    shape = bullet.createVisualShape(
+        bullet.GEOM_BOX, halfExtents=(half, half, thickness), rgbaColor=FLOOR, specularColor=(0, 0, 0)
+    )
+    bullet.createMultiBody(
+        baseVisualShapeIndex=shape,
+        basePosition=(x, y, z - thickness),
+    )

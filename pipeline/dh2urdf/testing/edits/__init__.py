@@ -1,0 +1,1 @@
+"""The contract of edits, beside those of the other kinds of stages."""

@@ -1,0 +1,1 @@
+"""Bodies of links that are more than one solid for each segment."""

@@ -1,0 +1,1 @@
+"""What a joint has that its row leaves open."""

@@ -26,7 +26,7 @@ from dh2urdf import errors
 from dh2urdf.documents import composer as yaml_composer, text_files as textfiles
 from dh2urdf.errors import TableError
 from dh2urdf.manipulator import Convention, DHRow, Inertia, JointType, Limits, LinkGeometry, Manipulator
-from dh2urdf.quantities import UNITS, functions as expression_functions, grammar as expressions, unit_word
+from dh2urdf.quantities import UNITS, grammar as expressions, unit_word
 from dh2urdf.rotations import RigidTransform
 from dh2urdf_plugins import readers
 from dh2urdf_plugins.readers import csv, parquet, xlsx, yaml
@@ -650,7 +650,7 @@ def test_every_function_and_constant_is_in_the_page() -> None:
     """Those of the grammar, with the names that numpy has for them."""
     (paragraph,) = (part for part in TEXT.split("\n\n") if part.startswith("The constant is"))
     names_in_page = {word.casefold() for word in code(paragraph)}
-    assert names_in_page >= {*expression_functions.FUNCTIONS, *expression_functions.OTHER_NAMES, "pi", "π"}
+    assert names_in_page >= {*expressions.FUNCTIONS, *expressions.OTHER_NAMES, "pi", "π"}
     assert names_in_page >= {f"{module}pi" for module in expressions._MODULES}
     assert (expressions.__doc__ or "").split("::")[1].split("\n\n")[1].split() == [
         word for block in BLOCK.finditer(TEXT) if block["form"] == "text" for word in block["body"].split()

@@ -261,5 +261,5 @@ def test_a_monkey_with_a_late_server(studio_address: str, new_tab: Callable[...,
 @pytest.mark.long
 @pytest.mark.parametrize("seed", [2, 3])
 def test_a_monkey_of_a_thousand_acts(studio_address: str, new_tab: Callable[..., Any], seed: int) -> None:
-    """A thousand acts at random by two people; the server answers 0.6 s late."""
-    let_act(studio_address, new_tab, seed=seed, acts=500)
+    """A thousand acts at random; the server answers 0.6 s late."""
+    let_act(studio_address, new_tab, seed=seed, acts=1000)

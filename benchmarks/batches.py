@@ -36,8 +36,8 @@ from arms import LONG, SHORT, Lengths, write_table
 from measuring import Child, fresh, in_turn, machine, run_child, seconds, table
 
 from dh2urdf.output.layouts import DEFAULT_SIZE as SHARD
-from dh2urdf.output.local_store import LocalStore
 from dh2urdf.output.shards import ShardWriter
+from dh2urdf.output.store import LocalStore
 from dh2urdf.plugin_system.catalog import load
 from dh2urdf.run_file.config import load_config
 from dh2urdf.run_file.plan import Plan, make_plan

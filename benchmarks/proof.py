@@ -32,6 +32,7 @@ from dh2urdf.kinematics.proof import prove
 from dh2urdf.manipulator import Convention, DHRow, Manipulator
 from dh2urdf.plugin_system.catalog import load
 from dh2urdf.plugin_system.options import make_options
+from dh2urdf.stages import TransformsInColumns
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -105,7 +106,7 @@ def of_columns(members: int, rounds: int, **kind: bool) -> float:
     draw = random.Random(1)
     [(_, tables)] = in_columns([arm(f"arm_{number}", draw, **kind) for number in range(members)])
     total = 0.0
-    for places, robots in TRANSFORM.transform_columns(tables, OPTIONS):
+    for places, robots in TRANSFORM.can(TransformsInColumns).transform_columns(tables, OPTIONS):
         some = tables.take(places)
         written = [(range(len(places)), robots.robot)]
         for proof in prove_columns(some, robots, written, RANDOM):

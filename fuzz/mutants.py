@@ -1,6 +1,7 @@
 """Changes one thing in a module at a time, and looks whether the tests notice: mutation testing.
 
     python fuzz/mutants.py kinematics --count 60 --seed 1
+    python fuzz/mutants.py readers --kind arm
 
 For each group of modules (`GROUPS`) mutants are drawn among all places where an operator, a number, a condition or a
 choice can be another one. The tests of the group run with each mutant in a fork of this process, until one of them
@@ -30,13 +31,15 @@ if TYPE_CHECKING:
 
 ROOT = Path(__file__).parents[1]
 HOST, PLUGINS = ROOT / "pipeline" / "dh2urdf", ROOT / "plugins" / "dh2urdf_plugins"
+CHECK, STUDIO = ROOT / "plugins" / "dh2urdf_check", ROOT / "plugins" / "dh2urdf_studio"
 
 
 class Group(NamedTuple):
-    """Modules, and the tests that should notice a change of them, the quickest first."""
+    """Modules, the tests that should notice a change of them, the quickest first, and how many mutants are drawn."""
 
     modules: tuple[Path, ...]
     tests: tuple[str, ...]
+    count: int = 60
 
 
 GROUPS = {
@@ -77,6 +80,27 @@ GROUPS = {
                 "messages",
             )
         ),
+        200,
+    ),
+    "check": Group(
+        (
+            *(CHECK / f"{name}.py" for name in ("bodies", "joints", "references", "shapes", "structure")),
+            *sorted((CHECK / "models").glob("*.py")),
+        ),
+        tuple(
+            f"tests/check/test_{name}.py" for name in ("rules", "inspection", "models", "sdf_values", "plausibility")
+        ),
+        100,
+    ),
+    "settings": Group(
+        tuple(sorted((HOST / "run_file").glob("*.py"))),
+        ("tests/pipeline/run_file",),
+        100,
+    ),
+    "editing": Group(
+        tuple(sorted((STUDIO / "editing").glob("*.py"))),
+        ("tests/studio/editing",),
+        50,
     ),
 }
 SECONDS = 120
@@ -255,7 +279,7 @@ class _Finder:
         return importlib.util.spec_from_file_location(name, spec.origin, loader=loader)
 
 
-def survives(mutant: Mutant | None, tests: tuple[str, ...], log: Path) -> bool:
+def survives(mutant: Mutant | None, tests: tuple[str, ...], kind: str, log: Path) -> bool:
     """Whether all tests pass with a mutant: in a fork, in which nothing of the project has been imported."""
     number = os.fork()
     if number == 0:
@@ -268,7 +292,7 @@ def survives(mutant: Mutant | None, tests: tuple[str, ...], log: Path) -> bool:
             sys.meta_path.insert(0, _Finder(mutant))  # type: ignore[arg-type]
         import pytest
 
-        status = pytest.main(["-x", "-q", "-p", "no:cacheprovider", "--assert=plain", "-n0", "-m", "", *tests])
+        status = pytest.main(["-x", "-q", "-p", "no:cacheprovider", "--assert=plain", "-n0", "-m", kind, *tests])
         os._exit(int(status != 0))
     _, status = os.waitpid(number, 0)
     with suppress(ProcessLookupError):
@@ -280,7 +304,8 @@ def main() -> None:
     """Try mutants of a group, and print those that no test notices."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("group", choices=GROUPS)
-    parser.add_argument("--count", type=int, default=60, help="how many mutants")
+    parser.add_argument("--count", type=int, help="how many mutants: those of the group, if left out")
+    parser.add_argument("--kind", default="", help="of the tests: arm, words, speed; all, if left out")
     parser.add_argument("--seed", default="1", help="of the draw")
     parser.add_argument("--log", type=Path, default=Path("mutants.log"), help="what the tests of the last one print")
     parser.add_argument("--tests", nargs="*", help="other tests than those of the group")
@@ -290,15 +315,15 @@ def main() -> None:
     for module in READY:
         importlib.import_module(module)
     began = time.monotonic()
-    if not survives(None, tests, words.log):
+    if not survives(None, tests, words.kind, words.log):
         sys.exit(f"the tests fail without a mutant: see {words.log}")
     print(f"the tests pass without a mutant, in {time.monotonic() - began:.1f} s", flush=True)
     drawn = [mutant for path in group.modules for mutant in mutants(path)]
     print(f"{len(drawn)} mutants of {len(group.modules)} modules", flush=True)
-    drawn = random.Random(words.seed).sample(drawn, min(words.count, len(drawn)))
+    drawn = random.Random(words.seed).sample(drawn, min(words.count or group.count, len(drawn)))
     left = []
     for number, mutant in enumerate(drawn, start=1):
-        if survives(mutant, tests, words.log):
+        if survives(mutant, tests, words.kind, words.log):
             left.append(mutant)
             print(f"{number}: survives: {mutant}", flush=True)
     print(f"{len(drawn) - len(left)} of {len(drawn)} mutants were noticed")

@@ -20,6 +20,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 import hypothesis
 import numpy as np
 import pytest
+import yaml
 from lxml import etree
 
 from dh2urdf.cli import exit_status_of
@@ -62,6 +63,12 @@ _UNUSABLE = "DH2URDF_UNUSABLE"
 
 def pytest_configure(config: pytest.Config) -> None:
     """A package that lacks a library of the system counts as not installed, so that its tests are skipped."""
+    if config.option.markexpr in KINDS:
+        config.option.markexpr += " and not long"  # As in addopts, in whose place it is.
+    if config.getoption("--other-words"):
+        import other_words
+
+        other_words.change()
     if not hasattr(config, "workerinput"):
         os.environ[_UNUSABLE] = ",".join([name for name in WITH_LIBRARIES if find_spec(name) and _why_not(name)])
     for name in filter(None, os.environ.get(_UNUSABLE, "").split(",")):
@@ -86,6 +93,43 @@ def pytest_addoption(parser: pytest.Parser) -> None:
         action="store_true",
         help="write generated files instead of comparing them",
     )
+    parser.addoption(
+        "--other-words",
+        action="store_true",
+        help="change the words of every message: tests of kind `arm` still pass",
+    )
+
+
+# What each test is about, by tests/kinds.yaml: the entry of the test, of its file or of the nearest folder, in this order. A
+# mark in the file takes the place of that. A test that has no kind, or two, is in every lane, and fails there. What is `long`
+# is there besides.
+
+KINDS = frozenset(["arm", "words", "speed"])
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    kinds = yaml.safe_load(Path(__file__).with_name("kinds.yaml").read_text("utf-8"))
+    long = frozenset(kinds.pop("long", []))
+    of = {place: kind for kind, places in kinds.items() for place in places}
+    for item in items:
+        test = item.nodeid.partition("[")[0]
+        path = Path(test.partition("::")[0])
+        places = (item.nodeid, test, *map(str, (path, *path.parents)))
+        found = kinds_of(item) or {next((of[place] for place in places if place in of), "none")}
+        for kind in found if len(found) == 1 and found <= KINDS else KINDS:
+            item.add_marker(kind)
+        if long.intersection(places):
+            item.add_marker("long")
+
+
+def pytest_runtest_setup(item: pytest.Item) -> None:
+    if len(kinds_of(item)) != 1:
+        pytest.fail("arm, words or speed? Mark it, or name it in tests/kinds.yaml", pytrace=False)
+
+
+def kinds_of(item: pytest.Item) -> frozenset[str]:
+    return KINDS.intersection(mark.name for mark in item.iter_markers())
 
 
 @pytest.fixture
@@ -94,13 +138,22 @@ def renew(request: pytest.FixtureRequest) -> bool:
     return bool(request.config.getoption("--renew"))
 
 
-# A test that needs what is not installed is skipped, with `pytest.importorskip` or `pytest.skip`. Where everything has
-# to be there, DH2URDF_REQUIRE_ALL=1 turns every skip into a failure, so that nothing goes untested in silence.
+# A test that needs what is not installed is skipped, with `pytest.importorskip` or `pytest.skip`, or because it failed
+# with the error that names the missing package. Where everything has to be there, DH2URDF_REQUIRE_ALL=1 turns every skip
+# into a failure, so that nothing goes untested in silence.
+_MISSING = re.compile(r"(?:[^\n]* needs [^\n]*-m pip install 'dh2urdf\[[^\n]*|No module named '(\w+)[^\n]*)")
 
 
 @pytest.hookimpl(wrapper=True)
-def pytest_runtest_makereport() -> Generator[None, pytest.TestReport, pytest.TestReport]:
-    return _no_skip((yield))
+def pytest_runtest_makereport(
+    item: pytest.Item, call: pytest.CallInfo[None]
+) -> Generator[None, pytest.TestReport, pytest.TestReport]:
+    report = yield
+    if report.failed and call.excinfo is not None and os.environ.get("DH2URDF_REQUIRE_ALL") != "1":
+        missing = _MISSING.search(str(call.excinfo.value))
+        if missing and (missing[1] is None or find_spec(missing[1]) is None):
+            report.outcome, report.longrepr = "skipped", (str(item.path), 0, missing[0].strip())
+    return _no_skip(report)
 
 
 @pytest.hookimpl(wrapper=True)
@@ -270,6 +323,7 @@ def bucket(s3_server: str) -> str:
 @pytest.fixture(scope="session")
 def types_cache(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """What mypy keeps of dh2urdf, and of all that it imports: one folder for all processes that run tests."""
+    pytest.importorskip("mypy")
     folder = tmp_path_factory.getbasetemp()
     return (folder.parent if "PYTEST_XDIST_WORKER" in os.environ else folder) / "mypy"
 

@@ -92,7 +92,7 @@ CHECKS = {
     """,
     "schemas": """
         assert "gear_ratio" in json.dumps(run_schema(load()))
-        assert "gear_ratio" in json.dumps(load().get("reader", "yaml").schema())
+        assert "gear_ratio" in json.dumps(load().get("reader", "yaml").can(HasSchema).schema())
     """,
     "info": """
         done = subprocess.run(
@@ -130,7 +130,7 @@ def test_it_is_in(what: str, sources: Path, tmp_path: Path) -> None:
     program = (
         "import json, math, subprocess, sys\nfrom dataclasses import replace\nfrom pathlib import Path\nimport dh2urdf\n"
         "from dh2urdf.columns import in_columns\nfrom dh2urdf.conversion.keys import column_keys\n"
-        "from dh2urdf.plugin_system.catalog import load\nfrom dh2urdf.run_file.schema import run_schema\n"
+        "from dh2urdf.plugin_system.catalog import load\nfrom dh2urdf.run_file.schema import run_schema\nfrom dh2urdf.stages import HasSchema\n"
         "assert dh2urdf.__file__.startswith(sys.argv[2])\n"
         "arm = dh2urdf.read(Path(sys.argv[1]) / 'arm.csv')\n"
         "assert [(row.gear_ratio, row.wear) for row in arm.rows] == [(100.0, 0.5), (50.0, 0.0)]\n"

@@ -21,8 +21,7 @@ from dh2urdf.running.run import load_plan
 from dh2urdf.tasks.batch import items
 from dh2urdf.tasks.batch_report import BatchReport
 from dh2urdf.tasks.expected import Expected
-from dh2urdf.tasks.manifest_columns import ManifestColumns
-from dh2urdf.tasks.manifest_table import ManifestTable
+from dh2urdf.tasks.manifest_table import ManifestTable, TableRows
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -302,9 +301,7 @@ def test_a_full_disk_is_told_of_the_file_that_it_was(tmp_path: Path, monkeypatch
         monkeypatch.setattr(table, "add", full)
         with pytest.raises(OutputError, match=r"cannot write 'out/manifest\.parquet': No space left"):
             manifest.add(
-                BatchReport(
-                    first=0, rows=b"{}\n", statuses=Counter(ok=1), kinds=Counter(), columns=ManifestColumns(1, {})
-                )
+                BatchReport(first=0, rows=b"{}\n", statuses=Counter(ok=1), kinds=Counter(), table=TableRows([], {}))
             )
         assert rows.tell()
 

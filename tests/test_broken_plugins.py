@@ -9,9 +9,11 @@ from __future__ import annotations
 
 import json
 import sys
+from inspect import getsource
 from typing import TYPE_CHECKING, NamedTuple
 
 import pytest
+from other_fields import with_field
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -23,11 +25,13 @@ if TYPE_CHECKING:
 
 PLUGIN = """
 import os, pickle, signal, sys, time
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
+from typing import Any
 from dh2urdf import errors, unchecked_records
 from dh2urdf.errors import *
 from dh2urdf.hookspecs import hookimpl
 from dh2urdf.manipulator import Convention, DHRow, Manipulator
+from dh2urdf.plugin_system.plugin_stages import CAPABILITIES
 from dh2urdf.source import Problem
 from dh2urdf.stages import Edit, EmittedFile, Executor, Loader, LoadReport, NoOptions, Reader, Rejected
 from dh2urdf_plugins.emitters.urdf import EMITTER
@@ -88,17 +92,25 @@ class NotUnpicklable:
         return int, ("no number",)
 
 GOOD_FUNCTIONS = {1: TRANSFORM.transform, 2: EMITTER.emit}
-PLAIN = {"emit_columns": None, "read_columns": None}
+KIND, FIELD = "{field}".split(".")
+
+def setting(name, usual):
+    return property(({value}) if (KIND, FIELD) == ("loader", name) else lambda _: usual)
+
+@dataclass(frozen=True)
+class Settings:
+    poses, picture, time_limit = setting("poses", 2), setting("picture", False), setting("time_limit", 300.0)
+
+WITH_FIELD
 GOOD = {
     "reader": Reader(name="bad", summary="s", read=read, options=NoOptions, suffixes=(".bad",)),
-    "transform": replace(TRANSFORM, name="bad", transform_columns=None),
+    "transform": with_field(replace(TRANSFORM, name="bad"), "transform_columns", None),
     "edit": Edit(name="bad", summary="s", options=NoOptions, edit_table=lambda table, _: table),
-    "emitter": replace(EMITTER, name="bad", suffixes=(".bad",), other_endings=(".urdf",), **PLAIN),
-    "loader": Loader(name="bad", summary="s", load=load, options=NoOptions, formats=("bad",),
-                     poses=lambda _: 2, picture=lambda _: False),
+    "emitter": with_field(with_field(replace(EMITTER, name="bad", suffixes=(".bad",)), "other_endings", (".urdf",)),
+                          "emit_columns", None),
+    "loader": Loader(name="bad", summary="s", open=load, options=Settings, formats=("bad",)),
     "executor": Executor(name="bad", summary="s", map=lambda work, tasks, _: map(work, tasks), options=NoOptions),
 }
-KIND, FIELD = "{field}".split(".")
 {before}
 
 def bad_load(request, options):  # by its name: a child process imports it
@@ -107,9 +119,10 @@ def bad_load(request, options):  # by its name: a child process imports it
 
 def given(kind):
     stage = GOOD[kind]
-    if kind == KIND == "loader" and FIELD == "load":
-        return [replace(stage, load=bad_load)]
-    return [replace(stage, **{FIELD: ({value})})] if kind == KIND and FIELD != "hook" else [stage]
+    if kind == KIND == "loader" and FIELD == "open":
+        return [replace(stage, open=bad_load)]
+    is_bad = kind == KIND and FIELD != "hook" and not hasattr(Settings, FIELD)
+    return [with_field(stage, FIELD, ({value}))] if is_bad else [stage]
 
 @hookimpl
 def dh2urdf_readers():
@@ -135,6 +148,7 @@ def dh2urdf_loaders():
 def dh2urdf_executors():
     return ({value}) if "{field}" == "executor.hook" else given("executor")
 """
+PLUGIN = PLUGIN.replace("WITH_FIELD", getsource(with_field))
 RUN = (
     "inputs: arm.bad\ntransform: bad\nedits: bad\nemitters: [bad]\nloaders: [bad]\nexecution: {stage: bad, time_limit: 8}\n"
     "output: {directory: out}\nreport: {html: false}\n"
@@ -176,7 +190,7 @@ class Broken(NamedTuple):
 
 
 BOTH, ALL = ("left", "right"), None
-EMIT, LOAD, SWAP, READ, MAP = "emitter.emit", "loader.load", "transform.transform", "reader.read", "executor.map"
+EMIT, LOAD, SWAP, READ, MAP = "emitter.emit", "loader.open", "transform.transform", "reader.read", "executor.map"
 E, L, T, R, D = (f"{kind} 'bad' of lab 1.0 failed: " for kind in ("emitter", "loader", "transform", "reader", "edit"))
 X = "executor 'bad' of lab 1.0 failed: "
 BROKEN = "plugin 'lab = lab_lab' of lab 1.0 is broken: "
@@ -249,7 +263,7 @@ CASES = [
     Broken(READ, "raising(TableError(()))", f"{R}TableError, without a message", ALL),
     Broken(READ, "raising(ExecutorError('nobody works'))", f"{R}ExecutorError: nobody works", ALL),
     # --- Loaders
-    Broken(LOAD, "giving(None)", f"{L}TypeError: it gave None, not dh2urdf.stages.LoadReport", BOTH),
+    Broken(LOAD, "giving(None)", f"{L}TypeError: open returned NoneType, neither a SimulatedArm nor a LoadReport", BOTH),
     Broken(LOAD, "reported(poses='2')", f"{L}TypeError: it gave a LoadReport whose poses is '2' (str), not int", BOTH),
     Broken(LOAD, "reported(findings=('odd',))",
            f"{L}TypeError: it gave a LoadReport whose findings[0] is 'odd' (str), not Problem", BOTH),

@@ -53,8 +53,7 @@ def work(function, tasks, options):
             yield {code}
 
 def loader(name, load):
-    return Loader(name=name, summary="s", load=load, options=NoOptions, formats=("bad",), poses=lambda _: 2,
-                  picture=lambda _: False)
+    return Loader(name=name, summary="s", open=load, options=NoOptions, formats=("bad",))
 
 @hookimpl
 def dh2urdf_readers():

@@ -10,14 +10,17 @@ import re
 import signal
 import sys
 from dataclasses import fields
+from inspect import getsource
 from typing import TYPE_CHECKING, Any
 
 import pytest
+from other_fields import with_field
 
 from dh2urdf.cli import exit_status_of
 from dh2urdf.errors import InputError, StageError
 from dh2urdf.manipulator import Manipulator
 from dh2urdf.plugin_system import KINDS, RECORDS, load
+from dh2urdf.plugin_system.plugin_stages import CAPABILITIES
 from dh2urdf_studio.editing.opening import open_tables
 from dh2urdf_studio.editing.save import table_file
 from dh2urdf_studio.viewing import load_figures
@@ -32,11 +35,13 @@ if TYPE_CHECKING:
     Cli = Callable[..., Answer]
 
 PLUGIN = """
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
+from typing import Any
 from dh2urdf import errors
 from dh2urdf.hookspecs import hookimpl
 from dh2urdf.manipulator import Convention, DHRow, Manipulator
-from dh2urdf.stages import Edit, Executor, Loader, LoadReport, NoOptions, Reader
+from dh2urdf.plugin_system.plugin_stages import CAPABILITIES
+from dh2urdf.stages import Compares, Edit, Executor, HasSchema, Loader, LoadReport, NoOptions, OtherFiles, Reader
 from dh2urdf_plugins.emitters.urdf import EMITTER
 from dh2urdf_plugins.transforms.alpha_swap import TRANSFORM
 
@@ -102,20 +107,28 @@ def same(record, options):
 def load(request, options):
     return LoadReport(simulator="paper", version="1", poses=len(request.poses), position_error=0.0)
 
-GOOD = {
-    "reader": Reader(name="bad", summary="s", read=read, options=NoOptions, suffixes=(".bad",), schema=dict),
-    "transform": replace(TRANSFORM, name="bad", compared=None),
-    "edit": Edit(name="bad", summary="s", options=NoOptions, edit_table=same, edit_robot=same),
-    "emitter": replace(EMITTER, name="bad", suffixes=(".bad", ".robot"), other_endings=(".urdf",)),
-    "loader": Loader(name="bad", summary="s", load=load, options=NoOptions, formats=("urdf", "bad"),
-                     poses=lambda _: 2, picture=lambda _: False),
-    "executor": Executor(name="bad", summary="s", map=lambda work, tasks, _: map(work, tasks), options=NoOptions),
-}
 KIND, FIELD, HOW = "{what}".split(".")
 
+def setting(name, usual):
+    return property(globals()[HOW] if (KIND, FIELD) == ("loader", name) else lambda _: usual)
+
+@dataclass(frozen=True)
+class Settings:
+    poses, picture, time_limit = setting("poses", 2), setting("picture", False), setting("time_limit", 300.0)
+
+WITH_FIELD
+GOOD = {
+    "reader": Reader(name="bad", summary="s", read=read, options=NoOptions, suffixes=(".bad",),
+                     capabilities=(HasSchema(dict),)),
+    "transform": with_field(replace(TRANSFORM, name="bad"), "option", None),
+    "edit": Edit(name="bad", summary="s", options=NoOptions, edit_table=same, edit_robot=same),
+    "emitter": with_field(replace(EMITTER, name="bad", suffixes=(".bad", ".robot")), "other_endings", (".urdf",)),
+    "loader": Loader(name="bad", summary="s", open=load, options=Settings, formats=("urdf", "bad")),
+    "executor": Executor(name="bad", summary="s", map=lambda work, tasks, _: map(work, tasks), options=NoOptions),
+}
 def given(kind):
-    others = {"pool": {"map": None}, "open": {"load": None}}.get(FIELD, {})
-    yield replace(GOOD[kind], **({FIELD: globals()[HOW], **others} if kind == KIND else {}))
+    stage = replace(GOOD[kind], map=None) if FIELD == "pool" and kind == KIND else GOOD[kind]
+    yield with_field(stage, FIELD, globals()[HOW]) if kind == KIND and not hasattr(Settings, FIELD) else stage
 
 @hookimpl
 def dh2urdf_readers():
@@ -145,6 +158,7 @@ RUN = (
     "inputs: arm.bad\ntransform: bad\nedits: bad\nemitters: [bad]\nloaders: bad\nexecution: bad\n"
     "output: {directory: out}\nreport: {html: false}\n"
 )
+PLUGIN = PLUGIN.replace("WITH_FIELD", getsource(with_field))
 PLUGIN_NAME = "plugin 'lab = lab_lab' of lab 1.0 is broken: "
 
 
@@ -205,11 +219,9 @@ def said(answer: Answer) -> str:
         ("emitter.in_folders.fail", "`in_folders` of the emitter 'bad' of lab 1.0 failed: ZeroDivisionError: at work"),
         ("emitter.in_folders.give_nothing", "`in_folders` of the emitter 'bad' of lab 1.0 failed: TypeError: it gave"),
         ("emitter.read_back.fail", "emitter 'bad' of lab 1.0 failed: ZeroDivisionError: at work"),
-        ("loader.load.fail", "loader 'bad' of lab 1.0 failed: ZeroDivisionError: at work"),
-        ("loader.load.fail_oddly", "loader 'bad' of lab 1.0 failed: RuntimeError: Unpicklable: at work and odd"),
-        ("loader.load.give_numbers", "loader 'bad' of lab 1.0 failed: "),
         ("loader.open.fail", "loader 'bad' of lab 1.0 failed: ZeroDivisionError: at work"),
-        ("loader.open.give_numbers", "loader 'bad' of lab 1.0 failed: TypeError: open returned list, not a SimulatedA"),
+        ("loader.open.fail_oddly", "loader 'bad' of lab 1.0 failed: RuntimeError: Unpicklable: at work and odd"),
+        ("loader.open.give_numbers", "loader 'bad' of lab 1.0 failed: TypeError: open returned list, neither a Si"),
         ("loader.poses.fail", "loader 'bad' of lab 1.0 failed: ZeroDivisionError: at work"),
         ("loader.poses.give_nothing", "loader 'bad' of lab 1.0 failed: TypeError"),
         ("loader.picture.fail", "loader 'bad' of lab 1.0 failed: ZeroDivisionError: at work"),
@@ -236,7 +248,7 @@ def test_at_work_on_a_manipulator(cli: Cli, lab: Callable[[str], Path], what: st
         ("edit.edit_robot.refuse", "edit", "edit 'bad' of lab 1.0: an arm on Sundays"),
         ("emitter.emit.refuse", "emitter", "emitter 'bad' of lab 1.0: an arm on Sundays"),
         ("emitter.read_back.refuse_to_read", "input", "`read_back` of the emitter 'bad' of lab 1.0: line 3 is missing"),
-        ("loader.load.refuse", "loader", "bad: an arm on Sundays"),
+        ("loader.open.refuse", "loader", "bad: an arm on Sundays"),
     ],
 )
 def test_who_refuses_a_manipulator_is_named(
@@ -411,7 +423,7 @@ def test_where_rows_of_cells_are_given(
     """`Manipulator.from_dh` names the reader, the distribution and the version, where the plugin's reader is asked."""
     lab(what)
     catalog = load(("dh2urdf",))  # The reader of dh2urdf would be preferred.
-    monkeypatch.setattr("dh2urdf.tables_at_hand.load", lambda: catalog)
+    monkeypatch.setattr("dh2urdf.commands.given_tables.load", lambda: catalog)
     with pytest.raises(StageError, match=re.escape(message)):
         Manipulator.from_dh([{"a": 0.4, "alpha": 0, "d": 0.1}])
 
@@ -464,29 +476,29 @@ def test_every_function_of_every_record_is_tried() -> None:
         mark = next(mark for mark in test.pytestmark if mark.args[0] != "words")  # type: ignore[attr-defined]
         tried |= {tuple(case[0].split(".")[:2]) for case in mark.args[1]}
     described = {
-        "accepts_columns",
+        "capabilities",
         "name",
         "summary",
         "suffixes",
         "not_written",
         "other_endings",
         "formats",
-        "costly_proof",
-        "expandable",
+        "is_costly",
+        "has_macros",
         "finds_packages",
-        "is_usual",
-        "compared",
+        "option",
     }
-    assert tried == {
-        (kind, each.name) for kind in KINDS for each in fields(RECORDS[kind]) if each.name not in described
-    }
+    names = {(kind, each.name) for kind in KINDS for each in fields(RECORDS[kind])}
+    names |= {(kind, name) for kind in KINDS for each in CAPABILITIES[kind] for name in getattr(each, "_fields", ())}
+    names |= {("loader", name) for name in ("poses", "picture", "time_limit")}
+    assert tried == {(kind, name) for kind, name in names if name not in described}
 
 
 @pytest.mark.parametrize(
     ("what", "words"),
     [
         ("emitter.emit.fail", "run run.yaml"),
-        ("loader.load.fail", "run run.yaml"),
+        ("loader.open.fail", "run run.yaml"),
         ("executor.map.fail", "run run.yaml"),
         ("emitter.check.fail", "check arm.bad"),
         ("emitter.options.Options", "run run.yaml"),
@@ -604,7 +616,8 @@ def test_a_reader_names_the_suffixes_that_it_does_not_write(  # noqa: PLR0917 - 
     source = (
         "from dataclasses import replace\nfrom dh2urdf.hookspecs import hookimpl\n"
         "from dh2urdf_plugins.readers.csv import READER\n@hookimpl\ndef dh2urdf_readers():\n"
-        f"    return [replace(replace(READER, not_written=()), name='lab', suffixes=('.lab', '.lab2'), {fields})]\n"
+        "    writes = READER.capabilities[0]._replace(not_written=())\n"
+        f"    return [replace(READER, name='lab', suffixes=('.lab', '.lab2'), capabilities=(writes._replace({fields}),))]\n"
     )
     install(tmp_path, "labs", source)
     monkeypatch.syspath_prepend(tmp_path)
@@ -664,7 +677,7 @@ def test_what_an_emitter_prints_is_not_in_its_file(
         "from dataclasses import replace\nfrom dh2urdf.hookspecs import hookimpl\n"
         "from dh2urdf_plugins.emitters.urdf import EMITTER\n"
         "def emit(robot, stem, options):\n    print('at work')\n    return EMITTER.emit(robot, stem, options)\n"
-        "@hookimpl\ndef dh2urdf_emitters():\n    yield replace(EMITTER, name='noisy', emit=emit, suffixes=('.noisy',), other_endings=('.urdf',))\n"
+        "@hookimpl\ndef dh2urdf_emitters():\n    yield replace(EMITTER, name='noisy', emit=emit, suffixes=('.noisy', '.urdf'))\n"
     )
     install(tmp_path / "site", "noisy", source)
     (tmp_path / "arm.csv").write_text("# convention: standard\na, alpha, d\n0.4, 0, 0.1\n")

@@ -195,7 +195,7 @@ def test_a_mesh_of_the_run_file_is_an_input(cli: Cli, folder: Path) -> None:
 @pytest.mark.parametrize(
     ("declared", "said", "status"),
     [
-        ("('.notes',), other_endings=('.csv',)", "the run would overwrite its input", 2),
+        ("('.notes',), capabilities=(OtherFiles(other_endings=('.csv',)),)", "the run would overwrite its input", 2),
         ("('.notes',)", "'arm.csv' has '.csv' behind the stem, which is none of the suffixes and other_endings", 1),
     ],
 )
@@ -213,7 +213,7 @@ def test_the_second_file_of_an_emitter_is_written_over_no_table(  # noqa: PLR091
 
 NOTES = """
 from dh2urdf.hookspecs import hookimpl
-from dh2urdf.stages import EmittedFile, Emitter, NoOptions
+from dh2urdf.stages import EmittedFile, Emitter, NoOptions, OtherFiles, WritesFolders
 
 def emit(robot, stem, options):
     return [EmittedFile(name=f"{stem}.notes", content=b"x"), EmittedFile(name=f"{stem}.csv", content=b"x")]
@@ -229,7 +229,11 @@ def test_a_file_in_a_folder_of_an_emitter_is_written_over_no_table(
 ) -> None:
     """Which files are in the folders of a third party's emitter, nobody knows before: the store refuses them."""
     source = NOTES.replace('f"{stem}.', 'f"{stem}/{stem}.')
-    install(folder / "lab", "lab-notes", source.replace("('.notes',)", "(), in_folders=lambda stem, options: [stem]"))
+    install(
+        folder / "lab",
+        "lab-notes",
+        source.replace("('.notes',)", "(), capabilities=(WritesFolders(lambda stem, options: [stem]),)"),
+    )
     (folder / "arm").mkdir()
     (folder / "arm" / "arm.csv").write_text(TABLE)
     (folder / "run.yaml").write_text("inputs: arm/arm.csv\nemitters: [urdf, notes]\noutput: {directory: .}\n")
@@ -251,7 +255,9 @@ def test_two_arms_of_an_emitter_of_two_files_share_none(
     answer = dh2urdf("run", "run.yaml", path=[tmp_path / "old"], status=1)
     assert "has '_parts.notes' behind the stem" in answer.stderr  # type: ignore[attr-defined]
     install(
-        tmp_path / "lab", "lab-notes", source.replace("('.notes',)", "('.notes',), other_endings=('_parts.notes',)")
+        tmp_path / "lab",
+        "lab-notes",
+        source.replace("('.notes',)", "('.notes',), capabilities=(OtherFiles(other_endings=('_parts.notes',)),)"),
     )
     dh2urdf("run", "run.yaml", path=[tmp_path / "lab"])
     written = sorted((path.name, path.read_text()) for path in (tmp_path / "out").glob("*.notes"))

@@ -475,10 +475,13 @@ class TestRefusals:
 @pytest.mark.parametrize(
     ("lines", "told"),
     [
-        ("output: {meshes: {convert: hulls}}", "run.yaml:2:28: error: field 'output.meshes.convert': the conversion"),
+        ("output: {meshes: {convert: hulls}}", "did you mean 'hull'?"),
         ("output: {meshes: {names: file, convert: auto}}", "run.yaml:2:41: error: field 'output.meshes.convert': conv"),
-        ("output: {meshes: {convert: [auto]}}", "field 'output.meshes.convert': this cannot be"),
-        ("meshes: {convert: auto}", "run.yaml:2:10: error: field 'meshes.0.convert': this section says"),
+        ("output: {meshes: {convert: [auto]}}", "field 'output.meshes.convert': a run file cannot take"),
+        (
+            "meshes: {of: ur5, convert: auto}",
+            "run.yaml:2:19: error: field 'meshes.0.convert': a run file has no such key",
+        ),
     ],
 )
 def test_a_run_file_says_where(lines: str, told: str, folder: Path, cli: Callable[..., Answer]) -> None:

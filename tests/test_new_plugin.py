@@ -149,6 +149,7 @@ def test_the_smallest_plugins_work_at_once(
         dh2urdf("new-plugin", f"tiny-{kind}", "--kind", kind, "--minimal", "--dir", str(folder))
         files = {path.name for path in (folder / f"tiny-{kind}").rglob("*")}
         assert files == {"pyproject.toml", f"tiny_{kind}.py", f"test_tiny_{kind}.py"}
+        assert len((folder / f"tiny-{kind}" / f"tiny_{kind}.py").read_text("utf-8").splitlines()) <= 35
     types = author(folder)
     offline = ("--no-index", "--no-deps", "--no-build-isolation", "--quiet", "--disable-pip-version-check")
     types("pip", "install", *offline, *(f"./tiny-{kind}" for kind in KINDS))

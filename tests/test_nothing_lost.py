@@ -253,8 +253,11 @@ def dh2urdf_emitters():
 
 @hookimpl
 def dh2urdf_loaders():
-    return [Loader(name="misfit", summary="misbehaves", load=load, options=NoOptions, poses=lambda _: 1,
-                   picture=lambda _: False, time_limit=lambda _: 4.0)]
+    return [Loader(name="misfit", summary="misbehaves", open=load, options=Hasty)]
+
+@dataclass(frozen=True)
+class Hasty:
+    poses, time_limit = 1, 4.0
 """
 NAMES = ["a", "segfault", "b", "hang", "c", "raise", *(f"arm{number}" for number in range(40))]
 

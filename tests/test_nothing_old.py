@@ -138,6 +138,7 @@ def test_a_sound_shard_is_not_written_again(folder: Path, cli: Callable[..., Ans
 # --- Changed code -----------------------------------------------------------------------------------------------------
 
 EMITTER = """
+from dataclasses import dataclass
 from dh2urdf.hookspecs import hookimpl
 from dh2urdf.stages import EmittedFile, Emitter, Loader, LoadReport, NoOptions
 from {helper} import length
@@ -155,8 +156,11 @@ def dh2urdf_emitters():
 
 @hookimpl
 def dh2urdf_loaders():
-    return [Loader(name="camera", summary="takes pictures", load=load, options=NoOptions, poses=lambda _: 1,
-                   picture=lambda _: True, time_limit=lambda _: 60.0)]
+    return [Loader(name="camera", summary="takes pictures", open=load, options=Settings)]
+
+@dataclass(frozen=True)
+class Settings:
+    poses, picture, time_limit = 1, True, 60.0
 """
 HELPER = "def length():\n    return 1\n"
 SHAPES = {

@@ -240,8 +240,6 @@ from dh2urdf_plugins.transforms.alpha_swap import TRANSFORM
 with Path("imported").open("a") as log:
     log.write("greedy\\n")
 
-NOTHING_MORE = {"read_back": None, "emit_columns": None, "read_columns": None}
-
 def emit(robot, stem, options):
     return [EmittedFile(name=stem + ".urdf", content=b"greedy")]
 
@@ -256,7 +254,7 @@ def dh2urdf_transforms():
 @hookimpl
 def dh2urdf_emitters():
     claims = [("urdf", (".urdf", ".sdf")), ("robot", (".urdf", ".robot")), ("lab", (".lab.urdf",))]
-    return [replace(EMITTER, name=name, emit=emit, suffixes=ends, **NOTHING_MORE) for name, ends in claims]
+    return [replace(EMITTER, name=name, emit=emit, suffixes=ends, capabilities=()) for name, ends in claims]
 """
 HANGING = """
 from pathlib import Path

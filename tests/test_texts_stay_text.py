@@ -121,6 +121,7 @@ def every_markdown(cli: Cli, folder: Path, names: tuple[str, str, str]) -> dict[
 @pytest.mark.parametrize("renderer", RENDERERS)
 def test_no_element_of_a_page_comes_from_a_name(cli: Cli, tmp_path: Path, renderer: str) -> None:
     """Markup in the names of a robot, a joint and a link; the same pages as of plain names, but for the names."""
+    pytest.importorskip("pinocchio")  # It finds the collision pairs of one of the packages.
     hostile = ("q<img src=x onerror=window.P=40>", "j|*x*[l](javascript:alert(1))`c`", "l<svg onload=window.P=43>")
     pages = every_markdown(cli, tmp_path / "hostile", hostile)
     plain = every_markdown(cli, tmp_path / "plain", ("robot", "joint", "link"))

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from dh2urdf import hookspecs
 from dh2urdf.plugin_system import RECORDS
+from dh2urdf.plugin_system.plugin_stages import CAPABILITIES
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -14,7 +15,8 @@ if TYPE_CHECKING:
 
 def hooks() -> str:
     """A section for each hook: its signature, what it is for, and the record of its kind of stage."""
-    return "\n\n".join(text for hook, record in specified() for text in _hook(hook, record))
+    shown: set[type[Any]] = set()
+    return "\n\n".join(text for hook, record in specified() for text in _hook(hook, record, shown))
 
 
 def interface_version() -> str:
@@ -34,8 +36,15 @@ def signature(hook: Callable[..., Any]) -> str:
     return f"def {hook.__name__}{inspect.signature(hook)}".replace("'", "")
 
 
-def _hook(hook: Callable[..., Any], record: type[Any]) -> Iterator[str]:
+def _hook(hook: Callable[..., Any], record: type[Any], shown: set[type[Any]]) -> Iterator[str]:
     yield f"## `{hook.__name__}`"
     yield f"```python\n{signature(hook)}: ...\n```"
     yield inspect.getdoc(hook) or ""
-    yield f"::: {record.__module__}.{record.__qualname__}\n    options:\n      heading_level: 3"
+    kind = record.__name__.lower()
+    for each in (record, *CAPABILITIES[kind]):  # type: ignore[index]
+        name = f"{each.__module__}.{each.__qualname__}"
+        if each in shown:
+            yield f"It may have [`{each.__qualname__}`][{name}], too."
+        else:
+            yield f"::: {name}\n    options:\n      heading_level: 3"
+        shown.add(each)

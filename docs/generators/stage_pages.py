@@ -6,6 +6,7 @@ from itertools import starmap
 from typing import TYPE_CHECKING, Any
 
 from dh2urdf.plugin_system import KINDS, Catalog, Provided, describe_options, load
+from dh2urdf.stages import Checks, ReadsBack, WritesTables
 from pieces import code, prose, table
 
 if TYPE_CHECKING:
@@ -49,15 +50,12 @@ def _facts(item: Provided) -> Iterator[tuple[str, str]]:
     stage: Any = item.stage
     if item.kind == "reader":
         yield "chosen by the suffixes", ", ".join(map(code, stage.suffixes))
-        if stage.write:
-            yield (
-                "written with",
-                ", ".join(code(suffix) for suffix in stage.suffixes if suffix not in stage.not_written),
-            )
+        if writes := stage.can(WritesTables):
+            yield "written with", ", ".join(code(each) for each in stage.suffixes if each not in writes.not_written)
     elif item.kind == "emitter":
         yield "suffixes of the main file", ", ".join(map(code, stage.suffixes))
-        yield "read back and proved", "yes" if stage.read_back else "no"
-        yield "`dh2urdf check`", "yes" if stage.check else "no"
+        yield "read back and proved", "yes" if stage.can(ReadsBack) else "no"
+        yield "`dh2urdf check`", "yes" if stage.can(Checks) else "no"
     elif item.kind == "loader":
         yield "loads files of", ", ".join(map(code, stage.formats))
 

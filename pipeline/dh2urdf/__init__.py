@@ -5,9 +5,7 @@ What this module names is imported when it is asked for: `import dh2urdf` costs 
 
 from __future__ import annotations
 
-import sys
-
-from dh2urdf._faces import METHODS, Moved, face
+from dh2urdf._faces import face
 from dh2urdf._version import __version__ as __version__
 
 TYPE_CHECKING = False  # The name is what type checkers know; the module `typing` alone costs more than this one.
@@ -43,23 +41,6 @@ if TYPE_CHECKING:
     from dh2urdf.stages import Rejected as Rejected
 
 else:
-    sys.meta_path.append(Moved)
-    METHODS |= {
-        "Manipulator._repr_html_": "report.notebook.manipulator_html",
-        "Manipulator.fk": "kinematics.pose_arrays.table_pose",
-        "Manipulator.fk_all": "kinematics.pose_arrays.table_poses",
-        "Manipulator.from_dh": "tables_at_hand.manipulator_of",
-        "Manipulator.jacobian": "kinematics.pose_arrays.table_jacobian",
-        "Manipulator.to_csv": "commands.written_tables.write_table",
-        "Manipulator.to_yaml": "commands.written_tables.write_table",
-        "Robot._repr_html_": "report.notebook.robot_html",
-        "Robot.fk": "kinematics.pose_arrays.robot_pose",
-        "Robot.fk_all": "kinematics.pose_arrays.robot_poses",
-        "Robot.jacobian": "kinematics.pose_arrays.robot_jacobian",
-        "Robot.to_mjcf": "commands.written_robots.write_description",
-        "Robot.to_sdf": "commands.written_robots.write_description",
-        "Robot.to_urdf": "commands.written_robots.write_description",
-    }
     __all__, __getattr__, __dir__ = face(
         __name__,
         {

@@ -40,53 +40,14 @@ def face(package: str, modules: Mapping[str, str], wholes: tuple[str, ...] = ())
     return known, value_of, names
 
 
-METHODS: dict[str, str] = {}
-"""The functions that the methods of records call and that are in higher layers: `dh2urdf` itself names them."""
-
-
-def function_of(method: str) -> Callable[..., T]:
+def function_of(place: str) -> Callable[..., T]:
     """The function of a higher layer that a method of a record calls, imported when the method is called.
 
-    A record knows its own layer and lower ones. The top of the package, `dh2urdf.__init__`, names the function of each
-    method, next to the public names.
-
     Args:
-        method: its name, such as ``Manipulator.fk``.
+        place: its module in the package and its name, such as ``kinematics.pose_arrays.table_pose``.
     """
     from importlib import import_module
 
-    module, _, name = METHODS[method].rpartition(".")
+    module, _, name = place.rpartition(".")
     function: Callable[..., T] = getattr(import_module(f"dh2urdf.{module}"), name)
     return function
-
-
-MOVED = {
-    "at_work": "plugin_system",
-    "attribution": "stage_calls.calls",
-    "discovery": "plugin_system.discovery",
-    "fence": "isolation",
-    "mesh_triangles": "meshes",
-    "number_text": "quantities",
-    "options": "plugin_system",
-    "own_process": "isolation",
-    "registry": "plugin_system",
-    "seen": "output",
-    "textfiles": "documents",
-    "units": "quantities",
-}
-"""Where the names are of modules that plugins could import once."""
-
-
-class Moved:
-    """Says where a module is now, to an import of its old name: the last finder of `sys.meta_path`."""
-
-    @staticmethod
-    def find_spec(name: str, _path: object = None, _target: object = None) -> None:
-        """Find nothing.
-
-        Raises:
-            ModuleNotFoundError: the module has moved.
-        """
-        package, _, module = name.partition(".")
-        if package == "dh2urdf" and module in MOVED:
-            raise ModuleNotFoundError(f"No module named {name!r}: see 'dh2urdf.{MOVED[module]}'", name=name)

@@ -13,19 +13,19 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from dh2urdf.commands.argument_words import word_of, words_of
+from dh2urdf.commands.arguments import check_arguments, check_names, mapping, path_or_none, several
+from dh2urdf.commands.chosen_table import reader_call
 from dh2urdf.commands.convert import Conversion, plan_conversion
-from dh2urdf.commands.given_tables import as_file
-from dh2urdf.commands.options_of_stages import Asker, asker_of, settings_of
+from dh2urdf.commands.given_tables import as_file, read_table
+from dh2urdf.commands.options_of_stages import settings_of
 from dh2urdf.conversion.one_manipulator import read_items
 from dh2urdf.documents.text_files import check_file
 from dh2urdf.errors import ConfigError, InputError
 from dh2urdf.manipulator import Manipulator
 from dh2urdf.plugin_system.catalog import load
 from dh2urdf.robot import Robot
-from dh2urdf.source import Problem
+from dh2urdf.source import Mark, Problem
 from dh2urdf.table_warnings import warn_of
-from dh2urdf.tables_at_hand import read_table, reading
-from dh2urdf.validation.arguments import a_name, a_path, check_flags, check_names, mapping, path_or_none, several
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
@@ -58,7 +58,7 @@ def read(table: Source, *, robot: str | None = None, reader: str | None = None, 
         InputError: no installed reader takes the file.
         PluginError: the reader's plugin is broken, or something it needs is not installed.
     """
-    arm = read_table(table, robot, reader, options)
+    arm = read_table(table, robot, reader, options, _mark("read"))
     warn_of(arm.notices)
     return arm
 
@@ -80,11 +80,11 @@ def read_all(table: Source, *, reader: str | None = None, **options: object) -> 
         InputError: no installed reader takes the file.
         PluginError: the reader's plugin is broken, or something it needs is not installed.
     """
-    asker = _asker("read_all")
-    check_names(asker.mark, reader=reader)
+    mark, catalog = _mark("read_all"), load()
+    check_names(mark, reader=reader)
     with ExitStack() as stack:
-        path = stack.enter_context(as_file(table, "reader", reader, load(), "reader=NAME"))
-        call = reading(path, reader, asker, options)
+        path = stack.enter_context(as_file(table, "reader", reader, catalog, "reader=NAME"))
+        call = reader_call(catalog, path, reader, mark, {"reader": words_of(options)})
         return _while_open(read_items(call, path), stack.pop_all())
 
 
@@ -125,11 +125,11 @@ def extract(
     from dh2urdf.commands.extract import description_reader, the_one, write_extracted
     from dh2urdf.unchecked_records import changed
 
-    asker, catalog = _asker("extract"), load()
-    check_names(asker.mark, reader=reader)
-    target = path_or_none("out", out, asker.mark)
+    mark, catalog = _mark("extract"), load()
+    check_names(mark, reader=reader)
+    target = path_or_none("out", out, mark)
     with as_file(description, "reader", reader, catalog, "reader=NAME") as path:
-        arm = the_one(description_reader(catalog, path, asker, reader=reader, given=words_of(options)), path)
+        arm = the_one(description_reader(catalog, path, mark, reader=reader, given=words_of(options)), path)
         if target is not None:
             others = write_extracted([arm], Path(target), catalog, inputs=[path])
             arm = changed(arm, notices=(*arm.notices, *others))
@@ -187,27 +187,27 @@ def convert(
         OutputError: the files cannot be written.
         PluginError: a plugin that is needed is broken, or something it needs is not installed.
     """
-    asker = _asker("convert")
+    mark = _mark("convert")
     chosen = {"reader": reader, "transform": transform, "meshes": meshes, "convert_meshes": convert_meshes}
-    check_names(asker.mark, robot=robot, **chosen)
-    target = path_or_none("out", out, asker.mark)
-    catalog = _catalog(without, asker)
+    check_names(mark, robot=robot, **chosen)
+    target = path_or_none("out", out, mark)
+    catalog = _catalog(without, mark)
     with ExitStack() as stack:
         if not isinstance(table, Manipulator):
             table = stack.enter_context(as_file(table, "reader", reader, catalog, "reader=NAME"))
         planned = plan_conversion(
             table,
             None if target is None else Path(target),
-            asker,
+            mark,
             catalog,
             reader=reader,
             transform=transform,
-            formats=_names("formats", formats, asker),
+            formats=_names("formats", formats, mark),
             robot=robot,
             settings=settings_of(options),
             meshes=meshes,
             convert_meshes=convert_meshes,
-            edits=map(word_of, several("edits", edits, asker.mark, one=(str, Mapping))),
+            edits=map(word_of, several("edits", edits, mark, one=(str, Mapping))),
         )
         made = planned.carry_out()
     # The notices of a manipulator that is given were given with it.
@@ -250,23 +250,24 @@ def check(
     from dh2urdf.commands.written_robots import write_description
     from dh2urdf.stages import Expansion
 
-    asker = _asker("check")
-    check_names(asker.mark, emitter=emitter)
-    given = several("package_paths", package_paths, asker.mark, one=(str, PathLike))
-    folders = [Path(a_path("package_paths", folder, asker.mark)) for folder in given]
-    words = mapping("arguments", arguments, asker.mark, such_as="{'prefix': 'left_'}")
-    catalog = _catalog(without, asker)
+    mark = _mark("check")
+    check_names(mark, emitter=emitter)
+    given = several("package_paths", package_paths, mark, one=(str, PathLike))
+    for folder in given:
+        check_arguments("path", mark, package_paths=folder)
+    words = mapping("arguments", arguments, mark, such_as="{'prefix': 'left_'}")
+    catalog = _catalog(without, mark)
     if isinstance(description, Robot):
         usual = catalog.usual("emitter")
         if emitter not in (None, usual.name):
             message = f"a robot is checked as {usual.name}, and emitter={emitter!r} says another format"
-            raise ConfigError(Problem(message=message, mark=asker.mark, accepted="no emitter=, or a file as it says"))
+            raise ConfigError(Problem(message=message, mark=mark, accepted="no emitter=, or a file as it says"))
         emitter = usual.name
-        description = write_description(description, usual.suffixes[0], None, {}, str(asker.mark))
+        description = write_description(description, usual.suffixes[0], None, {}, str(mark))
     with as_file(description, "emitter", emitter, catalog, "emitter=NAME") as path:
         check_file(path, InputError)
         expansion = Expansion(
-            arguments={name: str(value) for name, value in words.items()}, package_paths=tuple(folders)
+            arguments={name: str(value) for name, value in words.items()}, package_paths=tuple(map(Path, given))
         )
         return inspect(catalog, path, emitter, "`emitter=NAME`", expansion)
 
@@ -312,36 +313,40 @@ def run(
     from dh2urdf.run_file.overrides import Asked
     from dh2urdf.running.run import execute, load_plan
 
-    asker, root = _asker("run"), None
-    check_flags(asker.mark, resume=resume, dry_run=dry_run, keep=keep)
-    changes = mapping("settings", settings, asker.mark, such_as="{'transform.options.frames': 'dh'}")
+    mark, root = _mark("run"), None
+    check_arguments("flag", mark, resume=resume, dry_run=dry_run, keep=keep)
+    changes = mapping("settings", settings, mark, such_as="{'transform.options.frames': 'dh'}")
     overrides = [setting.text for setting in settings_of(changes)]
-    output = path_or_none("out", out, asker.mark)
-    catalog = _catalog(without, asker)
+    output = path_or_none("out", out, mark)
+    catalog = _catalog(without, mark)
     if isinstance(config, Mapping):
         from dh2urdf.documents.document import load_yaml
 
-        root = load_yaml(word_of(config), str(asker.mark), ConfigError)
+        root = load_yaml(word_of(config), str(mark), ConfigError)
         config = "run"
-    path = Path(a_path("config", config, asker.mark, also=", or a mapping"))
-    asked = Asked(asker.mark, "settings: ")
+    check_arguments("path", mark, also=", or a mapping", config=config)
+    path = Path(config)
+    asked = Asked(mark, "settings: ")
     plan = load_plan(path, catalog, overrides, output, root, asked=asked)
     _, report = execute(plan, resume=resume, dry_run=dry_run, keep=keep)
     return report
 
 
-def _asker(function: str) -> Asker:
-    """A program that calls one of these functions."""
-    return asker_of(f"dh2urdf.{function}()")
+def _mark(function: str) -> Mark:
+    """One of these functions, as the place that problems name."""
+    return Mark(file=f"dh2urdf.{function}()")
 
 
-def _catalog(without: Iterable[str], asker: Asker) -> Catalog:
+def _catalog(without: Iterable[str], mark: Mark) -> Catalog:
     """What is installed, without what is to be left out."""
     try:
-        return load(_names("without", without, asker))
+        return load(_names("without", without, mark))
     except ConfigError as error:
-        raise ConfigError(replace(problem, mark=asker.mark, field="without") for problem in error.problems) from None
+        raise ConfigError(replace(problem, mark=mark, field="without") for problem in error.problems) from None
 
 
-def _names(argument: str, given: str | Iterable[str], asker: Asker) -> tuple[str, ...]:
-    return tuple([a_name(argument, name, asker.mark) for name in several(argument, given, asker.mark)])
+def _names(argument: str, given: str | Iterable[str], mark: Mark) -> tuple[str, ...]:
+    names: tuple[str, ...] = several(argument, given, mark)
+    for name in names:
+        check_arguments("name", mark, **{argument: name})
+    return names

@@ -17,10 +17,10 @@ from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar, cast
 from dh2urdf.elementwise import array_of, is_column
 from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.manipulator import DHRow, Inertia, JointType, Limits, Manipulator
+from dh2urdf.record_fields import many_unchecked, members_of, replace_unchecked
 from dh2urdf.robot import Robot
 from dh2urdf.row_fields import COMMON, INERTIA, LIMITS, NUMBERS, WORDS
 from dh2urdf.source import Mark
-from dh2urdf.validation.coercion import many_unchecked, members_of, replace_unchecked
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Hashable, Iterable, Sequence

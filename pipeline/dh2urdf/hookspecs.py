@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from dh2urdf.stages import Edit, Emitter, Executor, Loader, Reader, Transform
 
 PROJECT = "dh2urdf"
-INTERFACE_VERSION = "0.6"
+INTERFACE_VERSION = "0.7"
 """Version of all that is public, which `tests/public_interface/recorded.json` lists.
 
 The major number changes where plugins have to change with it, the minor number where something is added. Before 1.0 the

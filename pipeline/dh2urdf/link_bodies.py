@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import field
 
 from dh2urdf.late_dataclasses import dataclass
+from dh2urdf.record_fields import take_exact_fields, take_fields
 from dh2urdf.rotations import IDENTITY, RigidTransform, Vec3
 from dh2urdf.source import Mark
-from dh2urdf.validation.coercion import take_exact_fields, take_fields
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -19,9 +19,9 @@ from dh2urdf.link_bodies import (
     MeshShape,
     Payload,
 )
+from dh2urdf.record_fields import refuse, take_exact_fields, take_fields
 from dh2urdf.rotations import IDENTITY, RigidTransform, Vec3
 from dh2urdf.source import Mark, Problem, shown
-from dh2urdf.validation.coercion import refuse, take_exact_fields, take_fields
 
 if TYPE_CHECKING:
     import os
@@ -289,7 +289,7 @@ class Manipulator:
             ConfigError: an option is unknown or its value wrong.
         """
         given = {"convention": None if convention is None else str(convention), "units": units, **options}
-        return function_of("Manipulator.from_dh")(
+        return function_of("commands.given_tables.manipulator_of")(
             table,
             columns=columns,
             types=types,
@@ -315,11 +315,11 @@ class Manipulator:
             ConfigError: the file's name is that of another format.
             OutputError: the file cannot be written.
         """
-        return function_of("Manipulator.to_csv")(self, ".csv", out, "Manipulator.to_csv()")
+        return function_of("commands.written_tables.write_table")(self, ".csv", out, "Manipulator.to_csv()")
 
     def to_yaml(self, out: str | os.PathLike[str] | None = None) -> str:
         """The table as YAML, as `to_csv` has it as CSV."""
-        return function_of("Manipulator.to_yaml")(self, ".yaml", out, "Manipulator.to_yaml()")
+        return function_of("commands.written_tables.write_table")(self, ".yaml", out, "Manipulator.to_yaml()")
 
     def fk(self, q: JointVectors, *, full: bool = False) -> NDArray[np.float64]:
         """Forward kinematics: the DH product at one joint vector or at many.
@@ -336,7 +336,7 @@ class Manipulator:
             RecordError: the joint vectors have another number of values than the table has moving rows, a joint is
                 unknown or missing, or a value is not a finite number. It is a TypeError or a ValueError, too.
         """
-        return function_of("Manipulator.fk")(self, q, full=full)
+        return function_of("kinematics.pose_arrays.table_pose")(self, q, full=full)
 
     def fk_all(self, q: JointVectors, *, full: bool = False) -> dict[str, NDArray[np.float64]]:
         """The DH frame of every link, the base and tool0 included, at one joint vector or at many.
@@ -354,7 +354,7 @@ class Manipulator:
         Raises:
             RecordError: as of `fk`.
         """
-        return function_of("Manipulator.fk_all")(self, q, full=full)
+        return function_of("kinematics.pose_arrays.table_poses")(self, q, full=full)
 
     def jacobian(self, q: JointVectors, *, full: bool = False) -> NDArray[np.float64]:
         """The geometric Jacobian J of tool0, with the axes of base_link: the twist of tool0 is J·dq/dt.
@@ -372,7 +372,7 @@ class Manipulator:
         Raises:
             RecordError: as of `fk`.
         """
-        return function_of("Manipulator.jacobian")(self, q, full=full)
+        return function_of("kinematics.pose_arrays.table_jacobian")(self, q, full=full)
 
     def __repr__(self) -> str:
         """Name, convention, number of moving joints and the types of the rows: R, C, P, and F for fixed."""
@@ -383,4 +383,4 @@ class Manipulator:
 
     def _repr_html_(self) -> str:
         """What a notebook shows: the table and, with matplotlib, a drawing of the arm."""
-        return function_of("Manipulator._repr_html_")(self)
+        return function_of("report.notebook.manipulator_html")(self)

@@ -19,6 +19,7 @@ from dh2urdf._faces import function_of
 from dh2urdf.elementwise import total
 from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.manipulator import Inertia, JointType, Limits, Manipulator
+from dh2urdf.record_fields import take_fields
 from dh2urdf.rotations import Z_AXIS, ZERO, Vec3
 from dh2urdf.shapes import (
     Box,
@@ -34,7 +35,6 @@ from dh2urdf.shapes import (
     Visual,
 )
 from dh2urdf.source import Mark, Problem, free_name
-from dh2urdf.validation.coercion import take_fields
 
 if TYPE_CHECKING:
     import os
@@ -223,7 +223,7 @@ class Robot:
                 moving joints on the way, a joint is unknown or missing, or a value is not a finite number. It is a
                 TypeError or a ValueError, too.
         """
-        return function_of("Robot.fk")(self, q, tip)
+        return function_of("kinematics.pose_arrays.robot_pose")(self, q, tip)
 
     def fk_all(self, q: JointVectors) -> dict[str, NDArray[np.float64]]:
         """The frame of every link at one joint vector or at many.
@@ -238,7 +238,7 @@ class Robot:
         Raises:
             RecordError: as of `fk`.
         """
-        return function_of("Robot.fk_all")(self, q)
+        return function_of("kinematics.pose_arrays.robot_poses")(self, q)
 
     def jacobian(self, q: JointVectors, tip: str = "tool0") -> NDArray[np.float64]:
         """The geometric Jacobian J of a link, with the axes of the root link: the twist of the link is J·dq/dt.
@@ -255,7 +255,7 @@ class Robot:
         Raises:
             RecordError: as of `fk`.
         """
-        return function_of("Robot.jacobian")(self, q, tip)
+        return function_of("kinematics.pose_arrays.robot_jacobian")(self, q, tip)
 
     def to_urdf(self, out: str | os.PathLike[str] | None = None, **options: object) -> str:
         """The robot as URDF, which is checked and read back before anybody gets it.
@@ -273,15 +273,15 @@ class Robot:
             ConfigError: an option is unknown or its value wrong, or the file's name is that of another format.
             OutputError: the file cannot be written.
         """
-        return function_of("Robot.to_urdf")(self, ".urdf", out, options, "Robot.to_urdf()")
+        return function_of("commands.written_robots.write_description")(self, ".urdf", out, options, "Robot.to_urdf()")
 
     def to_sdf(self, out: str | os.PathLike[str] | None = None, **options: object) -> str:
         """The robot as SDF, as `to_urdf` has it as URDF."""
-        return function_of("Robot.to_sdf")(self, ".sdf", out, options, "Robot.to_sdf()")
+        return function_of("commands.written_robots.write_description")(self, ".sdf", out, options, "Robot.to_sdf()")
 
     def to_mjcf(self, out: str | os.PathLike[str] | None = None, **options: object) -> str:
         """The robot as MJCF for MuJoCo, as `to_urdf` has it as URDF."""
-        return function_of("Robot.to_mjcf")(self, ".xml", out, options, "Robot.to_mjcf()")
+        return function_of("commands.written_robots.write_description")(self, ".xml", out, options, "Robot.to_mjcf()")
 
     def __repr__(self) -> str:
         """Name, number of links and number of moving joints."""
@@ -291,4 +291,4 @@ class Robot:
 
     def _repr_html_(self) -> str:
         """What a notebook shows: the joints with their limits and, with matplotlib, a drawing of the robot."""
-        return function_of("Robot._repr_html_")(self)
+        return function_of("report.notebook.robot_html")(self)

@@ -7,8 +7,8 @@ from typing import TypeAlias
 
 from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.link_bodies import MeshFile
+from dh2urdf.record_fields import take_fields
 from dh2urdf.rotations import ZERO, RigidTransform, Vec3
-from dh2urdf.validation.coercion import take_fields
 
 Formulas: TypeAlias = tuple[str, str, str]
 

@@ -3,6 +3,9 @@
 A stage is a plain function with a record around it: a name for the run file, a summary for `dh2urdf plugins`, and an
 options dataclass that the function takes. The options' fields have defaults, and a description each in
 ``field(metadata={"help": …})``; pydantic checks what the user gives against their types.
+
+A record has at most five fields that every author needs. Whatever else a stage can do is a capability: a small record
+that is listed in `capabilities`, such as ``capabilities=(ReadsBack(read), Checks(check))``.
 """
 
 # ruff: noqa: TC004 - nobody asks for the types of these records' fields; most commands make few of what they name
@@ -12,17 +15,8 @@ from __future__ import annotations
 from importlib import import_module
 from typing import TYPE_CHECKING, Any, Generic, Literal, TypeAlias, TypeVar
 
-from dh2urdf._stage_defaults import (
-    LOAD_TIME_LIMIT,
-    PACKAGE_FILE,
-    all_there,
-    always,
-    load_time_limit,
-    nothing,
-    option_picture,
-    option_poses,
-)
 from dh2urdf.late_dataclasses import dataclass
+from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.source import Mark, Problem
 
 if TYPE_CHECKING:
@@ -52,30 +46,58 @@ __all__ = [
     "LOAD_TIME_LIMIT",
     "PACKAGE_FILE",
     "SEVERITIES",
+    "Annotates",
     "Annotation",
+    "Checks",
+    "Compares",
     "Edit",
+    "EditCapability",
+    "EditsInColumns",
     "Effect",
+    "EmitsInColumns",
     "EmittedFile",
     "Emitter",
+    "EmitterCapability",
     "Executor",
+    "ExecutorCapability",
     "Expansion",
     "Finding",
     "Follower",
     "ForeignRobot",
+    "GivesNotices",
+    "HasSchema",
     "Inspection",
+    "KeepsKinematics",
     "Kind",
     "LoadReport",
     "LoadRequest",
     "Loader",
+    "LoaderCapability",
     "Lost",
     "NoOptions",
+    "OtherFiles",
     "Reader",
+    "ReaderCapability",
+    "ReadsBack",
+    "ReadsCells",
+    "ReadsDescriptions",
+    "ReadsForeign",
+    "ReadsInColumns",
+    "ReadsOutput",
     "Rejected",
     "Repair",
+    "Requires",
+    "Reusable",
     "Severity",
     "SimulatedArm",
     "Stage",
+    "Traces",
     "Transform",
+    "TransformCapability",
+    "TransformsInColumns",
+    "Usual",
+    "WritesFolders",
+    "WritesTables",
 ]
 
 _ELSEWHERE = {
@@ -94,8 +116,12 @@ def __getattr__(name: str) -> Any:  # noqa: ANN401 - whatever a module names
 
 
 O = TypeVar("O")  # noqa: E741 - the options type of a stage
-T = TypeVar("T")
-R = TypeVar("R")
+C = TypeVar("C")
+
+PACKAGE_FILE = "package.xml"
+"""What the folder of a ROS package holds."""
+LOAD_TIME_LIMIT = 300.0
+"""How long a loader may take where it names no other time [s]."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -120,34 +146,143 @@ class Rejected:
     notices: tuple[Problem, ...] = ()
 
 
+class _Capable:
+    """What records of all kinds have in common."""
+
+    __slots__ = ()
+    capabilities: tuple[Any, ...]
+
+    def can(self, capability: type[C]) -> C | None:
+        """Return the capability of a type that the stage has, or None.
+
+        Args:
+            capability: its type, such as `ReadsBack`.
+        """
+        for each in self.capabilities:
+            if isinstance(each, capability):
+                return each
+        return None
+
+    def keeps_kinematics(self, options: Any) -> bool:  # noqa: ANN401 - the stage's own options
+        """Whether T(base_link → tool0) is the DH product with these options."""
+        keeps = self.can(KeepsKinematics)
+        return keeps is None or keeps.keeps_kinematics(options)
+
+    def require(self, options: Any) -> Any:  # noqa: ANN401 - the stage's own options; what the plugin gives
+        """Raise a `dh2urdf.errors.PluginError` where something that the stage needs is not installed.
+
+        Returns:
+            What the plugin's function gives: None, or it is wrong.
+        """
+        needs: Any = self.can(Requires)
+        return needs.require(options) if needs else None
+
+
+# --- Capabilities of several kinds
+
+
+class Usual:
+    """A transform, emitter or executor that is taken where nobody names one; of the built-in ones, one is."""
+
+
+class KeepsKinematics(NamedTuple):
+    """A transform, or an edit of robots, that keeps T(base_link → tool0) with some options only: whether with these.
+
+    Where it does not, the proof reports the difference and fails nothing; an edited robot has no table any more.
+    """
+
+    keeps_kinematics: Callable[[Any], bool]
+
+
+class Requires(NamedTuple):
+    """A loader or an executor that needs packages or programs.
+
+    `require` is called before a run begins. It raises `dh2urdf.errors.MissingDependencyError` where a package that the
+    stage needs with these options is not installed, without importing it (`importlib.util.find_spec`), and
+    `MissingProgramError` where a program is missing.
+    """
+
+    require: Callable[[Any], None]
+
+
+# --- Readers
+
+
+class WritesTables(NamedTuple):
+    """A reader that also writes files of tables.
+
+    Attributes:
+        write: the file of tables, which `read` reads, or InputError where it cannot hold them all.
+        texts: the tables of a file as their authors typed them, as far as that is known; a text is used only where
+            `write` and `read` make the same manipulator of it. None where the format has no such texts.
+        not_written: suffixes of the record, but the first, whose files it reads and `write` does not make, as `.tsv`.
+    """
+
+    write: Callable[[Sequence[TableText]], WrittenTable]
+    texts: Callable[[Path], Iterator[TableText]] | None = None
+    not_written: tuple[str, ...] = ()
+
+
+class Traces(NamedTuple):
+    """A reader that knows which cell a number is from.
+
+    `trace` reads as `read` does, and before each manipulator fills a trace with what its cells say: `dh2urdf info`.
+    """
+
+    trace: Callable[[Path, Any, Trace], Iterator[Manipulator | Rejected]]
+
+
+class ReadsCells(NamedTuple):
+    """The reader of rows of cells that come from no file, such as those of a DataFrame: `Catalog.cell_reader`.
+
+    `read_cells` takes the rows from the top, comments and header included, and what messages name as the file.
+    """
+
+    read_cells: Callable[[Iterable[CellRow], str, Any], Iterator[Manipulator | Rejected]]
+
+
+class ReadsInColumns(NamedTuple):
+    """A reader that reads many manipulators faster than one by one.
+
+    `read_columns` yields what `read` yields, in the same order, but manipulators that follow each other in the file may
+    come as `dh2urdf.columns.ManipulatorGroups`. Notices of the table of a group hold for each of its members.
+    """
+
+    read_columns: Callable[[Path, Any], Iterator[Manipulator | ManipulatorGroups | Rejected]]
+
+
+class ReadsDescriptions(NamedTuple):
+    """A reader of robot descriptions, whose chains are its tables.
+
+    `leaves` are the links at the ends of a description's chains, each with the number of moving joints before it.
+    """
+
+    leaves: Callable[[Path, Any], Mapping[str, int]]
+
+
+class HasSchema(NamedTuple):
+    """A reader of YAML or JSON with a JSON Schema (2020-12) of its files: `dh2urdf schema table` prints it."""
+
+    schema: Callable[[], dict[str, Any]]
+
+
+ReaderCapability: TypeAlias = WritesTables | Traces | ReadsCells | ReadsInColumns | ReadsDescriptions | HasSchema
+"""What else a reader can do."""
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Reader(Generic[O]):
+class Reader(_Capable, Generic[O]):
     """Reads manipulators from a file.
 
     Attributes:
         name: the stage's name in a run file.
         summary: what it reads, in one line.
-        suffixes: file suffixes that choose it, in lower case with the dot; the first is the usual one.
-        not_written: those of the suffixes, but the first, whose files it reads and `write` does not make, as `.tsv`.
+        read: yields the manipulators of a file one by one, without holding them. It raises
+            `dh2urdf.errors.TableError` where the file as a whole cannot be read, and yields `Rejected` where one
+            manipulator of several cannot.
         options: its options dataclass.
-        read: yields the manipulators of a file one by one, without holding them.
-        schema: the JSON Schema (2020-12) of its files, where they are YAML or JSON: `dh2urdf schema table` prints it.
-        write: the file of tables, which `read` reads, or InputError where it cannot hold them all. None: only read.
-        trace: reads a file as `read` does, and before each manipulator fills a trace with what its cells say, which
-            `dh2urdf info` shows. None where the reader does not know it.
-        texts: the tables of a file as their authors typed them, as far as that is known; what it gives is taken only
-            where `write` and `read` make the same manipulator of it. None where the format has no such texts.
-        read_cells: yields the manipulators of rows of cells that come from no file, such as those of a DataFrame, as
-            `read` does those of a file. It takes the rows from the top, comments and header included, and what messages
-            name as the file. `Catalog.cell_reader` finds the reader that has it; None for all others.
-        read_columns: yields what `read` yields, in the same order, but for manipulators that follow each other in the
-            file: they may come as `dh2urdf.columns.ManipulatorGroups`, which spares a run the records of each. Notices
-            of the table of a group hold for each of its members. None where the reader has no faster way than `read`.
-        leaves: the links at the ends of a robot description's chains, each with the number of moving joints before it:
-            a reader that has it reads descriptions, and their chains are its tables. None for files of tables.
-
-    `read` raises `dh2urdf.errors.TableError` where the file as a whole cannot be read, and yields `Rejected` where
-    one manipulator of several cannot.
+        suffixes: file suffixes that choose it, in lower case with the dot; the first is the usual one.
+        capabilities: what else it can do, of `ReaderCapability`.
     """
 
     name: str
@@ -155,49 +290,67 @@ class Reader(Generic[O]):
     read: Callable[[Path, O], Iterator[Manipulator | Rejected]]
     options: type[O]
     suffixes: tuple[str, ...] = ()
-    not_written: tuple[str, ...] = ()
-    schema: Callable[[], dict[str, Any]] | None = None
-    write: Callable[[Sequence[TableText]], WrittenTable] | None = None
-    texts: Callable[[Path], Iterator[TableText]] | None = None
-    trace: Callable[[Path, O, Trace], Iterator[Manipulator | Rejected]] | None = None
-    read_cells: Callable[[Iterable[CellRow], str, O], Iterator[Manipulator | Rejected]] | None = None
-    read_columns: Callable[[Path, O], Iterator[Manipulator | ManipulatorGroups | Rejected]] | None = None
-    leaves: Callable[[Path, O], Mapping[str, int]] | None = None
+    capabilities: tuple[ReaderCapability, ...] = ()
+
+
+# --- Transforms and edits
+
+
+class TransformsInColumns(NamedTuple):
+    """A transform that makes many robots at once.
+
+    `transform_columns` makes the robots of many manipulators, to the last bit as `transform` does, in groups whose
+    members differ in numbers only, each with the places of its members; it leaves out what has to be made one by one.
+    It returns None where it cannot with these options.
+    """
+
+    transform_columns: Callable[[ManipulatorColumns, Any], Sequence[tuple[Sequence[int], RobotColumns]] | None]
+
+
+class Compares(NamedTuple):
+    """A transform with an option, a choice of words, whose first two choices the studio shows side by side."""
+
+    option: str
+
+
+TransformCapability: TypeAlias = KeepsKinematics | TransformsInColumns | Compares | Usual
+"""What else a transform can do."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Transform(Generic[O]):
+class Transform(_Capable, Generic[O]):
     """Makes the robot of a manipulator.
 
     Attributes:
         name: the stage's name in a run file.
         summary: what it makes, in one line.
+        transform: makes the robot; raises `dh2urdf.errors.TransformError` where it refuses the manipulator. Without
+            the capability `KeepsKinematics`, T(base_link → tool0) of the robot is the DH product.
         options: its options dataclass.
-        transform: makes the robot; raises `dh2urdf.errors.TransformError` where it refuses the manipulator.
-        keeps_kinematics: whether T(base_link → tool0) of the robot is the DH product with these options. Where it is
-            not, the proof reports the difference and fails nothing.
-        transform_columns: makes the robots of many manipulators at once, to the last bit as `transform` does, in groups
-            whose members differ in numbers only, each with the places of its members; it leaves out what has to be made
-            one by one. None where it cannot with these options. A stage without it makes all of them one by one.
-        is_usual: whether it is taken where nobody names a transform; of the built-in ones, one is.
-        compared: name of an option, a choice of words, whose first two choices the studio shows side by side, such as
-            two variants of an algorithm. The first is what is meant where nothing else is chosen.
+        capabilities: what else it can do, of `TransformCapability`.
     """
 
     name: str
     summary: str
     transform: Callable[[Manipulator, O], Robot]
     options: type[O]
-    keeps_kinematics: Callable[[O], bool] = always
-    transform_columns: Callable[[ManipulatorColumns, O], Sequence[tuple[Sequence[int], RobotColumns]] | None] | None = (
-        None
-    )
-    is_usual: bool = False
-    compared: str | None = None
+    capabilities: tuple[TransformCapability, ...] = ()
+
+
+class EditsInColumns:
+    """An edit whose functions also accept records whose numbers are columns (`dh2urdf.columns`).
+
+    They make of them, to the last bit, what they make of each alone. A run then edits many arms at once. The copies are
+    made by `dh2urdf.unchecked_records.changed`, and conditions are asked by `dh2urdf.elementwise.agreed`.
+    """
+
+
+EditCapability: TypeAlias = KeepsKinematics | EditsInColumns
+"""What else an edit can do."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Edit(Generic[O]):
+class Edit(_Capable, Generic[O]):
     """Changes the table before the transform, or the robot after it; a run file lists any number of edits, in order.
 
     At least one of the two functions is given. Both return a new record with the name that they were given.
@@ -209,11 +362,7 @@ class Edit(Generic[O]):
         edit_table: the changed manipulator. It is the truth from there on: every file is proved against it. What a
             person should know of the change is added to its `notices`.
         edit_robot: the changed robot. What a person should know of the change is added to its `notices`.
-        keeps_kinematics: whether `edit_robot` keeps T(base_link → tool0) with these options. Where it does not, the
-            proof reports the difference and fails nothing, and the robot has no table any more.
-        accepts_columns: whether both functions also accept records whose numbers are columns (`dh2urdf.columns`), and
-            make of them, to the last bit, what they make of each alone. A run then edits many arms at once. The copies
-            are made by `dh2urdf.unchecked_records.changed`, and conditions are asked by `dh2urdf.elementwise.agreed`.
+        capabilities: what else it can do, of `EditCapability`.
 
     Both functions raise `dh2urdf.errors.EditError` where they refuse what they are given. A robot that breaks a rule
     after `edit_robot` is refused with the name of the edit.
@@ -224,8 +373,10 @@ class Edit(Generic[O]):
     options: type[O]
     edit_table: Callable[[Manipulator, O], Manipulator] | None = None
     edit_robot: Callable[[Robot, O], Robot] | None = None
-    keeps_kinematics: Callable[[O], bool] = always
-    accepts_columns: bool = False
+    capabilities: tuple[EditCapability, ...] = ()
+
+
+# --- Emitters
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -233,10 +384,10 @@ class EmittedFile:
     """A file that an emitter wants written.
 
     Attributes:
-        name: its name in the output folder. Of an emitter with `Emitter.in_folders` it is a path of several parts with
-            ``/`` between them; of all others it has no folder.
+        name: its name in the output folder. With the capability `WritesFolders` it is a path of several parts with
+            ``/`` between them; without it, the name has no folder.
         content: what it holds.
-        is_robot: whether `Emitter.read_back` reads it; of the files of a robot, the first such one is proved.
+        is_robot: whether `ReadsBack` reads it; of the files of a robot, the first such one is proved.
     """
 
     name: str
@@ -244,47 +395,130 @@ class EmittedFile:
     is_robot: bool = True
 
 
+class ReadsBack(NamedTuple):
+    """An emitter whose files are proved.
+
+    Attributes:
+        read_back: the robot that a written main file describes, by code that shares nothing with `emit`: the proof of
+            every run compares its kinematics with the DH product.
+        is_costly: whether `read_back` is so slow that long runs prove a sample only.
+    """
+
+    read_back: Callable[[Path], Robot]
+    is_costly: bool = False
+
+
+class ReadsForeign(NamedTuple):
+    """An emitter that reads files of unknown origin: `dh2urdf view`.
+
+    Attributes:
+        read_foreign: what a file holds, expanded as an `Expansion` says: a `Robot`, or a `ForeignRobot` where there is
+            more to it, such as joints that follow others.
+        has_macros: whether files of the format hold macros: then users may say how this and `check` expand them.
+    """
+
+    read_foreign: Callable[[Path, Expansion], Robot | ForeignRobot]
+    has_macros: bool = False
+
+
+class EmitsInColumns(NamedTuple):
+    """An emitter that writes many robots at once.
+
+    Attributes:
+        emit_columns: the files of many robots, a list for each of them, byte by byte as `emit` gives them, with a stem
+            for each; a robot that is not `sure`, or that it cannot write so, gets an empty list. None where it cannot
+            with these options or for such robots.
+        read_columns: the robots that many main files describe, in groups whose members differ in numbers only, each
+            with the places of its members among the files. Joints and their origins, axes and limits suffice. It shares
+            nothing with `emit_columns`, and leaves out what it does not surely read as `read_back` would.
+    """
+
+    emit_columns: Callable[[RobotColumns, Sequence[str], Any], Sequence[Sequence[EmittedFile]] | None]
+    read_columns: Callable[[Sequence[bytes]], Sequence[tuple[Sequence[int], Robot]]] | None = None
+
+
+class Checks(NamedTuple):
+    """An emitter whose format `dh2urdf check` inspects.
+
+    Attributes:
+        check: inspects a file of any origin, whose packages and macros an `Expansion` says. It reports whatever is
+            wrong with the file as findings, and raises `dh2urdf.errors.InputError` only where the file cannot be read
+            at all.
+        descriptions: of the files of a folder, each with the name of its outermost element of XML (or an empty name),
+            those that are whole descriptions of the format, and not a part of others: `dh2urdf check FOLDER`.
+        fix: the file with what is mechanical fixed, and every other byte as it was: `dh2urdf check --fix`. It raises
+            `dh2urdf.errors.InputError` where it cannot read the file. None where files of the format are not fixed.
+        finds_packages: whether `check` uses the `package_paths` of an `Expansion` though files hold no macros.
+    """
+
+    check: Callable[[Path, Expansion], Inspection]
+    descriptions: Callable[[Mapping[Path, str]], Iterable[Path]] | None = None
+    fix: Callable[[Path], Repair] | None = None
+    finds_packages: bool = False
+
+
+class WritesFolders(NamedTuple):
+    """An emitter that writes folders, as a ROS package is one: `dh2urdf convert` writes into a folder.
+
+    `in_folders` are the names of the folders in which its files of a stem lie. Its record has no suffixes, and the
+    files bring the meshes that they name.
+    """
+
+    in_folders: Callable[[str, Any], Iterable[str]]
+
+
+class OtherFiles(NamedTuple):
+    """An emitter of several files, or of files in several formats.
+
+    Attributes:
+        other_endings: what files beside the main one have behind the stem, as `_macro.xacro`; a run refuses any other.
+        one_file: the options that make `emit` give a single file, for standard output; None where it always does.
+        for_suffix: the options that make `emit` give what a suffix names; None where all suffixes hold the same.
+    """
+
+    other_endings: tuple[str, ...] = ()
+    one_file: Callable[[Any], Any] | None = None
+    for_suffix: Callable[[Any, str], Any] | None = None
+
+
+class GivesNotices(NamedTuple):
+    """An emitter whose format cannot hold all that a robot has.
+
+    `notices` are what a person should know of the files of a robot; called before they are made. Of robots that differ
+    in numbers only, and whose files `emit_columns` makes, it is called for one: it may not depend on their numbers.
+    """
+
+    notices: Callable[[Robot, Any], Sequence[Problem]]
+
+
+class Annotates(NamedTuple):
+    """An emitter of files that go with a robot description: `dh2urdf collisions`.
+
+    `annotate` makes the file of a description of any origin, of which it takes how it is expanded, and of an earlier
+    file, whose other content stays.
+    """
+
+    annotate: Callable[[Path, Expansion, Path | None, Any], Annotation]
+
+
+EmitterCapability: TypeAlias = (
+    ReadsBack | ReadsForeign | EmitsInColumns | Checks | WritesFolders | OtherFiles | GivesNotices | Annotates | Usual
+)
+"""What else an emitter can do."""
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Emitter(Generic[O]):
+class Emitter(_Capable, Generic[O]):
     """Makes the files of a robot.
 
     Attributes:
         name: the stage's name in a run file, and the format that loaders ask for.
         summary: what it writes, in one line.
-        suffixes: suffixes of the main file, in lower case with the dot; the first is the usual one.
-        other_endings: what its other files have behind the stem, as `_macro.xacro`; a run refuses any other file.
-        options: its options dataclass.
         emit: the files of a robot, whose names begin with the stem it is given; the first is the main file. It writes
             nothing itself: the pipeline writes all of them whole, or none.
-        read_back: the robot that a written main file describes, by code that shares nothing with `emit`: the proof of
-            every run compares its kinematics with the DH product. None where the format cannot be read.
-        read_foreign: what a file of unknown origin holds: `dh2urdf view`. A `Robot`, or a `ForeignRobot` where there is
-            more to it, such as joints that follow others. None where `read_back` only reads.
-        expandable: whether files of the format hold macros: `read_foreign` and `check` then also take an `Expansion`.
-        finds_packages: whether `check` takes an `Expansion` though files hold no macros: for its `package_paths`.
-        in_folders: the names of the folders in which its files of a stem lie, as those of a ROS package do. Then
-            `suffixes` is empty, `dh2urdf convert` writes into a folder, and the files bring the meshes that they name.
-        one_file: the options that make `emit` give a single file, for standard output; None where it always does.
-        for_suffix: the options that make `emit` give what a suffix names; None where all suffixes hold the same.
-        costly_proof: whether `read_back` is so slow that long runs prove a sample only.
-        emit_columns: the files of many robots at once, a list for each of them, byte by byte as `emit` gives them, with
-            a stem for each; a robot that is not `sure`, or that it cannot write so, gets an empty list. None where it
-            cannot with these options or for such robots. A stage without it makes them one by one.
-        read_columns: the robots that many main files describe, in groups whose members differ in numbers only, each
-            with the places of its members among the files. Joints and their origins, axes and limits suffice. It shares
-            nothing with `emit_columns`, and leaves out what it does not surely read as `read_back` would.
-        notices: what a person should know of the files of a robot, as notices; called before they are made. Of robots
-            that differ in numbers only, and whose files `emit_columns` makes, it is called for one, and its notices
-            hold for all: it may not depend on their numbers.
-        check: inspects a file of the format, of any origin: `dh2urdf check`. It says whatever is wrong with the file as
-            findings, and raises `dh2urdf.errors.InputError` only where the file cannot be read at all.
-        fix: the file with what is mechanical fixed, and every other byte as it was: `dh2urdf check --fix`. It raises
-            `dh2urdf.errors.InputError` where it cannot read the file. None where files of the format are not fixed.
-        descriptions: of the files of a folder, each with the name of its outermost element of XML (or an empty name),
-            those that are whole descriptions of the format, and not a part of others: `dh2urdf check FOLDER`.
-        annotate: the file of the format that goes with a robot description of any origin, of which it takes how it is
-            expanded, and an earlier file, whose other content stays: `dh2urdf collisions`.
-        is_usual: whether it is taken where nobody names an emitter; of the built-in ones, one is.
+        options: its options dataclass.
+        suffixes: suffixes of the main file, in lower case with the dot; the first is the usual one.
+        capabilities: what else it can do, of `EmitterCapability`.
     """
 
     name: str
@@ -292,67 +526,90 @@ class Emitter(Generic[O]):
     emit: Callable[[Robot, str, O], Sequence[EmittedFile]]
     options: type[O]
     suffixes: tuple[str, ...]
-    other_endings: tuple[str, ...] = ()
-    read_back: Callable[[Path], Robot] | None = None
-    read_foreign: Callable[..., Robot | ForeignRobot] | None = None
-    expandable: bool = False
-    finds_packages: bool = False
-    in_folders: Callable[[str, O], Iterable[str]] | None = None
-    one_file: Callable[[O], O] | None = None
-    for_suffix: Callable[[O, str], O] | None = None
-    costly_proof: bool = False
-    emit_columns: Callable[[RobotColumns, Sequence[str], O], Sequence[Sequence[EmittedFile]] | None] | None = None
-    read_columns: Callable[[Sequence[bytes]], Sequence[tuple[Sequence[int], Robot]]] | None = None
-    check: Callable[..., Inspection] | None = None
-    fix: Callable[[Path], Repair] | None = None
-    descriptions: Callable[[Mapping[Path, str]], Iterable[Path]] | None = None
-    notices: Callable[[Robot, O], Sequence[Problem]] | None = None
-    annotate: Callable[[Path, Expansion, Path | None, O], Annotation] | None = None
-    is_usual: bool = False
+    capabilities: tuple[EmitterCapability, ...] = ()
+
+    @property
+    def endings(self) -> tuple[str, ...]:
+        """What its files have behind the stem: its suffixes, and the endings of its other files."""
+        others = self.can(OtherFiles)
+        return (*self.suffixes, *(others.other_endings if others else ()))
+
+
+# --- Loaders
+
+
+class ReadsOutput(NamedTuple):
+    """A loader whose simulator prints warnings.
+
+    `read_output` returns the findings in all that the simulator printed while it loaded a file, well or badly, without
+    those that it prints for good files too.
+    """
+
+    read_output: Callable[[LoadRequest, str], Sequence[Problem]]
+
+
+class Reusable(NamedTuple):
+    """A loader whose simulator a child process imports once for many manipulators of a run.
+
+    `prepare` imports the simulator, as a load with these options would, and starts no thread. Each load is called in a
+    fork of the child: no load meets what another one left in it. What `prepare` prints is in the output of each load.
+    """
+
+    prepare: Callable[[Any], None]
+
+
+LoaderCapability: TypeAlias = Requires | ReadsOutput | Reusable
+"""What else a loader can do."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Loader(Generic[O]):
+class Loader(_Capable, Generic[O]):
     """Loads a written file into a simulator and reports what the simulator says.
 
     Attributes:
         name: the stage's name in a run file.
         summary: what it loads into, in one line.
+        open: opens the file in the simulator. It returns a `SimulatedArm`, which dh2urdf measures, compares and
+            closes; or a `LoadReport`, where it measures the arm itself. It is called in a child process, so it may
+            crash or leave; what it prints, from C too, goes into the report. It raises `dh2urdf.errors.LoaderError`
+            where the simulator refuses the file, and `dh2urdf.errors.MissingDependencyError` or `MissingProgramError`
+            where it is not installed or does not run.
+        options: its options dataclass. Three attributes or properties of it have a meaning: ``poses``, how many joint
+            vectors are measured (else 25); ``picture``, whether a picture is taken (else no); and ``time_limit``, how
+            long a load may take before it is taken for hung [s] (else five minutes), or None where a person ends it.
         formats: names of the emitters whose files it takes, the preferred one first.
-        options: its options dataclass.
-        open: opens the file in the simulator and gives what became of the arm, as a `SimulatedArm`, which dh2urdf
-            measures, compares and closes. It is called as `load` is, and raises the same errors.
-        load: in place of `open`: loads the file and measures it itself. It is called in a child process, so it may
-            crash or leave; what it prints, from C too, is taken into the report. It raises
-            `dh2urdf.errors.LoaderError` where the simulator refuses the file, and
-            `dh2urdf.errors.MissingDependencyError` or `MissingProgramError` where it is not installed or does not run.
-        poses: how many joint vectors to measure with these options; by default their field ``poses``, or 25.
-        picture: whether these options ask for a picture; by default their field ``picture``, or no.
-        read_output: the findings in what the simulator printed while `load` ran: its warnings, without those that it
-            gives for good files too. Called with the whole output after the child process has ended, well or badly.
-        require: called before a run begins; raises `dh2urdf.errors.MissingDependencyError` where a package that `load`
-            needs with these options is not installed, without importing it (`importlib.util.find_spec`), and
-            `MissingProgramError` where it is a program that is not.
-        time_limit: how long `load` may take with these options before it is taken for hung [s]; None where a person
-            ends it, by closing a window. By default five minutes.
-        prepare: imports the simulator, as `load` with these options would. None, the default, gives every load a child
-            process of its own. A loader that has it promises that `load` may be called many times in one process: it
-            closes what it opens, and reports of a file the same whatever was loaded before. Then `prepare` is called
-            once in a child, which serves many manipulators of a run. What it prints is part of the output of each load.
+        capabilities: what else it can do, of `LoaderCapability`.
     """
 
     name: str
     summary: str
+    open: Callable[[LoadRequest, O], SimulatedArm | LoadReport]
     options: type[O]
-    open: Callable[[LoadRequest, O], SimulatedArm] | None = None
-    load: Callable[[LoadRequest, O], LoadReport] | None = None
     formats: tuple[str, ...] = ("urdf",)
-    poses: Callable[[O], int] = option_poses
-    picture: Callable[[O], bool] = option_picture
-    read_output: Callable[[LoadRequest, str], Sequence[Problem]] = nothing
-    require: Callable[[O], None] = all_there
-    time_limit: Callable[[O], float | None] = load_time_limit
-    prepare: Callable[[O], None] | None = None
+    capabilities: tuple[LoaderCapability, ...] = ()
+
+    def poses(self, options: O) -> int:
+        """How many joint vectors are measured with these options."""
+        poses: int = getattr(options, "poses", 25)
+        return poses
+
+    def picture(self, options: O) -> bool:
+        """Whether these options ask for a picture."""
+        picture: bool = getattr(options, "picture", False)
+        return picture
+
+    def time_limit(self, options: O) -> float | None:
+        """How long a load may take with these options [s]; None where a person ends it."""
+        limit: float | None = getattr(options, "time_limit", LOAD_TIME_LIMIT)
+        return limit
+
+    def read_output(self, request: LoadRequest, output: str) -> Sequence[Problem]:
+        """The findings in what the simulator printed."""
+        reads = self.can(ReadsOutput)
+        return () if reads is None else reads.read_output(request, output)
+
+
+# --- Executors
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -366,8 +623,12 @@ class Lost:
     reason: str
 
 
+ExecutorCapability: TypeAlias = Requires | Usual
+"""What else an executor can do."""
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Executor(Generic[O]):
+class Executor(_Capable, Generic[O]):
     """Runs the pipeline over many manipulators.
 
     Attributes:
@@ -382,9 +643,7 @@ class Executor(Generic[O]):
         pool: a context manager whose `submit(function, task)` gives a future, as every Executor of concurrent.futures
             has it: then order, errors, and tasks that end a worker (`concurrent.futures.BrokenExecutor`) are dh2urdf's
             work. The field ``workers`` of the options, where it is a number, says how many tasks are submitted ahead.
-        require: called before a run begins; raises `dh2urdf.errors.MissingDependencyError` where a package that `map`
-            needs with these options is not installed, without importing it (`importlib.util.find_spec`).
-        is_usual: whether it is taken where nobody names an executor; of the built-in ones, one is.
+        capabilities: what else it can do, of `ExecutorCapability`.
     """
 
     name: str
@@ -392,8 +651,7 @@ class Executor(Generic[O]):
     options: type[O]
     map: Callable[[Callable[[Any], Any], Iterable[Any], O], Iterator[Any]] | None = None
     pool: Callable[[O], AbstractContextManager[Any]] | None = None
-    require: Callable[[O], None] = all_there
-    is_usual: bool = False
+    capabilities: tuple[ExecutorCapability, ...] = ()
 
 
 Kind: TypeAlias = Literal["reader", "transform", "edit", "emitter", "loader", "executor"]

@@ -8,8 +8,8 @@ vector a tuple of floats. Whatever somebody else handed over belongs into the cl
 from __future__ import annotations
 
 from dh2urdf.manipulator import DHRow, Inertia, Limits
+from dh2urdf.record_fields import replace_unchecked, unchecked
 from dh2urdf.robot import Collision, Inertial, Joint, Link, Origin, Parameter, Visual
-from dh2urdf.validation.coercion import replace_unchecked, unchecked
 
 changed = replace_unchecked
 collision = unchecked(Collision)

@@ -10,13 +10,21 @@ import click
 
 from dh2urdf.cli import SETTLED
 from dh2urdf.cli.answers import answer
-from dh2urdf.cli.shared_options import PATH, catalog, option, without_option
-from dh2urdf.cli.stage_flags import StageCommand, given_options
+from dh2urdf.cli.shared_options import (
+    PATH,
+    StageCommand,
+    catalog,
+    files_and_arguments,
+    given_options,
+    option,
+    package_paths_option,
+    table_options,
+    without_option,
+)
 from dh2urdf.cli.standard_input import DASH, NAME, given_description, given_table
-from dh2urdf.cli.tables import ASKER, package_paths_option, table_options
-from dh2urdf.commands.check import given_arguments, inspect, inspect_several, repaired
+from dh2urdf.commands.check import inspect, inspect_several, repaired
 from dh2urdf.commands.chosen_table import read_manipulator, reader_call
-from dh2urdf.documents.text_files import check_file, is_folder, is_there
+from dh2urdf.documents.text_files import check_file, is_folder
 from dh2urdf.errors import ConfigError, InputError
 from dh2urdf.output.whole_files import write_whole
 from dh2urdf.plugin_system.options import COMMAND_LINE
@@ -96,9 +104,8 @@ def command(  # noqa: PLR0917 - click hands everything over by name
     if table is None:
         _refuse_without_table({"base_link": base_link, "tip_link": tip_link, **flags})
     installed = catalog()
-    arguments = [word for word in words if ":=" in word and not is_there(Path(word))]
-    files = [Path(word) for word in words if word not in arguments]
-    expansion = Expansion(arguments=given_arguments(arguments, COMMAND_LINE), package_paths=package_paths)
+    files, arguments = files_and_arguments(words)
+    expansion = Expansion(arguments=arguments, package_paths=package_paths)
     if is_fixed or out:
         files = [_fixed(installed, files, format_name, out if is_fixed else None)]
     if len(files) != 1 or is_folder(files[0]):
@@ -229,8 +236,8 @@ def _only(finding: Finding, consumers: Mapping[str, str]) -> Finding | None:
 
 def _manipulator(catalog: Catalog, table: Path, flags: Mapping[str, str | None]) -> Manipulator:
     table, reader_name = given_table(table, flags["reader_name"], catalog)
-    call = reader_call(catalog, table, reader_name, ASKER, given_options(flags))
-    return read_manipulator(call, table, flags["robot"], ASKER)
+    call = reader_call(catalog, table, reader_name, COMMAND_LINE, given_options(flags))
+    return read_manipulator(call, table, flags["robot"], COMMAND_LINE)
 
 
 def _agreement(

@@ -8,7 +8,7 @@ import click
 
 from dh2urdf.cli import EXIT_STATUS
 from dh2urdf.cli.answers import answer
-from dh2urdf.cli.shared_options import PATH, Command, catalog, option, without_option
+from dh2urdf.cli.shared_options import PATH, catalog, option, without_option
 from dh2urdf.cli.standard_input import refuse_dash
 
 if TYPE_CHECKING:
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from dh2urdf_studio.editing.opening import Opened
 
 
-@click.command(cls=Command, name="studio", epilog=EXIT_STATUS)
+@click.command(name="studio", epilog=EXIT_STATUS)
 @click.argument("table", type=PATH, required=False)
 @option("--robot", metavar="NAME", help="Which manipulator of a table that holds several.")
 @option("--port", type=click.IntRange(0, 65535), metavar="P", help="Port; 8420 or a free one without it.")

@@ -3,21 +3,21 @@
 from __future__ import annotations
 
 from contextlib import closing
-from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
 from dh2urdf.cli import EXIT_STATUS
 from dh2urdf.cli.answers import answer
 from dh2urdf.cli.convert import print_notices
-from dh2urdf.cli.shared_options import Command, catalog, option, without_option
+from dh2urdf.cli.shared_options import catalog, files_and_arguments, option, package_paths_option, without_option
 from dh2urdf.cli.standard_input import refuse_dash
-from dh2urdf.cli.tables import package_paths_option
-from dh2urdf.documents.text_files import is_there
-from dh2urdf.plugin_system.options import COMMAND_LINE
+
+if TYPE_CHECKING:
+    from pathlib import Path
 
 
-@click.command(cls=Command, name="view", epilog=EXIT_STATUS)
+@click.command(name="view", epilog=EXIT_STATUS)
 @click.argument("files", nargs=-1, required=True, metavar="FILE… [NAME:=VALUE]…")
 @package_paths_option
 @option("--port", type=click.IntRange(0, 65535), metavar="P", help="Port; 8420 or a free one without it.")
@@ -44,7 +44,6 @@ def command(
     dh2urdf view pair.yaml
     dh2urdf view ur.urdf.xacro ur_type:=ur10 --package-path ~/ws/src
     """
-    from dh2urdf.commands.check import given_arguments
     from dh2urdf.stages import Expansion
     from dh2urdf_studio.drawing.mesh_store import MeshStore
     from dh2urdf_studio.server import require_nicegui, serve
@@ -52,9 +51,8 @@ def command(
 
     refuse_dash(files, "view")
     require_nicegui("view")
-    words = [word for word in files if ":=" in word and not is_there(Path(word))]
-    expansion = Expansion(arguments=given_arguments(words, COMMAND_LINE), package_paths=package_paths)
-    figures = load_figures([Path(word) for word in files if word not in words], catalog(), expansion)
+    paths, arguments = files_and_arguments(files)
+    figures = load_figures(paths, catalog(), Expansion(arguments=arguments, package_paths=package_paths))
     print_notices([notice for figure in figures for notice in figure.notices])
     first = View(figures)
     with closing(MeshStore(first.meshes())) as meshes:

@@ -6,7 +6,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from dh2urdf.cells.cell import Cell
-from dh2urdf.commands.check import expanded_with
+from dh2urdf.commands.check import has_macros
 from dh2urdf.conversion.one_manipulator import read_items
 from dh2urdf.conversion.robots import make_item, make_robot
 from dh2urdf.documents.text_files import check_file
@@ -23,7 +23,7 @@ from dh2urdf.run_file.records import StageCall
 from dh2urdf.source import Mark, Problem, listed, shown
 from dh2urdf.stage_calls.answers import a_whole_record
 from dh2urdf.stage_calls.calls import blaming, default_call
-from dh2urdf.stages import Expansion, Rejected
+from dh2urdf.stages import Expansion, ReadsBack, ReadsForeign, Rejected
 from dh2urdf.tasks.batch import items
 from dh2urdf.tasks.expected import Expected
 from dh2urdf.variations.variation import Variant
@@ -81,7 +81,7 @@ def load_figures(paths: Sequence[Path], catalog: Catalog, expansion: Expansion |
 
 
 def _holds_macros(path: Path, catalog: Catalog) -> bool:
-    emitters = [item.stage for item in catalog.provided("emitter") if getattr(item.stage, "expandable", False)]
+    emitters = [item.stage for item in catalog.provided("emitter") if has_macros(item.stage)]
     return path.name.lower().endswith(tuple(suffix for each in emitters for suffix in getattr(each, "suffixes", ())))
 
 
@@ -118,11 +118,13 @@ def description(path: Path, catalog: Catalog, expansion: Expansion | None = None
         ManipulatorError: it is no robot.
     """
     emitter = catalog.emitter_for(path)
-    if (reading := emitter.read_foreign or emitter.read_back) is None:
+    reads = emitter.can(ReadsForeign) or emitter.can(ReadsBack)
+    if reads is None:
         raise InputError(Problem(message=f"files of the emitter {emitter.name!r} cannot be read back", found=path.name))
-    given = expanded_with(emitter, expansion, path) if emitter.expandable else ()
-    with blaming(default_call(catalog, emitter), "read_foreign" if emitter.read_foreign else "read_back"):
-        read = a_whole_record(reading(path, *given), ForeignRobot, Robot)
+    given = expansion or Expansion()
+    with blaming(default_call(catalog, emitter), "read_back" if isinstance(reads, ReadsBack) else "read_foreign"):
+        read = reads.read_back(path) if isinstance(reads, ReadsBack) else reads.read_foreign(path, given)
+        read = a_whole_record(read, ForeignRobot, Robot)
     found = read if isinstance(read, ForeignRobot) else ForeignRobot(robot=read)
     robot = _with_unit_axes(found.robot)
     packages = with_its_own(path, packages_in(expansion.package_paths if expansion else ()))

@@ -14,6 +14,7 @@ import pytest
 from dh2urdf.commands.check import inspect
 from dh2urdf.errors import ConfigError
 from dh2urdf.plugin_system import load
+from dh2urdf.stages import Emitter, NoOptions
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -112,8 +113,10 @@ def test_the_format_may_be_said(cli: Cli, arm: Path) -> None:
 def test_a_format_without_a_check_is_refused() -> None:
     """With the formats that have one."""
 
+    unchecked = Emitter(name="mine", summary="", options=NoOptions, suffixes=(".mine",), emit=lambda *_: [])
+
     class Catalog:
-        get = staticmethod(lambda _kind, name: type("Emitter", (), {"name": name, "check": None}))
+        get = staticmethod(lambda *_: unchecked)
         provided = staticmethod(load().provided)
 
     with pytest.raises(ConfigError, match=r"(?s)'mine' cannot be checked.*urdf, xacro"):

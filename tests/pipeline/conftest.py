@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from dh2urdf.output.open_store import open_store
 from dh2urdf.output.remote_store import RemoteStore
+from dh2urdf.output.store import open_store
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -9,7 +9,6 @@ from dataclasses import fields, is_dataclass, replace
 from datetime import timedelta
 from decimal import Decimal
 from fractions import Fraction
-from importlib import import_module
 from typing import Any
 
 import numpy as np
@@ -33,7 +32,6 @@ from dh2urdf.robot import Box, Cylinder, Inertial, Joint, Link, Origin, Robot
 from dh2urdf.rotations import IDENTITY, RigidTransform
 from dh2urdf.source import Mark
 from dh2urdf.unchecked_records import replace_unchecked
-from dh2urdf.validation.field_types import hints_of
 
 
 class Measured:
@@ -545,12 +543,3 @@ class TestWhatIsMade:
         """`replace_unchecked` takes what it is given."""
         column = np.array([1.0, 2.0])
         assert replace_unchecked(ROW, a=column).a is column  # type: ignore[comparison-overlap]
-
-
-def test_the_types_of_fields_are_those_of_the_standard_library() -> None:
-    """Compiling all annotations of a class at once gives the types that `typing.get_type_hints` gives."""
-    modules = [import_module(f"dh2urdf.{name}") for name in ("link_bodies", "manipulator", "robot", "shapes", "source")]
-    named = [kind for module in modules for kind in vars(module).values()]
-    records = {kind for kind in named if isinstance(kind, type) and is_dataclass(kind)}
-    assert len(records) > 20
-    assert {kind: hints_of(kind) for kind in records} == {kind: typing.get_type_hints(kind) for kind in records}

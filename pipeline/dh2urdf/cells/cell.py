@@ -15,11 +15,11 @@ from dh2urdf.kinematics.chain import KinematicChain, forward_kinematics
 from dh2urdf.kinematics.expected_poses import ExpectedPoses, Stretch, Tip
 from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.manipulator import TOOL, WORLD, JointType, Manipulator
+from dh2urdf.record_fields import replace_unchecked
 from dh2urdf.robot import WEIGHTLESS, Arm, Box, Collision, Cylinder, Joint, Link, Origin, Robot, Visual
 from dh2urdf.rotations import IDENTITY
 from dh2urdf.source import Mark, Problem, did_you_mean, shown
 from dh2urdf.stages import Rejected
-from dh2urdf.validation.coercion import replace_unchecked
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence

@@ -26,7 +26,7 @@ from typing import IO, TYPE_CHECKING, Any, NoReturn
 import click
 
 from dh2urdf._version import __version__
-from dh2urdf.cli.shared_options import Command, option, without_option
+from dh2urdf.cli.shared_options import option, without_option
 from dh2urdf.errors import BrokenPluginError, Dh2UrdfError, OutputError
 from dh2urdf.isolation.own_process import claim
 from dh2urdf.plugin_system.at_work import at_work_here, current_folder
@@ -77,18 +77,7 @@ class _Interrupted(BaseException):
     """Ctrl-C or SIGTERM came while a command was at work."""
 
 
-class _Invocation:
-    """What the command line asks for, whatever the command.
-
-    Attributes:
-        debug: show the tracebacks of errors.
-    """
-
-    def __init__(self, *, debug: bool) -> None:
-        self.debug = debug
-
-
-class _LazyGroup(Command, click.Group):
+class _LazyGroup(click.Group):
     """A group that imports a command's module when the command is called: help and version cost nothing."""
 
     def list_commands(self, ctx: click.Context) -> list[str]:  # noqa: ARG002 - click's signature
@@ -154,7 +143,7 @@ def _print_version(ctx: click.Context, _parameter: click.Parameter, value: bool)
 @option("--debug", is_flag=True, help="Show the traceback of an error.")
 @without_option
 @click.pass_obj
-def dh2urdf(invocation: _Invocation, debug: bool) -> None:  # noqa: FBT001 - click hands flags over so
+def dh2urdf(invocation: dict[str, bool], debug: bool) -> None:  # noqa: FBT001 - click hands flags over so
     """Turn tables of Denavit-Hartenberg parameters into robot descriptions that are provably the same arm.
 
     \b
@@ -163,7 +152,7 @@ def dh2urdf(invocation: _Invocation, debug: bool) -> None:  # noqa: FBT001 - cli
     dh2urdf check robot.urdf                 what each simulator will do with it
     dh2urdf convert --help                   what a command takes
     """
-    invocation.debug = invocation.debug or debug
+    invocation["debug"] |= debug
 
 
 def main(arguments: list[str] | None = None) -> None:
@@ -273,17 +262,19 @@ def _come_again(number: int) -> None:
 
 def exit_status_of(words: list[str], *, debug: bool = False) -> int:
     """Call a command; the exit status that it, or what ends it, means."""
-    invocation = _Invocation(debug=debug)
+    invocation = {"debug": debug}
     try:
         result: Any = dh2urdf.main(words, prog_name="dh2urdf", standalone_mode=False, obj=invocation)
     except click.ClickException as error:
-        return _failed(words, error, error.exit_code, _usage(error), "usage")
+        usage = io.StringIO()
+        error.show(usage)
+        return _failed(words, error, error.exit_code, usage.getvalue().rstrip("\n"), "usage")
     except (KeyboardInterrupt, click.Abort, _Interrupted) as error:
         advice = getattr(error.__cause__, "__notes__", ())
         text = "; ".join(["dh2urdf: interrupted; nothing half-written is left", *advice])
         return _failed(words, error, INTERRUPTED, text, "interrupted")
     except Exception as error:  # noqa: BLE001 - the last one that may say what happened
-        return _ended_by(error, words, debug=invocation.debug)
+        return _ended_by(error, words, debug=invocation["debug"])
     return result if isinstance(result, int) else 0
 
 
@@ -338,37 +329,20 @@ def _is_of_an_answer(error: OSError) -> bool:
     return error.filename is None and f"{writer}.".startswith((f"{__name__}.", "click.", "rich."))
 
 
-def _usage(error: click.ClickException) -> str:
-    """What click declares about a wrong command line: the usage, and what is wrong."""
-    text = io.StringIO()
-    error.show(text)
-    return text.getvalue().rstrip("\n")
-
-
 def _failed(words: list[str], error: BaseException, status: int, text: str, kind: str | None = None) -> int:
     """Say what ends a command on standard error and, with ``--json``, on standard output as data; the exit status."""
     try:
         click.echo(text, err=True)
-        if _wants_json(words):
-            _print_error(error, status, text, kind)
+        if "--json" in words or "--format=json" in words or ("--format", "json") in pairwise(words):
+            from dh2urdf.conversion.outcome import kind_of, to_text
+            from dh2urdf.report.answers.errors import error_report
+
+            message = error.format_message() if isinstance(error, click.ClickException) else text
+            name = kind_of(error) if kind is None and isinstance(error, Exception) else kind or ""
+            click.echo(to_text(error_report(name, status, error, message)), nl=False)
     except OSError:  # Nobody is there to read it, or the disk is full: it changes nothing about what has happened.
         _let_go(sys.stdout, sys.stderr)
     return status
-
-
-def _wants_json(words: list[str]) -> bool:
-    """Whether a command line asks for JSON, however wrong the rest of it may be."""
-    pairs = pairwise(words)
-    return "--json" in words or "--format=json" in words or ("--format", "json") in pairs
-
-
-def _print_error(error: BaseException, status: int, text: str, kind: str | None) -> None:
-    from dh2urdf.conversion.outcome import kind_of, to_text
-    from dh2urdf.report.answers.errors import error_report
-
-    message = error.format_message() if isinstance(error, click.ClickException) else text
-    name = kind_of(error) if kind is None and isinstance(error, Exception) else kind or ""
-    click.echo(to_text(error_report(name, status, error, message)), nl=False)
 
 
 def _let_go(*streams: IO[str] | None) -> None:

@@ -2,29 +2,42 @@
 
 from __future__ import annotations
 
-from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from dh2urdf.cli import EXIT_STATUS
 from dh2urdf.cli.answers import answer
 from dh2urdf.cli.convert import print_notices
-from dh2urdf.cli.shared_options import PATH, Command, catalog, option, without_option
+from dh2urdf.cli.shared_options import (
+    PATH,
+    catalog,
+    files_and_arguments,
+    option,
+    package_paths_option,
+    settings_of,
+    without_option,
+)
 from dh2urdf.cli.standard_input import refuse_dash
-from dh2urdf.cli.tables import ASKER, package_paths_option, settings_of
-from dh2urdf.commands.check import given_arguments
-from dh2urdf.commands.collisions import annotation
-from dh2urdf.documents.text_files import is_there
-from dh2urdf.errors import ConfigError
+from dh2urdf.commands.options_of_stages import stage_calls
+from dh2urdf.documents.text_files import check_file, is_there
+from dh2urdf.errors import ConfigError, InputError
 from dh2urdf.output.whole_files import refuse_inputs, write_whole
 from dh2urdf.plugin_system.options import COMMAND_LINE
-from dh2urdf.source import Problem, printable
-from dh2urdf.stages import Expansion
+from dh2urdf.source import Mark, Problem, printable
+from dh2urdf.stage_calls.answers import a_whole_record
+from dh2urdf.stage_calls.calls import depending_on
+from dh2urdf.stages import Annotates, Annotation, Expansion
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from dh2urdf.plugin_system.catalog import Catalog
 
 OPTIONS = ("trials", "seed", "min_distance")
 
 
-@click.command(cls=Command, name="collisions", epilog=EXIT_STATUS)
+@click.command(name="collisions", epilog=EXIT_STATUS)
 @click.argument("words", nargs=-1, required=True, metavar="ROBOT [NAME:=VALUE…]")
 @option(
     "-o",
@@ -66,24 +79,23 @@ def command(  # noqa: PLR0917 - click hands everything over by name
     dh2urdf collisions ur.urdf.xacro ur_type:=ur10 name:=arm --package-path ~/ws/src -o ur10.srdf
     """
     refuse_dash(words, "collisions")
-    arguments = [word for word in words if ":=" in word and not is_there(Path(word))]
-    robots = [Path(word) for word in words if word not in arguments]
+    robots, arguments = files_and_arguments(words)
     if len(robots) != 1:
         message = f"{len(robots)} files are given, and pairs are of one"
         raise ConfigError(Problem(message=message, mark=COMMAND_LINE, accepted="one ROBOT"))
-    expansion = Expansion(arguments=given_arguments(arguments, COMMAND_LINE), package_paths=package_paths)
+    expansion = Expansion(arguments=arguments, package_paths=package_paths)
     if output is not None:
         refuse_inputs([output], robots)
-    made = annotation(
-        catalog(),
-        robots[0],
-        expansion,
-        ASKER,
-        out=output,
-        earlier=earlier,
-        given={name: flags[name] for name in OPTIONS},
-        settings=settings_of(settings),
-    )
+        if earlier is None and is_there(output):
+            earlier = output
+    for file in filter(None, (robots[0], earlier)):
+        check_file(file, InputError)
+    installed = catalog()
+    emitter, annotates = _emitter(installed, output or earlier)
+    given = {"emitter": {name: flags[name] for name in OPTIONS}}
+    (call,) = stage_calls(installed, {"emitter": [emitter]}, COMMAND_LINE, given, settings_of(settings))["emitter"]
+    with depending_on(call, "annotate"):
+        made: Annotation = a_whole_record(annotates.annotate(robots[0], expansion, earlier, call.options), Annotation)
     if not quiet:
         print_notices(made.notices)
     if output is None:
@@ -94,3 +106,24 @@ def command(  # noqa: PLR0917 - click hands everything over by name
         written = f"; written to {output}" if output else ""
         click.echo(printable(f"{robots[0].name}: {made.summary}{written}"), err=True)
     return 0
+
+
+def _emitter(catalog: Catalog, file: Path | None) -> tuple[Any, Annotates]:
+    """The emitter of a file's format; where there is no file, the first that annotates.
+
+    Raises:
+        InputError: the format is one of whole descriptions, or no emitter has it.
+    """
+    able: list[Any] = [item.stage for item in catalog.provided("emitter") if item.stage.can(Annotates)]
+    chosen: Any = catalog.emitter_for(file, "choose a name that ends in .srdf") if file else next(iter(able), None)
+    if chosen is not None and (annotates := chosen.can(Annotates)):
+        return chosen, annotates
+    suffixes = sorted({suffix for each in able for suffix in each.suffixes})
+    message = "collision pairs are not written in this format" if file else "no emitter writes collision pairs"
+    raise ConfigError(
+        Problem(
+            message=message,
+            mark=Mark(file=str(file)) if file else None,
+            accepted=f"a name that ends in {' or '.join(suffixes)}" if suffixes else None,
+        )
+    )

@@ -9,22 +9,32 @@ import click
 
 from dh2urdf.cli import EXIT_STATUS
 from dh2urdf.cli.answers import answer
-from dh2urdf.cli.shared_options import PATH, catalog, option, without_option
-from dh2urdf.cli.stage_flags import StageCommand, given_options
-from dh2urdf.cli.standard_input import DASH, files_behind, given_table
-from dh2urdf.cli.tables import ASKER, settings_of, table_options
+from dh2urdf.cli.shared_options import (
+    PATH,
+    StageCommand,
+    catalog,
+    given_options,
+    option,
+    settings_of,
+    table_options,
+    without_option,
+)
+from dh2urdf.cli.standard_input import DASH, NAME, files_behind, given_table
 from dh2urdf.commands.convert import plan_conversion
-from dh2urdf.documents.text_files import is_folder
-from dh2urdf.errors import SCREENFUL
+from dh2urdf.documents.text_files import is_folder, is_there
+from dh2urdf.errors import SCREENFUL, ConfigError, InputError, ManipulatorError, OutputError, UnknownStageError
+from dh2urdf.output.whole_files import safe_stem
+from dh2urdf.plugin_system.options import COMMAND_LINE
 from dh2urdf.report.answers.conversions import closing_line
+from dh2urdf.source import Problem, printable, shown
+from dh2urdf.stages import WritesFolders
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Mapping, Sequence
 
-    from dh2urdf.commands.convert import Conversion, Planned
-    from dh2urdf.source import Problem
-
-STANDARD_OUTPUT = "standard output"
+    from dh2urdf.commands.convert import Planned
+    from dh2urdf.plugin_system.catalog import Catalog
+    from dh2urdf.results import ConversionEntry
 
 
 @click.command(name="convert", cls=StageCommand, kinds=("reader", "transform", "emitter"), epilog=EXIT_STATUS)
@@ -81,13 +91,15 @@ def command(  # noqa: PLR0917 - click hands everything over by name
     installed = catalog()
     target = None if output is None or output == DASH else Path(output)
     into_folder = target is not None and (str(output).endswith("/") or is_folder(target))
+    are_several = len(tables) > 1 or into_folder
+    files = _files_of(tables, target, format_name, installed) if are_several else {tables[0]: target}
 
     def plan(table: Path, file: Path | None) -> Planned:
         path, reader = given_table(table, reader_name, installed)
         return plan_conversion(
             path,
             file,
-            ASKER,
+            COMMAND_LINE,
             installed,
             reader=reader,
             transform=transform_name,
@@ -101,28 +113,127 @@ def command(  # noqa: PLR0917 - click hands everything over by name
             inputs=files_behind(tables),
         )
 
-    def note(notices: Sequence[Problem]) -> None:
-        if not quiet:
-            print_notices(notices)
-
-    def said(conversion: Conversion, file: Path | None) -> None:
-        if not quiet:
-            place = STANDARD_OUTPUT if file is None else str(file)
-            click.echo(closing_line(conversion, place), err=True)
-
-    if len(tables) > 1 or into_folder:
-        from dh2urdf.cli.several_tables import convert_several, files_of
-
-        return convert_several(files_of(tables, target, format_name, installed), plan, note, said, as_json=as_json)
-    conversion = plan(tables[0], target).carry_out(note)
+    plans = _plans(files, plan, are_several=are_several)
+    rows: list[ConversionEntry | None] = []
+    failed = 0
+    for table, planned in plans.items():
+        try:
+            rows.append(_carry_out(planned, table, as_json=as_json, quiet=quiet))
+        except (InputError, ManipulatorError) as error:  # It cannot be read, or no description of it can be made.
+            if not are_several or isinstance(error, OutputError):
+                raise
+            rows.append(_failed(table, error))
+            failed += 1
+    if failed:
+        click.echo(f"{len(rows) - failed:,} of {len(rows):,} tables converted, {failed:,} failed", err=True)
     if as_json:
-        from dh2urdf.cli.printing.conversion_rows import print_report, row_of
+        from dh2urdf.conversion.outcome import to_text
+        from dh2urdf.report.answers.conversions import conversions_report
 
-        print_report([row_of(conversion, tables[0], target)])
-    elif target is None:
+        answer(to_text(conversions_report([row for row in rows if row])), nl=False)
+    return int(failed > 0)
+
+
+def _plans(
+    files: Mapping[Path, Path | None], plan: Callable[[Path, Path | None], Planned], *, are_several: bool
+) -> dict[Path, Planned | InputError]:
+    """The plan of each table, or why it has none: nothing is written before a wrong word is found.
+
+    Raises:
+        InputError: a word of the command line is wrong, whatever the table, or there is one table.
+    """
+    plans: dict[Path, Planned | InputError] = {}
+    for table, file in files.items():
+        try:
+            plans[table] = plan(table, file)
+        except InputError as error:
+            if not are_several or isinstance(error, (ConfigError, UnknownStageError)):
+                raise
+            plans[table] = error
+            if not frozenset("*?[").isdisjoint(str(table)):
+                message = f"no file is called {shown(str(table), 200)}"
+                advice = "write a pattern without quotes, so that the shell puts the names of the files in its place"
+                problem = Problem(message=message, mark=COMMAND_LINE, found=str(table), suggestion=advice)
+                plans[table] = type(error)(problem)
+    return plans
+
+
+def _carry_out(planned: Planned | InputError, table: Path, *, as_json: bool, quiet: bool) -> ConversionEntry | None:
+    """Convert a table, and say what became of it; its row, where rows are asked for."""
+    if isinstance(planned, InputError):
+        raise planned
+    conversion, file, row = planned.carry_out(lambda each: None if quiet else print_notices(each)), planned.target, None
+    if as_json:
+        from dh2urdf.report.answers.conversions import conversion_row
+
+        in_folders = any("/" in name for name in conversion.files)
+        row = conversion_row(conversion, _source(table), file if file is None or in_folders else file.parent)
+    elif file is None:
         answer(conversion.written[0].files[0].content, nl=False)
-    said(conversion, target)
-    return 0
+    if not quiet:
+        click.echo(closing_line(conversion, "standard output" if file is None else str(file)), err=True)
+    return row
+
+
+def _files_of(
+    tables: Sequence[Path], folder: Path | None, format_name: str | None, catalog: Catalog
+) -> dict[Path, Path | None]:
+    """The file in a folder that each of several tables becomes, in the format that is named.
+
+    Raises:
+        ConfigError: no folder is given, or two tables would become one file.
+        UnknownStageError: there is no such emitter.
+    """
+    import unicodedata
+
+    from dh2urdf.output.spooled import STEM
+
+    emitter = catalog.get("emitter", format_name) if format_name else catalog.usual("emitter")
+    wrong = accepted = ""
+    if folder is None or (is_there(folder) and not is_folder(folder)):
+        wrong = f"{len(tables)} tables go into a folder" + (f", and {shown(str(folder))} is a file" if folder else "")
+        accepted = "-o FOLDER, with any name"
+    elif emitter.suffixes and not is_folder(folder) and folder.name.lower().endswith(emitter.suffixes):
+        wrong = f"-o {shown(str(folder))} names one file, and there are {len(tables)} tables"
+        accepted = f"-o FOLDER, such as -o {folder.stem}"
+    if folder is None or wrong:
+        raise ConfigError(Problem(message=wrong, mark=COMMAND_LINE, field="-o", accepted=accepted))
+    suffix = emitter.suffixes[0] if emitter.suffixes else ""
+    files: dict[Path, Path | None] = {}
+    taken: dict[str, Path] = {}
+    problems: list[Problem] = []
+    for table in tables:
+        stem = STEM if str(table) == DASH else safe_stem(table.stem)
+        key = unicodedata.normalize("NFC", stem).casefold()  # as on file systems that ignore case
+        if key not in taken:
+            taken[key] = table
+            files[table] = folder if emitter.can(WritesFolders) else folder / f"{stem}{suffix}"
+            continue
+        both = f"and {shown(str(taken[key]))} would both become {stem}{suffix}"
+        problem = Problem(
+            message=f"{shown(str(table))} {'is given twice' if table in files else both}",
+            mark=COMMAND_LINE,
+            found=str(table),
+            accepted="tables whose names differ in more than their folder, their suffix and their case",
+            suggestion="convert them one by one, or into folders of their own",
+        )
+        problems.append(problem)
+    if problems:
+        raise ConfigError(problems)
+    return files
+
+
+def _source(table: Path) -> str:
+    return NAME if str(table) == DASH else str(table)
+
+
+def _failed(table: Path, error: InputError | ManipulatorError) -> ConversionEntry:
+    """Says on standard error why a table failed; its row."""
+    from dh2urdf.conversion.outcome import kind_of
+    from dh2urdf.report.answers.conversions import failed_row
+
+    click.echo("\n".join(map(printable, str(error).splitlines())), err=True)
+    return failed_row(_source(table), kind_of(error), error)
 
 
 def print_notices(notices: Sequence[Problem]) -> None:

@@ -7,7 +7,7 @@ from pathlib import Path
 import click
 
 from dh2urdf.cli.answers import answer
-from dh2urdf.cli.shared_options import Command, option
+from dh2urdf.cli.shared_options import option
 from dh2urdf.documents.text_files import is_folder
 from dh2urdf.errors import ConfigError
 from dh2urdf.plugin_system.options import COMMAND_LINE
@@ -16,7 +16,7 @@ from dh2urdf.scaffold.tables import write_new
 from dh2urdf.source import Problem, shown
 
 
-@click.command(cls=Command, name="example")
+@click.command(name="example")
 @click.argument("name", required=False)
 @option("-o", "--output", "output", metavar="FILE", help="File to write, or folder; standard output without it.")
 @option("--list", "listed", is_flag=True, help="List the arms.")

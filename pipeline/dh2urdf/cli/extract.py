@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import json
-from operator import attrgetter
-from pathlib import Path
+from operator import methodcaller
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -12,21 +11,31 @@ import click
 from dh2urdf.cli import EXIT_STATUS
 from dh2urdf.cli.answers import answer
 from dh2urdf.cli.convert import print_notices
-from dh2urdf.cli.shared_options import PATH, catalog, option, without_option
-from dh2urdf.cli.stage_flags import StageCommand, given_options
+from dh2urdf.cli.shared_options import (
+    PATH,
+    StageCommand,
+    catalog,
+    files_and_arguments,
+    given_options,
+    option,
+    package_paths_option,
+    settings_of,
+    without_option,
+)
 from dh2urdf.cli.standard_input import files_behind, given_table
-from dh2urdf.cli.tables import ASKER, package_paths_option, settings_of
-from dh2urdf.commands.check import given_arguments
-from dh2urdf.commands.extract import chains_of, description_reader, leaves_of, table_lines, write_extracted
-from dh2urdf.documents.text_files import is_there
+from dh2urdf.commands.extract import chains_of, description_reader, leaves_of, write_extracted
 from dh2urdf.errors import SCREENFUL, ConfigError, ManipulatorError
 from dh2urdf.kinematics.facts import kinematic_facts
 from dh2urdf.manipulator import Convention
 from dh2urdf.plugin_system.options import COMMAND_LINE
+from dh2urdf.quantities.units import UNITS
 from dh2urdf.source import Problem, printable
+from dh2urdf.stages import ReadsDescriptions
+from dh2urdf.table_text import table_text, transform_text
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
+    from pathlib import Path
 
     from dh2urdf.commands.extract import Chains
     from dh2urdf.manipulator import Manipulator
@@ -34,7 +43,13 @@ if TYPE_CHECKING:
     from dh2urdf.stages import Reader
 
 
-@click.command(name="extract", cls=StageCommand, kinds=("reader",), which=attrgetter("leaves"), epilog=EXIT_STATUS)
+@click.command(
+    name="extract",
+    cls=StageCommand,
+    kinds=("reader",),
+    which=methodcaller("can", ReadsDescriptions),
+    epilog=EXIT_STATUS,
+)
 @click.argument("words", nargs=-1, required=True, metavar="ROBOT [NAME:=VALUE…]")
 @option("-o", "--output", "output", type=PATH, metavar="TABLE", help="A .yaml or .csv file.")
 @option("--convention", metavar="C", help="standard or modified; without it and without -o, both are printed.")
@@ -76,8 +91,7 @@ def command(  # noqa: PLR0917 - click hands everything over by name
     xacro robot.urdf.xacro | dh2urdf extract - --from urdf
     """
     installed = catalog()
-    arguments = [word for word in words if ":=" in word and not is_there(Path(word))]
-    robots = [Path(word) for word in words if word not in arguments]
+    robots, arguments = files_and_arguments(words)
     if len(robots) != 1:
         message = f"{len(robots)} files are given, and tables are extracted from one"
         raise ConfigError(Problem(message=message, mark=COMMAND_LINE, accepted="one ROBOT"))
@@ -85,14 +99,14 @@ def command(  # noqa: PLR0917 - click hands everything over by name
     _check_units(length_unit, angle_unit)
     given = given_options(flags).get("reader", {})
     if arguments:
-        given["arguments"] = json.dumps(given_arguments(arguments, COMMAND_LINE))
+        given["arguments"] = json.dumps(arguments)
     if package_paths:
         given["package_paths"] = json.dumps([str(path) for path in package_paths])
 
     def call(chosen: str | None = convention) -> Call[Reader[Any]]:
         options: Mapping[str, str | None] = {**given, "convention": chosen}
         return description_reader(
-            installed, robot, ASKER, reader=reader_name, given=options, settings=settings_of(settings)
+            installed, robot, COMMAND_LINE, reader=reader_name, given=options, settings=settings_of(settings)
         )
 
     if lists_tips:
@@ -137,9 +151,25 @@ def _blocks(both: list[Chains], length_unit: str, angle_unit: str) -> Iterator[l
         if len(chains) > 1 or any(each.refused for each in both):
             yield [name]
         for arm in same:
-            yield [*table_lines(arm, length_unit, angle_unit)]
+            yield [*_table(arm, length_unit, angle_unit)]
         if facts := kinematic_facts(same[0]).sentences():
             yield facts
+
+
+def _table(arm: Manipulator, length_unit: str, angle_unit: str) -> Iterator[str]:
+    """A table as people read it: a line for each row, then base and tool where they are not the identity."""
+    text = table_text(arm, length_unit, angle_unit)
+    fields = ("joint", "type", "a", "alpha", "d", "theta")
+    units = {"a": length_unit, "d": length_unit, "alpha": angle_unit, "theta": angle_unit}
+    heads = [f"{field} [{units[field]}]" if field in units else field for field in fields]
+    cells = [heads, *([row.get(field, "") for field in fields] for row in text.rows)]
+    widths = [max(len(row[column]) for row in cells) for column in range(len(fields))]
+    yield f"{text.convention} convention"
+    for row in cells:
+        yield "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip()
+    for name, pose in (("base", arm.base), ("tool", arm.tool)):
+        if place := transform_text(pose, UNITS[length_unit], UNITS[angle_unit]):
+            yield f"{name}: {place}"
 
 
 def _moving(count: int) -> str:

@@ -8,20 +8,29 @@ import click
 
 from dh2urdf.cli import EXIT_STATUS, SETTLED
 from dh2urdf.cli.answers import answer, answers
-from dh2urdf.cli.shared_options import PATH, catalog, option, without_option
-from dh2urdf.cli.stage_flags import StageCommand, given_options
+from dh2urdf.cli.shared_options import (
+    PATH,
+    StageCommand,
+    catalog,
+    given_options,
+    option,
+    settings_of,
+    table_options,
+    without_option,
+)
 from dh2urdf.cli.standard_input import given_table
-from dh2urdf.cli.tables import ASKER, settings_of, table_options
 from dh2urdf.commands.chosen_table import reader_call, refuse_run_file
 from dh2urdf.conversion.one_manipulator import read_items
 from dh2urdf.conversion.robots import make_robot
 from dh2urdf.errors import ManipulatorError, TableError
 from dh2urdf.manipulator import Manipulator
+from dh2urdf.plugin_system.options import COMMAND_LINE
 from dh2urdf.provenance import Trace
 from dh2urdf.report.answers.info import brief, details, info_report
 from dh2urdf.report.answers.info_text import lines, markdown, print_on_terminal
 from dh2urdf.source import Mark, Problem, did_you_mean, shown
 from dh2urdf.stage_calls.calls import default_call
+from dh2urdf.stages import Traces
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -62,9 +71,9 @@ def command(
     """
     installed = catalog()
     path, reader = given_table(table, reader_name, installed)
-    call = reader_call(installed, path, reader, ASKER, given_options(flags), settings=settings_of(settings))
+    call = reader_call(installed, path, reader, COMMAND_LINE, given_options(flags), settings=settings_of(settings))
     arms, chosen, trace = _read(call, path, robot)
-    detail = None if chosen is None else _detail(installed, chosen, trace if call.stage.trace else None)
+    detail = None if chosen is None else _detail(installed, chosen, trace if call.stage.can(Traces) else None)
     failed = any(arm["errors"] for arm in (arms if detail is None else [detail]))
     status: Literal[0, 1] = 1 if failed else 0
     report = info_report(str(path), arms, detail, status)
@@ -92,7 +101,7 @@ def _read(call: Call[Reader[Any]], path: Path, robot: str | None) -> tuple[list[
     trace, its = Trace(), Trace()
     arms: list[BriefEntry] = []
     chosen: Manipulator | Rejected | None = None
-    with refuse_run_file(path, ASKER):
+    with refuse_run_file(path):
         for item in read_items(call, path, trace):
             if robot in (None, item.name):
                 chosen, its = item, trace.copy()

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import click
 
 from dh2urdf.cli.answers import answer
-from dh2urdf.cli.shared_options import PATH, Command, catalog, option, without_option
+from dh2urdf.cli.shared_options import PATH, catalog, option, without_option
 from dh2urdf.conversion.file_endings import table_writer
 from dh2urdf.errors import ConfigError
 from dh2urdf.manipulator import Convention
@@ -24,7 +24,7 @@ DEFAULT_FILE = "arm.csv"
 DEFAULT_AXES = 6
 
 
-@click.command(cls=Command, name="init")
+@click.command(name="init")
 @click.argument("file", type=PATH, default=DEFAULT_FILE)
 @option(
     "--convention",

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, cast
 import click
 
 from dh2urdf.cli.answers import answer
-from dh2urdf.cli.shared_options import PATH, Command, catalog, option, without_option
+from dh2urdf.cli.shared_options import PATH, catalog, option, without_option
 from dh2urdf.plugin_system.catalog import KINDS
 from dh2urdf.scaffold import write_plugin
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from dh2urdf.stages import Kind
 
 
-@click.command(cls=Command, name="new-plugin")
+@click.command(name="new-plugin")
 @click.argument("name")
 @option("--kind", required=True, type=click.Choice(KINDS), metavar="KIND", help=f"One of {', '.join(KINDS)}.")
 @option("--dir", "folder", type=PATH, default=".", metavar="D", help="Where its folder is made.")

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import click
 
 from dh2urdf.cli.answers import answer
-from dh2urdf.cli.shared_options import Command, catalog, option, without_option
+from dh2urdf.cli.shared_options import catalog, option, without_option
 from dh2urdf.plugin_system.catalog import KINDS
 from dh2urdf.report.plugins import plugins_report
 from dh2urdf.source import printable
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from dh2urdf.results import PluginsReport
 
 
-@click.command(cls=Command, name="plugins")
+@click.command(name="plugins")
 @option("--json", "as_json", is_flag=True, help="Print the list as JSON.")
 @without_option
 def command(as_json: bool) -> int:  # noqa: FBT001 - click hands flags over so

@@ -8,7 +8,7 @@ import click
 
 from dh2urdf.cli import EXIT_STATUS, SETTLED
 from dh2urdf.cli.answers import answer
-from dh2urdf.cli.shared_options import PATH, Command, catalog, option, without_option
+from dh2urdf.cli.shared_options import PATH, catalog, option, without_option
 from dh2urdf.cli.standard_input import refuse_dash
 from dh2urdf.conversion.outcome import to_text
 from dh2urdf.report.page import HOW_TO_GET, can_write_html
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
 
-@click.command(cls=Command, name="run", epilog=EXIT_STATUS)
+@click.command(name="run", epilog=EXIT_STATUS)
 @click.argument("config", type=PATH)
 @option("-o", "--output", metavar="DIR", help="Where to, not where CONFIG says: a folder or an address.")
 @option("--workers", metavar="N", help="How many processes work; auto: one per processor.")

@@ -7,7 +7,7 @@ import json
 import click
 
 from dh2urdf.cli.answers import answer
-from dh2urdf.cli.shared_options import Command, catalog, without_option
+from dh2urdf.cli.shared_options import catalog, without_option
 from dh2urdf.report.schema import (
     conversions_schema,
     error_schema,
@@ -30,7 +30,7 @@ SCHEMAS = {
 }
 
 
-@click.command(cls=Command, name="schema")
+@click.command(name="schema")
 @click.argument("what", type=click.Choice(list(SCHEMAS)), default="run")
 @without_option
 def command(what: str) -> int:

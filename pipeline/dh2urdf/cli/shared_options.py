@@ -1,105 +1,51 @@
-"""What all commands share: an option has one value, `--without NAME` leaves out plugins, `--trust` trusts meshes.
+"""What commands share: options with one value, flags for options of stages, and what is installed.
 
-Both are accepted before a command or after it. Of two values that differ, click would take the last one.
+An option refuses a second value that differs from the first: click would take the last one.
 """
 
 from __future__ import annotations
 
-from functools import lru_cache
-from itertools import pairwise, takewhile
+import os
+import sys
+from contextlib import nullcontext
+from dataclasses import fields, is_dataclass
+from itertools import pairwise
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from dh2urdf.cli.answers import answer, keep_apart
+from dh2urdf.cli.answers import keep_apart, kept_apart
+from dh2urdf.commands.options_of_stages import Setting
+from dh2urdf.plugin_system.options import COMMAND_LINE
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping, Sequence
-    from pathlib import Path
+    from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
     from typing import TypeVar
 
     from click.core import ParameterSource
-    from click.shell_completion import CompletionItem
 
     from dh2urdf.plugin_system.catalog import Catalog
+    from dh2urdf.stages import Kind
 
     F = TypeVar("F", bound=Callable[..., Any])
 
-_OPTION = "--without"
-_NAMES = f"{__name__}.names"
-_LOADED = f"{__name__}.loaded"
-
-
-class Command(click.Command):
-    """A command that needs less of click: neither what translates its own text, nor the search for similar options."""
-
-    def get_help_option(self, ctx: click.Context) -> click.Option | None:
-        """The option for help, whose text is not looked up in catalogues of translations."""
-        names = self.get_help_option_names(ctx)
-        return _help_option(tuple(names)) if names and self.add_help_option else None
-
-    def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
-        """Read the command line; click would look for names like each short one, ``-o``, before it finds that."""
-        long = {word: max(parameter.opts, key=len) for parameter in self.params for word in parameter.opts}
-        words = list(takewhile("--".__ne__, args))
-        for place, (before, word) in enumerate(
-            pairwise(words[:-1]), 1
-        ):  # An error quotes the last one: it lacks a value.
-            if not before.startswith("-"):  # Else it may be the value of an option.
-                words[place] = long.get(word, word)
-        return super().parse_args(ctx, words + args[len(words) :])
-
-
-@lru_cache
-def _help_option(names: tuple[str, ...]) -> click.Option:
-    """The option for help; a parser compares options by identity."""
-    text = "Show this message and exit."
-    return click.Option(names, is_flag=True, is_eager=True, expose_value=False, callback=_show_help, help=text)
-
-
-def _show_help(context: click.Context, _parameter: click.Parameter, value: bool) -> None:  # noqa: FBT001 - click's
-    if value and not context.resilient_parsing:
-        answer(context.get_help())
-        context.exit()
-
-
-class _PathType(click.ParamType):  # type: ignore[type-arg] # generic only in newer versions
-    """A path, wherever it leads: whatever opens it reports what is wrong with it.
-
-    (`click.Path` looks up its own name in catalogues of translations.)
-    """
-
-    name = "path"
-
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Path:  # noqa: ANN401, ARG002 - click's
-        """The path that a text is."""
-        from pathlib import Path
-
-        return Path(value)
-
-    def shell_complete(self, ctx: click.Context, param: click.Parameter, incomplete: str) -> list[CompletionItem]:  # noqa: ARG002 - click's
-        """Has the shell complete it as a file."""
-        from click.shell_completion import CompletionItem
-
-        return [CompletionItem(incomplete, type="file")]
-
-
-PATH = _PathType()
+PATH = click.Path(path_type=Path, readable=False)
+"""A path, wherever it leads: whatever opens it reports what is wrong with it."""
+_WITHOUT = "--without"
+_NAMES, _LOADED, _FLAGS = (f"{__name__}.{key}" for key in ("names", "loaded", "flags"))
+_BETWEEN = "__"
 
 
 class OneValueOption(click.Option):
     """An option that refuses a second value which differs from the first; flags and repeatable options are click's."""
 
-    @property
-    def _has_one_value(self) -> bool:
-        return not (self.multiple or self.is_flag or self.count)
-
     def add_to_parser(self, parser: Any, ctx: click.Context) -> None:  # noqa: ANN401 - its class depends on click's version
-        """Has the parser collect all values."""
-        if self._has_one_value:
-            parser.add_option(obj=self, opts=self.opts, dest=self.name, action="append", nargs=self.nargs)
-        else:
+        """Have the parser collect all values."""
+        if self.multiple or self.is_flag or self.count:
             super().add_to_parser(parser, ctx)
+        else:
+            parser.add_option(obj=self, opts=self.opts, dest=self.name, action="append", nargs=self.nargs)
 
     def consume_value(self, ctx: click.Context, opts: Mapping[str, Any]) -> tuple[Any, ParameterSource]:
         """The value that the command line, or else the default, gives.
@@ -108,17 +54,14 @@ class OneValueOption(click.Option):
             click.UsageError: the command line gives two that differ.
         """
         given = opts.get(self.name or "")
-        if self._has_one_value and isinstance(given, list):
-            first = given[0]
+        if isinstance(given, list) and not self.multiple:
             for other in given[1:]:
-                if other != first:
+                if other != given[0]:
                     from dh2urdf.source import shown
 
-                    word = max(self.opts, key=len)
-                    ctx.fail(
-                        f"{word} {shown(str(other))} contradicts {word} {shown(str(first))}; {word} accepts one value"
-                    )
-            opts = {**opts, str(self.name): first}
+                    word, first, second = max(self.opts, key=len), shown(str(given[0])), shown(str(other))
+                    ctx.fail(f"{word} {second} contradicts {word} {first}; {word} accepts one value")
+            opts = {**opts, str(self.name): given[0]}
         return super().consume_value(ctx, opts)
 
 
@@ -127,14 +70,23 @@ def option(*words: str, **attributes: Any) -> Callable[[F], F]:  # noqa: ANN401 
     return click.option(*words, cls=OneValueOption, **attributes)
 
 
-def _remember(context: click.Context, _parameter: click.Parameter, names: tuple[str, ...]) -> None:
+def _all(*options: Callable[[F], F]) -> Callable[[F], F]:
+    """Gives a command several options, in this order."""
+
+    def give(function: F) -> F:
+        for each in reversed(options):
+            function = each(function)
+        return function
+
+    return give
+
+
+def _leave_out(context: click.Context, _parameter: click.Parameter, names: tuple[str, ...]) -> None:
     context.meta.setdefault(_NAMES, []).extend(names)
 
 
 def _trust(context: click.Context, _parameter: click.Parameter, value: bool) -> None:  # noqa: FBT001 - click's signature
     if value:
-        import os
-
         from dh2urdf.isolation.fence import TRUST
 
         if TRUST not in os.environ:
@@ -142,23 +94,69 @@ def _trust(context: click.Context, _parameter: click.Parameter, value: bool) -> 
             context.call_on_close(lambda: os.environ.pop(TRUST, None))
 
 
-def without_option(function: F) -> F:
-    """Gives a command the options that all have; `catalog` heeds `--without`."""
-    function = option(
+without_option: Callable[[Any], Any] = _all(
+    option(
+        _WITHOUT,
+        multiple=True,
+        metavar="NAME",
+        callback=_leave_out,
+        expose_value=False,
+        help="Leave out a plugin, or all of a distribution; repeatable.",
+    ),
+    option(
         "--trust",
         is_flag=True,
         callback=_trust,
         expose_value=False,
         help="Read meshes though this system's kernel offers no wall around their readers.",
-    )(function)
-    return option(
-        _OPTION,
-        multiple=True,
-        metavar="NAME",
-        callback=_remember,
-        expose_value=False,
-        help="Leave out a plugin, or all of a distribution; repeatable.",
-    )(function)
+    ),
+)
+"""The options that all commands have, before the command's name and after it."""
+table_options: Callable[[Any], Any] = _all(
+    option("--from", "reader_name", metavar="NAME", help="Reader of TABLE; by its suffix."),
+    option("--robot", metavar="NAME", help="Which manipulator of a table that holds several."),
+)
+package_paths_option = option(
+    "--package-path",
+    "package_paths",
+    type=PATH,
+    multiple=True,
+    metavar="DIR",
+    help="A ROS package, or a folder of packages, whose files a xacro may include or meshes are in; repeatable.",
+)
+
+
+def settings_of(words: Iterable[str]) -> list[Setting]:
+    """What `--set key=value` says."""
+    parts = [(word, *word.partition("=")) for word in words]
+    return [Setting(word, key.strip(), value.strip() if equals else None) for word, key, equals, value in parts]
+
+
+def files_and_arguments(words: Iterable[str]) -> tuple[list[Path], dict[str, str]]:
+    """Files, and arguments of a xacro among them as ROS writes them, ``NAME:=VALUE``.
+
+    Raises:
+        ConfigError: a word is no such argument, or one is given twice.
+    """
+    from dh2urdf.documents.text_files import is_there
+    from dh2urdf.errors import ConfigError
+    from dh2urdf.source import Problem, shown
+
+    files: list[Path] = []
+    arguments: dict[str, str] = {}
+    problems: list[Problem] = []
+    for word in words:
+        name, sign, value = word.partition(":=")
+        if not sign or is_there(Path(word)):
+            files.append(Path(word))
+            continue
+        if not name.strip() or name.strip() in arguments:
+            message = f"{shown(word)} {'is given twice' if name.strip() else 'is no argument'}"
+            problems.append(Problem(message=message, mark=COMMAND_LINE, accepted="NAME:=VALUE, each name once"))
+        arguments[name.strip()] = value
+    if problems:
+        raise ConfigError(problems)
+    return files, arguments
 
 
 def catalog() -> Catalog:
@@ -169,25 +167,102 @@ def catalog() -> Catalog:
     """
     context = click.get_current_context()
     keep_apart(context)
-    return loaded(context)
+    return _loaded(context)
 
 
-def loaded(context: click.Context, words: Sequence[str] = ()) -> Catalog:
-    """What is installed, without what the command line has left out so far.
-
-    Args:
-        context: the call of the command.
-        words: its command line, where it has not been read yet.
-
-    Raises:
-        ConfigError: what it leaves out is not there.
-    """
+def _loaded(context: click.Context, words: Sequence[str] = ()) -> Catalog:
+    """What is installed, without what was left out so far, and in words of the command line that are not read yet."""
     from dh2urdf.plugin_system.catalog import load
 
-    unread = [value for word, value in pairwise((*words, "")) if word == _OPTION]
-    unread += [word.partition("=")[2] for word in words if word.startswith(f"{_OPTION}=")]
+    unread = [value for word, value in pairwise((*words, "")) if word == _WITHOUT]
+    unread += [word.partition("=")[2] for word in words if word.startswith(f"{_WITHOUT}=")]
     without = tuple(dict.fromkeys((*context.meta.get(_NAMES, ()), *unread)))
     found: dict[tuple[str, ...], Catalog] = context.meta.setdefault(_LOADED, {})
     if without not in found:
         found[without] = load(without)
     return found[without]
+
+
+class StageCommand(click.Command):
+    """A command that has flags for options of the stages of some kinds.
+
+    An option becomes a flag where its metadata have ``flag``, the word for its value in the help, and ``commands``, if
+    they have that, name the command. The stages are asked for theirs where the command line has a flag that is not the
+    command's own: first the built-in stages, then those of plugins. The help has the flags of the built-in stages,
+    since it imports no plugin.
+
+    Args:
+        kinds: the kinds of stages. Of an option that several have, the flag is that of the first.
+        which: the stages of these kinds that the command may call.
+    """
+
+    def __init__(
+        self,
+        *args: Any,  # noqa: ANN401 - click's
+        kinds: Sequence[Kind],
+        which: Callable[[Any], object] = bool,
+        **others: Any,  # noqa: ANN401
+    ) -> None:
+        super().__init__(*args, **others)
+        self.kinds, self.which = tuple(kinds), which
+
+    def get_params(self, ctx: click.Context) -> list[click.Parameter]:
+        """The command's own parameters, with the flags of stages before `--set`."""
+        own = super().get_params(ctx)
+        flags = ctx.meta[_FLAGS] if _FLAGS in ctx.meta else self._flags(ctx, (), everybody=False)
+        known = {word for parameter in own for word in parameter.opts}
+        at = next((index for index, parameter in enumerate(own) if parameter.name == "settings"), len(own))
+        return [*own[:at], *(flag for flag in flags if known.isdisjoint(flag.opts)), *own[at:]]
+
+    def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
+        """Read the command line; where it has a flag that is not known yet, again with those of more stages."""
+        asks_help = not set(ctx.help_option_names).isdisjoint(args)
+        for everybody in (False,) if asks_help else (None, False, True):
+            ctx.meta[_FLAGS] = [] if everybody is None else self._flags(ctx, args, everybody=everybody)
+            try:
+                return super().parse_args(ctx, list(args))
+            except click.NoSuchOption as error:
+                refused = error
+        name = refused.option_name.lstrip("-").replace("-", "_")
+        for kind, stage, field in self._options(ctx, args, everybody=True):
+            if field.name == name and any(parameter.name == "settings" for parameter in self.params):
+                advice = f"`--set {name}=VALUE` gives the {kind} {stage!r} its option."
+                told = f"No such option {refused.option_name!r}; {advice}"
+                raise click.NoSuchOption(refused.option_name, told, ctx=ctx) from refused
+        raise refused
+
+    def _flags(self, ctx: click.Context, words: Sequence[str], *, everybody: bool) -> list[click.Option]:
+        """The flags of the built-in stages, or of all, each once; what plugins print meanwhile is no answer."""
+        flags = dict[str, click.Option]()
+        with kept_apart() if everybody and None not in (sys.stdout, sys.stderr) else nullcontext():
+            for kind, _, field in self._options(ctx, words, everybody=everybody):
+                data = field.metadata
+                if field.name in flags or "flag" not in data or self.name not in data.get("commands", (self.name,)):
+                    continue
+                text = str(data.get("help", ""))
+                first = text[:1] if text[1:2] == " " else text[:1].upper()  # d is no D
+                flags[field.name] = OneValueOption(
+                    [f"--{field.name.replace('_', '-')}", f"{kind}{_BETWEEN}{field.name}"],
+                    metavar=str(data["flag"]),
+                    help=f"{first}{text[1:]}.",
+                )
+        return list(flags.values())
+
+    def _options(self, ctx: click.Context, words: Sequence[str], *, everybody: bool) -> Iterator[tuple[Kind, str, Any]]:
+        """The options of the stages that the command may call, each with the kind and the name of its stage."""
+        installed = _loaded(ctx, words)
+        for kind in self.kinds:
+            for item in installed.provided(kind) if everybody else installed.builtin(kind):
+                if is_dataclass(item.stage.options) and self.which(item.stage):
+                    for field in fields(item.stage.options):
+                        yield kind, item.stage.name, field
+
+
+def given_options(flags: Mapping[str, Any]) -> dict[str, dict[str, str | None]]:
+    """The options that flags of stages have given, by kind of stage."""
+    given: dict[str, dict[str, str | None]] = {}
+    for key, value in flags.items():
+        kind, between, name = key.partition(_BETWEEN)
+        if between:
+            given.setdefault(kind, {})[name] = value
+    return given

@@ -13,6 +13,7 @@ from dh2urdf.documents.text_files import MAX_BYTES
 from dh2urdf.errors import ConfigError, TableError
 from dh2urdf.plugin_system.options import COMMAND_LINE
 from dh2urdf.source import Mark, Problem
+from dh2urdf.stages import ReadsDescriptions
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -122,7 +123,7 @@ def _format_of(content: bytes, catalog: Catalog) -> str:
     is_markup = content.lstrip().startswith(b"<")
     for provided in catalog.provided("reader"):
         reader: Any = provided.stage
-        if reader.leaves is not None and not is_markup:
+        if reader.can(ReadsDescriptions) and not is_markup:
             continue
         with spooled(content, NAME, reader.suffixes[0] if reader.suffixes else "") as path, suppress(Exception):
             # A reader may raise anything of what is not its own format.

@@ -9,17 +9,17 @@ from dh2urdf.commands.described_files import described_files
 from dh2urdf.documents.text_files import check_file, is_folder
 from dh2urdf.errors import ConfigError, InputError
 from dh2urdf.late_tuples import NamedTuple
-from dh2urdf.source import Mark, Problem, shown
+from dh2urdf.source import Mark, Problem
 from dh2urdf.stage_calls.answers import a_whole_record
 from dh2urdf.stage_calls.calls import Call, depending_on
-from dh2urdf.stages import Expansion, Finding, Inspection, Repair
+from dh2urdf.stages import Checks, Expansion, Finding, Inspection, ReadsForeign, Repair
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
     from pathlib import Path
 
     from dh2urdf.plugin_system.catalog import Catalog
-    from dh2urdf.stages import Emitter
+    from dh2urdf.stages import Emitter, Stage
 
 
 def inspect(
@@ -39,8 +39,9 @@ def inspect(
         BrokenPluginError: the emitter is at fault.
     """
     emitter = _emitter(catalog, file, format_name, choice)
-    if emitter.check is None:
-        able = [item.stage.name for item in catalog.provided("emitter") if getattr(item.stage, "check", None)]
+    checks = emitter.can(Checks)
+    if checks is None:
+        able = [item.stage.name for item in catalog.provided("emitter") if item.stage.can(Checks)]
         raise ConfigError(
             Problem(
                 message=f"files of the format {emitter.name!r} cannot be checked",
@@ -50,9 +51,9 @@ def inspect(
             )
         )
     with depending_on(Call(stage=emitter, options=None, plugin=catalog.plugin_of(emitter)), "check"):
-        if emitter.finds_packages and not (expansion and expansion.arguments):
-            return a_whole_record(emitter.check(file, expansion or Expansion()), Inspection)
-        return a_whole_record(emitter.check(file, *expanded_with(emitter, expansion, file)), Inspection)
+        if not (checks.finds_packages and not (expansion and expansion.arguments)):
+            refuse_unused(emitter, expansion, file)
+        return a_whole_record(checks.check(file, expansion or Expansion()), Inspection)
 
 
 _UNREADABLE = Finding(rule="unreadable-file", message="", fix="make it a file that can be read, or remove it")
@@ -113,8 +114,9 @@ def inspect_several(
     known = replace(expansion, package_paths=(*expansion.package_paths, *packages))
     for path, name in waiting:
         emitter = _emitter(catalog, path, name, choice)
-        is_used = is_used or emitter.expandable or (emitter.finds_packages and not expansion.arguments)
-        given = known if emitter.expandable else replace(known, arguments={}) if emitter.finds_packages else None
+        expands, finds = has_macros(emitter), _finds_packages(emitter)
+        is_used = is_used or expands or (finds and not expansion.arguments)
+        given = known if expands else replace(known, arguments={}) if finds else None
         try:
             inspection = inspect(catalog, path, emitter.name, choice, given)
         except InputError as error:
@@ -140,12 +142,13 @@ def repaired(catalog: Catalog, file: Path, format_name: str | None, choice: str)
         BrokenPluginError: the emitter is at fault.
     """
     emitter = _emitter(catalog, file, format_name, choice)
-    if emitter.fix is None:
+    checks = emitter.can(Checks)
+    if checks is None or checks.fix is None:
         message = f"files of the format {emitter.name!r} are not fixed"
         suggestion = "fix them at the places that the findings name"
         raise ConfigError(Problem(message=message, mark=Mark(file=str(file)), accepted="a URDF", suggestion=suggestion))
     with depending_on(Call(stage=emitter, options=None, plugin=catalog.plugin_of(emitter)), "fix"):
-        return a_whole_record(emitter.fix(file), Repair)
+        return a_whole_record(checks.fix(file), Repair)
 
 
 def _emitter(catalog: Catalog, file: Path, format_name: str | None, choice: str) -> Emitter[Any]:
@@ -154,17 +157,26 @@ def _emitter(catalog: Catalog, file: Path, format_name: str | None, choice: str)
     )
 
 
-def expanded_with(emitter: Emitter[Any], expansion: Expansion | None, file: Path) -> tuple[Expansion, ...]:
-    """What an emitter's functions that read a file of any origin are given beside the file.
+def has_macros(emitter: Stage) -> bool:
+    """Whether files of an emitter hold macros."""
+    reads = emitter.can(ReadsForeign)
+    return reads is not None and reads.has_macros
+
+
+def _finds_packages(emitter: Emitter[Any]) -> bool:
+    checks = emitter.can(Checks)
+    return checks is not None and checks.finds_packages
+
+
+def refuse_unused(emitter: Emitter[Any], expansion: Expansion | None, file: Path) -> None:
+    """Refuse settings of an expansion for a format that has none.
 
     Raises:
         ConfigError: the format knows no macros, and a setting of their expansion was given.
     """
-    if emitter.expandable:
-        return (expansion or Expansion(),)
-    if expansion in (None, Expansion()):
-        return ()
-    refused = "no arguments" if emitter.finds_packages else "no arguments and no package paths"
+    if has_macros(emitter) or expansion in (None, Expansion()):
+        return
+    refused = "no arguments" if _finds_packages(emitter) else "no arguments and no package paths"
     raise ConfigError(
         Problem(
             message=f"files of the format {emitter.name!r} have no macros: they take {refused}",
@@ -172,24 +184,3 @@ def expanded_with(emitter: Emitter[Any], expansion: Expansion | None, file: Path
             accepted="NAME:=VALUE with a xacro, and package paths with a xacro or a URDF",
         )
     )
-
-
-def given_arguments(words: Iterable[str], mark: Mark) -> dict[str, str]:
-    """Arguments of a description as ROS writes them, ``NAME:=VALUE``.
-
-    Raises:
-        ConfigError: a word is no such argument, or one is given twice.
-    """
-    found: dict[str, str] = {}
-    problems: list[Problem] = []
-    for word in words:
-        name, sign, value = word.partition(":=")
-        if not sign or not name.strip() or name in found:
-            message = "is given twice" if sign and name in found else "is no argument"
-            problems.append(
-                Problem(message=f"{shown(word)} {message}", mark=mark, accepted="NAME:=VALUE, each name once")
-            )
-        found[name.strip()] = value
-    if problems:
-        raise ConfigError(problems)
-    return found

@@ -5,7 +5,7 @@ from __future__ import annotations
 from contextlib import contextmanager, suppress
 from typing import TYPE_CHECKING, Any
 
-from dh2urdf.commands.options_of_stages import stage_calls
+from dh2urdf.commands.options_of_stages import option, stage_calls
 from dh2urdf.conversion.one_manipulator import read_items
 from dh2urdf.documents.text_files import check_file, is_file
 from dh2urdf.errors import ConfigError, TableError
@@ -17,14 +17,14 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
     from pathlib import Path
 
-    from dh2urdf.commands.options_of_stages import Asker, Setting
+    from dh2urdf.commands.options_of_stages import Setting
     from dh2urdf.plugin_system.catalog import Catalog
     from dh2urdf.provenance import Trace
     from dh2urdf.stage_calls.calls import Call
     from dh2urdf.stages import Reader
 
 
-def chosen_reader(catalog: Catalog, table: Path, name: str | None, asker: Asker) -> Reader[Any]:
+def chosen_reader(catalog: Catalog, table: Path, name: str | None, mark: Mark) -> Reader[Any]:
     """The reader that is named, or the one by the table's suffix.
 
     Raises:
@@ -33,14 +33,14 @@ def chosen_reader(catalog: Catalog, table: Path, name: str | None, asker: Asker)
     """
     if name:
         return catalog.get("reader", name)
-    return catalog.reader_for(table, f"`{asker.reader}NAME` chooses a reader")
+    return catalog.reader_for(table, f"`{option(mark, 'reader', 'NAME')}` chooses a reader")
 
 
 def reader_call(
     catalog: Catalog,
     table: Path,
     name: str | None,
-    asker: Asker,
+    mark: Mark,
     given: Mapping[str, Mapping[str, str | None]],
     *,
     settings: Iterable[Setting] = (),
@@ -51,7 +51,7 @@ def reader_call(
         catalog: the readers that there are.
         table: the table's file.
         name: name of the reader; None for the one by the table's suffix.
-        asker: who asks.
+        mark: the place that problems name: the command line, or the function that was called.
         given: options by kind of stage, as words.
         settings: further options.
 
@@ -62,8 +62,8 @@ def reader_call(
         PluginError: the reader is broken, or two plugins claim its name.
     """
     check_file(table, TableError)
-    stages = {"reader": [chosen_reader(catalog, table, name, asker)]}
-    return stage_calls(catalog, stages, asker, given, settings)["reader"][0]
+    stages = {"reader": [chosen_reader(catalog, table, name, mark)]}
+    return stage_calls(catalog, stages, mark, given, settings)["reader"][0]
 
 
 def is_table(path: Path, catalog: Catalog) -> bool:
@@ -79,7 +79,7 @@ def is_table(path: Path, catalog: Catalog) -> bool:
 
 
 def read_manipulator(
-    call: Call[Reader[Any]], table: Path, robot: str | None, asker: Asker, trace: Trace | None = None
+    call: Call[Reader[Any]], table: Path, robot: str | None, mark: Mark, trace: Trace | None = None
 ) -> Manipulator:
     """The manipulator of a table that is meant.
 
@@ -87,19 +87,19 @@ def read_manipulator(
         call: the reader.
         table: the table's file.
         robot: which manipulator is meant; None where the table has one.
-        asker: who asks.
+        mark: the place that problems name: the command line, or the function that was called.
         trace: takes what the cells of the manipulator say, where it is wanted.
 
     Raises:
         TableError: it cannot be read, there is none, or which of several is not said.
         ConfigError: the file is a run file.
     """
-    with refuse_run_file(table, asker):
-        return chosen_manipulator(read_items(call, table, trace), robot, str(table), asker)
+    with refuse_run_file(table):
+        return chosen_manipulator(read_items(call, table, trace), robot, str(table), mark)
 
 
 @contextmanager
-def refuse_run_file(table: Path, asker: Asker) -> Iterator[None]:
+def refuse_run_file(table: Path) -> Iterator[None]:
     """Reports that a file which cannot be read as a table is a run file, where it is one.
 
     Raises:
@@ -108,23 +108,19 @@ def refuse_run_file(table: Path, asker: Asker) -> Iterator[None]:
     try:
         yield
     except TableError:
-        from dh2urdf.run_file.config import (
-            is_run_file,  # Reading run files takes modules that a conversion does not need.
-        )
+        import shlex  # Neither of these is needed where all is well.
+
+        from dh2urdf.run_file.config import is_run_file
 
         if not is_run_file(table):
             raise
-        raise ConfigError(
-            Problem(
-                message="this is a run file, not a table",
-                mark=Mark(file=str(table)),
-                suggestion=f"`{asker.run(str(table))}` runs it",
-            )
-        ) from None
+        advice = f"`dh2urdf run {shlex.quote(str(table))}`, or in Python `dh2urdf.run({str(table)!r})`, runs it"
+        message = "this is a run file, not a table"
+        raise ConfigError(Problem(message=message, mark=Mark(file=str(table)), suggestion=advice)) from None
 
 
 def chosen_manipulator(
-    items: Iterator[Manipulator | Rejected], robot: str | None, file: str, asker: Asker
+    items: Iterator[Manipulator | Rejected], robot: str | None, file: str, mark: Mark
 ) -> Manipulator:
     """The manipulator that is meant.
 
@@ -132,7 +128,7 @@ def chosen_manipulator(
         items: the manipulators of a table.
         robot: which of them is meant; None where there is one.
         file: what messages call the table.
-        asker: who asks.
+        mark: the place of the options: the command line, or the function that was called.
 
     Raises:
         TableError: it cannot be read, there is none, or which of several is not said.
@@ -141,13 +137,13 @@ def chosen_manipulator(
     chosen: Manipulator | Rejected | None = None
     for item in items:
         if robot is None and chosen is not None:
-            names = [f"{asker.robot}{shown(name)}" for name in (chosen.name, item.name)]
+            names = [option(mark, "robot", shown(name)) for name in (chosen.name, item.name)]
             raise TableError(
                 Problem(
                     message="the table holds several manipulators, and one conversion makes one",
                     mark=Mark(file=file),
-                    accepted=f"{asker.robot}NAME, such as {' or '.join(names)}",
-                    suggestion=asker.every,
+                    accepted=f"{option(mark, 'robot', 'NAME')}, such as {' or '.join(names)}",
+                    suggestion="`dh2urdf run` with a run file makes all of them, and `dh2urdf.read_all` reads them",
                 )
             )
         if robot in (None, item.name):
@@ -160,7 +156,7 @@ def chosen_manipulator(
     if chosen is None:
         raise TableError(
             Problem(
-                message=f"the table holds no manipulator {shown(robot)}" if robot else "the table holds no manipulator",
+                message=f"the table holds no manipulator{f' {shown(robot)}' if robot else ''}",
                 mark=Mark(file=file),
                 found=robot,
                 accepted=", ".join(others[:20]) or None,

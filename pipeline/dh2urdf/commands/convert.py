@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from dh2urdf.commands.chosen_table import chosen_reader, read_manipulator
-from dh2urdf.commands.options_of_stages import Asker, stage_calls
+from dh2urdf.commands.options_of_stages import option, stage_calls
 from dh2urdf.conversion.one_manipulator import Recipe, Written, with_notices, write_robot
 from dh2urdf.conversion.robots import make_item
 from dh2urdf.documents.text_files import check_file, is_folder
@@ -17,21 +17,22 @@ from dh2urdf.manipulator import Manipulator
 from dh2urdf.meshes.files import FILE, RELATIVE, mesh_files, prefix_of
 from dh2urdf.meshes.kinds import MeshConversion
 from dh2urdf.output.whole_files import refuse_no_file, safe_stem
+from dh2urdf.plugin_system.options import COMMAND_LINE
 from dh2urdf.provenance import Trace
 from dh2urdf.robot import Robot
-from dh2urdf.source import Problem, shown
+from dh2urdf.source import Mark, Problem, shown
 from dh2urdf.stage_calls.answers import a_record
 from dh2urdf.stage_calls.calls import Call, depending_on
-from dh2urdf.stages import Edit, Reader
+from dh2urdf.stages import OtherFiles, Reader, WritesFolders
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+    from collections.abc import Callable, Iterable, Mapping, Sequence
 
     from dh2urdf.commands.options_of_stages import Setting
     from dh2urdf.kinematics.expected_poses import ExpectedPoses
     from dh2urdf.kinematics.proof import Proof
     from dh2urdf.plugin_system.catalog import Catalog
-    from dh2urdf.stages import Emitter
+    from dh2urdf.stages import Edit, Emitter
 
 TRACED_BYTES = 2**16
 """Size of a table of which a conversion also reads what its cells say [B]: a few hundred rows."""
@@ -91,10 +92,10 @@ class Planned:
         target: the file to write; a folder where there are several formats. None writes nothing.
         reader: reads the table; None where it has been read.
         recipe: what is done with it.
+        mark: the place that problems name: the command line, or the function that was called.
         robot: which manipulator of a table that holds several.
-        asker: who asks.
         inputs: further files that must not be overwritten.
-        meshes: the words about meshes that were given, with what stands before each.
+        meshes: the options about meshes that were given.
         notices: what a careful person would want to know of what was asked for.
     """
 
@@ -102,10 +103,10 @@ class Planned:
     target: Path | None
     reader: Call[Reader[Any]] | None
     recipe: Recipe
-    robot: str | None
-    asker: Asker
+    mark: Mark
+    robot: str | None = None
     inputs: tuple[Path, ...] = ()
-    meshes: tuple[tuple[str, str], ...] = ()
+    meshes: tuple[str, ...] = ()
     notices: tuple[Problem, ...] = ()
 
     def carry_out(self, note: Callable[[Sequence[Problem]], None] = lambda _: None) -> Conversion:
@@ -121,57 +122,53 @@ class Planned:
             OutputError: the files cannot be written, or one of them is an input.
             PluginError: a plugin that is needed is broken, or something it needs is not installed.
         """
-        trace = Trace()
-        manipulator, files = self._read(trace)
+        recipe, trace = self.recipe, Trace()
+        if isinstance(self.table, Manipulator):
+            manipulator = self.table
+            files = [Path(manipulator.mark.file)] if manipulator.mark else []
+        elif self.reader is None:
+            raise TypeError(self.table)
+        else:  # What the cells of a large table say would take long.
+            wanted = trace if self.table.stat().st_size <= TRACED_BYTES else None
+            manipulator = read_manipulator(self.reader, self.table, self.robot, self.mark, wanted)
+            files = [self.table, *self.reader.files]
         named = zip(manipulator.rows, trace.rows, strict=False)
         try:
-            robot, expected = make_item(manipulator, self.recipe.transform, self.recipe.edits)
-            made = with_notices(robot, self.recipe.emitters)
+            robot, expected = make_item(manipulator, recipe.transform, recipe.edits)
+            made = with_notices(robot, recipe.emitters)
         except (EditError, TransformError, RobotError) as error:  # All there is to do is this table, and it is wrong.
             raise TableError(error.problems, manipulator.notices) from error
         notices = made.notices
-        if self.recipe.mesh_conversion is not MeshConversion.NEVER:
+        if recipe.mesh_conversion is not MeshConversion.NEVER:
             from dh2urdf.meshes.conversion import unsettled
 
             notices = unsettled(notices)
-        made = replace(made, notices=(*notices, *self.notices, *self._unused_meshes(made)))
+        unused = [
+            Problem(
+                message=f"{given} has no effect: the arm has no meshes",
+                severity="notice",
+                mark=self.mark,
+                field="meshes",
+            )
+            for given in (self.meshes if self.meshes and not mesh_files(made) else ())
+        ]
+        made = replace(made, notices=(*notices, *self.notices, *unused))
         note((*manipulator.notices, *made.notices))
-        used = (path for call in self.recipe.calls for path in call.files)
-        written = _write(expected, made, self.recipe, self.target, (*files, *used, *self.inputs))
+        used = (path for call in recipe.calls for path in call.files)
+        written = _write(expected, made, recipe, self.target, (*files, *used, *self.inputs))
         return Conversion(
             manipulator=manipulator,
             robot=made,
             written=written,
-            keeps_kinematics=self.recipe.keeps_kinematics,
+            keeps_kinematics=recipe.keeps_kinematics,
             untyped=tuple(row.joint for row, cells in named if "type" not in cells),
         )
-
-    def _unused_meshes(self, robot: Robot) -> Iterator[Problem]:
-        """A notice where a setting of meshes is given, and there are none."""
-        for before, word in self.meshes if not mesh_files(robot) else ():
-            message = f"{before}{shown(word)} has no effect: the arm has no meshes"
-            yield Problem(message=message, severity="notice", mark=self.asker.mark, field="meshes")
-
-    def _read(self, trace: Trace) -> tuple[Manipulator, tuple[Path, ...]]:
-        """The manipulator, and the file that it comes from, as far as that is known.
-
-        Args:
-            trace: takes what the cells say; not of a large file, where it would take long.
-        """
-        if isinstance(self.table, Manipulator):
-            mark = self.table.mark
-            return self.table, (Path(mark.file),) if mark else ()
-        if self.reader is None:
-            raise TypeError(self.table)
-        wanted = trace if self.table.stat().st_size <= TRACED_BYTES else None
-        arm = read_manipulator(self.reader, self.table, self.robot, self.asker, wanted)
-        return arm, (self.table, *self.reader.files)
 
 
 def plan_conversion(
     table: Path | Manipulator,
     target: Path | None,
-    asker: Asker,
+    mark: Mark,
     catalog: Catalog,
     *,
     reader: str | None = None,
@@ -191,7 +188,7 @@ def plan_conversion(
         table: a table's file, or what was read from one.
         target: the file to write; a folder where there are several formats. None writes nothing: each format is then
             one file.
-        asker: who asks.
+        mark: the place that problems name: the command line, or the function that was called.
         catalog: the stages that there are.
         reader: name of the reader; without it the table's suffix says it.
         transform: name of the transform; None for the usual one.
@@ -213,86 +210,100 @@ def plan_conversion(
     stages: dict[str, list[Any]] = {"reader": []}
     if isinstance(table, Path):
         check_file(table, TableError)
-        stages["reader"] = [chosen_reader(catalog, table, reader, asker)]
+        stages["reader"] = [chosen_reader(catalog, table, reader, mark)]
     else:
-        _refuse_choice(asker, {asker.reader: reader, asker.robot: robot})
+        for name, word in (("reader", reader), ("robot", robot)):
+            if word is not None:
+                message = f"{option(mark, name, shown(word))} is about a file, and the table is a manipulator already"
+                raise ConfigError(Problem(message=message, mark=mark, found=word))
     stages["transform"] = [catalog.get("transform", transform) if transform else catalog.usual("transform")]
-    if formats or target is None:
-        named = [catalog.get("emitter", name) for name in formats]
-        stages["emitter"] = named or [catalog.usual("emitter")]
-    in_folders = [emitter.name for emitter in stages.get("emitter", ()) if emitter.in_folders]
-    if in_folders and target is None:
-        raise ConfigError(
-            Problem(
-                message=f"{asker.format}{in_folders[0]} writes a folder of files, and {asker.nowhere}",
-                mark=asker.mark,
-                found=in_folders[0],
-                accepted=f"{asker.out}FOLDER",
-            )
-        )
-    one_file = len(formats) <= 1 and not in_folders
-    if target is not None and one_file and is_folder(target):
-        stem = safe_stem(table.name if isinstance(table, Manipulator) else table.stem)
-        raise ConfigError(
-            Problem(
-                message=f"{asker.out}{shown(str(target))} is a folder, and one file is written",
-                mark=asker.mark,
-                found=str(target),
-                accepted=f"a file name, such as {target / stem}.urdf",
-            )
-        )
-    if target is not None and one_file:
-        refuse_no_file(target)
-    if target is not None and not formats:
-        stages["emitter"] = [catalog.emitter_for(target, f"`{asker.format}NAME` chooses an emitter")]
-    calls = stage_calls(catalog, stages, asker, given or {}, settings)
+    stages["emitter"] = emitters = _emitters(table, target, formats, mark, catalog)
+    one_file = len(emitters) == 1 and not emitters[0].can(WritesFolders)
+    calls = stage_calls(catalog, stages, mark, given or {}, settings)
     if target is None:
         calls["emitter"] = [in_one_file(call) for call in calls["emitter"]]
     elif one_file:
         calls["emitter"] = [as_named(call, target) for call in calls["emitter"]]
-    prefix = _mesh_prefix(meshes, target, asker)
+    changes: tuple[Call[Edit[Any]], ...] = ()
+    if words := tuple(edits):
+        from dh2urdf.commands.given_edits import edit_calls
+
+        changes = edit_calls(words, mark, catalog)
+    prefix, conversion = _mesh_settings(meshes, convert_meshes, target, mark)
     recipe = Recipe(
         transform=calls["transform"][0],
         emitters=tuple(calls["emitter"]),
-        edits=_edits(edits, asker, catalog),
+        edits=changes,
         poses=POSES,
         mesh_prefix=prefix,
-        mesh_conversion=_mesh_conversion(convert_meshes, prefix, target, asker),
+        mesh_conversion=conversion,
     )
     notices: list[Problem] = []
     if formats and target is not None and one_file:
         from dh2urdf.conversion.file_endings import notices_of_ending
 
-        (chosen,) = stages["emitter"]
-        notices = notices_of_ending(catalog, target, chosen, f"{asker.format}{chosen.name}", asker.mark)
-    said = ((asker.meshes, meshes), (asker.convert_meshes, convert_meshes))
+        given_format = option(mark, "formats", emitters[0].name)
+        notices = notices_of_ending(catalog, target, emitters[0], given_format, mark)
+    about_meshes = (("meshes", meshes), ("convert_meshes", convert_meshes))
     return Planned(
         table=table,
         target=target,
         reader=calls["reader"][0] if calls["reader"] else None,
         recipe=recipe,
+        mark=mark,
         robot=robot,
-        asker=asker,
         inputs=tuple(inputs),
-        meshes=tuple((before, word) for before, word in said if word is not None),
+        meshes=tuple([option(mark, name, shown(word)) for name, word in about_meshes if word is not None]),
         notices=tuple(notices),
     )
 
 
-def _edits(words: Iterable[str], asker: Asker, catalog: Catalog) -> tuple[Call[Edit[Any]], ...]:
-    if not (given := tuple(words)):
-        return ()
-    from dh2urdf.commands.given_edits import edit_calls
+def _emitters(
+    table: Path | Manipulator, target: Path | None, formats: Sequence[str], mark: Mark, catalog: Catalog
+) -> list[Emitter[Any]]:
+    """The emitters that are named, or the one by the suffix of the target, or the usual one.
 
-    return edit_calls(given, asker, catalog)
+    Raises:
+        ConfigError: they write a folder where there is none, or one file where the target is a folder.
+        InputError: no emitter has the name or takes the suffix.
+    """
+    emitters = [catalog.get("emitter", name) for name in formats]
+    if target is None:
+        emitters = emitters or [catalog.usual("emitter")]
+    in_folders = [emitter.name for emitter in emitters if emitter.can(WritesFolders)]
+    if target is None and in_folders:
+        raise ConfigError(
+            Problem(
+                message=f"{option(mark, 'formats', in_folders[0])} writes a folder of files, and {_nowhere(mark)}",
+                mark=mark,
+                found=in_folders[0],
+                accepted=option(mark, "out", "FOLDER"),
+            )
+        )
+    if target is not None and len(formats) <= 1 and not in_folders:
+        if is_folder(target):
+            stem = safe_stem(table.name if isinstance(table, Manipulator) else table.stem)
+            raise ConfigError(
+                Problem(
+                    message=f"{option(mark, 'out', shown(str(target)))} is a folder, and one file is written",
+                    mark=mark,
+                    found=str(target),
+                    accepted=f"a file name, such as {target / stem}.urdf",
+                )
+            )
+        refuse_no_file(target)
+    if target is not None and not formats:
+        emitters = [catalog.emitter_for(target, f"`{option(mark, 'formats', 'NAME')}` chooses an emitter")]
+    return emitters
 
 
 def in_one_file(call: Call[Emitter[Any]]) -> Call[Emitter[Any]]:
     """An emitter with options that make it give a single file."""
-    if call.stage.one_file is None:
+    others = call.stage.can(OtherFiles)
+    if others is None or others.one_file is None:
         return call
     with depending_on(call, "one_file"):
-        return replace(call, options=a_record(call.stage.one_file(call.options), call.stage.options))
+        return replace(call, options=a_record(others.one_file(call.options), call.stage.options))
 
 
 def as_named(call: Call[Emitter[Any]], target: Path) -> Call[Emitter[Any]]:
@@ -301,14 +312,15 @@ def as_named(call: Call[Emitter[Any]], target: Path) -> Call[Emitter[Any]]:
     Raises:
         ConfigError: the suffix names none of the formats of an emitter that has several.
     """
-    if call.stage.for_suffix is None:
+    others = call.stage.can(OtherFiles)
+    if others is None or others.for_suffix is None:
         return call
     if (suffix := _suffix(target, call.stage)) is None:
         from dh2urdf.conversion.file_endings import names_no_format
 
         raise names_no_format(target, call.stage)
     with depending_on(call, "for_suffix"):
-        return replace(call, options=a_record(call.stage.for_suffix(call.options, suffix), call.stage.options))
+        return replace(call, options=a_record(others.for_suffix(call.options, suffix), call.stage.options))
 
 
 def _write(
@@ -321,17 +333,12 @@ def _write(
 
         with tempfile.TemporaryDirectory(prefix="dh2urdf-") as folder:
             return write_robot(expected, robot, recipe, directory=Path(folder), stem=stem)
-    if len(recipe.emitters) > 1 or recipe.emitters[0].stage.in_folders:
+    if len(recipe.emitters) > 1 or recipe.emitters[0].stage.can(WritesFolders) is not None:
         return write_robot(expected, robot, recipe, directory=target, stem=stem, inputs=inputs)
-    stem = _stem(target, recipe.emitters[0].stage)
-    directory, name = target.parent, target.name
-    return write_robot(expected, robot, recipe, directory=directory, stem=stem, main_file=name, inputs=inputs)
-
-
-def _stem(target: Path, emitter: Emitter[Any]) -> str:
-    """The stem of a file that a person named: its name without the format's suffix."""
-    suffix = _suffix(target, emitter)
-    return target.stem if suffix is None else target.name[: -len(suffix)] or target.name
+    name = target.name
+    suffix = _suffix(target, recipe.emitters[0].stage)
+    stem = target.stem if suffix is None else name[: -len(suffix)] or name
+    return write_robot(expected, robot, recipe, directory=target.parent, stem=stem, main_file=name, inputs=inputs)
 
 
 def _suffix(target: Path, emitter: Emitter[Any]) -> str | None:
@@ -340,55 +347,41 @@ def _suffix(target: Path, emitter: Emitter[Any]) -> str | None:
     return next((suffix for suffix in suffixes if target.name.lower().endswith(suffix)), None)
 
 
-def _mesh_prefix(word: str | None, target: Path | None, asker: Asker) -> str | None:
-    """What the description writes before the names of meshes; where no file is written, nothing lies beside it.
+def _mesh_settings(
+    meshes: str | None, convert_meshes: str | None, target: Path | None, mark: Mark
+) -> tuple[str | None, MeshConversion]:
+    """What the description writes before the names of meshes, and what becomes of them.
 
     Raises:
-        ConfigError: the word means nothing, or copies would lie nowhere.
+        ConfigError: a word means nothing, or copies would lie nowhere.
     """
     try:
-        prefix = prefix_of(word or (FILE if target is None else RELATIVE))
+        prefix = prefix_of(meshes or (FILE if target is None else RELATIVE))
     except ConfigError as error:
-        raise ConfigError(replace(problem, mark=asker.mark) for problem in error.problems) from None
+        raise ConfigError(replace(problem, mark=mark) for problem in error.problems) from None
     if target is None and prefix is not None:
-        message = f"{asker.meshes}{word} copies meshes beside a file, and {asker.nowhere}"
-        accepted = f"{asker.out}FILE, or {asker.meshes}file"
-        raise ConfigError(Problem(message=message, mark=asker.mark, found=word, accepted=accepted))
-    return prefix
-
-
-def _mesh_conversion(word: str | None, prefix: str | None, target: Path | None, asker: Asker) -> MeshConversion:
-    """What becomes of the meshes.
-
-    Raises:
-        ConfigError: the word means nothing, or what is converted would lie nowhere.
-    """
-    if not word:
-        return MeshConversion.NEVER
+        message = f"{option(mark, 'meshes', str(meshes))} copies meshes beside a file, and {_nowhere(mark)}"
+        accepted = f"{option(mark, 'out', 'FILE')}, or {option(mark, 'meshes', 'file')}"
+        raise ConfigError(Problem(message=message, mark=mark, found=meshes, accepted=accepted))
+    if not convert_meshes:
+        return prefix, MeshConversion.NEVER
     from dh2urdf.meshes.conversion import conversion_of
 
     try:
-        return conversion_of(word, prefix)
+        return prefix, conversion_of(convert_meshes, prefix)
     except ConfigError as error:
-        where = f"{asker.out}FILE" if target is None else f"{asker.meshes}{RELATIVE}"
+        where = option(mark, "out", "FILE") if target is None else option(mark, "meshes", RELATIVE)
         raise ConfigError(
             replace(
                 problem,
-                message=f"{asker.convert_meshes}{word}: {problem.message}",
-                mark=asker.mark,
-                accepted=where if prefix is None and word in list(MeshConversion) else problem.accepted,
+                message=f"{option(mark, 'convert_meshes', convert_meshes)}: {problem.message}",
+                mark=mark,
+                accepted=where if prefix is None and convert_meshes in list(MeshConversion) else problem.accepted,
             )
             for problem in error.problems
         ) from None
 
 
-def _refuse_choice(asker: Asker, choices: Mapping[str, str | None]) -> None:
-    """Refuses what chooses from a file, or how to read it, where there is no file any more.
-
-    Raises:
-        ConfigError: something is chosen.
-    """
-    for before, word in choices.items():
-        if word is not None:
-            message = f"{before}{shown(word)} is about a file, and the table is a manipulator already"
-            raise ConfigError(Problem(message=message, mark=asker.mark, found=word))
+def _nowhere(mark: Mark) -> str:
+    """Where a conversion without a file goes."""
+    return "this goes to standard output" if mark == COMMAND_LINE else "none is written"

@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 import os
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 from xml.parsers import expat
 
 from dh2urdf.documents.text_files import check_file
@@ -14,7 +14,7 @@ from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.source import Mark, Problem
 from dh2urdf.stage_calls.answers import items_of
 from dh2urdf.stage_calls.calls import Call, depending_on
-from dh2urdf.stages import PACKAGE_FILE
+from dh2urdf.stages import PACKAGE_FILE, Checks
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
@@ -80,11 +80,11 @@ def described_files(catalog: Catalog, folders: Iterable[Path]) -> Described:
 
 def _claimed(catalog: Catalog, roots: dict[Path, str]) -> Iterator[tuple[str, Path]]:
     for provided in catalog.provided("emitter"):
-        emitter: Any = provided.stage
-        if emitter.descriptions is None:
+        emitter, checks = provided.stage, provided.stage.can(Checks)
+        if checks is None or checks.descriptions is None:
             continue
         with depending_on(Call(stage=emitter, options=None, plugin=catalog.plugin_of(emitter)), "descriptions"):
-            for path in items_of(emitter.descriptions(roots), "paths"):
+            for path in items_of(checks.descriptions(roots), "paths"):
                 yield emitter.name, path
 
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from dh2urdf.commands.chosen_table import chosen_reader
 from dh2urdf.commands.options_of_stages import stage_calls
-from dh2urdf.commands.written_tables import table_file
+from dh2urdf.commands.written_tables import in_format, left_out
 from dh2urdf.conversion.file_endings import table_writer
 from dh2urdf.conversion.one_manipulator import read_items
 from dh2urdf.documents.text_files import check_file, encoded
@@ -16,18 +16,17 @@ from dh2urdf.errors import ConfigError, TableError
 from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.manipulator import Manipulator
 from dh2urdf.output.whole_files import refuse_inputs, write_whole
-from dh2urdf.quantities.units import UNITS
 from dh2urdf.source import Mark, Problem, listed
 from dh2urdf.stage_calls.answers import a_record
 from dh2urdf.stage_calls.calls import blaming, default_call
-from dh2urdf.stages import Reader, Rejected
-from dh2urdf.table_text import table_text, transform_text
+from dh2urdf.stages import Reader, ReadsDescriptions, Rejected
+from dh2urdf.table_text import table_text
 from dh2urdf.unchecked_records import changed
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Mapping, Sequence
+    from collections.abc import Iterable, Mapping, Sequence
 
-    from dh2urdf.commands.options_of_stages import Asker, Setting
+    from dh2urdf.commands.options_of_stages import Setting
     from dh2urdf.plugin_system.catalog import Catalog
     from dh2urdf.stage_calls.calls import Call
 
@@ -35,7 +34,7 @@ if TYPE_CHECKING:
 def description_reader(
     catalog: Catalog,
     path: Path,
-    asker: Asker,
+    mark: Mark,
     *,
     reader: str | None = None,
     given: Mapping[str, str | None] | None = None,
@@ -46,7 +45,7 @@ def description_reader(
     Args:
         catalog: the stages that there are.
         path: the description.
-        asker: who asks.
+        mark: the place that problems name: the command line, or the function that was called.
         reader: name of the reader; without it the file's suffix says it.
         given: options as words.
         settings: further options.
@@ -57,14 +56,14 @@ def description_reader(
         InputError: no installed reader takes the file.
     """
     check_file(path, TableError)
-    stage = chosen_reader(catalog, path, reader, asker)
-    if stage.leaves is None:
+    stage = chosen_reader(catalog, path, reader, mark)
+    if stage.can(ReadsDescriptions) is None:
         known = [item.stage for item in catalog.provided("reader")]
-        names = [each.name for each in known if isinstance(each, Reader) and each.leaves is not None]
+        names = [each.name for each in known if each.can(ReadsDescriptions)]
         raise ConfigError(
             Problem(
                 message=f"the reader {stage.name!r} reads tables, and a table is extracted of a robot description",
-                mark=asker.mark,
+                mark=mark,
                 found=str(path),
                 accepted=f"a file in the format {', '.join(names)}",
                 suggestion="`dh2urdf info` shows a table",
@@ -73,7 +72,7 @@ def description_reader(
     if given and "arguments" in given and "arguments" not in stage.options.__dataclass_fields__:
         message = f"files of the format {stage.name!r} have no macros: they take no arguments"
         raise ConfigError(Problem(message=message, mark=Mark(file=str(path)), accepted="NAME:=VALUE with a xacro"))
-    (call,) = stage_calls(catalog, {"reader": [stage]}, asker, {"reader": dict(given or {})}, settings)["reader"]
+    (call,) = stage_calls(catalog, {"reader": [stage]}, mark, {"reader": dict(given or {})}, settings)["reader"]
     return call
 
 
@@ -84,10 +83,11 @@ def leaves_of(call: Call[Reader[Any]], path: Path) -> Mapping[str, int]:
         TableError: the file cannot be read.
         StageError: the reader is at fault.
     """
-    if call.stage.leaves is None:
+    describes = call.stage.can(ReadsDescriptions)
+    if describes is None:
         raise TypeError(call.stage.name)
     with blaming(call, "leaves"):
-        return a_record(call.stage.leaves(path, call.options), dict)
+        return a_record(describes.leaves(path, call.options), dict)
 
 
 class Chains(NamedTuple):
@@ -167,11 +167,12 @@ def write_extracted(
     call = default_call(catalog, table_writer(catalog, out, Mark(file=str(out))))
     renamed: list[Problem] = []
     arms = [_without_numbers(arm, renamed) for arm in arms]
-    header = b"".join(map(_header, arms))
-    file = table_file(arms, call, str(out), length_unit=length_unit, angle_unit=angle_unit, header=header)
+    texts = [table_text(arm, length_unit, angle_unit) for arm in arms]
+    content = b"".join(map(_header, arms)) + in_format(texts, call).content
+    lost = left_out(arms, content, call, str(out))
     refuse_inputs([out], inputs)
-    write_whole(out, file.content)
-    return (*renamed, *file.left_out)
+    write_whole(out, content)
+    return (*renamed, *lost)
 
 
 def _without_numbers(arm: Manipulator, notices: list[Problem]) -> Manipulator:
@@ -201,19 +202,3 @@ def _header(arm: Manipulator) -> bytes:
     lines = [f"{arm.name} {source}".strip(), *(notice.message for notice in arm.notices)]
     plain = (re.sub("([,;])(?=[=+@-])", r"\1 ", " ".join(line.split())) for line in lines)
     return encoded("".join(f"#> {line}\n" for line in plain))  # no part is a cell that a spreadsheet computes
-
-
-def table_lines(arm: Manipulator, length_unit: str = "m", angle_unit: str = "rad") -> Iterator[str]:
-    """A table as people read it: a line for each row, then base and tool where they are not the identity."""
-    text = table_text(arm, length_unit, angle_unit)
-    fields = ("joint", "type", "a", "alpha", "d", "theta")
-    units = {"a": length_unit, "d": length_unit, "alpha": angle_unit, "theta": angle_unit}
-    heads = [f"{field} [{units[field]}]" if field in units else field for field in fields]
-    cells = [heads, *([row.get(field, "") for field in fields] for row in text.rows)]
-    widths = [max(len(row[column]) for row in cells) for column in range(len(fields))]
-    yield f"{text.convention} convention"
-    for row in cells:
-        yield "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip()
-    for name, pose in (("base", arm.base), ("tool", arm.tool)):
-        if place := transform_text(pose, UNITS[length_unit], UNITS[angle_unit]):
-            yield f"{name}: {place}"

@@ -12,19 +12,32 @@ import os
 import re
 from collections.abc import Iterable, Mapping, Sequence, Set as AbstractSet
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 from typing import IO, TYPE_CHECKING, Any, TypeAlias
 
-from dh2urdf.errors import ConfigError, RecordTypeError, RecordValueError
+from dh2urdf.commands.argument_words import words_of
+from dh2urdf.commands.arguments import check_names, path_or_none, several
+from dh2urdf.commands.chosen_table import chosen_manipulator, read_manipulator, reader_call
+from dh2urdf.commands.options_of_stages import stage_calls
+from dh2urdf.conversion.one_manipulator import checked_items
+from dh2urdf.errors import ConfigError, RecordTypeError, RecordValueError, TableError
+from dh2urdf.manipulator import Manipulator
 from dh2urdf.output.spooled import STEM, spooled
-from dh2urdf.patterns import late_pattern
+from dh2urdf.plugin_system.catalog import load
 from dh2urdf.source import Mark, Problem, shown
+from dh2urdf.stage_calls.answers import items_of
+from dh2urdf.stage_calls.calls import blaming
+from dh2urdf.stages import ReadsCells
 from dh2urdf.table_text import METADATA, PARAMETERS, REMARKS, STATEMENTS, CellRow
+from dh2urdf.table_warnings import warn_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from dh2urdf.plugin_system.catalog import Catalog
+    from dh2urdf.stage_calls.calls import Call
+    from dh2urdf.stages import Reader, Rejected
 
 StrPath: TypeAlias = "str | os.PathLike[str]"
 Source: TypeAlias = "StrPath | bytes | IO[str] | IO[bytes]"
@@ -33,9 +46,8 @@ CellValue: TypeAlias = "str | float | Problem | None"
 
 TEXT = "the text"
 """What messages call a table that is in no file."""
-_ALMOST = late_pattern(r"^dh2urdf[\W_]*", re.IGNORECASE)
+_NEARLY = (*STATEMENTS[1:], "unit", "length_unit", "angle_unit", "length unit", "angle unit")
 _FILE = "a path, a text of several lines, bytes, or a stream"
-_UNITS = ("unit", "length_unit", "angle_unit", "length unit", "angle unit")
 
 
 # --- Files, texts and streams -----------------------------------------------------------------------------------------
@@ -106,7 +118,77 @@ def _content(source: Any) -> bytes | None:  # noqa: ANN401 - whatever is given
     )
 
 
+def read_table(
+    table: Source, robot: str | None, reader: str | None, options: Mapping[str, object], mark: Mark
+) -> Manipulator:
+    """The manipulator of a file, a text or a stream, without its warnings; ``mark`` is the function that was called."""
+    check_names(mark, robot=robot, reader=reader)
+    catalog = load()
+    with as_file(table, "reader", reader, catalog, "reader=NAME") as path:
+        call = reader_call(catalog, path, reader, mark, {"reader": words_of(options)})
+        return read_manipulator(call, path, robot, mark)
+
+
 # --- Arrays, data frames and lists ------------------------------------------------------------------------------------
+
+
+def manipulator_of(
+    table: object,
+    *,
+    columns: Sequence[str] | None,
+    types: str | Sequence[str] | None,
+    joints: Sequence[str] | None,
+    name: str | None,
+    robot: str | None,
+    file: StrPath | None,
+    mark: Mark | None,
+    options: Mapping[str, object],
+) -> Manipulator:
+    """The manipulator of an array, a data frame, a list or a text: `Manipulator.from_dh`, which says what is what."""
+    own = Mark(file="Manipulator.from_dh()")
+    if mark is not None and not isinstance(mark, Mark):
+        message = f"mark={shown(str(mark))} is no place in a file"
+        raise ConfigError(Problem(message=message, mark=own, field="mark", accepted="a dh2urdf.source.Mark"))
+    path = path_or_none("file", file, own)
+    place = (mark or own) if path is None else replace(mark or own, file=path)
+    check_names(own, robot=robot, name=name)
+    catalog = load()
+    reader = catalog.cell_reader()
+    if isinstance(table, (str, bytes)) or hasattr(table, "read"):
+        if columns is not None or types is not None or joints is not None or name is not None:
+            message = "a text says its columns, types and names itself"
+            raise ConfigError(Problem(message=message, mark=own, accepted="a text without these arguments"))
+        if isinstance(table, str) and "\n" not in table:
+            suggestion = f"`dh2urdf.read({table!r})` reads a file"
+            message = f"{shown(table)} is no table: it has one line"
+            raise TableError(Problem(message=message, mark=own, suggestion=suggestion))
+        arm = read_table(table, robot, reader.name, options, own)  # type: ignore[arg-type]  # a text, bytes or a stream
+        warn_of(arm.notices, 2)
+        return arm
+    for argument, value in (("columns", columns), ("types", types), ("joints", joints)):
+        if value is not None:
+            several(argument, value, own)
+    given = GivenRows(table, columns, place)
+    if types is not None:
+        given.add_column("type", types, "types")
+    if joints is not None:
+        given.add_column("joint", joints, "joints")
+    (call,) = stage_calls(catalog, {"reader": [reader]}, own, {"reader": words_of(options)})["reader"]
+    rows = given.cell_rows({"name": STEM if name is None else name})
+    arm = chosen_manipulator(_read_cells(call, rows, place.file), robot, place.file, own)
+    if name is not None and arm.name != name.strip():
+        message = f"name={name!r} has no effect: the table names its manipulator {shown(arm.name)}"
+        accepted = "no name=, or a table without a column of names"
+        raise ConfigError(Problem(message=message, mark=own, field="name", found=name, accepted=accepted))
+    warn_of(arm.notices, 2)
+    return arm
+
+
+def _read_cells(call: Call[Reader[Any]], rows: Iterable[CellRow], file: str) -> Iterator[Manipulator | Rejected]:
+    if reads := call.stage.can(ReadsCells):
+        with blaming(call):
+            items = items_of(reads.read_cells(rows, file, call.options), Manipulator)
+        yield from checked_items(items, call)
 
 
 class GivenRows:
@@ -169,9 +251,9 @@ class GivenRows:
                 said[word.removeprefix(METADATA)] = value
             elif word.casefold() in REMARKS:
                 self.remarks.append(f"# {word}: {value}")
-            elif (meant := _ALMOST.sub("", word).casefold()) in (*STATEMENTS[1:], *_UNITS):
+            elif (meant := re.sub(r"^dh2urdf[\W_]*", "", word, flags=re.IGNORECASE).casefold()) in _NEARLY:
                 message = f"the attributes say {shown(word)}, and only keys that begin with {METADATA} are read"
-                raise self._wrong(message, accepted=f"the key {METADATA}{'units' if meant in _UNITS else meant}")
+                raise self._wrong(message, accepted=f"the key {METADATA}{'units' if 'unit' in meant else meant}")
         if unknown := said.keys() - {*STATEMENTS}:
             message = f"the attributes say {shown(METADATA + min(unknown))}, which nothing is called"
             raise self._wrong(message, accepted=", ".join(f"{METADATA}{key}" for key in STATEMENTS))
@@ -305,7 +387,7 @@ def _cell(value: Any, mark: Mark) -> CellValue:  # noqa: ANN401 - whatever is gi
         return str.__str__(value)
     if isinstance(value, (list, tuple)) or getattr(value, "ndim", None):  # a range, a centre of mass, an inertia tensor
         return json.dumps(value, default=lambda items: items.tolist() if hasattr(items, "tolist") else str(items))
-    from dh2urdf.validation.coercion import as_number
+    from dh2urdf.record_fields import as_number
 
     try:
         number = as_number(value)

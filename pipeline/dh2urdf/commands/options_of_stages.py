@@ -1,4 +1,4 @@
-"""Who asks for what is done with one table, and which options of the stages they give."""
+"""The options of stages that somebody gives, on the command line or in a program."""
 
 from __future__ import annotations
 
@@ -6,64 +6,32 @@ from typing import TYPE_CHECKING, Any
 
 from dh2urdf.errors import ConfigError
 from dh2urdf.late_tuples import NamedTuple
-from dh2urdf.plugin_system.options import make_options
-from dh2urdf.source import Mark, Problem, did_you_mean, shown
+from dh2urdf.plugin_system.options import COMMAND_LINE, make_options
+from dh2urdf.source import Problem, did_you_mean, shown
 from dh2urdf.stage_calls.calls import Call
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Mapping, Sequence
+    from collections.abc import Iterable, Mapping, Sequence
 
     from dh2urdf.plugin_system.catalog import Catalog
+    from dh2urdf.source import Mark
 
 
-class Asker(NamedTuple):
-    """Who asks for a conversion: a command line or a program, as messages speak to it.
+_FLAGS = {"reader": "--from", "formats": "--to", "out": "-o", "edits": "--edit", "options": "--set"}
+"""Options of the command line that are not called as the arguments of the functions are."""
 
-    Attributes:
-        mark: the place that problems of the settings name.
-        reader: what stands before the name of a reader.
-        format: what stands before the name of an emitter.
-        robot: what stands before the name of a manipulator.
-        out: what stands before the name of a file.
-        meshes: what stands before the word for how meshes are named.
-        convert_meshes: what stands before the word for what becomes of meshes.
-        edit: what stands before an edit.
-        setting: what stands before any other option of a stage.
-        nowhere: where a conversion goes that writes no file.
-        every: how to get all manipulators of a table.
-        run: how to do what a run file of some path says.
+
+def option(mark: Mark, name: str, value: str = "") -> str:
+    """An option with its value, as its user gives it: ``--robot NAME``, or ``robot=NAME`` in a program.
+
+    Args:
+        mark: the place that problems of the options name: the command line, or the function that was called.
+        name: the argument of the function.
+        value: its value.
     """
-
-    mark: Mark
-    reader: str
-    format: str
-    robot: str
-    out: str
-    meshes: str
-    convert_meshes: str
-    edit: str
-    setting: str
-    nowhere: str
-    every: str
-    run: Callable[[str], str]
-
-
-def asker_of(function: str) -> Asker:
-    """A program that calls a function, as messages name it."""
-    return Asker(
-        mark=Mark(file=function),
-        reader="reader=",
-        format="formats=",
-        robot="robot=",
-        out="out=",
-        meshes="meshes=",
-        convert_meshes="convert_meshes=",
-        edit="edits=",
-        setting="",
-        nowhere="none is written",
-        every="`dh2urdf.read_all` gives all of them, one by one",
-        run="dh2urdf.run({!r})".format,
-    )
+    if mark != COMMAND_LINE:
+        return value if name == "options" else f"{name}={value}"
+    return f"{_FLAGS.get(name) or '--' + name.replace('_', '-')} {value}"
 
 
 class Setting(NamedTuple):
@@ -90,7 +58,7 @@ def settings_of(options: Mapping[str, object]) -> list[Setting]:
 def stage_calls(
     catalog: Catalog,
     stages: Mapping[str, Sequence[Any]],
-    asker: Asker,
+    mark: Mark,
     given: Mapping[str, Mapping[str, str | None]],
     settings: Iterable[Setting] = (),
 ) -> dict[str, list[Call[Any]]]:
@@ -99,7 +67,7 @@ def stage_calls(
     Args:
         catalog: where the stages are from.
         stages: the stages by kind. Those of one kind share the settings: each takes the options that it has.
-        asker: who asks.
+        mark: the place that problems name: the command line, or the function that was called.
         given: options by kind; a stage that has no such option is an error.
         settings: options that go to the kind of stage which has them.
 
@@ -112,6 +80,7 @@ def stage_calls(
     known = {kind: {name: None for stage in some for name in _fields(stage)} for kind, some in stages.items()}
     problems: list[Problem] = []
     for text, path, value in settings:
+        said = option(mark, "options", shown(text))
         kind, _, key = path.rpartition(".")
         kinds = [kind] if kind in known else [] if kind else [k for k in known if key in known[k]]
         if value is None or len(kinds) != 1 or key not in known[kinds[0]]:
@@ -127,8 +96,8 @@ def stage_calls(
                 near = did_you_mean(path, [*keys, *(key.partition(".")[2] for key in keys)])
             problems.append(
                 Problem(
-                    message=f"{asker.setting}{shown(text)} {wrong}",
-                    mark=asker.mark,
+                    message=f"{said} {wrong}",
+                    mark=mark,
                     found=text,
                     accepted=f"KEY=VALUE, where KEY is one of {', '.join(keys)}",
                     suggestion=near,
@@ -139,8 +108,8 @@ def stage_calls(
         if earlier != value:
             problems.append(
                 Problem(
-                    message=f"{asker.setting}{shown(text)} contradicts {shown(earlier)}, which is given for {key} too",
-                    mark=asker.mark,
+                    message=f"{said} contradicts {shown(earlier)}, which is given for {key} too",
+                    mark=mark,
                     field=key,
                     found=text,
                     accepted="one value of each option",
@@ -154,7 +123,7 @@ def stage_calls(
             own = {name: word for name, word in words[kind].items() if name not in foreign}
             plugin, where = catalog.plugin_of(stage), f"{kind} {stage.name!r}"
             try:
-                options = make_options(stage.options, own, mark=asker.mark, where=where, plugin=plugin)
+                options = make_options(stage.options, own, mark=mark, where=where, plugin=plugin)
                 calls[kind].append(Call(stage=stage, options=options, plugin=plugin))
             except ConfigError as error:
                 problems.extend(error.problems)

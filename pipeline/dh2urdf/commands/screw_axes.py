@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 from dh2urdf.commands.argument_words import word_of
 from dh2urdf.commands.extract import description_reader, the_one
 from dh2urdf.commands.given_tables import as_file
-from dh2urdf.commands.options_of_stages import asker_of
 from dh2urdf.plugin_system.catalog import load
+from dh2urdf.source import Mark
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -63,7 +63,7 @@ def from_screws(
     """
     given = {"name": name, "Slist": Slist, "M": M, "Blist": Blist, "H": H, "P": P, "R": R, "joints": joints}
     text = word_of({key: value for key, value in given.items() if value is not None})
-    asker, catalog = asker_of(_FUNCTION), load()
+    mark, catalog = Mark(file=_FUNCTION), load()
     with as_file(text.encode(), "reader", _READER, catalog, "reader=NAME") as path:
         words = {key: word_of(value) for key, value in options.items()}
-        return the_one(description_reader(catalog, path, asker, reader=_READER, given=words), path)
+        return the_one(description_reader(catalog, path, mark, reader=_READER, given=words), path)

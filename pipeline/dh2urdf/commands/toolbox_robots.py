@@ -18,7 +18,7 @@ from dh2urdf.source import Problem
 from dh2urdf.table_warnings import warn_of
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Iterator
 
 _FUNCTION = "from_roboticstoolbox()"
 _SAME = 1e-9
@@ -75,7 +75,9 @@ def from_roboticstoolbox(
     if len(kinds) > 1:
         raise _error("its links are of both conventions", found="standard and modified", accepted="one of them")
     is_modified = kinds == {True}
-    names = _names(links)
+    names = [str(getattr(link, "name", "") or "") for link in links]
+    if len(set(names)) < len(names) or not all(names):  # They have no names of their own.
+        names = [f"link_{number}" for number in range(1, len(links) + 1)]
     notices: list[Problem] = []
     rows = tuple(_row(link, number, names[number], inertias, notices) for number, link in enumerate(links))
     arm = Manipulator(
@@ -96,7 +98,8 @@ def _row(link: Any, number: int, name: str, how: Inertias, notices: list[Problem
     slides = bool(link.isprismatic)
     gear = float(getattr(link, "G", 0.0) or 0.0) or 1.0
     mass = float(getattr(link, "m", 0.0) or 0.0)
-    lower, upper = _limits(link)
+    bounds = (None, None) if getattr(link, "qlim", None) is None else _two(link.qlim)
+    lower, upper = (None if each is None or not math.isfinite(each) else each for each in bounds)
     joint, inertia = f"joint_{number + 1}", _inertia(link)
     if not mass and (any(_flat(link.r)) or inertia):
         message = f"link {number + 1} has a centre of mass or an inertia, and no mass: both are left out"
@@ -123,29 +126,9 @@ def _row(link: Any, number: int, name: str, how: Inertias, notices: list[Problem
         mass=mass or None,
         com=_vector(link.r) if mass else None,
         inertia=inertia if mass else None,
-        damping=_said(float(getattr(link, "B", 0.0) or 0.0) * gear**2),
-        friction=_said(max(abs(forward), abs(backward)) * abs(gear)),
-        armature=_said(float(getattr(link, "Jm", 0.0) or 0.0) * gear**2),
-    )
-
-
-def _names(links: Sequence[Any]) -> list[str]:
-    """The names of the links, where they have names of their own."""
-    given = [str(getattr(link, "name", "") or "") for link in links]
-    if len(set(given)) == len(given) and all(given):
-        return given
-    return [f"link_{number}" for number in range(1, len(links) + 1)]
-
-
-def _said(value: float) -> float | None:
-    return value or None
-
-
-def _limits(link: Any) -> tuple[float | None, float | None]:  # noqa: ANN401 - of another package
-    lower, upper = (None, None) if getattr(link, "qlim", None) is None else _two(link.qlim)
-    return (
-        lower if lower is not None and math.isfinite(lower) else None,
-        upper if upper is not None and math.isfinite(upper) else None,
+        damping=float(getattr(link, "B", 0.0) or 0.0) * gear**2 or None,
+        friction=max(abs(forward), abs(backward)) * abs(gear) or None,
+        armature=float(getattr(link, "Jm", 0.0) or 0.0) * gear**2 or None,
     )
 
 

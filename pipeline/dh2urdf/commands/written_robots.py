@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 from dh2urdf.columns import columns_of
 from dh2urdf.commands.argument_words import words_of
-from dh2urdf.commands.options_of_stages import asker_of, stage_calls
+from dh2urdf.commands.arguments import path_or_none
+from dh2urdf.commands.options_of_stages import stage_calls
 from dh2urdf.conversion.file_endings import refuse_other_ending
 from dh2urdf.errors import ProofError, RobotError
 from dh2urdf.kinematics.chain import KinematicChain, angle_error, position_error
@@ -20,43 +21,40 @@ from dh2urdf.output.whole_files import safe_stem, write_whole
 from dh2urdf.plugin_system.catalog import load
 from dh2urdf.robot import Robot
 from dh2urdf.robot_check import check_robot
-from dh2urdf.source import Problem
+from dh2urdf.source import Mark, Problem
 from dh2urdf.stage_calls.answers import a_whole_record, emitted_files
 from dh2urdf.stage_calls.calls import blaming
-from dh2urdf.validation.arguments import path_or_none
+from dh2urdf.stages import ReadsBack
 
 if TYPE_CHECKING:
     import os
     from collections.abc import Mapping
-
-    from dh2urdf.robot import Joint
-    from dh2urdf.source import Mark
 
 
 def write_description(
     robot: Robot, suffix: str, out: str | os.PathLike[str] | None, options: Mapping[str, object], function: str
 ) -> str:
     """A robot in the format of the files with a suffix, for a function that is called so; see `Robot.to_urdf`."""
-    asker = asker_of(function)
-    target = path_or_none("out", out, asker.mark)
+    mark = Mark(file=function)
+    target = path_or_none("out", out, mark)
     problems = [problem for problem in check_robot(robot) if problem.severity == "error"]
     if columns_of(robot):
         problems.append(Problem(message="a number of the robot is an array", robot=robot.name, accepted="one number"))
     if problems:
-        raise RobotError(problem.about(mark=asker.mark) for problem in problems)
+        raise RobotError(problem.about(mark=mark) for problem in problems)
     catalog = load()
     emitter: Any = catalog.emitter_for(Path(f"robot{suffix}"))
     if target is not None:
-        refuse_other_ending(catalog, Path(target), emitter, asker.mark)
+        refuse_other_ending(catalog, Path(target), emitter, mark)
     given = {"emitter": words_of(options)}
-    (call,) = stage_calls(catalog, {"emitter": [emitter]}, asker, given)["emitter"]
+    (call,) = stage_calls(catalog, {"emitter": [emitter]}, mark, given)["emitter"]
     robot = located(robot, prefix_of(FILE))
     with blaming(call):
         stem = safe_stem(robot.name)
         content = emitted_files(emitter.emit(robot, stem, call.options), stem)[0].content
-        with spooled(content, str(asker.mark), emitter.suffixes[0]) as path:
-            described: Robot = a_whole_record(emitter.read_back(path), Robot)
-    _compare(robot, described, asker.mark)
+        with spooled(content, str(mark), emitter.suffixes[0]) as path:
+            described: Robot = a_whole_record(emitter.can(ReadsBack).read_back(path), Robot)
+    _compare(robot, described, mark)
     if target is not None:
         write_whole(Path(target), content)
     return content.decode()
@@ -73,16 +71,13 @@ def _compare(robot: Robot, described: Robot, mark: Mark) -> None:
         given, found = (KinematicChain.between(each, robot.root, tip) for each in (robot, described))
         moving = [joint for joint in given.joints if joint.type is not JointType.FIXED]
         for part in (0.0, 1.0, 0.3, 0.7):
-            q = [_value(joint, part if number % 2 else 1.0 - part) for number, joint in enumerate(moving)]
+            q = []
+            for number, joint in enumerate(moving):
+                lower = -math.pi if joint.limits.lower is None else joint.limits.lower
+                upper = math.pi if joint.limits.upper is None else joint.limits.upper
+                q.append(lower + (part if number % 2 else 1.0 - part) * (upper - lower))
             left, right = given.forward_kinematics(q), found.forward_kinematics(q)
             position, angle = position_error(left, right), angle_error(left, right)
             if not (position <= TOLERANCE and angle <= TOLERANCE):
                 message = f"what was written has {tip} {position:.3g} m and {angle:.3g} rad away at q = {q}"
                 raise ProofError(Problem(message=message, mark=mark, robot=robot.name))
-
-
-def _value(joint: Joint, part: float) -> float:
-    """A joint value inside the limits [rad or m]."""
-    lower = -math.pi if joint.limits.lower is None else joint.limits.lower
-    upper = math.pi if joint.limits.upper is None else joint.limits.upper
-    return lower + part * (upper - lower)

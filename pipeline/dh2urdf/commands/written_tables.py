@@ -6,11 +6,11 @@ from dataclasses import fields, is_dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from dh2urdf.commands.arguments import path_or_none
 from dh2urdf.conversion.file_endings import refuse_other_ending
 from dh2urdf.conversion.one_manipulator import read_items
 from dh2urdf.errors import InputError, RecordValueError
 from dh2urdf.kinematics.chain import angle_error, forward_kinematics, position_error
-from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.output.spooled import spooled
 from dh2urdf.output.whole_files import write_whole
@@ -18,9 +18,8 @@ from dh2urdf.plugin_system.catalog import load
 from dh2urdf.source import Mark, Problem, shown
 from dh2urdf.stage_calls.answers import a_whole_record
 from dh2urdf.stage_calls.calls import Call, blaming, default_call
-from dh2urdf.stages import Rejected
+from dh2urdf.stages import Rejected, WritesTables
 from dh2urdf.table_text import WrittenTable, table_text
-from dh2urdf.validation.arguments import path_or_none
 
 if TYPE_CHECKING:
     import os
@@ -33,19 +32,6 @@ if TYPE_CHECKING:
 _SAME = 1e-12
 """How far a table that was written in other units than m and rad may be from its manipulator [m, rad]."""
 _POSES = ((0.0,), (0.7, -1.1, 0.4), (-2.3, 0.9, 1.7, -0.6))
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class TableFile:
-    """The tables of some manipulators as a file.
-
-    Attributes:
-        content: the file.
-        left_out: what the format has no place for, as notices.
-    """
-
-    content: bytes
-    left_out: tuple[Problem, ...] = ()
 
 
 class _FieldChange(NamedTuple):
@@ -64,40 +50,13 @@ def in_format(tables: Sequence[TableText], call: Call[Reader[Any]]) -> WrittenTa
         InputError: the reader only reads, or a file of its format cannot hold several such tables.
         StageError: the reader is at fault.
     """
-    if call.stage.write is None:
+    writes = call.stage.can(WritesTables)
+    if writes is None:
         raise InputError(
             Problem(message=f"the reader {call.stage.name!r} does not write tables", found=call.stage.name)
         )
     with blaming(call, "write"):
-        return a_whole_record(call.stage.write(tables), WrittenTable)
-
-
-def table_file(
-    manipulators: Sequence[Manipulator],
-    call: Call[Reader[Any]],
-    place: str,
-    *,
-    length_unit: str = "m",
-    angle_unit: str = "rad",
-    header: bytes = b"",
-) -> TableFile:
-    """The tables of some manipulators in the format of a reader, once they read back as the same arms.
-
-    Args:
-        manipulators: the arms.
-        call: the reader of the format.
-        place: where the file will be, for messages.
-        length_unit: the unit of lengths.
-        angle_unit: the unit of angles.
-        header: comments above the table.
-
-    Raises:
-        InputError: the reader only reads, or a file of its format cannot hold several such tables.
-        RecordValueError: what was written reads back as another arm.
-    """
-    texts = [table_text(manipulator, length_unit, angle_unit) for manipulator in manipulators]
-    content = header + in_format(texts, call).content
-    return TableFile(content=content, left_out=left_out(manipulators, content, call, place))
+        return a_whole_record(writes.write(tables), WrittenTable)
 
 
 def table_content(
@@ -140,22 +99,25 @@ def left_out(
         elif not _close(difference.given, difference.found):
             raise RecordValueError(_other(difference, call, place))
     for given, again in zip(manipulators, _read_back(content, call, place), strict=True):
-        _refuse_another_arm(given, again, place)
-    return tuple(
-        Problem(
-            message=f"the format {call.stage.name!r} has no place for {_shown(field, owners)}: left out",
+        for pattern in _POSES:
+            q = [pattern[number % len(pattern)] for number in range(len(given.moving_rows))]
+            one, other = forward_kinematics(given, q), forward_kinematics(again, q)
+            far = max(position_error(one, other), angle_error(one, other))
+            if not far <= _SAME * max(1.0, *(abs(row.d) for row in given.rows)):
+                message = f"the table that was written reads back {far:.2g} m, rad from the manipulator"
+                raise RecordValueError(Problem(message=message, mark=Mark(file=place), robot=given.name))
+    notices = []
+    for field, owners in missing.items():
+        rows = sum(owner.startswith("rows[") for owner in owners)
+        what = f"{field!r} of {rows} row{'' if rows == 1 else 's'}" if rows else repr(field)
+        notice = Problem(
+            message=f"the format {call.stage.name!r} has no place for {what}: left out",
             severity="notice",
             mark=Mark(file=place),
             suggestion="a YAML table holds everything",
         )
-        for field, owners in missing.items()
-    )
-
-
-def _shown(field: str, owners: Sequence[str]) -> str:
-    """A field that is missing, and of how many rows."""
-    rows = sum(owner.startswith("rows[") for owner in owners)
-    return f"{field!r} of {rows} row{'' if rows == 1 else 's'}" if rows else repr(field)
+        notices.append(notice)
+    return tuple(notices)
 
 
 def write_table(manipulator: Manipulator, suffix: str, out: str | os.PathLike[str] | None, function: str) -> str:
@@ -262,19 +224,3 @@ def _close(given: Any, found: Any) -> bool:  # noqa: ANN401 - parts of records
     if isinstance(given, float) and isinstance(found, float):
         return abs(given - found) <= _SAME * max(1.0, abs(given))
     return bool(given == found)
-
-
-def _refuse_another_arm(given: Manipulator, again: Manipulator, place: str) -> None:
-    """Compare the forward kinematics of a manipulator with that of what was read back.
-
-    Raises:
-        RecordValueError: it is another arm.
-    """
-    count = len(given.moving_rows)
-    for pattern in _POSES:
-        q = [pattern[number % len(pattern)] for number in range(count)]
-        one, other = forward_kinematics(given, q), forward_kinematics(again, q)
-        far = max(position_error(one, other), angle_error(one, other))
-        if not far <= _SAME * max(1.0, *(abs(row.d) for row in given.rows)):
-            message = f"the table that was written reads back {far:.2g} m, rad from the manipulator"
-            raise RecordValueError(Problem(message=message, mark=Mark(file=place), robot=given.name))

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from dh2urdf.errors import ConfigError, InputError, PluginError, TableError
 from dh2urdf.source import Problem, shown
+from dh2urdf.stages import WritesTables
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -21,9 +22,9 @@ def table_suffixes(catalog: Catalog) -> list[str]:
     return [suffix for stage in _writers(catalog) for suffix in _written(stage)]
 
 
-def _writers(catalog: Catalog) -> list[Reader[Any]]:
-    stages: list[Any] = [provided.stage for provided in catalog.provided("reader")]
-    return [stage for stage in stages if stage.write is not None]
+def _writers(catalog: Catalog) -> list[Any]:
+    stages = [provided.stage for provided in catalog.provided("reader")]
+    return [stage for stage in stages if stage.can(WritesTables)]
 
 
 def table_writer(catalog: Catalog, file: Path, mark: Mark) -> Reader[Any]:
@@ -34,7 +35,7 @@ def table_writer(catalog: Catalog, file: Path, mark: Mark) -> Reader[Any]:
     """
     suffixes = table_suffixes(catalog)
     if not _ends(file, suffixes):
-        only_read = next((each.name for each in _writers(catalog) if _ends(file, each.not_written)), None)
+        only_read = next((each.name for each in _writers(catalog) if _ends(file, each.suffixes)), None)
         reason = f": the reader {only_read!r} reads such files, and writes others" if only_read else ""
         message = f"no reader writes tables like {shown(file.name)}{reason}"
         advice = "`dh2urdf convert` writes such files" if _known(catalog, "emitter", file) else None
@@ -79,7 +80,8 @@ def refuse_other_ending(catalog: Catalog, file: Path, stage: Reader[Any] | Emitt
 
 
 def _written(stage: Reader[Any] | Emitter[Any]) -> tuple[str, ...]:
-    return tuple([suffix for suffix in stage.suffixes if suffix not in getattr(stage, "not_written", ())])
+    writes = stage.can(WritesTables)
+    return tuple([suffix for suffix in stage.suffixes if writes is None or suffix not in writes.not_written])
 
 
 def _ends(file: Path, suffixes: Iterable[str]) -> bool:

@@ -23,7 +23,23 @@ from dh2urdf.output.whole_files import put_in_place, refuse_inputs, staging, wri
 from dh2urdf.source import Mark, Problem, shown
 from dh2urdf.stage_calls.answers import a_record, a_whole_record, emitted_files, items_of, whole_records
 from dh2urdf.stage_calls.calls import Call, blaming, reading
-from dh2urdf.stages import Edit, EmittedFile, Emitter, Loader, Reader, Rejected, Transform
+from dh2urdf.stages import (
+    Edit,
+    EditsInColumns,
+    EmitsInColumns,
+    EmittedFile,
+    Emitter,
+    GivesNotices,
+    Loader,
+    Reader,
+    ReadsBack,
+    ReadsInColumns,
+    Rejected,
+    Traces,
+    Transform,
+    TransformsInColumns,
+    WritesFolders,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
@@ -87,7 +103,7 @@ class Recipe:
     @property
     def copies_meshes(self) -> bool:
         """Whether meshes are copied beside the descriptions; files in folders of their own bring theirs."""
-        return self.mesh_prefix is not None and not all(call.stage.in_folders for call in self.emitters)
+        return self.mesh_prefix is not None and not all(call.stage.can(WritesFolders) for call in self.emitters)
 
     @property
     def calls(self) -> tuple[Call[Any], ...]:
@@ -97,9 +113,9 @@ class Recipe:
     @property
     def makes_many_at_once(self) -> bool:
         """Whether all stages that make files have a form for many manipulators at once."""
-        has_form = self.transform.stage.transform_columns is not None
-        edits = all(call.stage.accepts_columns for call in self.edits)
-        return has_form and edits and all(call.stage.emit_columns for call in self.emitters)
+        has_form = self.transform.stage.can(TransformsInColumns) is not None
+        edits = all(call.stage.can(EditsInColumns) for call in self.edits)
+        return has_form and edits and all(call.stage.can(EmitsInColumns) for call in self.emitters)
 
     @property
     def keeps_kinematics(self) -> bool:
@@ -131,9 +147,9 @@ def with_notices(robot: Robot, emitters: Iterable[Call[Emitter[Any]]]) -> Robot:
     """
     notices = dict.fromkeys(robot.notices)
     for call in emitters:
-        if call.stage.notices is not None:
+        if gives := call.stage.can(GivesNotices):
             with blaming(call, "notices"):
-                found = whole_records(call.stage.notices(robot, call.options), Problem)
+                found = whole_records(gives.notices(robot, call.options), Problem)
             notices.update(dict.fromkeys(replace(each.about(robot=robot.name), severity="notice") for each in found))
     return replace(robot, notices=tuple(notices))
 
@@ -236,7 +252,7 @@ def emit_robot(
             refuse_one_folder(call, stem)
         with blaming(call):
             files = emitted_files(
-                emitter.emit(robot, stem, call.options), stem, in_folders=emitter.in_folders is not None
+                emitter.emit(robot, stem, call.options), stem, in_folders=emitter.can(WritesFolders) is not None
             )
             if not files:
                 raise ValueError("it gave no file")
@@ -249,7 +265,8 @@ def emit_robot(
                 raise same_file(other, emitter.name, file.name)
             taken[file.name.casefold()] = emitter.name
         write_files(folder, files, place)
-        looked = proved and (sampled or not emitter.costly_proof)
+        reads = emitter.can(ReadsBack)
+        looked = proved and reads is not None and (sampled or not reads.is_costly)
         robots = [folder / file.name for file in files if looked and file.is_robot]
         proof = None
         if robots:
@@ -270,11 +287,11 @@ def _prove_file(
     recipe: Recipe,
     at_once: bool,
 ) -> Proof | None:
-    emitter = call.stage
-    if emitter.read_back is None:
+    emitter, reads = call.stage, call.stage.can(ReadsBack)
+    if reads is None:
         return None
     with reading(path, place), blaming(call, "read_back"):
-        described = a_robot(emitter.read_back(path), call)
+        described = a_robot(reads.read_back(path), call)
     makers: tuple[Call[Any], ...] = (recipe.transform, *recipe.edits)
     try:
         proof = prove(expected, described, poses, at_once=at_once)
@@ -319,12 +336,12 @@ def read_items(
     try:
         with reading(path):
             with blaming(call):
-                if columns and reader.read_columns is not None:
-                    items = items_of(reader.read_columns(path, call.options), Manipulator)
-                elif trace is None or reader.trace is None:
-                    items = items_of(reader.read(path, call.options), Manipulator)
+                if columns and (fast := reader.can(ReadsInColumns)):
+                    items = items_of(fast.read_columns(path, call.options), Manipulator)
+                elif trace is not None and (traces := reader.can(Traces)):
+                    items = items_of(traces.trace(path, call.options, trace), Manipulator)
                 else:
-                    items = items_of(reader.trace(path, call.options, trace), Manipulator)
+                    items = items_of(reader.read(path, call.options), Manipulator)
             for item in checked_items(items, call, columns=columns):
                 if isinstance(item, Rejected) and _state_of(path) != before:
                     raise TableError(item.problems)  # A row that was cut off is no fault of the table.

@@ -8,6 +8,7 @@ from dh2urdf.errors import EmitterError
 from dh2urdf.source import Problem, shown
 from dh2urdf.stage_calls.answers import items_of
 from dh2urdf.stage_calls.calls import blaming
+from dh2urdf.stages import WritesFolders
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
@@ -22,10 +23,11 @@ def refuse_one_folder(call: Call[Emitter[Any]], stem: str) -> None:
     Raises:
         EmitterError: the folder of the stem is that of another stem, too.
     """
-    if call.stage.in_folders is None:
+    writes = call.stage.can(WritesFolders)
+    if writes is None:
         return
     with blaming(call, "in_folders"):
-        own, others = (set(items_of(call.stage.in_folders(each, call.options), "names")) for each in (stem, f"{stem}_"))
+        own, others = (set(items_of(writes.in_folders(each, call.options), "names")) for each in (stem, f"{stem}_"))
     if shared := sorted(own & others):
         raise EmitterError(
             Problem(
@@ -54,9 +56,9 @@ def refuse_undeclared_files(
     Raises:
         ManipulatorError: there is such a file.
     """
-    if call.stage.in_folders is not None:
+    if call.stage.can(WritesFolders):
         return
-    declared = {ending.casefold() for ending in (*call.stage.suffixes, *call.stage.other_endings)}
+    declared = {ending.casefold() for ending in call.stage.endings}
     with blaming(call):
         for stem, own in zip(stems, files, strict=True):
             for file in own:

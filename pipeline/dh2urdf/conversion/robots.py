@@ -9,12 +9,12 @@ from dh2urdf.drawn_links import torn_links
 from dh2urdf.errors import ManipulatorError, RobotError
 from dh2urdf.kinematics.expected_poses import ExpectedPoses
 from dh2urdf.manipulator import Manipulator
+from dh2urdf.record_fields import replace_unchecked
 from dh2urdf.robot import Robot
 from dh2urdf.robot_check import check_robot
 from dh2urdf.stage_calls.answers import a_record, a_whole_record
 from dh2urdf.stage_calls.calls import Call, blaming, depending_on
 from dh2urdf.stages import Edit
-from dh2urdf.validation.coercion import replace_unchecked
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence

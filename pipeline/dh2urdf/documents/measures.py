@@ -18,8 +18,13 @@ LARGEST_ANGLE = 1000 * tau
 _MILLIMETRES = "mm, say so: '{0} mm'; '{0} m' is read as such"
 
 
-def measured(node: Node, dimension: Dimension) -> float:
+def measured(node: Node, dimension: Dimension, turns: int = 1) -> float:
     """What a value measures [SI].
+
+    Args:
+        node: the value.
+        dimension: what it has to measure.
+        turns: how many turns an angle may have where it names no unit.
 
     Raises:
         QuantityError: it measures nothing of the kind, or it is probably meant in degrees or mm.
@@ -32,9 +37,13 @@ def measured(node: Node, dimension: Dimension) -> float:
             f"{shown(node.text)} names a joint variable, and nothing moves here", accepted_forms(dimension)
         )
     size = abs(quantity.value)
-    if size > LARGEST_BARE.get(dimension.plain, inf) and not quantity.has_unit:
+    largest = LARGEST_BARE.get(dimension.plain, inf) * (turns if dimension is Dimension.ANGLE else 1)
+    if size > largest and not quantity.has_unit:
         if dimension is Dimension.ANGLE:
-            found, most, unit = "a full turn in rad", "2π rad", "degrees, say so: '{} deg'"
+            found, most = (
+                ("a full turn in rad", "2π rad") if turns == 1 else (f"{turns} turns in rad", f"{largest:.4g} rad")
+            )
+            unit = "degrees, say so: '{} deg'"
         else:
             found, most, unit = f"{LARGEST_BARE['length']:g} m", f"{LARGEST_BARE['length']:g} m", _MILLIMETRES
         raise QuantityError(

@@ -62,6 +62,15 @@ class Node:
             return self.value[key].mark
         return self.mark
 
+    def entry(self, key: str) -> Node | None:
+        """The value of a key; None where this is no mapping or has no such key."""
+        return self.value.get(key) if isinstance(self.value, dict) else None
+
+    def entries(self, key: str) -> list[Node]:
+        """The entries of a list that is the value of a key; none where there is no such list."""
+        found = self.entry(key)
+        return found.value if found and isinstance(found.value, list) else []
+
     def plain(self) -> Any:  # noqa: ANN401 - any value that YAML can hold
         """The value as plain dictionaries, lists and scalars; its depth is at most `MAX_DEPTH`."""
         if isinstance(self.value, dict):

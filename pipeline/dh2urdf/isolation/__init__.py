@@ -7,22 +7,22 @@ from dh2urdf._faces import face
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from dh2urdf.isolation.child_process import (
+        Child as Child,
         ChildFailure as ChildFailure,
+        last_words as last_words,
         result_of as result_of,
         run_in_child as run_in_child,
     )
     from dh2urdf.isolation.encodings import PICKLED as PICKLED, Data as Data
     from dh2urdf.isolation.fence import enter as enter, tell_of_missing_wall as tell_of_missing_wall
-    from dh2urdf.isolation.interpreter import Interpreter as Interpreter
     from dh2urdf.isolation.own_process import claim as claim, is_own as is_own
 else:
     __all__, __getattr__, __dir__ = face(
         __name__,
         {
-            "child_process": "ChildFailure result_of run_in_child",
+            "child_process": "Child ChildFailure last_words result_of run_in_child",
             "encodings": "PICKLED Data",
             "fence": "enter tell_of_missing_wall",
-            "interpreter": "Interpreter",
             "own_process": "claim is_own",
         },
     )

@@ -1,13 +1,10 @@
-"""What runs in an interpreter that `dh2urdf.isolation.interpreter` starts: the calls of its parent, in their order.
+"""What runs in an interpreter that `dh2urdf.isolation.child_process` starts: the calls of its parent, in their order.
 
-It is started by its path and needs the standard library alone, so it works wherever the interpreter does. The parent
-sends pickles. The first one is ``sys.path``. Each further one is a call, ``(encoding, function, arguments)``, each
-pickled once more; without a function it is the function of the call before, in its encoding, and without arguments the
-function is imported and not called. None ends the interpreter.
-
-Calls arrive on standard input. Each answer leaves on what was standard output: the sizes of its two parts, a word with
-texts as JSON, and what the encoding (of `dh2urdf.isolation.encodings`) makes of the value or the exception. Everything
-that anybody prints, from C too, goes to standard error, between two marks for each call.
+It is started by its path and needs only the standard library. The parent sends pickles on standard input: first
+`sys.path`, then for each call whether to make it in a fork, the pickled encoding, and the pickled function with its
+arguments. An answer leaves on what was standard output: the sizes of its two parts, a word with a text as JSON, what
+the encoding (see `dh2urdf.isolation.encodings`) makes of the value or the exception, and a byte that says whether more
+calls are taken. Everything that is printed, from C too, goes to standard error.
 """
 
 from __future__ import annotations
@@ -21,52 +18,43 @@ import struct
 import sys
 import threading
 import traceback
-from pathlib import Path
+import warnings
+from mmap import mmap
 from queue import SimpleQueue
 from typing import IO, Any
 
-_LONGEST_TEXT = 2**16  # characters of a text of an answer: of a traceback the end
+_LONGEST_TEXT = 2**16  # characters of a traceback, of which the end is sent
 
 
 class _Terminated(KeyboardInterrupt):
     """SIGTERM came during a call: an interrupt like Ctrl-C, and no fault of what it interrupts."""
 
 
-def main(begin: bytes, end: bytes) -> None:
-    """Answer the calls of the parent until it sends the last one, or is gone.
-
-    Args:
-        begin: what is written to standard error before a call.
-        end: what is written there after it.
-    """
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is the parent's affair.
-    messages, answers = os.fdopen(os.dup(0), "rb"), os.fdopen(os.dup(1), "wb")
+def main() -> None:
+    """Answer the calls of the parent until it is gone."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # The parent deals with Ctrl-C.
+    messages, answers = os.fdopen(os.dup(0), "rb"), os.dup(1)
     os.dup2(2, 1)
-    with Path(os.devnull).open("rb") as nothing:
-        os.dup2(nothing.fileno(), 0)
+    nothing = os.open(os.devnull, os.O_RDONLY)
+    os.dup2(nothing, 0)
+    os.close(nothing)
     _print_at_once()
     received: SimpleQueue[Any] = SimpleQueue()
     threading.Thread(target=_receive, args=(messages, received), daemon=True).start()
     sys.path[:] = received.get()
-    kept: Any = None
-    while (call := received.get()) is not None:
-        os.write(2, begin)
-        kept, (*words, body) = answer_call(kept, *call)
-        for stream in (sys.stdout, sys.stderr):
-            with contextlib.suppress(OSError, ValueError, AttributeError):  # closed or replaced by what was called
-                stream.flush()
-        os.write(2, end)
-        head = json.dumps([word[-_LONGEST_TEXT:] if isinstance(word, str) else word for word in words]).encode()
-        answers.write(struct.pack(">II", len(head), min(len(body), 2**32 - 1)) + head)
-        answers.write(body)
-        answers.flush()
+    while True:
+        in_fork, *call = received.get()
+        if in_fork:
+            _answer_in_fork(answers, *call)
+        else:
+            _answer(answers, *call)
+        os.write(answers, b"-" if in_fork and _has_children() else b"+")
 
 
 def _print_at_once() -> None:
-    """Turns the buffers of standard output off, so that a crash loses nothing that was printed before it."""
-    if hasattr(sys.stdout, "reconfigure"):
-        sys.stdout.reconfigure(line_buffering=True, errors="backslashreplace")
-    with contextlib.suppress(ImportError, OSError, AttributeError, ValueError, TypeError):  # no C library, or another
+    """Turn off the buffers of standard output, so that a crash loses nothing that was printed before it."""
+    sys.stdout.reconfigure(line_buffering=True, errors="backslashreplace")  # type: ignore[union-attr]
+    with contextlib.suppress(ImportError, OSError, AttributeError, ValueError):  # no C library, or another
         import ctypes
 
         libc = ctypes.CDLL(None)
@@ -75,7 +63,7 @@ def _print_at_once() -> None:
 
 
 def _receive(messages: IO[bytes], received: SimpleQueue[Any]) -> None:
-    """Takes what the parent sends; its end is the parent's: this process and all that it started leave at once.
+    """Take what the parent sends; when the parent is gone, this process and all that it started leave at once.
 
     A run that was killed may be resumed in the next moment, and must not meet its own past.
     """
@@ -83,48 +71,77 @@ def _receive(messages: IO[bytes], received: SimpleQueue[Any]) -> None:
         while True:
             received.put(pickle.load(messages))  # noqa: S301 - our own parent sent it
     except (EOFError, OSError, pickle.UnpicklingError):
-        if hasattr(os, "killpg"):
-            os.killpg(0, signal.SIGKILL)
-        os._exit(1)
+        os.killpg(0, signal.SIGKILL)
 
 
-def answer_call(
-    kept: tuple[Any, Any] | None, encoding: bytes | None, function: bytes | None, args: bytes | None
-) -> tuple[tuple[Any, Any] | None, tuple[Any, ...]]:
-    """What came of a call. SIGTERM ends the call, which takes away what it was writing.
+def _answer(answers: int, encoding: bytes, call: bytes) -> None:
+    """Make a call, and send what came of it."""
+    word, text, body = _outcome(encoding, call)
+    for stream in (sys.stdout, sys.stderr):
+        with contextlib.suppress(OSError, ValueError, AttributeError):  # closed or replaced by what was called
+            stream.flush()
+    head = json.dumps([word, text[-_LONGEST_TEXT:]]).encode()
+    with open(answers, "wb", closefd=False) as pipe:
+        pipe.write(struct.pack(">II", len(head), min(len(body), 2**32 - 1)) + head)
+        pipe.write(body)
 
-    Args:
-        kept: encoding and function of the call before.
-        encoding: the encoding, pickled; without it, that of the call before.
-        function: the function, pickled; without it, that of the call before.
-        args: its arguments, pickled; without them it is not called.
 
-    Returns:
-        Encoding and function, and the answer: a word, texts, and bytes.
-    """
-    coder: Any = None
+def _answer_in_fork(answers: int, encoding: bytes, call: bytes) -> None:
+    """Make a call in a fork: nothing that it does is met by the next one. A fork that gives no answer ends us, too."""
+    if sys.platform == "linux":
+        import ctypes
+
+        set_child_subreaper = 36  # PR_SET_CHILD_SUBREAPER of <linux/prctl.h>: orphans of the fork become our children
+        ctypes.CDLL(None).prctl(set_child_subreaper, 1, 0, 0, 0)
+    has_answered = mmap(-1, 1)
+    with warnings.catch_warnings():
+        # Python 3.12 warns of other threads. There is one: it waits for the next message, and holds no lock.
+        warnings.simplefilter("ignore", DeprecationWarning)
+        number = os.fork()
+    if number == 0:
+        _answer(answers, encoding, call)
+        has_answered[0] = 1
+        os._exit(0)
+    status = os.waitstatus_to_exitcode(os.waitpid(number, 0)[1])
+    if not has_answered[0] and status < 0:
+        with contextlib.suppress(OSError):  # SIGKILL has no other handler.
+            signal.signal(-status, signal.SIG_DFL)
+        os.kill(os.getpid(), -status)
+    if not has_answered[0]:
+        os._exit(status)
+
+
+def _has_children() -> bool:
+    """Whether a fork has left a process behind that still runs; on Linux, also where those in between have ended."""
     try:
-        if encoding is not None and function is not None:
-            coder = pickle.loads(encoding)  # noqa: S301 - our own parent sent it
-            coder.prepare()
-            kept = coder, pickle.loads(function)  # noqa: S301 - our own parent sent it
+        while os.waitpid(-1, os.WNOHANG)[0]:
+            pass
+    except ChildProcessError:
+        return False
+    return True
+
+
+def _outcome(encoding: bytes, call: bytes) -> tuple[str, str, bytes]:
+    """What came of a call: a word, a text, and bytes. SIGTERM ends the call, which takes away what it was writing."""
+    coder = None
+    try:
+        coder = pickle.loads(encoding)  # noqa: S301 - our own parent sent it
+        coder.prepare()
+        function, args = pickle.loads(call)  # noqa: S301 - our own parent sent it
     except Exception as error:  # noqa: BLE001 - unpickling imports modules, which may raise anything
-        return None, ("not imported", f"{type(error).__name__}: {error}", coder.pack_error(error) if coder else b"")
-    if args is None or kept is None:
-        return kept, ("imported", b"")
-    coder, called = kept
+        return "not imported", f"{type(error).__name__}: {error}", coder.pack_error(error) if coder else b""
     signal.signal(signal.SIGTERM, _on_terminate)
     try:
-        return kept, ("value", coder.pack(called(*pickle.loads(args))))  # noqa: S301 - our own parent sent it
+        return "value", "", coder.pack(function(*args))
     except SystemExit as error:
         code = error.code if isinstance(error.code, int) else 0 if error.code is None else str(error.code)
-        return kept, ("left", code, traceback.format_exc(), b"")
+        return "left", traceback.format_exc(), json.dumps(code).encode()
     except _Terminated:
         signal.signal(signal.SIGTERM, signal.SIG_DFL)
         signal.raise_signal(signal.SIGTERM)
         raise
     except BaseException as error:  # noqa: BLE001 - the parent raises it again
-        return kept, ("raised", traceback.format_exc(), coder.pack_error(error))
+        return "raised", traceback.format_exc(), coder.pack_error(error)
     finally:
         signal.signal(signal.SIGTERM, signal.SIG_DFL)
 
@@ -134,4 +151,4 @@ def _on_terminate(_number: int, _frame: object) -> None:
 
 
 if __name__ == "__main__":
-    main(*map(str.encode, sys.argv[1:]))
+    main()

@@ -1,34 +1,62 @@
-"""Runs a function in a child process of its own, so that it may crash, hang or leave.
+"""Child processes: functions that may crash, hang or leave, in an interpreter of their own.
 
 Simulators are C++ that trusts its input: a description with a duplicate joint name ends PyBullet with a segmentation
-fault, others leave the interpreter. In a child process that is one manipulator's failure, told in a sentence, with
-what the simulator printed before.
+fault, others leave the interpreter. In a child process, that costs one manipulator, and the message says how the child
+ended and what it printed before.
 
-The child is a fresh `dh2urdf.isolation.interpreter.Interpreter`. Where a loader can be called many times in one
-process, `dh2urdf.isolation.loads` keeps its child for the next manipulator.
+A `Child` is a plain subprocess: unlike one of `multiprocessing` it may be started by a worker of a process pool, and
+needs no ``if __name__ == "__main__"`` in the user's script. It serves a single call (`run_in_child`), the loads of one
+simulator (`dh2urdf.isolation.loads`) or the tasks of a worker (the executor `local`).
 """
 
 from __future__ import annotations
 
+import contextlib
+import json
+import os
 import pickle
+import re
+import select
 import signal
-from typing import TYPE_CHECKING, Any, Generic, TypeVar, TypeVarTuple
+import struct
+import subprocess
+import sys
+import time
+from pathlib import Path
+from typing import IO, TYPE_CHECKING, Any, Generic, TypeVar, TypeVarTuple, cast
 
 from dh2urdf.errors import CrashError, TimeLimitError
 from dh2urdf.isolation.encodings import AnswerError, Data, Pickled
-from dh2urdf.isolation.interpreter import Interpreter
 from dh2urdf.late_dataclasses import dataclass
-from dh2urdf.plugin_system.at_work import MARK
+from dh2urdf.late_tuples import NamedTuple
+from dh2urdf.plugin_system.at_work import MAGIC, MARK, SIZE, VARIABLE
+from dh2urdf.plugin_system.discovery import UNKNOWN, installed
 from dh2urdf.source import shown
+
+if sys.platform == "linux":
+    from fcntl import F_SETPIPE_SZ, fcntl
 
 if TYPE_CHECKING:
     from collections.abc import Callable
-
+    from typing import Self
 
 T = TypeVar("T")
 Args = TypeVarTuple("Args")
 
-_LAST_WORDS = 200  # characters of the output that a message repeats
+KEPT_OUTPUT = 64 * 1024
+"""Bytes of the output of a call that are kept, half from its beginning and half from its end."""
+LARGEST_ANSWER = 2**30
+"""Bytes of an answer, at most."""
+PLAIN: Data[Any] = Data()
+"""The encoding of plain values: numbers, texts, lists and mappings of them."""
+
+_LARGEST_HEAD = 2**20  # bytes of the word and the text of an answer, at most
+_CHUNK = 2**20  # bytes that are read or written at a time: the most that a pipe of any user holds on Linux
+_GLANCE = 0.1  # [s] between looks whether the child has ended
+_LEAVING = 5.0  # [s] for a child that has closed the pipe of its answers to end
+_SIZES = struct.Struct(">II")
+_SCRIPT = Path(__file__).with_name("_child.py")
+_FAULT = re.compile(r"^(?:Fatal Python error: |Timeout \().*", re.MULTILINE)  # how the words of faulthandler begin
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,8 +90,19 @@ class ChildFailure(Exception):  # noqa: N818 - never raised: it is the cause of 
         )
 
 
-PLAIN: Data[Any] = Data()
-"""The encoding of plain values: numbers, texts, lists and mappings of them."""
+class Answer(NamedTuple):
+    """What a child sent after a call, or why it sent nothing.
+
+    Attributes:
+        word: ``value``, ``raised``, ``not imported`` (the function), ``left`` (the interpreter); or ``gone`` (the child
+            ended), ``late``, ``garbled`` (what it sent is no answer), after which it is to be ended.
+        text: the traceback of what was raised, or a reason.
+        body: the value or the exception in the encoding of the call.
+    """
+
+    word: str
+    text: str = ""
+    body: bytes = b""
 
 
 def run_in_child(
@@ -73,7 +112,7 @@ def run_in_child(
     who: str = "the simulator",
     encoding: Data[Any] | Pickled[Any] = PLAIN,
 ) -> ChildResult[T]:
-    """Calls a function in a child process and waits for it.
+    """Call a function in a child process and wait for it.
 
     The child is gone, and all processes that it started are killed, when this returns or raises, also where it is
     interrupted.
@@ -92,74 +131,268 @@ def run_in_child(
         Exception: whatever the function raised, in its own type where that is one of Python's or of `dh2urdf.errors`,
             else as a `RuntimeError` that describes it. What the child printed is in its cause, a `ChildFailure`.
     """
-    call = pickled_call(function, args, who, encoding)
-    child = started()
-    try:
-        answer = child.call(*call, timeout, last=True)
-    finally:
-        status = child.end()
-    return outcome(answer, child.output.text(), status, function, timeout, child.who or who, encoding)
+    with Child.started() as child:
+        return child.call(function, args, timeout, who, encoding)
 
 
-def started() -> Interpreter:
-    """A new child.
+class Child:
+    """An interpreter in a session of its own, which answers calls one after the other.
 
-    Raises:
-        CrashError: it cannot be started.
-    """
-    try:
-        return Interpreter()
-    except OSError as error:
-        raise CrashError(f"a child process cannot be started: {error}") from error
-
-
-def outcome(  # noqa: PLR0917 - what is known of a call
-    answer: tuple[Any, ...],
-    output: str,
-    status: int,
-    function: Callable[..., T],
-    timeout: float | None,
-    who: str,
-    encoding: Data[Any] | Pickled[Any] = PLAIN,
-) -> ChildResult[T]:
-    """What came of a call in a child.
+    Ctrl-C in a terminal reaches neither it nor what it starts. All of these end when this process is gone, however it
+    went.
 
     Args:
-        answer: its answer.
-        output: what it printed.
-        status: its exit status, where the answer is none.
-        function: what was called.
-        timeout: how long it could take [s].
-        who: what messages call the function.
-        encoding: how it sent what it returned or raised.
+        flags: options of Python, such as ``-X faulthandler``.
+
+    Attributes:
+        output: what was printed since the last call began.
+        printed_before: what belongs before the output of each call, such as that of an import.
+        who: who was at work when it ended, with distribution and version; empty before, and where nobody was.
 
     Raises:
-        Exception: as `run_in_child`.
+        OSError: it cannot be started.
     """
-    if answer[:1] in {("value",), ("raised",)}:
+
+    def __init__(self, *flags: str) -> None:
+        import tempfile
+
+        self._name, self.who = tempfile.TemporaryFile(buffering=0), ""  # noqa: SIM115 - open until `end`
+        self._name.write(MAGIC.ljust(SIZE, b"\0"))  # where the child writes who is at work, and what outlives the child
+        self.output, self.printed_before = Output(), ""
         try:
-            return ChildResult(result_of(answer, encoding, output), output)
+            self._process = subprocess.Popen(  # noqa: S603 - our own script
+                [sys.executable, *flags, "-P", str(_SCRIPT)],  # -P: the folder of this package has no modules
+                stdin=subprocess.PIPE,
+                stdout=subprocess.PIPE,
+                stderr=subprocess.PIPE,
+                start_new_session=True,  # A process group of its own, to end it with all that it started.
+                bufsize=0,
+                pass_fds=(self._name.fileno(),),
+                env={**os.environ, VARIABLE: str(self._name.fileno())},
+            )
+        except BaseException:
+            self._name.close()
+            raise
+        self._calls, self._answers, self._printed = (
+            cast("IO[bytes]", pipe) for pipe in (self._process.stdin, self._process.stdout, self._process.stderr)
+        )
+        for pipe in (self._calls, self._answers, self._printed):
+            os.set_blocking(pipe.fileno(), False)
+            if sys.platform == "linux" and pipe is not self._printed:
+                with contextlib.suppress(OSError):  # This user has many pipes already.
+                    fcntl(pipe, F_SETPIPE_SZ, _CHUNK)  # Whenever a pipe is full, one side waits for the other.
+        self._unsent = pickle.dumps(sys.path)
+        self._is_reusable = True
+
+    @classmethod
+    def started(cls) -> Self:
+        """A new child.
+
+        Raises:
+            CrashError: it cannot be started.
+        """
+        try:
+            return cls()
+        except OSError as error:
+            raise CrashError(f"a child process cannot be started: {error}") from error
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.end()
+
+    def call(
+        self,
+        function: Callable[..., T],
+        args: tuple[Any, ...],
+        timeout: float | None,
+        who: str,
+        encoding: Data[Any] | Pickled[Any] = PLAIN,
+        *,
+        in_fork: bool = False,
+        spent: float = 0.0,
+    ) -> ChildResult[T]:
+        """What a function returns in the child, which is ended if it gives no answer.
+
+        Args:
+            function: as `run_in_child`.
+            args: as `run_in_child`.
+            timeout: as `run_in_child`.
+            who: as `run_in_child`.
+            encoding: as `run_in_child`.
+            in_fork: whether the child makes the call in a fork of itself, so that no other call meets what it leaves.
+            spent: how much of `timeout` is spent already [s].
+
+        Raises:
+            Exception: as `run_in_child`.
+        """
+        left = None if timeout is None else max(0.0, timeout - spent)
+        answer = self.ask(pickled_call(function, args, who), left, encoding, in_fork=in_fork)
+        output = self.printed_before + self.output.text()
+        try:
+            if answer.word in {"value", "raised"}:
+                return ChildResult(result_of(answer, encoding, output), output)
         except AnswerError as error:
-            answer = ("garbled", str(error))
-    kind: type[CrashError] = CrashError
-    match answer:
-        case ("not imported", reason, _):
-            message = f"a child process cannot import {function.__module__}.{function.__qualname__}: {reason}"
-        case ("left", code, _):
-            message = f"{who} left the interpreter (exit status {code}) and gave no result"
-        case ("garbled", reason):
-            message = f"{who} sent an answer that cannot be used: {reason}"
-        case ("late",):
-            kind = TimeLimitError
-            message = f"{who} did not finish within {timeout:g} s"
-        case _ if status < 0:
-            message = f"{who} crashed ({(signal.strsignal(-status) or f'signal {-status}').lower()})"
-        case _:
-            message = f"{who} left the process (exit status {status}) and gave no result"
-    raise kind(message + _last_words(output)) from ChildFailure(output)
+            answer = Answer("garbled", str(error))
+        status = self.end()
+        output = self.printed_before + self.output.text()
+        who = self.who or who
+        kind: type[CrashError] = CrashError
+        match answer.word:
+            case "not imported":
+                message = f"a child process cannot import {function.__module__}.{function.__qualname__}: {answer.text}"
+            case "left":
+                code = json.loads(answer.body)
+                message = f"{who} left the interpreter (exit status {code}) and gave no result"
+            case "garbled":
+                message = f"{who} sent an answer that cannot be used: {answer.text}"
+            case "late":
+                kind, message = TimeLimitError, f"{who} did not finish within {timeout:g} s"
+            case _ if status < 0:
+                message = f"{who} crashed ({(signal.strsignal(-status) or f'signal {-status}').lower()})"
+            case _:
+                message = f"{who} left the process (exit status {status}) and gave no result"
+        words = last_words(output)
+        raise kind(f"{message}; it printed last: {words}" if words else message) from ChildFailure(output)
+
+    def ask(
+        self, call: bytes, timeout: float | None, encoding: Data[Any] | Pickled[Any], *, in_fork: bool = False
+    ) -> Answer:
+        """The child's answer to a call, a pickled pair of a function and its arguments; see `call`."""
+        try:
+            return self._asked(pickle.dumps((in_fork, pickle.dumps(encoding), call)), timeout)
+        except BaseException:
+            self.end()
+            raise
+
+    def _asked(self, message: bytes, timeout: float | None) -> Answer:  # noqa: C901 - three pipes at a time
+        self._take_output()  # What came between two calls belongs to neither.
+        self.output = Output()
+        unsent, received, is_closed = memoryview(self._unsent + message), bytearray(), False
+        self._unsent = b""
+        end = None if timeout is None else time.monotonic() + timeout
+        poll = select.poll()
+        for pipe, event in (
+            (self._calls, select.POLLOUT),
+            (self._answers, select.POLLIN),
+            (self._printed, select.POLLIN),
+        ):
+            poll.register(pipe, event)
+        while True:
+            has_ended = self._process.poll() is not None
+            if has_ended:
+                self._kill_group()  # A fork may hold the pipes open.
+            left = _GLANCE if end is None else max(0.0, min(_GLANCE, end - time.monotonic()))
+            ready = [number for number, _ in poll.poll(1000 * left)]
+            if self._calls.fileno() in ready:
+                try:
+                    unsent = unsent[os.write(self._calls.fileno(), unsent[:_CHUNK]) :]
+                except BrokenPipeError:
+                    unsent = unsent[:0]
+                if not unsent:
+                    poll.unregister(self._calls)
+            if self._printed.fileno() in ready and not self._take_output():
+                poll.unregister(self._printed)
+            if self._answers.fileno() in ready:
+                chunk = os.read(self._answers.fileno(), _CHUNK)
+                received += chunk
+                is_closed = not chunk
+                if answer := self._answer_in(received, is_closed=is_closed):
+                    self._take_output()  # All that was printed before the answer is in the pipe by now.
+                    return answer
+            if is_closed or (has_ended and not ready):
+                self.wait(_LEAVING)
+                self._take_output()
+                return Answer("gone")
+            if end is not None and time.monotonic() >= end:
+                return Answer("late")
+
+    def _answer_in(self, received: bytearray, *, is_closed: bool) -> Answer | None:
+        """The answer that was received, as `dh2urdf.isolation._child` sends it; None where something is missing."""
+        if len(received) < _SIZES.size:
+            return None
+        head, body = _SIZES.unpack_from(received)
+        if head > _LARGEST_HEAD or body > LARGEST_ANSWER:
+            return Answer("garbled", f"it would have {head + body} bytes, more than {LARGEST_ANSWER}")
+        size = _SIZES.size + head + body
+        if len(received) < size or (len(received) == size and not is_closed):
+            return None
+        self._is_reusable = received[size:] == b"+"
+        content = bytes(received[_SIZES.size + head : size])
+        with contextlib.suppress(ValueError, RecursionError):  # The last line reports it.
+            match json.loads(received[_SIZES.size : _SIZES.size + head]):
+                case ["value" | "raised" | "not imported" | "left" as word, str(text)]:
+                    return Answer(word, text, content)
+        return Answer("garbled", "it does not begin with one of the words of an answer")
+
+    def _take_output(self) -> bool:
+        """Take what was printed, of which a pipe holds little; whether more can come."""
+        try:
+            chunk = os.read(self._printed.fileno(), _CHUNK)
+        except BlockingIOError:
+            return True
+        self.output.add(chunk)
+        return bool(chunk)
+
+    def is_alive(self) -> bool:
+        """Whether it can be called."""
+        return self._is_reusable and self._process.poll() is None
+
+    def terminate(self) -> None:
+        """Ask it to end: a call under way takes away what it was writing."""
+        self._process.terminate()
+
+    def wait(self, seconds: float) -> None:
+        """Wait until it has ended, for so long at most."""
+        with contextlib.suppress(subprocess.TimeoutExpired):
+            self._process.wait(max(0.0, seconds))
+
+    def kill(self) -> None:
+        """Kill it and all that it started, whatever they do."""
+        self._process.kill()
+        self._process.wait()
+        self._kill_group()
+
+    def end(self) -> int:
+        """Kill it, with all that it started, and give everything back; its exit status, negative for a signal."""
+        self.kill()
+        if not self._printed.closed:
+            self._take_output()
+            self.who = self._at_work()
+            for each in (self._calls, self._answers, self._printed, self._name):
+                each.close()
+        return self._process.returncode
+
+    def _at_work(self) -> str:
+        """Who is at work in the child, or was when it ended, with distribution and version; empty where nobody is."""
+        self._name.seek(len(MAGIC))
+        what, _, name = self._name.read(SIZE).partition(b"\0")[0].decode(errors="replace").partition("\n")
+        found = (plugin.distribution for plugin in installed().plugins if plugin.name == name)
+        return f"{what} of {next(found, UNKNOWN)}" if name else what
+
+    def _kill_group(self) -> None:
+        with contextlib.suppress(ProcessLookupError, PermissionError):  # nothing is left, or (macOS) a zombie
+            os.killpg(self._process.pid, signal.SIGKILL)
 
 
-def result_of(answer: tuple[Any, ...], encoding: Data[Any] | Pickled[Any], output: str = "") -> Any:  # noqa: ANN401 - what the function returned
+def pickled_call(function: Callable[..., Any], args: tuple[Any, ...], who: str) -> bytes:
+    """A function, by its name, and its arguments.
+
+    Raises:
+        CrashError: no child can have them.
+    """
+    name = getattr(function, "__qualname__", repr(function))
+    if getattr(function, "__module__", None) == "__main__":
+        raise CrashError(f"{name} is in the script that is run, where a child process cannot import it")
+    try:
+        return pickle.dumps((function, args))
+    except (pickle.PicklingError, AttributeError, TypeError) as error:
+        message = f"{who}: {name} and its arguments cannot be sent to a child process: {error}"
+        raise CrashError(message) from error
+
+
+def result_of(answer: Answer, encoding: Data[Any] | Pickled[Any], output: str = "") -> Any:  # noqa: ANN401 - what the function returned
     """What a call in a child returned.
 
     Args:
@@ -171,38 +404,57 @@ def result_of(answer: tuple[Any, ...], encoding: Data[Any] | Pickled[Any], outpu
         AnswerError: it sent something else.
         Exception: whatever the function raised, as `run_in_child` raises it.
     """
-    match answer:
-        case ("value", value):
-            return encoding.unpack(value)
-        case ("raised", traceback, error):
-            raise encoding.unpack_error(error) from ChildFailure(output, traceback)
-        case _:
-            raise ValueError(answer)
+    if answer.word == "value":
+        return encoding.unpack(answer.body)
+    raise encoding.unpack_error(answer.body) from ChildFailure(output, answer.text)
 
 
-def pickled_call(
-    function: Callable[..., Any], args: tuple[Any, ...], who: str, encoding: Data[Any] | Pickled[Any] = PLAIN
-) -> tuple[bytes, bytes, bytes]:
-    """The encoding of the answer, the function, by its name, and its arguments.
+class Output:
+    """The beginning and the end of what was printed, of any length.
 
-    Raises:
-        CrashError: no child can have them.
+    Attributes:
+        size: how much was printed [B].
     """
-    if getattr(function, "__module__", None) == "__main__":
-        raise CrashError(
-            f"{function.__qualname__} is in the script that is run, where a child process cannot import it",
-        )
-    try:
-        return pickle.dumps(encoding), pickle.dumps(function), pickle.dumps(args)
-    except (pickle.PicklingError, AttributeError, TypeError) as error:
-        name = getattr(function, "__qualname__", repr(function))
-        message = f"{who}: {name} and its arguments cannot be sent to a child process: {error}"
-        raise CrashError(message) from error
+
+    def __init__(self) -> None:
+        self.size, self._head, self._tail = 0, b"", b""
+
+    def add(self, data: bytes) -> None:
+        """Take what was printed."""
+        half = KEPT_OUTPUT // 2
+        room = half - len(self._head)
+        self._head += data[:room]
+        self._tail = (self._tail + data[room:])[-half:]
+        self.size += len(data)
+
+    @property
+    def is_cut(self) -> bool:
+        """Whether there was too much to keep all of it."""
+        return self.size > len(self._head) + len(self._tail)
+
+    def text(self) -> str:
+        """All of it, or its beginning, how much is left out, and its end."""
+        gap = b"\n[%d bytes left out]\n" % (self.size - len(self._head) - len(self._tail)) if self.is_cut else b""
+        return (self._head + gap + self._tail).decode("utf-8", "replace")
+
+    def last(self) -> str:
+        """The end of it."""
+        return ((b"" if self.is_cut else self._head) + self._tail).decode("utf-8", "replace")
 
 
-def _last_words(output: str) -> str:
-    """The end of the output, as the end of a message."""
-    words = " ".join(output.replace(MARK, "").split())
-    if len(words) > _LAST_WORDS:
-        words = f"…{words[1 - _LAST_WORDS :]}"
-    return f"; it printed last: {shown(words, _LAST_WORDS)}" if words else ""
+def last_words(printed: str, most: int = 200) -> str:
+    """The end of what a child printed, in one line, as a message quotes it; empty where it printed nothing.
+
+    Of what faulthandler prints about a crash, that is the reason and the stack of the thread that failed.
+
+    Args:
+        printed: what it printed.
+        most: how many characters are quoted.
+    """
+    printed = printed.replace(MARK, "")
+    *_, fault = None, *_FAULT.finditer(printed)
+    if fault:
+        stack = printed[fault.end() :].rpartition("(most recent call first):")[2].partition("Extension modules:")[0]
+        return shown(" ".join(f"{fault[0]} {stack}".split()), most)
+    words = " ".join(printed.split())
+    return shown(words if len(words) <= most else f"…{words[1 - most :]}", most) if words else ""

@@ -30,49 +30,14 @@ MEMORY = 2**31
 """Address space of a fenced process [B]."""
 
 _WRITING = os.O_WRONLY | os.O_RDWR | os.O_CREAT | os.O_TRUNC | os.O_APPEND
-_REFUSED = (
-    "socket.",
-    "subprocess.",
-    "os.exec",
-    "os.fork",
-    "os.posix_spawn",
-    "os.spawn",
-    "os.startfile",
-    "os.system",
-    "os.kill",
-    "os.putenv",
-    "os.unsetenv",
-    "os.remove",
-    "os.rename",
-    "os.rmdir",
-    "os.mkdir",
-    "os.link",
-    "os.symlink",
-    "os.truncate",
-    "os.chmod",
-    "os.chown",
-    "os.utime",
-    "os.setxattr",
-    "os.removexattr",
-    "os.chdir",
-    "os.fchdir",
-    "shutil.",
-    "tempfile.",
-    "ctypes.",
-    "pty.",
-    "signal.pthread_kill",
-    "urllib.",
-    "webbrowser.",
-    "winreg.",
-    "msvcrt.",
-    "_winapi.",
-    "mmap.",
-    "ensurepip.",
-    "cpython.run_",
-    "code.__new__",
-    "function.__new__",
+_EVENTS = (
+    "socket. subprocess. os.exec os.fork os.posix_spawn os.spawn os.startfile os.system os.kill os.putenv os.unsetenv "
+    "os.remove os.rename os.rmdir os.mkdir os.link os.symlink os.truncate os.chmod os.chown os.utime os.setxattr "
+    "os.removexattr os.chdir os.fchdir shutil. tempfile. ctypes. pty. signal.pthread_kill urllib. webbrowser. winreg. "
+    "msvcrt. _winapi. mmap. ensurepip. cpython.run_ code.__new__ function.__new__"
 )
 """Audit events that a fenced process has no business with, or what their names begin with."""
+_REFUSED = tuple(_EVENTS.split())
 
 
 class FenceError(PermissionError):

@@ -55,8 +55,5 @@ def _limit_of(call: Call[Loader[Any]]) -> float | None:
     """How long a loader may take [s]; 0 where it cannot say, and then fails when it is called."""
     with suppress(ManipulatorError), blaming(call, "time_limit"):
         limit = call.stage.time_limit(call.options)
-        if limit is None:
-            return None
-        tries = 1 if call.stage.prepare is None else 2  # A load that fails in a kept child is repeated in a new one.
-        return tries * a_record(limit, int, float)
+        return None if limit is None else a_record(limit, int, float)
     return 0.0

@@ -26,8 +26,8 @@ from dh2urdf.kinematics.walk import STACKS, CompiledChain, Frame, values_of
 from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.manipulator import TOOL, JointType
+from dh2urdf.record_fields import many_unchecked, replace_unchecked
 from dh2urdf.source import Problem, listed
-from dh2urdf.validation.coercion import many_unchecked, replace_unchecked
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence

@@ -20,20 +20,12 @@ _ROWS = 4
 
 
 def load_function(loader: Loader[Any]) -> Callable[[LoadRequest, Any], LoadReport]:
-    """The function that loads a file and measures it: the loader's own, or one that measures what the loader opens.
-
-    Raises:
-        TypeError: the loader has neither `load` nor `open`.
-    """
-    if loader.load is not None:
-        return loader.load
-    if loader.open is None:
-        raise TypeError(f"the loader {loader.name!r} has neither load nor open")
+    """The function that opens a file with a loader, and measures the arm where the loader does not."""
     return update_wrapper(partial(load_opened, loader.open), loader.open)
 
 
 def load_opened(
-    open_arm: Callable[[LoadRequest, Any], SimulatedArm],
+    open_arm: Callable[[LoadRequest, Any], SimulatedArm | LoadReport],
     request: LoadRequest,
     options: Any,  # noqa: ANN401 - the options of any loader
 ) -> LoadReport:
@@ -41,12 +33,14 @@ def load_opened(
 
     Raises:
         LoaderError: the simulator refuses the file, or has another arm.
-        TypeError: `open_arm` gives something else than a `SimulatedArm`.
+        TypeError: `open_arm` gives something else than a `SimulatedArm` or a `LoadReport`.
         ValueError: a pose is no matrix of four rows of four numbers.
     """
     arm = open_arm(request, options)
+    if isinstance(arm, LoadReport):
+        return arm
     if not isinstance(arm, SimulatedArm):
-        raise TypeError(f"open returned {type(arm).__name__}, not a SimulatedArm")
+        raise TypeError(f"open returned {type(arm).__name__}, neither a SimulatedArm nor a LoadReport")
     try:
         return _measured(arm, request)
     finally:
@@ -96,8 +90,6 @@ def _transform(matrix: Any, link: str) -> RigidTransform:  # noqa: ANN401 - an a
     Raises:
         ValueError: it is no matrix of four rows of four numbers.
     """
-    if isinstance(matrix, RigidTransform):
-        return matrix
     if isinstance(matrix, RigidTransform):
         return matrix
     rows = [[float(number) for number in row] for row in matrix]

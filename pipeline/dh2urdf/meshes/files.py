@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 from dh2urdf.documents.text_files import LONG_PATH, check_file
 from dh2urdf.errors import ConfigError, OutputError
 from dh2urdf.manipulator import MeshFile
-from dh2urdf.output.whole_files import READ_AT_ONCE, safe_stem
+from dh2urdf.output.whole_files import safe_stem
 from dh2urdf.patterns import late_pattern
 from dh2urdf.robot import Mesh
 from dh2urdf.source import Problem, shown
@@ -36,6 +36,8 @@ REMEDY = "have it converted: `output: {meshes: {convert: auto}}`"
 """The end of a notice's suggestion, where a conversion leaves nothing to notice."""
 _DIGITS = 8
 """Hexadecimal digits of a content's hash in the name of its copy."""
+_READ_AT_ONCE = 1 << 20
+"""How much of a file is read at once [byte]."""
 _PACKAGE = late_pattern(r"package://[A-Za-z0-9][A-Za-z0-9._-]*(/[A-Za-z0-9][A-Za-z0-9._-]*)*/?")
 
 
@@ -136,7 +138,7 @@ def _digest(path: str, _changed: int, _size: int) -> str:
 
     digest = sha256()
     with Path(path).open("rb") as file:
-        while block := file.read(READ_AT_ONCE):
+        while block := file.read(_READ_AT_ONCE):
             digest.update(block)
     return digest.hexdigest()
 

@@ -25,7 +25,7 @@ from dh2urdf.rotations import IDENTITY_ROTATION, RigidTransform
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from dh2urdf.meshes.named_files import NamedFiles
+    from dh2urdf.meshes.addresses import NamedFiles
 
 FORMATS = (".stl", ".obj", ".dae")
 """How the names of mesh files end that can be read."""
@@ -104,23 +104,18 @@ def load_scene(content: bytes, suffix: str, *, process: bool, named: NamedFiles 
         _elements(content)  # Of a stranger: the parser of pycollada would follow what it declares.
     files: Any = named  # it has what trimesh calls of a resolver
     if suffix == ".dae" and not process:
-        return _collada_scene(content, files)
+        # The scene of a COLLADA file as it is: `trimesh.load_scene` merges its vertices whatever it is asked for.
+        from trimesh.exchange import dae
+
+        read: Any = dae  # its functions have no types
+        loaded = read.load_collada(io.BytesIO(content), resolver=files)
+        scene: Any = trimesh.Scene()
+        for name, given in loaded["geometry"].items():
+            scene.geometry[name] = trimesh.Trimesh(**given, process=False)
+        for node in loaded["graph"]:
+            scene.graph.update(frame_to=node["frame_to"], matrix=node["matrix"], geometry=node["geometry"])
+        return scene
     return trimesh.load_scene(io.BytesIO(content), file_type=suffix[1:], process=process, resolver=files)
-
-
-def _collada_scene(content: bytes, files: Any) -> Any:  # noqa: ANN401 - see `load_scene`
-    """The scene of a COLLADA file as it is: `trimesh.load_scene` merges its vertices whatever it is asked for."""
-    import trimesh
-    from trimesh.exchange import dae
-
-    read: Any = dae  # its functions have no types
-    loaded = read.load_collada(io.BytesIO(content), resolver=files)
-    scene: Any = trimesh.Scene()
-    for name, given in loaded["geometry"].items():
-        scene.geometry[name] = trimesh.Trimesh(**given, process=False)
-    for node in loaded["graph"]:
-        scene.graph.update(frame_to=node["frame_to"], matrix=node["matrix"], geometry=node["geometry"])
-    return scene
 
 
 def asset_of(content: bytes, suffix: str) -> Asset:

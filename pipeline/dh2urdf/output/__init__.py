@@ -6,13 +6,13 @@ from dh2urdf._faces import face
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
-    from dh2urdf.output.seen_names import SeenNames as SeenNames
+    from dh2urdf.output.name_set import NameSet as NameSet
     from dh2urdf.output.whole_files import write_whole as write_whole
 else:
     __all__, __getattr__, __dir__ = face(
         __name__,
         {
-            "seen_names": "SeenNames",
+            "name_set": "NameSet",
             "whole_files": "write_whole",
         },
     )

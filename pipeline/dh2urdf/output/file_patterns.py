@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING
 from dh2urdf.documents.text_files import LONG_PATH
 from dh2urdf.errors import ConfigError
 from dh2urdf.late_tuples import NamedTuple
-from dh2urdf.output.store import NOT_THERE
+from dh2urdf.output.whole_files import NOT_THERE
 from dh2urdf.source import Problem, shown
 
 if TYPE_CHECKING:

@@ -15,8 +15,7 @@ from typing import IO, TYPE_CHECKING
 
 import orjson
 
-from dh2urdf.output.local_store import LocalStore
-from dh2urdf.output.store import WORKING, Store
+from dh2urdf.output.store import WORKING, LocalStore, Store
 from dh2urdf.output.whole_files import reporting_os_errors, write_all
 
 if TYPE_CHECKING:

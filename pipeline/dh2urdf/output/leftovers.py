@@ -11,20 +11,20 @@ from __future__ import annotations
 from collections import Counter
 from contextlib import suppress
 from dataclasses import replace
-from hashlib import sha256
-from typing import TYPE_CHECKING, Any, BinaryIO
+from hashlib import file_digest, sha256
+from typing import TYPE_CHECKING, Any, BinaryIO, cast
 
 import orjson
 
 from dh2urdf.errors import OutputError
 from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.output.journal import MANIFEST
-from dh2urdf.output.seen_names import SeenNames
-from dh2urdf.output.store import checked
-from dh2urdf.output.whole_files import READ_AT_ONCE
+from dh2urdf.output.name_set import NameSet
+from dh2urdf.output.whole_files import checked
 
 if TYPE_CHECKING:
-    from collections.abc import Collection, Iterable, Iterator
+    from collections.abc import Iterable
+    from io import BytesIO
 
     from dh2urdf.output.store import Store
 
@@ -69,40 +69,55 @@ def clear_leftovers(store: Store, reports: Store, rows: BinaryIO, *, keep: bool,
     """
     if not reports.size(MANIFEST) or _is_same(reports, rows):
         return Leftovers()
-    found: Counter[str] = Counter()
     named, failed, digests = _of_new(rows)
+    found: Counter[str] = Counter()
     shards: dict[str, bool] = {}
     meshes: dict[str, str] = {}
     with reports.open(MANIFEST) as stream:
-        for row in map(_LastRow, stream):
+        for row in map(_Row, stream):
             if failed.known([row.name]):
                 continue
-            meshes |= {} if keep_meshes else row.meshes
-            names = _left(row.names(), named)
-            if not row.shards.isdisjoint(names):
-                for shard in row.shards.intersection(names):
-                    shards[shard] = shards.get(shard, True) and row.is_whole_in(store, shard)
-            elif row.files and not names.isdisjoint(row.files):
-                whole = row.is_whole(store, names)
-                _clear(store, names.difference(row.meshes), found, keep=keep, whole=whole)
+            left = _left(row.names, named)
+            meshes |= {} if keep_meshes else {name: row.meshes[name] for name in left.intersection(row.meshes)}
+            if inside := left.intersection(row.members):
+                for name in inside:
+                    shards[name] = shards.get(name, True) and row.is_whole_in(store, name)
+            elif not left.isdisjoint(row.files):
+                own = [(name, digest) for name, digest in row.files.items() if name in left]
+                whole = all(_digest(store, name) in (digest, None) for name, digest in own)
+                _clear(store, left.difference(row.meshes), found, keep=keep, whole=whole)
     for shard, whole in shards.items():
         _clear(store, [shard], found, keep=keep, whole=whole)
-    for name in _left(meshes, named):
-        if meshes[name] not in digests:
-            _clear(store, [name], found, keep=keep, whole=_digest(store, name) == meshes[name])
+    for name, digest in meshes.items():
+        if digest not in digests:
+            _clear(store, [name], found, keep=keep, whole=_digest(store, name) == digest)
     return Leftovers(**found)
 
 
-def _of_new(rows: BinaryIO) -> tuple[SeenNames, SeenNames, set[str]]:
+def _of_new(rows: BinaryIO) -> tuple[NameSet, NameSet, set[str]]:
     """The files that a new manifest names, the manipulators that failed, and the hashes of the meshes."""
+    named, failed, digests = NameSet(), NameSet(), set[str]()
     rows.seek(0)
-    named, failed = SeenNames(), SeenNames()
-    digests: set[str] = set()
-    for row in map(_LastRow, rows):
-        named.add(map(_key, row.names()))
+    for row in map(_Row, rows):
+        named.add(name.casefold() for name in row.names)
         failed.add([row.name] if row.failed else [])
         digests.update(row.meshes.values())
     return named, failed, digests
+
+
+def _is_same(store: Store, rows: BinaryIO) -> bool:
+    """Whether the manifest in a store is the new one."""
+    rows.seek(0)
+    with store.open(MANIFEST) as stream:
+        old, new = [file_digest(cast("BytesIO", each), "sha256").digest() for each in (stream, rows)]
+        return old == new
+
+
+def _left(names: Iterable[str], named: NameSet) -> set[str]:
+    """Those of some names that the new manifest has not; where a file system ignores case, one name is the other."""
+    keys = {name: name.casefold() for name in names}
+    known = named.known(set(keys.values()))
+    return {name for name, key in keys.items() if key not in known}
 
 
 def _clear(store: Store, names: Iterable[str], found: Counter[str], *, keep: bool, whole: bool) -> None:
@@ -123,86 +138,59 @@ def _clear(store: Store, names: Iterable[str], found: Counter[str], *, keep: boo
             found["removed"] += 1
 
 
-def _is_same(store: Store, rows: BinaryIO) -> bool:
-    """Whether the manifest in a store is the new one."""
-    rows.seek(0)
-    with store.open(MANIFEST) as stream:
-        while block := stream.read(READ_AT_ONCE):
-            if rows.read(len(block)) != block:
-                return False
-    return not rows.read(1)
-
-
-def _left(names: Iterable[str], named: SeenNames) -> set[str]:
-    """Those of some names that the new manifest has not; where a file system ignores case, one name is the other."""
-    keys = {name: _key(name) for name in names}
-    known = named.known(set(keys.values()))
-    return {name for name, key in keys.items() if key not in known}
-
-
-def _key(name: str) -> str:
-    return name.casefold()
-
-
-def _digest(store: Store, name: str, offset: int = 0, size: int | None = None) -> str | None:
-    """The hash of a file, or of some of it; None where it cannot be read."""
+def _digest(store: Store, name: str) -> str | None:
+    """The hash of a file; None where it cannot be read."""
     try:
-        return sha256(store.read(name, offset=offset, size=size)).hexdigest()
+        return sha256(store.read(name)).hexdigest()
     except OutputError:
         return None
 
 
-class _LastRow:
+class _Row:
     """The files that a row of a manifest names; none where the line is no row.
 
     Attributes:
         name: of the manipulator.
         failed: whether nothing was made of it.
         files: files of their own, with the hashes of their bytes.
-        shards: tar files that hold the others.
-        pictures: pictures beside the files.
+        members: of each shard, the places of its files in it, with their hashes.
         meshes: copies of meshes with their hashes, which rows share.
+        names: the names of all files in the store, those of shards and pictures too.
     """
 
     def __init__(self, line: bytes) -> None:
         self.name, self.failed = "", False
         self.files: dict[str, str] = {}
-        self.shards: set[str] = set()
-        self.pictures: set[str] = set()
+        self.members: dict[str, list[tuple[int, int, str]]] = {}
         self.meshes: dict[str, str] = {}
-        self._members: list[tuple[str, range, str]] = []
+        self.names: set[str] = set()
         with suppress(orjson.JSONDecodeError, KeyError, TypeError, AttributeError, OutputError):
             self._take(orjson.loads(line))  # If not, it is the manifest of something else.
 
     def _take(self, row: Any) -> None:  # noqa: ANN401 - what JSON has
-        files = [file for file in row["files"] if "shard" not in file]
-        members = [file for file in row["files"] if "shard" in file]
-        own = {checked(file["path"]): str(file["sha256"]) for file in files}
-        inside = [(checked(m["shard"]), range(m["offset"], m["offset"] + m["bytes"]), m["sha256"]) for m in members]
+        files: dict[str, str] = {}
+        members: dict[str, list[tuple[int, int, str]]] = {}
+        for file in row["files"]:
+            if "shard" in file:
+                place = file["offset"] + 0, file["bytes"] + 0, file["sha256"]
+                members.setdefault(checked(file["shard"]), []).append(place)
+            else:
+                files[checked(file["path"])] = str(file["sha256"])
         meshes = {checked(mesh["path"]): str(mesh["sha256"]) for mesh in row.get("meshes", ())}
-        pictures = [report["picture"] for report in row["loaders"].values() if report["picture"]]
         # In a shard, pictures are members. Files in folders of their own lie below the pictures.
-        beside = "".join(min(own, key=lambda name: name.count("/"), default="").rpartition("/")[:2])
-        self.pictures = {checked(f"{beside}{name}") for name in pictures} if own else set()
+        beside = "".join(min(files, key=lambda name: name.count("/"), default="").rpartition("/")[:2])
+        pictures = [report["picture"] for report in row["loaders"].values() if report["picture"]]
+        own = {checked(f"{beside}{name}") for name in pictures} if files else set()
         self.name, self.failed = str(row["name"]), row["status"] != "ok"
-        self.files, self.meshes, self._members = own, meshes, inside
-        self.shards = {shard for shard, _, _ in inside}
-
-    def names(self) -> Iterator[str]:
-        """The names of all files in the store."""
-        yield from self.files
-        yield from self.shards
-        yield from self.pictures
-        yield from self.meshes
-
-    def is_whole(self, store: Store, names: Collection[str]) -> bool:
-        """Whether some of its own files have the bytes that they were written with."""
-        return all(_digest(store, name) in (digest, None) for name, digest in self.files.items() if name in names)
+        self.files, self.members, self.meshes = files, members, meshes
+        self.names = {*files, *members, *own, *meshes}
 
     def is_whole_in(self, store: Store, shard: str) -> bool:
         """Whether its files in a shard have the bytes that they were written with."""
-        return all(
-            _digest(store, name, part.start, part.stop - part.start) == digest
-            for name, part, digest in self._members
-            if name == shard
-        )
+        with suppress(OutputError), store.open(shard) as stream:
+            for offset, size, digest in self.members[shard]:
+                stream.seek(offset)
+                if sha256(stream.read(size)).hexdigest() != digest:
+                    return False
+            return True
+        return False

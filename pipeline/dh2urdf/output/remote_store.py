@@ -1,6 +1,6 @@
 """A run's output at an address that fsspec knows: an object store, most of all.
 
-An object appears whole or not at all, which is what a `Store` promises. Other file systems behind an address, such as
+An object appears whole or not at all, which is what a store promises. Other file systems behind an address, such as
 ``sftp://``, may show a file that is being written: one that a killed run left so is found by its hash and made again
 when the run is resumed.
 """
@@ -11,15 +11,13 @@ import os
 import re
 import tempfile
 from contextlib import contextmanager, nullcontext, suppress
-from errno import EINVAL, ENOENT, ETIMEDOUT
-from functools import partial
+from errno import ENOENT, ETIMEDOUT
 from glob import has_magic
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, BinaryIO
 
 from dh2urdf.errors import Dh2UrdfError, MissingDependencyError, OutputError
-from dh2urdf.output.store import NOT_THERE, ReportingStream, Store, checked
-from dh2urdf.output.whole_files import staging
+from dh2urdf.output.whole_files import NOT_THERE, checked, staging
 from dh2urdf.source import Problem, printable, shown
 
 if TYPE_CHECKING:
@@ -34,12 +32,12 @@ _PATIENCE = 60
 """After so long whatever was asked is given up [s], a second later for each megabyte to be sent. The limits above do
 not count while a server gives no leave to send (100 Continue), or takes nothing of what is sent."""
 _BLOCK = 1 << 23
-"""How much a stream takes from a remote file at once [byte]."""
+"""How much of a remote file is read at once [byte]."""
 _LONGEST_ANSWER = 300
 """Of what a remote place says, so much is repeated."""
 
 
-class RemoteStore(Store):
+class RemoteStore:
     """What is below an address such as ``s3://bucket/prefix``.
 
     Credentials, endpoint and all other settings are those of fsspec and of the package behind it: of the environment,
@@ -63,83 +61,72 @@ class RemoteStore(Store):
 
     def write(self, name: str, content: bytes) -> None:
         """Write a file whole, in the place of an older one."""
-        self._create(name, lambda system, key: system.pipe_file(key, content, **self._within(len(content))))
+        self._create(name, len(content), lambda system, key, **limit: system.pipe_file(key, content, **limit))
 
     def put(self, name: str, path: Path) -> None:
         """Put a finished file of a folder of `scratch` where it belongs, in the place of an older one."""
-        self._create(name, lambda system, key: system.put_file(str(path), key, **self._within(path.stat().st_size)))
+        size = path.stat().st_size
+        self._create(name, size, lambda system, key, **limit: system.put_file(str(path), key, **limit))
 
-    def _create(self, name: str, create: Callable[[Any, str], object]) -> None:
-        system, key = self._place(name)
-        with self._reporting(name, "write"):
+    def _create(self, name: str, size: int, create: Callable[..., object]) -> None:
+        with self._at(name, "write", size) as (system, key, limit):
             try:
-                create(system, key)
+                create(system, key, **limit)
             except FileNotFoundError:
                 # Some file systems want a folder first. A bucket is not made: that it is not there is a mistake.
                 top = re.match("/?[^/]*", key)
                 if top is None or not system.exists(top.group()):
                     raise
                 system.makedirs(key.rpartition("/")[0], exist_ok=True)
-                create(system, key)
+                create(system, key, **limit)
 
-    def read(self, name: str, *, offset: int = 0, size: int | None = None) -> bytes:
-        """What is in a file, or some of it."""
-        if size == 0:
-            return b""  # There is no such range of HTTP.
-        system, key = self._place(name)
-        end = None if size is None else offset + size
-        with self._reporting(name, "read"):
-            try:
-                return bytes(system.cat_file(key, start=offset or None, end=end, **self._within()))
-            except OSError as error:
-                if error.errno == EINVAL and offset >= system.info(key, **self._within())["size"]:
-                    return b""  # S3 calls a range beyond the end invalid.
-                raise
+    def read(self, name: str) -> bytes:
+        """Return the content of a file."""
+        with self._at(name, "read") as (system, key, limit):
+            return bytes(system.cat_file(key, **limit))
 
-    def open(self, name: str) -> BinaryIO:
-        """A file as a stream for reading from its beginning, which the caller closes."""
-        system, key = self._place(name)
-        reporting = partial(self._reporting, name, "read")
-        with reporting():
-            return ReportingStream.buffered(system.open(key, "rb", block_size=_BLOCK), reporting)
+    @contextmanager
+    def open(self, name: str) -> Iterator[BinaryIO]:
+        """Open a file for reading from its beginning."""
+        with self._at(name, "read") as (system, key, _), system.open(key, "rb", block_size=_BLOCK) as file:
+            yield file
 
     def size(self, name: str) -> int | None:
-        """How long a file is [byte]; None where there is none."""
-        system, key = self._place(name)
-        with self._reporting(name, "read"), suppress(*NOT_THERE):
-            info = system.info(key, **self._within())
-            if info["type"] == "file":
-                return int(info["size"])
+        """Return the length of a file [byte]; None if there is no such file."""
+        with self._at(name, "read") as (system, key, limit), suppress(*NOT_THERE):
+            info = system.info(key, **limit)
+            return int(info["size"]) if info["type"] == "file" else None
         return None
 
     def names(self, folder: str = "") -> Iterator[str]:
-        """The names of all files in a folder and below it."""
-        system, top = self._place(folder) if folder else self._open_system()
+        """Yield the names of all files in a folder and below it, in no particular order; no folder is an empty one."""
         found: list[str] = []
-        with self._reporting(folder, "read"), suppress(*NOT_THERE):
-            found = system.find(top, **self._within())
+        with self._at(folder or None, "read") as (system, top, limit), suppress(*NOT_THERE):
+            found = system.find(top, **limit)
         root = self._open_system()[1]
         for key in found:
             yield key[len(root) + 1 :]
 
     def remove(self, name: str) -> None:
         """Remove a file, if it is there."""
-        system, key = self._place(name)
-        with self._reporting(name, "remove"), suppress(*NOT_THERE):
-            system.rm_file(key, **self._within())
+        with self._at(name, "remove") as (system, key, limit), suppress(*NOT_THERE):
+            system.rm_file(key, **limit)
 
     def remove_tree(self, folder: str) -> None:
         """Remove a folder and all in it, if it is there."""
-        system, key = self._place(folder)
-        with self._reporting(folder, "remove"), suppress(*NOT_THERE):
-            system.rm(key, recursive=True, **self._within())
+        with self._at(folder, "remove") as (system, key, limit), suppress(*NOT_THERE):
+            system.rm(key, recursive=True, **limit)
+
+    def is_protected(self, _name: str) -> bool:
+        """Return False: no input of a run is at an address."""
+        return False
 
     def scratch(self) -> AbstractContextManager[Path]:
-        """A folder among the temporary ones of this machine."""
+        """Yield a folder among the temporary ones of this machine."""
         return staging(Path(tempfile.gettempdir()))
 
     def lock(self) -> AbstractContextManager[None]:
-        """Nothing: an object store has no locks, and nothing half-written that would have to be removed."""
+        """Do nothing: an object store has no locks, and nothing half-written that would have to be removed."""
         return nullcontext()
 
     def _open_system(self) -> tuple[Any, str]:
@@ -171,18 +158,20 @@ class RemoteStore(Store):
         if limits:
             system.retries = 1  # Each request has its own tries.
         self._system = os.getpid(), system, root
-        return self._system[1:]
+        return system, root
 
-    def _place(self, name: str) -> tuple[Any, str]:
-        """The file system of fsspec and the path of a file in it."""
+    @contextmanager
+    def _at(self, name: str | None, doing: str, size: int = 0) -> Iterator[tuple[Any, str, dict[str, float]]]:
+        """The file system of fsspec, the path of a file in it, and the time limit for sending so much [byte].
+
+        File systems that are not asynchronous take no limit. Without a name, the path is that of the store.
+        """
         system, root = self._open_system()
-        if has_magic(checked(name)):  # fsspec would take it for the names of others.
+        if name is not None and has_magic(checked(name)):  # fsspec would take it for the names of others.
             raise OutputError(Problem(message=f"a name in {self} cannot hold any of * ? [: {shown(name)}", found=name))
-        return system, f"{root}/{name}"
-
-    def _within(self, size: int = 0) -> dict[str, float]:
-        """The limit for a call of an asynchronous file system that sends so much [byte]; others have none."""
-        return {"timeout": _PATIENCE + size / 1e6} if self._open_system()[0].async_impl else {}
+        limit = {"timeout": _PATIENCE + size / 1e6} if system.async_impl else {}
+        with self._reporting(name or "", doing):
+            yield system, root if name is None else f"{root}/{name}", limit
 
     @property
     def _scheme(self) -> str:

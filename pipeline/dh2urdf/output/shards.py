@@ -14,13 +14,14 @@ from typing import TYPE_CHECKING, BinaryIO, Self
 
 from dh2urdf.errors import OutputError
 from dh2urdf.late_tuples import NamedTuple
-from dh2urdf.output.store import Store, checked
-from dh2urdf.output.whole_files import refused, reporting_os_errors, safe_stem, write_all
+from dh2urdf.output.whole_files import checked, refused, reporting_os_errors, safe_stem, write_all
 from dh2urdf.source import Problem
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
     from types import TracebackType
+
+    from dh2urdf.output.store import Store
 
 _BLOCK = 512
 """Headers and contents begin at multiples of this [byte] (POSIX.1-2017, pax, "ustar Interchange Format")."""

@@ -1,122 +1,277 @@
 """Where the output of a run goes: a folder, or a prefix of an object store.
 
-A store holds files under relative names with ``/`` between their parts. Each appears whole or not at all and replaces
-an older one at once, so that a run that is killed at any moment leaves no half of a file under a final name. No file is
-forced onto the disk, which would cost a hundred times the writing: what a power cut takes is found by the hashes of the
-manifest when the run is resumed.
+A store holds files under relative names with ``/`` between their parts. Each file appears whole or not at all and
+replaces an older one at once, so a run that is killed at any moment leaves no half of a file under a final name. No
+file is forced onto the disk, which would cost a hundred times the writing: what a power cut takes is found by the
+hashes of the manifest when the run is resumed.
 """
 
 from __future__ import annotations
 
-import io
-from abc import ABC, abstractmethod
-from typing import TYPE_CHECKING, Any, BinaryIO, cast
+import fcntl
+import os
+import shutil
+from contextlib import contextmanager, suppress
+from errno import EACCES, EAGAIN
+from pathlib import Path
+from typing import TYPE_CHECKING, BinaryIO, TypeAlias
 
+from dh2urdf.documents.text_files import is_file
 from dh2urdf.errors import OutputError
-from dh2urdf.output.whole_files import NO_NAMES, READ_AT_ONCE
+from dh2urdf.output.whole_files import NOT_THERE, TO_FOLDER, checked, refused, reporting_os_errors, staging, write_all
 from dh2urdf.source import Problem, shown
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
-    from contextlib import AbstractContextManager
-    from pathlib import Path
+    from collections.abc import Iterable, Iterator
 
+    from dh2urdf.output.remote_store import RemoteStore
+
+Store: TypeAlias = "LocalStore | RemoteStore"
+"""A place for files under relative names; both kinds have the methods of `LocalStore`, except `append` and `protect`.
+
+A worker process, here or on another machine, gets a pickled store and reaches the same place. The text of a store is
+for messages, and shows no password. Every method raises `OutputError` where the place refuses, and for a name that
+would lead out of the store.
+"""
 WORKING = ".dh2urdf"
 """The folder of a store for what only the run itself needs: its journal, its lock, temporary files."""
-NOT_THERE = (FileNotFoundError, NotADirectoryError)
-"""What says that a file is missing; the second, where another file stands for a folder above it."""
+_TEMPORARY = f"{WORKING}/temporary"
+_LOCK = f"{WORKING}/lock"
+_TRIES = 100
+"""How often a lock is tried that another run seems to give back at this moment."""
+
+_locked: set[str] = set()
+"""Folders that this process has locked: the system keeps out other processes only."""
 
 
-class Store(ABC):
-    """A place for files under relative names.
+def open_store(address: str | Path) -> Store:
+    """The store at an address: a path, or anything that fsspec knows, such as ``s3://bucket/prefix``.
 
-    A worker process, here or on another machine, gets a pickled one and reaches the same place. Its text is for
-    messages, and shows no password. Every method raises `OutputError` where the place refuses, and where a name is none
-    of a file in it: absolute, with ``..`` or with a backslash.
+    Nothing is read or written yet.
+
+    Raises:
+        OutputError: there is no such kind of address.
+        MissingDependencyError: a package that reaches such addresses is not installed.
+    """
+    scheme, separator, path = str(address).partition("://")
+    if not separator or isinstance(address, Path):
+        return LocalStore(Path(address))
+    if scheme.casefold() in ("file", "local"):
+        return LocalStore(Path(path))
+    from dh2urdf.output.remote_store import RemoteStore
+
+    return RemoteStore(str(address))
+
+
+class LocalStore:
+    """A folder of the file system, made when its first file comes.
+
+    A file is written among temporary ones, all in one folder, and renamed: what a killed process left is found there
+    without a search.
+
+    Attributes:
+        directory: the folder as the user wrote it, for messages.
     """
 
-    @abstractmethod
+    def __init__(self, directory: Path) -> None:
+        self.directory = directory
+        self._root = os.path.abspath(directory)  # noqa: PTH100 - links are for the system to follow
+        self._made: set[str] = set()
+        self._protected: frozenset[str] = frozenset()
+
+    def __str__(self) -> str:
+        return str(self.directory)
+
+    def protect(self, names: Iterable[str]) -> None:
+        """Never write over some files, which are known by their names here, in lower case."""
+        self._protected = frozenset(names)
+
+    def is_protected(self, name: str) -> bool:
+        """Whether a file is an input of the run, and must stay as it is."""
+        return bool(self._protected) and name.casefold() in self._protected
+
     def write(self, name: str, content: bytes) -> None:
         """Write a file whole, in the place of an older one."""
+        # Plain system calls, since a run does this a million times. The temporary name is known before there is a file,
+        # so that an interrupt, which may come between any two steps, leaves none.
+        path = self._target(name)
+        temporary = f"{self._root}/{_TEMPORARY}/{os.urandom(8).hex()}"
+        try:
+            try:
+                _write_file(temporary, os.O_EXCL, content)
+                os.replace(temporary, path)  # noqa: PTH105
+            except FileNotFoundError:  # Someone has removed a folder.
+                self._made.clear()
+                self._make_folders(name)
+                _write_file(temporary, os.O_TRUNC, content)
+                os.replace(temporary, path)  # noqa: PTH105
+        except BaseException as error:
+            with suppress(OSError, ValueError):
+                os.unlink(temporary)  # noqa: PTH108
+            if isinstance(error, (OSError, ValueError)):
+                raise refused(self.directory / name, error) from error
+            raise
 
-    @abstractmethod
     def put(self, name: str, path: Path) -> None:
         """Put a finished file of a folder of `scratch` where it belongs, in the place of an older one."""
+        target = self._target(name)
+        with reporting_os_errors(self.directory / name):
+            path.replace(target)
 
-    @abstractmethod
-    def read(self, name: str, *, offset: int = 0, size: int | None = None) -> bytes:
-        """What is in a file, or some of it: so many bytes from an offset on, fewer where the file ends."""
+    def append(self, name: str, lines: bytes) -> None:
+        """Write lines at the end of a file in one call, so that a kill tears no line but the last."""
+        path = self._target(name)
+        with reporting_os_errors(self.directory / name):
+            _write_file(path, os.O_APPEND, lines)
 
-    @abstractmethod
-    def open(self, name: str) -> BinaryIO:
-        """A file as a stream for reading from its beginning, which the caller closes."""
+    def read(self, name: str) -> bytes:
+        """Return the content of a file."""
+        with self.open(name) as file:
+            return file.read()
 
-    @abstractmethod
+    @contextmanager
+    def open(self, name: str) -> Iterator[BinaryIO]:
+        """Open a file for reading from its beginning."""
+        path = Path(self._path(name))
+        with reporting_os_errors(self.directory / name, "read"), path.open("rb") as file:
+            yield file
+
     def size(self, name: str) -> int | None:
-        """How long a file is [byte]; None where there is none."""
+        """Return the length of a file [byte]; None if there is no such file."""
+        path = Path(self._path(name))
+        with reporting_os_errors(self.directory / name, "read"):
+            return path.stat().st_size if is_file(path) else None
 
-    @abstractmethod
     def names(self, folder: str = "") -> Iterator[str]:
-        """The names of all files in a folder and below it, in no particular order; no folder is an empty one."""
+        """Yield the names of all files in a folder and below it, in no particular order; no folder is an empty one."""
+        top = self._path(folder) if folder else self._root
 
-    @abstractmethod
+        def report(error: OSError) -> None:
+            if not isinstance(error, NOT_THERE):
+                raise refused(error.filename or top, error, "read") from error
+
+        for parent, _, files in os.walk(top, onerror=report):
+            for file in files:
+                yield os.path.relpath(f"{parent}/{file}", self._root)
+
     def remove(self, name: str) -> None:
         """Remove a file, if it is there, and the folder that was its own."""
+        path = Path(self._path(name))
+        with reporting_os_errors(self.directory / name, "remove"), suppress(*NOT_THERE):
+            path.unlink()
+        if folder := name.rpartition("/")[0]:
+            with suppress(OSError):  # Others are in it.
+                path.parent.rmdir()
+                self._made.discard(folder)
 
-    def is_protected(self, _name: str) -> bool:
-        """Whether a file is an input of the run, and must stay as it is."""
-        return False
-
-    @abstractmethod
     def remove_tree(self, folder: str) -> None:
         """Remove a folder and all in it, if it is there."""
+        path = self._path(folder)
+        self._made.clear()
+        with reporting_os_errors(self.directory / folder, "remove"), suppress(*NOT_THERE):
+            shutil.rmtree(path)
 
-    @abstractmethod
-    def scratch(self) -> AbstractContextManager[Path]:
-        """A local folder for files in the making, gone at the end whatever happens; no folders are made in it."""
+    @contextmanager
+    def scratch(self) -> Iterator[Path]:
+        """Yield a folder for files in the making, on the same file system, so that `put` is a rename."""
+        self._make_folders("")
+        with staging(Path(self._path(_TEMPORARY))) as folder:
+            yield folder
 
-    @abstractmethod
-    def lock(self) -> AbstractContextManager[None]:
-        """Keep other runs out of this place, and remove what was left in it by one that was killed.
+    @contextmanager
+    def lock(self) -> Iterator[None]:
+        """Keep other runs out of this folder, and remove what a killed run left in it.
+
+        The system gives the lock back when this process ends, however it ends; its children do not have it. On a file
+        system without locks there is none.
 
         Raises:
             OutputError: another run is at work here.
         """
+        place = os.path.realpath(self._root)
+        if place in _locked:
+            raise self._is_at_work()
+        _locked.add(place)
+        try:
+            lock = self._lock_file()
+            try:
+                self.remove_tree(_TEMPORARY)
+                yield
+            finally:
+                with suppress(OSError, OutputError):
+                    self.remove_tree(_TEMPORARY)
+                    os.unlink(self._path(_LOCK))  # noqa: PTH108
+                    os.rmdir(self._path(WORKING))  # noqa: PTH106 - unless the run keeps something there
+                with suppress(OSError):  # The file is empty, and the lock is given back all the same.
+                    os.close(lock)
+        finally:
+            _locked.discard(place)
+
+    def _lock_file(self) -> int:
+        """The descriptor of the lock file, locked until it is closed."""
+        # A run that ends removes the file and, if it can, the folder, at any moment: so it may take some tries.
+        with reporting_os_errors(self.directory, TO_FOLDER):
+            for left in reversed(range(_TRIES)):
+                try:
+                    os.makedirs(self._path(WORKING), exist_ok=True)  # noqa: PTH103
+                    lock = os.open(self._path(_LOCK), os.O_RDWR | os.O_CREAT, 0o666)
+                except (FileNotFoundError, FileExistsError):  # makedirs meets a folder that is gone when it looks again
+                    if not left:
+                        raise
+                    continue
+                try:
+                    # A lock of POSIX: unlike one of flock(2), no child has it after a fork.
+                    fcntl.lockf(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+                    if os.path.samestat(os.fstat(lock), os.stat(self._path(_LOCK))):  # noqa: PTH116
+                        return lock
+                except FileNotFoundError:
+                    pass  # It was removed before it was locked.
+                except OSError as error:
+                    if error.errno not in (EACCES, EAGAIN):
+                        return lock
+                    os.close(lock)
+                    raise self._is_at_work() from error
+                os.close(lock)
+        raise self._is_at_work()
+
+    def _is_at_work(self) -> OutputError:
+        return OutputError(
+            Problem(
+                message=f"another run is at work in {shown(str(self), 200)}",
+                suggestion="wait until it ends, or write to another folder",
+            )
+        )
+
+    def _path(self, name: str) -> str:
+        return f"{self._root}/{checked(name)}"
+
+    def _target(self, name: str) -> str:
+        """The path of a file that is to be written, whose folder is made."""
+        path = self._path(name)
+        if self.is_protected(name):
+            place = shown(str(self.directory / name), 200)
+            raise OutputError(
+                Problem(message=f"{place} is an input, and would be overwritten", suggestion="write to another folder")
+            )
+        self._make_folders(name)
+        return path
+
+    def _make_folders(self, name: str) -> None:
+        """Make the folder of a file, and the one of temporary files; each is made once."""
+        folder = name.rpartition("/")[0]
+        if folder in self._made:
+            return
+        with reporting_os_errors(self.directory, TO_FOLDER):
+            os.makedirs(f"{self._root}/{_TEMPORARY}", exist_ok=True)  # noqa: PTH103
+        with reporting_os_errors(self.directory / folder, TO_FOLDER):
+            os.makedirs(f"{self._root}/{folder}", exist_ok=True)  # noqa: PTH103
+        self._made.add(folder)
 
 
-def checked(name: str) -> str:
-    """A name of a file in a store.
-
-    Raises:
-        OutputError: it is none: it leads out of the store, or means another file on another system.
-    """
-    if "\\" in name or not NO_NAMES.isdisjoint(name.split("/")):
-        raise OutputError(Problem(message=f"{shown(name)} is not a plain relative name", found=name))
-    return name
-
-
-class ReportingStream(io.RawIOBase):
-    """A stream for reading whose errors name its store."""
-
-    def __init__(self, stream: Any, reporting: Callable[[], AbstractContextManager[None]]) -> None:  # noqa: ANN401
-        self._stream, self._reporting = stream, reporting
-
-    @classmethod
-    def buffered(cls, stream: Any, reporting: Callable[[], AbstractContextManager[None]]) -> BinaryIO:  # noqa: ANN401
-        """Such a stream that reads ahead."""
-        return cast("BinaryIO", io.BufferedReader(cls(stream, reporting), READ_AT_ONCE))
-
-    def readable(self) -> bool:
-        """It is."""
-        return True
-
-    def readinto(self, buffer: Any) -> int:  # noqa: ANN401 - whatever has the interface of a buffer
-        """Fill a buffer, as far as the stream goes."""
-        with self._reporting():
-            return cast("int", self._stream.readinto(buffer))
-
-    def close(self) -> None:
-        """Close the stream too."""
-        with self._reporting():
-            self._stream.close()
-        super().close()
+def _write_file(path: str, flags: int, content: bytes) -> None:
+    """Open a file, write to it and close it."""
+    descriptor = os.open(path, os.O_WRONLY | os.O_CREAT | flags, 0o666)
+    try:
+        write_all(descriptor, content)
+    finally:
+        os.close(descriptor)

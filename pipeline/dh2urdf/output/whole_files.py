@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 from dh2urdf.documents.text_files import ADDRESS, is_file, is_folder, is_there
 from dh2urdf.errors import OutputError
-from dh2urdf.output.seen_names import SeenNames
+from dh2urdf.output.name_set import NameSet
 from dh2urdf.patterns import late_pattern
 from dh2urdf.source import Problem, shown
 
@@ -26,8 +26,8 @@ LONGEST_STEM = 120
 """Bytes of a file name's stem: file systems take 255 for the whole name, and suffixes need their share."""
 NO_NAMES = frozenset(("", ".", ".."))
 """What no part of a relative name may be."""
-READ_AT_ONCE = 1 << 20
-"""How much of a file is read at once [byte]."""
+NOT_THERE = (FileNotFoundError, NotADirectoryError)
+"""The errors of a missing file; the second, where another file stands for a folder above it."""
 _STAGING = ".dh2urdf-"
 _ADVICE = {
     **dict.fromkeys((ENOSPC, EDQUOT), "make room, or write to another disk; a run goes on with `--resume`"),
@@ -85,7 +85,7 @@ class Stems:
         own_files: Sequence[str] = (),
     ) -> None:
         self._stem_of = stem_of
-        self._taken = SeenNames()
+        self._taken = NameSet()
         self._numbers: dict[str, int] = {}  # how often a stem was wanted, of those that were wanted again
         pairs = [pair for one, other in permutations(endings, 2) for pair in product(one, other)]
         self._tails = {
@@ -207,6 +207,17 @@ def write_files(folder: Path, files: Sequence[EmittedFile], place: str = "") -> 
             if len(path.parts) > 1:
                 (folder / path).parent.mkdir(parents=True, exist_ok=True)
             (folder / file.name).write_bytes(file.content)
+
+
+def checked(name: str) -> str:
+    """A name of a file in a store.
+
+    Raises:
+        OutputError: it leads out of the store, or means another file on another system.
+    """
+    if "\\" in name or not NO_NAMES.isdisjoint(name.split("/")):
+        raise OutputError(Problem(message=f"{shown(name)} is not a plain relative name", found=name))
+    return name
 
 
 def refuse_inputs(targets: Iterable[Path], inputs: Iterable[Path]) -> None:

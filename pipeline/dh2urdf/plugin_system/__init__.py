@@ -14,7 +14,6 @@ if TYPE_CHECKING:
         Provided as Provided,
         load as load,
     )
-    from dh2urdf.plugin_system.child_place import ChildPlace as ChildPlace
     from dh2urdf.plugin_system.options import describe_options as describe_options
     from dh2urdf.plugin_system.task_window import handed_over as handed_over
 else:
@@ -23,7 +22,6 @@ else:
         {
             "at_work": "MARK unmarked",
             "catalog": "Catalog KINDS Provided RECORDS load",
-            "child_place": "ChildPlace",
             "options": "describe_options",
             "task_window": "handed_over",
         },

@@ -1,8 +1,8 @@
 """Who is at work: the stage that is called, or the plugin that is imported, at this moment.
 
 The name is kept where it survives whatever ends the work. In this process an interrupt takes it along as a note. A
-child process writes it into memory that its parent shares: `child_place` has the parent's side, where the
-name is still known when the child hangs, crashes or leaves by `os._exit`.
+child process writes it into memory that its parent shares, where the name is still known when the child hangs, crashes
+or leaves by `os._exit`.
 """
 
 from __future__ import annotations
@@ -32,19 +32,6 @@ if TYPE_CHECKING:
         @property
         def distribution_name(self) -> str: ...
 
-
-__all__ = [
-    "MAGIC",
-    "MARK",
-    "SIZE",
-    "VARIABLE",
-    "AtWork",
-    "at_work_here",
-    "current_folder",
-    "has_parent",
-    "importing",
-    "unmarked",
-]
 
 SLOW_IMPORT = 3.0
 """Time after which a line says which import is waited for [s]."""

@@ -10,12 +10,14 @@ from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.plugin_system.discovery import Plugin, installed, same_name
 from dh2urdf.plugin_system.plugin_stages import KINDS, RECORDS, PluginStages, Provided, declared
 from dh2urdf.source import Problem, did_you_mean, shown
-from dh2urdf.stages import Edit, Emitter, Executor, Kind, Loader, Reader, Stage, Transform
+from dh2urdf.stages import Reader, ReadsCells, ReadsDescriptions, Usual
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
     from pathlib import Path
     from typing import Literal
+
+    from dh2urdf.stages import Edit, Emitter, Executor, Kind, Loader, Stage, Transform
 
 __all__ = ["KINDS", "RECORDS", "Catalog", "Plugin", "Provided", "Shadowed", "load", "load_plugin"]
 
@@ -133,15 +135,14 @@ class Catalog:
         raise UnknownStageError(kind, name, names)
 
     def cell_reader(self) -> Reader[Any]:
-        """The reader of rows of cells that come from no file: the one whose `read_cells` is not None.
+        """The reader of rows of cells that come from no file: the one with the capability `ReadsCells`.
 
         dh2urdf's own reader is taken where plugins have others.
 
         Raises:
             UnknownStageError: no installed reader has it.
         """
-        reader: Reader[Any] = self._first("reader", "read_cells", "of rows of cells")
-        return reader
+        return self._first("reader", ReadsCells, "of rows of cells")  # type: ignore[no-any-return]
 
     @overload
     def usual(self, kind: Literal["transform"]) -> Transform[Any]: ...
@@ -152,21 +153,20 @@ class Catalog:
     @overload
     def usual(self, kind: Kind) -> Stage: ...
     def usual(self, kind: Kind) -> Stage:
-        """The stage that is taken where nobody names one of its kind: its record has `is_usual`.
+        """The stage that is taken where nobody names one of its kind: it has the capability `Usual`.
 
         dh2urdf's own stage is taken where plugins have others.
 
         Raises:
             UnknownStageError: no installed stage of the kind is one.
         """
-        stage: Stage = self._first(kind, "is_usual", "that is taken where none is named")
-        return stage
+        return self._first(kind, Usual, "that is taken where none is named")  # type: ignore[no-any-return]
 
-    def _first(self, kind: Kind, attribute: str, wanted: str) -> Any:  # noqa: ANN401 - a record of the kind
-        """The stage with the best right of those whose record has an attribute that is true."""
+    def _first(self, kind: Kind, capability: type, wanted: str) -> Any:  # noqa: ANN401 - a record of the kind
+        """The stage with the best right of those that have a capability."""
         for plugins in _by_right(self._plugins, kind):
             for item in self._provided(kind, plugins):
-                if getattr(item.stage, attribute, None):
+                if item.stage.can(capability):
                     return item.stage
         raise UnknownStageError(kind, wanted, [item.stage.name for item in self.provided(kind)])
 
@@ -181,34 +181,24 @@ class Catalog:
     def reader_for(
         self, path: Path, advice: str = "`stage: NAME` beside the path in a run file chooses a reader"
     ) -> Reader[Any]:
-        """The reader whose suffixes a path has.
-
-        Args:
-            path: the path.
-            advice: how a person says which is meant.
+        """The reader whose suffixes a path has; `advice` says how a person chooses one.
 
         Raises:
             InputError: no installed reader takes the suffix, or several do.
             BrokenPluginError: none does, and a plugin that may provide one is broken.
             StageConflictError: two plugins claim the reader's name.
         """
-        reader: Reader[Any] = self._by_suffix("reader", path, advice)
-        return reader
+        return self._by_suffix("reader", path, advice)  # type: ignore[no-any-return]
 
     def emitter_for(self, path: Path, advice: str = "`--to NAME` chooses an emitter") -> Emitter[Any]:
         """The emitter whose suffixes a path has; the longest suffix wins (`.urdf.xacro` is xacro).
-
-        Args:
-            path: the path.
-            advice: how a person says which is meant.
 
         Raises:
             InputError: no installed emitter writes the suffix, or several do.
             BrokenPluginError: none does, and a plugin that may provide one is broken.
             StageConflictError: two plugins claim the emitter's name.
         """
-        emitter: Emitter[Any] = self._by_suffix("emitter", path, advice)
-        return emitter
+        return self._by_suffix("emitter", path, advice)  # type: ignore[no-any-return]
 
     def is_table(self, path: Path) -> bool:
         """Whether the suffix of a file is that of a reader of tables.
@@ -219,7 +209,7 @@ class Catalog:
             for kind in ("reader", "emitter"):
                 if found := self._with_suffix(kind, path.name, plugins):
                     stages = [item.stage for _, item in found]
-                    return any(isinstance(stage, Reader) and stage.leaves is None for stage in stages)
+                    return any(isinstance(stage, Reader) and stage.can(ReadsDescriptions) is None for stage in stages)
         return False
 
     def _by_suffix(self, kind: Kind, path: Path, advice: str) -> Any:  # noqa: ANN401 - a record of the kind

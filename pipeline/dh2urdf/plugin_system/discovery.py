@@ -52,11 +52,6 @@ class Plugin:
         self._module = module
         self._point = point
 
-    @classmethod
-    def of(cls, point: Point) -> Plugin:
-        """The plugin of an entry point."""
-        return cls(name=f"{point.name} = {point.value}", distribution=point.distribution, point=point)
-
     @cached_property
     def module(self) -> Any:  # noqa: ANN401, D102 - anything; documented with the class
         if self._point is None:
@@ -132,7 +127,9 @@ def installed(without: Sequence[str] = ()) -> Installed:
     major = max(1, int(INTERFACE_VERSION.partition(".")[0]))  # what is made for 0.x is in the group of 1
     by_major: dict[int, list[Plugin]] = {major: []}
     for version, found in _entry_points(_search_path()):
-        by_major.setdefault(version, []).extend(map(Plugin.of, found))
+        by_major.setdefault(version, []).extend(
+            Plugin(name=f"{each.name} = {each.value}", distribution=each.distribution, point=each) for each in found
+        )
     everybody = [plugin for plugins in by_major.values() for plugin in plugins]
     _check_names(without, everybody)
     left_out = [plugin for plugin in everybody if any(plugin.is_named(name) for name in without)]
@@ -145,7 +142,16 @@ def installed(without: Sequence[str] = ()) -> Installed:
     ]
     return Installed(
         plugins=tuple(plugin for plugin in fitting if plugin not in left_out),
-        incompatible=tuple(_incompatible(plugin, other) for other, plugin in foreign),
+        incompatible=tuple(
+            IncompatiblePluginError(
+                plugin.name,
+                plugin.distribution,
+                f"it is made for version {other} of the plugin interface, and dh2urdf {__version__} has "
+                f"{INTERFACE_VERSION}; install a version of {plugin.distribution_name} for this one, or another "
+                "version of dh2urdf",
+            )
+            for other, plugin in foreign
+        ),
         left_out=tuple(left_out),
     )
 
@@ -191,14 +197,6 @@ def _check_names(names: Iterable[str], plugins: Sequence[Plugin]) -> None:
     ]
     if problems:
         raise ConfigError(problems)
-
-
-def _incompatible(plugin: Plugin, major: int) -> IncompatiblePluginError:
-    reason = (
-        f"it is made for version {major} of the plugin interface, and dh2urdf {__version__} has {INTERFACE_VERSION}; "
-        f"install a version of {plugin.distribution_name} for this one, or another version of dh2urdf"
-    )
-    return IncompatiblePluginError(plugin.name, plugin.distribution, reason)
 
 
 def same_name(one: str, other: str) -> bool:

@@ -8,6 +8,8 @@ from pathlib import Path
 from types import NoneType, UnionType
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Union, get_args, get_origin, get_type_hints
 
+from dh2urdf.late_tuples import NamedTuple
+
 if TYPE_CHECKING:
     from collections.abc import Iterable
     from dataclasses import Field
@@ -22,21 +24,51 @@ _WORDS: dict[Any, str] = {
     Any: "any value",
     NoneType: "none",
 }
+_BOUNDS = {"gt": "greater than", "ge": "from", "lt": "below", "le": "to"}
+
+
+class Words(NamedTuple):
+    """What a type takes, in words: in the metadata of an annotated type."""
+
+    text: str
+
+
+class Key(NamedTuple):
+    """A key of a record.
+
+    Attributes:
+        hint: its type.
+        is_needed: whether it has no default.
+        help: what it is for.
+        measures: what it measures that may have units, such as `length`: words of `dh2urdf.quantities.Dimension`.
+    """
+
+    hint: Any
+    is_needed: bool
+    help: str
+    measures: str | None
+
+
+def keys_of(kind: Any) -> dict[str, Key]:  # noqa: ANN401 - a dataclass
+    """The keys of a record, by the names that people write."""
+    hints = type_hints(kind)
+    keys = {}
+    for field in fields(kind):
+        if field.init:
+            hint, data = hints[field.name], field.metadata
+            aliases = [alias for part in getattr(hint, "__metadata__", ()) if (alias := getattr(part, "alias", None))]
+            is_needed = field.default is MISSING and field.default_factory is MISSING
+            name = str([*aliases, field.name][0])
+            keys[name] = Key(hint, is_needed, str(data.get("help", "")), data.get("measures"))
+    return keys
 
 
 def describe_options(options_type: type[Any]) -> list[tuple[str, str, str, str]]:
     """Every option of a stage: its name, what it takes, what it is by default, and what it is for."""
-    hints = type_hints(options_type)
-    measures = measures_of(options_type)
+    defaults = [default_text(field) for field in fields(options_type) if field.init]
     return [
-        (
-            field.name,
-            option_text(hints[field.name], measures=field.name in measures),
-            default_text(field),
-            str(field.metadata.get("help", "")),
-        )
-        for field in fields(options_type)
-        if field.name in hints
+        (name, type_text(key.hint, measures=key.measures is not None), default, key.help)
+        for (name, key), default in zip(keys_of(options_type).items(), defaults, strict=True)
     ]
 
 
@@ -50,14 +82,18 @@ def type_hints(options_type: type[Any]) -> dict[str, Any]:
     return {name: hints[name] for name in written}
 
 
-def measures_of(options_type: type[Any]) -> dict[str, str]:
-    """What the options measure that may have units, such as `length`: the words of `dh2urdf.quantities.Dimension`."""
-    return {field.name: field.metadata["measures"] for field in fields(options_type) if "measures" in field.metadata}
-
-
 def members(hint: Any) -> tuple[Any, ...]:  # noqa: ANN401 - any type
     """The types of a union; of anything else, itself."""
-    return get_args(hint) if get_origin(hint) in (Union, UnionType) else (hint,)
+    if get_origin(hint) is Annotated:
+        return members(get_args(hint)[0])
+    if get_origin(hint) in (Union, UnionType):
+        return tuple(inner for member in get_args(hint) for inner in members(member))
+    return (hint,)
+
+
+def records_of(hint: Any) -> list[type[Any]]:  # noqa: ANN401 - any type
+    """The dataclasses among the types of a union."""
+    return [member for member in members(hint) if isinstance(member, type) and is_dataclass(member)]
 
 
 def choices(hint: Any) -> list[str]:  # noqa: ANN401 - any type
@@ -71,24 +107,32 @@ def choices(hint: Any) -> list[str]:  # noqa: ANN401 - any type
     return found
 
 
-def option_text(hint: Any, *, measures: bool) -> str:  # noqa: ANN401 - any type
-    """What an option takes, in words."""
-    return type_text(hint).replace("a number", "a number with or without a unit") if measures else type_text(hint)
+def type_text(hint: Any, *, measures: bool = False) -> str:  # noqa: ANN401 - any type
+    """What a type takes, in words: ``exact or paper``, ``auto or a whole number``, ``a list of 3, each a number``.
 
-
-def type_text(hint: Any) -> str:  # noqa: ANN401 - any type
-    """What a type takes, in words: ``exact or paper``, ``auto or a whole number``, ``a list of 3 numbers``."""
+    Args:
+        hint: the type.
+        measures: whether its numbers may have a unit.
+    """
+    if measures:
+        return type_text(hint).replace("a number", "a number with or without a unit")
     if get_origin(hint) is Annotated:
-        return type_text(get_args(hint)[0])
+        said = next((part.text for part in hint.__metadata__ if isinstance(part, Words)), None)
+        return said or type_text(get_args(hint)[0]) + _bounds_text(hint.__metadata__)
     if get_origin(hint) in (Union, UnionType):
-        return _or(type_text(member) for member in members(hint) if member is not NoneType)
+        return _or(type_text(member) for member in get_args(hint) if member is not NoneType)
     if words := choices(hint):
         return _or(words)
-    if hint in _WORDS:
-        return _WORDS[hint]
-    if is_dataclass(hint):
-        return f"a mapping of {', '.join(field.name for field in fields(hint))}"
-    return _list_text(hint) or _WORDS.get(get_origin(hint)) or str(getattr(hint, "__name__", hint))
+    mapping = f"a mapping of {', '.join(keys_of(hint))}" if is_dataclass(hint) else None
+    known = _WORDS.get(hint) or mapping or _list_text(hint) or _WORDS.get(get_origin(hint))
+    return known or str(getattr(hint, "__name__", hint))
+
+
+def _bounds_text(metadata: tuple[Any, ...]) -> str:
+    """The bounds of a number, as pydantic's `Field` or `annotated_types` have them: `` from 1 to 10``."""
+    parts = [part for each in metadata for part in getattr(each, "metadata", (each,))]
+    bounds = [(words, getattr(part, name, None)) for part in parts for name, words in _BOUNDS.items()]
+    return "".join(f" {words} {bound}" for words, bound in bounds if bound is not None)
 
 
 def default_text(field: Field[Any]) -> str:

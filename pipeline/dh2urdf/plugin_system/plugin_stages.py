@@ -2,32 +2,31 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable
 from contextlib import contextmanager
 from dataclasses import fields, is_dataclass
+from itertools import chain
 from typing import TYPE_CHECKING, Any, get_args
 
 import pluggy
 
-from dh2urdf import hookspecs
+from dh2urdf import hookspecs, stages
 from dh2urdf.errors import BrokenPluginError
 from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.plugin_system.at_work import AtWork
 from dh2urdf.plugin_system.discovery import Plugin, reason_of, traceback_of
-from dh2urdf.stages import Edit, Emitter, Executor, Kind, Loader, Reader, Stage, Transform
+from dh2urdf.stages import Compares, Edit, Executor, Kind, OtherFiles, Stage, WritesTables
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-RECORDS: dict[Kind, type[Any]] = {
-    "reader": Reader,
-    "transform": Transform,
-    "edit": Edit,
-    "emitter": Emitter,
-    "loader": Loader,
-    "executor": Executor,
-}
 KINDS: tuple[Kind, ...] = get_args(Kind)
+RECORDS: dict[Kind, type[Any]] = {kind: getattr(stages, kind.capitalize()) for kind in KINDS}
+CAPABILITIES: dict[Kind, tuple[type[Any], ...]] = {
+    kind: get_args(getattr(stages, f"{kind.capitalize()}Capability")) for kind in KINDS
+}
+_WORD, _SUFFIX = re.compile(r"[^\s:]+"), re.compile(r"\.[^\s/\\]+")
 _HOOKS = f"the hooks are {', '.join(f'dh2urdf_{kind}s' for kind in KINDS)}"
 
 
@@ -63,6 +62,7 @@ class PluginStages:
         self._manager = pluggy.PluginManager(hookspecs.PROJECT)
         self._manager.add_hookspecs(hookspecs)
         self._keys: dict[Plugin, str | None] = {}
+        self._not_imported: set[Plugin] = set()
         self._found: dict[tuple[Kind, Plugin], tuple[Provided, ...]] = {}
 
     def of(self, kind: Kind, plugin: Plugin) -> tuple[Provided, ...]:
@@ -87,37 +87,48 @@ class PluginStages:
         Raises:
             LookupError: none did.
         """
-        for items in self._found.values():
-            for item in items:
-                if item.stage is stage:
-                    return item.plugin
+        for item in chain.from_iterable(self._found.values()):
+            if item.stage is stage:
+                return item.plugin
         raise LookupError(stage.name)
 
     def _call(self, kind: Kind, plugin: Plugin, only: str | None) -> Iterator[Provided]:
-        key = self._registered(plugin)
-        name = f"dh2urdf_{kind}s"
-        found: list[str] = []
+        if plugin in self._not_imported:  # It is imported once, and reported once.
+            return
+        try:
+            module = plugin.module
+        except BaseException:
+            self._not_imported.add(plugin)
+            raise
+        if isinstance(module, tuple(RECORDS.values())):
+            source = f"the entry point {plugin.entry!r}"
+            given: list[Any] = [module] if only or isinstance(module, RECORDS[kind]) else []
+        else:
+            source = f"the hook dh2urdf_{kind}s"
+            given = list(self._from_hooks(kind, plugin))
+        for stage in given:
+            check_record(kind, stage, source)
+            if only in (None, stage.name):
+                yield Provided(kind=kind, stage=stage, plugin=plugin)
+        names = [stage.name for stage in given]
+        if only is not None and only not in names:
+            found = ", ".join(map(repr, names)) or "none"
+            raise LookupError(f"its entry point {plugin.entry!r} names the {kind} {only!r}, and {source} gives {found}")
+
+    def _from_hooks(self, kind: Kind, plugin: Plugin) -> Iterator[Any]:
+        key, name = self._registered(plugin), f"dh2urdf_{kind}s"
         for implementation in getattr(self._manager.hook, name).get_hookimpls():
             if implementation.plugin_name != key:
                 continue
             with AtWork(f"the hook {name}", plugin):
-                stages = implementation.function()
-                if not isinstance(stages, Iterable):
-                    given = None if stages is None else type(stages).__name__
+                found = implementation.function()
+                if not isinstance(found, Iterable):
+                    what = None if found is None else type(found).__name__
                     raise TypeError(
-                        f"the hook {name} gave {given}, not a list of dh2urdf.stages.{RECORDS[kind].__name__}"
+                        f"the hook {name} gave {what}, not a list of dh2urdf.stages.{RECORDS[kind].__name__}"
                     )
-                stages = list(stages)
-            for stage in stages:
-                check_record(kind, stage)
-                found.append(stage.name)
-                if only in (None, stage.name):
-                    yield Provided(kind=kind, stage=stage, plugin=plugin)
-        if only is not None and only not in found:
-            raise LookupError(
-                f"its entry point {plugin.entry!r} names the {kind} {only!r}, and the hook {name} gives "
-                f"{', '.join(map(repr, found)) or 'none'}"
-            )
+                found = list(found)
+            yield from found
 
     def _registered(self, plugin: Plugin) -> str | None:
         """Import and register a plugin, once; its key, or None where that failed before."""
@@ -136,7 +147,8 @@ class PluginStages:
                     raise pluggy.PluginValidationError(module, f"{error}; {_HOOKS}") from error
                 if not self._manager.get_hookcallers(module):
                     raise TypeError(
-                        f"it has no hook of dh2urdf with the decorator dh2urdf.hookspecs.hookimpl; {_HOOKS}"
+                        "it is no record of dh2urdf.stages, and has no hook of dh2urdf with the decorator "
+                        f"dh2urdf.hookspecs.hookimpl; {_HOOKS}"
                     )
             except BaseException:
                 if self._manager.has_plugin(key):
@@ -158,43 +170,47 @@ class PluginStages:
 
 
 def _check_choices(kind: Kind, stage: Any) -> None:  # noqa: ANN401 - a record of the kind
-    """Raises a ValueError where fields of a record do not go together."""
+    """Raise a TypeError or ValueError where fields or capabilities of a record do not go together."""
+    given = stage.capabilities
+    if not isinstance(given, tuple) or not all(isinstance(each, CAPABILITIES[kind]) for each in given):
+        accepted = ", ".join(each.__name__ for each in CAPABILITIES[kind])
+        raise TypeError(f"the capabilities of the {kind} {stage.name!r} are {given!r:.60}, not a tuple of {accepted}")
+    if len({type(each) for each in given}) < len(given):
+        raise ValueError(f"the {kind} {stage.name!r} has a capability twice: {given!r:.200}")
     if isinstance(stage, Executor) and (stage.map is None) is (stage.pool is None):
         raise ValueError(f"the executor {stage.name!r} has to give either map or pool")
-    if isinstance(stage, Loader) and (stage.load is None) is (stage.open is None):
-        raise ValueError(f"the loader {stage.name!r} has to give either open or load")
     if isinstance(stage, Edit) and stage.edit_table is None and stage.edit_robot is None:
         raise ValueError(f"the edit {stage.name!r} has to give edit_table, edit_robot, or both")
-    if isinstance(stage, Reader) and not {*stage.not_written} <= {*stage.suffixes[1:]}:
+    writes, others, compares = stage.can(WritesTables), stage.can(OtherFiles), stage.can(Compares)
+    _check_texts(kind, stage, not_written=writes.not_written if writes else ())
+    _check_texts(kind, stage, other_endings=others.other_endings if others else ())
+    if writes and not {*writes.not_written} <= {*stage.suffixes[1:]}:
         raise ValueError(f"not_written of the reader {stage.name!r} is not among its suffixes behind the first")
-    compared = getattr(stage, "compared", None)
-    if compared is not None and compared not in {each.name for each in fields(stage.options)}:
-        raise ValueError(f"the {kind} {stage.name!r} compares {compared!r:.60}, which is none of its options")
+    if compares and compares.option not in {each.name for each in fields(stage.options)}:
+        raise ValueError(f"the {kind} {stage.name!r} compares {compares.option!r:.60}, which is none of its options")
 
 
-def _is_word(text: str, others: str) -> bool:
-    """Whether a text is one word, without some other characters."""
-    return text.split() == [text] and not set(text).intersection(others)
+def _check_texts(kind: Kind, stage: Stage, **texts: Any) -> None:  # noqa: ANN401 - whatever a plugin gave
+    for what, words in texts.items():
+        if not isinstance(words, tuple) or not all(isinstance(word, str) for word in words):
+            raise TypeError(f"the {what} of the {kind} {stage.name!r} are {words!r:.60}, not a tuple of texts")
 
 
-def check_record(kind: Kind, stage: Any) -> None:  # noqa: ANN401 - whatever a hook gave
+def check_record(kind: Kind, stage: Any, source: str) -> None:  # noqa: ANN401 - whatever a plugin gave
     """Raises a TypeError or ValueError where it is no record of the kind that could be asked for by its name."""
     record = RECORDS[kind]
     if not isinstance(stage, record):
         given = f"{type(stage).__name__} {stage!r:.60}"
-        raise TypeError(f"the hook dh2urdf_{kind}s gave {given}, not a dh2urdf.stages.{record.__name__}")
-    if not isinstance(stage.name, str) or not _is_word(stage.name, ":") or not stage.name.isprintable():
+        raise TypeError(f"{source} gave {given}, not a dh2urdf.stages.{record.__name__}")
+    if not isinstance(stage.name, str) or not _WORD.fullmatch(stage.name) or not stage.name.isprintable():
         raise ValueError(f"the {kind} {stage.name!r:.60} has no name that a run file could say: a word without a colon")
     if not isinstance(stage.summary, str) or not stage.summary.isprintable():
         raise TypeError(f"the summary of the {kind} {stage.name!r} is {stage.summary!r:.60}, not a line of text")
     if not (isinstance(stage.options, type) and is_dataclass(stage.options)):
         raise TypeError(f"the options of the {kind} {stage.name!r} are {stage.options!r:.60}, not a dataclass")
-    for what in ("suffixes", "formats", "not_written", "other_endings"):
-        words = getattr(stage, what, ())
-        if not isinstance(words, tuple) or not all(isinstance(word, str) for word in words):
-            raise TypeError(f"the {what} of the {kind} {stage.name!r} are {words!r:.60}, not a tuple of texts")
+    _check_texts(kind, stage, suffixes=getattr(stage, "suffixes", ()), formats=getattr(stage, "formats", ()))
     for suffix in getattr(stage, "suffixes", ()):
-        if suffix[:1] != "." or not _is_word(suffix[1:], "/\\") or suffix != suffix.lower():
+        if not _SUFFIX.fullmatch(suffix) or suffix != suffix.lower():
             raise ValueError(
                 f"the {kind} {stage.name!r} has the suffix {suffix!r:.60}; accepted: lower case, with the dot before it"
             )

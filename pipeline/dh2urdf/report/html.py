@@ -16,6 +16,8 @@ from base64 import b64encode
 from hashlib import sha256
 from typing import TYPE_CHECKING, Any
 
+from markupsafe import Markup, escape  # noqa: TID253 - this module is imported where a page is written, and nowhere else
+
 from dh2urdf._version import __version__
 from dh2urdf.output.layouts import Form
 from dh2urdf.quantities.number_text import format_number
@@ -28,7 +30,7 @@ from dh2urdf.report.verdicts import covered, notice_line
 from dh2urdf.source import printable
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterator, Sequence
 
     from jinja2 import Environment, PackageLoader
 
@@ -75,8 +77,6 @@ def page(
     manifest: ManifestWriter, manipulators: FirstManipulators, recipe: Recipe, store: Store, layout: Layout
 ) -> bytes:
     """The page of a run, of which an overview was gathered."""
-    from markupsafe import Markup
-
     overview = manifest.overview
     if overview is None:
         raise ValueError("no overview was gathered")
@@ -141,44 +141,36 @@ def _finalize(value: Any) -> Any:  # noqa: ANN401 - whatever a template shows
     return printable(value) if type(value) is str else value
 
 
-def _lines(text: str) -> Any:  # noqa: ANN401 - Markup, of a package that is imported late
+def _lines(text: str) -> Markup:
     """Several lines of a simulator's output, as they were."""
-    from markupsafe import Markup, escape
-
     return Markup("\n").join(escape(printable(line)) for line in text.splitlines())
 
 
-def _data(value: float, text: str) -> Any:  # noqa: ANN401 - Markup
+def _data(value: float, text: str) -> Markup:
     """A number as people read it; the element says all its digits."""
-    from markupsafe import Markup
-
     exact = format_number(value) if math.isfinite(value) else str(value)
     return Markup('<data value="{}">{}</data>').format(exact, text)
 
 
-def _nothing() -> Any:  # noqa: ANN401 - Markup
-    from markupsafe import Markup
-
+def _nothing() -> Markup:
     return Markup('<span class="none">–</span>')
 
 
-def _number(value: float | None, unit: str = "", digits: int = 6) -> Any:  # noqa: ANN401 - Markup
+def _number(value: float | None, unit: str = "", digits: int = 6) -> Markup:
     """A quantity with so many digits."""
     if value is None:
         return _nothing()
     return _data(value, f"{value + 0.0:.{digits}g}{unit and f' {unit}'}")
 
 
-def _angle(value: float | None) -> Any:  # noqa: ANN401 - Markup
+def _angle(value: float | None) -> Markup:
     """An angle in rad, and in degrees below."""
-    from markupsafe import Markup
-
     if not value:
         return _number(value)
     return _number(value) + Markup(' <small class="deg">{}°</small>').format(f"{math.degrees(value) + 0.0:.6g}")
 
 
-def _error(value: float | None, unit: str = "") -> Any:  # noqa: ANN401 - Markup
+def _error(value: float | None, unit: str = "") -> Markup:
     """An error with two digits; one that is none, with three."""
     if value is None:
         return _nothing()
@@ -189,16 +181,14 @@ def _error(value: float | None, unit: str = "") -> Any:  # noqa: ANN401 - Markup
 _LARGE = 1e-2  # [m or rad]
 
 
-def _vector(values: Any, most: int = 16) -> Any:  # noqa: ANN401 - numbers; Markup
+def _vector(values: Sequence[float], most: int = 16) -> Markup:
     """Some numbers in brackets, with four digits each."""
-    from markupsafe import Markup
-
     shown = Markup(", ").join(_data(value, f"{value + 0.0:.4g}") for value in values[:most])
     more = f", … {len(values) - most} more" if len(values) > most else ""
     return Markup("[{}{}]").format(shown, more) if values else _nothing()
 
 
-def _size(count: int) -> Any:  # noqa: ANN401 - Markup
+def _size(count: int) -> Markup:
     """A size in bytes as people read it."""
     power = min(max(0, (len(str(count)) - 1) // 3), 3)
     return _data(count, f"{count / 1000**power:.3g} {('B', 'kB', 'MB', 'GB')[power]}")
@@ -225,8 +215,6 @@ def _word(value: object) -> str:
 
 def _figures(detailed: DetailedManipulator) -> dict[str, Any] | None:
     """Draw a manipulator and how far its tips get; None where there is no robot, or none that can be drawn."""
-    from markupsafe import Markup
-
     if detailed.robot is None or detailed.expected is None:
         return None
     workspace = Workspace(detailed.expected, detailed.robot)
@@ -242,8 +230,6 @@ def _figures(detailed: DetailedManipulator) -> dict[str, Any] | None:
 
 
 def _distributions(overview: Overview) -> dict[str, Any]:
-    from markupsafe import Markup
-
     several = {
         "errors": (overview.error_distributions, "how many manipulators have which position error"),
         "drawn": (overview.distributions, "how often which values were drawn"),

@@ -21,52 +21,51 @@ from typing import (
     is_typeddict,
 )
 
-from dh2urdf.results import run
-from dh2urdf.results.commands import ConversionsReport, ErrorReport, InfoReport, PluginsReport
+from dh2urdf import results
 from dh2urdf.run_file.schema import DIALECT
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
 
 _WORDS = {str: "string", int: "integer", float: "number", bool: "boolean"}
-_PROBLEM = {run.ProblemEntry: "problem"}
+_PROBLEM = {results.ProblemEntry: "problem"}
 _PARTS = {
-    run.FileEntry: "file",
-    run.MeshEntry: "mesh",
-    run.ProofEntry: "proof",
-    run.LoadEntry: "load",
-    run.ProblemEntry: "problem",
+    results.FileEntry: "file",
+    results.MeshEntry: "mesh",
+    results.ProofEntry: "proof",
+    results.LoadEntry: "load",
+    results.ProblemEntry: "problem",
 }
 
 
 def report_schema() -> dict[str, Any]:
     """The schema of `report.json`."""
-    return _schema_of(run.RunReport, "report.json of dh2urdf", {run.ManipulatorEntry: "row", **_PARTS})
+    return _schema_of(results.RunReport, "report.json of dh2urdf", {results.ManipulatorEntry: "row", **_PARTS})
 
 
 def manifest_schema() -> dict[str, Any]:
     """The schema of a line of `manifest.jsonl`."""
-    return _schema_of(run.ManipulatorEntry, "a line of manifest.jsonl of dh2urdf", _PARTS)
+    return _schema_of(results.ManipulatorEntry, "a line of manifest.jsonl of dh2urdf", _PARTS)
 
 
 def plugins_schema() -> dict[str, Any]:
     """The schema of what `dh2urdf plugins --json` prints."""
-    return _schema_of(PluginsReport, "dh2urdf plugins --json", {})
+    return _schema_of(results.PluginsReport, "dh2urdf plugins --json", {})
 
 
 def conversions_schema() -> dict[str, Any]:
     """The schema of what `dh2urdf convert --json` prints."""
-    return _schema_of(ConversionsReport, "dh2urdf convert --json", _PROBLEM)
+    return _schema_of(results.ConversionsReport, "dh2urdf convert --json", _PROBLEM)
 
 
 def info_schema() -> dict[str, Any]:
     """The schema of what `dh2urdf info --json` prints."""
-    return _schema_of(InfoReport, "dh2urdf info --json", _PROBLEM)
+    return _schema_of(results.InfoReport, "dh2urdf info --json", _PROBLEM)
 
 
 def error_schema() -> dict[str, Any]:
     """The schema of what a command with `--json` prints where it fails."""
-    return _schema_of(ErrorReport, "an error of dh2urdf with --json", _PROBLEM)
+    return _schema_of(results.ErrorReport, "an error of dh2urdf with --json", _PROBLEM)
 
 
 def _schema_of(kind: type, title: str, named: Mapping[Any, str]) -> dict[str, Any]:
@@ -92,7 +91,7 @@ def _object(kind: type, named: Mapping[Any, str]) -> dict[str, Any]:
 def _along(hint: Any) -> Iterable[str]:  # noqa: ANN401 - any type
     """The keys without which a key is not there."""
     (inner,) = get_args(hint) if get_origin(hint) is NotRequired else (hint,)
-    return (note.key for note in getattr(inner, "__metadata__", ()) if isinstance(note, run.Along))
+    return (note.key for note in getattr(inner, "__metadata__", ()) if isinstance(note, results.Along))
 
 
 def _value(hint: Any, named: Mapping[Any, str]) -> dict[str, Any]:  # noqa: ANN401 - any type
@@ -103,8 +102,8 @@ def _value(hint: Any, named: Mapping[Any, str]) -> dict[str, Any]:  # noqa: ANN4
     if kind is Annotated:
         schema = _value(arguments[0], named)
         said = schema["anyOf"][0] if "anyOf" in schema else schema
-        notes = [run.Keyword("description", note) if isinstance(note, str) else note for note in hint.__metadata__]
-        said |= {note.name: note.value for note in notes if isinstance(note, run.Keyword)}
+        notes = [results.Keyword("description", note) if isinstance(note, str) else note for note in hint.__metadata__]
+        said |= {note.name: note.value for note in notes if isinstance(note, results.Keyword)}
         return schema
     if NoneType in arguments:
         others = [part for part in arguments if part is not NoneType]

@@ -7,64 +7,70 @@ from typing import TYPE_CHECKING
 from dh2urdf.cells.cell import ArmCall, CellCall
 from dh2urdf.errors import ConfigError
 from dh2urdf.manipulator import WORLD
-from dh2urdf.quantities.quantity import Dimension
 from dh2urdf.robot import Origin
-from dh2urdf.rotations import ZERO, Vec3
-from dh2urdf.run_file.validator import Distinct, Key, Many, Record
-from dh2urdf.run_file.value_types import ANY_TEXT, TEXT, triple
-from dh2urdf.source import Mark, Problem, did_you_mean, shown
+from dh2urdf.run_file.sections import ArmSection, CellSection
+from dh2urdf.source import Problem, did_you_mean, shown
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Iterable, Iterator, Sequence
+
+    from dh2urdf.documents.document import Node
+    from dh2urdf.run_file.reading import Reading
 
 ACCEPTED_PARENT = "world, or a link of another arm of the cell, such as left/tool0"
-NO_ARMS = (
-    "this cell has no arms",
-    "a list such as [{name: left, of: ur5}, {name: right, of: ur5, xyz: [0, -0.5, 0]}]",
-)
 
 
-def _arm(
-    *,
-    name: str,
-    of: str,
-    prefix: str | None = None,
-    parent: str = WORLD,
-    xyz: Vec3 = ZERO,
-    rpy: Vec3 = ZERO,
-    mark: Mark,
-    of_mark: Mark,
-    parent_mark: Mark | None,
-) -> ArmCall:
+def read_cells(entries: Iterable[tuple[Node, str]], to: Reading) -> tuple[CellCall, ...]:
+    """The cells, each in its node at its place."""
+    found = []
+    for node, field in entries:
+        given = to.record(CellSection, node, field)
+        cell = _cell(given, node, field, to) if given else None
+        if cell:
+            found.append((cell, cell.name, node, field))
+    return to.distinct(found, "two cells are named {}", "names that differ")
+
+
+def _cell(given: CellSection, node: Node, field: str, to: Reading) -> CellCall | None:
+    before = len(to.problems)
+    arms = []
+    for index, (arm, entry) in enumerate(zip(given.arms, node.entries("arms"), strict=True)):
+        with to.noting(entry, f"{field}.arms.{index}"):
+            arms.append(_arm(arm, entry))
+    if len(to.problems) > before:
+        return None
+    with to.noting(node, field):
+        if problems := [*_same_names(arms), *_orphans(arms)]:
+            raise ConfigError(problems)
+        return CellCall(name=given.name, arms=_parents_first(arms), mark=node.mark)
+    return None
+
+
+def _arm(given: ArmSection, node: Node) -> ArmCall:
     problems = []
-    if name == WORLD or "/" in name:
-        message = f"an arm cannot be named {shown(name)}: parents are written as world or ARM/LINK"
+    if given.name == WORLD or "/" in given.name:
+        message = f"an arm cannot be named {shown(given.name)}: parents are written as world or ARM/LINK"
         problems.append(Problem(message=message, field="name", accepted="another name"))
-    arm, slash, link = parent.partition("/")
-    if parent != WORLD and not (arm and slash and link):
+    arm, slash, link = given.parent.partition("/")
+    if given.parent != WORLD and not (arm and slash and link):
         holder = (arm or link).removesuffix("_tool0")  # as its link is called in the file that is written
-        near = did_you_mean(parent, [WORLD]) or f"an arm's tool is {shown(f'{holder}/tool0')}"
-        message = f"{shown(parent)} is no parent"
+        near = did_you_mean(given.parent, [WORLD]) or f"an arm's tool is {shown(f'{holder}/tool0')}"
+        message = f"{shown(given.parent)} is no parent"
         problems.append(Problem(message=message, field="parent", accepted=ACCEPTED_PARENT, suggestion=near))
     if problems:
         raise ConfigError(problems)
+    parent = node.entry("parent")
     return ArmCall(
-        name=name,
-        of=of,
-        prefix=f"{name}_" if prefix is None else prefix,
-        parent=None if parent == WORLD else arm,
+        name=given.name,
+        of=given.of,
+        prefix=f"{given.name}_" if given.prefix is None else given.prefix,
+        parent=None if given.parent == WORLD else arm,
         link=link or WORLD,
-        placement=Origin(xyz=xyz, rpy=rpy),
-        mark=mark,
-        of_mark=of_mark,
-        parent_mark=parent_mark,
+        placement=Origin(xyz=given.xyz, rpy=given.rpy),
+        mark=node.mark,
+        of_mark=(node.entry("of") or node).mark,
+        parent_mark=parent.mark if parent else None,
     )
-
-
-def _cell(name: str, arms: Sequence[ArmCall], mark: Mark) -> CellCall:
-    if problems := [*_same_names(arms), *_orphans(arms)]:
-        raise ConfigError(problems)
-    return CellCall(name=name, arms=_parents_first(arms), mark=mark)
 
 
 def _same_names(arms: Sequence[ArmCall]) -> Iterator[Problem]:
@@ -125,34 +131,3 @@ def _parents_first(arms: Sequence[ArmCall]) -> tuple[ArmCall, ...]:
             )
         waiting = left
     return tuple(ordered.values())
-
-
-ARM = Record(
-    _arm,
-    {
-        "name": Key(TEXT, "the arm's name in the cell", missing=("this arm has no 'name'", "`name: NAME`")),
-        "of": Key(
-            TEXT,
-            "the manipulator of this run that it is",
-            missing=("this arm has no 'of'", "`of: NAME`, the name of a manipulator of this run"),
-        ),
-        "prefix": Key(ANY_TEXT, "before the names of its links and joints; NAME_ by default"),
-        "parent": Key(TEXT, "world, or a link of another arm, such as left/tool0"),
-        "xyz": Key(triple(Dimension.LENGTH), "where it stands on its parent [m]"),
-        "rpy": Key(triple(Dimension.ANGLE), "its orientation there: roll, pitch, yaw [rad]"),
-    },
-    marks={"mark": ("",), "of_mark": ("of",), "parent_mark": ("parent",)},
-)
-CELL = Record(
-    _cell,
-    {
-        "name": Key(
-            TEXT,
-            "the cell's name, after which its files are named",
-            missing=("this cell has no 'name'", "`name: NAME`, after which its files are named"),
-        ),
-        "arms": Key(Many(ARM, empty=NO_ARMS, takes_one=False), missing=NO_ARMS),
-    },
-    marks={"mark": ("",)},
-)
-CELLS = Many(CELL, distinct=Distinct("name", "two cells are named {}", "names that differ"))

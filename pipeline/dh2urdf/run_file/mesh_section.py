@@ -11,24 +11,12 @@ from typing import TYPE_CHECKING
 
 from dh2urdf.cells.wanted_tables import SHOWN_NAMES
 from dh2urdf.late_dataclasses import dataclass
-from dh2urdf.manipulator import Manipulator, MeshFile, MeshShape
-from dh2urdf.meshes.files import find_mesh
-from dh2urdf.quantities.quantity import Dimension
-from dh2urdf.rotations import ZERO, RigidTransform, Vec3
-from dh2urdf.run_file.validator import Key, Many, Record, Validator, ValueType
-from dh2urdf.run_file.value_types import NUMBER, TEXT, measure, numbers, triple
+from dh2urdf.manipulator import Manipulator, MeshShape
 from dh2urdf.source import Mark, Problem, did_you_mean, shown
 from dh2urdf.stages import Rejected
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
-
-    from dh2urdf.documents.document import Node
-
-NO_FILE = (
-    "this mesh has no file",
-    "the path of a file, or {file: PATH, xyz: [0, 0, 0], rpy: [0, 0, 0], scale: 1}",
-)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -130,88 +118,3 @@ class MeshGiver:
                 suggestion=did_you_mean(call.of, self._names),
             )
             yield Rejected(name=call.of, problems=(problem,), mark=call.mark)
-
-
-# --- What the section may have ----------------------------------------------------------------------------------------
-
-
-def _file(node: Node, field: str, to: Validator) -> MeshFile | None:
-    if (path := TEXT.read(node, field, to)) is not None:
-        with to.noting(node, field):
-            return find_mesh(path, to.folder_of(node), links=True)  # A run file is the user's own.
-    return None
-
-
-def _scale(node: Node, field: str, to: Validator) -> Vec3 | None:
-    if isinstance(node.value, list):
-        return triple(Dimension.NUMBER).read(node, field, to)
-    factor = measure(Dimension.NUMBER).read(node, field, to)
-    return None if factor is None else (factor, factor, factor)
-
-
-def _mesh(
-    file: MeshFile, xyz: Vec3 = ZERO, rpy: Vec3 = ZERO, scale: Vec3 = (1.0, 1.0, 1.0), *, mark: Mark
-) -> MeshShape:
-    return MeshShape(file=file, pose=RigidTransform.from_xyz_rpy(xyz, rpy), scale=scale, mark=mark)
-
-
-def _shapes(
-    visual: MeshShape | None = None, collision: MeshShape | None = None, mesh: MeshShape | None = None
-) -> Shapes:
-    """The meshes of a link: `mesh` is both."""
-    return Shapes(visual=visual or mesh, collision=collision or mesh)
-
-
-MESH = Record(
-    _mesh,
-    {
-        "file": Key(
-            ValueType(_file, {"type": "string", "minLength": 1}),
-            "a file in STL, OBJ or DAE, from the folder of the run file",
-            missing=NO_FILE,
-        ),
-        "xyz": Key(triple(Dimension.LENGTH), "where it is in the DH frame after the row [m]"),
-        "rpy": Key(triple(Dimension.ANGLE), "its orientation there: roll, pitch, yaw [rad]"),
-        "scale": Key(ValueType(_scale, {"anyOf": [NUMBER, numbers(3)]}), "a factor, or one for each axis"),
-    },
-    short="file",
-    marks={"mark": ("file",)},
-)
-SHAPES = Record(_shapes, dict.fromkeys(("visual", "collision", "mesh"), Key(MESH)))
-
-
-def _by_joint(node: Node, field: str, to: Validator) -> tuple[tuple[str, Shapes], ...] | None:
-    """The meshes of links, by the names of the joints that move them, each with the place of its joint's name."""
-    if not isinstance(node.value, dict):
-        accepted = "{JOINT: {visual: FILE, collision: FILE}}"
-        to.add_problem(f"this cannot be {node.describe()}", node, field, accepted=accepted)
-        return None
-    read = [(joint, SHAPES.read(entry, f"{field}.{joint}", to)) for joint, entry in node.value.items()]
-    return tuple((joint, replace(shapes, mark=node.key_mark(joint))) for joint, shapes in read if shapes)
-
-
-BY_JOINT = ValueType(_by_joint, lambda catalog: {"type": "object", "additionalProperties": SHAPES.schema(catalog)})
-MESHES = Many(
-    Record(
-        MeshCall,
-        {
-            "of": Key(
-                TEXT,
-                "the manipulator of this run that has them; * stands for any text",
-                missing=(
-                    "it is not said whose meshes these are",
-                    "`of: NAME`, the name of a manipulator of this run; `*` stands for any text",
-                ),
-            ),
-            "base": Key(SHAPES),
-            "joints": Key(BY_JOINT, "by the names of the joints"),
-        },
-        marks={"mark": ("of",)},
-        elsewhere={
-            "convert": (
-                "this section says which meshes links have; the output section decides what becomes of them",
-                "output: {meshes: {convert: …}}",
-            )
-        },
-    )
-)

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import re
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from dh2urdf.documents.document import Node, load_yaml
+from dh2urdf.documents.document import Node
 from dh2urdf.errors import ConfigError
 from dh2urdf.late_tuples import NamedTuple
-from dh2urdf.plugin_system.options import COMMAND_LINE, word_node
+from dh2urdf.plugin_system.options import COMMAND_LINE, broken_structure, word_node
 from dh2urdf.source import Problem, did_you_mean, shown
 
 if TYPE_CHECKING:
@@ -17,8 +16,6 @@ if TYPE_CHECKING:
 
     from dh2urdf.source import Mark
 
-_STRUCTURED = re.compile(r"""^[\[{"']|:\s|:$""")
-"""What a word has where its writer meant more than a plain text."""
 MAX_KEYS = 16
 """Names in the key of a setting."""
 
@@ -66,27 +63,15 @@ def with_setting(root: Node, setting: str, sections: Sequence[str], asked: Asked
     if len(keys) > MAX_KEYS:
         raise _error(asked, setting, f"has a key of {len(keys)} names", accepted=f"at most {MAX_KEYS}")
     word = word.strip()
-    if _STRUCTURED.search(word):
-        _refuse_broken(word, setting, asked)
-    return _put(root, keys, word_node(word, asked.mark.file), setting, asked)
-
-
-def _refuse_broken(word: str, setting: str, asked: Asked) -> None:
-    """Refuses what is meant as a list, a mapping or a quoted text and is none; `*.csv` is no YAML, but a text.
-
-    Raises:
-        ConfigError: the word cannot be read.
-    """
-    try:
-        load_yaml(word, asked.mark.file)
-    except ConfigError as error:
+    if broken := broken_structure(word, asked.mark.file):
         raise _error(
             asked,
             setting,
-            f"cannot be read: {error.problems[0].message}",
+            f"cannot be read: {broken}",
             accepted="a value as in a run file: a word, a number, [a, b], {key: value}",
             suggestion="a text with such characters is in quotes: 'KEY=\"TEXT\"'",
-        ) from None
+        )
+    return _put(root, keys, word_node(word, asked.mark.file), setting, asked)
 
 
 def _put(node: Node, keys: Sequence[str], value: Node, setting: str, asked: Asked) -> Node:

@@ -14,13 +14,12 @@ from dh2urdf.conversion.simulators import missing_of, require
 from dh2urdf.errors import ConfigError
 from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.output.layouts import Layout
-from dh2urdf.output.open_store import open_store
-from dh2urdf.output.store import Store
+from dh2urdf.output.store import Store, open_store
 from dh2urdf.run_file.mesh_section import MeshCall
 from dh2urdf.run_file.stages_by_name import AskedStages
 from dh2urdf.source import Problem, in_file_order
 from dh2urdf.stage_calls.calls import Call
-from dh2urdf.stages import Executor, Reader
+from dh2urdf.stages import Executor, Reader, WritesFolders
 from dh2urdf.variations import sampling
 from dh2urdf.variations.variation import VariationCall
 
@@ -128,10 +127,10 @@ def make_plan(config: RunConfig, catalog: Catalog) -> Plan:
 
 def _reports(config: RunConfig, emitters: Sequence[Call[Emitter[Any]] | None]) -> Store | None:
     """Where the files about a run go: beside the output, where that holds folders of packages and nothing else."""
-    asked, output = config.report.directory, config.output.directory
+    asked, output = config.report_directory, config.output.directory
     if asked is not None:
         return None if str(asked) == str(output) else open_store(asked)
-    if emitters and all(call is not None and call.stage.in_folders for call in emitters):
+    if emitters and all(call is not None and call.stage.can(WritesFolders) for call in emitters):
         place = f"{str(output).rstrip('/')}_report"
         return open_store(place if isinstance(output, str) else Path(place))
     return None

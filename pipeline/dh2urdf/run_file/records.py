@@ -13,15 +13,9 @@ from dh2urdf.meshes.files import RELATIVE, prefix_of
 from dh2urdf.meshes.kinds import MeshConversion
 from dh2urdf.output.layouts import Layout
 from dh2urdf.run_file.mesh_section import MeshCall
+from dh2urdf.run_file.sections import DEFAULT_SAMPLE, DEFAULT_TIME_LIMIT, ProofSection, ReportSection
 from dh2urdf.source import Mark, Problem
 from dh2urdf.variations.variation import VariationCall
-
-DEFAULT_POSES = 32
-"""Random joint vectors of a proof."""
-DEFAULT_SAMPLE = Sample(first=1000, every=50)
-"""What goes through xacro expansion and simulators: all of a run of up to 1,000, of a longer one a sample."""
-DEFAULT_TIME_LIMIT = 300.0
-"""How long one manipulator may take, simulators aside [s]."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -86,32 +80,6 @@ class OutputSection:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class ProofSection:
-    """How much is compared with the tables.
-
-    Attributes:
-        poses: random joint vectors at which each written file is compared with its table.
-        proved: whose files are compared.
-    """
-
-    poses: int = DEFAULT_POSES
-    proved: Sample = Sample()
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class ReportSection:
-    """What is reported of the run.
-
-    Attributes:
-        html: whether the run writes a page for people, where its packages are installed.
-        directory: where report, manifest and index go; None for the place of the output, or beside one of packages.
-    """
-
-    html: bool = True
-    directory: Path | str | None = None
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
 class RunConfig:
     """A run file.
 
@@ -129,6 +97,7 @@ class RunConfig:
         proof: how much is compared with the tables.
         sample: whose files go through what is slow: expansion of xacro, and simulators.
         report: what is reported of the run.
+        report_directory: where report, manifest and index go, where the file names a place.
         folder: the folder of the run file, which paths in options of stages are relative to.
         problems: what is wrong with the file; nothing may start while there is any.
     """
@@ -143,9 +112,10 @@ class RunConfig:
     cells: tuple[CellCall, ...] = ()
     variations: tuple[VariationCall, ...] = ()
     meshes: tuple[MeshCall, ...] = ()
-    proof: ProofSection = field(default_factory=ProofSection)
+    proof: ProofSection = ProofSection()
     sample: Sample = DEFAULT_SAMPLE
-    report: ReportSection = field(default_factory=ReportSection)
+    report: ReportSection = ReportSection()
+    report_directory: Path | str | None = None
     folder: Path = Path()
     problems: tuple[Problem, ...] = ()
 

@@ -6,43 +6,67 @@ and the schema asks for quotes.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from contextlib import suppress
+from types import NoneType
+from typing import TYPE_CHECKING, Any, TypeAlias, get_args, get_origin
 
-from dh2urdf.errors import ConfigError
+from dh2urdf.errors import ConfigError, UnknownStageError
 from dh2urdf.plugin_system.catalog import KINDS
-from dh2urdf.plugin_system.option_types import measures_of, type_hints
-from dh2urdf.run_file.sections import RUN_FILE
-from dh2urdf.run_file.stage_records import stage_names, usual_name
-from dh2urdf.run_file.value_types import NUMBER
+from dh2urdf.plugin_system.option_types import keys_of, members, records_of
+from dh2urdf.plugin_system.validator import adapter_of
+from dh2urdf.run_file.sections import (
+    NUMBER,
+    RULE_ALSO,
+    SECTIONS,
+    SHORT_FORMS,
+    NormalSection,
+    RuleSection,
+    RunFile,
+    SpacedSection,
+)
 from dh2urdf.stage_calls.answers import a_record
 from dh2urdf.stage_calls.calls import Call, depending_on
+from dh2urdf.stages import HasSchema
 
 if TYPE_CHECKING:
     from dh2urdf.plugin_system.catalog import Catalog, Provided
     from dh2urdf.stages import Kind
 
+JsonSchema: TypeAlias = dict[str, Any]
 DIALECT = "https://json-schema.org/draft/2020-12/schema"
+NULL = {"type": "null"}
+KIND_OF: dict[str, Kind] = {
+    "inputs": "reader",
+    "transform": "transform",
+    "edits": "edit",
+    "emitters": "emitter",
+    "loaders": "loader",
+    "execution": "executor",
+}
+"""The kind of the stages in a section."""
 
 
-def run_schema(catalog: Catalog) -> dict[str, Any]:
+def run_schema(catalog: Catalog) -> JsonSchema:
     """The JSON Schema (2020-12) of a run file, for the stages that are installed."""
-    options: dict[str, Any] = {}
+    options: JsonSchema = {}
     for kind in KINDS:
         named = stage_names(catalog, kind)
         for item in catalog.provided(kind):
             options |= _options_schemas(item, f"{kind}.{named[item.full_name][0]}")
-    schema = RUN_FILE.schema(catalog)
+    schema = section_schema(RunFile)
     sections = schema["properties"]
-    usual: dict[str, Kind] = {"transform": "transform", "emitters": "emitter", "execution": "executor"}
-    for section, kind in usual.items():
-        sections[section]["description"] += f"; {usual_name(catalog, kind)} by default"
+    for section, kind in KIND_OF.items():
+        entry = sections[section]["anyOf"][0]
+        _add_stages(entry["anyOf"] if "anyOf" in entry else sections[section]["anyOf"], section, kind, catalog)
+        if section in {"transform", "emitters", "execution"}:
+            sections[section]["description"] += f"; {usual_name(catalog, kind)} by default"
     for section, description in sections.items():
         if section not in schema["required"]:
-            sections[section] = {"anyOf": [description, {"type": "null"}]}
+            sections[section] = {"anyOf": [description, NULL]}
     return {"$schema": DIALECT, "title": "run file of dh2urdf", **schema, "$defs": options}
 
 
-def table_schema(catalog: Catalog) -> dict[str, Any]:
+def table_schema(catalog: Catalog) -> JsonSchema:
     """The JSON Schema (2020-12) of a table, as the readers that have one give it.
 
     Raises:
@@ -50,10 +74,9 @@ def table_schema(catalog: Catalog) -> dict[str, Any]:
     """
     schemas = {}
     for item in catalog.provided("reader"):
-        reader: Any = item.stage
-        if reader.schema:
-            with depending_on(Call(stage=reader, options=None, plugin=item.plugin), "schema"):
-                schemas[item.full_name] = a_record(reader.schema(), dict)
+        if its := item.stage.can(HasSchema):
+            with depending_on(Call(stage=item.stage, options=None, plugin=item.plugin), "schema"):
+                schemas[item.full_name] = a_record(its.schema(), dict)
     if not schemas:
         raise ConfigError("no reader that is installed has a schema of its tables")
     if len(schemas) == 1:
@@ -65,27 +88,141 @@ def table_schema(catalog: Catalog) -> dict[str, Any]:
     }
 
 
-def _options_schemas(item: Provided, name: str) -> dict[str, Any]:
+# --- Sections ---------------------------------------------------------------------------------------------------------
+
+
+def section_schema(kind: type[Any]) -> JsonSchema:
+    """The JSON Schema of a section as people write it, with its short forms and without references."""
+    schema = adapter_of(kind).json_schema()
+    return _as_written(schema, kind, schema.get("$defs", {}))
+
+
+def _as_written(schema: JsonSchema, hint: Any, definitions: JsonSchema) -> JsonSchema:  # noqa: ANN401 - a type
+    (kind, *_) = [member for member in members(hint) if member is not NoneType]
+    inner = get_args(kind)
+    schema = _without_null(schema, definitions)
+    if get_origin(kind) is tuple and records_of(inner[0]):
+        entry = _as_written(schema["items"], inner[0], definitions)
+        return {"anyOf": [entry, {"type": "array", "items": entry, "minItems": schema.get("minItems", 0)}]}
+    if get_origin(kind) is dict and records_of(inner[1]):
+        return {
+            "type": "object",
+            "additionalProperties": _as_written(schema["additionalProperties"], inner[1], definitions),
+        }
+    if not records_of(kind):
+        return schema
+    properties = {}
+    for name, key in keys_of(kind).items():
+        properties[name] = _as_written(schema["properties"][name], key.hint, definitions)
+        if key.help:
+            properties[name]["description"] = key.help
+        if key.measures:
+            _take_texts(properties[name])
+    if kind is RuleSection:
+        told = {"description": properties["grid"].pop("description")}
+        spaced = {"anyOf": [properties["grid"], section_schema(SpacedSection)], **told}
+        properties |= {"grid": spaced, "normal": properties["normal"] | section_schema(NormalSection)}
+    mapping: JsonSchema = {"type": "object", "properties": properties, "additionalProperties": False}
+    if needed := [name for name, key in keys_of(kind).items() if key.is_needed]:
+        mapping["required"] = needed
+    mapping |= RULE_ALSO if kind is RuleSection else {}
+    return {"anyOf": [properties[SHORT_FORMS[kind]], mapping]} if kind in SHORT_FORMS else mapping
+
+
+def _without_null(schema: JsonSchema, definitions: JsonSchema) -> JsonSchema:
+    """A schema with what it refers to in it: an empty value is as good as none, and needs no words."""
+    schema = {key: value for key, value in schema.items() if key not in {"title", "$defs"}}
+    kinds = [each for each in schema.get("anyOf", ()) if each != NULL]
+    if len(kinds) == 1:
+        del schema["anyOf"]
+        schema = kinds[0] | schema
+    if reference := schema.pop("$ref", None):
+        inner = {key: value for key, value in definitions[reference.removeprefix("#/$defs/")].items() if key != "title"}
+        inner.pop("description", None)
+        schema = inner | schema
+    if schema.get("default", 0) is None or isinstance(schema.get("default"), (list, dict)):
+        del schema["default"]
+    return schema
+
+
+# --- Stages -----------------------------------------------------------------------------------------------------------
+
+
+def _add_stages(forms: list[JsonSchema], section: str, kind: Kind, catalog: Catalog) -> None:
+    """Name the stages that are installed, each with its options, in the short form and the long form of a stage."""
+    call = forms[1]
+    named = stage_names(catalog, kind)
+    own = call["properties"]["stage"].get("description") if kind == "reader" else None
+    stage = {"enum": all_of(named), "description": own or SECTIONS[section].help}
+    call["properties"]["stage"] = stage
+    if kind == "reader":
+        call["allOf"] = []
+        for item in catalog.provided("reader"):
+            by_name = {"properties": {"stage": {"enum": named[item.full_name]}}, "required": ["stage"]}
+            suffixes = "|".join(suffix.replace(".", r"\.") for suffix in getattr(item.stage, "suffixes", ()))
+            by_suffix = {"properties": {"path": {"pattern": f"({suffixes})$"}}, "not": {"required": ["stage"]}}
+            condition = {"anyOf": [by_name, by_suffix]} if suffixes else by_name
+            call["allOf"].append(_if_then(condition, f"reader.{named[item.full_name][0]}", named=False))
+        return
+    forms[0] = stage
+    is_named = "required" in call
+    usual = None if is_named else usual_name(catalog, kind)
+    conditions = [
+        _if_then({"properties": {"stage": {"enum": own}}}, f"{kind}.{own[0]}", named=usual not in own)
+        for own in named.values()
+    ]
+    call |= {"allOf": conditions} if conditions else {}
+    if usual is None:
+        call["required"] = ["stage"]
+
+
+def stage_names(catalog: Catalog, kind: Kind) -> dict[str, list[str]]:
+    """How each stage of a kind may be named, by its full name: its own name does where that chooses it."""
+    chosen = {name: item.full_name for name, item in catalog.by_name(kind).items()}
+    names = {item.full_name: item.stage.name for item in catalog.provided(kind)}
+    return {
+        full_name: [name, full_name] if chosen.get(name) == full_name else [full_name]
+        for full_name, name in names.items()
+    }
+
+
+def usual_name(catalog: Catalog, kind: Kind) -> str | None:
+    """The name of the stage that is taken where none is named; None where every plugin that has one is left out."""
+    with suppress(UnknownStageError):
+        return catalog.usual(kind).name
+    return None
+
+
+def all_of(named: dict[str, list[str]]) -> list[str]:
+    """All names, the short ones first: what an editor proposes."""
+    return sorted({name for names in named.values() for name in names}, key=lambda name: (":" in name, name))
+
+
+def _if_then(condition: JsonSchema, definition: str, *, named: bool) -> JsonSchema:
+    if named:
+        condition = {**condition, "required": ["stage"]}
+    options = {"anyOf": [{"$ref": f"#/$defs/{definition}"}, NULL]}
+    return {"if": condition, "then": {"properties": {"options": options}}}
+
+
+def _options_schemas(item: Provided, name: str) -> JsonSchema:
     """The definitions that a stage's options need, their own first."""
-    from pydantic import TypeAdapter
     from pydantic.errors import PydanticUserError
 
     stage = item.stage
     try:
-        schema = TypeAdapter(stage.options).json_schema(ref_template=f"#/$defs/{name}.{{model}}")
+        schema = adapter_of(stage.options).json_schema(ref_template=f"#/$defs/{name}.{{model}}")
     except (PydanticUserError, NameError):  # The program refuses such a stage when it is used; a schema says nothing.
         return {name: {"type": "object"}}
     inner = schema.pop("$defs", {})
     schema.pop("title", None)
     schema["description"] = stage.summary
-    helps = {field.name: field.metadata.get("help") for field in stage.options.__dataclass_fields__.values()}
-    measures = measures_of(stage.options)
-    for option in type_hints(stage.options):
+    for option, key in keys_of(stage.options).items():
         described = schema["properties"][option]
         described.pop("title", None)
-        if helps[option]:
-            described["description"] = helps[option]
-        if option in measures:
+        if key.help:
+            described["description"] = key.help
+        if key.measures:
             _take_texts(described)
     definitions = {name: schema, **{f"{name}.{model}": definition for model, definition in inner.items()}}
     for definition in definitions.values():
@@ -94,7 +231,7 @@ def _options_schemas(item: Provided, name: str) -> dict[str, Any]:
     return definitions
 
 
-def _take_texts(schema: dict[str, Any]) -> None:
+def _take_texts(schema: JsonSchema) -> None:
     """Let what takes a number take the text of an expression with units, too."""
     if schema.get("type") == "number":
         schema |= NUMBER

@@ -1,194 +1,388 @@
-"""The sections of a run file and their keys, each declared once: what reads it, and what its JSON Schema is made of."""
+"""The sections of a run file as people write them: what pydantic checks, and what the JSON Schema is made of.
+
+A list or a mapping may be written in a short form: `emitters: urdf` is `emitters: [{stage: urdf}]`. `written_out` has
+it in the long form, which these records are of.
+"""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from dataclasses import MISSING, field
+from types import NoneType
+from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeAlias, get_args, get_origin
+
+from pydantic import Field, WithJsonSchema  # noqa: TID253 - this module is imported where a run file is read
 
 from dh2urdf.conversion.one_manipulator import Sample
 from dh2urdf.documents.document import Node, expect_mapping
-from dh2urdf.errors import ConfigError
-from dh2urdf.meshes.conversion import ACCEPTED, conversion_of
-from dh2urdf.meshes.files import FILE, RELATIVE, prefix_of
+from dh2urdf.late_dataclasses import dataclass
+from dh2urdf.manipulator import WORLD
+from dh2urdf.meshes.conversion import ACCEPTED
+from dh2urdf.meshes.files import FILE, RELATIVE
 from dh2urdf.meshes.kinds import MeshConversion
-from dh2urdf.output.layouts import DEFAULT_SIZE, LARGEST, Form, Layout
-from dh2urdf.run_file.cell_section import CELLS
-from dh2urdf.run_file.mesh_section import MESHES
-from dh2urdf.run_file.records import (
-    DEFAULT_POSES,
-    DEFAULT_SAMPLE,
-    OutputSection,
-    ProofSection,
-    ReportSection,
-    RunConfig,
-)
-from dh2urdf.run_file.stage_records import InputRecord, StageRecord
-from dh2urdf.run_file.validator import Distinct, Key, Many, Record, mapping_node, naming
-from dh2urdf.run_file.value_types import DIRECTORY, MOST, SWITCH, seconds, text, whole, word
-from dh2urdf.run_file.variation_section import VARIATIONS
-from dh2urdf.source import Problem
+from dh2urdf.output.layouts import DEFAULT_SIZE, LARGEST, Form
+from dh2urdf.plugin_system.option_types import Words, keys_of, members, records_of
+from dh2urdf.rotations import ZERO
+from dh2urdf.variations.sampling import MOST_POINTS, Sampling
+from dh2urdf.variations.variation import AXES, FIELDS
 
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from dh2urdf.source import Mark
-
-
+DEFAULT_SAMPLE = Sample(first=1000, every=50)
+"""What goes through xacro expansion and simulators: all of a run of up to 1,000, of a longer one a sample."""
+DEFAULT_TIME_LIMIT = 300.0
+"""How long one manipulator may take, simulators aside [s]."""
+MOST = 10**9
+"""Largest whole number of a setting that counts manipulators."""
 MAX_POSES = 1_000_000
 """Random joint vectors of one proof."""
-NO_INPUT = ("there is nothing to read", "at least one table, such as `inputs: [{path: tables/ur5.csv}]`")
-NO_EMITTER = ("the list is empty, and something must be written", "at least one stage")
-ONCE = Distinct("stage", "the stage {} stands twice: both would make the same files", "each stage once")
+MOST_VALUES = 10**4
+"""Values of one evenly spaced grid: every chunk of tasks carries them."""
+MOST_SEED = 2**64
+NUMBER: dict[str, Any] = {"type": ["number", "string"], "minLength": 1}
+"""The JSON Schema of a number, or of the text of an expression."""
+PAIR = {"type": "array", "items": NUMBER, "minItems": 2, "maxItems": 2}
+VALUES = {"type": "array", "items": NUMBER, "minItems": 1}
+_JOINT = {"type": ["integer", "string"], "minimum": 1, "minLength": 1}
+_JOINTS = {"anyOf": [_JOINT, {"type": "array", "items": _JOINT, "minItems": 1}]}
+
+Text: TypeAlias = Annotated[str, Field(min_length=1), Words("a text, not empty")]
+AnyText: TypeAlias = Annotated[str, Words('a text, also ""')]
+Count: TypeAlias = Annotated[int, Field(ge=0, le=MOST)]
+Step: TypeAlias = Annotated[int, Field(ge=1, le=MOST)]
+Triple: TypeAlias = Annotated[
+    tuple[float, float, float],
+    Words("a list of three numbers"),
+    WithJsonSchema({"type": "array", "items": NUMBER, "minItems": 3, "maxItems": 3}),
+]
+Seconds: TypeAlias = Annotated[
+    float, Field(gt=0, lt=MOST), Words("seconds that one manipulator may take, a number greater than 0")
+]
+MeshNames: TypeAlias = Annotated[
+    str, WithJsonSchema({"type": "string", "pattern": f"^({RELATIVE}|{FILE}|package://.+)$"})
+]
+Options: TypeAlias = Annotated[dict[str, Any], Words("a mapping such as {frames: dh}"), WithJsonSchema({})]
+"""The options of a stage; `dh2urdf.plugin_system.options.make_options` checks them."""
+AnyNumber: TypeAlias = Annotated[Any, Words("a number"), WithJsonSchema(NUMBER)]
+"""A number in the unit of the field that varies, which is not known here."""
+Pair: TypeAlias = Annotated[Any, Words("a range: [LOW, HIGH]"), WithJsonSchema(PAIR)]
+if TYPE_CHECKING:
+    Varied: TypeAlias = str
+else:
+    Varied = Literal[tuple(FIELDS)]
 
 
-# --- Output -----------------------------------------------------------------------------------------------------------
+def key(text: str, default: Any = MISSING, *, measures: str | None = None) -> Any:  # noqa: ANN401 - a field
+    """A key of a section: what it is for, and what its numbers measure that may have units."""
+    data = {"help": text} if measures is None else {"help": text, "measures": measures}
+    return field(default=default, metadata=data)
 
 
-def _mesh_output(names: str = RELATIVE, convert: str = MeshConversion.NEVER) -> tuple[str, MeshConversion]:
-    """How descriptions name meshes, and what becomes of these."""
-    with naming("names"):
-        prefix = prefix_of(names)
-    with naming("convert"):
-        return names, conversion_of(convert, prefix)
+# --- Stages -----------------------------------------------------------------------------------------------------------
 
 
-def _output(
-    directory: Path | str | None = None,
-    layout: str = Form.FILES,
-    size: int = DEFAULT_SIZE,
-    meshes: tuple[str, MeshConversion] = (RELATIVE, MeshConversion.NEVER),
-    *,
-    size_mark: Mark | None = None,
-) -> OutputSection:
-    form = Form(layout)
-    if size_mark and form is Form.FILES:
-        message = "all files go into one folder, which has no size"
-        accepted = f"a size with layout: {Form.FOLDERS} or layout: {Form.SHARDS}"
-        raise ConfigError(Problem(message=message, field="size", accepted=accepted))
-    return OutputSection(
-        directory=directory,
-        layout=Layout(form=form, size=size),
-        mesh_prefix=prefix_of(meshes[0], in_folders=form is Form.FOLDERS),
-        mesh_conversion=meshes[1],
+@dataclass(frozen=True, slots=True, kw_only=True)
+class StageSection:
+    """A stage with its options; the usual one of its kind where none is named."""
+
+    stage: Text | None = None
+    options: Options | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class NamedStageSection:
+    """A stage that must be named, for none is usual."""
+
+    stage: Text = key("the name of the stage")
+    options: Options | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LoaderSection(NamedStageSection):
+    """A loader."""
+
+    optional: bool = key("whether a refusal, or a missing program, is a notice and fails nothing", False)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ExecutionSection(StageSection):
+    """An executor."""
+
+    time_limit: Seconds = key("seconds that one manipulator may take, simulators aside", DEFAULT_TIME_LIMIT)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class InputSection:
+    """Files that one reader reads: it is named, or goes by the suffix of the path."""
+
+    path: Text = key("a table, or a pattern such as tables/*.csv")
+    stage: Text | None = key("the reader; by the path's suffix if absent", None)
+    options: Options | None = None
+    calibration: Text | None = key(
+        "differences that are added to the rows: a calibration.conf, or a table of them", None
     )
 
 
-OUTPUT = Record(
-    _output,
-    {
-        "directory": Key(DIRECTORY, "a folder, from that of the run file, or an address such as s3://bucket/prefix"),
-        "layout": Key(word(*Form), "one folder, folders of `size` manipulators, or tar shards of as many"),
-        "size": Key(whole(1, LARGEST), "manipulators in one folder or shard"),
-        "meshes": Key(
-            Record(
-                _mesh_output,
-                {
-                    "names": Key(
-                        text(pattern=f"^({RELATIVE}|{FILE}|package://.+)$", null_is_absent=True),
-                        "how descriptions name mesh files: relative, file or package://NAME",
-                    ),
-                    "convert": Key(text(enum=list(MeshConversion), null_is_absent=True), ACCEPTED),
-                },
-                short="names",
-                null_is_absent=True,
-            )
-        ),
-    },
-    short="directory",
-    marks={"size_mark": ("size",)},
-)
+# --- Cells, meshes, variations ----------------------------------------------------------------------------------------
 
 
-# --- How much ---------------------------------------------------------------------------------------------------------
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ArmSection:
+    """An arm of a cell."""
+
+    name: Text = key("the arm's name in the cell")
+    of: Text = key("the manipulator of this run that it is")
+    prefix: AnyText | None = key("before the names of its links and joints; NAME_ by default", None)
+    parent: Text = key("world, or a link of another arm, such as left/tool0", WORLD)
+    xyz: Triple = key("where it stands on its parent [m]", ZERO, measures="length")
+    rpy: Triple = key("its orientation there: roll, pitch, yaw [rad]", ZERO, measures="angle")
 
 
-def _proof(poses: int = DEFAULT_POSES, first: int = Sample().first, every: int = Sample().every) -> ProofSection:
-    return ProofSection(poses=poses, proved=Sample(first=first, every=every))
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CellSection:
+    """Several arms in one robot description."""
+
+    name: Text = key("the cell's name, after which its files are named")
+    arms: Annotated[
+        tuple[ArmSection, ...],
+        Field(min_length=1),
+        Words("a list such as [{name: left, of: ur5}, {name: right, of: ur5, xyz: [0, -0.5, 0]}]"),
+    ]
 
 
-def _sample(first: int = DEFAULT_SAMPLE.first, every: int = DEFAULT_SAMPLE.every) -> Sample:
-    return Sample(first=first, every=every)
+@dataclass(frozen=True, slots=True, kw_only=True)
+class MeshSection:
+    """A mesh file and where it is on its link."""
+
+    file: Text = key("a file in STL, OBJ or DAE, from the folder of the run file")
+    xyz: Triple = key("where it is in the DH frame after the row [m]", ZERO, measures="length")
+    rpy: Triple = key("its orientation there: roll, pitch, yaw [rad]", ZERO, measures="angle")
+    scale: float | Triple = key("a factor, or one for each axis", 1.0, measures="bare number")
 
 
-def _sample_keys(what: str) -> dict[str, Key]:
-    """The keys of a sample: the first manipulators of the run, and some of the rest."""
-    return {
-        "first": Key(whole(0, MOST), f"so many manipulators at the beginning of the run {what}"),
-        "every": Key(whole(1, MOST), f"n, for every n-th of the other {what}"),
-    }
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ShapesSection:
+    """The meshes of a link: `mesh` is both."""
+
+    visual: MeshSection | None = None
+    collision: MeshSection | None = None
+    mesh: MeshSection | None = None
 
 
-PROOF = Record(
-    _proof,
-    {
-        "poses": Key(whole(1, MAX_POSES), "random joint vectors at which each file is compared with its table"),
-        **_sample_keys("are compared with their tables"),
-    },
-)
-SAMPLE = Record(_sample, _sample_keys("go through expansion of xacro and simulators"))
-REPORT = Record(
-    ReportSection,
-    {
-        "html": Key(SWITCH, "whether report.html is written, where jinja2 and matplotlib are installed"),
-        "directory": Key(
-            DIRECTORY,
-            "where report, manifest and index go: a folder or an address; by default that of the output, or "
-            "one beside it where the output is folders of packages",
-        ),
-    },
-)
+@dataclass(frozen=True, slots=True, kw_only=True)
+class MeshesSection:
+    """The meshes of some manipulators."""
+
+    of: Text = key("the manipulator of this run that has them; * stands for any text")
+    base: ShapesSection | None = None
+    joints: dict[str, ShapesSection] | None = key("by the names of the joints", None)
 
 
-# --- The run file -----------------------------------------------------------------------------------------------------
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SpacedSection:
+    """An evenly spaced grid."""
 
-TRANSFORM = StageRecord("transform", "what makes a robot of a table")
-EDIT = StageRecord("edit", "what changes the tables before, or the robots after", is_named=True)
-EMITTER = StageRecord("emitter", "what writes files")
-LOADER = StageRecord(
-    "loader",
-    "what loads the files",
-    is_named=True,
-    optional=Key(SWITCH, "whether a refusal, or a missing program, is a notice and fails nothing", is_vital=False),
-)
-EXECUTION = StageRecord(
-    "executor",
-    "what does the work",
-    time_limit=Key(
-        seconds("seconds that one manipulator may take"),
-        "seconds that one manipulator may take, simulators aside",
-        is_vital=False,
-    ),
-)
-_SECTIONS = {
-    "inputs": Key(Many(InputRecord(), empty=NO_INPUT), "the tables that are read", missing=NO_INPUT),
-    "cells": Key(CELLS, "robots of several arms, with one root; none by default"),
-    "variations": Key(VARIATIONS, "manipulators drawn from others; none by default"),
-    "meshes": Key(MESHES, "mesh files that links are seen as and touch with; none by default"),
-    "transform": Key(TRANSFORM, "what makes a robot of a table"),
-    "edits": Key(
-        Many(EDIT),
-        "what changes the tables before the transform, or the robots after it, in order; none by default",
-    ),
-    "emitters": Key(Many(EMITTER, empty=NO_EMITTER, distinct=ONCE), "what writes files"),
-    "loaders": Key(Many(LOADER, distinct=ONCE), "what loads the files; none by default"),
-    "output": Key(OUTPUT, "where the output goes: a folder or an address, alone or with its layout"),
-    "execution": Key(EXECUTION, "what does the work"),
-    "proof": Key(PROOF, "how much is compared with the tables; all by default"),
-    "sample": Key(SAMPLE, "how much goes through what is slow"),
-    "report": Key(REPORT, "what is reported of the run"),
+    start: Annotated[AnyNumber, Field(alias="from")]
+    to: AnyNumber
+    points: Annotated[int, Field(ge=2, le=MOST_VALUES)]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class NormalSection:
+    """A normal distribution; its mean is the nominal value where none is given."""
+
+    mean: AnyNumber = None
+    deviation: AnyNumber
+    bounds: Pair
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RuleSection:
+    """How a field varies. What a law accepts depends on the field, so that its values are looked at later."""
+
+    joints: Annotated[Any, WithJsonSchema(_JOINTS)] = key(
+        "of which joints: all, numbers from 1, or names; the number of axes has none", None
+    )
+    field: Varied = key("what varies")
+    choices: Annotated[Any, WithJsonSchema(VALUES)] = key("one of these, all equally likely", None)
+    grid: Annotated[Any, WithJsonSchema(VALUES)] = key("each of these, with each of all other grids", None)
+    uniform: Pair = key("any value of this range", None)
+    log_uniform: Annotated[Pair, Field(alias="log-uniform")] = key(
+        "any value of this range, all orders of magnitude equally likely", None
+    )
+    normal: Annotated[Any, WithJsonSchema({})] = key(
+        "a normal distribution, about the nominal value unless it has a mean, cut at its bounds", None
+    )
+    scale: Pair = key("the nominal value times a factor of this range", None)
+    offset: Pair = key("the nominal value plus a number of this range", None)
+
+
+LAWS = ("choices", "grid", "uniform", "log-uniform", "normal", "scale", "offset")
+"""How values are drawn."""
+RULE_ALSO: dict[str, Any] = {
+    "oneOf": [{"required": [law]} for law in LAWS],
+    "if": {"properties": {"field": {"const": AXES}}, "required": ["field"]},
+    "then": {"properties": {"joints": False}},
+    "else": {"required": ["joints"]},
 }
-RUN_FILE = Record(RunConfig, {name: section._replace(is_vital=False) for name, section in _SECTIONS.items()})
-"""The whole file. A section that is wrong has its defaults, so that the stages of the others are looked at too."""
-SECTIONS = tuple(RUN_FILE.keys)
+"""More keywords of the JSON Schema of a rule."""
 
 
-def written_out(root: Node) -> Node:
-    """A run file with every list and mapping written out: `emitters: urdf` is `emitters: [{stage: urdf}]`.
+@dataclass(frozen=True, slots=True, kw_only=True)
+class VariationSection:
+    """Manipulators drawn from another one."""
+
+    name: Text | None = key("what the names of the variants begin with; that of the manipulator by default", None)
+    of: Text = key("the manipulator of this run that is varied")
+    count: Annotated[int, Field(ge=1, le=MOST_POINTS)] | None = key(
+        "how many variants; the points of its grids by default", None
+    )
+    seed: Annotated[int, Field(ge=0, le=MOST_SEED - 1)] = key("which of all samples", 0)
+    sampling: Sampling = key("how the sample spreads", Sampling.RANDOM)
+    vary: Annotated[
+        tuple[RuleSection, ...],
+        Field(min_length=1),
+        Words("a list of rules, each a mapping such as {joints: [2, 3], field: a, scale: [0.8, 1.2]}"),
+    ] = key("what varies")
+
+
+# --- Output, and how much ---------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class MeshOutputSection:
+    """How descriptions name meshes, and what becomes of these."""
+
+    names: MeshNames = key("how descriptions name mesh files: relative, file or package://NAME", RELATIVE)
+    convert: MeshConversion = key(ACCEPTED, MeshConversion.NEVER)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class OutputKeys:
+    """Where the output goes, and how it lies there."""
+
+    directory: Text | None = key("a folder, from that of the run file, or an address such as s3://bucket/prefix", None)
+    layout: Form = key("one folder, folders of `size` manipulators, or tar shards of as many", Form.FILES)
+    size: Annotated[int, Field(ge=1, le=LARGEST)] = key("manipulators in one folder or shard", DEFAULT_SIZE)
+    meshes: MeshOutputSection = MeshOutputSection()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ProofSection:
+    """How much is compared with the tables."""
+
+    poses: Annotated[int, Field(ge=1, le=MAX_POSES)] = key(
+        "random joint vectors at which each file is compared with its table", 32
+    )
+    first: Count = key(
+        "so many manipulators at the beginning of the run are compared with their tables", Sample().first
+    )
+    every: Step = key("n, for every n-th of the other are compared with their tables", Sample().every)
+
+    @property
+    def proved(self) -> Sample:
+        """Whose files are compared."""
+        return Sample(first=self.first, every=self.every)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SampleSection:
+    """How much goes through what is slow."""
+
+    first: Count = key(
+        "so many manipulators at the beginning of the run go through expansion of xacro and simulators",
+        DEFAULT_SAMPLE.first,
+    )
+    every: Step = key(
+        "n, for every n-th of the other go through expansion of xacro and simulators", DEFAULT_SAMPLE.every
+    )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ReportSection:
+    """What is reported of the run."""
+
+    html: bool = key("whether report.html is written, where jinja2 and matplotlib are installed", True)
+    directory: Text | None = key(
+        "where report, manifest and index go: a folder or an address; by default that of the output, or "
+        "one beside it where the output is folders of packages",
+        None,
+    )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RunFile:
+    """The whole file."""
+
+    inputs: Annotated[tuple[InputSection, ...], Field(min_length=1)] = key("the tables that are read")
+    cells: tuple[CellSection, ...] = key("robots of several arms, with one root; none by default", ())
+    variations: tuple[VariationSection, ...] = key("manipulators drawn from others; none by default", ())
+    meshes: tuple[MeshesSection, ...] = key("mesh files that links are seen as and touch with; none by default", ())
+    transform: StageSection = key("what makes a robot of a table", StageSection())
+    edits: tuple[NamedStageSection, ...] = key(
+        "what changes the tables before the transform, or the robots after it, in order; none by default", ()
+    )
+    emitters: Annotated[tuple[StageSection, ...], Field(min_length=1)] = key("what writes files", (StageSection(),))
+    loaders: tuple[LoaderSection, ...] = key("what loads the files; none by default", ())
+    output: OutputKeys = key("where the output goes: a folder or an address, alone or with its layout", OutputKeys())
+    execution: ExecutionSection = key("what does the work", ExecutionSection())
+    proof: ProofSection = key("how much is compared with the tables; all by default", ProofSection())
+    sample: SampleSection = key("how much goes through what is slow", SampleSection())
+    report: ReportSection = key("what is reported of the run", ReportSection())
+
+
+SHORT_FORMS: dict[type[Any], str] = {
+    **dict.fromkeys((StageSection, NamedStageSection, LoaderSection, ExecutionSection), "stage"),
+    InputSection: "path",
+    MeshSection: "file",
+    MeshOutputSection: "names",
+    OutputKeys: "directory",
+}
+"""The key that a text alone is the value of."""
+SECTIONS = keys_of(RunFile)
+"""The keys of a run file."""
+
+
+def written_out(root: Node, *, deep: bool = False) -> Node:
+    """A run file with lists and mappings written out: `emitters: urdf` is `emitters: [{stage: urdf}]`.
 
     Sections that are absent or empty get their defaults, so that `--set` finds them.
+
+    Args:
+        root: the run file.
+        deep: whether lists in sections are written out too; `--set` finds them as they are written.
     """
     given = {key: node for key, node in expect_mapping(root, "a run file").items() if node.value is not None}
-    for name, key in RUN_FILE.keys.items():
-        may_be_empty = isinstance(key.kind, Many) and name != "emitters"
-        default = Node([], root.file, root.line, root.column) if may_be_empty else mapping_node({}, root)
-        given[name] = key.kind.long_form(given.get(name, default))
+    for name, section in SECTIONS.items():
+        is_list = get_origin(members(section.hint)[0]) is tuple
+        default = (
+            Node([], root.file, root.line, root.column) if is_list and name != "emitters" else mapping_node({}, root)
+        )
+        given[name] = long_form(given.get(name, default), section.hint, deep)
     return mapping_node(given, root)
+
+
+def long_form(node: Node, hint: Any, deep: bool, *, inside: bool = False) -> Node:  # noqa: ANN401, FBT001 - a type
+    """A value with its lists and mappings written out, without the keys whose values are empty."""
+    kind = next(member for member in members(hint) if member is not NoneType)
+    inner = get_args(kind)
+    if get_origin(kind) is tuple and records_of(inner[0]) and (deep or not inside):
+        entries = node.value if isinstance(node.value, list) else [node]
+        return Node([long_form(entry, inner[0], deep) for entry in entries], node.file, node.line, node.column)
+    if kind in SHORT_FORMS and node.value is not None and not isinstance(node.value, (dict, list)):
+        return mapping_node({SHORT_FORMS[kind]: node}, node)
+    if not isinstance(node.value, dict) or kind is Any:
+        return node
+    if get_origin(kind) is dict and records_of(inner[1]):
+        hints = dict.fromkeys(node.value, inner[1])
+    else:
+        hints = {name: key.hint for record in records_of(kind) for name, key in keys_of(record).items()}
+    made = {}
+    for name, entry in node.value.items():
+        if name not in hints:
+            made[name] = entry
+        elif entry.value is not None or str in members(hints[name]):
+            made[name] = long_form(entry, hints[name], deep, inside=True)
+    return mapping_node(made, node)
+
+
+def mapping_node(entries: dict[str, Node], at: Node) -> Node:
+    """A mapping that stands where another value does."""
+    return Node(entries, at.file, at.line, at.column, key_places=at.key_places)

@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-from math import inf, tau
-from typing import TYPE_CHECKING, Any
+from contextlib import suppress
+from typing import TYPE_CHECKING
 
-from dh2urdf.documents.nodes import LARGEST_BARE
+from dh2urdf.documents.measures import measured
 from dh2urdf.errors import ConfigError
-from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.manipulator import JointType
 from dh2urdf.output.whole_files import safe_stem
 from dh2urdf.quantities.quantity import Dimension, QuantityError, evaluate
-from dh2urdf.run_file.validator import Distinct, JsonSchema, Key, Many, Record, Validator, ValueType
-from dh2urdf.run_file.value_types import NUMBER, TEXT, as_written, numbers, whole, word
-from dh2urdf.source import Mark, Problem, did_you_mean, shown
+from dh2urdf.run_file.reading import Reading
+from dh2urdf.run_file.sections import LAWS, NormalSection, SpacedSection, VariationSection
+from dh2urdf.source import Mark, Problem, did_you_mean
 from dh2urdf.variations.binding import LEAST_PROBABILITY
 from dh2urdf.variations.laws import (
     Choices,
@@ -27,10 +26,11 @@ from dh2urdf.variations.laws import (
     Uniform,
     evenly_spaced,
 )
-from dh2urdf.variations.sampling import MOST_POINTS, Sampling
 from dh2urdf.variations.variation import ALL, AXES, FIELDS, TYPE, Rule, VariationCall
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable
+
     from dh2urdf.documents.document import Node
 
 WORD_LAWS = ("choices", "grid")
@@ -43,14 +43,8 @@ _RANGES: dict[str, type[Uniform | LogUniform | Scale | Offset]] = {
 JOINT_TYPES = tuple(kind.value for kind in JointType)
 ACCEPTED_JOINTS = "all, a joint's number from 1 or its name, or a list of these"
 SPACING = "{from: LOW, to: HIGH, points: N}"
-ACCEPTED_NORMAL = "{deviation: D, bounds: [LOW, HIGH]}, and `mean: M` where it is not the nominal value"
-NO_RULE = ("nothing varies", "a list of rules, each a mapping such as {joints: [2, 3], field: a, scale: [0.8, 1.2]}")
-MOST_VALUES = 10**4
-"""Values of one evenly spaced grid: every chunk of tasks carries them."""
-MOST_SEED = 2**64
-_BARE_ANGLES = {"alpha": tau, "theta": tau, "offset": tau, "lower": 10 * tau, "upper": 10 * tau}
-"""What a number without a unit may be at most where it may be an angle [rad]: beyond, degrees may be meant."""
-_BARE = {**dict.fromkeys(("a", "d", "radius"), LARGEST_BARE["length"]), **_BARE_ANGLES}
+MOST_TURNS = 10
+"""What a limit of a joint may be at most without a unit where it may be an angle: beyond, degrees may be meant."""
 
 
 class _LawReader:
@@ -66,7 +60,7 @@ class _LawReader:
     def __init__(self, what: str, field: str) -> None:
         self.what = what
         self.field = field
-        self.to = Validator()
+        self.to = Reading()
         self.units: list[Dimension] = []
 
     def add_problem(self, message: str, node: Node, accepted: str | None = None, suggestion: str | None = None) -> None:
@@ -97,19 +91,18 @@ class _LawReader:
 
     def _values(self, node: Node, accepted: str) -> tuple[DrawnValue, ...]:
         if not isinstance(node.value, list) or not node.value:
-            self.add_problem(f"this cannot be {node.describe()}", node, accepted=accepted)
+            self.add_problem(f"a run file cannot take {node.describe()} here", node, accepted=accepted)
             return ()
         values = [self._value(entry) for entry in node.value]
         return tuple(value for value in values if value is not None)
 
     def _value(self, node: Node) -> DrawnValue | None:
         if self.what == TYPE:
-            word = TEXT.read(node, self.field, self.to)
-            if word is not None and word not in JOINT_TYPES:
-                near = did_you_mean(word, JOINT_TYPES)
-                accepted = ", ".join(JOINT_TYPES)
-                self.add_problem(f"{shown(word)} is no type of joint", node, accepted=accepted, suggestion=near)
-            return word
+            if node.text in JOINT_TYPES:
+                return node.text
+            near, accepted = did_you_mean(node.text or "", JOINT_TYPES), ", ".join(JOINT_TYPES)
+            self.add_problem(f"{node.describe()} is no type of joint", node, accepted=accepted, suggestion=near)
+            return None
         if self.what == AXES:
             if isinstance(node.value, int) and not isinstance(node.value, bool) and node.value >= 1:
                 return node.value
@@ -121,10 +114,12 @@ class _LawReader:
         if FIELDS[self.what].dimension is None:
             self.add_problem(f"{self.what} has no values in between", node, accepted="a list of values")
             return None
-        if (given := SPACED.read(node, self.field, self.to)) is None:
+        if (given := self.to.record(SpacedSection, node, self.field)) is None:
             return None
-        low, high = [self._positive(given[key], self._number(given[key])) for key in ("from", "to")]
-        return None if low is None or high is None else Grid(values=evenly_spaced(low, high, given["points"]))
+        low, high = (
+            self._positive(end, self._number(end)) for end in (node.entry("from") or node, node.entry("to") or node)
+        )
+        return None if low is None or high is None else Grid(values=evenly_spaced(low, high, given.points))
 
     # --- Ranges
 
@@ -140,7 +135,7 @@ class _LawReader:
 
     def _ends(self, node: Node, dimension: Dimension | None = None) -> tuple[float, float] | None:
         if not isinstance(node.value, list) or len(node.value) != 2:  # noqa: PLR2004 - a range has two ends
-            self.add_problem(f"this cannot be {node.describe()}", node, accepted="a range: [LOW, HIGH]")
+            self.add_problem(f"a run file cannot take {node.describe()} here", node, accepted="a range: [LOW, HIGH]")
             return None
         low, high = (self._number(end, dimension) for end in node.value)
         if low is None or high is None:
@@ -152,60 +147,40 @@ class _LawReader:
         return low, high
 
     def _normal(self, node: Node) -> Law | None:
-        if (given := NORMAL.read(node, self.field, self.to)) is None:
+        if self.to.record(NormalSection, node, self.field) is None:
             return None
-        mean = self._number(given["mean"]) if "mean" in given else None
-        deviation = self._number(given["deviation"])
-        ends = self._ends(given["bounds"])
+        mean_node, deviation_node, bounds = (node.entry(key) or node for key in ("mean", "deviation", "bounds"))
+        mean = None if mean_node is node else self._number(mean_node)
+        deviation, ends = self._number(deviation_node), self._ends(bounds)
         if deviation is not None and deviation <= 0.0:
-            self.add_problem(
-                "a standard deviation is greater than 0", given["deviation"], accepted="a number greater than 0"
-            )
-            return None
-        if deviation is None or ends is None or (mean is None and "mean" in given):
-            return None
-        if any(self._positive(given["bounds"], end) is None for end in ends):
+            message = "a standard deviation is greater than 0"
+            self.add_problem(message, deviation_node, accepted="a number greater than 0")
+        if ends is not None:
+            for end in ends:
+                self._positive(bounds, end)
+        if deviation is None or ends is None or self.to.problems:
             return None
         law = Normal(mean=mean, deviation=deviation, low=ends[0], high=ends[1])
         if mean is not None and law.probability() < LEAST_PROBABILITY:
             message = "the bounds leave hardly anything of this normal distribution"
-            self.add_problem(message, given["bounds"], accepted="bounds about the mean")
+            self.add_problem(message, bounds, accepted="bounds about the mean")
         return law
 
     # --- Numbers
 
     def _number(self, node: Node, dimension: Dimension | None = None) -> float | None:
         """A number in SI units; of the field's dimension where none is given."""
-        if node.text is None or node.value is None or isinstance(node.value, bool):
-            self.add_problem(f"{node.describe()} stands where a number is needed", node, accepted="a number")
+        field = FIELDS[self.what]
+        may_be = [dimension] if dimension else [each for each in (field.dimension, field.linear) if each]
+        each = next((each for each in may_be if _is_of(node, each)), may_be[0])
+        try:
+            number = measured(node, each, turns=MOST_TURNS if self.what in {"lower", "upper"} else 1)
+        except QuantityError as error:
+            self.add_problem(error.message, node, accepted=error.accepted, suggestion=error.suggestion)
             return None
-        what = FIELDS[self.what]
-        dimensions = [dimension] if dimension else [each for each in (what.dimension, what.linear) if each]
-        wrong: list[QuantityError] = []
-        for each in dimensions:
-            try:
-                quantity = evaluate(node.text, each)
-            except QuantityError as error:
-                wrong.append(error)
-                continue
-            if quantity.variable:
-                self.add_problem(f"{shown(node.text)} names a joint variable", node, accepted="a number")
-                return None
-            if quantity.has_unit:
-                self.units.append(each)
-            elif dimension is None and abs(quantity.value) > _BARE.get(self.what, inf):
-                text = node.text.strip()
-                if self.what in _BARE_ANGLES:
-                    message = f"{shown(text)} is more than {_BARE_ANGLES[self.what] / tau:g} turns in rad"
-                    near = f"if these are degrees, say so: '{text} deg'"
-                else:
-                    message = f"{shown(text)} is more than {_BARE[self.what]:g} m"
-                    near = f"if these are mm, say so: '{text} mm'; '{text} m' is read as such"
-                self.add_problem(message, node, accepted="numbers of this size with their unit", suggestion=near)
-                return None
-            return quantity.value
-        self.add_problem(wrong[0].message, node, accepted=wrong[0].accepted, suggestion=wrong[0].suggestion)
-        return None
+        if evaluate(node.text or "", each).has_unit:
+            self.units.append(each)
+        return number
 
     def _positive(self, node: Node, number: float | None) -> float | None:
         """A number that the field may have."""
@@ -217,152 +192,107 @@ class _LawReader:
         return number
 
 
-# --- What the section may have ----------------------------------------------------------------------------------------
+def _is_of(node: Node, dimension: Dimension) -> bool:
+    """Whether a number has no unit, or one of a dimension."""
+    with suppress(QuantityError):
+        return node.text is not None and bool(evaluate(node.text, dimension))
+    return False
 
 
-class ChosenJoints(NamedTuple):
-    """Joints by their numbers from 1 or their names, and where each is named; no names stand for all joints."""
-
-    names: tuple[int | str, ...] | None = None
-    marks: tuple[Mark, ...] = ()
+# --- What the section says --------------------------------------------------------------------------------------------
 
 
-def _joints(node: Node, field: str, to: Validator) -> ChosenJoints:
-    if node.value == ALL and not node.quoted:
-        return ChosenJoints()
-    nodes = node.value if isinstance(node.value, list) else [node]
-    joints: list[int | str] = []
-    for entry in nodes:
-        value = entry.value
-        is_number = isinstance(value, int) and not isinstance(value, bool) and value >= 1
-        if not is_number and (not isinstance(value, str) or not value):
-            to.add_problem(f"{entry.describe()} is no joint", entry, field, accepted=ACCEPTED_JOINTS)
-        else:
-            joints.append(value if isinstance(value, int) else str(value))
-    if not nodes:
-        to.add_problem("no joint is named", node, field, accepted=ACCEPTED_JOINTS)
-    return ChosenJoints(tuple(joints), tuple(entry.mark for entry in nodes))
+def read_variations(entries: Iterable[tuple[Node, str]], to: Reading) -> tuple[VariationCall, ...]:
+    """The variations, each in its node at its place."""
+    found = []
+    for node, field in entries:
+        given = to.record(VariationSection, node, field)
+        call = _variation(given, node, field, to) if given else None
+        if call:
+            found.append((call, safe_stem(call.name).casefold(), node, field))
+    message = "two variations are named {}, and so would be their variants and files"
+    return to.distinct(found, message, "`name: NAME`, another one for each")
 
 
-_NUMBER, _PAIR = as_written(NUMBER), as_written(numbers(2))
-_SPACING: dict[str, ValueType[Any]] = {"from": _NUMBER, "to": _NUMBER, "points": whole(2, MOST_VALUES)}
-_VALUES: JsonSchema = {"type": "array", "items": NUMBER, "minItems": 1}
-SPACED: Record[dict[str, Any]] = Record(
-    lambda **given: given,
-    {
-        key: Key(kind, missing=(f"this grid has no {key}", f"{SPACING}, or a list of values"))
-        for key, kind in _SPACING.items()
-    },
-)
-NORMAL: Record[dict[str, Node]] = Record(
-    lambda **given: given,
-    {"mean": Key(_NUMBER)}
-    | {
-        key: Key(kind, missing=(f"this normal distribution has no {key}", ACCEPTED_NORMAL))
-        for key, kind in {"deviation": _NUMBER, "bounds": _PAIR}.items()
-    },
-)
-_LAW_KEYS = {
-    "choices": Key(as_written(_VALUES), "one of these, all equally likely"),
-    "grid": Key(
-        ValueType(lambda node, *_: node, lambda catalog: {"anyOf": [_VALUES, SPACED.schema(catalog)]}),
-        "each of these, with each of all other grids",
-    ),
-    "uniform": Key(_PAIR, "any value of this range"),
-    "log-uniform": Key(_PAIR, "any value of this range, all orders of magnitude equally likely"),
-    "normal": Key(
-        ValueType(lambda node, *_: node, NORMAL.schema),
-        "a normal distribution, about the nominal value unless it has a mean, cut at its bounds",
-    ),
-    "scale": Key(_PAIR, "the nominal value times a factor of this range"),
-    "offset": Key(_PAIR, "the nominal value plus a number of this range"),
-}
-"""How values are drawn. What a law accepts depends on the field, so that a rule reads it when its field is known."""
-LAWS = tuple(_LAW_KEYS)
+def _variation(given: VariationSection, node: Node, field: str, to: Reading) -> VariationCall | None:
+    before = len(to.problems)
+    rules = []
+    for index, entry in enumerate(node.entries("vary")):
+        with to.noting(entry, f"{field}.vary.{index}"):
+            rules.append(_rule(given.vary[index].field, entry))
+    if len(to.problems) == before and given.count is None and not any(isinstance(rule.law, Grid) for rule in rules):
+        message, accepted = "it is not said how many variants there are", "`count: NUMBER`; only a grid needs none"
+        to.add_problem(message, node, f"{field}.count", accepted=accepted)
+    if len(to.problems) > before:
+        return None
+    count = node.entry("count")
+    return VariationCall(
+        name=given.name or given.of,
+        of=given.of,
+        count=given.count,
+        seed=given.seed,
+        sampling=given.sampling,
+        vary=tuple(rules),
+        mark=node.mark,
+        of_mark=(node.entry("of") or node).mark,
+        count_mark=count.mark if count else None,
+    )
 
 
-def _rule(field: str, joints: ChosenJoints | None = None, *, mark: Mark, **laws: Node) -> Rule:
+def _rule(field: str, node: Node) -> Rule:
+    """A rule whose keys are known, of a field.
+
+    Raises:
+        ConfigError: it has no joints, not one law, or values that the field cannot have.
+    """
+    joints = node.entry("joints")
+    laws = [(name, values) for name in LAWS if (values := node.entry(name))]
     if field == AXES and joints is not None:
         message = "the number of axes is the whole arm's, not a joint's"
         raise ConfigError(Problem(message=message, field="joints", accepted="no `joints`"))
     problems = []
     if field != AXES and joints is None:
         message = "it is not said whose field varies"
-        problems.append(Problem(message=message, field="joints", mark=mark, accepted=f"`joints:` {ACCEPTED_JOINTS}"))
+        problems.append(
+            Problem(message=message, field="joints", mark=node.mark, accepted=f"`joints:` {ACCEPTED_JOINTS}")
+        )
     if len(laws) != 1:
         message = "it is not said how it varies" if not laws else f"it varies in {len(laws)} ways at once"
-        accepted = f"one of {', '.join(LAWS)}"
-        problems.append(Problem(message=message, found=", ".join(laws) or None, accepted=accepted))
+        found = ", ".join(name for name, _ in laws) or None
+        problems.append(Problem(message=message, found=found, accepted=f"one of {', '.join(LAWS)}"))
     if problems:
         raise ConfigError(problems)
-    ((name, node),) = laws.items()
+    names, marks = _joints(joints) if joints else (None, ())
+    ((name, values),) = laws
     reader = _LawReader(field, name)
-    law = reader.read(name, node)
+    law = reader.read(name, values)
     if law is None or reader.to.problems:
         raise ConfigError(reader.to.problems)
-    names, marks = joints or ChosenJoints()
-    return Rule(
-        field=field, law=law, joints=names, units=tuple(dict.fromkeys(reader.units)), mark=mark, joint_marks=marks
-    )
+    units = tuple(dict.fromkeys(reader.units))
+    return Rule(field=field, law=law, joints=names, units=units, mark=node.mark, joint_marks=marks)
 
 
-def _variation(
-    name: str = "",
-    count: int | None = None,
-    seed: int = 0,
-    sampling: str = Sampling.RANDOM,
-    **given: Any,  # noqa: ANN401 - as it is declared
-) -> VariationCall:
-    if count is None and not any(isinstance(rule.law, Grid) for rule in given["vary"]):
-        message, accepted = "it is not said how many variants there are", "`count: NUMBER`; only a grid needs none"
-        raise ConfigError(Problem(message=message, field="count", mark=given["mark"], accepted=accepted))
-    return VariationCall(name=name or given["of"], count=count, seed=seed, sampling=Sampling(sampling), **given)
+def _joints(node: Node) -> tuple[tuple[int | str, ...] | None, tuple[Mark, ...]]:
+    """Joints by their numbers from 1 or their names, and where each is named; None stands for all joints.
 
-
-_JOINT = {"type": ["integer", "string"], "minimum": 1, "minLength": 1}
-RULE = Record(
-    _rule,
-    {
-        "joints": Key(
-            ValueType(_joints, {"anyOf": [_JOINT, {"type": "array", "items": _JOINT, "minItems": 1}]}),
-            "of which joints: all, numbers from 1, or names; the number of axes has none",
-        ),
-        "field": Key(
-            word(*FIELDS),
-            "what varies",
-            missing=("it is not said which field varies", f"`field: NAME`, one of {', '.join(FIELDS)}"),
-        ),
-        **_LAW_KEYS,
-    },
-    marks={"mark": ("",)},
-    also={
-        "oneOf": [{"required": [law]} for law in LAWS],
-        "if": {"properties": {"field": {"const": AXES}}, "required": ["field"]},
-        "then": {"properties": {"joints": False}},
-        "else": {"required": ["joints"]},
-    },
-)
-VARIATIONS = Many(
-    Record(
-        _variation,
-        {
-            "name": Key(TEXT, "what the names of the variants begin with; that of the manipulator by default"),
-            "of": Key(
-                TEXT,
-                "the manipulator of this run that is varied",
-                missing=("it is not said what is varied", "`of: NAME`, the name of a manipulator of this run"),
-            ),
-            "count": Key(whole(1, MOST_POINTS), "how many variants; the points of its grids by default"),
-            "seed": Key(whole(0, MOST_SEED - 1), "which of all samples"),
-            "sampling": Key(word(*Sampling), "how the sample spreads"),
-            "vary": Key(Many(RULE, empty=NO_RULE), "what varies", missing=NO_RULE),
-        },
-        marks={"mark": ("",), "of_mark": ("of",), "count_mark": ("count",)},
-    ),
-    distinct=Distinct(
-        "name",
-        "two variations are named {}, and so would be their variants and files",
-        "`name: NAME`, another one for each",
-        key=lambda name: safe_stem(name).casefold(),
-    ),
-)
+    Raises:
+        ConfigError: something in their place is no joint.
+    """
+    if node.value == ALL and not node.quoted:
+        return None, ()
+    nodes = node.value if isinstance(node.value, list) else [node]
+    joints: list[int | str] = []
+    problems = []
+    for entry in nodes:
+        value = entry.value
+        is_number = isinstance(value, int) and not isinstance(value, bool) and value >= 1
+        if is_number or (isinstance(value, str) and value):
+            joints.append(value)  # type: ignore[arg-type]  # one of the two
+        else:
+            message = f"{entry.describe()} is no joint"
+            problems.append(Problem(message=message, mark=entry.mark, field="joints", accepted=ACCEPTED_JOINTS))
+    if not nodes:
+        problems.append(Problem(message="no joint is named", field="joints", accepted=ACCEPTED_JOINTS))
+    if problems:
+        raise ConfigError(problems)
+    return tuple(joints), tuple(entry.mark for entry in nodes)

@@ -28,7 +28,7 @@ from dh2urdf.report.verdicts import Verdicts
 from dh2urdf.run_file.config import load_config
 from dh2urdf.run_file.overrides import ON_THE_COMMAND_LINE, Asked
 from dh2urdf.run_file.plan import Plan, make_plan
-from dh2urdf.running.batch_content import Depth
+from dh2urdf.running.batch_work import Depth
 from dh2urdf.running.run_inputs import OWN_FILES, refuse_overwriting
 from dh2urdf.running.worker import BatchWorker
 from dh2urdf.source import Problem, printable
@@ -233,7 +233,7 @@ def _make(  # noqa: PLR0917 - what a run has in its hands
             manifest.add(report)
             result.add(report)
             readable = readable or report.was_read
-            unread.append(replace(report, rows=b"", told=(), columns=None))
+            unread.append(replace(report, rows=b"", told=[], table=None))
             if readable:
                 for each in unread:
                     if note:

@@ -10,8 +10,7 @@ from typing import TYPE_CHECKING
 from dh2urdf.errors import ConfigError
 from dh2urdf.output.journal import MANIFEST
 from dh2urdf.output.layouts import Form
-from dh2urdf.output.local_store import LocalStore
-from dh2urdf.output.store import WORKING, Store
+from dh2urdf.output.store import WORKING, LocalStore, Store
 from dh2urdf.report.json import INDEX, REPORT, TABLE, TIMING
 from dh2urdf.report.page import PAGE
 from dh2urdf.source import Problem, shown
@@ -36,7 +35,7 @@ def refuse_overwriting(plan: Plan) -> None:
         ConfigError: a file that the run writes is one that it reads; it names all of them.
     """
     emitters = [call.stage for call in plan.recipe.emitters]
-    suffixes = tuple(ending for each in emitters for ending in (*each.suffixes, *each.other_endings))
+    suffixes = tuple(ending for each in emitters for ending in each.endings)
     pictures = (".png",) if plan.recipe.loaders else ()
     _refuse_overwriting(plan, plan.store, (*suffixes, *pictures), "output.directory")
     if plan.reports is not None:

@@ -13,8 +13,7 @@ from dh2urdf.isolation.garbage import collected_at_the_end
 from dh2urdf.isolation.watchdog import this_process
 from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.plugin_system.printed import collected_lines
-from dh2urdf.running.batch_content import Assignment
-from dh2urdf.running.batch_work import Work
+from dh2urdf.running.batch_work import Assignment, Work
 from dh2urdf.stage_calls.calls import own_work
 
 if TYPE_CHECKING:

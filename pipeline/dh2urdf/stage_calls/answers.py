@@ -6,7 +6,7 @@ types come from the annotations of the records, so that no field can be forgotte
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import is_dataclass
 from functools import cache
 from types import NoneType, UnionType
@@ -49,8 +49,7 @@ def a_whole_record(value: T, *kinds: type[Any]) -> T:
     """
     a_record(value, *kinds)
     kind: Any = type(value)
-    misfit = _check_of(kind)(value)
-    if misfit:
+    if misfit := _misfit(value, kind):
         name = kind.__name__
         what = f"{'an' if name[0] in 'AEIO' else 'a'} {name} whose {misfit.path.lstrip('.')}"
         raise TypeError(f"it gave {what} is {misfit.found}, not {misfit.wanted}")
@@ -122,6 +121,10 @@ def a_plain_name(name: str) -> str:
 # --- Types -----------------------------------------------------------------------------------------------------------
 
 
+_WHOLE = frozenset({str, int, float, bool, bytes, NoneType, object, Literal})
+"""What has no parts."""
+
+
 class _Misfit(NamedTuple):
     """A value that is not of the type of its field.
 
@@ -136,108 +139,66 @@ class _Misfit(NamedTuple):
     wanted: str
 
 
-_Check = Callable[[Any], "_Misfit | None"]
+def _misfit(value: Any, hint: Any) -> _Misfit | None:  # noqa: ANN401 - whatever a stage gave, and an annotation
+    """The first part of a value that is not of the type of an annotation; None where all are."""
+    origin, arguments = _origin_of(hint)
+    if origin is Union:
+        found = []
+        for each in arguments:
+            if (misfit := _misfit(value, each)) is None:
+                return None
+            found.append(misfit)
+        # A member whose own parts do not fit says more than that no member fits.
+        return next((misfit for misfit in found if misfit.path), _unlike(value, hint))
+    if not (value in arguments if origin is Literal else _is_of(value, origin, arguments)):
+        return _unlike(value, hint)
+    for path, item, each in () if origin in _WHOLE else _parts(value, origin, arguments):
+        if misfit := _misfit(item, each):
+            return misfit._replace(path=f"{path}{misfit.path}")
+    return None
+
+
+def _parts(value: Any, origin: Any, arguments: tuple[Any, ...]) -> Iterable[tuple[str, Any, Any]]:  # noqa: ANN401 - whatever a stage gave
+    """What is in a value: where, the part, and the annotation of its type."""
+    if is_dataclass(origin) or hasattr(origin, "_fields"):
+        return [(f".{name}", getattr(value, name), each) for name, each in _fields_of(origin)]
+    if not arguments:
+        return ()
+    if origin is tuple and arguments[-1] is not Ellipsis:
+        return [(f"[{k}]", item, each) for k, (item, each) in enumerate(zip(value, arguments, strict=True))]
+    if issubclass(origin, Mapping):
+        keys, values = arguments
+        return [part for key in value for part in ((f"[{key!r}]", key, keys), (f"[{key!r}]", value[key], values))]
+    return [(f"[{k}]", item, arguments[0]) for k, item in enumerate(value)]
 
 
 @cache
-def _check_of(hint: Any) -> _Check:  # noqa: ANN401 - an annotation
-    origin, arguments = get_origin(hint), get_args(hint)
-    if hint is Any:
-        return lambda _: None
-    if origin in (UnionType, Union):
-        return _union(hint, [_check_of(each) for each in arguments])
-    if origin is Literal:
-        return lambda value: None if value in arguments else _misfit(value, " or ".join(map(repr, arguments)))
-    if arguments:
-        return _of_parts(hint, origin, arguments)
-    if is_dataclass(hint) or hasattr(hint, "_fields"):
-        return _record(hint)
-    accepted = (int, float) if hint is float else (hint,)
-    return lambda value: None if _is_of(value, accepted) else _misfit(value, _name(hint))
+def _origin_of(hint: Any) -> tuple[Any, tuple[Any, ...]]:  # noqa: ANN401 - an annotation
+    """What a value is an instance of, or `Union`, and the annotations of what is in it."""
+    origin = get_origin(hint)
+    return Union if origin is UnionType else object if hint is Any else origin or hint, get_args(hint)
 
 
-def _of_parts(hint: Any, origin: Any, arguments: tuple[Any, ...]) -> _Check:  # noqa: ANN401 - an annotation
-    if origin is tuple and arguments[-1] is not Ellipsis:
-        return _fixed(hint, [_check_of(each) for each in arguments])
-    if issubclass(origin, Mapping):
-        return _mapping(hint, origin, *map(_check_of, arguments))
-    return _several(hint, origin, _check_of(arguments[0]))
+@cache
+def _fields_of(kind: Any) -> tuple[tuple[str, Any], ...]:  # noqa: ANN401 - a dataclass or a tuple with names
+    return tuple(get_type_hints(kind).items())
 
 
-def _is_of(value: Any, accepted: tuple[Any, ...]) -> bool:  # noqa: ANN401 - whatever a stage gave
-    return isinstance(value, accepted) and (bool in accepted or not isinstance(value, bool) or object in accepted)
+def _is_of(value: Any, kind: Any, arguments: tuple[Any, ...]) -> bool:  # noqa: ANN401 - whatever a stage gave
+    if isinstance(value, bool):
+        return kind in {bool, object}
+    if arguments and (isinstance(value, (str, bytes)) or (kind is tuple and arguments[-1] is not Ellipsis)):
+        return isinstance(value, tuple) and kind is tuple and len(value) == len(arguments)
+    return isinstance(value, (int, float) if kind is float else kind)
 
 
-def _record(kind: Any) -> _Check:  # noqa: ANN401 - a dataclass or a tuple with names
-    checks: list[tuple[str, _Check]] = []
-
-    def check(value: Any) -> _Misfit | None:  # noqa: ANN401 - whatever a stage gave
-        if not isinstance(value, kind):
-            return _misfit(value, _name(kind))
-        if not checks:  # Not before: a record may hold records of its own kind.
-            checks.extend((name, _check_of(hint)) for name, hint in get_type_hints(kind).items())
-        for name, each in checks:
-            if found := each(getattr(value, name)):
-                return found._replace(path=f".{name}{found.path}")
-        return None
-
-    return check
-
-
-def _union(hint: Any, checks: list[_Check]) -> _Check:  # noqa: ANN401 - an annotation
-    def check(value: Any) -> _Misfit | None:  # noqa: ANN401 - whatever a stage gave
-        found = [each(value) for each in checks]
-        if None in found:
-            return None
-        # A member whose own parts do not fit says more than that no member fits.
-        return next((each for each in found if each and each.path), _misfit(value, _name(hint)))
-
-    return check
-
-
-def _several(hint: Any, kind: Any, each: _Check) -> _Check:  # noqa: ANN401 - an annotation
-    def check(value: Any) -> _Misfit | None:  # noqa: ANN401 - whatever a stage gave
-        if not isinstance(value, kind) or isinstance(value, (str, bytes)):
-            return _misfit(value, _name(hint))
-        for number, item in enumerate(value):
-            if found := each(item):
-                return found._replace(path=f"[{number}]{found.path}")
-        return None
-
-    return check
-
-
-def _fixed(hint: Any, checks: list[_Check]) -> _Check:  # noqa: ANN401 - an annotation
-    def check(value: Any) -> _Misfit | None:  # noqa: ANN401 - whatever a stage gave
-        if not isinstance(value, tuple) or len(value) != len(checks):
-            return _misfit(value, _name(hint))
-        for number, (each, item) in enumerate(zip(checks, value, strict=True)):
-            if found := each(item):
-                return found._replace(path=f"[{number}]{found.path}")
-        return None
-
-    return check
-
-
-def _mapping(hint: Any, kind: Any, key: _Check, each: _Check) -> _Check:  # noqa: ANN401 - an annotation
-    def check(value: Any) -> _Misfit | None:  # noqa: ANN401 - whatever a stage gave
-        if not isinstance(value, kind):
-            return _misfit(value, _name(hint))
-        for name, item in value.items():
-            if found := key(name) or each(item):
-                return found._replace(path=f"[{name!r}]{found.path}")
-        return None
-
-    return check
-
-
-def _misfit(value: Any, wanted: str) -> _Misfit:  # noqa: ANN401 - whatever a stage gave
+def _unlike(value: Any, hint: Any) -> _Misfit:  # noqa: ANN401 - whatever a stage gave
     try:
         text = repr(value)
     except Exception as error:  # noqa: BLE001 - a stranger's __repr__ may raise anything
         text = f"an object whose repr raises {type(error).__name__}"
     text = text if len(text) <= _LONG else f"{text[: _LONG - 1]}…"
-    return _Misfit("", text if value is None else f"{text} ({type(value).__name__})", wanted)
+    return _Misfit("", text if value is None else f"{text} ({type(value).__name__})", _name(hint))
 
 
 def _name(hint: Any) -> str:  # noqa: ANN401 - an annotation
@@ -245,6 +206,8 @@ def _name(hint: Any) -> str:  # noqa: ANN401 - an annotation
         return "None"
     if get_origin(hint) in (UnionType, Union):
         return " or ".join(map(_name, get_args(hint)))
+    if get_origin(hint) is Literal:
+        return " or ".join(map(repr, get_args(hint)))
     if isinstance(hint, type) and not get_args(hint):
         return hint.__name__
     return str(hint).replace("typing.", "").replace("collections.abc.", "").replace("dh2urdf.", "")

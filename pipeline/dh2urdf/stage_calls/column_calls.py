@@ -14,6 +14,7 @@ from dh2urdf.robot import Robot
 from dh2urdf.row_fields import LIMITS, NUMBERS
 from dh2urdf.stage_calls.answers import a_record, emitted_files
 from dh2urdf.stage_calls.calls import Call, blaming
+from dh2urdf.stages import EmitsInColumns, TransformsInColumns
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -34,7 +35,7 @@ def transform_columns(
         ManipulatorError: the transform refuses them, or is at fault.
     """
     with blaming(call):
-        groups = call.stage.transform_columns(columns, call.options)  # type: ignore[misc] # asked before
+        groups = call.stage.can(TransformsInColumns).transform_columns(columns, call.options)  # type: ignore[union-attr] # asked before
         return _groups(groups or (), len(columns), RobotColumns)
 
 
@@ -47,7 +48,7 @@ def emit_columns(
         ManipulatorError: the emitter refuses them, or is at fault.
     """
     with blaming(call):
-        emitted = call.stage.emit_columns(robots, stems, call.options)  # type: ignore[misc] # asked before
+        emitted = call.stage.can(EmitsInColumns).emit_columns(robots, stems, call.options)  # type: ignore[union-attr] # asked before
         if emitted is None:
             return None
         emitted = list(emitted)
@@ -63,7 +64,8 @@ def read_columns(call: Call[Emitter[Any]], contents: Sequence[bytes]) -> list[tu
         ManipulatorError: the emitter is at fault.
     """
     with blaming(call):
-        return _groups(call.stage.read_columns(contents), len(contents), Robot)  # type: ignore[misc] # asked before
+        read = call.stage.can(EmitsInColumns).read_columns  # type: ignore[union-attr] # asked before
+        return _groups(read(contents), len(contents), Robot)  # type: ignore[misc] # asked before
 
 
 def _groups(given: Sequence[Any], count: int, kind: type[T]) -> list[tuple[tuple[int, ...], T]]:

@@ -22,22 +22,22 @@ from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.manipulator import Manipulator
 from dh2urdf.output.layouts import Form
 from dh2urdf.output.whole_files import Stems
+from dh2urdf.record_fields import replace_unchecked
 from dh2urdf.run_file.mesh_section import MeshGiver
 from dh2urdf.source import Mark, Problem, shown
 from dh2urdf.stages import Rejected
 from dh2urdf.tasks.batch_sizes import BatchSizes
-from dh2urdf.tasks.run_item import RunItem, RunItems
-from dh2urdf.validation.coercion import replace_unchecked
 from dh2urdf.variations.binding import bind
 from dh2urdf.variations.columns import made_variants
 from dh2urdf.variations.variation import Variants, VariationCall
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Iterable, Iterator, Sequence
 
     from dh2urdf.run_file.plan import Plan
     from dh2urdf.tasks.expected import Expected
     from dh2urdf.variations.laws import DrawnValue
+    from dh2urdf.variations.variation import Variant
 
 
 class Doomed(NamedTuple):
@@ -52,6 +52,37 @@ class Doomed(NamedTuple):
     name: str
     error: ManipulatorError
     mark: Mark | None
+
+
+class RunItem(NamedTuple):
+    """Something that a run has to make: one manipulator, or several that follow each other.
+
+    Attributes:
+        what: a manipulator or cell, or why it cannot be read; manipulators in columns; variants that are not made yet.
+        source: the file it comes from.
+        traceback: where its reader failed.
+    """
+
+    what: Manipulator | Cell | Rejected | ManipulatorGroups | Variants
+    source: str
+    traceback: str = ""
+
+    @property
+    def size(self) -> int:
+        """How many manipulators it is."""
+        return len(self.what) if isinstance(self.what, ManipulatorGroups | Variants) else 1
+
+    @property
+    def names(self) -> Sequence[str]:
+        """Their names."""
+        return self.what.names if isinstance(self.what, ManipulatorGroups | Variants) else (self.what.name,)
+
+    @property
+    def each(self) -> Iterable[Manipulator | Cell | Rejected | Variant]:
+        """All of them, one by one."""
+        if isinstance(self.what, ManipulatorGroups):
+            return self.what.tables()
+        return self.what if isinstance(self.what, Variants) else (self.what,)
 
 
 Single: TypeAlias = Manipulator | Cell | Rejected | Doomed
@@ -180,7 +211,7 @@ def batches(plan: Plan, expected: Expected, own_files: Sequence[str] = ()) -> It
     emitters = [call.stage for call in plan.recipe.emitters]
     written = [
         *(each.suffixes for each in emitters),
-        *((end.lower(),) for each in emitters for end in each.other_endings),
+        *((end.lower(),) for each in emitters for end in each.endings[len(each.suffixes) :]),
     ]
     pictures = [(ending,) for ending in picture_endings(plan.recipe)]
     is_beside = plan.layout.form is Form.FILES
@@ -198,29 +229,30 @@ def batches(plan: Plan, expected: Expected, own_files: Sequence[str] = ()) -> It
         yield batch
         first += len(batch)
         sizes.see(len(batch), batch.joints)
-        expected.see(first, some[-1])
+        expected.see(first, some[-1].what, some[-1].source)
 
 
 class _Waiting:
     """What waits for its batch."""
 
-    def __init__(self, waiting: Iterator[RunItem | RunItems]) -> None:
+    def __init__(self, waiting: Iterator[RunItem]) -> None:
         self._waiting = waiting
-        self._rest: RunItem | RunItems | None = None
+        self._rest: RunItem | None = None
 
-    def take(self, size: int) -> list[RunItem | RunItems]:
+    def take(self, size: int) -> list[RunItem]:
         """The next manipulators, so many of them or all that are left."""
-        taken: list[RunItem | RunItems] = []
+        taken: list[RunItem] = []
         while size and (item := self._rest or next(self._waiting, None)):
             self._rest = None
-            if isinstance(item, RunItems) and item.size > size:
-                item, self._rest = item.cut(size)
+            if isinstance(item.what, ManipulatorGroups | Variants) and item.size > size:
+                self._rest = item._replace(what=item.what.part(size, item.size))
+                item = item._replace(what=item.what.part(0, size))
             taken.append(item)
             size -= item.size
         return taken
 
 
-def _batch(first: int, some: Sequence[RunItem | RunItems], stems: Stems) -> Batch:
+def _batch(first: int, some: Sequence[RunItem], stems: Stems) -> Batch:
     names = [name for item in some for name in item.names]
     sources = [source for item in some for source in (item.source,) * item.size]
     own_stems = [""] * len(names)
@@ -243,7 +275,7 @@ def _batch(first: int, some: Sequence[RunItem | RunItems], stems: Stems) -> Batc
                 plain += [([place + member for member in members], columns) for members, columns in groups]
             case _:
                 singles[place] = what
-        if isinstance(item, RunItem) and item.traceback:
+        if item.traceback:
             tracebacks[place] = item.traceback
         place += item.size
     # Of an input that cannot be read there will be no files, and its name may be another manipulator's.
@@ -290,7 +322,7 @@ def _groups(
     return tuple([(tuple([all_places[k] for k in members]), some) for members, some in in_columns(tables)])
 
 
-def items(plan: Plan, expected: Expected) -> Iterator[RunItem | RunItems]:
+def items(plan: Plan, expected: Expected) -> Iterator[RunItem]:
     """The manipulators of all inputs, in columns where they can be; a bad input ends itself, not the run.
 
     Cells and variants come last: of the manipulators, only those that they need are kept so long.
@@ -311,7 +343,7 @@ def items(plan: Plan, expected: Expected) -> Iterator[RunItem | RunItems]:
                 read = meshes.give(item) if not isinstance(item, ManipulatorGroups) else item
                 for part in _first_noticed(read, plan.input_notices.get(path) if count == before else None):
                     gathering.see(part)
-                    made = RunItems(part, source) if isinstance(part, ManipulatorGroups) else RunItem(part, source)
+                    made = RunItem(part, source)
                     count += made.size
                     yield made
             if count == before:
@@ -329,9 +361,7 @@ def items(plan: Plan, expected: Expected) -> Iterator[RunItem | RunItems]:
     for cell in with_tables(plan.cells, gathering):
         yield RunItem(cell, _file(cell.mark))
     for variation in plan.variations:
-        source = _file(variation.mark)
-        what = _variants(variation, gathering)
-        yield RunItem(what, source) if isinstance(what, Rejected) else RunItems(what, source)
+        yield RunItem(_variants(variation, gathering), _file(variation.mark))
 
 
 def _first_noticed(

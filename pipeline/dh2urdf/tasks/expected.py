@@ -12,7 +12,6 @@ from dh2urdf.stages import Rejected
 
 if TYPE_CHECKING:
     from dh2urdf.run_file.plan import Plan
-    from dh2urdf.tasks.run_item import RunItem, RunItems
 
 
 class Expected:
@@ -30,12 +29,12 @@ class Expected:
         counts = [call.count for call in plan.variations]
         self._besides = None if None in counts else len(plan.cells) + sum(filter(None, counts))
 
-    def see(self, count: int, item: RunItem | RunItems) -> None:
+    def see(self, count: int, what: object, source: str) -> None:
         """Takes notice of how far the reading has come."""
-        if self._besides is None or not isinstance(item.what, Manipulator | ManipulatorGroups | Rejected):
+        if self._besides is None or not isinstance(what, Manipulator | ManipulatorGroups | Rejected):
             return
-        mark = item.what.marks[-1] if isinstance(item.what, ManipulatorGroups) else item.what.mark
-        lines = self._lines_of(item.source)
+        mark = what.marks[-1] if isinstance(what, ManipulatorGroups) else what.mark
+        lines = self._lines_of(source)
         part = mark.line / lines if mark and mark.line and mark.line <= lines else 0.0
         if (fraction := (self._read + part) / self._inputs) > 0.0:
             self.total = round(count / fraction) + self._besides

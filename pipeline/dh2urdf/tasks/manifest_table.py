@@ -5,35 +5,109 @@ It is written while the rows pass by; none is kept.
 
 from __future__ import annotations
 
-from array import array
+import io
 from importlib.util import find_spec
-from itertools import chain, islice
+from itertools import islice
 from typing import TYPE_CHECKING, Any, BinaryIO, get_args, get_origin, get_type_hints, is_typeddict
 
-from orjson import loads
+import orjson
 
 from dh2urdf.errors import MissingDependencyError
-from dh2urdf.results.run import ManipulatorEntry
-from dh2urdf.tasks.manifest_columns import PLAIN, Lists, columns_of
+from dh2urdf.late_tuples import NamedTuple
+from dh2urdf.results import ManipulatorEntry
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
+    from collections.abc import Iterator, Mapping, Sequence
     from pathlib import Path
 
-    import numpy as np
     import pyarrow as pa
-    from numpy.typing import NDArray
     from pyarrow.parquet import ParquetWriter
 
-    from dh2urdf.tasks.manifest_columns import ManifestColumns
+    from dh2urdf.conversion.outcome import ManifestRow
 
 ROW_GROUP = 10_000
 """Manipulators in a row group of the Parquet file: as many are in memory at once."""
+_PLAIN = ("name", "status", "kind", "source", "key", "keeps_kinematics")
+"""What a table has of a row as it is."""
+_REPEATED = ["status", "kind", "source"]
+"""Columns of few different texts; a dictionary of any other would be as long as the column."""
+_OF_SOME_RUNS = ("drawn.", "loaders.")
+"""How the names of columns begin that not all runs have."""
 
 
 def can_write_parquet() -> bool:
     """Whether pyarrow is installed; it is not imported."""
     return find_spec("pyarrow") is not None
+
+
+class TableRows(NamedTuple):
+    """Rows of the table, which a worker makes of rows of the manifest that it has at hand.
+
+    Attributes:
+        lines: each as a line of JSON.
+        kinds: the columns that not all runs have, in the order in which they have a value for the first time: whether
+            they hold truth values, numbers, text, lists of text, or objects of several kinds, which become text.
+    """
+
+    lines: Sequence[bytes]
+    kinds: Mapping[str, type]
+
+
+def table_rows(rows: Sequence[ManifestRow]) -> TableRows:
+    """The rows of the table for some rows of the manifest."""
+    lines, seen = [], dict[tuple[str, type], None]()
+    for row in rows:
+        flat = _flat(row)
+        seen.update(dict.fromkeys(zip(flat, map(type, flat.values()), strict=True)))
+        lines.append(orjson.dumps(flat))
+    kinds: dict[str, type] = {}
+    for name, kind in seen:
+        if name.startswith(_OF_SOME_RUNS) and kind is not type(None):
+            _see(kinds, name, float if kind is int else kind)
+    return TableRows(lines, kinds)
+
+
+def _see(kinds: dict[str, type], name: str, kind: type) -> None:
+    if kinds.setdefault(name, kind) is not kind:
+        kinds[name] = object
+
+
+def _flat(row: ManifestRow) -> dict[str, Any]:
+    """A row of the table by the names of its columns."""
+    every: Any = row
+    proofs = [(stage, proof) for stage, proof in row["proof"].items() if proof]
+    flat: dict[str, Any] = {name: every[name] for name in _PLAIN}
+    flat["files"] = row["files"]
+    flat["position_error"] = _largest([proof["position_error"] for _, proof in proofs])
+    flat["angle_error"] = _largest([proof["angle_error"] for _, proof in proofs])
+    flat["proved"] = [stage for stage, _ in proofs]
+    flat["errors"] = errors = [problem["message"] for problem in row["errors"]]
+    flat["error"] = errors[0] if errors else None
+    flat["notices"] = [problem["message"] for problem in row["notices"]]
+    for name, value in row["drawn"].items():
+        flat[f"drawn.{name}"] = value
+    if row["loaders"]:
+        flat |= _leaves("loaders", row["loaders"])
+    for name, why in row.get("not_loaded", {}).items():
+        flat[f"loaders.{name}.verdict"] = why
+    return flat
+
+
+def _largest(numbers: Sequence[float | None]) -> float | None:
+    """The largest number that is there; None where none is."""
+    return max([number for number in numbers if number is not None], default=None)
+
+
+def _leaves(prefix: str, facts: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
+    """The facts in mappings inside each other, by the names that lead to them; of lists only those of problems."""
+    for key, value in facts.items():
+        name = f"{prefix}.{key}"
+        if isinstance(value, dict):
+            yield from _leaves(name, value)
+        elif not isinstance(value, list):
+            yield name, value
+        elif key in ("findings", "errors"):
+            yield name, [problem["message"] for problem in value]
 
 
 class ManifestTable:
@@ -65,21 +139,22 @@ class ManifestTable:
         self.path = path
         self.place = place or str(path)
         self._kinds: dict[str, type] = {}
-        self._waiting: list[ManifestColumns] = []
+        self._waiting: list[bytes] = []
         self._writer: ParquetWriter | None = None
         self._is_outgrown = False
 
-    def add(self, rows: ManifestColumns) -> None:
+    def add(self, rows: TableRows) -> None:
         """Take rows of the manifest.
 
         Raises:
             OSError: the file cannot be written.
         """
-        self._see(rows)
-        while rows.size >= (room := ROW_GROUP - sum([part.size for part in self._waiting])):
-            self._write([*self._waiting, rows.part(0, room)])
-            self._waiting, rows = [], rows.part(room, rows.size)
-        self._waiting.append(rows)
+        for name, kind in rows.kinds.items():
+            _see(self._kinds, name, kind)
+        self._waiting += rows.lines
+        while len(self._waiting) >= ROW_GROUP:
+            self._write(self._waiting[:ROW_GROUP])
+            del self._waiting[:ROW_GROUP]
 
     def finish(self, manifest: BinaryIO) -> None:
         """Complete the file, or write it anew where late rows have columns that the first ones had not.
@@ -95,30 +170,52 @@ class ManifestTable:
         if self._is_outgrown:
             self._is_outgrown = False
             manifest.seek(0)
-            while some := [loads(line) for line in islice(manifest, ROW_GROUP)]:
-                self._write([columns_of(some)])
+            while some := [orjson.loads(line) for line in islice(manifest, ROW_GROUP)]:
+                self._write(table_rows(some).lines)
             self._close()
 
-    def _see(self, rows: ManifestColumns) -> None:
-        """Learn of facts that not all runs have whether they are truth values, numbers, text or lists of text.
+    def _write(self, lines: Sequence[bytes]) -> None:
+        """Write a row group, if the columns are those of the groups before.
 
-        What is of several kinds is text.
+        Raises:
+            MissingDependencyError: pyarrow is installed and cannot be imported.
         """
-        for name, column in rows.columns.items():
-            if name.startswith(_OF_SOME_RUNS):
-                kinds = {float} if isinstance(column, array) else {*map(type, column)}.difference({type(None)})
-                for kind in {float if kind is int else kind for kind in kinds}:
-                    if self._kinds.setdefault(name, kind) is not kind:
-                        self._kinds[name] = str
+        try:
+            from pyarrow import json, parquet
+        except ImportError as error:
+            raise MissingDependencyError("manifest.parquet", "pyarrow", "dh2urdf[parquet]", error) from error
+
+        schema = self._schema()
+        if self._writer is None:
+            self._writer = parquet.ParquetWriter(self.path, schema, use_dictionary=_REPEATED)
+        self._is_outgrown = self._is_outgrown or self._writer.schema != schema
+        if lines and not self._is_outgrown:
+            # Unlike what it is given as Python's lists, pyarrow reads JSON without importing pandas, which takes 0.2 s.
+            if mixed := [name for name, kind in self._kinds.items() if kind is object]:
+                rows = [orjson.loads(line) for line in lines]
+                texts = [{name: str(row[name]) for name in mixed if row.get(name) is not None} for row in rows]
+                lines = [orjson.dumps(row | text) for row, text in zip(rows, texts, strict=True)]
+            data = b"\n".join(lines)
+            columns = json.read_json(
+                io.BytesIO(data),
+                json.ReadOptions(use_threads=False, block_size=len(data) + 1),
+                json.ParseOptions(explicit_schema=schema, unexpected_field_behavior="ignore"),
+            )
+            self._writer.write_table(columns, ROW_GROUP)
+
+    def _close(self) -> None:
+        if self._writer is not None:
+            self._writer.close()
+            self._writer = None
 
     def _schema(self) -> pa.Schema:
         """The columns and their types."""
         import pyarrow as pa
 
         text, number, texts = pa.string(), pa.float64(), pa.list_(pa.string())
-        kinds = {bool: pa.bool_(), float: number, str: text, list: texts}
+        kinds = {bool: pa.bool_(), float: number, str: text, object: text, list: texts}
         types = {
-            **_types(ManipulatorEntry, *PLAIN, "files"),
+            **_types(ManipulatorEntry, *_PLAIN, "files"),
             **dict.fromkeys(("position_error", "angle_error"), number),
             "proved": texts,
             "error": text,
@@ -127,40 +224,6 @@ class ManifestTable:
         for some in _OF_SOME_RUNS:
             types |= {name: kinds[kind] for name, kind in self._kinds.items() if name.startswith(some)}
         return pa.schema(types)
-
-    def _write(self, parts: Sequence[ManifestColumns]) -> None:
-        """Write a row group, if the columns are those of the groups before.
-
-        Raises:
-            MissingDependencyError: pyarrow is installed and cannot be imported.
-        """
-        try:
-            import pyarrow as pa
-            from pyarrow import parquet
-        except ImportError as error:
-            raise MissingDependencyError("manifest.parquet", "pyarrow", "dh2urdf[parquet]", error) from error
-
-        schema = self._schema()
-        if self._writer is None:
-            self._writer = parquet.ParquetWriter(self.path, schema, use_dictionary=_REPEATED)
-        self._is_outgrown = self._is_outgrown or self._writer.schema != schema
-        if any(part.size for part in parts) and not self._is_outgrown:
-            columns = [
-                _array_of(field.type, [part.columns.get(field.name) or [None] * part.size for part in parts])
-                for field in schema
-            ]
-            self._writer.write_batch(pa.record_batch(columns, schema=schema), ROW_GROUP)
-
-    def _close(self) -> None:
-        if self._writer is not None:
-            self._writer.close()
-            self._writer = None
-
-
-_REPEATED = ["status", "kind", "source"]
-"""Columns of few different texts; a dictionary of any other would be as long as the column."""
-_OF_SOME_RUNS = ("drawn.", "loaders.")
-"""How the names of columns begin that not all runs have."""
 
 
 def _types(record: type, *names: str) -> dict[str, pa.DataType]:
@@ -180,74 +243,3 @@ def _type(hint: Any) -> pa.DataType:  # noqa: ANN401 - any type
         return pa.list_(_type(parts[0]))
     kinds = {bool: pa.bool_(), int: pa.int64(), float: pa.float64()}
     return next((column for kind, column in kinds.items() if kind in (hint, *parts)), pa.string())
-
-
-_UTF_8 = "utf-8", "backslashreplace"
-"""Encoding and handling of errors as in the manifest: names of files may hold bytes that are no UTF-8."""
-
-
-def _array_of(kind: pa.DataType, parts: Sequence[Any]) -> pa.Array:
-    """The parts of a column behind each other, each of them a `Column`.
-
-    (`pyarrow.array` would import pandas where it is installed, which takes 0.2 s, half of a short run.)
-    """
-    import numpy as np
-    import pyarrow as pa
-
-    if pa.types.is_struct(kind):
-        fields = [kind.field(place) for place in range(kind.num_fields)]
-        columns = [_array_of(field.type, [part[field.name] for part in parts]) for field in fields]
-        return pa.StructArray.from_arrays(columns, fields=fields)
-    if pa.types.is_floating(kind) and all(isinstance(part, array) for part in parts):
-        return _from_buffers(kind, np.concatenate([np.array(part) for part in parts]))
-    if all(isinstance(part, Lists) for part in parts):
-        counts = list(chain.from_iterable([part.counts for part in parts]))
-        return _lists(kind, counts, _array_of(kind.value_type, [part.entries for part in parts]))
-    values = list(chain.from_iterable(parts))
-    present = np.array([value is not None for value in values], dtype=bool)
-    if pa.types.is_list(kind):
-        entries = list(chain.from_iterable([value or () for value in values]))
-        return _lists(kind, [len(value or ()) for value in values], _array_of(kind.value_type, [entries]), present)
-    if not pa.types.is_string(kind):
-        numbers = np.array([0 if value is None else value for value in values], dtype=kind.to_pandas_dtype())
-        return _from_buffers(kind, numbers, present)
-    texts = ["" if value is None else str(value) for value in values]
-    data = "".join(texts).encode(*_UTF_8)
-    starts = _starts(map(len, texts))
-    if starts[-1] < len(data):  # They are not ASCII alone.
-        starts = _starts([len(text.encode(*_UTF_8)) for text in texts])
-    return pa.Array.from_buffers(kind, len(texts), [_bits(present), pa.py_buffer(starts), pa.py_buffer(data)])
-
-
-def _from_buffers(kind: pa.DataType, numbers: NDArray[Any], present: NDArray[np.bool_] | None = None) -> pa.Array:
-    """Numbers or truth values, null where they are not present."""
-    import numpy as np
-    import pyarrow as pa
-
-    data = np.packbits(numbers, bitorder="little") if numbers.dtype == bool else numbers
-    return pa.Array.from_buffers(kind, len(numbers), [_bits(present), pa.py_buffer(data)])
-
-
-def _lists(
-    kind: pa.DataType, counts: Sequence[int], entries: pa.Array, present: NDArray[np.bool_] | None = None
-) -> pa.Array:
-    """Lists of entries that are one behind the other, null where they are not present."""
-    import pyarrow as pa
-
-    buffers = [_bits(present), pa.py_buffer(_starts(counts))]
-    return pa.Array.from_buffers(kind, len(counts), buffers, children=[entries])
-
-
-def _starts(lengths: Iterable[int]) -> NDArray[np.int32]:
-    """Where each of some values begins, and where the last one ends."""
-    import numpy as np
-
-    return np.cumsum([0, *lengths], dtype="int32")
-
-
-def _bits(present: NDArray[np.bool_] | None) -> pa.Buffer | None:
-    """Which values are not null; None where all are there."""
-    import numpy as np
-    import pyarrow as pa
-
-    return None if present is None or present.all() else pa.py_buffer(np.packbits(present, bitorder="little"))

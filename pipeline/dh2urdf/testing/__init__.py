@@ -21,7 +21,6 @@ from dh2urdf._faces import face
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from dh2urdf.testing.catalogs import catalog_of as catalog_of, do_run as do_run
-    from dh2urdf.testing.edits.contract import EditContract as EditContract
     from dh2urdf.testing.emitter_contract import EmitterContract as EmitterContract
     from dh2urdf.testing.executor_contract import ExecutorContract as ExecutorContract
     from dh2urdf.testing.loader_contract import LoaderContract as LoaderContract
@@ -30,18 +29,20 @@ if TYPE_CHECKING:
         plain_robot as plain_robot,
         reference_manipulators as reference_manipulators,
     )
-    from dh2urdf.testing.transform_contract import TransformContract as TransformContract
+    from dh2urdf.testing.transform_contract import (
+        EditContract as EditContract,
+        TransformContract as TransformContract,
+    )
 else:
     __all__, __getattr__, __dir__ = face(
         __name__,
         {
             "catalogs": "catalog_of do_run",
-            "edits.contract": "EditContract",
             "emitter_contract": "EmitterContract",
             "executor_contract": "ExecutorContract",
             "loader_contract": "LoaderContract",
             "reader_contract": "ReaderContract",
             "reference": "plain_robot reference_manipulators",
-            "transform_contract": "TransformContract",
+            "transform_contract": "EditContract TransformContract",
         },
     )

@@ -27,8 +27,8 @@ def table_pose(manipulator: Manipulator, q: Sequence[float]) -> Matrix:
     for row in manipulator.rows:
         value = 0.0 if row.type is JointType.FIXED else row.offset + row.sign * next(values)
         slides = row.type is JointType.PRISMATIC
-        along_z = _product(_about_z(row.theta + (0.0 if slides else value)), _along(0, 0, row.d + value * slides))
-        along_x = _product(_along(row.a, 0, 0), _about_x(row.alpha))
+        along_z = _product(_turn(2, row.theta + (0.0 if slides else value)), _along(0, 0, row.d + value * slides))
+        along_x = _product(_along(row.a, 0, 0), _turn(0, row.alpha))
         factors = (along_z, along_x) if manipulator.convention is Convention.STANDARD else (along_x, along_z)
         product = _product(product, *factors)
     return _product(product, _of(manipulator.tool.rotation, manipulator.tool.translation))
@@ -37,21 +37,20 @@ def table_pose(manipulator: Manipulator, q: Sequence[float]) -> Matrix:
 def robot_pose(robot: Robot, q: Sequence[float], root: str, tip: str) -> Matrix:
     """T(root → tip) of a robot at one value per moving joint on the way [rad or m]."""
     way: list[Joint] = []
-    link = tip
-    while link != root:
-        (joint,) = [joint for joint in robot.joints if joint.child == link]
-        way.append(joint)
-        link = joint.parent
+    while tip != root:
+        (joint,) = [joint for joint in robot.joints if joint.child == tip]
+        way.insert(0, joint)
+        tip = joint.parent
     values = iter(q)
     product = _along(0, 0, 0)
-    for joint in reversed(way):
+    for joint in way:
         roll, pitch, yaw = joint.origin.rpy
-        frame = _product(_along(*joint.origin.xyz), _about_z(yaw), _about_y(pitch), _about_x(roll))
+        frame = _product(_along(*joint.origin.xyz), _turn(2, yaw), _turn(1, pitch), _turn(0, roll))
         product = _product(product, frame, _motion(joint, 0.0 if joint.type is JointType.FIXED else next(values)))
     return product
 
 
-def difference(left: Matrix, right: Matrix) -> tuple[float, float]:
+def gap(left: Matrix, right: Matrix) -> tuple[float, float]:
     """Distance of two frames [m] and the angle between them [rad]."""
     distance = sqrt(sum((left[i][3] - right[i][3]) ** 2 for i in range(3)))
     r = [[sum(left[k][i] * right[k][j] for k in range(3)) for j in range(3)] for i in range(3)]
@@ -62,15 +61,11 @@ def difference(left: Matrix, right: Matrix) -> tuple[float, float]:
 def _motion(joint: Joint, value: float) -> Matrix:
     """What a joint does at a value."""
     x, y, z = joint.axis
-    if joint.type is JointType.FIXED:
-        return _along(0, 0, 0)
     if joint.type is JointType.PRISMATIC:
         return _along(value * x, value * y, value * z)
     # The axis is turned into z, the turn made about z, and the axis turned back.
     azimuth, polar = atan2(y, x), atan2(hypot(x, y), z)
-    there = _product(_about_z(azimuth), _about_y(polar))
-    back = _product(_about_y(-polar), _about_z(-azimuth))
-    return _product(there, _about_z(value), back)
+    return _product(_turn(2, azimuth), _turn(1, polar), _turn(2, value), _turn(1, -polar), _turn(2, -azimuth))
 
 
 def _product(*factors: Matrix) -> Matrix:
@@ -89,16 +84,8 @@ def _along(x: float, y: float, z: float) -> Matrix:
     return [[1.0, 0.0, 0.0, x], [0.0, 1.0, 0.0, y], [0.0, 0.0, 1.0, z], [0.0, 0.0, 0.0, 1.0]]
 
 
-def _about_x(angle: float) -> Matrix:
-    c, s = cos(angle), sin(angle)
-    return [[1.0, 0.0, 0.0, 0.0], [0.0, c, -s, 0.0], [0.0, s, c, 0.0], [0.0, 0.0, 0.0, 1.0]]
-
-
-def _about_y(angle: float) -> Matrix:
-    c, s = cos(angle), sin(angle)
-    return [[c, 0.0, s, 0.0], [0.0, 1.0, 0.0, 0.0], [-s, 0.0, c, 0.0], [0.0, 0.0, 0.0, 1.0]]
-
-
-def _about_z(angle: float) -> Matrix:
-    c, s = cos(angle), sin(angle)
-    return [[c, -s, 0.0, 0.0], [s, c, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0]]
+def _turn(axis: int, angle: float) -> Matrix:
+    """The turn by an angle about x (0), y (1) or z (2)."""
+    turned, (i, j) = _along(0, 0, 0), ((axis + 1) % 3, (axis + 2) % 3)
+    turned[i][i], turned[i][j], turned[j][i], turned[j][j] = cos(angle), -sin(angle), sin(angle), cos(angle)
+    return turned

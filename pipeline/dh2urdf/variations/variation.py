@@ -17,9 +17,9 @@ from dh2urdf.errors import ManipulatorError
 from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.manipulator import DHRow, Inertia, JointType, Limits, Manipulator
 from dh2urdf.quantities.units import Dimension
+from dh2urdf.record_fields import replace_unchecked
 from dh2urdf.row_fields import COM, DYNAMICS, INERTIA, LIMITS, ROW_FIELDS, RowField
 from dh2urdf.source import Mark, Problem, shown
-from dh2urdf.validation.coercion import replace_unchecked
 from dh2urdf.variations.laws import DrawnValue, Grid, Law, draw_many, ends
 from dh2urdf.variations.sampling import Sampling, point, points, regrouped
 

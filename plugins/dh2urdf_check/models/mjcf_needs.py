@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from dh2urdf.source import listed, shown
 from dh2urdf_check.models.models import Hit, elements_of
 from dh2urdf_check.numbers import mujoco_numbers
-from dh2urdf_plugins.read_back.mjcf.masses import WITHOUT_MASS
+from dh2urdf_plugins.read_back.mjcf.shapes import WITHOUT_MASS
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

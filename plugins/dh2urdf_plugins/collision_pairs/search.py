@@ -23,8 +23,7 @@ from dh2urdf.errors import EmitterError, InputError
 from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.meshes import read_mesh
-from dh2urdf_plugins.collision_pairs.mechanism import Mechanism
-from dh2urdf_plugins.collision_pairs.scene import Scene, pair_of, shaped_neighbours
+from dh2urdf_plugins.collision_pairs.scene import Mechanism, Scene, pair_of, shaped_neighbours
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable

@@ -15,8 +15,8 @@ from dh2urdf.robot_check import UNIT
 from dh2urdf.rotations import norm, scale
 from dh2urdf.source import Mark, Problem, listed, shown
 from dh2urdf_plugins.descriptions.bodies import Body, Carried
+from dh2urdf_plugins.extraction.chain import Precision
 from dh2urdf_plugins.extraction.measuring import RANDOM_VECTORS, chain_difference
-from dh2urdf_plugins.extraction.numbers import Precision
 from dh2urdf_plugins.extraction.solving import Choices, Solution, solve
 from dh2urdf_plugins.readers.words.names import RESERVED
 

@@ -17,7 +17,7 @@ from dh2urdf.meshes import FORMATS, find_mesh
 from dh2urdf.robot import Mesh
 from dh2urdf.rotations import IDENTITY, RigidTransform, Vec3
 from dh2urdf.source import shown
-from dh2urdf_plugins.extraction.numbers import between_decimals, decimal_of
+from dh2urdf_plugins.extraction.chain import between_decimals, decimal_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
     from dh2urdf.robot import Collision, Inertial, Joint, Visual
     from dh2urdf_plugins.descriptions.trees import Tree
-    from dh2urdf_plugins.extraction.numbers import Precision
+    from dh2urdf_plugins.extraction.chain import Precision
 
     Shape = TypeVar("Shape", Visual, Collision)
 

@@ -1,8 +1,13 @@
-"""A robot description of any origin as the ground of a table: its robot, and what the robot does not hold."""
+"""A robot description of any origin as the ground of a table: its robot, and what the robot does not hold.
+
+What a description holds besides the links and joints of a robot: no table has it, and a notice names it.
+
+The shapes of a URDF that its reader has no word for: capsules become what robots have, and others are left out.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Mapping
 from copy import deepcopy
 from dataclasses import field, replace
 from functools import partial
@@ -10,30 +15,178 @@ from math import comb, nan
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from lxml import etree
+
 from dh2urdf.documents import is_file, read_bytes
 from dh2urdf.elementwise import total
 from dh2urdf.errors import ProofError, TableError
 from dh2urdf.foreign_robot import Follower
 from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.late_tuples import NamedTuple
-from dh2urdf.robot import Robot
+from dh2urdf.robot import Cylinder, Origin, Robot
 from dh2urdf.source import Mark, Problem, listed, shown
-from dh2urdf_plugins.descriptions import unheld
 from dh2urdf_plugins.descriptions.rounded_pi import Rounded, repaired
-from dh2urdf_plugins.descriptions.urdf_shapes import with_known_shapes
 from dh2urdf_plugins.read_back import urdf_reader
 from dh2urdf_plugins.read_back.mjcf import reader as mjcf_reader
 from dh2urdf_plugins.read_back.mjcf.elements import Elements, compiler_of
 from dh2urdf_plugins.read_back.sdf import reader as sdf_reader
 from dh2urdf_plugins.read_back.sdf.elements import is_true
-from dh2urdf_plugins.read_back.xml_files import LARGEST, mark_of, tree_of
+from dh2urdf_plugins.read_back.xml_files import LARGEST, capsule, mark_of, tree_of
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from lxml import etree
+    from collections.abc import Callable, Iterable, Iterator, Sequence
 
     from dh2urdf.stages import Expansion
+
+
+_URDF = {
+    ".": "link joint material mujoco",
+    "link": "inertial visual collision",
+    "joint": "origin parent child axis limit dynamics mimic",
+}
+"""The elements that are read, or are no part of the robot, by what holds them."""
+_URDF_ATTRIBUTES = {"limit": "lower upper effort velocity", "dynamics": "damping friction"}
+_SDF = ("plugin", "gripper", "link/sensor", "link/battery", "link/light", "joint/sensor")
+_MJCF = ("sensor", "tendon", "keyframe")
+_ACTUATORS = ("general", "motor", "position", "velocity", "intvelocity", "damper", "cylinder", "muscle")
+
+
+def of_urdf(root: etree._Element) -> Iterator[tuple[str, etree._Element]]:
+    """What a URDF holds besides, in words, and where."""
+    for path, known in _URDF.items():
+        for holder in root.iterfind(path):
+            for element in holder.iterchildren(etree.Element):
+                if element.tag not in known.split():
+                    yield f"the element {_name(element, element.tag)}{'' if path == '.' else f' of a {path}'}", element
+    for tag, known in _URDF_ATTRIBUTES.items():
+        for element in root.iterfind(f"joint/{tag}"):
+            for name in map(str, element.attrib):
+                if name not in known.split():
+                    yield f"the attribute {_name(element, name)} of a {tag}", element
+
+
+def _name(element: etree._Element, name: str) -> str:
+    """A name as the file writes it, with its prefix."""
+    if name[:1] != "{":
+        return name
+    space, _, local = name[1:].partition("}")
+    prefix = next((prefix for prefix, address in element.nsmap.items() if address == space), None)
+    return f"{prefix}:{local}" if prefix else local
+
+
+def of_sdf(root: etree._Element) -> Iterator[tuple[str, etree._Element]]:
+    """What the first model of an SDF holds besides, in words, and where."""
+    model = next((each for path in ("model", "world/model") for each in root.iterfind(path)), None)
+    if model is None:
+        return
+    for path in _SDF:
+        holder, _, tag = path.rpartition("/")
+        for element in model.iterfind(f".//{path}" if holder else path):
+            yield f"the element {tag}{f' of a {holder}' if holder else ''}", element
+    for spring in model.iterfind(".//joint/axis/dynamics/spring_stiffness"):
+        if (spring.text or "").strip(" 0.\n"):
+            yield "the spring of a joint", spring
+
+
+def of_mjcf(elements: Elements) -> Iterator[tuple[str, etree._Element]]:
+    """What an MJCF holds besides, in words, and where."""
+    for section in elements.root.iterchildren("actuator"):
+        for actuator in section.iterchildren(etree.Element):
+            yield "an actuator, but for the effort of its joint,", actuator
+    for section in elements.root.iterchildren(*_MJCF):
+        for element in section.iterchildren(etree.Element):
+            yield f"a {'keyframe' if section.tag == 'keyframe' else section.tag}", element
+    for camera in elements.root.iterfind("worldbody//camera"):
+        yield "a camera", camera
+    for joint in elements.root.iterfind("worldbody//joint"):
+        given = elements.attributes(joint)
+        if "springdamper" in given or given.get("stiffness", "0").strip(" 0."):
+            yield "the spring of a joint", joint
+
+
+def efforts_of_mjcf(elements: Elements) -> Mapping[str, float]:
+    """The efforts of joints that one actuator drives, by the joint's name: what its force can reach [N or N·m].
+
+    https://mujoco.readthedocs.io/en/stable/XMLreference.html#actuator-general: the effort at the joint is the force
+    times the gear; the force of a motor is what controls it.
+    """
+    driven: dict[str, list[float | None]] = {}
+    for section in elements.root.iterchildren("actuator"):
+        for actuator in section.iterchildren(etree.Element):
+            given = elements.attributes(actuator, *_ACTUATORS)
+            if joint := given.get("joint") or given.get("jointinparent"):
+                driven.setdefault(joint, []).append(_effort(actuator, given, elements))
+    return {joint: found[0] for joint, found in driven.items() if len(found) == 1 and found[0]}
+
+
+def _effort(actuator: etree._Element, given: dict[str, str], elements: Elements) -> float | None:
+    reaches = [("forcerange", "forcelimited")]
+    if actuator.tag == "motor":
+        reaches.append(("ctrlrange", "ctrllimited"))
+    try:
+        gear = elements.numbers(actuator, given, "gear", (1.0,), most=6)[0]
+        ranges = [elements.limits(actuator, given, name, limited) for name, limited in reaches]
+        found = [max(map(abs, limits)) for limits in ranges if limits]
+    except ProofError:  # numbers that are none; the effort is unknown then
+        return None
+    return abs(gear) * min(found) if found else None
+
+
+_READ = ("box", "cylinder", "sphere", "mesh")
+
+
+def with_known_shapes(root: etree._Element) -> Iterator[tuple[str, etree._Element]]:
+    """Changes the elements of a URDF so that every shape can be read.
+
+    Args:
+        root: the outermost element; it is changed.
+
+    Yields:
+        What is left out, in words, and where.
+    """
+    for shape in [*root.iterfind("link/visual"), *root.iterfind("link/collision")]:
+        geometry = shape.find("geometry")
+        kind = None if geometry is None else next(geometry.iterchildren(etree.Element), None)
+        if kind is not None and kind.tag in _READ:
+            continue
+        link = shape.getparent()
+        if link is None:  # It is the child of a link.
+            continue
+        parts = _capsule(shape, kind) if kind is not None and kind.tag == "capsule" else None
+        if parts is None:
+            yield f"a {shape.tag} without a shape" if kind is None else f"a shape {shown(str(kind.tag))}", shape
+        for part in parts or ():
+            shape.addprevious(part)
+        link.remove(shape)
+
+
+def _capsule(shape: etree._Element, kind: etree._Element) -> list[etree._Element] | None:
+    """A cylinder and two balls in the place of a capsule; None where its numbers cannot be read."""
+    origin = shape.find("origin")
+    try:
+        radius, length = (float(kind.get(name, "")) for name in ("radius", "length"))
+        (x, y, z), (roll, pitch, yaw) = (
+            map(float, ("0 0 0" if origin is None else origin.get(name, "0 0 0")).split()) for name in ("xyz", "rpy")
+        )
+    except ValueError:
+        return None
+    place = Origin(xyz=(x, y, z), rpy=(roll, pitch, yaw)).transform
+    parts = []
+    for geometry, pose in capsule(radius, length):
+        part = deepcopy(shape)
+        for old in [*part.iterchildren("origin", "geometry")]:
+            part.remove(old)
+        xyz, rpy = ((place @ pose).translation, (roll, pitch, yaw))
+        etree.SubElement(part, "origin", xyz=" ".join(map(repr, xyz)), rpy=" ".join(map(repr, rpy)))
+        attributes = {"radius": repr(radius)}
+        if isinstance(geometry, Cylinder):
+            attributes["length"] = repr(length)
+        etree.SubElement(etree.SubElement(part, "geometry"), type(geometry).__name__.lower(), attributes)
+        for element in part.iter():
+            element.sourceline = shape.sourceline
+        parts.append(part)
+    return parts
+
 
 _LOOSE = ("floating", "planar")
 """Joints of URDF that no table has."""
@@ -192,7 +345,7 @@ def _described(content: bytes, path: Path, file: str, form: _Format) -> Descript
 def _read_urdf(root: etree._Element, extras: _Extras, *, colours: bool) -> Robot:
     """Takes from a URDF what no table has a place for."""
     root.set("name", root.get("name", ""))
-    extras.unheld += extras.left_out(unheld.of_urdf(root))
+    extras.unheld += extras.left_out(of_urdf(root))
     extras.notices += extras.left_out(with_known_shapes(root))
     for joint in root.iterchildren("joint"):
         name = joint.get("name", "")
@@ -238,7 +391,7 @@ def _number(text: str) -> float:
 
 def _read_sdf(root: etree._Element, extras: _Extras) -> Robot:
     model = sdf_reader.model_of(root, extras.file)
-    extras.unheld += extras.left_out(unheld.of_sdf(root))
+    extras.unheld += extras.left_out(of_sdf(root))
     extras.loose.update(model.loose)
     extras.doubly.update(model.doubly)
     extras.notices += [_left_out(what, marks) for what, marks in model.unread.items()]
@@ -283,8 +436,8 @@ def _read_mjcf(root: etree._Element, extras: _Extras) -> Robot:
     for joint in root.iterfind("equality/joint"):
         if elements.is_active(joint):
             extras.followers[joint.get("joint1", "")] = _mjcf_follower(joint, model.references)
-    extras.unheld += extras.left_out(unheld.of_mjcf(elements))
-    efforts = unheld.efforts_of_mjcf(elements)
+    extras.unheld += extras.left_out(of_mjcf(elements))
+    efforts = efforts_of_mjcf(elements)
     joints = tuple(
         replace(joint, limits=replace(joint.limits, effort=efforts[joint.name]))
         if joint.name in efforts and joint.limits.effort is None

@@ -6,6 +6,7 @@ and a colour that is defined nowhere is none.
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -13,67 +14,44 @@ if TYPE_CHECKING:
 
     from dh2urdf.foreign_robot import ForeignRobot
     from dh2urdf.stages import Expansion
-    from dh2urdf_plugins.descriptions.description import Description
 
 # What reads is imported where a description is read: whatever writes one pays for none of it.
 
 
-def foreign_urdf(path: Path) -> ForeignRobot:
-    """The robot of a URDF file.
-
-    Raises:
-        TableError: it cannot be read, or is not the URDF of a robot.
-    """
-    from dh2urdf_plugins.descriptions.description import urdf_description
-
-    return _foreign(urdf_description(path, colours=True))
-
-
-def foreign_xacro(path: Path, expansion: Expansion | None = None) -> ForeignRobot:
-    """The robot of a xacro file, expanded where it can do no harm.
+def _foreign(form: str, path: Path, expansion: Expansion | None = None) -> ForeignRobot:
+    """The robot of a file; of an SDF, that of the first model. A xacro is expanded where it can do no harm.
 
     Args:
+        form: ``urdf``, ``xacro``, ``sdf`` or ``mjcf``.
         path: the file.
-        expansion: the values of its arguments, and the packages that it may read; defaults where it is None.
+        expansion: of a xacro, the values of its arguments and the packages that it may read; defaults where it is None.
 
     Raises:
-        TableError: it cannot be expanded, or what comes out is not the URDF of a robot.
+        TableError: it cannot be read or expanded, or does not describe a robot.
     """
-    from dh2urdf.stages import Expansion
-    from dh2urdf_plugins.descriptions.description import xacro_description
-
-    return _foreign(xacro_description(path, expansion or Expansion(), colours=True))
-
-
-def foreign_sdf(path: Path) -> ForeignRobot:
-    """The robot of the first model in an SDF file.
-
-    Raises:
-        TableError: it cannot be read, or holds no model.
-    """
-    from dh2urdf_plugins.descriptions.description import sdf_description
-
-    return _foreign(sdf_description(path))
-
-
-def foreign_mjcf(path: Path) -> ForeignRobot:
-    """The robot of an MJCF file.
-
-    Raises:
-        TableError: it cannot be read, or is not the MJCF of an arm.
-    """
-    from dh2urdf_plugins.descriptions.description import mjcf_description
-
-    return _foreign(mjcf_description(path))
-
-
-def _foreign(description: Description) -> ForeignRobot:
     from dh2urdf.foreign_robot import ForeignRobot
+    from dh2urdf.stages import Expansion
+    from dh2urdf_plugins.descriptions import description
 
+    match form:
+        case "urdf":
+            found = description.urdf_description(path, colours=True)
+        case "xacro":
+            found = description.xacro_description(path, expansion or Expansion(), colours=True)
+        case "sdf":
+            found = description.sdf_description(path)
+        case _:
+            found = description.mjcf_description(path)
     return ForeignRobot(
-        robot=description.robot,
-        followers=description.followers,
-        loose=description.loose,
-        folder=description.folder,
-        notices=description.notices,
+        robot=found.robot,
+        followers=found.followers,
+        loose=found.loose,
+        folder=found.folder,
+        notices=found.notices,
     )
+
+
+foreign_urdf, foreign_xacro, foreign_sdf, foreign_mjcf = (
+    partial(_foreign, form) for form in ("urdf", "xacro", "sdf", "mjcf")
+)
+"""What reads a file of each format."""

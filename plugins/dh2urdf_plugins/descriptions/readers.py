@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import field, replace
+from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal, TypeVar
+from typing import TYPE_CHECKING, Any, Literal
 
 from dh2urdf.errors import InputError, TableError
 from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.source import Mark, Problem
-from dh2urdf.stages import Reader, Rejected
+from dh2urdf.stages import Reader, ReadsDescriptions, Rejected
 from dh2urdf_plugins.extraction import TOLERANCE
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Mapping
+    from collections.abc import Iterator, Mapping
 
     from dh2urdf.manipulator import Manipulator
     from dh2urdf_plugins.descriptions.description import Description
@@ -89,9 +90,6 @@ class DescriptionOptions:
             )
 
 
-O = TypeVar("O", bound="DescriptionOptions")  # noqa: E741 - the options type of a stage
-
-
 @dataclass(frozen=True, slots=True, kw_only=True)
 class XacroOptions(DescriptionOptions):
     """The same of a description with macros, and the values of its arguments."""
@@ -99,8 +97,40 @@ class XacroOptions(DescriptionOptions):
     arguments: dict[str, str] | None = field(default=None, metadata={"help": "values of the file's arguments"})
 
 
-def read_urdf(path: Path, options: DescriptionOptions) -> Iterator[Manipulator | Rejected]:
-    """The manipulators of a URDF file.
+def _described(form: str, path: Path, options: DescriptionOptions) -> Description:
+    """The description of a file, by the reader of its form; no other reader is imported."""
+    if form == "screws":
+        from dh2urdf_plugins.descriptions.screws import screws_description
+
+        return screws_description(path)
+    if form in ("ur-kinematics", "franka-kinematics"):
+        from dh2urdf_plugins.descriptions.origin_files import FRANKA, UR, origins_description
+
+        return origins_description(path, UR if form == "ur-kinematics" else FRANKA)
+    from dh2urdf_plugins.descriptions import description
+
+    if isinstance(options, XacroOptions):
+        from dh2urdf.stages import Expansion
+
+        packages = tuple(map(Path, options.package_paths))
+        return description.xacro_description(path, Expansion(arguments=options.arguments or {}, package_paths=packages))
+    read = {
+        "urdf": description.urdf_description,
+        "sdf": description.sdf_description,
+        "mjcf": description.mjcf_description,
+    }
+    return read[form](path)
+
+
+def _leaves(form: str, path: Path, options: DescriptionOptions) -> Mapping[str, int]:
+    """The ends of a description's chains, with the counts of their joints."""
+    from dh2urdf_plugins.descriptions.trees import Tree
+
+    return Tree.of(_described(form, path, options), options.base_link).leaves()
+
+
+def _arms(form: str, path: Path, options: DescriptionOptions) -> Iterator[Manipulator | Rejected]:
+    """The manipulators of a file.
 
     Yields:
         A manipulator for each tip link that is asked for, or why there is none.
@@ -108,95 +138,6 @@ def read_urdf(path: Path, options: DescriptionOptions) -> Iterator[Manipulator |
     Raises:
         TableError: the file cannot be read, or which chain is meant is not said.
     """
-    return _arms(path, options, _urdf)
-
-
-def read_xacro(path: Path, options: XacroOptions) -> Iterator[Manipulator | Rejected]:
-    """The manipulators of a xacro file, as `read_urdf` has those of a URDF file."""
-    return _arms(path, options, _xacro)
-
-
-def read_sdf(path: Path, options: DescriptionOptions) -> Iterator[Manipulator | Rejected]:
-    """The manipulators of the first model in an SDF file, as `read_urdf` has those of a URDF file."""
-    return _arms(path, options, _sdf)
-
-
-def read_mjcf(path: Path, options: DescriptionOptions) -> Iterator[Manipulator | Rejected]:
-    """The manipulators of an MJCF file, as `read_urdf` has those of a URDF file."""
-    return _arms(path, options, _mjcf)
-
-
-def read_ur_kinematics(path: Path, options: DescriptionOptions) -> Iterator[Manipulator | Rejected]:
-    """The manipulator of a calibration of Universal Robots, as `read_urdf` has those of a URDF file."""
-    return _arms(path, options, _ur_kinematics)
-
-
-def read_franka_kinematics(path: Path, options: DescriptionOptions) -> Iterator[Manipulator | Rejected]:
-    """The manipulator of Franka's file of origins, as `read_urdf` has those of a URDF file."""
-    return _arms(path, options, _franka_kinematics)
-
-
-def read_screws(path: Path, options: DescriptionOptions) -> Iterator[Manipulator | Rejected]:
-    """The manipulator of a file of screw axes, as `read_urdf` has those of a URDF file."""
-    return _arms(path, options, _screws)
-
-
-def _urdf(path: Path, _options: DescriptionOptions) -> Description:
-    from dh2urdf_plugins.descriptions.description import urdf_description
-
-    return urdf_description(path)
-
-
-def _xacro(path: Path, options: XacroOptions) -> Description:
-    from dh2urdf.stages import Expansion
-    from dh2urdf_plugins.descriptions.description import xacro_description
-
-    packages = tuple(map(Path, options.package_paths))
-    return xacro_description(path, Expansion(arguments=options.arguments or {}, package_paths=packages))
-
-
-def _sdf(path: Path, _options: DescriptionOptions) -> Description:
-    from dh2urdf_plugins.descriptions.description import sdf_description
-
-    return sdf_description(path)
-
-
-def _mjcf(path: Path, _options: DescriptionOptions) -> Description:
-    from dh2urdf_plugins.descriptions.description import mjcf_description
-
-    return mjcf_description(path)
-
-
-def _ur_kinematics(path: Path, _options: DescriptionOptions) -> Description:
-    from dh2urdf_plugins.descriptions.origin_files import UR, origins_description
-
-    return origins_description(path, UR)
-
-
-def _franka_kinematics(path: Path, _options: DescriptionOptions) -> Description:
-    from dh2urdf_plugins.descriptions.origin_files import FRANKA, origins_description
-
-    return origins_description(path, FRANKA)
-
-
-def _screws(path: Path, _options: DescriptionOptions) -> Description:
-    from dh2urdf_plugins.descriptions.screws import screws_description
-
-    return screws_description(path)
-
-
-def _leaves(described: Callable[[Path, O], Description]) -> Callable[[Path, O], Mapping[str, int]]:
-    """What lists the ends of a description's chains."""
-
-    def leaves(path: Path, options: O) -> Mapping[str, int]:
-        from dh2urdf_plugins.descriptions.trees import Tree
-
-        return Tree.of(described(path, options), options.base_link).leaves()
-
-    return leaves
-
-
-def _arms(path: Path, options: O, described: Callable[[Path, O], Description]) -> Iterator[Manipulator | Rejected]:
     from dh2urdf.manipulator import Convention
     from dh2urdf.meshes import mesh_finder, packages_in, with_its_own
     from dh2urdf_plugins.descriptions.arms import Asked, manipulator_of
@@ -204,7 +145,7 @@ def _arms(path: Path, options: O, described: Callable[[Path, O], Description]) -
     from dh2urdf_plugins.extraction.solving import Choices
 
     try:
-        description = described(path, options)
+        description = _described(form, path, options)
         packages = with_its_own(path, packages_in(map(Path, options.package_paths)))
     except TableError:
         raise
@@ -235,59 +176,32 @@ def _arms(path: Path, options: O, described: Callable[[Path, O], Description]) -
             yield Rejected(name=each.name, problems=error.problems, mark=Mark(file=str(path)))
 
 
-URDF: Reader[DescriptionOptions] = Reader(
-    name="urdf",
-    summary="URDF: the DH table of a chain, with its limits, masses and meshes",
-    read=read_urdf,
-    leaves=_leaves(_urdf),
-    options=DescriptionOptions,
-    suffixes=(".urdf",),
-)
-XACRO: Reader[XacroOptions] = Reader(
-    name="xacro",
-    summary="xacro: the DH table of a chain, of a file that is expanded where it can do no harm",
-    read=read_xacro,
-    leaves=_leaves(_xacro),
+def _reader(
+    name: str, summary: str, *suffixes: str, options: type[DescriptionOptions] = DescriptionOptions
+) -> Reader[Any]:
+    return Reader(
+        name=name,
+        summary=summary,
+        read=partial(_arms, name),
+        options=options,
+        suffixes=suffixes,
+        capabilities=(ReadsDescriptions(partial(_leaves, name)),),
+    )
+
+
+URDF = _reader("urdf", "URDF: the DH table of a chain, with its limits, masses and meshes", ".urdf")
+XACRO = _reader(
+    "xacro",
+    "xacro: the DH table of a chain, of a file that is expanded where it can do no harm",
+    *(".urdf.xacro", ".xacro"),
     options=XacroOptions,
-    suffixes=(".urdf.xacro", ".xacro"),
 )
-SDF: Reader[DescriptionOptions] = Reader(
-    name="sdf",
-    summary="SDF: the DH table of a chain of the first model",
-    read=read_sdf,
-    leaves=_leaves(_sdf),
-    options=DescriptionOptions,
-    suffixes=(".sdf",),
+SDF = _reader("sdf", "SDF: the DH table of a chain of the first model", ".sdf")
+MJCF = _reader("mjcf", "MJCF: the DH table of a chain of a MuJoCo model", ".xml", ".mjcf")
+UR_KINEMATICS = _reader(
+    "ur-kinematics", "*_calibration.yaml of Universal Robots' ROS packages: the DH table of one calibrated arm"
 )
-MJCF: Reader[DescriptionOptions] = Reader(
-    name="mjcf",
-    summary="MJCF: the DH table of a chain of a MuJoCo model",
-    read=read_mjcf,
-    leaves=_leaves(_mjcf),
-    options=DescriptionOptions,
-    suffixes=(".xml", ".mjcf"),
+FRANKA_KINEMATICS = _reader(
+    "franka-kinematics", "kinematics.yaml of Franka's ROS package: the DH table of one of its arms"
 )
-UR_KINEMATICS: Reader[DescriptionOptions] = Reader(
-    name="ur-kinematics",
-    summary="*_calibration.yaml of Universal Robots' ROS packages: the DH table of one calibrated arm",
-    read=read_ur_kinematics,
-    leaves=_leaves(_ur_kinematics),
-    options=DescriptionOptions,
-    suffixes=(),
-)
-FRANKA_KINEMATICS: Reader[DescriptionOptions] = Reader(
-    name="franka-kinematics",
-    summary="kinematics.yaml of Franka's ROS package: the DH table of one of its arms",
-    read=read_franka_kinematics,
-    leaves=_leaves(_franka_kinematics),
-    options=DescriptionOptions,
-    suffixes=(),
-)
-SCREWS: Reader[DescriptionOptions] = Reader(
-    name="screws",
-    summary="screw axes in YAML or JSON: Slist and M, Blist and M, or H and P",
-    read=read_screws,
-    leaves=_leaves(_screws),
-    options=DescriptionOptions,
-    suffixes=(),
-)
+SCREWS = _reader("screws", "screw axes in YAML or JSON: Slist and M, Blist and M, or H and P")

@@ -14,7 +14,7 @@ from dh2urdf.stages import Edit
 
 if TYPE_CHECKING:
     from dh2urdf.manipulator import Manipulator
-    from dh2urdf_plugins.calibrations.files import CalibrationFile
+    from dh2urdf_plugins.calibrations.calibration import CalibrationFile
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -40,7 +40,7 @@ class CalibrateOptions:
         """
         if self.file is None:
             return
-        from dh2urdf_plugins.calibrations.files import unreadable
+        from dh2urdf_plugins.calibrations.calibration import unreadable
 
         if problems := unreadable(self.file, "file"):
             raise TableError(replace(each, mark=None) for each in problems)
@@ -48,7 +48,7 @@ class CalibrateOptions:
     @cached_property
     def calibration(self) -> CalibrationFile | None:
         """The file, which is read once for all arms of a process."""
-        from dh2urdf_plugins.calibrations.files import CalibrationFile
+        from dh2urdf_plugins.calibrations.calibration import CalibrationFile
 
         units = {"length_unit": self.length_unit, "angle_unit": self.angle_unit}
         return None if self.file is None else CalibrationFile(self.file, units)

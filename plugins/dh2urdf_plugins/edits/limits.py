@@ -10,7 +10,7 @@ from dh2urdf.elementwise import agreed, is_column
 from dh2urdf.errors import EditError
 from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.source import Problem, did_you_mean, shown
-from dh2urdf.stages import Edit
+from dh2urdf.stages import Edit, EditsInColumns
 
 if TYPE_CHECKING:
     from dh2urdf.manipulator import DHRow, Limits, Manipulator
@@ -146,5 +146,5 @@ EDIT = Edit(
     summary="narrower or wider limits of joints: factors of range, speed and effort, and a margin at both ends",
     options=LimitsOptions,
     edit_table=edit_table,
-    accepts_columns=True,
+    capabilities=(EditsInColumns(),),
 )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from dh2urdf.stages import Edit
+from dh2urdf.stages import Edit, EditsInColumns
 from dh2urdf_plugins.edits.mount_options import MountOptions
 
 if TYPE_CHECKING:
@@ -27,5 +27,5 @@ EDIT = Edit(
     summary="a link on a fixed joint: the frame of a camera or of another sensor, with a box or without",
     options=MountOptions,
     edit_robot=edit_robot,
-    accepts_columns=True,
+    capabilities=(EditsInColumns(),),
 )

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from dh2urdf.stages import Edit
+from dh2urdf.stages import Edit, EditsInColumns
 from dh2urdf_plugins.edits.payload_options import PayloadOptions
 
 if TYPE_CHECKING:
@@ -31,5 +31,5 @@ EDIT = Edit(
     summary="something that the arm carries at tool0: mass, centre of mass and inertia",
     options=PayloadOptions,
     edit_table=edit_table,
-    accepts_columns=True,
+    capabilities=(EditsInColumns(),),
 )

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Literal
 from dh2urdf.errors import EditError
 from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.source import Problem, shown
-from dh2urdf.stages import Edit
+from dh2urdf.stages import Edit, EditsInColumns
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -97,5 +97,5 @@ EDIT = Edit(
     summary="other names of joints and links: a prefix, or a pattern and its replacement",
     options=RenameOptions,
     edit_table=edit_table,
-    accepts_columns=True,
+    capabilities=(EditsInColumns(),),
 )

@@ -6,7 +6,7 @@ from dataclasses import field
 from typing import TYPE_CHECKING, Literal
 
 from dh2urdf.late_dataclasses import dataclass
-from dh2urdf.stages import EmittedFile, Emitter
+from dh2urdf.stages import Checks, EmittedFile, Emitter, ReadsBack, ReadsForeign
 from dh2urdf_plugins.descriptions.foreign import foreign_mjcf
 from dh2urdf_plugins.read_back import read_mjcf
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from dh2urdf.robot import Robot
-    from dh2urdf.stages import Inspection
+    from dh2urdf.stages import Expansion, Inspection
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -48,7 +48,7 @@ def emit(robot: Robot, stem: str, options: MjcfOptions) -> tuple[EmittedFile]:
     return (EmittedFile(name=f"{stem}.xml", content=content),)
 
 
-def check(path: Path) -> Inspection:
+def check(path: Path, _expansion: Expansion | None = None) -> Inspection:
     """Findings about a file of any origin.
 
     Raises:
@@ -72,8 +72,9 @@ EMITTER = Emitter(
     suffixes=(".xml", ".mjcf"),
     options=MjcfOptions,
     emit=emit,
-    read_back=read_mjcf,
-    read_foreign=foreign_mjcf,
-    check=check,
-    descriptions=descriptions,
+    capabilities=(
+        ReadsBack(read_mjcf),
+        ReadsForeign(foreign_mjcf),
+        Checks(check, descriptions),
+    ),
 )

@@ -118,7 +118,10 @@ class _Model:
             holder = bodies[joint.parent] if joint else world
             depth[link.name] = depth[joint.parent] + 1 if joint else 1
             place = {"name": self._name(link, joint), **self._pose(joint.origin if joint else None)}
-            is_frame = _is_frame(link, joint)
+            # Whether a link is a mere frame on the one that holds it: flange and tool0.
+            moves = joint is not None and joint.type is not JointType.FIXED
+            is_body = link.inertial is not None and link.inertial.mass > 0.0
+            is_frame = joint is not None and not (moves or is_body or link.visuals or link.collisions)
             if is_frame and link.name not in self._holders:
                 etree.SubElement(holder, "site", place)
                 continue
@@ -275,13 +278,6 @@ class _Model:
     def _error(self, message: str, joint: Joint | None, **words: Any) -> EmitterError:  # noqa: ANN401 - those of a Problem
         name, mark = (joint.name, joint.mark) if joint else (None, None)
         return EmitterError(Problem(message=message, robot=self._robot.name, joint=name, mark=mark, **words))
-
-
-def _is_frame(link: Link, joint: Joint | None) -> bool:
-    """Whether a link is a mere frame on the one that holds it: flange and tool0."""
-    moves = joint is not None and joint.type is not JointType.FIXED
-    is_body = link.inertial is not None and link.inertial.mass > 0.0
-    return joint is not None and not (moves or is_body or link.visuals or link.collisions)
 
 
 def _carried(robot: Robot, servos: Collection[str]) -> Iterator[str]:

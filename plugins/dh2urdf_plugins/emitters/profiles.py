@@ -1,12 +1,12 @@
 """Profiles: where one URDF cannot serve every reader, what a URDF for one of them has otherwise, and why.
 
-The portable URDF is read alike by all. Each field of `Profile` is a decision in which readers contradict each other,
-with the reason; `PROFILES` says who decides otherwise. ``docs/profiles.md`` has the same as a table.
+The portable URDF is read alike by all. Each field of `Profile` is a decision in which readers contradict each other;
+`profiles.toml` has the reasons, `PROFILES` says who decides otherwise, and ``docs/profiles.md`` has both as a table.
 """
 
 from __future__ import annotations
 
-from dataclasses import field, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from lxml import etree
@@ -25,98 +25,22 @@ if TYPE_CHECKING:
     from dh2urdf_plugins.emitters.urdf_tree import Notation
 
 
-def _decision(*, default: bool, portable: str, otherwise: str, why: str) -> bool:
-    """A field of `Profile`: what the portable file has, what it has otherwise, and why some reader needs that."""
-    words = {"portable": portable, "otherwise": otherwise, "why": why}
-    return field(default=default, metadata=words)
-
-
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Profile:
-    """The decisions of one profile; the defaults are those of the portable file."""
+    """The decisions of one profile, which `profiles.toml` explains; the defaults are those of the portable file."""
 
-    mujoco_element: bool = _decision(
-        default=True,
-        portable="a `<mujoco>` element, which keeps MuJoCo from fusing fixed links and dropping visuals",
-        otherwise="no such element",
-        why="urdf_parser_py, which ROS tools read a URDF with, complains of a tag that it does not know",
-    )
-    root_inertial: bool = _decision(
-        default=False,
-        portable="an empty root",
-        otherwise="a root with an explicit mass and inertia of zero",
-        why="PyBullet warns of a link without an inertial, `world` excepted, and KDL of a root with one",
-    )
-    base_collision: bool = _decision(
-        default=True,
-        portable="collision shapes of the base, where the transform made some",
-        otherwise="none",
-        why="MuJoCo filters no contact between a link and a parent that stands still: the base pushes the arm away, "
-        "and a URDF cannot exclude a contact (MJCF can)",
-    )
-    held: bool = _decision(
-        default=False,
-        portable="the arm's own root, which has to be held by the program that loads the file",
-        otherwise="a root `world`, and a fixed joint `base_joint` between it and the arm",
-        why="in Gazebo nothing but a joint with the world holds a model, and without one it falls over; for other "
-        "readers people hold the root themselves, and expect it to be base_link",
-    )
-    base_body: bool = _decision(
-        default=False,
-        portable="a base of mass 0, where the table has `base: {mass: 0}`",
-        otherwise="a base of 1 kg then",
-        why="sdformat drops a root that weighs nothing, and the whole arm with it; other readers load what the table "
-        "says",
-    )
-    frame_inertials: bool = _decision(
-        default=True,
-        portable="an explicit mass and inertia of zero for flange, tool0 and the like",
-        otherwise="frames without an inertial",
-        why="CoppeliaSim's importer takes a mass of 0 for none said and makes it 1 kg; PyBullet does so where the "
-        "inertial is missing",
-    )
-    solid_links: bool = _decision(
-        default=False,
-        portable="no collision shape for a link so short that none remains between its neighbours",
-        otherwise="its visual shapes as collision shapes, for every moving link that has none",
-        why="CoppeliaSim makes a link without a collision shape static, and the arm stands still in a simulation; "
-        "elsewhere such shapes overlap with the neighbours'",
-    )
-    exact_axes: bool = _decision(
-        default=True,
-        portable="joint axes as they are",
-        otherwise="`1e-30 0 -1` for an axis `0 0 -1`, which is the same axis in double precision",
-        why="CoppeliaSim's importer takes `0 0 -1` for `0 0 1`, and the joint turns the wrong way; to a person the "
-        "portable axis is plainer",
-    )
-    exact_limits: bool = _decision(
-        default=True,
-        portable="the limits of the table",
-        otherwise="limits widened to include 0; a notice names each such joint, and the loader sets the limits of the "
-        "table after the import",
-        why="CoppeliaSim's importer puts a joint that cannot be at 0 at its nearest limit before it places its link, "
-        "which is wrong from then on; nobody else needs other limits than the arm's",
-    )
-    shared_materials: bool = _decision(
-        default=True,
-        portable="each material once, and its name in the visuals",
-        otherwise="its colour in every visual",
-        why="CoppeliaSim's importer reads the colour inside a visual only, and the arm is white without it; elsewhere "
-        "colours in one place are easier to change",
-    )
-    transmissions: bool = _decision(
-        default=False,
-        portable="no transmissions",
-        otherwise="a simple `<transmission>` for every joint that has an effort",
-        why="Drake makes actuators of transmissions, and drops the efforts of all other joints; ROS's controllers have "
-        "transmissions of their own, in files of their own",
-    )
-    joint_friction: bool = _decision(
-        default=True,
-        portable="the friction of a joint, where the table has one",
-        otherwise="none",
-        why="Drake has no dry friction in joints, and warns of it",
-    )
+    mujoco_element: bool = True
+    root_inertial: bool = False
+    base_collision: bool = True
+    held: bool = False
+    base_body: bool = False
+    frame_inertials: bool = True
+    solid_links: bool = False
+    exact_axes: bool = True
+    exact_limits: bool = True
+    shared_materials: bool = True
+    transmissions: bool = False
+    joint_friction: bool = True
 
 
 PROFILES: dict[ProfileName, Profile] = {

@@ -6,7 +6,7 @@ from dataclasses import field
 from typing import TYPE_CHECKING
 
 from dh2urdf.late_dataclasses import dataclass
-from dh2urdf.stages import EmittedFile, Emitter
+from dh2urdf.stages import Checks, EmittedFile, Emitter, GivesNotices, ReadsBack, ReadsForeign
 from dh2urdf_plugins.descriptions.foreign import foreign_sdf
 from dh2urdf_plugins.read_back import read_sdf
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
     from dh2urdf.robot import Robot
     from dh2urdf.source import Problem
-    from dh2urdf.stages import Inspection
+    from dh2urdf.stages import Expansion, Inspection
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -47,7 +47,7 @@ def notices(robot: Robot, _options: SdfOptions) -> list[Problem]:
     return notices_for_gazebo(robot, filled=True)
 
 
-def check(path: Path) -> Inspection:
+def check(path: Path, _expansion: Expansion | None = None) -> Inspection:
     """Findings about a file of any origin.
 
     Raises:
@@ -71,9 +71,10 @@ EMITTER = Emitter(
     suffixes=(".sdf",),
     options=SdfOptions,
     emit=emit,
-    read_back=read_sdf,
-    read_foreign=foreign_sdf,
-    notices=notices,
-    check=check,
-    descriptions=descriptions,
+    capabilities=(
+        ReadsBack(read_sdf),
+        ReadsForeign(foreign_sdf),
+        Checks(check, descriptions),
+        GivesNotices(notices),
+    ),
 )

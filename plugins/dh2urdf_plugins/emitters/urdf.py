@@ -6,7 +6,7 @@ from dataclasses import field
 from typing import TYPE_CHECKING
 
 from dh2urdf.late_dataclasses import dataclass
-from dh2urdf.stages import EmittedFile, Emitter
+from dh2urdf.stages import Checks, EmitsInColumns, EmittedFile, Emitter, GivesNotices, ReadsBack, ReadsForeign, Usual
 from dh2urdf_plugins.descriptions.foreign import foreign_urdf
 from dh2urdf_plugins.emitters.profile_names import PROFILE_HELP, ProfileName
 from dh2urdf_plugins.read_back import read_urdf, read_urdfs
@@ -116,18 +116,16 @@ def descriptions(roots: Mapping[Path, str]) -> Iterable[Path]:
 
 EMITTER = Emitter(
     name="urdf",
-    is_usual=True,
     summary="URDF that every common simulator and ROS tool reads alike",
     suffixes=(".urdf",),
     options=UrdfOptions,
     emit=emit,
-    read_back=read_urdf,
-    read_foreign=foreign_urdf,
-    emit_columns=emit_columns,
-    read_columns=read_urdfs,
-    check=check,
-    finds_packages=True,
-    fix=fix,
-    descriptions=descriptions,
-    notices=notices,
+    capabilities=(
+        Usual(),
+        ReadsBack(read_urdf),
+        ReadsForeign(foreign_urdf),
+        EmitsInColumns(emit_columns, read_urdfs),
+        Checks(check, descriptions, fix, finds_packages=True),
+        GivesNotices(notices),
+    ),
 )

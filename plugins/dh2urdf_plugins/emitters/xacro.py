@@ -6,7 +6,7 @@ from dataclasses import field, replace
 from typing import TYPE_CHECKING
 
 from dh2urdf.late_dataclasses import dataclass
-from dh2urdf.stages import EmittedFile, Emitter
+from dh2urdf.stages import Checks, EmittedFile, Emitter, GivesNotices, OtherFiles, ReadsBack, ReadsForeign
 from dh2urdf_plugins.descriptions.foreign import foreign_xacro
 from dh2urdf_plugins.emitters.profile_names import PROFILE_HELP, ProfileName
 from dh2urdf_plugins.read_back import read_xacro
@@ -76,15 +76,13 @@ EMITTER = Emitter(
     name="xacro",
     summary="a xacro macro with the table as its properties, and a file that calls it",
     suffixes=(".urdf.xacro", ".xacro"),
-    other_endings=("_macro.xacro",),
     options=XacroOptions,
     emit=emit,
-    read_back=read_xacro,
-    read_foreign=foreign_xacro,
-    expandable=True,
-    one_file=one_file,
-    costly_proof=True,
-    check=check,
-    descriptions=descriptions,
-    notices=notices,
+    capabilities=(
+        ReadsBack(read_xacro, is_costly=True),
+        ReadsForeign(foreign_xacro, has_macros=True),
+        OtherFiles(other_endings=("_macro.xacro",), one_file=one_file),
+        Checks(check, descriptions),
+        GivesNotices(notices),
+    ),
 )

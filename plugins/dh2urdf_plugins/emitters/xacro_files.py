@@ -45,7 +45,7 @@ from dh2urdf_plugins.emitters.urdf_tree import (
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping, Sequence
 
-    from dh2urdf.robot import Arm, Parameter, Robot
+    from dh2urdf.robot import Parameter, Robot
     from dh2urdf_plugins.emitters.profile_names import ProfileName
 
 NAMESPACE = "http://www.ros.org/wiki/xacro"
@@ -156,7 +156,10 @@ def xacro_files(robot: Robot, stem: str, profile_name: ProfileName, *, single_fi
         etree.SubElement(top, "link", {"name": notation.text(robot.root)})
         for arm in robot.arms:
             name = next(name for name, kind in macros.items() if kind is arm.kind)
-            _append_placed_call(top, name, arm, notation)
+            words = {"prefix": as_text(notation.text(arm.prefix)), "parent": as_text(notation.text(arm.parent))}
+            call = append_element(top, name, **words)
+            origin = {"xyz": notation.lengths(arm.placement.xyz), "rpy": notation.angles(arm.placement.rpy)}
+            etree.SubElement(call, "origin", origin)
     else:
         append_call(top, *macros)
     if single_file:
@@ -230,13 +233,6 @@ def append_placed_macro(parent: etree._Element, macro: str, files: Mapping[str, 
 def _passed_on(form: str, files: Iterable[str]) -> dict[str, str]:
     """What one macro or file passes on to a macro. Names are in quotes: of `01`, xacro would make 1."""
     return {**{name: f"'{form.format(name)}'" for name in NAMES}, **{name: form.format(name) for name in files}}
-
-
-def _append_placed_call(parent: etree._Element, macro: str, arm: Arm, notation: XacroNotation) -> None:
-    words = {"prefix": as_text(notation.text(arm.prefix)), "parent": as_text(notation.text(arm.parent))}
-    call = append_element(parent, macro, **words)
-    origin = {"xyz": notation.lengths(arm.placement.xyz), "rpy": notation.angles(arm.placement.rpy)}
-    etree.SubElement(call, "origin", origin)
 
 
 def as_text(text: str) -> str:

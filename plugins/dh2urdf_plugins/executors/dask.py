@@ -8,23 +8,18 @@ from __future__ import annotations
 
 import importlib.util
 import logging
-import os
-import signal
-import subprocess
-import sys
 import threading
 import time
-from contextlib import ExitStack, contextmanager, suppress
+from contextlib import ExitStack, contextmanager
 from dataclasses import field
 from functools import cache
-from pathlib import Path
-from typing import IO, TYPE_CHECKING, Any, Literal, cast
+from typing import TYPE_CHECKING, Any, Literal
 
 from dh2urdf.errors import ExecutorError, MissingDependencyError
 from dh2urdf.isolation import is_own
 from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.source import Problem
-from dh2urdf.stages import Executor, Lost
+from dh2urdf.stages import Executor, Lost, Requires
 from dh2urdf_plugins.executors.local import processors
 
 if TYPE_CHECKING:
@@ -39,7 +34,9 @@ WORKERS_WITHIN = 300.0
 KILLS = 1
 """Workers of an own cluster that may die at a task and it is still given to another one."""
 
-_SCRIPT = Path(__file__).with_name("dask_cluster.py")
+_HUSH = "import os\nfor number in (1, 2): os.dup2(os.open(os.devnull, os.O_WRONLY), number)\n"
+"""Nobody sees what workers print, and it must not fill a pipe."""
+_RUNNING: dict[str, Any] = {}  # the cluster of this process, by its address
 _LOOK = 1.0  # [s] between looks at the cluster while a result is waited for
 _UNTOLD = 5.0  # [s] without workers that nobody has to hear of: others are being started
 _LOGGER = logging.getLogger("dh2urdf")
@@ -128,38 +125,36 @@ def _client(address: str) -> Iterator[Any]:
 
 @contextmanager
 def _own_cluster(workers: int) -> Iterator[str]:
-    """The address of a cluster on this machine that lives as long."""
-    import tempfile
+    """The address of a cluster on this machine that lives as long.
 
-    with tempfile.TemporaryFile() as printed:
+    It lives in a child process: no Ctrl-C of a terminal arrives there, and the child is ended at once with all of it.
+    """
+    from dh2urdf.isolation import Child
+
+    with Child.started() as child:
         try:
-            process = subprocess.Popen(  # noqa: S603 - our own script
-                [sys.executable, "-P", str(_SCRIPT), str(workers)],
-                stdin=subprocess.PIPE,  # Its end is that of this process, whatever happens.
-                stdout=subprocess.PIPE,
-                stderr=printed,
-                env={
-                    **os.environ,
-                    "PYTHONPATH": os.pathsep.join(sys.path),
-                    "DASK_DISTRIBUTED__SCHEDULER__ALLOWED_FAILURES": f"{KILLS}",
-                },
-                start_new_session=True,
-            )
-        except OSError as error:
-            raise ExecutorError(f"no Dask cluster can be started on this machine: {error.strerror}") from error
-        with process:
-            try:
-                address = cast("IO[bytes]", process.stdout).readline().decode().strip()
-                if not address:
-                    printed.seek(0)
-                    last = printed.read().decode("utf-8", "replace").rstrip().rpartition("\n")[2]
-                    raise ExecutorError(f"no Dask cluster can be started on this machine: {last}")
-                yield address
-            finally:
-                if hasattr(os, "killpg"):
-                    with suppress(ProcessLookupError, PermissionError):  # gone, or (macOS) a zombie
-                        os.killpg(process.pid, signal.SIGKILL)  # Asked kindly, workers would finish their tasks first.
-                process.kill()
+            address = child.call(_start, (workers,), None, "Dask").value
+        except (OSError, RuntimeError) as error:
+            reason = f"{type(error).__name__}: {error}"
+            raise ExecutorError(f"no Dask cluster can be started on this machine: {reason}") from error
+        yield address
+
+
+def _start(workers: int) -> str:
+    """In the child: start a scheduler, and workers in further processes; the scheduler's address."""
+    from distributed import LocalCluster
+
+    cluster = LocalCluster(
+        n_workers=workers,
+        threads_per_worker=1,
+        dashboard_address=None,
+        silence_logs=logging.CRITICAL,
+        preload=[_HUSH],
+        scheduler_kwargs={"allowed_failures": KILLS},
+    )
+    exec(_HUSH)  # noqa: S102 - the text is above
+    _RUNNING[cluster.scheduler_address] = cluster
+    return str(cluster.scheduler_address)
 
 
 class _Cluster:
@@ -318,5 +313,5 @@ EXECUTOR = Executor(
     summary="workers of a Dask cluster, on this machine or on many",
     options=DaskOptions,
     map=map_on_dask,
-    require=require,
+    capabilities=(Requires(require),),
 )

@@ -6,10 +6,9 @@ it died. A pool of `concurrent.futures` does not know that, and breaks as a whol
 
 from __future__ import annotations
 
-import contextlib
+import json
 import os
 import pickle
-import re
 import signal
 import sys
 import threading
@@ -22,13 +21,13 @@ from typing import TYPE_CHECKING, Any, Literal
 from dh2urdf.errors import ExecutorError, PluginError
 from dh2urdf.isolation import claim
 from dh2urdf.late_dataclasses import dataclass
-from dh2urdf.plugin_system import MARK, unmarked
-from dh2urdf.source import Problem, printable, shown
-from dh2urdf.stages import Executor, Lost
+from dh2urdf.source import Problem, printable
+from dh2urdf.stages import Executor, Lost, Usual
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator
-    from concurrent.futures import Future
+
+    from dh2urdf.isolation import Child
 
 MOST_PRINTED = 100
 """Lines of what C code and other programs print during a task that are passed on."""
@@ -39,8 +38,6 @@ TRIES = 2
 
 _CLEARING_UP = 0.6  # [s] for workers to take away what they were writing
 _LAST_WORDS = 300  # characters of what a worker printed that a reason repeats
-_FAULT = re.compile(r"^(?:Fatal Python error: |Timeout \().*", re.MULTILINE)  # how the words of faulthandler begin
-_STACK = re.compile(r"^(?:(Current thread)|Thread) .*\n((?:  File .*\n)+)", re.MULTILINE)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -91,187 +88,150 @@ def processors() -> int:
 
 
 class _Pool:
-    """Worker processes, and a thread for each that waits for its results."""
+    """Threads with a worker process each."""
 
     def __init__(self, function: Callable[[Any], Any], workers: int) -> None:
         from concurrent.futures import ThreadPoolExecutor
 
-        self._function = pickle.dumps(function)
+        self._begin = pickle.dumps((_begin, (function,)))
         self._whose = " or ".join(name for name in getattr(function, "distributions", ()) if name != "dh2urdf")
         self._threads = ThreadPoolExecutor(workers)
-        self._workers: list[_Worker] = []
-        self._idle: list[_Worker] = []
+        self._of_thread = threading.local()
+        self._workers: list[Child] = []
         self._changing = threading.Lock()
         self._is_ending = False
 
-    def submit(self, task: Any) -> Future[Any]:  # noqa: ANN401 - a task is the caller's
-        """The result to come of a task."""
-        from concurrent.futures import Future
+    def submit(self, task: Any) -> Any:  # noqa: ANN401 - a task is the caller's
+        """The future of a task's result."""
+        return self._threads.submit(self._do, task)
 
-        try:
-            data = pickle.dumps((task,))  # here, where no worker waits for it
-        except Exception as error:  # noqa: BLE001 - what a task that cannot be pickled raises, in its turn
-            failed: Future[Any] = Future()
-            failed.set_exception(error)
-            return failed
-        return self._threads.submit(self._do, data)
+    def _do(self, task: Any) -> Any:  # noqa: ANN401 - task and result are the caller's
+        """The result of one task, from the worker of this thread, or from another one if that dies."""
+        from dh2urdf.isolation import PICKLED, ChildFailure, result_of
 
-    def _do(self, task: bytes) -> Any:  # noqa: ANN401 - its result is the caller's
-        """The result of one task, from one worker, or from another one where that dies; in a thread."""
-        for tried in range(TRIES):
-            worker = self._take(fresh=tried > 0)
-            answer = worker.ask(task)
-            if answer:
-                if not self._is_ending:  # else it may print that it was ended
-                    worker.pass_on(self._whose)
-                self._idle.append(worker)
-                return _result(answer)
-            reason = worker.reason()
-            self._workers.remove(worker)
-        if not worker.is_ready:
-            raise ExecutorError(
-                Problem(message=f"worker processes cannot begin: {reason}", suggestion="`--workers 1` needs none")
-            )
+        call = pickle.dumps((_work, (task,)))
+        for _ in range(TRIES):
+            worker = getattr(self._of_thread, "worker", None)
+            if worker is None or not worker.is_alive():
+                worker = self._of_thread.worker = self._started()
+            answer = worker.ask(call, None, PICKLED)
+            if answer.word in {"gone", "garbled"}:
+                reason = _reason(worker)
+                continue
+            if not self._is_ending:  # else it may print that it was ended
+                self._pass_on(worker)
+            if answer.word == "left":
+                raise SystemExit(json.loads(answer.body)) from ChildFailure("", answer.text)
+            return result_of(answer, PICKLED)
         return Lost(reason=reason)
 
-    def _take(self, *, fresh: bool) -> _Worker:
-        """A worker that has nothing to do, or a new one; there are never more than threads."""
+    def _started(self) -> Child:
+        """A worker that has the function of the run.
+
+        Raises:
+            ExecutorError: no worker process can be started, or none can import the function.
+        """
         from concurrent.futures import CancelledError
 
-        with self._changing:
-            if self._is_ending:
-                raise CancelledError
-            while self._idle and not fresh:
-                worker = self._idle.pop()
-                if worker.is_alive():
-                    return worker
-                worker.end()
-                self._workers.remove(worker)
-            worker = _Worker(self._function)
-            self._workers.append(worker)
-            return worker
+        from dh2urdf.isolation import PICKLED, Child
+
+        for _ in range(TRIES):
+            with self._changing:
+                if self._is_ending:
+                    raise CancelledError
+                try:
+                    worker = Child("-X", "faulthandler")
+                except OSError as error:
+                    raise _needless(f"worker processes cannot be started: {error.strerror}") from error
+                self._workers.append(worker)
+            answer = worker.ask(self._begin, None, PICKLED)
+            if answer.word == "value":
+                return worker
+            if answer.word == "not imported":
+                reported = answer.body and PICKLED.unpack(answer.body)
+                if isinstance(reported, PluginError):  # It says whose fault it is.
+                    raise reported
+                raise ExecutorError(
+                    Problem(
+                        message=f"a worker process cannot take the work over: {answer.text}",
+                        suggestion="stages have to be in importable modules, not in a script; `--workers 1` takes any",
+                    )
+                )
+            reason = _reason(worker)
+        raise _needless(f"worker processes cannot begin: {reason}")
+
+    def _pass_on(self, worker: Child) -> None:
+        """Print on standard error what C code and other programs printed during a task."""
+        from dh2urdf.plugin_system import unmarked
+
+        if not worker.output.size:
+            return
+        lines = unmarked(worker.output.last())
+        if worker.output.is_cut or len(lines) > MOST_PRINTED:
+            lines = [f"[the last {MOST_PRINTED} lines of {worker.output.size:,} bytes]", *lines[-MOST_PRINTED:]]
+        name = f"a stage of {self._whose}" if self._whose else "a worker"
+        sys.stderr.write("".join(f"{name} prints: {printable(line)}\n" for line in lines))
 
     def end(self) -> None:
-        """Ends all workers, at work or not, and waits until they are gone."""
+        """End all workers, at work or not, and wait until they are gone."""
         with self._changing:
             self._is_ending = True
-            workers = list(self._workers)  # Threads still take off the list what dies.
         try:
-            for worker in workers:
+            for worker in self._workers:
                 worker.terminate()
             patience = time.monotonic() + _CLEARING_UP
-            for worker in workers:
+            for worker in self._workers:
                 worker.wait(patience - time.monotonic())
         finally:  # Also where a person presses Ctrl-C again.
-            for worker in workers:
+            for worker in self._workers:
                 worker.kill()
             self._threads.shutdown(cancel_futures=True)
-            for worker in workers:
+            for worker in self._workers:
                 worker.end()
 
 
-def _result(answer: tuple[Any, ...]) -> Any:  # noqa: ANN401 - the result of the caller's function
-    from dh2urdf.isolation import PICKLED, ChildFailure, result_of
-
-    match answer:
-        case ("not imported", why, error):
-            with contextlib.suppress(ImportError, AttributeError, TypeError):  # what cannot be had here either
-                raised = error and PICKLED.unpack_error(error)
-                if isinstance(raised, PluginError):  # It says whose fault it is.
-                    raise raised
-            raise ExecutorError(
-                Problem(
-                    message=f"a worker process cannot take the work over: {why}",
-                    suggestion="stages have to be in importable modules, not in a script; `--workers 1` takes any",
-                )
-            )
-        case ("left", code, traceback):
-            raise SystemExit(code) from ChildFailure("", traceback)
-        case _:
-            return result_of(answer, PICKLED)
+def _needless(message: str) -> ExecutorError:
+    return ExecutorError(Problem(message=message, suggestion="`--workers 1` needs none"))
 
 
-class _Worker:
-    """An interpreter that works for this one: it calls the function of the run with one task after the other."""
+def _reason(worker: Child) -> str:
+    """How a worker that died came to its end, and what it printed before."""
+    from dh2urdf.isolation import last_words
 
-    def __init__(self, function: bytes) -> None:
-        from dh2urdf.isolation import Interpreter
+    worker.wait(_CLEARING_UP)
+    status = worker.end()  # It is gone, unless what it sent was no answer.
+    name = {number.value: number.name for number in signal.Signals}.get(-status, f"signal {-status}")
+    if name in {"SIGKILL", "SIGTERM"}:
+        end = f"the worker was killed ({name}), from outside or for want of memory"
+    elif status < 0:
+        end = f"the worker crashed ({name}, {(signal.strsignal(-status) or 'unknown').lower()})"
+    else:
+        end = f"the worker left with exit status {status}"
+    if worker.who:
+        end = f"{end} while {worker.who} was at work"
+    words = last_words(worker.output.last(), _LAST_WORDS)
+    return f"{end}; it printed last: {words}" if words else end
 
-        try:
-            self._interpreter = Interpreter(("-X", "faulthandler"))
-        except OSError as error:
-            raise ExecutorError(
-                Problem(
-                    message=f"worker processes cannot be started: {error.strerror}",
-                    suggestion="`--workers 1` needs none",
-                )
-            ) from error
-        self._function = function
-        self.is_ready = False
-        self.is_alive, self.terminate = self._interpreter.is_alive, self._interpreter.terminate
-        self.wait, self.kill, self.end = self._interpreter.wait, self._interpreter.kill, self._interpreter.end
 
-    def ask(self, task: bytes) -> tuple[Any, ...]:
-        """The worker's answer to a task; empty where it died before."""
-        if not self.is_ready:
-            from dh2urdf.isolation import PICKLED
+# --- In a worker
 
-            tasks = pickle.dumps(PICKLED)
-            for function, args in ((pickle.dumps(claim), pickle.dumps(())), (self._function, None)):
-                answer = self._interpreter.call(tasks, function, args, None)
-                if answer[:1] not in {("value",), ("imported",)}:
-                    return answer
-            self.is_ready = True
-        answer = self._interpreter.call(None, None, task, None)
-        return () if answer[:1] == ("garbled",) else answer
+_FUNCTION: dict[str, Callable[[Any], Any]] = {}
 
-    def pass_on(self, whose: str) -> None:
-        """Prints on standard error what C code and other programs printed during the task.
 
-        Args:
-            whose: the distributions that may have printed it.
-        """
-        output = self._interpreter.output
-        if output.size > 0:
-            lines = unmarked(output.last())
-            if output.is_cut or len(lines) > MOST_PRINTED:
-                lines = [f"[the last {MOST_PRINTED} lines of {output.size:,} bytes]", *lines[-MOST_PRINTED:]]
-            name = f"a stage of {whose}" if whose else "a worker"
-            sys.stderr.write("".join(f"{name} prints: {printable(line)}\n" for line in lines))
+def _begin(function: Callable[[Any], Any]) -> None:
+    """Take the function of a run over."""
+    claim()
+    _FUNCTION["of the run"] = function
 
-    def reason(self) -> str:
-        """How a worker that died came to its end, and what it printed before."""
-        self.wait(_CLEARING_UP)
-        status = self.end()  # It is gone, unless what it sent was no answer.
-        name = {number.value: number.name for number in signal.Signals}.get(-status, f"signal {-status}")
-        if name in {"SIGKILL", "SIGTERM"}:
-            end = f"the worker was killed ({name}), from outside or for want of memory"
-        elif status < 0:
-            end = f"the worker crashed ({name}, {(signal.strsignal(-status) or 'unknown').lower()})"
-        else:
-            end = f"the worker left with exit status {status}"
-        if who := self._interpreter.who:
-            end = f"{end} while {who} was at work"
-        words = self._last_words()
-        return f"{end}; it printed last: {shown(words, _LAST_WORDS)}" if words else end
 
-    def _last_words(self) -> str:
-        """The end of what it printed; of what faulthandler says, where the thread was that failed, or the main one."""
-        printed = self._interpreter.output.last().replace(MARK, "").rstrip() + "\n"
-        *_, fault = None, *_FAULT.finditer(printed)
-        if fault:
-            stacks = list(_STACK.finditer(printed, fault.end()))
-            failed = [stack[2] for stack in stacks if stack[1]] or [stack[2] for stack in stacks[-1:]]
-            printed = " ".join([fault[0], *failed])[: 2 * _LAST_WORDS]
-        else:
-            printed = printed[-_LAST_WORDS:]
-        return " ".join(printed.split())
+def _work(task: Any) -> Any:  # noqa: ANN401 - task and result are the caller's
+    return _FUNCTION["of the run"](task)
 
 
 EXECUTOR = Executor(
     name="local",
-    is_usual=True,
     summary="processes of this machine",
     options=LocalOptions,
     map=map_locally,
+    capabilities=(Usual(),),
 )

@@ -5,6 +5,12 @@
 Frame K_i is the frame of joint i turned so that its z is the joint's axis. X_0 leads from the base link to K_1, X_i
 from K_i to K_(i+1) at q = 0, X_N from K_N to the tip link. Only what stands between two joints is multiplied: each X
 has its own rounding and no other.
+
+The numbers of an extracted table: zeros where zeros can be, exact parts of π, and else the shortest decimals.
+
+Every rigid transform is a screw along z, a screw along x and a screw along z: X = Z(φ, b)·S(a, α)·Z(ψ, e). Z(φ, b) =
+Rz(φ)·Tz(b) and S(a, α) = Tx(a)·Rx(α): what stands between two joints whose axes are the z of their frames. The common
+normal of the two axes is the x in the middle; a is its length and α the angle between the axes.
 """
 
 from __future__ import annotations
@@ -14,15 +20,204 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from dh2urdf.late_dataclasses import dataclass
+from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.manipulator import JointType
-from dh2urdf.rotations import IDENTITY, IDENTITY_ROTATION, ZERO, RigidTransform, multiply, norm, scale
-from dh2urdf_plugins.extraction.zsz import seen_from
+from dh2urdf.rotations import (
+    IDENTITY,
+    IDENTITY_ROTATION,
+    ZERO,
+    RigidTransform,
+    cos_sin,
+    multiply,
+    norm,
+    rotate,
+    rotation_x,
+    rotation_z,
+    scale,
+    transpose,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
     from dh2urdf.robot import Joint
     from dh2urdf.rotations import Rotation, Vec3
+
+
+_PARTS_OF_PI = (2, 4, 6)
+_HALVES = (9.5, 8.5, 7.5, 6.5, 5.5, 4.5, 3.5, 2.5, 1.5, 0.5)
+_DIGITS = 17
+
+
+@dataclass(frozen=True, slots=True)
+class Precision:
+    """How far a written number may be from the one that was computed.
+
+    Attributes:
+        length: of lengths [m].
+        angle: of angles [rad].
+    """
+
+    length: float
+    angle: float
+
+    @classmethod
+    def of(cls, tolerance: float, arm_length: float) -> Precision:
+        """The precision with which one number may use a quarter of a tolerance at the tip [m, rad]."""
+        return cls(between_decimals(tolerance / 4), between_decimals(tolerance / (4 * max(1.0, arm_length))))
+
+    def finer(self) -> Precision:
+        """An eighth of it."""
+        return Precision(between_decimals(self.length / 8), between_decimals(self.angle / 8))
+
+    def pose_of(self, pose: RigidTransform) -> RigidTransform:
+        """A transform of the numbers that a table has."""
+        if pose == IDENTITY:
+            return pose
+        x, y, z = (self.length_of(value) for value in pose.translation)
+        roll, pitch, yaw = (self.angle_of(value) for value in pose.rpy)
+        return RigidTransform.from_xyz_rpy((x, y, z), (roll, pitch, yaw))
+
+    def length_of(self, value: float) -> float:
+        """A length as the table has it [m]."""
+        return decimal_of(value, self.length)
+
+    def angle_of(self, value: float) -> float:
+        """An angle as the table has it [rad], in (−π, π]."""
+        angle = math.remainder(value, math.tau)
+        while (written := self._angle(angle)) != angle:
+            angle = written
+        return angle
+
+    def _angle(self, angle: float) -> float:
+        if abs(abs(angle) - math.pi) <= self.angle:
+            return math.pi
+        for part in _PARTS_OF_PI:
+            multiple = round(angle * part / math.pi)
+            exact = multiple * math.pi / part
+            if abs(exact - angle) <= self.angle:
+                return exact
+        return decimal_of(angle, self.angle)
+
+
+def decimal_of(value: float, tolerance: float) -> float:
+    """The decimal with the fewest places within a tolerance of a number; that of the decimal is the decimal itself."""
+    while (written := _shortest(value, tolerance)) != value:
+        value = written
+    return value
+
+
+def _shortest(value: float, tolerance: float) -> float:
+    if abs(value) <= tolerance:
+        return 0.0
+    places = max(0, -math.ceil(math.log10(2 * max(tolerance, 1e-300))) - 1)
+    while places < _DIGITS:
+        written = round(value, places)
+        if abs(written - value) <= tolerance:
+            while places and abs((fewer := round(value, places - 1)) - value) <= tolerance:
+                places, written = places - 1, fewer
+            return written + 0.0
+        places += 1
+    return value
+
+
+def between_decimals(tolerance: float) -> float:
+    """The largest tolerance (k + ½)·10ⁿ that is not above another one.
+
+    With such a tolerance a rounded number is rounded no further: a decimal of fewer places that is too far from a
+    number is also too far from what the number becomes.
+    """
+    if tolerance <= 0.0:
+        return 0.0
+    power = math.floor(math.log10(tolerance))
+    for exponent in (power, power - 1):
+        for half in _HALVES:
+            candidate = half * 10.0**exponent
+            if candidate <= tolerance * (1 + 1e-12):
+                return candidate
+    return tolerance
+
+
+class ZSZ(NamedTuple):
+    """A rigid transform as Z(φ, b)·S(a, α)·Z(ψ, e).
+
+    Attributes:
+        phi: turn about the first z [rad]. Of axes on one line, only φ + cψ is fixed: it is all here.
+        b: shift along the first z [m]. Of parallel axes, only b + c·e is fixed: it is all here.
+        a: shift along x [m].
+        alpha: turn about x [rad].
+        psi: turn about the second z [rad].
+        e: shift along the second z [m].
+        parallel: c: 1 where the axes are parallel, −1 where they are antiparallel, 0 otherwise.
+    """
+
+    phi: float
+    b: float
+    a: float
+    alpha: float
+    psi: float
+    e: float
+    parallel: int
+
+    @property
+    def is_collinear(self) -> bool:
+        """Whether the two axes are on one line."""
+        return self.parallel != 0 and self.a == 0.0
+
+    @property
+    def flipped(self) -> ZSZ:
+        """The same transform with the common normal the other way."""
+        alpha = math.pi if self.parallel == -1 else 0.0 - self.alpha
+        return self._replace(phi=self.phi + math.pi, psi=self.psi + math.pi, a=0.0 - self.a, alpha=alpha)
+
+
+def z_screw(angle: float, shift: float) -> RigidTransform:
+    """Z: a turn about z [rad] and a shift along z [m]."""
+    return RigidTransform(rotation_z(*cos_sin(angle)), (0.0, 0.0, shift))
+
+
+def x_screw(shift: float, angle: float) -> RigidTransform:
+    """S: a shift along x [m] and a turn about x [rad]."""
+    return RigidTransform(rotation_x(*cos_sin(angle)), (shift, 0.0, 0.0))
+
+
+def decompose(transform: RigidTransform, precision: Precision) -> ZSZ:
+    """The three screws of a rigid transform.
+
+    α is a number as the table has it, ψ is what is left after φ and α, and e and b are solved with that α: the product
+    keeps every digit where the axes are nearly parallel.
+    """
+    r, (tx, ty, tz) = transform
+    sine = math.hypot(r[2], r[5])
+    alpha = precision.angle_of(math.atan2(sine, r[8]))
+    ca, sa = cos_sin(alpha)
+    if sine <= precision.angle or sa == 0.0:
+        return _of_parallel(transform, precision)
+    phi = math.atan2(r[2], 0.0 - r[5])
+    cp, sp = math.cos(phi), math.sin(phi)
+    left = multiply(transpose(multiply(rotation_z(cp, sp), rotation_x(ca, sa))), r)
+    psi = math.atan2(left[3] - left[1], left[0] + left[4])
+    e = (tx * sp - ty * cp) / sa
+    return ZSZ(phi, tz - e * ca, precision.length_of(tx * cp + ty * sp), alpha, psi, e, 0)
+
+
+def _of_parallel(transform: RigidTransform, precision: Precision) -> ZSZ:
+    r, (tx, ty, tz) = transform
+    c = 1 if r[8] > 0.0 else -1
+    alpha = 0.0 if c == 1 else math.pi
+    turn = math.atan2(r[3] - c * r[1], r[0] + c * r[4])
+    a = precision.length_of(math.hypot(tx, ty))
+    if a == 0.0:
+        return ZSZ(turn, tz, 0.0, alpha, 0.0, 0.0, c)
+    phi = math.atan2(ty, tx)
+    return ZSZ(phi, tz, a, alpha, c * (turn - phi), 0.0, c)
+
+
+def seen_from(transform: RigidTransform, point: tuple[float, float, float]) -> tuple[float, float, float]:
+    """A point of the first frame in the second one [m]."""
+    x, y, z = transform.translation
+    return rotate(transpose(transform.rotation), (point[0] - x, point[1] - y, point[2] - z))
+
 
 _QUARTER_TURNS: dict[Vec3, Rotation] = {
     (0.0, 0.0, 1.0): IDENTITY_ROTATION,

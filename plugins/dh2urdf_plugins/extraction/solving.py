@@ -7,11 +7,10 @@ from typing import TYPE_CHECKING
 from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.manipulator import Convention, DHRow, JointType, Manipulator
 from dh2urdf_plugins.extraction import TOLERANCE
-from dh2urdf_plugins.extraction.chain import Chain
+from dh2urdf_plugins.extraction.chain import Chain, Precision
+from dh2urdf_plugins.extraction.ends import place_sliding_axes
 from dh2urdf_plugins.extraction.gluing import glue
 from dh2urdf_plugins.extraction.measuring import Difference, difference
-from dh2urdf_plugins.extraction.numbers import Precision
-from dh2urdf_plugins.extraction.sliding import place_sliding_axes
 from dh2urdf_plugins.extraction.splitting import NearlyParallel, split_links
 
 if TYPE_CHECKING:

@@ -2,25 +2,35 @@
 
 The link is split at the line from a point P of the first axis to its projection on the second one. Both axes are
 perpendicular to that line, up to the small angle between them: the numbers of the rows are of the arm's own size.
+
+Tables of nearly parallel axes, such as those of calibrated arms, as tables whose numbers are of the arm's size. The
+common normal of axes that are 0.001 rad from parallel lies hundreds of metres away, and so do the DH frames. A fixed
+row between the two joints keeps T(q) and brings the frames back to the arm.
 """
 
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from dh2urdf.kinematics import dh_frames, row_transform
 from dh2urdf.late_dataclasses import dataclass
-from dh2urdf.manipulator import JointType
-from dh2urdf.rotations import ZERO, RigidTransform, multiply, rotate, transpose
-from dh2urdf_plugins.extraction.chain import Axis, Chain
-from dh2urdf_plugins.extraction.sliding import STEEPEST
-from dh2urdf_plugins.extraction.zsz import decompose, seen_from
+from dh2urdf.manipulator import Convention, DHRow, JointType
+from dh2urdf.mass_properties import rotated
+from dh2urdf.rotations import IDENTITY, ZERO, RigidTransform, add, multiply, rotate, rotation_x, transpose
+from dh2urdf.source import Problem, free_name, shown
+from dh2urdf_plugins.extraction.chain import Axis, Chain, Precision, decompose, seen_from
+from dh2urdf_plugins.extraction.ends import STEEPEST
+from dh2urdf_plugins.extraction.gluing import glue
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Iterator, Sequence
 
+    from dh2urdf.manipulator import Manipulator, MeshShape
     from dh2urdf.rotations import Vec3
-    from dh2urdf_plugins.extraction.numbers import Precision
+    from dh2urdf_plugins.extraction.gluing import Glued
+
 
 MOST = 1000.0
 """How many lengths of the arm a d may be before the link is split."""
@@ -111,3 +121,109 @@ def _middle(link: RigidTransform, point: Vec3) -> list[RigidTransform] | None:
     back = transpose(turn)
     dx, dy, dz = (there - here for there, here in zip(t, point, strict=True))
     return [RigidTransform(turn, point), RigidTransform(multiply(back, r), rotate(back, (dx, dy, dz)))]
+
+
+TOLERANCE = 1e-12
+"""How far the split table may be from the given one [m, rad]."""
+_TURNED = RigidTransform(rotation_x(-1.0, 0.0), ZERO)
+
+
+def with_split_links(manipulator: Manipulator) -> tuple[Manipulator, list[Problem]]:
+    """The table with a fixed row between nearly parallel axes, and a notice of each.
+
+    A table without such axes stays as it is. In any other, signs and offsets are in the turns of the rows, and base and
+    tool may share with their neighbours otherwise: the joint values mean the same.
+    """
+    chain = _chain(manipulator)
+    length = chain.length
+    # A turn that is off moves an axis whose frame is far away by as much more.
+    precision = Precision.of(TOLERANCE, max(length, *(abs(row.d) for row in manipulator.rows)))
+    split, pairs = split_links(chain, precision, length, TOLERANCE, "split")
+    if not any(pair.split for pair in pairs):
+        return manipulator, []
+    glued = glue(split, manipulator.convention, precision, length, origins="fewest")
+    rows = list(_rows(manipulator, split, glued))
+    table = replace(manipulator, rows=tuple(rows), base=glued.base, tool=glued.tool)
+    return _with_bodies(manipulator, table), [_notice(pair) for pair in pairs if pair.split]
+
+
+def _chain(manipulator: Manipulator) -> Chain:
+    """The axes of the rows, fixed ones included, each turned so that its joint counts about z."""
+    is_standard = manipulator.convention is Convention.STANDARD
+    links, so_far = list[RigidTransform](), manipulator.base
+    for row in manipulator.rows:
+        step = row_transform(manipulator.convention, row)
+        turned = _TURNED if row.sign < 0 else IDENTITY
+        before = so_far if is_standard else so_far @ step
+        links.append(before @ turned)
+        so_far = turned @ step if is_standard else turned  # a half turn is its own inverse
+    axes = tuple([Axis(row.joint, row.type) for row in manipulator.rows])
+    return Chain(axes, (*links, so_far @ manipulator.tool))
+
+
+def _rows(manipulator: Manipulator, chain: Chain, glued: Glued) -> Iterator[DHRow]:
+    """The rows of the table with their new numbers, and the fixed rows between them."""
+    taken = {name for row in manipulator.rows for name in (row.joint, row.link)}
+    given = iter(manipulator.rows)
+    row: DHRow | None = None
+    for axis, (a, alpha, d, theta) in zip(chain.axes, glued.rows, strict=True):
+        if row is not None and axis.joint == row.joint:
+            joint, link = (free_name(f"{name}_split", taken) for name in (row.joint, row.link))
+            yield DHRow(
+                joint=joint,
+                link=link,
+                type=JointType.FIXED,
+                a=a,
+                alpha=alpha,
+                d=d,
+                theta=theta,
+                mass=0.0,
+                mark=row.mark,
+            )
+        else:
+            row = next(given)
+            yield replace(row, a=a, alpha=alpha, d=d, theta=theta, offset=0.0, sign=1)
+
+
+def _with_bodies(given: Manipulator, table: Manipulator) -> Manipulator:
+    """The table with what its links carry where the given one has it, in its own frames."""
+    old = dict(zip([row.joint for row in given.rows], _frames(given), strict=True))
+    rows = [
+        with_moved_body(row, frame.inverse @ old[row.joint]) if row.joint in old else row
+        for row, frame in zip(table.rows, _frames(table), strict=True)
+    ]
+    back = table.base.inverse @ given.base
+    return replace(
+        table,
+        rows=tuple(rows),
+        base_visual=_moved_mesh(table.base_visual, back),
+        base_collision=_moved_mesh(table.base_collision, back),
+    )
+
+
+def _frames(table: Manipulator) -> Sequence[RigidTransform]:
+    return dh_frames(table, (0.0,) * len(table.moving_rows))[1:]
+
+
+def with_moved_body(row: DHRow, by: RigidTransform) -> DHRow:
+    """A row with what its link carries in another frame, from which `by` leads to the frame that it is given in."""
+    return replace(
+        row,
+        com=None if row.com is None else add(by.translation, rotate(by.rotation, row.com)),
+        inertia=None if row.inertia is None else rotated(row.inertia, by.rotation),
+        visual=_moved_mesh(row.visual, by),
+        collision=_moved_mesh(row.collision, by),
+    )
+
+
+def _moved_mesh(shape: MeshShape | None, by: RigidTransform) -> MeshShape | None:
+    return shape and replace(shape, pose=by @ shape.pose)
+
+
+def _notice(pair: NearlyParallel) -> Problem:
+    return Problem(
+        message=f"joints {shown(pair.first)} and {shown(pair.second)} are {pair.angle:.2g} rad from parallel: a fixed "
+        f"row is between them, in place of a d of {pair.far:.3g} m",
+        severity="notice",
+        field="near_parallel",
+    )

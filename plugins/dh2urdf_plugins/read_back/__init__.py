@@ -5,6 +5,7 @@ The functions here are those that the records of emitters name. Each imports its
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -15,33 +16,11 @@ if TYPE_CHECKING:
     from dh2urdf.stages import Expansion
 
 
-def read_urdf(path: Path) -> Robot:
-    """The robot of a URDF.
-
-    Raises:
-        ProofError: the file cannot be read, or is not the URDF of a robot.
-    """
-    from dh2urdf_plugins.read_back import urdf_reader
-
-    return urdf_reader.read_urdf(path)
-
-
 def read_urdfs(contents: Sequence[bytes]) -> list[tuple[list[int], Robot]]:
     """The joints of many URDFs, in groups whose members differ in numbers only."""
     from dh2urdf_plugins.read_back.urdf_scanner import scan_columns
 
     return scan_columns(contents)
-
-
-def read_xacro(path: Path) -> Robot:
-    """The robot of a xacro that dh2urdf wrote.
-
-    Raises:
-        ProofError: xacro cannot expand the file, or what comes out is not the URDF of a robot.
-    """
-    from dh2urdf_plugins.read_back import xacro_reader
-
-    return xacro_reader.read_xacro(path)
 
 
 def read_foreign_xacro(path: Path, expansion: Expansion | None = None) -> Robot:
@@ -55,35 +34,27 @@ def read_foreign_xacro(path: Path, expansion: Expansion | None = None) -> Robot:
     return xacro_reader.read_foreign_xacro(path, expansion)
 
 
-def read_sdf(path: Path) -> Robot:
-    """The robot of an SDF.
+def _read(form: str, path: Path) -> Robot:
+    """The robot of a file; of a xacro, one that dh2urdf wrote; of a table, the one table of its file.
 
     Raises:
-        ProofError: the file cannot be read, or is not the SDF of a manipulator.
-    """
-    from dh2urdf_plugins.read_back.sdf import reader
-
-    return reader.read_sdf(path)
-
-
-def read_mjcf(path: Path) -> Robot:
-    """The robot of an MJCF.
-
-    Raises:
-        ProofError: the file cannot be read, or is not the MJCF of a manipulator.
-    """
-    from dh2urdf_plugins.read_back.mjcf import reader
-
-    return reader.read_mjcf(path)
-
-
-def read_table(path: Path) -> Robot:
-    """The robot of the one table of a file.
-
-    Raises:
+        ProofError: the file cannot be read, xacro cannot expand it, or it does not describe a manipulator.
         InputError: no reader of tables reads the file.
-        ProofError: the table is wrong.
     """
-    from dh2urdf_plugins.read_back import table_reader
+    match form:
+        case "urdf":
+            from dh2urdf_plugins.read_back.urdf_reader import read_urdf as read
+        case "xacro":
+            from dh2urdf_plugins.read_back.xacro_reader import read_xacro as read
+        case "sdf":
+            from dh2urdf_plugins.read_back.sdf.reader import read_sdf as read
+        case "mjcf":
+            from dh2urdf_plugins.read_back.mjcf.reader import read_mjcf as read
+        case _:
+            from dh2urdf_plugins.read_back.table_reader import read_table as read
+    return read(path)
 
-    return table_reader.read_table(path)
+
+read_urdf, read_xacro, read_sdf, read_mjcf, read_table = (
+    partial(_read, form) for form in ("urdf", "xacro", "sdf", "mjcf", "table")
+)

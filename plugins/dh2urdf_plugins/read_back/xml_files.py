@@ -1,4 +1,9 @@
-"""XML files as elements, for the readers of URDF, SDF and MJCF."""
+"""XML files as elements, for the readers of URDF, SDF and MJCF.
+
+What a proof reads: robots that hold all that is in their files.
+
+Capsules, which robots have as a cylinder with a ball at each end.
+"""
 
 from __future__ import annotations
 
@@ -9,10 +14,17 @@ from lxml import etree
 
 from dh2urdf.documents import ACCEPTED_XML, ForbiddenXmlError, refuse_other_kind, xml_root
 from dh2urdf.errors import ProofError
-from dh2urdf.source import Mark, Problem
+from dh2urdf.late_tuples import NamedTuple
+from dh2urdf.robot import Cylinder, Sphere
+from dh2urdf.rotations import IDENTITY, IDENTITY_ROTATION, RigidTransform
+from dh2urdf.source import Mark, Problem, shown
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
     from pathlib import Path
+
+    from dh2urdf.robot import Geometry, Robot
+
 
 LARGEST = 2**26
 """Size of a robot description that is read, and of each file that it includes [B]."""
@@ -65,7 +77,12 @@ def tree_of(content: bytes, file: str, *, is_deep: bool = False) -> etree._Eleme
             `dh2urdf.documents.xml_elements.ENCODINGS`.
     """
     refuse_other_kind(content, file, ProofError, "a robot description", "a robot description in XML")
-    return _without_namespace(_root_of(_with_declaration(content), file, is_deep=is_deep))
+    # The elements without the namespace of all of them, as of Drake's files; readers of robots know none.
+    root = _root_of(_with_declaration(content), file, is_deep=is_deep)
+    if (namespace := root.nsmap.get(None)) is not None:
+        for element in root.iter(f"{{{namespace}}}*"):
+            element.tag = etree.QName(element).localname
+    return root
 
 
 def _with_declaration(content: bytes) -> bytes:
@@ -126,14 +143,6 @@ def _without_comments(content: bytes) -> bytes:
     return b"".join([*parts, content[end:]])
 
 
-def _without_namespace(root: etree._Element) -> etree._Element:
-    """The elements without the namespace of all of them, as of Drake's files; readers of robots know none."""
-    if (namespace := root.nsmap.get(None)) is not None:
-        for element in root.iter(f"{{{namespace}}}*"):
-            element.tag = etree.QName(element).localname
-    return root
-
-
 def mark_of(element: etree._Element, file: str = "") -> Mark:
     """The place of an element; what was included has the file that it is in, everything else the one given."""
     line: Any = element.sourceline  # the stubs of lxml say that it may be an ellipsis
@@ -168,3 +177,41 @@ class FileElements:
     def not_read(self, element: etree._Element, what: str) -> None:
         """Notes that an element cannot be read."""
         self.unread.setdefault(what, []).append(self.mark(element))
+
+
+def whole(robot: Robot, loose: Mapping[str, str], unread: Mapping[str, Sequence[Mark]], accepted: str) -> Robot:
+    """A robot of which nothing was left out.
+
+    Args:
+        robot: the robot of a file.
+        loose: the types of joints that no table has, by name.
+        unread: what could not be read, by the words for it: the places.
+        accepted: the types of joints that the format has and tables, too.
+
+    Raises:
+        ProofError: something was left out.
+    """
+    for joint in robot.joints if loose else ():
+        if (kind := loose.get(joint.name)) is not None:
+            raise ProofError(not_of_a_manipulator(kind, accepted, joint.mark))
+    for what, (mark, *_) in unread.items():
+        raise ProofError(Problem(message=f"{what} is not read here", mark=mark))
+    return robot
+
+
+def not_of_a_manipulator(kind: str, accepted: str, mark: Mark | None) -> Problem:
+    """The problem of a joint whose type is not one of a manipulator."""
+    return Problem(message=f"joint type {shown(kind)} is not one of a manipulator", accepted=accepted, mark=mark)
+
+
+class Placed(NamedTuple):
+    """A part of a shape, and where it is in the frame of the shape."""
+
+    geometry: Geometry
+    pose: RigidTransform = IDENTITY
+
+
+def capsule(radius: float, length: float) -> list[Placed]:
+    """The parts of a capsule along z; its length is that between the middles of its ends [m]."""
+    ends = [RigidTransform(IDENTITY_ROTATION, (0.0, 0.0, end)) for end in (0.5 * length, -0.5 * length)]
+    return [Placed(Cylinder(radius=radius, length=length)), *(Placed(Sphere(radius=radius), end) for end in ends)]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from dh2urdf.stages import Reader
+from dh2urdf.stages import Reader, ReadsCells, ReadsInColumns, Traces, WritesTables
 from dh2urdf_plugins.readers.options import TableOptions
 
 if TYPE_CHECKING:
@@ -81,10 +81,10 @@ READER: Reader[TableOptions] = Reader(
     read=read,
     options=TableOptions,
     suffixes=(".csv", ".tsv"),
-    not_written=(".tsv",),
-    write=write,
-    texts=typed_texts,
-    trace=read,
-    read_cells=read_cells,
-    read_columns=read_columns,
+    capabilities=(
+        WritesTables(write, typed_texts, not_written=(".tsv",)),
+        Traces(read),
+        ReadsCells(read_cells),
+        ReadsInColumns(read_columns),
+    ),
 )

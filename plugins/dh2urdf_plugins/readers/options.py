@@ -52,7 +52,7 @@ class TableOptions:
 
         problems: list[Problem] = []
         if self.calibration is not None:
-            from dh2urdf_plugins.calibrations.files import unreadable
+            from dh2urdf_plugins.calibrations.calibration import unreadable
 
             problems += unreadable(self.calibration, "calibration")
         Statements().declare_options(given_by(self), problems.append)

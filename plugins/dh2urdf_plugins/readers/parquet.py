@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from dh2urdf.stages import Reader
+from dh2urdf.stages import Reader, ReadsInColumns, Traces
 from dh2urdf_plugins.readers.options import TableOptions
 
 if TYPE_CHECKING:
@@ -55,6 +55,8 @@ READER: Reader[TableOptions] = Reader(
     read=read,
     options=TableOptions,
     suffixes=(".parquet",),
-    trace=read,
-    read_columns=read_columns,
+    capabilities=(
+        Traces(read),
+        ReadsInColumns(read_columns),
+    ),
 )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from dh2urdf.stages import Reader
+from dh2urdf.stages import Reader, Traces
 from dh2urdf_plugins.readers.options import XlsxOptions
 
 if TYPE_CHECKING:
@@ -40,7 +40,7 @@ READER: Reader[XlsxOptions] = Reader(
     name="xlsx",
     summary="tables with one row per joint in the sheets of an Excel or LibreOffice workbook",
     read=read,
-    trace=read,
     options=XlsxOptions,
     suffixes=(".xlsx", ".xlsm"),
+    capabilities=(Traces(read),),
 )

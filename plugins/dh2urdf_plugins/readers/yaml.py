@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from dh2urdf.stages import Reader
+from dh2urdf.stages import HasSchema, Reader, Traces, WritesTables
 from dh2urdf_plugins.readers.options import TableOptions
 
 if TYPE_CHECKING:
@@ -65,11 +65,11 @@ READER: Reader[TableOptions] = Reader(
     name="yaml",
     summary="tables as YAML or JSON, one manipulator or a list of them",
     read=read,
-    trace=read,
     options=TableOptions,
     suffixes=(".yaml", ".yml", ".json"),
-    not_written=(".json",),
-    schema=schema,
-    write=write,
-    texts=typed_texts,
+    capabilities=(
+        WritesTables(write, typed_texts, not_written=(".json",)),
+        Traces(read),
+        HasSchema(schema),
+    ),
 )

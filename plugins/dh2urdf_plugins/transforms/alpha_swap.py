@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from dh2urdf.stages import Transform
+from dh2urdf.stages import Compares, KeepsKinematics, Transform, TransformsInColumns, Usual
 from dh2urdf_plugins.transforms.alpha_swap_options import AlphaSwapOptions
 
 if TYPE_CHECKING:
@@ -50,11 +50,13 @@ def keeps_kinematics(options: AlphaSwapOptions) -> bool:
 
 TRANSFORM = Transform(
     name="alpha-swap",
-    is_usual=True,
-    compared="variant",
     summary="the arm of the table, its link frames parallel to the base or as in the table; or the paper's algorithm",
     transform=alpha_swap,
     options=AlphaSwapOptions,
-    keeps_kinematics=keeps_kinematics,
-    transform_columns=alpha_swap_columns,
+    capabilities=(
+        Usual(),
+        KeepsKinematics(keeps_kinematics),
+        TransformsInColumns(alpha_swap_columns),
+        Compares("variant"),
+    ),
 )

@@ -100,7 +100,9 @@ def paper_problems(manipulator: Manipulator, snap: float) -> list[Problem]:
     for row in manipulator.rows:
         word, value = nearest_paper_angle(row.alpha)
         if abs(row.alpha - value) > snap:
-            same = _same_turn(row.alpha)
+            # The word of the paper's set for the same turn as an angle outside it, such as pi for -pi.
+            turns = quarter_turns(row.alpha)
+            same = None if turns is None else ("0", "pi/2", "pi", "-pi/2")[turns % 4]
             problems.append(
                 row_problem(
                     row,
@@ -284,9 +286,3 @@ def with_inertias(manipulator: Manipulator, how: Inertias, floor: float | None) 
             notices.append(Problem(message=message, field="payload.inertia", severity="notice"))
             payload = replace(payload, inertia=used)
     return (replace(manipulator, rows=tuple(rows), payload=payload) if notices else manipulator), notices
-
-
-def _same_turn(angle: float) -> str | None:
-    """The word of the paper's set for the same turn as an angle outside it, such as pi for -pi."""
-    turns = quarter_turns(angle)
-    return None if turns is None else ("0", "pi/2", "pi", "-pi/2")[turns % 4]

@@ -15,9 +15,8 @@ from dh2urdf.robot_check import sure_columns
 from dh2urdf_plugins.transforms.checks import sure_tables
 from dh2urdf_plugins.transforms.exact import exact
 from dh2urdf_plugins.transforms.formulas import nameless
-from dh2urdf_plugins.transforms.robots import of_meshes
+from dh2urdf_plugins.transforms.robots import of_meshes, unused_shapes
 from dh2urdf_plugins.transforms.shapes import remains
-from dh2urdf_plugins.transforms.unused import unused_shapes
 
 if TYPE_CHECKING:
     from dh2urdf.elementwise import Condition

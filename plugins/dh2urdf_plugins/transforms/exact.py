@@ -15,11 +15,10 @@ from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.manipulator import Convention, JointType
 from dh2urdf.robot import Collision
 from dh2urdf.rotations import IDENTITY
-from dh2urdf_plugins.transforms.assembly import Base, Part, assemble, parameters
+from dh2urdf_plugins.transforms.assembly import Base, Part, assemble, complete_limits, parameters
 from dh2urdf_plugins.transforms.checks import is_frame
 from dh2urdf_plugins.transforms.formulas import Quantity, nameless, origin, plus, times, values
 from dh2urdf_plugins.transforms.frames import aligned_frames, composed, modified_frames, settled, standard_frames
-from dh2urdf_plugins.transforms.joints.defaults import complete_limits
 from dh2urdf_plugins.transforms.shapes import (
     BASE_COLOUR,
     BASE_WIDTH,
@@ -153,7 +152,7 @@ def _part(
     # The offset of a prismatic joint is drawn as the rail that the link before carries.
     segments = [frame.normal] if prismatic else [frame.offset, frame.normal]
     if style.shape == "arm":
-        from dh2urdf_plugins.transforms.bodies.housings import arm_visuals, tube_style
+        from dh2urdf_plugins.transforms.housings import arm_visuals, tube_style
 
         seen, style = arm_visuals(row, frame, style, is_first=is_first), tube_style(style)
     else:

@@ -3,7 +3,7 @@
 A DH link is an L: the offset d along its joint's axis, then the length a along the common normal. Each segment that is
 not zero is a body of its own, so the model looks like the arm. The offset of a prismatic joint changes as it moves:
 there the link before carries a rail from the lower limit to the upper one, with a foot that reaches it, and the link
-itself is a carriage on it. A link with no segment gets a joint housing. `bodies.housings` has the shape ``arm``.
+itself is a carriage on it. A link with no segment gets a joint housing. `housings` has the shape ``arm``.
 """
 
 from __future__ import annotations

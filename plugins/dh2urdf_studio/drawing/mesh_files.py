@@ -16,7 +16,7 @@ from dh2urdf.errors import OutputError
 from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.meshes import FORMATS, REMEDY, read_parts
-from dh2urdf.meshes.named_files import NamedFiles
+from dh2urdf.meshes.addresses import NamedFiles
 from dh2urdf.rotations import Vec3
 from dh2urdf.source import Problem, shown
 from dh2urdf_studio.drawing.solids import Picture, Surface

@@ -1,6 +1,6 @@
 """The triangles of the mesh files that pages ask for: each file is read once, and before anybody asks for it.
 
-Children read them, see `dh2urdf.isolation.interpreter`: the server answers meanwhile, and a file that ends its reader
+Children read them, see `dh2urdf.isolation.child_process`: the server answers meanwhile, and a file that ends its reader
 ends nothing else.
 """
 
@@ -11,7 +11,7 @@ from concurrent.futures import Future, ThreadPoolExecutor
 from typing import TYPE_CHECKING
 
 from dh2urdf.errors import CrashError, OutputError
-from dh2urdf.isolation.child_process import outcome, pickled_call, started
+from dh2urdf.isolation.child_process import Child
 from dh2urdf.isolation.encodings import Data
 from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.source import Problem, shown
@@ -20,7 +20,6 @@ from dh2urdf_studio.drawing.mesh_files import DrawnTriangles, triangles
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
 
-    from dh2urdf.isolation.interpreter import Interpreter
     from dh2urdf_studio.drawing.mesh_files import DrawnMesh
     from dh2urdf_studio.drawing.solids import Picture
 
@@ -52,8 +51,8 @@ class MeshStore:
         self._meshes = dict(meshes)
         readers = max(1, min(_MOST_READERS, (os.cpu_count() or 1) - 1))
         self._pool = ThreadPoolExecutor(readers, thread_name_prefix="dh2urdf-mesh")
-        self._idle: list[Interpreter] = []
-        self._busy: set[Interpreter] = set()
+        self._idle: list[Child] = []
+        self._busy: set[Child] = set()
         self._read: dict[str, _Read] = {}
         self._pictures: dict[str, Picture] = {}
 
@@ -100,15 +99,14 @@ class MeshStore:
     def _triangles(self, mesh: DrawnMesh) -> DrawnTriangles:
         name = shown(mesh.path.name)
         try:
-            child = self._idle.pop() if self._idle else started()
+            child = self._idle.pop() if self._idle else Child.started()
             self._busy.add(child)
-            answer, status = child.call(*pickled_call(triangles, (mesh,), name, _READ), timeout=None), 0
-            self._busy.discard(child)
-            if answer and answer[0] != "garbled":
-                self._idle.append(child)
-            else:
-                status = child.end()
-            found = outcome(answer, child.output.text(), status, triangles, None, f"the reader of {name}", _READ).value
+            try:
+                found = child.call(triangles, (mesh,), None, f"the reader of {name}", _READ).value
+            finally:
+                self._busy.discard(child)
+                if child.is_alive():
+                    self._idle.append(child)
         except CrashError as error:
             raise OutputError(Problem(message=f"{name} cannot be read: {error.problems[0].message}")) from error
         self._pictures.update(found.pictures)

@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING
 
 from dh2urdf.documents import BROKEN_ARCHIVE
 from dh2urdf.errors import Dh2UrdfError, InputError
-from dh2urdf.meshes import named_files
+from dh2urdf.meshes import addresses
 from dh2urdf.source import Problem, shown
-from dh2urdf.stages import PACKAGE_FILE, Emitter
+from dh2urdf.stages import PACKAGE_FILE, Emitter, ReadsForeign
 from dh2urdf_studio.drawing.mesh_files import LARGEST, SUFFIXES
 from dh2urdf_studio.drawing.scene import meshes_of
 from dh2urdf_studio.viewing import description
@@ -32,7 +32,10 @@ def description_suffixes(catalog: Catalog) -> tuple[str, ...]:
     """How the names of robot descriptions end that can be compared."""
     stages = [item.stage for item in catalog.provided("emitter")]
     return tuple(
-        suffix for stage in stages if isinstance(stage, Emitter) and stage.read_foreign for suffix in stage.suffixes
+        suffix
+        for stage in stages
+        if isinstance(stage, Emitter) and stage.can(ReadsForeign) is not None
+        for suffix in stage.suffixes
     )
 
 
@@ -56,7 +59,7 @@ class GivenFiles:
     def __init__(self, files: Iterable[tuple[str, bytes]], catalog: Catalog) -> None:
         self._catalog = catalog
         self._described = description_suffixes(catalog)
-        self._wanted = (*self._described, *SUFFIXES, *named_files.SUFFIXES, ".yaml", ".yml")
+        self._wanted = (*self._described, *SUFFIXES, *addresses.SUFFIXES, ".yaml", ".yml")
         self._folder = tempfile.TemporaryDirectory(prefix="dh2urdf-")
         # One folder deeper: an MJCF may include files beside its folder, and nothing is there.
         self._root = Path(self._folder.name).resolve() / "files"

@@ -18,7 +18,7 @@ from dh2urdf.run_file.config import RUN_SUFFIXES, is_run_file
 from dh2urdf.source import Mark, Problem, listed, shown
 from dh2urdf.stage_calls.answers import whole_records
 from dh2urdf.stage_calls.calls import blaming, default_call
-from dh2urdf.stages import Rejected
+from dh2urdf.stages import ReadsDescriptions, Rejected, WritesTables
 from dh2urdf.table_text import FIELDS, TableText, table_text
 from dh2urdf_studio.editing.reading import read_whole
 
@@ -111,7 +111,9 @@ def _items(path: Path, call: Call[Reader[Any]]) -> Iterator[Manipulator | Reject
     try:
         yield from read_items(call, path)
     except InputError as error:
-        if call.stage.leaves is None or not any(problem.field == "tip_link" for problem in error.problems):
+        if call.stage.can(ReadsDescriptions) is None or not any(
+            problem.field == "tip_link" for problem in error.problems
+        ):
             raise
         yield from read_items(replace(call, options=replace(call.options, tip_link="*")), path)
 
@@ -142,11 +144,12 @@ def _without_folder(text: str, path: Path) -> str:
 
 
 def _typed(path: Path, reader: Reader[Any], catalog: Catalog, most: int | None) -> dict[str, TableText]:
-    if reader.texts is None:
+    writes = reader.can(WritesTables)
+    if writes is None or writes.texts is None:
         return {}
     try:
         with blaming(default_call(catalog, reader), "texts"):
-            return {table.name: table for table in whole_records(islice(reader.texts(path), most), TableText)}
+            return {table.name: table for table in whole_records(islice(writes.texts(path), most), TableText)}
     except InputError:  # It can be read, if not so: then its numbers are what there is.
         return {}
 

@@ -23,7 +23,7 @@ from dh2urdf.plugin_system.options import make_options
 from dh2urdf.robot import Robot
 from dh2urdf.source import Mark, Problem, in_file_order
 from dh2urdf.stage_calls.calls import Call, default_call
-from dh2urdf.stages import Rejected, Transform
+from dh2urdf.stages import Compares, Rejected, Transform
 from dh2urdf.table_text import ANGLE_UNITS, FIELDS, LENGTH_UNITS, STATEMENTS, TableText, WrittenTable
 from dh2urdf_studio.editing.edits import begun
 
@@ -201,13 +201,15 @@ def make(manipulator: Manipulator, variant: str, table: TableText, catalog: Cata
 def variants(catalog: Catalog) -> tuple[str, ...]:
     """The variants of the usual transform that are shown side by side, the usual one first; one where it has no two."""
     stage = catalog.usual("transform")
-    names = choices(type_hints(stage.options)[stage.compared]) if stage.compared else []
+    compares = stage.can(Compares)
+    names = choices(type_hints(stage.options)[compares.option]) if compares else []
     return tuple(names[:2]) or (stage.name,)
 
 
 def variant_options(stage: Transform[Any], variant: str) -> dict[str, str]:
     """The options of the usual transform that make a variant."""
-    return {stage.compared: variant} if stage.compared else {}
+    compares = stage.can(Compares)
+    return {compares.option: variant} if compares else {}
 
 
 def transform_call(catalog: Catalog, variant: str) -> Call[Transform[Any]]:

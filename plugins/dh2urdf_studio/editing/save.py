@@ -16,20 +16,20 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from dh2urdf.commands.convert import POSES, Planned, as_named, in_one_file
-from dh2urdf.commands.options_of_stages import asker_of
 from dh2urdf.commands.written_tables import in_format
 from dh2urdf.conversion.one_manipulator import Recipe
 from dh2urdf.errors import EmitterError
 from dh2urdf.kinematics.proof import Proof
 from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.output.whole_files import safe_stem
+from dh2urdf.source import Mark
 from dh2urdf.stage_calls.calls import Call, default_call
-from dh2urdf.stages import Emitter
+from dh2urdf.stages import Emitter, OtherFiles, WritesFolders, WritesTables
 from dh2urdf.table_text import NAMES, yaml_word
 from dh2urdf_studio.editing.reading import transform_call, variant_options
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
 
     from dh2urdf.plugin_system.catalog import Catalog
     from dh2urdf.table_text import TableText
@@ -77,12 +77,12 @@ def _with_points(table: TableText) -> TableText:
 
 def table_formats(catalog: Catalog) -> tuple[str, ...]:
     """The formats in which tables can be saved, by the names of their readers."""
-    return tuple(item.stage.name for item in catalog.provided("reader") if getattr(item.stage, "write", None))
+    return tuple(item.stage.name for item in catalog.provided("reader") if item.stage.can(WritesTables))
 
 
 def robot_formats(catalog: Catalog) -> tuple[str, ...]:
     """The formats in which a robot can be saved as a file, by the names of their emitters."""
-    return tuple(stage.name for stage in _emitters_of_files(catalog) if not stage.for_suffix)
+    return tuple(stage.name for stage in _emitters_of_files(catalog) if not _for_suffix(stage))
 
 
 def other_suffixes(catalog: Catalog) -> tuple[str, ...]:
@@ -90,11 +90,11 @@ def other_suffixes(catalog: Catalog) -> tuple[str, ...]:
     readable = {suffix for name in table_formats(catalog) for suffix in catalog.get("reader", name).suffixes[:1]}
     found: list[str] = []
     for stage in _emitters_of_files(catalog):
-        if stage.for_suffix is not None:
+        if for_suffix := _for_suffix(stage):
             given = stage.options()
-            seen = [stage.for_suffix(given, suffix) for suffix in stage.suffixes if suffix in readable]
+            seen = [for_suffix(given, suffix) for suffix in stage.suffixes if suffix in readable]
             for suffix in stage.suffixes:
-                if (options := stage.for_suffix(given, suffix)) not in seen:
+                if (options := for_suffix(given, suffix)) not in seen:
                     seen.append(options)
                     found.append(suffix)
     return tuple(found)
@@ -102,7 +102,12 @@ def other_suffixes(catalog: Catalog) -> tuple[str, ...]:
 
 def _emitters_of_files(catalog: Catalog) -> list[Emitter[Any]]:
     stages = [item.stage for item in catalog.provided("emitter")]
-    return [stage for stage in stages if isinstance(stage, Emitter) and not stage.in_folders]
+    return [stage for stage in stages if isinstance(stage, Emitter) and not stage.can(WritesFolders)]
+
+
+def _for_suffix(stage: Emitter[Any]) -> Callable[[Any, str], Any] | None:
+    others = stage.can(OtherFiles)
+    return others.for_suffix if others else None
 
 
 def robot_file(table: TableText, format_name: str, variant: str, catalog: Catalog) -> Saved:
@@ -184,8 +189,9 @@ def _make(table: TableText, emitters: Sequence[Call[Emitter[Any]]], variant: str
         saved = table_file(table, reader.stage.name, catalog)
         path = Path(folder) / saved.name
         path.write_bytes(saved.content)
-        asker = asker_of("dh2urdf studio")
-        made = Planned(table=path, target=None, reader=reader, recipe=recipe, robot=None, asker=asker).carry_out()
+        made = Planned(
+            table=path, target=None, reader=reader, recipe=recipe, mark=Mark(file="dh2urdf studio")
+        ).carry_out()
     return [
         Saved(name=file.name, content=file.content, proof=emitted.proof if file is emitted.files[0] else None)
         for emitted in made.written

@@ -12,7 +12,7 @@ from nicegui import run, ui
 
 from dh2urdf.errors import InputError
 from dh2urdf.kinematics.comparison import TOLERANCE, changes
-from dh2urdf.meshes import named_files
+from dh2urdf.meshes import addresses
 from dh2urdf.quantities.units import UNITS
 from dh2urdf_studio import dialogs, words
 from dh2urdf_studio.drawing import mesh_files
@@ -62,7 +62,7 @@ class ComparingPanel:
         self._figure: Figure | None = None
         self._served: tuple[str, ...] = ()
         suffixes = description_suffixes(session.catalog)
-        ends = [*suffixes, ".zip", *mesh_files.SUFFIXES, *named_files.SUFFIXES, ".yaml", ".yml"]
+        ends = [*suffixes, ".zip", *mesh_files.SUFFIXES, *addresses.SUFFIXES, ".yaml", ".yml"]
         wanted = json.dumps({"ends": ends, "most": MOST_FILES, "largest": mesh_files.LARGEST, "refused": "dh-no-files"})
         nothing = f"No description was found. Accepted: {', '.join(suffixes)}, with mesh files, or a ZIP of them."
         answers = {"none": nothing, "too much": str(too_much()), "lost": dialogs.LOST}

@@ -300,7 +300,7 @@ class TestRefusals:
         (folder / "run.yaml").write_text("inputs: arm.csv\nemitters: [urdf]\n")
         answer = cli("convert", "run.yaml", status=2)
         assert answer.stderr == (
-            "run.yaml: error: this is a run file, not a table\n    `dh2urdf run run.yaml` runs it\n"
+            "run.yaml: error: this is a run file, not a table\n    `dh2urdf run run.yaml`, or in Python `dh2urdf.run('run.yaml')`, runs it\n"
         )
 
     def test_a_folder(self, cli: Cli, folder: Path) -> None:

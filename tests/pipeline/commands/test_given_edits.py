@@ -76,7 +76,7 @@ def test_a_file_of_an_edit_is_one_of_the_working_directory() -> None:
         ("payload: 3", "--edit 'payload: 3' is no edit"),
         ("[payload]", "--edit '[payload]' is no edit"),
         ("{payload: {mass: 1}, rename: {}}", "is no edit"),
-        ("''", "no edit is named"),
+        ("''", "cannot be read"),
         ("payload: {mas: 3}", "command line: error: field 'mas': the edit 'payload' has no such option"),
         ("payload: {mass: heavy}", "the edit 'payload': 'heavy' cannot be read"),
         ("payload: {mass: 3", "--edit 'payload: {mass: 3' cannot be read: this is not valid YAML"),

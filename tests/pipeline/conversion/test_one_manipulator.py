@@ -31,7 +31,7 @@ from dh2urdf.kinematics.expected_poses import ExpectedPoses
 from dh2urdf.manipulator import Convention, DHRow, Inertia, JointType, Limits, Manipulator
 from dh2urdf.robot import Inertial, Joint, Link, Origin, Robot
 from dh2urdf.source import Mark, Problem
-from dh2urdf.stages import EmittedFile, Emitter, NoOptions, Reader, Rejected, Transform
+from dh2urdf.stages import EmittedFile, Emitter, KeepsKinematics, NoOptions, Reader, ReadsBack, Rejected, Transform
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
@@ -79,7 +79,7 @@ def transforming(function: Callable[..., Any], *, keeps: bool = True) -> Call[Tr
         summary="draws",
         transform=function,
         options=Keeping,
-        keeps_kinematics=lambda options: options.keeps,
+        capabilities=(KeepsKinematics(lambda options: options.keeps),),
     )
     return Call(stage=stage, options=Keeping(keeps=keeps))
 
@@ -101,8 +101,7 @@ def emitting(
         emit=emit or pickled,
         options=NoOptions,
         suffixes=(suffix,),
-        read_back=read_back,
-        costly_proof=costly,
+        capabilities=(ReadsBack(read_back, is_costly=costly),) if read_back else (),
     )
     return Call(stage=stage, options=NoOptions())
 

@@ -17,7 +17,7 @@ from dh2urdf.manipulator import JointType, Manipulator
 from dh2urdf.robot import Joint, Link, Origin, Robot
 from dh2urdf.source import Problem
 from dh2urdf.stage_calls.calls import Call
-from dh2urdf.stages import Edit, EmittedFile, Emitter, NoOptions, Transform
+from dh2urdf.stages import Edit, EmittedFile, Emitter, KeepsKinematics, NoOptions, ReadsBack, Transform
 from dh2urdf.testing import plain_robot, reference_manipulators
 
 if TYPE_CHECKING:
@@ -43,7 +43,7 @@ PICKLING = Call(
         emit=lambda robot, stem, _: [EmittedFile(name=f"{stem}.pickle", content=pickle.dumps(robot))],
         options=NoOptions,
         suffixes=(".pickle",),
-        read_back=lambda path: pickle.loads(path.read_bytes()),  # noqa: S301 - made here
+        capabilities=(ReadsBack(lambda path: pickle.loads(path.read_bytes())),),  # noqa: S301 - made here
     ),
     options=NoOptions(),
 )
@@ -59,7 +59,7 @@ def edit(
         options=Keeping,
         edit_table=table,
         edit_robot=robot,
-        keeps_kinematics=lambda given: given.keeps,
+        capabilities=(KeepsKinematics(lambda given: given.keeps),),
     )
     return Call(stage=stage, options=Keeping(**options))
 

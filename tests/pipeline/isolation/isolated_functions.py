@@ -15,17 +15,17 @@ import sys
 import threading
 import time
 import warnings
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, NoReturn
 
 from dh2urdf.errors import LoaderError, MissingDependencyError, ProofError
 from dh2urdf.isolation import enter, run_in_child
+from dh2urdf.isolation.child_process import LARGEST_ANSWER
 from dh2urdf.isolation.encodings import MOST_VALUES
-from dh2urdf.isolation.interpreter import LARGEST_ANSWER
-from dh2urdf.isolation.loads import MEMORY, KeptChildren, load_in_child
+from dh2urdf.isolation.loads import KeptChildren, load_in_child
 from dh2urdf.source import Problem
-from dh2urdf.stages import Loader, LoadReport, LoadRequest, NoOptions
+from dh2urdf.stages import Loader, LoadReport, LoadRequest, NoOptions, ReadsOutput, Reusable
 
 
 def double(number: float) -> float:
@@ -136,7 +136,7 @@ def send_pickle(ran: str, when: str) -> str:
 
 def forge_answer(kind: str) -> None:
     """Sends an answer of its own and leaves."""
-    value = b'["value"]'
+    value = b'["value", ""]'
     head, body = {
         "no json": (value, b"\x80\x04"),
         "wrong form": (value, b'[["eA==", 5]]'),
@@ -214,20 +214,26 @@ def read_output(_request: LoadRequest, output: str) -> list[Problem]:
     return [Problem(message=line, severity="notice") for line in output.splitlines() if "WARNING" in line]
 
 
+@dataclass(frozen=True)
+class Hasty:
+    time_limit: float = 2.0
+
+
 LOADER = Loader(
     name="toy",
     summary="loads nothing",
-    load=load,
+    open=load,
     options=NoOptions,
-    poses=lambda _options: 0,
-    picture=lambda _options: False,
-    read_output=read_output,
+    capabilities=(ReadsOutput(read_output),),
 )
-HASTY = replace(LOADER, time_limit=lambda _options: 2.0)
 
 
 SERVED: list[str] = []
 """The names of the files that this process has loaded: the global state of a simulator."""
+
+
+PREPARED: list[int] = []
+"""The process that has imported the simulator, once it has."""
 
 
 ORPHAN = """
@@ -238,10 +244,12 @@ print(subprocess.Popen([sys.executable, "-c", "import time; time.sleep(600)"]).p
 
 
 def prepare(_options: NoOptions) -> None:
+    PREPARED.append(os.getpid())
     print("toy is starting")
 
 
 def prepare_otherwise(_options: NoOptions) -> None:
+    PREPARED.append(os.getpid())
     print("another toy is starting")
 
 
@@ -275,8 +283,6 @@ def kept_load(request: LoadRequest, _options: NoOptions) -> LoadReport:  # noqa:
             sys.path.insert(0, "/nowhere")
         case "warning":
             warnings.warn("a screw is loose", stacklevel=1)
-        case "memory":
-            assert b"x" * MEMORY
         case "much":
             print_much(4_000_000)
         case "crash":
@@ -289,14 +295,10 @@ def kept_load(request: LoadRequest, _options: NoOptions) -> LoadReport:  # noqa:
             os._exit(4)
         case "refused":
             raise LoaderError("I do not like it")
-        case "third" if len(SERVED) > 2:
-            raise LoaderError("I am tired")
-        case "dead_third" if len(SERVED) > 2:
-            os.kill(os.getpid(), signal.SIGKILL)
-    return LoadReport(simulator="toy", version=str(os.getpid()))
+    return LoadReport(simulator=" ".join(SERVED), version=str((PREPARED or [os.getpid()])[0]))
 
 
-KEPT = replace(LOADER, load=kept_load, prepare=prepare, time_limit=lambda _options: 20.0)
+KEPT = replace(LOADER, open=kept_load, options=Hasty, capabilities=(ReadsOutput(read_output), Reusable(prepare)))
 
 
 def load_and_wait(path: str) -> None:

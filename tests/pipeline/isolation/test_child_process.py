@@ -16,8 +16,8 @@ import pytest
 
 from dh2urdf.errors import CrashError, LoaderError, MissingDependencyError, ProofError, TimeLimitError
 from dh2urdf.isolation import PICKLED, ChildFailure, Data, run_in_child
+from dh2urdf.isolation.child_process import KEPT_OUTPUT, LARGEST_ANSWER
 from dh2urdf.isolation.encodings import MOST_VALUES, Pickled
-from dh2urdf.isolation.interpreter import KEPT_OUTPUT, LARGEST_ANSWER
 from dh2urdf.source import Mark, Problem
 
 if TYPE_CHECKING:

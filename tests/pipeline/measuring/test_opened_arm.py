@@ -16,7 +16,7 @@ from dh2urdf.kinematics.chain import as_matrices
 from dh2urdf.measuring import load_function
 from dh2urdf.measuring.opened_arm import load_opened
 from dh2urdf.robot import Inertial
-from dh2urdf.stages import Loader, LoadRequest, NoOptions, SimulatedArm
+from dh2urdf.stages import Loader, LoadReport, LoadRequest, NoOptions, SimulatedArm
 from dh2urdf.testing import plain_robot, reference_manipulators
 from dh2urdf.testing.oracle import table_pose
 
@@ -118,8 +118,10 @@ def test_the_function_of_a_loader_is_its_own_or_that_of_what_it_opens() -> None:
     function = load_function(Loader(name="paper", summary="s", options=NoOptions, open=opened))
     assert function.__qualname__ == "opened"  # what messages call it
     assert pickle.loads(pickle.dumps(function)).args == (opened,)  # noqa: S301 - our own
-    with pytest.raises(TypeError, match="neither load nor open"):
-        load_function(Loader(name="paper", summary="s", options=NoOptions))
+    report = LoadReport(simulator="paper", version="1")
+    assert load_opened(lambda *_: report, None, None) is report  # type: ignore[arg-type]
+    with pytest.raises(TypeError, match="open returned int, neither a SimulatedArm nor a LoadReport"):
+        load_opened(lambda *_: 3, None, None)  # type: ignore[arg-type, return-value]
 
 
 def opened(_request: LoadRequest, _options: NoOptions) -> SimulatedArm:

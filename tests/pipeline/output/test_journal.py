@@ -9,8 +9,7 @@ from hypothesis import given, strategies as st
 
 from dh2urdf.errors import OutputError
 from dh2urdf.output.journal import JOURNAL, MANIFEST, Journal, earlier_rows, next_journal
-from dh2urdf.output.local_store import LocalStore
-from dh2urdf.output.open_store import open_store
+from dh2urdf.output.store import LocalStore, open_store
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

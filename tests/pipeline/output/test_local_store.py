@@ -15,9 +15,7 @@ import pytest
 from interrupted import at_every_step
 
 from dh2urdf.errors import OutputError
-from dh2urdf.output import local_store
-from dh2urdf.output.local_store import LocalStore
-from dh2urdf.output.store import WORKING
+from dh2urdf.output.store import WORKING, LocalStore
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -162,7 +160,7 @@ class TestAppending:
     def test_lines_of_many_processes_are_whole(self, store: LocalStore, tmp_path: Path) -> None:
         """Lines that are written at the same time by several processes stand one after the other."""
         code = (
-            "import sys; from pathlib import Path; from dh2urdf.output.local_store import LocalStore\n"
+            "import sys; from pathlib import Path; from dh2urdf.output.store import LocalStore\n"
             "for _ in range(200): LocalStore(Path(sys.argv[1])).append('journal', sys.argv[2].encode() * 3000 + b'\\n')"
         )
         with another_process(code, store.directory, "a") as one, another_process(code, store.directory, "b") as two:
@@ -176,7 +174,7 @@ class TestFullDisk:
 import resource, sys
 from pathlib import Path
 from dh2urdf.errors import OutputError
-from dh2urdf.output.local_store import LocalStore
+from dh2urdf.output.store import LocalStore
 resource.setrlimit(resource.RLIMIT_FSIZE, (5000, 5000))
 store = LocalStore(Path(sys.argv[1]))
 for doing in (lambda: store.write("old", b"x" * 9000), lambda: store.write("new", b"x" * 9000)):
@@ -219,7 +217,7 @@ class TestInterrupts:
     WRITER = """
 import sys
 from pathlib import Path
-from dh2urdf.output.local_store import LocalStore
+from dh2urdf.output.store import LocalStore
 store = LocalStore(Path(sys.argv[1]))
 with store.lock():
     for number in range(100_000):
@@ -260,7 +258,7 @@ class TestLock:
     HOLDER = """
 import os, sys, time
 from pathlib import Path
-from dh2urdf.output.local_store import LocalStore
+from dh2urdf.output.store import LocalStore
 with LocalStore(Path(sys.argv[1])).lock():
     child = os.fork()
     if child == 0:
@@ -308,7 +306,7 @@ with LocalStore(Path(sys.argv[1])).lock():
             for path in ("out", "link"):
                 with pytest.raises(OutputError, match="another run is at work"), LocalStore(tmp_path / path).lock():
                     pass
-            code = "import sys; from dh2urdf.output.open_store import open_store\nwith open_store(sys.argv[1]).lock(): pass"
+            code = "import sys; from dh2urdf.output.store import open_store\nwith open_store(sys.argv[1]).lock(): pass"
             refused = subprocess.run(
                 [sys.executable, "-c", code, store.directory], capture_output=True, text=True, check=False
             )
@@ -326,32 +324,6 @@ with LocalStore(Path(sys.argv[1])).lock():
         assert files(store.directory) == {}
         assert list(store.directory.iterdir()) == []
 
-    def test_without_locks_of_posix_nothing_is_left(self, store: LocalStore, monkeypatch: pytest.MonkeyPatch) -> None:
-        """As on Windows, where an open file cannot be removed: the lock file is closed first, and its folder goes too."""
-        opened: list[int] = []
-        monkeypatch.setattr(local_store, "fcntl", None)
-        lock_file, unlink = store._lock_file, os.unlink
-
-        def remembered() -> int:
-            opened.append(lock_file())
-            return opened[-1]
-
-        def unlink_closed(path: str) -> None:
-            try:
-                os.fstat(opened[-1])
-            except OSError:
-                unlink(path)
-            else:
-                raise PermissionError(path)
-
-        monkeypatch.setattr(store, "_lock_file", remembered)
-        monkeypatch.setattr(os, "unlink", unlink_closed)
-        for _ in range(2):
-            with store.lock():
-                store.write("a.urdf", b"a")
-        assert len(opened) == 2
-        assert [path.name for path in store.directory.rglob("*")] == ["a.urdf"]
-
     def test_other_folders_are_free(self, store: LocalStore, tmp_path: Path) -> None:
         """Runs in different folders do not concern each other."""
         with store.lock(), LocalStore(tmp_path / "out2").lock(), LocalStore(tmp_path / "out" / "inner").lock():
@@ -364,7 +336,7 @@ with LocalStore(Path(sys.argv[1])).lock():
 import os, sys, time
 from pathlib import Path
 from dh2urdf.errors import OutputError
-from dh2urdf.output.local_store import LocalStore
+from dh2urdf.output.store import LocalStore
 folder, done = Path(sys.argv[1]), 0
 while done < 300:
     try:

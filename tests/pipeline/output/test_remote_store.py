@@ -17,8 +17,8 @@ import pytest
 
 from dh2urdf.errors import MissingDependencyError, OutputError
 from dh2urdf.output import remote_store
-from dh2urdf.output.open_store import open_store
 from dh2urdf.output.remote_store import _S3_LIMITS, RemoteStore
+from dh2urdf.output.store import open_store
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -74,7 +74,7 @@ class TestAddresses:
     def test_a_password_in_the_words_of_others_is_not_shown(self, monkeypatch: pytest.MonkeyPatch) -> None:
         """What a file system declares about its own address is shown without the password as well."""
         store = open_store("memory://host/a")
-        system, _ = store._place("a")  # type: ignore[attr-defined]
+        system, _ = store._open_system()  # type: ignore[union-attr]
 
         def refuse(*_: object) -> None:
             raise RuntimeError("no route to sftp://user:secret@host/a\n(\x1b[31mtried 3 times)")
@@ -124,7 +124,7 @@ class TestObjectStore:
 
     WRITER = """
 import sys
-from dh2urdf.output.open_store import open_store
+from dh2urdf.output.store import open_store
 store = open_store(sys.argv[1])
 for number in range(10_000):
     store.write(f"{number}", b"%d." % number * 500_000)
@@ -248,7 +248,7 @@ class TestTrouble:
     def test_the_limits_reach_s3fs(self) -> None:
         """Requests are repeated by one layer alone, and all their tries are over before the patience is."""
         limits: Any = _S3_LIMITS
-        system, _ = RemoteStore("s3://bucket")._place("a")
+        system, _ = RemoteStore("s3://bucket")._open_system()
         assert system.config_kwargs == remote_store._S3_LIMITS
         assert system.retries == 1
         tries = limits["retries"]["total_max_attempts"]

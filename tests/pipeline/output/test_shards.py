@@ -14,8 +14,8 @@ import pytest
 from hypothesis import given, strategies as st
 
 from dh2urdf.errors import OutputError
-from dh2urdf.output.open_store import open_store
 from dh2urdf.output.shards import Member, ShardWriter, members, shard_stem
+from dh2urdf.output.store import open_store
 from dh2urdf.output.whole_files import Stems
 
 if TYPE_CHECKING:
@@ -97,7 +97,7 @@ class TestReaders:
         """The offset that the manifest has of a file and its size give its content, from an object store too."""
         offsets = written(store, SAMPLE)
         for offset, (_, content) in zip(offsets, SAMPLE, strict=True):
-            assert store.read("000001.tar", offset=offset, size=len(content)) == content
+            assert store.read("000001.tar")[offset:].startswith(content)
 
     def test_it_can_be_read_in_one_pass(self, store: Store) -> None:
         """All files, their offsets and contents, in their order."""
@@ -182,7 +182,7 @@ class TestWhole:
 import resource, sys
 from dh2urdf.errors import OutputError
 from dh2urdf.output.shards import ShardWriter
-from dh2urdf.output.open_store import open_store
+from dh2urdf.output.store import open_store
 resource.setrlimit(resource.RLIMIT_FSIZE, (int(sys.argv[2]), int(sys.argv[2])))
 try:
     with ShardWriter(open_store(sys.argv[1]), "000001.tar") as shard:

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import subprocess
-import sys
 import time
 from typing import TYPE_CHECKING
 
 import pytest
 
-from dh2urdf.plugin_system import ChildPlace, at_work
+from dh2urdf.isolation.child_process import PLAIN, Child, pickled_call
+from dh2urdf.plugin_system import at_work
 from dh2urdf.plugin_system.at_work import AtWork, at_work_here, importing
 from dh2urdf.plugin_system.discovery import Plugin
 
@@ -88,18 +87,19 @@ class TestInAChild:
             "with AtWork('executor \\'here\\'', None):\n"
             f"    with AtWork('emitter \\'usd\\'', Plugin(name='lab = lab_lab', distribution='?')):\n        {ending}\n"
         )
-        place = ChildPlace()
-        subprocess.run([sys.executable, "-c", script], check=False, **place.for_child())
-        assert place.who() == who
-        place.close()
+        assert who_was_at_work(script) == who
 
     def test_a_name_of_any_length(self) -> None:
         """It is cut short, and the next one is whole."""
-        place = ChildPlace()
         script = (
             "import os\nfrom dh2urdf.plugin_system.at_work import AtWork\nwith AtWork('ä' * 5000, None):\n"
             "    with AtWork('b', None):\n        pass\n    os._exit(0)\n"
         )
-        subprocess.run([sys.executable, "-c", script], check=True, **place.for_child())
-        assert place.who().startswith("ää")
-        place.close()
+        assert who_was_at_work(script).startswith("ää")
+
+
+def who_was_at_work(script: str) -> str:
+    """Who was at work in a child when it had done a script."""
+    with Child() as child:
+        child.ask(pickled_call(exec, (script, {}), "it"), 60, PLAIN)
+    return child.who

@@ -8,13 +8,14 @@ from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 import pytest
+from other_fields import with_field
 
 from dh2urdf.errors import BrokenPluginError, InputError, StageConflictError, UnknownStageError
 from dh2urdf.hookspecs import hookimpl
 from dh2urdf.plugin_system import KINDS, RECORDS, Catalog, load
 from dh2urdf.plugin_system.catalog import Plugin
 from dh2urdf.plugin_system.discovery import installed
-from dh2urdf.stages import Emitter, NoOptions, Reader
+from dh2urdf.stages import Emitter, NoOptions, Reader, Traces
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
@@ -118,6 +119,52 @@ HOOKS = (
 )
 
 
+class TestRecords:
+    """Entry points that name a record, such as ``"reader.acme" = "acme:READER"``."""
+
+    @pytest.mark.parametrize("entry", ["reader.acme", "acme"])
+    def test_a_record_is_a_stage(self, entry: str) -> None:
+        """It needs no hook, and is of its own kind only."""
+        acme = Plugin(
+            name=f"{entry} = acme:READER", distribution="acme 1.0", module=(record := reader("acme", ".acme"))
+        )
+        catalog = Catalog([acme, GOOD])
+        assert catalog.get("reader", "acme") is record
+        assert catalog.reader_for(Path("arm.acme")) is record
+        assert catalog.plugin_of(record) is acme
+        assert names(catalog, "emitter") == []
+        assert catalog.broken == ()
+
+    @pytest.mark.parametrize(
+        ("record", "reason"),
+        [
+            (emitter("acme"), "TypeError: the entry point 'reader.acme' gave Emitter"),
+            (
+                reader("other"),
+                "LookupError: its entry point 'reader.acme' names the reader 'acme', and the entry point",
+            ),
+            ("acme", "TypeError: it is no record of dh2urdf.stages, and has no hook of dh2urdf"),
+            (replace(reader("acme"), capabilities=("fast",)), "TypeError: the capabilities of the reader 'acme' are"),
+            (replace(reader("acme"), capabilities=(Traces(len),) * 2), "has a capability twice"),
+        ],
+        ids=["of another kind", "of another name", "no record", "no capability", "a capability twice"],
+    )
+    def test_another_record_breaks_its_plugin(self, record: Any, reason: str) -> None:
+        """With the reason; others work."""
+        catalog = Catalog([Plugin(name="reader.acme = acme:READER", distribution="acme 1.0", module=record), GOOD])
+        assert names(catalog, "reader") == ["table"]
+        (broken,) = catalog.broken
+        assert reason in broken.reason
+
+    def test_two_with_one_name_are_an_error_for_who_uses_it(self) -> None:
+        """As with hooks."""
+        both = [
+            Plugin(name="reader.acme = acme:READER", distribution=f"{lab} 1.0", module=reader("acme")) for lab in "ab"
+        ]
+        with pytest.raises(StageConflictError, match="by a 1"):
+            Catalog(both).get("reader", "acme")
+
+
 class TestBrokenPlugins:
     @pytest.mark.parametrize(
         ("hooks", "reason"),
@@ -125,7 +172,7 @@ class TestBrokenPlugins:
             ({"dh2urdf_readerz": lambda: ()}, "PluginValidationError: unknown hook 'dh2urdf_readerz'"),
             ({"dh2urdf_readerz": lambda: ()}, f"; {HOOKS}"),
             ({"dh2urdf_readers": with_a_parameter}, "_color"),
-            ({}, f"TypeError: it has no hook of dh2urdf with the decorator dh2urdf.hookspecs.hookimpl; {HOOKS}"),
+            ({}, f"with the decorator dh2urdf.hookspecs.hookimpl; {HOOKS}"),
         ],
         ids=["unknown hook", "list of hooks", "wrong signature", "no hook"],
     )
@@ -207,11 +254,11 @@ class TestUsual:
         assert there.usual("emitter").name == load().usual("emitter").name == "urdf"
         assert Catalog([plugin("lab", dh2urdf_emitters=lambda: [other])]).usual("emitter") is other
         with pytest.raises(UnknownStageError, match="that is taken where none is named"):
-            Catalog([plugin("lab", dh2urdf_emitters=lambda: [replace(other, is_usual=False)])]).usual("emitter")
+            Catalog([plugin("lab", dh2urdf_emitters=lambda: [replace(other, capabilities=())])]).usual("emitter")
 
     def test_a_transform_compares_choices_of_its_own(self) -> None:
         """Another name breaks its plugin, with the reason."""
-        odd = replace(load().usual("transform"), name="odd", compared="colour")
+        odd = with_field(replace(load().usual("transform"), name="odd"), "option", "colour")
         there = Catalog([plugin("lab", dh2urdf_transforms=lambda: [odd])])
         assert there.provided("transform") == ()
         assert "compares 'colour', which is none of its options" in there.broken[0].reason

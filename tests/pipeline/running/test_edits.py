@@ -97,7 +97,7 @@ def test_a_refusal_costs_one_manipulator(cli: Cli, folder: Path) -> None:
         ("[paylode]", "no edit is named 'paylode'"),
         ("[{stage: payload, options: {mas: 1}}]", "mas"),
         ("[{stage: payload, options: {mass: -1}}]", "mass, size and radius are numbers greater than 0"),
-        ("[{options: {mass: 1}}]", "stage: NAME"),
+        ("[{options: {mass: 1}}]", "field 'edits.0.stage': a run file needs this key"),
         ("[{stage: rename, options: {pattern: '('}}]", "no regular expression"),
     ],
 )

@@ -24,7 +24,19 @@ from dh2urdf.run_file.config import load_config
 from dh2urdf.run_file.plan import make_plan
 from dh2urdf.running.run import execute
 from dh2urdf.source import Mark, Problem
-from dh2urdf.stages import EmittedFile, Emitter, Executor, Loader, NoOptions, Reader, Rejected, Transform
+from dh2urdf.stages import (
+    EmittedFile,
+    Emitter,
+    Executor,
+    KeepsKinematics,
+    Loader,
+    NoOptions,
+    Reader,
+    ReadsBack,
+    Rejected,
+    Requires,
+    Transform,
+)
 from dh2urdf.tasks.batch import batches
 from dh2urdf.tasks.expected import Expected
 
@@ -93,8 +105,21 @@ def read_back(path: Path) -> Robot:
 
 
 LOADER = """
+from dataclasses import dataclass
 from dh2urdf.errors import LoaderError
 from dh2urdf.stages import LoadReport
+
+@dataclass(frozen=True)
+class Settings:
+    poses, picture, time_limit = 3, True, 120.0
+
+@dataclass(frozen=True)
+class Timeless:
+    poses, picture = 3, True
+
+    @property
+    def time_limit(self):
+        raise ZeroDivisionError("no time")
 
 def load_light(request, options):
     return LoadReport(simulator="ink", version="1")
@@ -128,7 +153,7 @@ class Lab:
                     summary="draws",
                     transform=draw,
                     options=DrawOptions,
-                    keeps_kinematics=lambda o: o.keeps,
+                    capabilities=(KeepsKinematics(lambda o: o.keeps),),
                 )
             ],
             "emitters": [
@@ -138,8 +163,7 @@ class Lab:
                     emit=emit,
                     options=NoOptions,
                     suffixes=(".pickle",),
-                    read_back=read_back,
-                    costly_proof=True,
+                    capabilities=(ReadsBack(read_back, is_costly=True),),
                 )
             ],
             "loaders": loaders,
@@ -197,20 +221,14 @@ def lab(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Lab:
     def missing(_options: NoOptions) -> None:
         raise MissingDependencyError("loader 'absent'", "absent", "lab[absent]")
 
-    def no_time(_options: NoOptions) -> float:
-        raise ZeroDivisionError("no time")
-
     loaders = [
         Loader(
             name=name,
             summary="loads",
-            load=paper_simulator.load_light if name == "ink" else paper_simulator.load,
-            options=NoOptions,
+            open=paper_simulator.load_light if name == "ink" else paper_simulator.load,
+            options=paper_simulator.Timeless if name == "timeless" else paper_simulator.Settings,
             formats=formats,
-            poses=lambda _: 3,
-            picture=lambda _: True,
-            require=require,
-            time_limit=no_time if name == "timeless" else lambda _: 120.0,
+            capabilities=(Requires(require),),
         )
         for name, formats, require in (
             ("paper", ("pickle",), lambda _: None),

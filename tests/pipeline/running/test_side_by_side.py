@@ -12,7 +12,7 @@ import dh2urdf
 from dh2urdf.output.whole_files import Stems
 from dh2urdf.report.manifest_writer import ManifestWriter
 from dh2urdf.running.batch_work import Work
-from dh2urdf.tasks.manifest_columns import columns_of
+from dh2urdf.tasks.manifest_table import table_rows
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -96,7 +96,7 @@ def test_rows_that_are_not_read_change_nothing(tmp_path: Path, monkeypatch: pyte
     def of_lines(self: ManifestWriter, report: BatchReport) -> None:
         told.extend(report.told)
         rows = [orjson.loads(line) for line in report.rows.splitlines()]
-        add(self, replace(report, told=tuple(rows), columns=columns_of(rows)))
+        add(self, replace(report, told=rows, table=table_rows(rows)))
 
     dh2urdf.run(tmp_path / "run.yaml", tmp_path / "some", settings={"output.layout": "shards"})
     monkeypatch.setattr(ManifestWriter, "add", of_lines)

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import pytest
+from other_fields import with_field
 
 from dh2urdf.errors import StageError
 from dh2urdf.robot import Link, Robot
@@ -20,7 +20,7 @@ ROBOT = Robot(name="arm", links=(Link(name="base_link"),), joints=())
 
 
 def call_of(groups: list[tuple[tuple[int, ...], Robot]]) -> Call[Emitter[Any]]:
-    return Call(stage=replace(EMITTER, read_columns=lambda _: groups), options=UrdfOptions())
+    return Call(stage=with_field(EMITTER, "read_columns", lambda _: groups), options=UrdfOptions())
 
 
 def test_a_group_of_nobody_is_left_out() -> None:

@@ -17,8 +17,7 @@ from hypothesis import given, strategies as st
 from pyarrow import parquet
 
 from dh2urdf.conversion.outcome import to_line
-from dh2urdf.tasks.manifest_columns import columns_of
-from dh2urdf.tasks.manifest_table import ROW_GROUP, ManifestTable, can_write_parquet
+from dh2urdf.tasks.manifest_table import ROW_GROUP, ManifestTable, can_write_parquet, table_rows
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -48,7 +47,7 @@ def written(*blocks: list[dict[str, Any]]) -> bytes:
         path = Path(folder) / "manifest.parquet"
         table = ManifestTable(path)
         for block in blocks:
-            table.add(columns_of(block))
+            table.add(table_rows(block))
         table.finish(json_lines(chain.from_iterable(blocks)))
         return path.read_bytes()
 
@@ -197,7 +196,7 @@ class TestManifestTable:
             table = ManifestTable(tmp_path / "manifest.parquet")
             for number in range(count):
                 each = row(f"arm_{number}", files=[file("a")], drawn={"a_1": number})
-                table.add(columns_of([each]))
+                table.add(table_rows([each]))
             table.finish(io.BytesIO())
             taken = tracemalloc.get_traced_memory()[1]
             tracemalloc.stop()
@@ -215,10 +214,10 @@ def test_slow_modules_are_not_imported(tmp_path: Path, errors: list[dict[str, st
     both = {"urdf": proof(1e-17, 0.0), "sdf": None}
     lines.write_bytes(json_lines([row(proof=both, errors=errors)]).getvalue())
     code = (
-        "import orjson, sys; from pathlib import Path; from dh2urdf.tasks.manifest_columns import columns_of\n"
+        "import orjson, sys; from pathlib import Path; from dh2urdf.tasks.manifest_table import table_rows\n"
         "from dh2urdf.tasks.manifest_table import ManifestTable\n"
         "place = Path(sys.argv[1]); table = ManifestTable(place.with_name('manifest.parquet'))\n"
-        "table.add(columns_of([orjson.loads(line) for line in place.open('rb')]))\n"
+        "table.add(table_rows([orjson.loads(line) for line in place.open('rb')]))\n"
         "table.finish(place.open('rb')); print(set(sys.argv[2:]) & set(sys.modules))"
     )
     done = subprocess.run(

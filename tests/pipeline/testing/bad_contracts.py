@@ -7,7 +7,9 @@ from typing import TYPE_CHECKING, Any
 
 import bad_lab
 import subtle_lab
+from other_fields import with_field
 
+from dh2urdf.stages import EditsInColumns
 from dh2urdf.testing import (
     EditContract,
     EmitterContract,
@@ -34,8 +36,10 @@ class Lines(ReaderContract):
 
 
 def of(contract: type[StageContract], stage: Any, **changes: Any) -> type[StageContract]:
-    """The contract tests of a stage that is changed in one place."""
-    return type("TestBad", (contract,), {"stage": replace(stage, **changes) if changes else stage})
+    """The contract tests of a stage with other fields, of its record or of its capabilities."""
+    for field, value in changes.items():
+        stage = with_field(stage, field, value)
+    return type("TestBad", (contract,), {"stage": stage})
 
 
 # All kinds
@@ -111,7 +115,7 @@ TestEditByHash = of(EditContract, bad_lab.EDIT, edit_table=bad_lab.edit_by_hash)
 TestEditWithLog = of(EditContract, bad_lab.EDIT, edit_table=bad_lab.edit_with_log)
 TestEditByForce = of(EditContract, bad_lab.EDIT, edit_table=bad_lab.edit_by_force)
 TestCarelessEdit = of(EditContract, bad_lab.EDIT, edit_table=bad_lab.edit_carelessly)
-TestFirstForAll = of(EditContract, bad_lab.EDIT, edit_table=bad_lab.edit_by_first, accepts_columns=True)
+TestFirstForAll = of(EditContract, bad_lab.EDIT, edit_table=bad_lab.edit_by_first, capabilities=(EditsInColumns(),))
 
 # Emitters
 TestThroughC = of(EmitterContract, bad_lab.EMITTER, emit=subtle_lab.emit_through_c)
@@ -139,16 +143,18 @@ TestAgainstItself = of(EmitterContract, bad_lab.EMITTER, check=bad_lab.check)
 TestSameForAll = of(EmitterContract, bad_lab.EMITTER, emit_columns=bad_lab.emit_columns)
 
 # Loaders
-TestForgetting = of(LoaderContract, bad_lab.LOADER, load=subtle_lab.load_and_forget)
-TestLogKeeping = of(LoaderContract, bad_lab.LOADER, load=subtle_lab.load_and_log)
-TestHalf = of(LoaderContract, bad_lab.LOADER, load=bad_lab.load_some)
+TestForgetting = of(LoaderContract, bad_lab.LOADER, open=subtle_lab.load_and_forget)
+TestLogKeeping = of(LoaderContract, bad_lab.LOADER, open=subtle_lab.load_and_log)
+TestHalf = of(LoaderContract, bad_lab.LOADER, open=bad_lab.load_some)
 TestCredulous = of(LoaderContract, bad_lab.LOADER)
-TestClock = of(LoaderContract, bad_lab.LOADER, load=bad_lab.load_at_some_time)
-TestRemembering = of(LoaderContract, bad_lab.LOADER, load=bad_lab.load_and_remember, prepare=bad_lab.nothing)
-TestLeaving = of(LoaderContract, bad_lab.LOADER, load=bad_lab.load_and_leave)
-TestChanging = of(LoaderContract, bad_lab.LOADER, load=bad_lab.load_in_place)
-TestCarelessLoader = of(LoaderContract, bad_lab.LOADER, load=bad_lab.load_carelessly)
-TestNoTime = of(LoaderContract, bad_lab.LOADER, time_limit=bad_lab.never)
+TestClock = of(LoaderContract, bad_lab.LOADER, open=bad_lab.load_at_some_time)
+TestRemembering = of(
+    LoaderContract, bad_lab.LOADER, open=bad_lab.load_and_remember, prepare=bad_lab.prepare_and_remember
+)
+TestLeaving = of(LoaderContract, bad_lab.LOADER, open=bad_lab.load_and_leave)
+TestChanging = of(LoaderContract, bad_lab.LOADER, open=bad_lab.load_in_place)
+TestCarelessLoader = of(LoaderContract, bad_lab.LOADER, open=bad_lab.load_carelessly)
+TestNoTime = of(LoaderContract, bad_lab.LOADER, options=bad_lab.Never)
 
 # Executors
 TestSpawning = of(ExecutorContract, subtle_lab.SPAWNING)

@@ -362,7 +362,7 @@ def read_back(_path: Path) -> Robot:
     return _WRITTEN["robot"]
 
 
-def check(_path: Path) -> Inspection:
+def check(_path: Path, _expansion: Any) -> Inspection:
     return Inspection(consumers={}, findings=(Finding(rule="no-good", message="it is no good", fix="give up"),))
 
 
@@ -406,8 +406,8 @@ def load_and_leave(request: Any, options: Any) -> LoadReport:
 LOADED: list[Any] = []
 
 
-def nothing(_options: Any) -> None:
-    """Imports nothing."""
+def prepare_and_remember(_options: Any) -> None:
+    LOADED.append(None)
 
 
 def load_and_remember(request: Any, options: Any) -> LoadReport:
@@ -426,19 +426,17 @@ def load_carelessly(request: Any, options: Any) -> LoadReport:
     return load(request, options)
 
 
-def three(_options: Any) -> int:
-    return 3
+@dataclass(frozen=True)
+class Three:
+    poses = 3
 
 
-def no(_options: Any) -> bool:
-    return False
+@dataclass(frozen=True)
+class Never:
+    poses, time_limit = 3, 0.0
 
 
-def never(_options: Any) -> float:
-    return 0.0
-
-
-LOADER = Loader(name="bad", summary="bad", load=load, options=NoOptions, poses=three, picture=no)
+LOADER = Loader(name="bad", summary="bad", open=load, options=Three)
 
 # --- Executors
 

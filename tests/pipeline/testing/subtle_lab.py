@@ -20,7 +20,7 @@ from lxml import etree
 from dh2urdf.errors import EmitterError, TableError, TransformError
 from dh2urdf.hookspecs import hookimpl
 from dh2urdf.source import Problem
-from dh2urdf.stages import EmittedFile, Loader, NoOptions, Rejected
+from dh2urdf.stages import EmittedFile, Loader, Rejected, Requires
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -119,11 +119,9 @@ def require(_options: Any) -> None:
 HEAVY = Loader(
     name="heavy",
     summary="imports numpy in a helper of its module",
-    load=bad_lab.load,
-    options=NoOptions,
-    poses=bad_lab.three,
-    picture=bad_lab.no,
-    require=require,
+    open=bad_lab.load,
+    options=bad_lab.Three,
+    capabilities=(Requires(require),),
 )
 
 

@@ -109,9 +109,3 @@ def test_nothing_is_left_far_out() -> None:
     """Beyond ten standard deviations, it is 0 or 1."""
     assert (normal_cdf(-11.0), normal_cdf(11.0)) == (0.0, 1.0)
     assert (normal_quantile(0.0), normal_quantile(1.0)) == (-10.0, 10.0)
-
-
-@given(st.floats(1e-300, 1 - 2.0**-53))
-def test_quantiles_of_the_normal_distribution(probability: float) -> None:
-    """As the standard library has them."""
-    assert normal_quantile(probability) == pytest.approx(STANDARD.inv_cdf(probability), rel=1e-14, abs=1e-15)

@@ -11,7 +11,7 @@ import pytest
 
 from dh2urdf.errors import TableError
 from dh2urdf.manipulator import Convention, Manipulator
-from dh2urdf_plugins.descriptions.readers import DescriptionOptions, read_urdf
+from dh2urdf_plugins.descriptions.readers import URDF, DescriptionOptions
 
 REASONS = (
     *("no joint moves between link", "the chain holds '", "is above upper", "this is not XML", "joint type '"),
@@ -50,7 +50,7 @@ def test_each_is_a_table_or_says_why_not(package: str) -> None:
         for convention in Convention:
             options = DescriptionOptions(convention=convention.value, tip_link="*", tolerance=FARTHEST)
             try:
-                items = list(read_urdf(path, options))
+                items = list(URDF.read(path, options))
             except TableError as error:
                 assert any(reason in str(error) for reason in REASONS), error
                 continue

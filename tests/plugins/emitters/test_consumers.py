@@ -20,6 +20,7 @@ from hypothesis import given, settings
 
 from dh2urdf.kinematics import KinematicChain
 from dh2urdf.manipulator import Convention, JointType, Manipulator
+from dh2urdf.stages import ReadsBack
 from dh2urdf_plugins.emitters.urdf import EMITTER as URDF
 from dh2urdf_plugins.emitters.xacro import EMITTER as XACRO
 from dh2urdf_plugins.read_back.xacro_reader import expand, read_xacro
@@ -98,8 +99,8 @@ def test_published_arms_reach_their_published_poses(
     """The files, read back, put tool0 where the publishers of the tables computed it."""
     for emitter in (URDF, XACRO):
         path = write(emitter, robot_of(table(name), frames), tmp_path)
-        assert emitter.read_back is not None
-        chain = KinematicChain.between(emitter.read_back(path))
+        reads = emitter.can(ReadsBack)
+        chain = KinematicChain.between(reads.read_back(path))
         for q, pose in zip(published[name]["q"], published[name]["T_ee"], strict=True):
             assert np.abs(matrix_of(chain.forward_kinematics(q)) - pose).max() < 1e-9
 
@@ -130,8 +131,8 @@ def test_both_files_of_any_table_are_its_arm(frames: str, manipulator: Manipulat
     with tempfile.TemporaryDirectory() as folder:
         urdf, xacro = (write(emitter, robot, Path(folder)) for emitter in (URDF, XACRO))
         assert_same_description(expand(xacro), urdf.read_bytes())
-        assert URDF.read_back is not None
-        chain = KinematicChain.between(URDF.read_back(urdf))
+        reads = URDF.can(ReadsBack)
+        chain = KinematicChain.between(reads.read_back(urdf))
     for q in joint_vectors(manipulator):
         assert np.abs(matrix_of(chain.forward_kinematics(q)) - dh_product(manipulator, q)).max() < 1e-9
 

@@ -17,6 +17,7 @@ from dh2urdf.errors import EmitterError
 from dh2urdf.kinematics import KinematicChain
 from dh2urdf.manipulator import Convention, DHRow, JointType, Limits, Manipulator
 from dh2urdf.robot import Inertial, Mesh
+from dh2urdf.stages import ReadsBack
 from dh2urdf_plugins.base_bodies import BASE
 from dh2urdf_plugins.emitters.mjcf import EMITTER as MJCF
 from dh2urdf_plugins.emitters.sdf import EMITTER as SDF
@@ -46,8 +47,8 @@ def written(emitter: Emitter[Any], robot: Robot, folder: Path, **options: Any) -
 
 
 def read(emitter: Emitter[Any], path: Path) -> Robot:
-    assert emitter.read_back is not None
-    return emitter.read_back(path)
+    reads = emitter.can(ReadsBack)
+    return reads.read_back(path)
 
 
 def matrix(pose: RigidTransform) -> np.ndarray:

@@ -7,17 +7,20 @@ import logging
 import re
 import shutil
 import subprocess
+import tomllib
 from collections import Counter
 from dataclasses import fields, replace
+from importlib.resources import files
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, get_args
 from xml.etree import ElementTree as ET
 
 import pytest
 
+import dh2urdf_plugins.emitters
 from dh2urdf.errors import EmitterError
 from dh2urdf.kinematics import KinematicChain
-from dh2urdf.stages import LoadRequest
+from dh2urdf.stages import GivesNotices, LoadRequest, ReadsBack
 from dh2urdf_plugins.emitters.profile_names import ProfileName
 from dh2urdf_plugins.emitters.profiles import PROFILES, Profile
 from dh2urdf_plugins.emitters.urdf import EMITTER as URDF
@@ -88,8 +91,8 @@ def test_every_decision_is_some_profiles() -> None:
 @profiles
 def test_the_arm_is_the_same(ur5: Robot, write: Write, profile: str) -> None:
     """Whatever it decides, T(base_link → tool0) is that of the robot, and so is the mass."""
-    assert URDF.read_back is not None
-    found = URDF.read_back(write(ur5, profile))
+    reads = URDF.can(ReadsBack)
+    found = reads.read_back(write(ur5, profile))
     q = [0.3, -0.4, 0.5, -0.6, 0.7, -0.8]
     assert KinematicChain.between(found).forward_kinematics(q) == KinematicChain.between(ur5).forward_kinematics(q)
     assert found.mass == ur5.mass
@@ -98,15 +101,15 @@ def test_the_arm_is_the_same(ur5: Robot, write: Write, profile: str) -> None:
 @profiles
 def test_other_limits_are_told(reference_robots: Sequence[Any], write: Write, profile: ProfileName) -> None:
     """The file of a profile has the limits of the arm, but for those that a notice names, joint by joint."""
-    assert URDF.read_back is not None
-    assert URDF.notices is not None
+    reads = URDF.can(ReadsBack)
+    gives = URDF.can(GivesNotices)
     widened = 0
     for published in reference_robots:
         robot = TRANSFORM.transform(published.manipulator, TRANSFORM.options())
         limits = {joint.name: joint.limits for joint in robot.joints}
-        found = URDF.read_back(write(robot, profile)).moving_joints
+        found = reads.read_back(write(robot, profile)).moving_joints
         other = {joint.name: joint.limits for joint in found if joint.limits != limits[joint.name]}
-        told = {each.joint for each in URDF.notices(robot, URDF.options(profile=profile)) if each.field == "limits"}
+        told = {each.joint for each in gives.notices(robot, URDF.options(profile=profile)) if each.field == "limits"}
         assert told == set(other)
         for name, held in other.items():
             assert held == replace(
@@ -286,11 +289,11 @@ def test_coppeliasim_gets_axes_and_colours_that_it_reads(ur5: Robot, write: Writ
 
 def test_names_that_coppeliasim_changes_are_told(ur5: Robot) -> None:
     """Those of moving joints and links, of which an API call needs the other name."""
-    assert URDF.notices is not None
+    gives = URDF.can(GivesNotices)
     options = URDF.options(profile="coppeliasim")
-    assert not any("other names" in notice.message for notice in URDF.notices(ur5, options))
+    assert not any("other names" in notice.message for notice in gives.notices(ur5, options))
     joints = tuple(replace(joint, name="größe-3") if joint.name == "joint_3" else joint for joint in ur5.joints)
-    (notice,) = [each for each in URDF.notices(replace(ur5, joints=joints), options) if "other names" in each.message]
+    (notice,) = [each for each in gives.notices(replace(ur5, joints=joints), options) if "other names" in each.message]
     assert "`gr____e_3` for 'größe-3'" in notice.message
 
 
@@ -338,16 +341,18 @@ def test_a_name_that_gazebo_needs_is_refused(ur5: Robot) -> None:
 def table() -> str:
     """The decisions as a table of Markdown."""
     lines = ["| portable | otherwise | for | why |", "|---|---|---|---|"]
+    decisions = tomllib.loads((files(dh2urdf_plugins.emitters) / "profiles.toml").read_text("utf-8"))
+    assert [*decisions] == [decision.name for decision in fields(Profile)]
     for decision in fields(Profile):
         users = [name for name, profile in PROFILES.items() if getattr(profile, decision.name) != decision.default]
-        words = decision.metadata
+        words = decisions[decision.name]
         listed = ", ".join(f"`{name}`" for name in users)
         lines.append(f"| {words['portable']} | {words['otherwise']} | {listed} | {words['why']} |")
     return "\n".join([*lines, ""])
 
 
 def test_the_page_has_every_decision(*, renew: bool) -> None:
-    """The table in docs/profiles.md is that of profiles.py; `--renew` writes it."""
+    """The table in docs/profiles.md is that of profiles.py and profiles.toml; `--renew` writes it."""
     text = PAGE.read_text("utf-8")
     pattern = re.compile(r"(?<=<!-- decisions -->\n)(.*?)(?=<!-- /decisions -->)", re.DOTALL)
     if renew:

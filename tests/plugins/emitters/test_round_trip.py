@@ -22,6 +22,7 @@ from dh2urdf.robot import (
     Sphere,
     Visual,
 )
+from dh2urdf.stages import ReadsBack
 from dh2urdf_plugins.emitters.urdf import EMITTER as URDF
 from dh2urdf_plugins.emitters.xacro import EMITTER as XACRO
 
@@ -113,8 +114,8 @@ def test_what_is_written_reads_back_as_the_same_robot(emitter: Emitter[Any], rob
         files = emitter.emit(robot, "robot", emitter.options())
         for file in files:
             (Path(folder) / file.name).write_bytes(file.content)
-        assert emitter.read_back is not None
-        assert emitter.read_back(Path(folder) / files[0].name) == robot
+        reads = emitter.can(ReadsBack)
+        assert reads.read_back(Path(folder) / files[0].name) == robot
 
 
 @pytest.mark.parametrize("emitter", [URDF, XACRO], ids=lambda emitter: emitter.name)

@@ -14,6 +14,7 @@ from lxml import etree
 from sdformat_calls import sdformat
 
 from dh2urdf.errors import EmitterError
+from dh2urdf.stages import ReadsBack
 from dh2urdf_plugins.emitters.sdf import EMITTER, SdfOptions
 from dh2urdf_plugins.transforms.alpha_swap import TRANSFORM
 
@@ -211,8 +212,8 @@ def test_a_cell_is_one_model(cli: Callable[..., Any], tmp_path: Path) -> None:
     plant, context = drake(path)
     from dh2urdf.kinematics import KinematicChain
 
-    assert EMITTER.read_back is not None
-    found = EMITTER.read_back(path)
+    reads = EMITTER.can(ReadsBack)
+    found = reads.read_back(path)
     draw = np.random.default_rng(3)
     joints = {joint.name: float(draw.uniform(-1, 1)) for joint in found.moving_joints}
     q = np.zeros(len(joints))

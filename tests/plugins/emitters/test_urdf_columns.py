@@ -11,6 +11,7 @@ from hypothesis import HealthCheck, given, settings, strategies as st
 
 from dh2urdf.columns import RobotColumns
 from dh2urdf.robot import Box, Collision, Cylinder, Origin, Robot, Sphere
+from dh2urdf.stages import EmitsInColumns
 from dh2urdf_plugins.emitters.urdf import EMITTER, UrdfOptions
 from dh2urdf_plugins.emitters.xacro import EMITTER as XACRO
 
@@ -33,8 +34,8 @@ def emit(robot: Robot, stem: str = "arm") -> tuple[Any, ...]:
 
 
 def emit_columns(robots: RobotColumns) -> Any:
-    assert EMITTER.emit_columns is not None
-    return EMITTER.emit_columns(robots, [f"stem_{k}" for k in range(len(robots))], UrdfOptions())
+    emits = EMITTER.can(EmitsInColumns)
+    return emits.emit_columns(robots, [f"stem_{k}" for k in range(len(robots))], UrdfOptions())
 
 
 @pytest.fixture
@@ -154,4 +155,4 @@ def test_numbers_that_all_have_alike_stand_in_the_template(arm: Robot) -> None:
 
 def test_xacro_is_written_one_by_one() -> None:
     """Its formulas have no columns."""
-    assert XACRO.emit_columns is None
+    assert XACRO.can(EmitsInColumns) is None

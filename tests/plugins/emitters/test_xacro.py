@@ -14,6 +14,7 @@ from hypothesis import given, strategies as st
 from dh2urdf.errors import EmitterError
 from dh2urdf.manipulator import JointType
 from dh2urdf.robot import Parameter, Robot
+from dh2urdf.stages import OtherFiles
 from dh2urdf_plugins.emitters.urdf import EMITTER as URDF
 from dh2urdf_plugins.emitters.xacro import EMITTER, XacroOptions
 from dh2urdf_plugins.emitters.xacro_files import angle_text, macro_name
@@ -165,8 +166,8 @@ def same_text(mine: str, theirs: str) -> bool:
 
 def test_one_file_expands_to_the_same_robot(arm: Robot, tmp_path: Path) -> None:
     """For standard output the macro and its call are in one file."""
-    assert EMITTER.one_file is not None
-    (file,) = EMITTER.emit(arm, "arm", EMITTER.one_file(XacroOptions()))
+    others = EMITTER.can(OtherFiles)
+    (file,) = EMITTER.emit(arm, "arm", others.one_file(XacroOptions()))
     path = tmp_path / file.name
     path.write_bytes(file.content)
     assert read_xacro(path) == read_xacro(write(arm, tmp_path, "other"))

@@ -12,7 +12,7 @@ import pytest
 import dh2urdf
 from dh2urdf.manipulator import Convention, DHRow, Inertia, JointType, Manipulator
 from dh2urdf.rotations import RigidTransform
-from dh2urdf_plugins.extraction.split_tables import with_split_links
+from dh2urdf_plugins.extraction.splitting import with_split_links
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -10,9 +10,16 @@ from hypothesis import given, strategies as st
 
 from dh2urdf.rotations import RigidTransform
 from dh2urdf_plugins.descriptions.rounded_pi import part_of_pi
-from dh2urdf_plugins.extraction.chain import turn_of_z
-from dh2urdf_plugins.extraction.numbers import Precision, between_decimals, decimal_of
-from dh2urdf_plugins.extraction.zsz import ZSZ, decompose, x_screw, z_screw
+from dh2urdf_plugins.extraction.chain import (
+    ZSZ,
+    Precision,
+    between_decimals,
+    decimal_of,
+    decompose,
+    turn_of_z,
+    x_screw,
+    z_screw,
+)
 
 ANGLES = st.one_of(
     st.floats(-math.pi, math.pi),

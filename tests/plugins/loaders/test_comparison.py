@@ -10,7 +10,7 @@ from dh2urdf.errors import LoaderError
 from dh2urdf.measuring import DOUBLE, Body, tensor
 from dh2urdf.measuring.comparison import written_joint
 from dh2urdf.rotations import IDENTITY
-from dh2urdf_plugins.loaders.comparison import Comparison
+from dh2urdf_plugins.loaders.measures import Comparison
 
 
 @pytest.fixture

@@ -48,7 +48,7 @@ class Subject(NamedTuple):
 
     def load(self, request: LoadRequest) -> LoadReport:
         """Its report, made in this process."""
-        return self.loader.load(request, self.options)  # type: ignore[misc]
+        return self.loader.open(request, self.options)
 
 
 @pytest.fixture

@@ -4,7 +4,6 @@ import gc
 import io
 import math
 import os
-import re
 import warnings
 from itertools import islice
 from typing import TYPE_CHECKING
@@ -51,27 +50,6 @@ def test_a_manipulator_may_be_longer_than_a_block(read_one: Callable[..., Manipu
     assert arm.rows[-1].joint == "joint_5000"
 
 
-@pytest.mark.parametrize(
-    ("header", "said"),
-    [
-        ('a,alpha,d,theta [deg]"', r"'theta \[deg\]\"' seems to be theta"),
-        ('a,alpha,d,the"ta', "no column is called 'the\"ta'"),
-        ('a,alpha,d,"theta', r"arm.csv:1: error: a column of the header opens with a quote that is not closed"),
-    ],
-)
-def test_a_quote_in_a_header_takes_no_row_away(
-    header: str, said: str, read: Callable[..., list[Manipulator | Rejected]]
-) -> None:
-    """It goes on in the next line only where a cell begins with it, and has to end there."""
-    try:
-        (arm,) = read(f"{header}\n0,0,1,30\n0,0,2,40\n", convention="standard")
-    except TableError as error:
-        assert re.search(said, str(error))
-    else:
-        assert isinstance(arm, Rejected)
-        assert re.search(said, "\n".join(map(str, arm.problems)))
-
-
 def test_a_bad_manipulator_fails_alone(read: Callable[..., list[Manipulator | Rejected]]) -> None:
     """The others of the file are read, before and behind it."""
     arms = read("robot,a,alpha,d\nA,0,0,1\nB,0,x,1\nB,y,0,1\nC,0,0,2\n", convention="standard")
@@ -86,19 +64,6 @@ def test_what_is_to_be_said_of_a_file_is_said_once(read: Callable[..., list[Mani
     assert isinstance(first, Manipulator)
     assert isinstance(second, Manipulator)
     assert (len(first.notices), len(second.notices)) == (1, 0)
-
-
-@pytest.mark.parametrize("gap", [1, 5000])
-def test_a_manipulator_whose_rows_return_is_refused(
-    read: Callable[..., list[Manipulator | Rejected]], gap: int
-) -> None:
-    """Two halves of an arm are never two arms; far behind, at least the second half is refused."""
-    between = "".join(f"B{number},0,0,1\n" for number in range(gap))
-    arms = read(f"robot,a,alpha,d\nA,0,0,1\n{between}A,0,0,2\n", convention="standard")
-    assert isinstance(arms[-1], Rejected)
-    assert "rows of 'A' are in several places" in str(arms[-1].problems[0])
-    if gap == 1:
-        assert isinstance(arms[0], Rejected)
 
 
 @pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16", "utf-16-le", "utf-16-be"])
@@ -253,37 +218,6 @@ def test_a_decimal_comma_before_a_unit_of_two_parts(unit: str, read_one: Callabl
     assert row.limits.effort == 0.5
 
 
-@pytest.mark.parametrize("title", ["", "DH parameters of the arm\n\n"])
-@pytest.mark.parametrize(
-    ("table", "said"),
-    [
-        ("| Link | a | alpha |\n|---|---|---|\n| 1 | 0.3 | 0 |\n", "a table between bars"),
-        (
-            "\\begin{tabular}{ccc}\nLink & $a$ & $d$ \\\\ \\hline\n1 & 0.3 & 0 \\\\\n\\end{tabular}\n",
-            "a table of LaTeX",
-        ),
-        ('{| class="wikitable"\n! Link !! a !! d\n|-\n| 1 || 0.3 || 0\n|}\n', "a table of MediaWiki"),
-        ("|-\n! Link\n! a\n|-\n| 1\n| 0.3\n", "a table of MediaWiki"),
-    ],
-)
-def test_a_table_of_another_program_is_known_below_a_title(
-    table: str, said: str, title: str, read: Callable[..., list[Manipulator | Rejected]]
-) -> None:
-    """The message was about the title alone."""
-    with pytest.raises(TableError) as error:
-        read(f"{title}{table}", convention="standard")
-    assert said in str(error.value)
-
-
-@pytest.mark.parametrize("header", ["Δa,Δα,Δd,Δθ", "delta_a,delta_alpha,delta_d", "da,dalpha,dd,dtheta"])
-def test_a_table_of_differences_is_answered_with_what_takes_it(
-    header: str, read: Callable[..., list[Manipulator | Rejected]]
-) -> None:
-    """Its header was said to be none."""
-    with pytest.raises(TableError, match="which `--calibration` names"):
-        read(f"{header}\n{','.join('0' for _ in header.split(','))}\n", convention="standard")
-
-
 def test_differences_beside_the_parameters_are_refused(read: Callable[..., list[Manipulator | Rejected]]) -> None:
     """`da` and `dd` were left out, and `dtheta` was a slip of theta. What is 0 changes nothing."""
     (rejected,) = read("a,alpha,d,da,dalpha,dd,dtheta\n0.3,0,0.1,1e-3,0,1e-3,1e-3\n", convention="standard")
@@ -312,11 +246,3 @@ def test_a_largest_value_is_what_its_unit_measures(
         arm = read_one(f"a,alpha,d{others},{header}\n0.3,0,0{bounds},{cell}\n")
         assert getattr(arm.rows[0].limits, field) == pytest.approx(number, rel=1e-15)
         assert arm.rows[0].limits.upper == (pytest.approx(math.radians(170)) if bounds else None)
-
-
-def test_an_index_of_the_link_behind_is_answered_with_what_to_call_it(
-    read: Callable[..., list[Manipulator | Rejected]],
-) -> None:
-    """The advice was a list of units."""
-    with pytest.raises(TableError, match=r"a_\{i-1\} and alpha_\{i-1\} where they are of the link before"):
-        read("alpha_{i},a_{i},theta_{i+1},d_{i+1}\n0,0.3,0,0.1\n", convention="modified")

@@ -98,36 +98,6 @@ def test_a_name_that_says_that_its_joint_slides_is_refused_without_a_type(name: 
     assert arm.rows[1].joint == name
 
 
-@pytest.mark.parametrize(
-    ("header", "rows", "outcome"),
-    [
-        ("joint,a,alpha,d,part", "one,0.1,0,0.1,lift;two,0.2,0,0.1,track", "read"),
-        ("joint,a,alpha,d,сочл", "one,0.1,0,0.1,вращательная;two,0.2,0,0.1,поступательная", "refused"),
-        ("joint,a,alpha,d,rodzina", "one,0.1,0,0.1,obrotowy;two,0.2,0,0.1,przesuwny", "refused"),
-        ("joint,a,alpha,d", "R1,0.1,0,0.1;P2,0.2,0,0.1", "refused"),
-        ("joint,a,alpha,d", "θ1,0.1,0,0.1;d2*,0.2,0,0.1", "refused"),
-        ("joint,type,a,alpha,d", "one,R,0.1,0,0.1;Linear axis,,0.2,0,0.1", "refused"),
-        ("joint,a,alpha,d,theta", "R1,0.1,0,0.1,q1;P2,0.2,0,0.1,0", "refused"),
-        ("joint,a,alpha,d,theta", "R1,0.1,0,0.1,q1;P2,0.2,0,0.1,q2", "read"),
-        ("joint,type,a,alpha,d", "R1,R,0.1,0,0.1;P2,R,0.2,0,0.1", "read"),
-        ("joint,a,alpha,d,variable", "one,0.1,0,0.1,θ1;two,0.2,0,0.1,d2*", "refused"),
-        ("joint,a,alpha,d,variable", "one,0.1,0,0.1,θ1;two,0.2,0,0.1,θ2*", "read"),
-        ("joint,a,alpha,d,part", "one,0.1,0,0.1,D7;two,0.2,0,0.1,P4", "read"),
-        ("joint,a,alpha,d,note", "one,0.1,0,0.1,;two,0.2,0,0.1,this joint is prismatic", "refused"),
-        ("joint,a,alpha,d,note", "one,0.1,0,0.1,;two,0.2,0,0.1,Prismatic joint", "refused"),
-    ],
-)
-def test_a_table_without_types_that_names_a_slide_is_refused(header: str, rows: str, outcome: str, read: Read) -> None:
-    """The joint was a revolute one, without a word or with a notice of a column that is left out."""
-    (arm,) = read("\n".join([header, *rows.split(";")]), convention="standard")
-    if outcome == "read":
-        assert isinstance(arm, Manipulator)
-        return
-    assert not isinstance(arm, Manipulator)
-    assert [problem.field for problem in arm.problems] == ["type"]
-    assert any(said in arm.problems[0].message for said in ("hardly is a revolute joint", "seems to be a type"))
-
-
 @pytest.mark.parametrize("name", ["0", "base", "0 (from base)", "Base link", "fixed base", "Sockel"])
 def test_row_0_is_the_base(name: str) -> None:
     """As makers call it."""
@@ -146,30 +116,6 @@ def table(names: list[str], form: str) -> tuple[str, str]:
         return "\n".join([header[form], *rows]), ".csv"
     rows = [f"{name},{0.1 * k:g},0,0.2" for k, name in enumerate(names, start=1)]
     return "\n".join([f"{header[form]},a,alpha,d", *rows]), ".csv"
-
-
-@pytest.mark.parametrize("form", ["joint", "link", "unnamed", "unknown", "last", "yaml"])
-@pytest.mark.parametrize(
-    ("name", "said"),
-    [
-        ("Total", "seems to be no joint"),
-        ("Summe", "seems to be no joint"),
-        ("max", "seems to be no joint"),
-        ("Flansch", "hardly is a revolute joint"),
-        ("tool_joint", "hardly is a revolute joint"),
-        ("EE frame", "hardly is a revolute joint"),
-        ("ground", "hardly is a revolute joint"),
-    ],
-)
-@pytest.mark.parametrize("place", [0, 3])
-def test_a_row_that_is_hardly_a_joint_is_refused(name: str, said: str, form: str, place: int, read: Read) -> None:
-    """At the beginning and at the end, by the names of joints or of links, or in a column that no field knows."""
-    names = ["upper", "elbow", "wrist"]
-    names.insert(place, name)
-    text, suffix = table(names, form)
-    (arm,) = read(text, suffix, convention="standard")
-    assert not isinstance(arm, Manipulator)
-    assert any(said in problem.message and repr(name) in problem.message for problem in arm.problems)
 
 
 @pytest.mark.parametrize("many", [1, 300])
@@ -245,14 +191,6 @@ def test_a_flange_beside_variables_is_fixed(read: Read) -> None:
         assert "it is fixed" in arm.notices[0].message
 
 
-def test_a_row_without_a_variable_beside_others_is_refused(read: Read) -> None:
-    """Nothing but its number is known of it: it may be fixed or not."""
-    (arm,) = read("a,alpha,d,theta\n0.3,0,0,q1\n0.2,0,0,q2\n0,0,0.1,0\n", convention="standard")
-    assert not isinstance(arm, Manipulator)
-    (problem,) = arm.problems
-    assert problem.message == "row 3 has no joint variable and no type, and other rows have a variable"
-
-
 @pytest.mark.parametrize("header", ["joint", "Joint", "link", "JOINT NAME"])
 @pytest.mark.parametrize("numbers", [["1", "2", "3"], ["1.0", "2.0", "3.0"], ["01", "02", "03"]])
 @pytest.mark.parametrize("form", ["csv", "careful", "json"])
@@ -273,16 +211,6 @@ def test_numbers_are_made_names(
     assert [getattr(row, field) for row in arm.rows] == [f"{field}_{number.removesuffix('.0')}" for number in numbers]
     (notice,) = arm.notices
     assert notice.message.startswith(f"the column of {field}s holds numbers")
-
-
-@pytest.mark.parametrize(
-    "numbers", [["0", "1", "2"], ["1", "3", "2"], ["1", "2", "4"], ["3", "2", "1"], ["1", "1", "2"]]
-)
-def test_numbers_that_do_not_count_the_rows_are_refused(numbers: list[str], read: Read) -> None:
-    """As those of an index are."""
-    (arm,) = read("\n".join(["joint,a,alpha,d", *(f"{number},0,0,1" for number in numbers)]), convention="standard")
-    assert not isinstance(arm, Manipulator)
-    assert any("the number of the joint is" in problem.message for problem in arm.problems)
 
 
 @pytest.mark.parametrize("names", [["J1", "J2"], ["A1", "B1"], ["I", "II"], ["007", "épaule"], ["1a", "2a"]])
@@ -380,41 +308,6 @@ def test_a_variable_in_d_makes_a_row_without_types_prismatic(rows: str, types: s
         assert len(slides) == types.count("P")
 
 
-MERGED = "given for the first joint alone, and the cells below are empty"
-
-
-@pytest.mark.parametrize(
-    ("header", "rows", "names"),
-    [
-        ("velocity", ["3", "", ""], "velocity is"),
-        ("lower,upper,velocity", ["-1,1,3", ",,", ",,"], "lower and upper and velocity are"),
-        ("lower,upper,velocity", ["-1,1,3", "-1,1,", "-1,1,"], "velocity is"),
-        ("range", ["±170°", "", ""], "lower and upper are"),
-        ("velocity", ["3", "", "2"], None),
-        ("velocity", ["", "3", ""], None),
-        ("velocity", ["3", ""], None),
-        ("velocity,type", ["3,R", ",F", ",F"], None),
-        ("velocity,type", ["3,R", ",F", ",R", ",P"], "velocity is"),
-        ("effort,type", ["3,C", "3,R", " ,R", ",R"], None),
-        ("effort,type", [",F", "3,R", " ,R", ",C"], "effort is"),
-        ("range,type", [",C", "±170°,R", ",R", ",R"], "lower and upper are"),
-        ("range,type", ["±170°,R", ",C", ",C"], None),
-    ],
-)
-def test_cells_that_a_spreadsheet_has_merged_are_noticed(
-    header: str, rows: list[str], names: str | None, read: Read
-) -> None:
-    """Exported as CSV, a speed for all joints is that of the first one; on the fast path, too, behind other arms."""
-    full = [f"full,j{k},0.3,0,0.1,{rows[0]}\n" for k in range(3)]
-    arm = [f"arm,j{k},0.3,0,0.1,{cells}\n" for k, cells in enumerate(rows)]
-    first, second = read("".join([f"robot,joint,a,alpha,d,{header}\n", *full, *arm]), convention="standard")
-    assert isinstance(first, Manipulator)
-    assert isinstance(second, Manipulator)
-    assert not first.notices
-    found = [notice.message for notice in second.notices]
-    assert found == ([] if names is None else [f"{names} {MERGED}"])
-
-
 def test_a_yaml_table_has_no_merged_cells(read_one: Callable[..., Manipulator]) -> None:
     """A key that only the first joint has is meant so."""
     joints = [{"a": 0.3, "alpha": 0, "d": 0, "limits": {"velocity": 1}}, *[{"a": 0.3, "alpha": 0, "d": 0}] * 2]
@@ -457,20 +350,6 @@ def test_joint_1_may_be_called_after_the_base(first: str, second: str, header: s
         assert "called like a frame, and has the number of the first joint: it moves" in notice.message
 
 
-@pytest.mark.parametrize(
-    ("first", "second"),
-    [
-        *(("1 (base)", "2 (joint 1)"), ("1 (fixed)", "2 (shoulder)"), ("1 (world)", "2 (shoulder)")),
-        *(("1 (base)", "3 (shoulder)"), ("1 (base)", "2 (tool)"), ("base", "shoulder"), ("Base frame 1", "Arm 2")),
-    ],
-)
-def test_a_base_is_no_joint_where_the_numbers_do_not_show_it(first: str, second: str, read: Read) -> None:
-    """It may be a row that does not move."""
-    (rejected,) = read(f"# convention: standard\njoint,a,alpha,d\n{first},0.3,0,0.1\n{second},0.2,0,0\n")
-    assert not isinstance(rejected, Manipulator)
-    assert "hardly is a revolute joint" in rejected.problems[-1].message
-
-
 @pytest.mark.parametrize("header", ["link", "body", "n", "k"])
 def test_joint_1_may_be_called_after_the_base_in_a_column_of_links_or_rows(header: str, read: Read) -> None:
     """It was refused there."""
@@ -483,82 +362,8 @@ def test_joint_1_may_be_called_after_the_base_in_a_column_of_links_or_rows(heade
         assert not isinstance(rejected, Manipulator)
 
 
-def test_numbers_before_a_remark_that_leap_are_noticed(read: Read) -> None:
-    """As those without one are; and the number of a row may have the mark of a footnote."""
-    (arm,) = read(
-        "# convention: standard\njoint,a,alpha,d\nJ1 (yaw),0.3,0,0.1\nJ2 (pitch),0.2,0,0\nJ4 (roll),0.1,0,0\n"
-    )
-    assert isinstance(arm, Manipulator)
-    assert ["leap from 2 to 4" in notice.message for notice in arm.notices] == [True]
-    (arm,) = read("# convention: standard\ni,a,alpha,d\n1*,0.3,0,0.1\n2†,0.2,0,0\n3 *,0.1,0,0\n")
-    assert isinstance(arm, Manipulator), arm.problems
-    (rejected,) = read("# convention: standard\ni,a,alpha,d\n1*,0.3,0,0.1\n3,0.2,0,0\n")
-    assert not isinstance(rejected, Manipulator)
-
-
-@pytest.mark.parametrize("cell", ["+", "-", "−", "CW", "ccw", "n/a"])
-def test_a_sign_that_is_no_number_is_answered_with_the_two_that_are(cell: str, read: Read) -> None:
-    """The advice for `-` was to leave the cell empty, which means +1."""
-    (arm,) = read(f"a,alpha,d,sign\n0.3,0,0,{cell}\n", convention="standard")
-    assert not isinstance(arm, Manipulator)
-    (problem,) = arm.problems
-    assert problem.accepted == "1 or -1"
-    assert "-1 where the positive direction is the other one" in str(problem)
-
-
-@pytest.mark.parametrize("cell", ["0.1 # measured", "0.1 // measured"])
-def test_a_comment_in_a_cell_is_answered_with_its_place(cell: str, read: Read) -> None:
-    (arm,) = read(f"a,alpha,d\n0.3,0,{cell}\n", convention="standard")
-    assert not isinstance(arm, Manipulator)
-    (problem,) = arm.problems
-    assert "put the comment on a line of its own" in str(problem)
-
-
 def test_a_first_row_called_0_is_fixed_where_a_flange_follows_the_joints(read_one: Callable[..., Manipulator]) -> None:
     """Six errors spoke of rows that are counted from 1."""
     rows = "0,0,0,0.35,0\n1,0.1,pi/2,0.4,q1\n2,0.4,0,0,q2\nTCP,0,0,0.1,0\n"
     arm = read_one(f"joint,a,alpha,d,theta\n{rows}")
     assert [str(row.type) for row in arm.rows] == ["fixed", "revolute", "revolute", "fixed"]
-
-
-@pytest.mark.parametrize("names", ["X Y Z", "x y", "Z X Y"])
-@pytest.mark.parametrize("suffix", [".csv", ".yaml"])
-def test_joints_called_as_the_axes_of_a_gantry_get_a_notice(
-    names: str, suffix: str, read_one: Callable[..., Manipulator]
-) -> None:
-    """They were revolute, without a word; with a type, or a joint variable, there is no notice."""
-
-    def table(*cells: tuple[str, str]) -> str:
-        if suffix == ".yaml":
-            others = ", ".join(f"{name}: {text}" for name, text in cells)
-            rows = ", ".join(f"{{name: {name}, a: 0.1, alpha: 0, d: 0, {others}}}" for name in names.split())
-            return f"joints: [{rows}]"
-        header, texts = (",".join(part) for part in zip(("joint", ""), *cells, strict=True)) if cells else ("joint", "")
-        rows = "".join(f"{name},0.1,0,0{texts}\n" for name in names.split())
-        return f"joint,a,alpha,d{header.removeprefix('joint')}\n{rows}"
-
-    (notice,) = read_one(table(("radius", "0.05")), suffix).notices
-    assert "and have no types: they turn" in notice.message
-    assert read_one(table(("type", "R")), suffix).notices == ()
-    assert read_one(table(("theta", "q")), suffix).notices == ()
-
-
-@pytest.mark.parametrize(
-    ("header", "row"),
-    [
-        ("a,alpha,d,theta,offset", "0.3,0,0,-1.2,-1.2"),
-        ("a,alpha,d,theta,offset", "0.3,0,0,q - 1.2,-1.2"),
-        ("a,alpha,d,theta,offset", "0.3,0,0,-90°,-pi/2"),
-        ("a,alpha,d,theta,offset", "0.3,0,0,1.2 - q,1.2"),
-        ("type,a,alpha,d,offset", "P,0.3,0,0.25,0.25"),
-        ("type,a,alpha,d,offset", "P,0.3,0,q + 0.25,0.25"),
-    ],
-)
-def test_an_offset_that_theta_or_d_seems_to_have_already_gets_a_notice(
-    header: str, row: str, read_one: Callable[..., Manipulator]
-) -> None:
-    """They are added, so that -90° beside `q2 - 90°` is -180°: it was read without a word."""
-    arm = read_one(f"{header}\n{row}\n{row}\n")
-    assert [": they are added" in notice.message for notice in arm.notices].count(True) == 1
-    other = row.replace(",-1.2", ",0.1").replace(",1.2", ",0.1").replace(",-pi/2", ",0.1").replace(",0.25", ",0.1")
-    assert not any(": they are added" in notice.message for notice in read_one(f"{header}\n{other[:-3]}0.7\n").notices)

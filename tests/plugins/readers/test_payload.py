@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from dh2urdf.manipulator import Convention, DHRow, Inertia, Manipulator, Payload
+from dh2urdf.stages import WritesTables
 from dh2urdf.table_text import table_text
 from dh2urdf_plugins.readers import csv, yaml
 from dh2urdf_plugins.readers.table import TableOptions
@@ -113,8 +114,7 @@ def test_what_is_written_is_read_back(payload: Payload, suffix: str, units: tupl
     """To the last bit, beside a base of mass 0."""
     row = DHRow(joint="joint_1", link="link_1", a=0.3, alpha=0.0, d=0.1)
     arm = Manipulator(name="arm", convention=Convention.STANDARD, rows=(row,), base_mass=0.0, payload=payload)
-    write = READERS[suffix].write
-    assert write is not None
+    write = READERS[suffix].can(WritesTables).write
     found = accepted(read(write([table_text(arm, *units)]).content.decode(), tmp_path, suffix))
     assert (found.payload, found.base_mass) == (payload, 0.0)
 

@@ -55,18 +55,3 @@ def test_elements_of_a_matrix_may_be_expressions(read_one: Callable[..., Manipul
     arm = read_one(f"tool: {rows}\njoints: [{{a: 0, alpha: 0, d: 1}}]", ".yaml")
     assert arm.tool.rotation[:2] == pytest.approx((math.cos(math.pi / 6), -0.5), abs=1e-15)
     assert (arm.tool.translation, arm.notices) == ((0.1, 0.0, 0.0), ())
-
-
-@pytest.mark.parametrize(
-    ("angle", "meant"), [("1.57", "pi/2"), ("-1.5708", "-pi/2"), ("3.14", "pi"), ("89.99 deg", "pi/2")]
-)
-@pytest.mark.parametrize("what", ["base", "tool"])
-def test_a_rounded_quarter_turn_gets_the_notice_that_one_of_a_row_does(
-    angle: str, meant: str, what: str, read_one: Callable[..., Manipulator]
-) -> None:
-    """It was read without a word, and the tool was off by a thousandth of its length."""
-    arm = read_one(f"{what}: {{rpy: [0, 0, {angle}]}}\njoints: [{{a: 0.3, alpha: 0, d: 0}}]", ".yaml")
-    assert [notice.message for notice in arm.notices] == [f"'{angle}' is kept as it is; {meant} was probably meant"]
-    for exact in ("pi/2", "90 deg", "1.5", "1.5707963267948966"):
-        arm = read_one(f"{what}: {{rpy: [0, 0, {exact}]}}\njoints: [{{a: 0.3, alpha: 0, d: 0}}]", ".yaml")
-        assert arm.notices == ()

@@ -11,7 +11,6 @@ import pytest
 from readings import STANDARD, notices_of, problems_of
 
 import dh2urdf
-from dh2urdf.errors import TableError
 from dh2urdf.manipulator import JointType, Manipulator
 
 if TYPE_CHECKING:
@@ -100,19 +99,6 @@ def test_a_row_with_bounds_moves_where_no_row_has_a_variable(header: str, read_o
     assert "is called like a frame, and has bounds: it moves" in notices_of(arm)
 
 
-@pytest.mark.parametrize(
-    "rows",
-    [
-        "Base,0,0,0.1,,\nelbow,0.3,0,0,-1,1\n",
-        "Base,0,0,0.1,0,0\nelbow,0.3,0,0,-1,1\n",
-        "fixed,0,0,0.1,-1,1\nelbow,0.3,0,0,-1,1\n",
-    ],
-)
-def test_a_base_that_nothing_moves_is_refused_as_before(rows: str, read: Read) -> None:
-    (problem,) = problems_of(read, f"{STANDARD}joint,a,alpha,d,lower,upper\n{rows}")
-    assert "by its name it hardly is a revolute joint" in problem.message
-
-
 def test_a_flange_without_a_variable_is_fixed_as_before(read_one: ReadOne) -> None:
     arm = read_one("joint,a,alpha,d,theta\nelbow,0.3,0,0,q1\nEE,0,0,0.1,0\n")
     assert [row.type.value for row in arm.rows] == ["revolute", "fixed"]
@@ -141,14 +127,6 @@ def test_they_may_in_yaml_and_beside_a_fixed_flange(read_one: ReadOne) -> None:
     joints = "".join(f"- {{a: 0.{k + 1}, alpha: 0, d: 0, theta: q{k}}}\n" for k in range(2))
     arm = read_one(f"joints:\n{joints}- {{name: flange, a: 0, alpha: 0, d: 0.1, theta: 0}}\n", ".yaml")
     assert [row.type.value for row in arm.rows] == ["revolute", "revolute", "fixed"]
-
-
-@pytest.mark.parametrize("symbols", ["q0", "q0,q2", "q,q1", "q0,q0", "q0,q1,q3", "q1,q0"])
-def test_variables_of_other_rows_are_refused_as_before(symbols: str, read: Read) -> None:
-    rows = "".join(f"0.3,0,0,{symbol}\n" for symbol in symbols.split(","))
-    assert any(
-        "names the variable of row" in each.message for each in problems_of(read, f"{STANDARD}a,alpha,d,theta\n{rows}")
-    )
 
 
 # --- A column of joints beside one of their names ---------------------------------------------------------------------
@@ -189,16 +167,6 @@ def test_labels_of_axes_are_left_out_beside_names(read_one: ReadOne) -> None:
     arm = read_one("Axis,Name,a,alpha,d\nS,swing,0.3,0,0\nL,lower arm,0.2,0,0\n")
     assert [row.joint for row in arm.rows] == ["swing", "lower arm"]
     assert "the column of numbers holds none, and is left out: 'S'" in notices_of(arm)
-
-
-def test_numbers_beside_names_have_to_be_those_of_the_rows(read: Read) -> None:
-    (problem,) = problems_of(read, f"{STANDARD}Joint,Name,a,alpha,d\n1,x,0.3,0,0\n3,y,0.2,0,0\n")
-    assert "the index is '3', and this is row 2" in problem.message
-
-
-def test_three_columns_of_joints_are_refused_with_what_to_do(read: Read) -> None:
-    for problem in problems_of(read, f"{STANDARD}Joint,Name,Axis,a,alpha,d\n1,x,z,0.3,0,0\n"):
-        assert "begin its header with _" in str(problem)
 
 
 @pytest.mark.parametrize("key", ["joint", "index", "i", "no"])
@@ -243,66 +211,6 @@ def test_prose_about_a_joint_that_slides_agrees_with_a_variable_in_d(
     assert "speaks of" not in notices_of(arm)
 
 
-@pytest.mark.parametrize("said", ["2R1P", "3 DOF (2R + 1P)", "1P2R", "第3关节为移动关节"])
-@pytest.mark.parametrize("arms", [1, 3, 300])
-def test_it_is_refused_where_no_joint_slides(said: str, arms: int, read: Read) -> None:
-    rows = "".join(f"arm{arm},0.3,0,0\narm{arm},0.2,0,0\n" for arm in range(arms))
-    with pytest.raises(TableError) as error:
-        read(f"{STANDARD}# {said}\nrobot,a,alpha,d\n{rows}")
-    (problem,) = error.value.problems
-    assert "speaks of a prismatic joint, and the table has no types" in problem.message
-
-
-@pytest.mark.parametrize(
-    "said", ["SCARA robot of the lab", "cylindrical robot", "Stanford arm", "2 rotaciones y 1 traslación"]
-)
-def test_arms_that_mostly_slide_get_a_notice(said: str, read_one: ReadOne) -> None:
-    """A planar arm may be called SCARA too."""
-    table = "a,alpha,d\n0.3,0,0\n0.2,0,0\n"
-    message = "speaks of an arm that mostly has a prismatic joint, and no joint is one"
-    assert message in notices_of(read_one(f"# {said}\n{table}"))
-    assert message in notices_of(read_one(f"# {said}\njoints: [{{a: 0.3, alpha: 0, d: 0}}]", ".yaml"))
-    assert message not in notices_of(read_one(f"# {said}\ntype,a,alpha,d\nR,0.3,0,0\n"))
-
-
-@pytest.mark.parametrize(
-    "said",
-    [
-        "all motors: clockwise is positive",
-        "所有电机顺时针为正 (方向系数 = -1)",
-        "Drehrichtung: im Uhrzeigersinn positiv",
-        "sens horaire positif",
-        "positivo en sentido horario",
-        "時計回りを正とする",
-        "mounted upside down",
-        "ceiling mounted",
-        "z0 points down",
-        "left-handed frames",
-        "base rotated 45 deg about y",
-        "d₃ ∈ [0.2, 1.0]",
-        "q1: -170..170, q2: -120..120",
-        "-π ≤ θ1 ≤ π, θ2 < π",
-        "J1 range 340°",
-        "关节1: -170° ~ 170°",
-        "q2 is negated in the controller",
-        "q2_motor = -q2",
-        "J3 = q2 + q3",
-        "θ3 is measured from the horizontal",
-        "joint 2 has an offset of -90",
-        "El offset de la articulación 2 es -90",
-    ],
-)
-def test_prose_that_makes_another_arm_is_not_passed_over(said: str, read_one: ReadOne) -> None:
-    """Each was a comment like any other: nothing was said."""
-    row = "type,a [m],alpha [deg],d [m],theta [deg]\nR,0.3,0,0,q1\nR,0.2,0,0,q2\nP,0,0,q3,0\n"
-    joints = "joints: [{type: R, a: 0.3, alpha: 0°, d: 0.0}]"
-    for arm in (
-        read_one(f"# {said}\n{row}"),
-        read_one(f"units: {{length: m, angle: deg}}\n# {said}\n{joints}", ".yaml"),
-    ):
-        assert "is a comment, and nothing is read from it" in notices_of(arm)
-
-
 @pytest.mark.parametrize(
     "said",
     [
@@ -325,68 +233,7 @@ def test_prose_that_says_nothing_new_gets_no_notice(said: str, read_one: ReadOne
     assert "nothing is read from it" not in notices_of(read_one(f"# {said}\na,alpha,d\n0.3,0,0\n"))
 
 
-@pytest.mark.parametrize(
-    "note",
-    [
-        r"*\* indicates variable joint parameter*",
-        "> Parameters derived from URDF joint origins.",
-        "- lengths of the links were measured",
-        "_Own work._",
-    ],
-)
-def test_notes_of_markdown_are_notes(note: str, read_one: ReadOne) -> None:
-    """Below the table and an empty row, as it was copied."""
-    assert "nothing is read from what is below the table" in notices_of(read_one(f"a,alpha,d\n0.3,0,0\n\n{note}\n"))
-
-
 # --- Advice that leads to a table that works --------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize(
-    ("table", "advice"),
-    [
-        ("a,alpha,d\n1100[mm],0,0\n", "without brackets: 290 mm"),
-        ("a,alpha,d\n0.3,90 [°],0\n", "without brackets: 290 mm"),
-        ("a,alpha,d\n300 (mm),0,0\n", "without brackets: 290 mm"),
-        ("a,alpha,d\n0.3,**−90°**,0\n", "without the marks that make it bold"),
-        ("a,alpha,d\n`0.3`,0,0\n", "without the marks that make it bold"),
-        ('a,alpha,d,theta\n0.3,0,0,"θ1(-120, 120)"\n', "its bounds go to a column limits"),
-        ("a,alpha,d,theta\n0.3,0,0,θ1 (-90)\n", "with an offset behind it, as q1 - 90 deg"),
-        ("a,alpha,d,theta\n0.3,0,0,q1 + q2\n", "write that of this joint alone"),
-        ("Link Length,Link Twist,Joint Offset,Joint Angle\n0.3,0,0.1,q1\n", "if 'Joint Offset' is the length along z"),
-        ("a_{i-1},α_{i-1},θ_i,r_i\n0.3,0,q1,0.1\n", "if r_i is the length along z, call it d"),
-        ("a,alpha,d,r\n0.3,0,0.1,0\n", "if r is the centre of mass, call it com"),
-        ("a,alpha,d\n0.3,−π 2,0\n", "write the fraction with its sign"),
-        ("a,alpha,d\n0.3,pi2,0\n", "write the fraction with its sign"),
-        ("a,alpha,d\n0.3,-π/2 (−90°),0\n", "write one of the two numbers"),
-        ("a,alpha,d\n0.3,90° = π/2,0\n", "write one of the two numbers"),
-        ("a,alpha,d,theta,theta offset\n0.3,0,0,q1,1.2\n", "call it offset"),
-        ("a,alpha,d,theta\n0.3,0,0,M1\n", "write the joint variable as q1"),
-        ("a,alpha,d,phi\n0.3,0,0,θ1\n", "if it is one of them, call it so: theta or offset"),
-    ],
-)
-def test_a_refusal_says_what_to_write(table: str, advice: str, read: Read) -> None:
-    text = table if "i-1" in table else f"{STANDARD}{table}"
-    assert any(advice in (problem.suggestion or "") for problem in problems_of(read, text))
-
-
-def test_a_key_of_two_letters_is_no_slip(read: Read) -> None:
-    """The advice for `id` was the key d, which would have been the length."""
-    (problem,) = problems_of(read, "convention: standard\njoints: [{id: 1, a: 0.3, alpha: 0, d: 0}]", ".yaml")
-    assert "did you mean" not in str(problem)
-    assert "begin the key with _" in str(problem)
-
-
-@pytest.mark.parametrize("header", ["物理角色", "角色"])
-def test_a_role_is_no_angle(header: str, read_one: ReadOne) -> None:
-    """The second letter of one is the first of the other."""
-    assert f"the column '{header}' is left out" in notices_of(read_one(f"a,alpha,d,{header}\n0.3,0,0,底座回转\n"))
-
-
-@pytest.mark.parametrize("header", ["当前角度", "偏角", "角位移"])
-def test_angles_of_other_kinds_are_refused_as_before(header: str, read: Read) -> None:
-    (problem,) = problems_of(read, f"{STANDARD}a,alpha,d,{header}\n0.3,0,0,90\n")
-    assert "seems to be" in problem.message
 
 
 # --- Columns of joints that hold types --------------------------------------------------------------------------------
@@ -462,30 +309,7 @@ def test_so_are_those_of_masses_and_torques(header: str, cell: float, read_one: 
     assert cell in (row.mass, row.limits.effort)
 
 
-@pytest.mark.parametrize("header", ["α in Grad", "α, град", "α en grados", "alpha gradi", "α/π"])
-def test_a_unit_that_is_none_here_is_answered_with_what_to_write(header: str, read: Read) -> None:
-    """`α in Grad` was no alpha, and the message said that the column was missing."""
-    (problem,) = problems_of(read, f"{STANDARD}a;{header};d\n0,3;90;0\n")
-    assert "is no unit of angle that is known" in problem.message
-    assert problem.suggestion is not None
-    assert problem.suggestion.startswith("write ")
-
-
 # --- Directions and joints that nothing drives ------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize("cell", ["(0,0,-1)", "[0 0 -1]", "0 0 -1", "0.0; 0.0; -1.0", "Z-", "-Z"])
-def test_an_axis_that_points_down_is_not_left_out(cell: str, read: Read) -> None:
-    """As programs write it; it was left out with a notice."""
-    (problem,) = problems_of(read, f'{STANDARD}a,alpha,d,轴向\n0.3,0,0,"(0,0,1)"\n0.2,0,0,"{cell}"\n')
-    assert "seems to be a direction" in problem.message
-    (problem,) = problems_of(read, f'{STANDARD}name,a,alpha,d,axis\nx,0.3,0,0,z\ny,0.2,0,0,"{cell}"\n')
-    assert "seems to be a direction" in problem.message
-
-
-@pytest.mark.parametrize("cell", ["(0,0,1)", "0 0 1", "Z", "z+"])
-def test_an_axis_that_points_up_is_left_out_as_before(cell: str, read_one: ReadOne) -> None:
-    assert "the column '轴向' is left out" in notices_of(read_one(f'a,alpha,d,轴向\n0.3,0,0,"{cell}"\n'))
 
 
 @pytest.mark.parametrize("header", ["active", "Actuated", "enabled", "driven", "moving"])
@@ -494,12 +318,6 @@ def test_a_joint_that_nothing_drives_is_not_left_out(header: str, cell: str, rea
     (problem,) = problems_of(read, f"{STANDARD}a,alpha,d,{header}\n0.3,0,0,1\n0.2,0,0,{cell}\n")
     assert "whether a joint moves by itself" in problem.message
     assert len(read_one(f"a,alpha,d,{header}\n0.3,0,0,1\n0.2,0,0,true\n").rows) == 2
-
-
-@pytest.mark.parametrize("header", ["passive", "unactuated"])
-def test_a_passive_joint_is_refused_like_a_fixed_one(header: str, read: Read) -> None:
-    (problem,) = problems_of(read, f"{STANDARD}a,alpha,d,{header}\n0.3,0,0,1\n0.2,0,0,0\n")
-    assert "whether a joint moves by itself" in problem.message
 
 
 # --- YAML of other programs -------------------------------------------------------------------------------------------
@@ -511,17 +329,6 @@ def test_keys_of_moveit_are_limits(read_one: ReadOne) -> None:
     assert (row.limits.lower, row.limits.upper, row.limits.velocity, row.limits.effort) == (-1, 2, 3, 4)
 
 
-def test_parameters_in_a_mapping_of_their_own_are_answered_with_where_to_write_them(read: Read) -> None:
-    found = problems_of(read, "convention: standard\njoints: [{name: j1, dh: {a: 0.3, alpha: 0, d: 0}}]", ".yaml")
-    assert any("write its keys in the joint itself: a, alpha, d" in (problem.suggestion or "") for problem in found)
-
-
-@pytest.mark.parametrize("cell", ["L_BASE (0.109)", "0.055 (肩偏移)", "0.1 m (see fig.)"])
-def test_a_number_with_words_is_answered_with_the_number_alone(cell: str, read: Read) -> None:
-    (problem,) = problems_of(read, f"{STANDARD}a,alpha,d\n{cell},0,0\n")
-    assert "write the number alone" in (problem.suggestion or "")
-
-
 @pytest.mark.parametrize("header", ["joint", "i", "Link"])
 @pytest.mark.parametrize("frame", ["EE", "e.e.", "tool"])
 def test_a_frame_behind_joints_is_fixed_also_where_one_of_them_slides(
@@ -531,15 +338,6 @@ def test_a_frame_behind_joints_is_fixed_also_where_one_of_them_slides(
     rows = f"1,θ1,0.4,0.3,0\n2,θ2,0,0.2,pi\n3,0,d3,0,0\n{frame},0,0.1,0,0\n"
     arm = read_one(f"{header},theta,d,a,alpha\n{rows}")
     assert [row.type.value for row in arm.rows] == ["revolute", "revolute", "prismatic", "fixed"]
-
-
-@pytest.mark.parametrize("mark", ["*", "**", "1)", "(a)", "†", "¹"])
-def test_the_mark_of_a_footnote_may_have_a_cell_of_its_own(mark: str, read: Read, read_one: ReadOne) -> None:
-    """As in spreadsheets; the footnote was a joint with five faults, and what it says of all joints was lost among them."""
-    said = notices_of(read_one(f"i,a,alpha,d\n1,0.3,0,0\n\n{mark},clockwise is positive,,\n"))
-    assert "nothing is read from what is below the table" in said
-    (problem,) = problems_of(read, f"{STANDARD}i,a,alpha,d\n1,0.3,0,0\n\n{mark},all lengths in mm,,\n")
-    assert "mm" in problem.message
 
 
 @pytest.mark.parametrize("row", ["2),0.3,0,0", "*,q2,0,0", "2),pi,0,0"])

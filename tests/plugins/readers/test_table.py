@@ -10,7 +10,7 @@ from dh2urdf.errors import TableError
 from dh2urdf.manipulator import Convention, Manipulator
 from dh2urdf.plugin_system import load
 from dh2urdf.source import Mark, Problem
-from dh2urdf.stages import Rejected
+from dh2urdf.stages import ReadsCells, Rejected
 from dh2urdf_plugins.readers.table import CellRow, TableOptions, read_table
 
 if TYPE_CHECKING:
@@ -177,8 +177,8 @@ class TestCells:
 def test_the_catalog_knows_who_reads_cells() -> None:
     """The host reaches the grammar without the name of a plugin."""
     reader = load().cell_reader()
-    assert reader.read_cells is not None
-    (arm,) = reader.read_cells(rows(HEADER, FIRST), "cells", STANDARD)
+    reads = reader.can(ReadsCells)
+    (arm,) = reads.read_cells(rows(HEADER, FIRST), "cells", STANDARD)
     assert isinstance(arm, Manipulator)
     assert arm.name == "cells"
 

@@ -248,38 +248,6 @@ def test_a_force_is_no_torque(form: str, kind: str, unit: str, files: Files) -> 
             assert files.errors(form, cells_of(field, kind, "80"), headers={field: unit})
 
 
-MIXED = {
-    "a": ("a, alpha, d", "300 mm, 0, 0", "2, 0, 0"),
-    "d beside a": ("a, alpha, d", "300 mm, 0, 0", "250 mm, 0, 2"),
-    "inches": ("a, alpha, d", "12 in, 0, 0", "10, 0, 0"),
-    "alpha": ("a, alpha, d", "0.3, 90°, 0", "0.2, 3, 0"),
-    "theta beside alpha": ("a, alpha, d, theta", "0.3, 90°, 0, 0", "0.2, 0, 0, 5"),
-    "variables": ("a, alpha, d, theta", "0.3, 0, 0, q1 + 90°", "0.2, 0, 0, q2 + 5"),
-    "offset": ("a, alpha, d, offset", "0.3, 0, 0, 90°", "0.2, 0, 0, 5"),
-    "offset beside limits": ("a, alpha, d, offset, lower, upper", "0.3, 0, 0, 0, -90°, 90°", "0.2, 0, 0, 5,,"),
-    "bounds": ("a, alpha, d, lower, upper", "0.3, 0, 0, -170°, 170°", "0.2, 0, 0, -5, 5"),
-    "upper beside lower": ("a, alpha, d, lower, upper", "0.3, 0, 0, -170°, 170°", "0.2, 0, 0, 0, 5"),
-    "ranges": ("a, alpha, d, limits", "0.3, 0, 0, ±170°", "0.2, 0, 0, ±5"),
-    "velocity": ("a, alpha, d, velocity", "0.3, 0, 0, 30 rpm", "0.2, 0, 0, 20"),
-    "effort": ("a, alpha, d, effort", "0.3, 0, 0, 12 kgf·cm", "0.2, 0, 0, 12"),
-    "mass": ("a, alpha, d, mass", "0.3, 0, 0, 300 g", "0.2, 0, 0, 25"),
-    "com": ("a, alpha, d, com_x, com_y, com_z", "0.3, 0, 0, 30 mm, 0, 0", "0.2, 0, 0, 0, 0.3, 0"),
-    "radius": ("a, alpha, d, radius", "0.3, 0, 0, 40 mm", "0.2, 0, 0, 0.4"),
-}
-"""Numbers without a unit beside others that name one: a header, and two rows."""
-
-
-@pytest.mark.parametrize("case", MIXED)
-@pytest.mark.parametrize("turned", [False, True], ids=["below", "above"])
-def test_numbers_without_a_unit_beside_cells_that_name_one_get_a_notice(
-    read_one: Callable[..., Manipulator], case: str, *, turned: bool
-) -> None:
-    header, *rows = MIXED[case]
-    rows = [row.replace("q1", "q").replace("q2", "q") for row in (rows[::-1] if turned else rows)]
-    arm = read_one("\n".join((header, *rows)))
-    assert "has no unit and is read in" in "\n".join(notice.message for notice in arm.notices)
-
-
 @pytest.mark.parametrize(
     "table",
     [
@@ -296,19 +264,6 @@ def test_what_is_sure_beside_cells_with_units_gets_none(read_one: Callable[..., 
     assert "has no unit and is read" not in "\n".join(notice.message for notice in read_one(table).notices)
 
 
-def test_limits_with_and_without_units_are_looked_at_wherever_they_are_in_a_file(
-    read: Callable[..., list[Manipulator | Rejected]],
-) -> None:
-    cells = {"named": "-170°, 170°", "bare": "-2, 2"}
-    arms = ["named", "bare", "named named", "bare bare", "named bare", "bare named", "named", "bare"]
-    rows = [f"arm {n}, 0.3, 0, 0, {cells[word]}" for n, words in enumerate(arms) for word in words.split()]
-    read_arms = read("\n".join(("robot, a, alpha, d, lower, upper", *rows)), convention="standard")
-    noticed = [
-        isinstance(arm, Manipulator) and any("has no unit" in n.message for n in arm.notices) for arm in read_arms
-    ]
-    assert noticed == [len(set(words.split())) > 1 for words in arms]
-
-
 @pytest.mark.parametrize("words", ["mm/deg", "mm / deg", "mm and degrees", "mm & deg", "[mm, deg]"])
 def test_units_in_words_are_read_in_yaml_as_in_a_comment(words: str, read_one: Callable[..., Manipulator]) -> None:
     arms = [
@@ -316,20 +271,3 @@ def test_units_in_words_are_read_in_yaml_as_in_a_comment(words: str, read_one: C
         read_one(f"# units: {words}\na,alpha,d\n300,90,0\n"),
     ]
     assert [(arm.rows[0].a, arm.rows[0].alpha) for arm in arms] == [(0.3, math.pi / 2)] * 2
-
-
-@pytest.mark.parametrize("words", ["N/mm", "kg/m", "mm/furlong", "mm or deg"])
-def test_other_words_with_a_slash_are_no_units_of_a_table(
-    words: str, read: Callable[..., list[Manipulator | Rejected]]
-) -> None:
-    (arm,) = read(f"convention: standard\nunits: {words}\njoints: [{{a: 0.3, alpha: 1, d: 0}}]", ".yaml")
-    assert not isinstance(arm, Manipulator)
-    assert f"units is the text '{words}'" in str(arm.problems[0])
-
-
-@pytest.mark.parametrize("key", ["a", "d", "alpha", "theta"])
-def test_units_by_column_are_answered_with_the_header(
-    key: str, read: Callable[..., list[Manipulator | Rejected]]
-) -> None:
-    with pytest.raises(TableError, match="write the unit of a column in its header"):
-        read(f"# convention: standard\n# units: {{{key}: mm}}\na,alpha,d\n300,0,0\n")

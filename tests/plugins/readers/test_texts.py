@@ -11,6 +11,7 @@ from hypothesis import given, strategies as st
 
 from dh2urdf.manipulator import Manipulator
 from dh2urdf.source import Mark
+from dh2urdf.stages import WritesTables
 from dh2urdf.table_text import FIELDS, TableText, table_text
 from dh2urdf_plugins.readers import csv, yaml
 from dh2urdf_plugins.readers.table import TableOptions
@@ -25,9 +26,9 @@ TABLES = Path(__file__).parents[3] / "configs" / "tables"
 
 
 def written(table: TableText, reader: Reader[Any], folder: Path) -> Path:
-    assert reader.write is not None
+    writes = reader.can(WritesTables)
     path = folder / f"arm{reader.suffixes[0]}"
-    path.write_bytes(reader.write([table]).content)
+    path.write_bytes(writes.write([table]).content)
     return path
 
 
@@ -57,13 +58,10 @@ def test_a_manipulator_comes_back(
 def test_the_texts_of_a_file_come_back(table: Path, form: str, tmp_path: Path) -> None:
     """What is in the cells of the project's own tables is told as it stands, and written in either format."""
     own = next(reader for reader in READERS.values() if table.suffix in reader.suffixes)
-    assert own.texts is not None
-    (texts,) = own.texts(table)
+    (texts,) = own.can(WritesTables).texts(table)
     path = written(texts, READERS[form], tmp_path)
     assert read(path, READERS[form]) == read(table, own)
-    told = READERS[form].texts
-    assert told is not None
-    assert list(told(path)) == [texts]
+    assert list(READERS[form].can(WritesTables).texts(path)) == [texts]
 
 
 CELLS = st.text(st.characters(codec="utf-8", exclude_categories=["C", "Z"]) | st.just(" "), min_size=1, max_size=12)
@@ -76,9 +74,7 @@ def test_any_cells_come_back(rows: list[dict[str, str]], form: str) -> None:
     table = TableText(name="x", convention="standard", rows=tuple(rows))
     with tempfile.TemporaryDirectory() as folder:
         path = written(table, READERS[form], Path(folder))
-        told = READERS[form].texts
-        assert told is not None
-        (found,) = told(path)
+        (found,) = READERS[form].can(WritesTables).texts(path)
     # An empty text and one that is not there are the same, and so are spaces around one.
     assert [dict(sorted(row.items())) for row in found.rows] == [dict(sorted(row.items())) for row in rows]
 
@@ -90,14 +86,14 @@ def test_places_are_those_of_the_reader(tmp_path: Path) -> None:
         {"joint": "#2", "a": "1", "alpha": "0", "d": "no"},
     )
     table = TableText(name="x", convention="standard", base="{xyz: 3}", rows=rows)
-    assert csv.READER.write is not None
-    file = csv.READER.write([TableText(**{**_said(table), "base": ""})])
+    writes = csv.READER.can(WritesTables)
+    file = writes.write([TableText(**{**_said(table), "base": ""})])
     path = tmp_path / "x.csv"
     path.write_bytes(file.content)
     (arm,) = csv.READER.read(path, TableOptions())
     assert not isinstance(arm, Manipulator)
     assert [file.at(problem.mark) for problem in arm.problems] == [(0, "alpha"), (1, "d")]
-    assert csv.READER.write([table]).at(Mark(file="x", line=3, column=9)) == (None, "base")
+    assert writes.write([table]).at(Mark(file="x", line=3, column=9)) == (None, "base")
 
 
 def _said(table: TableText) -> dict[str, Any]:
@@ -108,15 +104,15 @@ def test_several_manipulators_are_no_table_of_texts(tmp_path: Path) -> None:
     """A CSV file with a column of robots tells no texts; its numbers are read."""
     path = tmp_path / "two.csv"
     path.write_text("# convention: standard\nrobot,a,alpha,d\nx,1,0,0\ny,2,0,0\n")
-    assert csv.READER.texts is not None
-    assert list(csv.READER.texts(path)) == []
+    writes = csv.READER.can(WritesTables)
+    assert list(writes.texts(path)) == []
 
 
 def test_headers_with_units_are_the_units_of_the_table(tmp_path: Path) -> None:
     """`a [mm]` and `alpha [deg]` are told as the units of all lengths and angles."""
     path = tmp_path / "mm.csv"
     path.write_text("# convention: DH\na [mm],alpha [deg],d [mm]\n300,90,0\n")
-    assert csv.READER.texts is not None
-    (table,) = csv.READER.texts(path)
+    writes = csv.READER.can(WritesTables)
+    (table,) = writes.texts(path)
     assert (table.convention, table.length_unit, table.angle_unit) == ("standard", "mm", "deg")
     assert read(written(table, csv.READER, tmp_path), csv.READER).rows[0].a == 0.3

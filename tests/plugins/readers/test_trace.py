@@ -9,6 +9,7 @@ import pytest
 
 from dh2urdf.manipulator import Manipulator
 from dh2urdf.provenance import Trace
+from dh2urdf.stages import Traces
 from dh2urdf_plugins.readers import csv, parquet, yaml
 from dh2urdf_plugins.readers.table import TableOptions
 
@@ -26,9 +27,9 @@ two,waist,10,pi/2,20,,
 def read(path: Path) -> list[tuple[Any, Trace]]:
     """Every item of a file, with what its cells say."""
     reader = {".csv": csv.READER, ".yaml": yaml.READER, ".parquet": parquet.READER}[path.suffix]
-    assert reader.trace is not None
+    traces = reader.can(Traces)
     trace = Trace()
-    return [(item, trace.copy()) for item in reader.trace(path, TableOptions(), trace)]
+    return [(item, trace.copy()) for item in traces.trace(path, TableOptions(), trace)]
 
 
 @pytest.mark.parametrize("path", TABLES, ids=lambda path: path.name)

@@ -12,9 +12,9 @@ from dh2urdf.errors import TransformError
 from dh2urdf.kinematics import KinematicChain
 from dh2urdf.manipulator import Convention, DHRow, Inertia, JointType, Limits, Manipulator, Payload
 from dh2urdf.rotations import RigidTransform
+from dh2urdf_plugins.transforms import assembly as defaults
 from dh2urdf_plugins.transforms.alpha_swap import alpha_swap
 from dh2urdf_plugins.transforms.alpha_swap_options import AlphaSwapOptions
-from dh2urdf_plugins.transforms.joints import defaults
 
 if TYPE_CHECKING:
     from collections.abc import Callable

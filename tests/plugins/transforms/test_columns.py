@@ -15,6 +15,7 @@ from dh2urdf.columns import in_columns
 from dh2urdf.manipulator import Convention, DHRow, Inertia, JointType, Limits, LinkGeometry, Manipulator
 from dh2urdf.robot_check import check_robot
 from dh2urdf.rotations import HALF_PI, RigidTransform
+from dh2urdf.stages import EmitsInColumns, TransformsInColumns
 from dh2urdf.unchecked_records import replace_unchecked
 from dh2urdf_plugins.emitters.urdf import EMITTER, UrdfOptions
 from dh2urdf_plugins.transforms import columns as transform_module
@@ -154,8 +155,10 @@ def made(tables: Sequence[Manipulator], how: AlphaSwapOptions) -> dict[int, tupl
     """Robot and file of those tables that are made side by side, by their places."""
     found = {}
     for places, group in in_columns(tables):
-        for members, robots in TRANSFORM.transform_columns(group, how) or ():
-            files = EMITTER.emit_columns(robots, [name.upper() for name in robots.names], UrdfOptions())
+        for members, robots in TRANSFORM.can(TransformsInColumns).transform_columns(group, how) or ():
+            files = EMITTER.can(EmitsInColumns).emit_columns(
+                robots, [name.upper() for name in robots.names], UrdfOptions()
+            )
             for index, (member, own) in enumerate(zip(members, files, strict=True)):
                 assert bool(own) is bool(robots.sure[index])
                 if own:
@@ -300,7 +303,7 @@ class TestWhatIsSure:
         """Arms that are drawn differently are made in as many groups, each at once."""
         tables = [replace(table({"a": 0.0 if k % 3 else 0.2, "d": 0.1 + k}), name=f"arm_{k}") for k in range(60)]
         ((_, group),) = in_columns(tables)
-        groups = TRANSFORM.transform_columns(group, AlphaSwapOptions())
+        groups = TRANSFORM.can(TransformsInColumns).transform_columns(group, AlphaSwapOptions())
         assert groups is not None
         assert sorted(len(places) for places, _ in groups) == [20, 40]
         assert sorted(made(tables, AlphaSwapOptions())) == list(range(60))
@@ -314,8 +317,8 @@ class TestWhatIsSure:
 def test_the_variant_of_the_paper_is_made_one_by_one(table: Callable[..., Manipulator]) -> None:
     """It has no columns."""
     ((_, group),) = in_columns([table({"a": 0.3})])
-    assert TRANSFORM.transform_columns is not None
-    assert TRANSFORM.transform_columns(group, AlphaSwapOptions(variant="paper")) is None
+    makes = TRANSFORM.can(TransformsInColumns)
+    assert makes.transform_columns(group, AlphaSwapOptions(variant="paper")) is None
 
 
 def _spoilt(table: Manipulator, draw: Callable[..., Any]) -> Manipulator:

@@ -24,7 +24,7 @@ from dh2urdf.rotations import (
     scale,
     subtract,
 )
-from dh2urdf_plugins.transforms.bodies.housings import AHEAD, BARREL, BARREL_LENGTH, CAP, CAP_LENGTH, TUBE
+from dh2urdf_plugins.transforms.housings import AHEAD, BARREL, BARREL_LENGTH, CAP, CAP_LENGTH, TUBE
 from dh2urdf_plugins.transforms.shapes import direction_rpy
 
 if TYPE_CHECKING:

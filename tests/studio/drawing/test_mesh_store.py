@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import os
 import threading
 import time
@@ -11,15 +12,13 @@ import pytest
 import trimesh
 
 from dh2urdf.errors import OutputError
-from dh2urdf.isolation.child_process import pickled_call, started
+from dh2urdf.isolation import Child
 from dh2urdf_studio.drawing import mesh_store
 from dh2urdf_studio.drawing.mesh_files import DrawnMesh, triangles
 from dh2urdf_studio.drawing.mesh_store import MeshStore
 
 if TYPE_CHECKING:
     from pathlib import Path
-
-    from dh2urdf.isolation.interpreter import Interpreter
 
 
 def test_a_file_is_read_once_until_it_changes(tmp_path: Path) -> None:
@@ -48,11 +47,13 @@ def test_a_reader_that_crashes_costs_one_file(tmp_path: Path, monkeypatch: pytes
     meshes = {name: DrawnMesh(path=tmp_path / f"{name}.stl") for name in ("bad", "good")}
     for mesh in meshes.values():
         trimesh.creation.box((1.0, 1.0, 1.0)).export(mesh.path)
-    readers: list[Interpreter] = []
-    monkeypatch.setattr(mesh_store, "started", lambda: (readers.append(started()), readers[-1])[1])
+    readers: list[Child] = []
+    monkeypatch.setattr(Child, "started", lambda: (readers.append(Child()), readers[-1])[1])
     store = MeshStore(meshes)
     with monkeypatch.context() as patch:
-        patch.setattr(mesh_store, "pickled_call", lambda *_: pickled_call(os.abort, (), "it"))
+        (tmp_path / "aborting.py").write_text("import os\ndef read(_mesh): os.abort()\n")
+        monkeypatch.syspath_prepend(tmp_path)
+        patch.setattr(mesh_store, "triangles", importlib.import_module("aborting").read)
         message = r"'bad\.stl' cannot be read: the reader of 'bad\.stl' crashed \(aborted\)"
         with pytest.raises(OutputError, match=message):
             store.triangles("bad").result()
@@ -64,17 +65,17 @@ def test_a_reader_that_crashes_costs_one_file(tmp_path: Path, monkeypatch: pytes
 def test_what_is_being_read_at_the_end_is_ended_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Two that end one reader at once would close what the other one reads: `view` ended with a false message then."""
     os.mkfifo(tmp_path / "pipe.stl")  # nobody writes to it, so its reader waits
-    ends: list[Interpreter] = []
+    ends: list[Child] = []
     is_there = threading.Event()
 
-    def watched() -> Interpreter:
-        child = started()
+    def watched() -> Child:
+        child = Child()
         end = child.end
         monkeypatch.setattr(child, "end", lambda: (ends.append(child), end())[1])
         is_there.set()
         return child
 
-    monkeypatch.setattr(mesh_store, "started", watched)
+    monkeypatch.setattr(Child, "started", watched)
     store = MeshStore({"pipe": DrawnMesh(path=tmp_path / "pipe.stl")})
     reading = store.triangles("pipe")
     assert is_there.wait(60)

@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from dh2urdf.source import in_file_order
+from dh2urdf.stages import WritesTables
 from dh2urdf.table_text import TableText
 from dh2urdf_studio.editing import edits
 from dh2urdf_studio.editing.reading import make, read, read_whole
@@ -52,9 +53,9 @@ def test_a_wrong_cell_is_found_with_the_readers_words(
     assert found.manipulator is None
     assert where in [(problem.row, problem.field) for problem in found.errors]
     reader = catalog.get("reader", "csv")
-    assert reader.write is not None
+    writes = reader.can(WritesTables)
     path = tmp_path / "x.csv"
-    path.write_bytes(reader.write([table]).content)
+    path.write_bytes(writes.write([table]).content)
     (rejected,) = reader.read(path, reader.options())
     problems = in_file_order((*rejected.notices, *rejected.problems))
     said = [problem.message.replace(f"{path}:4", "row 1") for problem in problems]

@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pytest
 
-from dh2urdf_plugins.emitters.table.latex import latex_file
-from dh2urdf_plugins.emitters.table.markdown import markdown_file
+from dh2urdf_plugins.emitters.table.notation import latex_file, markdown_file
 from dh2urdf_plugins.emitters.table.options import TableOptions
 from dh2urdf_studio.editing.opening import tables_of
 from dh2urdf_studio.editing.reading import read_whole

@@ -6,7 +6,6 @@ import os
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
-from dh2urdf.hookspecs import hookimpl
 from dh2urdf.stages import Executor
 
 if TYPE_CHECKING:
@@ -33,9 +32,3 @@ def pool(options: JoblibOptions) -> AbstractContextManager[Any]:
 
 
 EXECUTOR = Executor(name="joblib", summary="processes of joblib's loky", options=JoblibOptions, pool=pool)
-
-
-@hookimpl
-def dh2urdf_executors() -> list[Executor[JoblibOptions]]:
-    """The executor."""
-    return [EXECUTOR]

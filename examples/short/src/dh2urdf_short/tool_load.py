@@ -7,7 +7,6 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 from dh2urdf.errors import EditError
-from dh2urdf.hookspecs import hookimpl
 from dh2urdf.manipulator import Inertia, Payload
 from dh2urdf.source import Problem
 from dh2urdf.stages import Edit
@@ -45,9 +44,3 @@ def edit_table(manipulator: Manipulator, options: ToolLoadOptions) -> Manipulato
 
 
 EDIT = Edit(name="tool-load", summary="a solid cylinder at tool0", options=ToolLoadOptions, edit_table=edit_table)
-
-
-@hookimpl
-def dh2urdf_edits() -> list[Edit[ToolLoadOptions]]:
-    """The edit."""
-    return [EDIT]

@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING
 from zipfile import BadZipFile
 
 from dh2urdf.errors import TableError
-from dh2urdf.hookspecs import hookimpl
 from dh2urdf.source import Mark, Problem
 from dh2urdf.stages import Reader
 from dh2urdf_plugins.readers.table import CellRow, TableOptions, read_table
@@ -47,9 +46,3 @@ def _rows(sheet: Any, file: str) -> Iterator[CellRow]:
 READER = Reader(
     name="workbook", summary="sheets of an Excel workbook", read=read, options=TableOptions, suffixes=(".xlsm",)
 )
-
-
-@hookimpl
-def dh2urdf_readers() -> list[Reader[TableOptions]]:
-    """The reader."""
-    return [READER]

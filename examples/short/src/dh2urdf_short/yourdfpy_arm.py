@@ -7,9 +7,8 @@ from importlib.util import find_spec
 from typing import TYPE_CHECKING, Any
 
 from dh2urdf.errors import LoaderError, MissingDependencyError
-from dh2urdf.hookspecs import hookimpl
 from dh2urdf.source import Problem
-from dh2urdf.stages import Loader, LoadRequest, NoOptions, SimulatedArm
+from dh2urdf.stages import Loader, LoadRequest, NoOptions, Requires, SimulatedArm
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -49,11 +48,9 @@ def require(_options: NoOptions) -> None:
 
 
 LOADER = Loader(
-    name="yourdfpy", summary="loads a URDF into yourdfpy", open=open_arm, options=NoOptions, require=require
+    name="yourdfpy",
+    summary="loads a URDF into yourdfpy",
+    open=open_arm,
+    options=NoOptions,
+    capabilities=(Requires(require),),
 )
-
-
-@hookimpl
-def dh2urdf_loaders() -> list[Loader[NoOptions]]:
-    """The loader."""
-    return [LOADER]

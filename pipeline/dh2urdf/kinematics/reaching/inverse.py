@@ -19,9 +19,9 @@ from dh2urdf.kinematics.walk import CompiledChain, values_of
 from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.manipulator import JointType
+from dh2urdf.record_fields import take_fields
 from dh2urdf.rotations import RigidTransform, multiply, norm, transpose
 from dh2urdf.source import Mark, Problem, shown
-from dh2urdf.validation.coercion import take_fields
 
 if TYPE_CHECKING:
     import numpy as np

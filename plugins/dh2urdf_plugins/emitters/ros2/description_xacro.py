@@ -170,7 +170,13 @@ def top_file(robot: Robot, kinds: Sequence[Kind], package: str, options: Ros2Opt
         defaults[positions_argument(prefix)] = kind.default(package, "initial_positions.yaml")
     append_arguments(top, {**placement, **defaults, **({"hardware": options.hardware} if controlled else {})})
     if controlled:
-        _append_plugins(top)
+        # Appends the plugin that the argument `hardware` stands for; xacro refuses any other word than the option's.
+        plugins = ", ".join(f"{word}='{PLUGINS.get(word, '')}'" for word in get_args(HardwareName))
+        append_element(top, "property", name="hardware_plugins", value=f"${{dict({plugins})}}")
+        refusal = f"xacro.fatal('hardware is', hardware, 'and must be one of {', '.join(get_args(HardwareName))}')"
+        append_element(top, "property", name="hardware", value="$(arg hardware)")
+        value = f"${{hardware_plugins[hardware] if hardware in hardware_plugins else {refusal}}}"
+        append_element(top, "property", name="hardware_plugin", value=value)
     for kind in kinds:
         for ending in ("_macro.xacro", *([".ros2_control.xacro"] if controlled else [])):
             append_element(top, "include", filename=f"$(find {package})/urdf/{kind.macro}{ending}")
@@ -184,16 +190,6 @@ def top_file(robot: Robot, kinds: Sequence[Kind], package: str, options: Ros2Opt
     if controlled:
         _append_gazebo(top, package)
     return serialise(top, robot.comment)
-
-
-def _append_plugins(top: etree._Element) -> None:
-    """Appends the plugin that the argument `hardware` stands for; xacro refuses any other word than the option's."""
-    plugins = ", ".join(f"{word}='{PLUGINS.get(word, '')}'" for word in get_args(HardwareName))
-    append_element(top, "property", name="hardware_plugins", value=f"${{dict({plugins})}}")
-    refusal = f"xacro.fatal('hardware is', hardware, 'and must be one of {', '.join(get_args(HardwareName))}')"
-    append_element(top, "property", name="hardware", value="$(arg hardware)")
-    value = f"${{hardware_plugins[hardware] if hardware in hardware_plugins else {refusal}}}"
-    append_element(top, "property", name="hardware_plugin", value=value)
 
 
 def _controlled(top: etree._Element) -> etree._Element:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from dh2urdf.stages import EmittedFile, Emitter
+from dh2urdf.stages import Checks, EmittedFile, Emitter, GivesNotices, ReadsBack, WritesFolders
 from dh2urdf_plugins.emitters.ros2.options import Ros2Options
 from dh2urdf_plugins.read_back import read_foreign_xacro
 
@@ -32,7 +32,7 @@ def emit(robot: Robot, stem: str, options: Ros2Options) -> tuple[EmittedFile, ..
 def folders(stem: str, options: Ros2Options) -> tuple[str, ...]:
     """The packages of a robot."""
     from dh2urdf_plugins.emitters.ros2.moveit_package import moveit_name
-    from dh2urdf_plugins.emitters.ros2.names import package_stem
+    from dh2urdf_plugins.emitters.ros2.package_files import package_stem
 
     name = package_stem(stem, options.package)
     return (f"{name}_description", *([moveit_name(name)] if options.moveit else ()))
@@ -69,11 +69,10 @@ EMITTER = Emitter(
     suffixes=(),
     options=Ros2Options,
     emit=emit,
-    in_folders=folders,
-    read_back=read_foreign_xacro,
-    costly_proof=True,
-    notices=notices,
-    check=check,
-    finds_packages=True,
-    descriptions=descriptions,
+    capabilities=(
+        ReadsBack(read_foreign_xacro, is_costly=True),
+        WritesFolders(folders),
+        Checks(check, descriptions, finds_packages=True),
+        GivesNotices(notices),
+    ),
 )

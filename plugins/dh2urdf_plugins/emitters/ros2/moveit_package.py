@@ -13,15 +13,6 @@ from dh2urdf.errors import EmitterError
 from dh2urdf.manipulator import WORLD
 from dh2urdf.source import Problem, markdown_text, shown
 from dh2urdf_plugins.emitters.ros2.description_xacro import arms_of, positions_argument
-from dh2urdf_plugins.emitters.ros2.moveit_yaml import (
-    SPEED_UP,
-    cartesian_limits,
-    kinematics,
-    moveit_controllers,
-    planning_limits,
-    reaches_positions_only,
-    setup_assistant,
-)
 from dh2urdf_plugins.emitters.ros2.package_files import (
     CONTROLLING,
     changelog,
@@ -29,9 +20,20 @@ from dh2urdf_plugins.emitters.ros2.package_files import (
     filled,
     license_file,
     package_xml,
+    planning_view,
 )
-from dh2urdf_plugins.emitters.ros2.viewing import planning_view
-from dh2urdf_plugins.emitters.ros2.yaml_files import arm_joints, controllers, initial_positions, is_no_text_to_launch
+from dh2urdf_plugins.emitters.ros2.yaml_files import (
+    SPEED_UP,
+    arm_joints,
+    controllers,
+    initial_positions,
+    is_no_text_to_launch,
+    kinematics,
+    moveit_controllers,
+    planning_limits,
+    reaches_positions_only,
+    setup_assistant,
+)
 from dh2urdf_plugins.emitters.srdf.emitter import srdf
 from dh2urdf_plugins.emitters.srdf.semantics import groups
 from dh2urdf_plugins.emitters.urdf_tree import serialise
@@ -155,7 +157,7 @@ def _config(
         yield "config/ros2_controllers.yaml", controllers(arms)
         for prefix, arm in arms_of(robot):
             yield f"config/{prefix}initial_positions.yaml", initial_positions(arm)
-    yield "config/pilz_cartesian_limits.yaml", cartesian_limits()
+    yield "config/pilz_cartesian_limits.yaml", filled("pilz_cartesian_limits.yaml")
     yield "config/moveit.rviz", planning_view(robot)
 
 

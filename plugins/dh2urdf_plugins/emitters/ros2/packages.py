@@ -22,18 +22,23 @@ from dh2urdf_plugins.emitters.ros2.description_xacro import (
     top_file,
 )
 from dh2urdf_plugins.emitters.ros2.moveit_package import moveit_name, moveit_notices, moveit_package
-from dh2urdf_plugins.emitters.ros2.names import check_names, check_prefixes, proposed_name, robot_name
 from dh2urdf_plugins.emitters.ros2.package_files import (
     CONTROLLING,
     TESTING,
     VIEWING,
     changelog,
+    check_names,
+    check_prefixes,
     cmake_lists,
+    launch_file,
     license_file,
     package_xml,
+    proposed_name,
     readme,
+    robot_name,
+    rviz_file,
+    test_file,
 )
-from dh2urdf_plugins.emitters.ros2.viewing import launch_file, rviz_file, test_file
 from dh2urdf_plugins.emitters.ros2.yaml_files import (
     arm_joints,
     controllers,
@@ -51,6 +56,7 @@ if TYPE_CHECKING:
 
     from dh2urdf.robot import Robot
     from dh2urdf_plugins.emitters.ros2.options import Ros2Options
+
 
 BASE = "base"
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from dh2urdf.errors import ConfigError, InputError
 from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.source import Mark, Problem, shown
-from dh2urdf.stages import EmittedFile, Emitter
+from dh2urdf.stages import Annotates, EmittedFile, Emitter
 from dh2urdf_plugins.collision_pairs.options import PairOptions
 
 if TYPE_CHECKING:
@@ -67,7 +67,7 @@ def annotate(path: Path, expansion: Expansion, earlier: Path | None, options: Sr
     from dh2urdf.documents import read_bytes
     from dh2urdf.meshes import mesh_finder, packages_in, with_its_own
     from dh2urdf.stages import Annotation
-    from dh2urdf_plugins.collision_pairs.mechanism import Mechanism
+    from dh2urdf_plugins.collision_pairs.scene import Mechanism
     from dh2urdf_plugins.collision_pairs.search import collision_pairs
     from dh2urdf_plugins.descriptions.description import urdf_description, xacro_description
     from dh2urdf_plugins.emitters.srdf.pairs_text import new_file, updated
@@ -110,5 +110,5 @@ EMITTER = Emitter(
     suffixes=(".srdf",),
     options=SrdfOptions,
     emit=emit,
-    annotate=annotate,
+    capabilities=(Annotates(annotate),),
 )

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from dh2urdf.stages import EmittedFile, Emitter
+from dh2urdf.stages import EmittedFile, Emitter, GivesNotices, OtherFiles, ReadsBack
 from dh2urdf_plugins.emitters.table.options import SUFFIXES, TableOptions
 from dh2urdf_plugins.read_back import read_table
 
@@ -50,8 +50,9 @@ EMITTER = Emitter(
     suffixes=(*SUFFIXES.values(), ".yml"),
     options=TableOptions,
     emit=emit,
-    read_back=read_table,
-    one_file=one_file,
-    for_suffix=for_suffix,
-    notices=notices,
+    capabilities=(
+        ReadsBack(read_table),
+        OtherFiles(one_file=one_file, for_suffix=for_suffix),
+        GivesNotices(notices),
+    ),
 )

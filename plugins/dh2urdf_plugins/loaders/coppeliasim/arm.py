@@ -8,6 +8,8 @@ What its importer makes of a URDF, seen in CoppeliaSim 4.10.0:
   with mass properties and no collision shape gets a sphere for one, 5 cm across.
 - The frame of a shape is that of its first visual or collision; of a link without shapes it is the link's.
 - A mass of 0 is not read, so that the link weighs 1 kg. Sizes are 1 mm at least.
+
+What the importer of CoppeliaSim is given, and frames and limits as it has them.
 """
 
 from __future__ import annotations
@@ -16,26 +18,79 @@ import math
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
+from lxml import etree
+
+from dh2urdf.documents import xml_root
 from dh2urdf.elementwise import total
 from dh2urdf.errors import LoaderError
-from dh2urdf.manipulator import Inertia
+from dh2urdf.kinematics import axis_rotation
+from dh2urdf.manipulator import Inertia, JointType
 from dh2urdf.mass_properties import placed
 from dh2urdf.measuring import Body, Precision, tensor
 from dh2urdf.meshes import has_meshes
 from dh2urdf.robot import Inertial
-from dh2urdf.rotations import IDENTITY, RigidTransform, rotate, transpose
+from dh2urdf.rotations import IDENTITY, IDENTITY_ROTATION, ZERO, RigidTransform, rotate, scale, transpose
 from dh2urdf.source import Problem, shown
 from dh2urdf.stages import LoadReport
 from dh2urdf_plugins.coppeliasim_import import alias, importable_axis, importable_limits
-from dh2urdf_plugins.loaders.comparison import Comparison
-from dh2urdf_plugins.loaders.coppeliasim.texts import interval, link_frames, text_for, transform
-from dh2urdf_plugins.loaders.measures import hold_start
+from dh2urdf_plugins.loaders.measures import Comparison, hold_start
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
+    from pathlib import Path
 
-    from dh2urdf.robot import Joint
+    from dh2urdf.manipulator import Limits
+    from dh2urdf.robot import Joint, Robot
     from dh2urdf.stages import LoadRequest
+
+
+def text_for(path: Path, comparison: Comparison) -> str:
+    """The text of a file as the importer takes it.
+
+    By the declaration it tells a text from a path. Meshes get absolute paths: beside a text it does not look for any.
+
+    Raises:
+        LoaderError: the file cannot be read.
+    """
+    try:
+        tree = xml_root(path.read_bytes())
+    except OSError as error:
+        raise LoaderError(comparison.problem(message=f"the file cannot be read: {error}")) from error
+    except etree.XMLSyntaxError as error:
+        raise LoaderError(comparison.problem(message=f"the file is not XML: {error}")) from error
+    for mesh in tree.iter("mesh"):
+        name = mesh.get("filename", "")
+        if "://" not in name:
+            mesh.set("filename", str((path.parent / name).resolve()))
+    return '<?xml version="1.0"?>\n' + etree.tostring(tree, encoding="unicode")
+
+
+def link_frames(robot: Robot, q: Sequence[float]) -> dict[str, RigidTransform]:
+    """The frames of all links in the root at a joint vector [rad or m]."""
+    values = dict(zip((joint.name for joint in robot.moving_joints), q, strict=True))
+    frames = {robot.root: IDENTITY}
+    for joint in robot.joints:  # Parents before children.
+        motion = IDENTITY
+        if joint.type is JointType.PRISMATIC:
+            motion = RigidTransform(IDENTITY_ROTATION, scale(values[joint.name], joint.axis))
+        elif joint.type is not JointType.FIXED:
+            motion = RigidTransform(axis_rotation(joint.axis, values[joint.name]), ZERO)
+        frames[joint.child] = frames[joint.parent] @ joint.origin.transform @ motion
+    return frames
+
+
+def interval(limits: Limits) -> list[float] | None:
+    """Limits as CoppeliaSim has them: the lower one, and the range [rad or m]."""
+    if limits.lower is None or limits.upper is None:
+        return None
+    return [limits.lower, limits.upper - limits.lower]
+
+
+def transform(matrix: Sequence[float]) -> RigidTransform:
+    """A rigid transform of the upper three rows of its homogeneous matrix."""
+    a, b, c, x, d, e, f, y, g, h, i, z = matrix
+    return RigidTransform((a, b, c, d, e, f, g, h, i), (x, y, z))
+
 
 # The importer's options, by the bits that its manual gives them. Bit 128 stays off: with it, every other link collides
 # with the arm itself.

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 from dh2urdf.errors import MissingProgramError
 from dh2urdf.late_dataclasses import dataclass
-from dh2urdf.stages import LOAD_TIME_LIMIT, Loader
+from dh2urdf.stages import LOAD_TIME_LIMIT, Loader, Requires
 from dh2urdf_plugins.loaders.coppeliasim.engines import Engine
 from dh2urdf_plugins.loaders.options import SimulatorOptions
 from dh2urdf_plugins.loaders.packages import Packages
@@ -112,8 +112,8 @@ def _silent(options: CoppeliaSimOptions) -> MissingProgramError:
 LOADER = Loader(
     name="coppeliasim",
     summary="has a running CoppeliaSim import a URDF, compares it with the table, lets it hold its weight if asked",
-    load=load,
+    open=load,
     options=CoppeliaSimOptions,
     formats=("urdf",),
-    require=require,
+    capabilities=(Requires(require),),
 )

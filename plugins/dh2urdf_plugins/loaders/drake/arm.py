@@ -19,12 +19,12 @@ from dh2urdf.measuring import DOUBLE, Body
 from dh2urdf.rotations import RigidTransform
 from dh2urdf.source import shown
 from dh2urdf.stages import LoadReport
-from dh2urdf_plugins.loaders.comparison import Comparison
 from dh2urdf_plugins.loaders.measures import (
     HOLD_SECONDS,
     HOLD_STAYS,
     OVERLAP,
     TIME_STEP,
+    Comparison,
     hold_start,
     rotation,
     touching_pairs,

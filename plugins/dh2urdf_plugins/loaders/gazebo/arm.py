@@ -28,8 +28,8 @@ if TYPE_CHECKING:
     from dh2urdf.measuring import Precision
     from dh2urdf.robot import Robot
     from dh2urdf.source import Problem
-    from dh2urdf_plugins.loaders.comparison import Comparison
     from dh2urdf_plugins.loaders.gazebo.sdf_model import SdfJoint, SdfModel
+    from dh2urdf_plugins.loaders.measures import Comparison
 
 
 class Arm:

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING
 from dh2urdf.errors import LoaderError, MissingProgramError
 from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.source import Problem, shown
-from dh2urdf.stages import Loader
+from dh2urdf.stages import Loader, ReadsOutput, Requires, Reusable
 from dh2urdf_plugins.loaders.options import SimulatorOptions
 
 if TYPE_CHECKING:
@@ -62,9 +62,9 @@ def load(request: LoadRequest, _options: GazeboOptions) -> LoadReport:
         LoaderError: sdformat refuses the file, or makes another arm of it than the one that was written.
         MissingProgramError: sdformat is not installed.
     """
-    from dh2urdf_plugins.loaders.comparison import Comparison
     from dh2urdf_plugins.loaders.gazebo.arm import Arm, precision
     from dh2urdf_plugins.loaders.gazebo.sdf_model import parse_sdf
+    from dh2urdf_plugins.loaders.measures import Comparison
 
     command, version = find_command()
     comparison = Comparison("sdformat", request, precision(request.robot))
@@ -148,10 +148,12 @@ def read_output(request: LoadRequest, output: str) -> tuple[Problem, ...]:
 LOADER = Loader(
     name="gazebo",
     summary="has Gazebo's sdformat check SDF, or convert URDF, and compares the model with the table",
-    load=load,
+    open=load,
     options=GazeboOptions,
     formats=("sdf", "urdf"),
-    read_output=read_output,
-    require=require,
-    prepare=prepare,
+    capabilities=(
+        Requires(require),
+        ReadsOutput(read_output),
+        Reusable(prepare),
+    ),
 )

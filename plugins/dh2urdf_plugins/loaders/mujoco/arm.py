@@ -23,11 +23,11 @@ from dh2urdf.rotations import ZERO, RigidTransform, multiply, transpose
 from dh2urdf.source import shown
 from dh2urdf.stages import LoadReport
 from dh2urdf_plugins.home_pose import stepped
-from dh2urdf_plugins.loaders.comparison import Comparison
 from dh2urdf_plugins.loaders.measures import (
     HOLD_SECONDS,
     HOLD_STAYS,
     OVERLAP,
+    Comparison,
     hold_start,
     rotation,
     touching_pairs,

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.source import Problem, shown
-from dh2urdf.stages import Loader
+from dh2urdf.stages import Loader, ReadsOutput, Requires, Reusable
 from dh2urdf_plugins.loaders.options import SimulatorOptions
 from dh2urdf_plugins.loaders.packages import Packages
 
@@ -113,10 +113,12 @@ def read_output(request: LoadRequest, output: str) -> tuple[Problem, ...]:
 LOADER = Loader(
     name="mujoco",
     summary="loads MJCF or URDF into MuJoCo, compares the arm with the table, lets it hold its weight, takes a picture",
-    load=load,
+    open=load,
     options=MuJoCoOptions,
     formats=("mjcf", "urdf"),
-    read_output=read_output,
-    require=require,
-    prepare=prepare,
+    capabilities=(
+        Requires(require),
+        ReadsOutput(read_output),
+        Reusable(prepare),
+    ),
 )

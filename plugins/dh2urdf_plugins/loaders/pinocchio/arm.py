@@ -21,8 +21,7 @@ from dh2urdf.measuring import Body
 from dh2urdf.rotations import RigidTransform
 from dh2urdf.source import Problem, shown
 from dh2urdf.stages import LoadReport
-from dh2urdf_plugins.loaders.comparison import Comparison
-from dh2urdf_plugins.loaders.measures import hold_start, lumped_bodies, rotation, vector
+from dh2urdf_plugins.loaders.measures import Comparison, hold_start, lumped_bodies, rotation, vector
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence

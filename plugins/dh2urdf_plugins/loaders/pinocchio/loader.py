@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.source import Problem, shown
-from dh2urdf.stages import Loader
+from dh2urdf.stages import Loader, ReadsOutput, Requires, Reusable
 from dh2urdf_plugins.loaders.options import SimulatorOptions
 from dh2urdf_plugins.loaders.packages import Packages
 
@@ -71,10 +71,12 @@ def read_output(request: LoadRequest, output: str) -> tuple[Problem, ...]:
 LOADER = Loader(
     name="pinocchio",
     summary="loads a URDF into Pinocchio, compares the arm with the table, weighs it against its efforts",
-    load=load,
+    open=load,
     options=PinocchioOptions,
     formats=("urdf",),
-    read_output=read_output,
-    require=require,
-    prepare=prepare,
+    capabilities=(
+        Requires(require),
+        ReadsOutput(read_output),
+        Reusable(prepare),
+    ),
 )

@@ -23,12 +23,12 @@ from dh2urdf.measuring import Body, Precision
 from dh2urdf.robot import Box, Inertial, Sphere
 from dh2urdf.rotations import IDENTITY, RigidTransform, multiply, rotate, rotation_from_quaternion, transpose
 from dh2urdf.stages import LoadReport
-from dh2urdf_plugins.loaders.comparison import Comparison
 from dh2urdf_plugins.loaders.measures import (
     HOLD_SECONDS,
     OVERLAP,
     SINGLE_PRECISION,
     TIME_STEP,
+    Comparison,
     hold_start,
     touching_pairs,
 )

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.source import Problem, shown
-from dh2urdf.stages import LOAD_TIME_LIMIT, Loader
+from dh2urdf.stages import LOAD_TIME_LIMIT, Loader, ReadsOutput, Requires, Reusable
 from dh2urdf_plugins.loaders.options import SimulatorOptions
 from dh2urdf_plugins.loaders.packages import Packages
 
@@ -25,6 +25,11 @@ class PyBulletOptions(SimulatorOptions):
 
     picture: bool = field(default=True, metadata={"help": "write a picture of the arm beside its files"})
     gui: bool = field(default=False, metadata={"help": "show the arm in a window, and wait until it is closed"})
+
+    @property
+    def time_limit(self) -> float | None:
+        """How long loading may take [s]; a window stays open as long as a person likes."""
+        return None if self.gui else LOAD_TIME_LIMIT
 
 
 def require(options: PyBulletOptions) -> None:
@@ -105,19 +110,15 @@ def read_output(request: LoadRequest, output: str) -> tuple[Problem, ...]:
     )
 
 
-def time_limit(options: PyBulletOptions) -> float | None:
-    """How long loading may take [s]; a window stays open as long as a person likes."""
-    return None if options.gui else LOAD_TIME_LIMIT
-
-
 LOADER = Loader(
     name="pybullet",
     summary="loads a URDF into PyBullet, compares the arm with the table, lets it hold its weight, takes a picture",
-    load=load,
+    open=load,
     options=PyBulletOptions,
     formats=("urdf",),
-    read_output=read_output,
-    require=require,
-    time_limit=time_limit,
-    prepare=prepare,
+    capabilities=(
+        Requires(require),
+        ReadsOutput(read_output),
+        Reusable(prepare),
+    ),
 )

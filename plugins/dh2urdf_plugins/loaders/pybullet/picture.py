@@ -15,7 +15,6 @@ from dh2urdf_plugins.loaders.viewpoint import (
     WIDTH,
     Frames,
     JointVector,
-    View,
     best_view,
 )
 
@@ -41,7 +40,16 @@ def write_picture(bullet: Any, robot: Robot, frames_at: Callable[[JointVector], 
 
     view = best_view(robot, frames_at)
     frames_at(view.q)
-    _lay_floor(bullet, view)
+    # A light floor under the arm, for its shadow to fall on.
+    (x, y, z), half = view.floor
+    thickness = half / 100
+    shape = bullet.createVisualShape(
+        bullet.GEOM_BOX, halfExtents=(half, half, thickness), rgbaColor=FLOOR, specularColor=(0, 0, 0)
+    )
+    bullet.createMultiBody(
+        baseVisualShapeIndex=shape,
+        basePosition=(x, y, z - thickness),
+    )
     width, height = WIDTH * SUPERSAMPLING, HEIGHT * SUPERSAMPLING
     pixels = bullet.getCameraImage(
         width,
@@ -62,16 +70,3 @@ def write_picture(bullet: Any, robot: Robot, frames_at: Callable[[JointVector], 
     data = BytesIO()
     image.resize((WIDTH, HEIGHT), Image.Resampling.BOX).save(data, "PNG", optimize=True)
     write_whole(path, data.getvalue())
-
-
-def _lay_floor(bullet: Any, view: View) -> None:  # noqa: ANN401 - a module without type information
-    """A light floor under the arm, for its shadow to fall on."""
-    (x, y, z), half = view.floor
-    thickness = half / 100
-    shape = bullet.createVisualShape(
-        bullet.GEOM_BOX, halfExtents=(half, half, thickness), rgbaColor=FLOOR, specularColor=(0, 0, 0)
-    )
-    bullet.createMultiBody(
-        baseVisualShapeIndex=shape,
-        basePosition=(x, y, z - thickness),
-    )

@@ -33,12 +33,9 @@ from dh2urdf.rotations import (
     transpose,
 )
 from dh2urdf.source import Mark, Problem, shown
-from dh2urdf_plugins.read_back.mjcf.elements import SMALLEST, Elements
-from dh2urdf_plugins.read_back.mjcf.includes import include_files
-from dh2urdf_plugins.read_back.mjcf.masses import mass_of_shapes
-from dh2urdf_plugins.read_back.mjcf.shapes import Shapes
-from dh2urdf_plugins.read_back.whole_robots import whole
-from dh2urdf_plugins.read_back.xml_files import content_of, mark_of, tree_of, written_tree_of
+from dh2urdf_plugins.read_back.mjcf.elements import SMALLEST, Elements, include_files
+from dh2urdf_plugins.read_back.mjcf.shapes import Shapes, mass_of_shapes
+from dh2urdf_plugins.read_back.xml_files import content_of, mark_of, tree_of, whole, written_tree_of
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Mapping, Sequence

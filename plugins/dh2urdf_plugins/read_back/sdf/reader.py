@@ -30,13 +30,17 @@ from dh2urdf.rotations import (
     transpose,
 )
 from dh2urdf.source import Mark, Problem, shown
-from dh2urdf_plugins.read_back.capsules import Placed, capsule
-from dh2urdf_plugins.read_back.sdf.elements import SdfElements
-from dh2urdf_plugins.read_back.sdf.nesting import AT_INCLUDED, flatten, leave_out_attached
-from dh2urdf_plugins.read_back.sdf.places import Places
-from dh2urdf_plugins.read_back.sdf.versions import IN_MODEL, modernise
-from dh2urdf_plugins.read_back.whole_robots import not_of_a_manipulator, whole
-from dh2urdf_plugins.read_back.xml_files import content_of, tree_of, written_tree_of
+from dh2urdf_plugins.read_back.sdf.elements import IN_MODEL, SdfElements, modernise
+from dh2urdf_plugins.read_back.sdf.places import AT_INCLUDED, Places, flatten, leave_out_attached
+from dh2urdf_plugins.read_back.xml_files import (
+    Placed,
+    capsule,
+    content_of,
+    not_of_a_manipulator,
+    tree_of,
+    whole,
+    written_tree_of,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterator, Mapping, Sequence

@@ -162,6 +162,6 @@ class _Table:
 
 def _with_body(row: DHRow, behind: RigidTransform) -> DHRow:
     """A row with its body, which is given in the frame behind the turn about y, in its own frame."""
-    from dh2urdf_plugins.extraction.split_tables import with_moved_body
+    from dh2urdf_plugins.extraction.splitting import with_moved_body
 
     return with_moved_body(row, behind)

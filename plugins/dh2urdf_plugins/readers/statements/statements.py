@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
     from dh2urdf.documents import Node
     from dh2urdf.manipulator import DHRow
-    from dh2urdf_plugins.calibrations.files import CalibrationFile  # noqa: TC004 - only the tables with one need it
+    from dh2urdf_plugins.calibrations.calibration import CalibrationFile  # noqa: TC004 - only the tables with one need it
 
 OPTIONS = "an option"
 """What marks name as the file of an option."""
@@ -259,7 +259,7 @@ class Statements:
         mark = Mark(file=OPTIONS)
         self.mesh_links = options["mesh_links"]
         if options["calibration"] is not None:
-            from dh2urdf_plugins.calibrations.files import CalibrationFile
+            from dh2urdf_plugins.calibrations.calibration import CalibrationFile
 
             units = {name: options[name] for name in ("length_unit", "angle_unit", "units")}
             self.calibration = CalibrationFile(options["calibration"], units)

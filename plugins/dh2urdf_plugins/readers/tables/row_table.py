@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any
 from dh2urdf.columns import ManipulatorColumns, ManipulatorGroups
 from dh2urdf.errors import SCREENFUL, TableError
 from dh2urdf.manipulator import Convention, DHRow, JointType, Manipulator
-from dh2urdf.output import SeenNames
+from dh2urdf.output import NameSet
 from dh2urdf.source import Problem, shown
 from dh2urdf.stages import Rejected
 from dh2urdf_plugins.readers.header.units import unit_notices, unit_problems
@@ -94,7 +94,7 @@ class RowTable:
         self.plain_table &= self.cells.steps is None
         self.remarked = 0
         self.remarks = Remarks(self.statements, columns, self.whole)
-        self.seen = SeenNames()
+        self.seen = NameSet()
 
     @cached_property
     def plain(self) -> PlainRows:

@@ -17,7 +17,7 @@ import dh2urdf
 from dh2urdf.errors import ConfigError, Dh2UrdfError, EmitterError
 from dh2urdf.manipulator import Convention, JointType
 from dh2urdf.rotations import RigidTransform
-from dh2urdf.stages import Expansion
+from dh2urdf.stages import Expansion, GivesNotices
 from dh2urdf.testing.oracle import robot_pose
 from dh2urdf_plugins.emitters.ros2.emitter import EMITTER
 from dh2urdf_plugins.emitters.ros2.options import PLUGINS, Ros2Options
@@ -429,13 +429,13 @@ def test_moveit_does_not_start_with_joints_that_are_no_texts() -> None:
         replace(row, joint=name) for row, name in zip(arm.rows, ("x", "y", "z", "1e3", "yes", "q"), strict=True)
     )
     robot = alpha_swap(replace(arm, rows=rows), AlphaSwapOptions(frames="dh"))
-    assert EMITTER.notices is not None
-    told = [notice.message for notice in EMITTER.notices(robot, Ros2Options(moveit=True))]
+    gives = EMITTER.can(GivesNotices)
+    told = [notice.message for notice in gives.notices(robot, Ros2Options(moveit=True))]
     told = [message for message in told if "launch_ros" in message]
     lost = [name for name in ("x", "y", "z", "1e3", "yes", "q") if NO_TEXTS.fullmatch(yaml.dump([name])[2:-1])]
     assert lost == ["y", "1e3"]
     assert [message.partition("'")[2].partition("'")[0] for message in told] == lost
-    assert not [notice for notice in EMITTER.notices(robot, Ros2Options()) if "launch_ros" in notice.message]
+    assert not [notice for notice in gives.notices(robot, Ros2Options()) if "launch_ros" in notice.message]
 
 
 @pytest.mark.parametrize(

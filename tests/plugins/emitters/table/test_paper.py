@@ -11,8 +11,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from dh2urdf.manipulator import Convention, Manipulator
-from dh2urdf_plugins.emitters.table.latex import escaped, latex_file
-from dh2urdf_plugins.emitters.table.markdown import markdown_file
+from dh2urdf_plugins.emitters.table.notation import escaped, latex_file, markdown_file
 from dh2urdf_plugins.emitters.table.options import TableOptions
 
 if TYPE_CHECKING:

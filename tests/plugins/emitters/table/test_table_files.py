@@ -14,8 +14,8 @@ import dh2urdf as api
 from dh2urdf.errors import EmitterError
 from dh2urdf.manipulator import LinkGeometry, Manipulator, MeshFile, MeshShape, Payload
 from dh2urdf.robot import Arm, Link, Origin, Robot
-from dh2urdf_plugins.emitters.table.emitter import EMITTER
-from dh2urdf_plugins.emitters.table.options import SUFFIXES, TableOptions
+from dh2urdf.stages import GivesNotices, OtherFiles, ReadsBack
+from dh2urdf_plugins.emitters.table.emitter import EMITTER, SUFFIXES, TableOptions
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -83,8 +83,8 @@ def test_everything_comes_back(full: Manipulator, name: Any, tmp_path: Path) -> 
     (again,) = read(content, SUFFIXES[name], tmp_path)
     assert again == full
     assert written(again, formats=(name,)) == content
-    assert EMITTER.notices is not None
-    assert EMITTER.notices(robot_of(full), TableOptions(formats=(name,))) == []
+    gives = EMITTER.can(GivesNotices)
+    assert gives.notices(robot_of(full), TableOptions(formats=(name,))) == []
 
 
 def test_csv_names_what_it_leaves_out(full: Manipulator, tmp_path: Path) -> None:
@@ -95,8 +95,8 @@ def test_csv_names_what_it_leaves_out(full: Manipulator, tmp_path: Path) -> None
     bare = replace(full.rows[1], visual=None)
     assert again == replace(full, rows=(full.rows[0], bare, *full.rows[2:]), visuals=None, collisions=None)
     assert written(again, formats=("csv",)) == content
-    assert EMITTER.notices is not None
-    assert [notice.message for notice in EMITTER.notices(robot_of(full), options)] == [
+    gives = EMITTER.can(GivesNotices)
+    assert [notice.message for notice in gives.notices(robot_of(full), options)] == [
         "the format 'csv' has no place for 'visual' of 1 row: left out",
         "the format 'csv' has no place for 'visuals': left out",
         "the format 'csv' has no place for 'collisions': left out",
@@ -178,8 +178,8 @@ class TestCells:
         for name in ("yaml", "json"):
             content = written(arm, other, formats=(name,))
             assert read(content, SUFFIXES[name], tmp_path) == [arm, other]
-        assert EMITTER.notices is not None
-        (notice,) = EMITTER.notices(robot_of(arm, other), TableOptions())
+        gives = EMITTER.can(GivesNotices)
+        (notice,) = gives.notices(robot_of(arm, other), TableOptions())
         assert notice.message.startswith("the tables are those of 2 kinds of arms; they do not say where the 3 arms")
 
     def test_csv_has_one_base(self, arm: Manipulator, tmp_path: Path) -> None:
@@ -202,11 +202,11 @@ def test_several_formats(arm: Manipulator) -> None:
     """A file each, the first being the main one; a suffix that a person chose comes first."""
     options = TableOptions(formats=("latex", "csv"))
     assert [file.name for file in EMITTER.emit(robot_of(arm), "a", options)] == ["a.tex", "a.csv"]
-    assert EMITTER.for_suffix is not None
-    assert EMITTER.for_suffix(options, ".csv").formats == ("csv", "latex")
-    assert EMITTER.for_suffix(TableOptions(), ".yml").formats == ("yaml",)
-    assert EMITTER.one_file is not None
-    assert EMITTER.one_file(options).formats == ("latex",)
+    others = EMITTER.can(OtherFiles)
+    assert others.for_suffix(options, ".csv").formats == ("csv", "latex")
+    assert others.for_suffix(TableOptions(), ".yml").formats == ("yaml",)
+    others = EMITTER.can(OtherFiles)
+    assert others.one_file(options).formats == ("latex",)
 
 
 def test_a_robot_without_a_table(arm: Manipulator) -> None:
@@ -218,14 +218,14 @@ def test_a_robot_without_a_table(arm: Manipulator) -> None:
 @pytest.mark.parametrize("name", ["yaml", "csv", "json"])
 def test_the_proof_reads_the_file(name: Any, reference_robot: ReferenceRobot, tmp_path: Path) -> None:
     """The robot that is read back has the frames of the file, which a changed file changes."""
-    assert EMITTER.read_back is not None
+    reads = EMITTER.can(ReadsBack)
     arm = reference_robot.manipulator
     path = tmp_path / f"arm{SUFFIXES[name]}"
     first = replace(arm.rows[0], d=arm.rows[0].d + 0.125)
     for rows in (arm.rows, (first, *arm.rows[1:])):
         changed = replace(arm, rows=rows)
         path.write_bytes(written(changed, formats=(name,)))
-        robot = EMITTER.read_back(path)
+        robot = reads.read_back(path)
         q = [0.3] * len(arm.moving_rows)
         found, expected = robot.fk(q), changed.fk(q)
         assert np.abs(found - expected).max() <= 1e-12 * max(1.0, np.abs(expected).max())

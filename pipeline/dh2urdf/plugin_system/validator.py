@@ -1,0 +1,316 @@
+"""Values of a document as records: pydantic checks them, and what is wrong gets its place in the document.
+
+A record is a dataclass: the options of a stage, or a section of a run file. A field may say in its metadata what it
+`measures`: then texts such as ``40 mm`` are numbers in SI units. The checks are strict: ``yes`` is not true, and
+``true`` is not 1. A number is a text where a text is wanted: ``007`` is the text that it is written as.
+"""
+
+from __future__ import annotations
+
+import re
+import sys
+from dataclasses import MISSING, fields
+from math import inf
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Generic, TypeAlias, TypeVar, get_args, get_origin
+
+from dh2urdf.documents.nodes import LARGEST_BARE
+from dh2urdf.documents.text_files import tidy_path
+from dh2urdf.errors import ConfigError, InputError
+from dh2urdf.plugin_system.option_types import choices, keys_of, members, records_of, type_text
+from dh2urdf.source import Problem, did_you_mean, in_file_order
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from pydantic import TypeAdapter, ValidationError
+
+    from dh2urdf.documents.document import Node
+
+T = TypeVar("T")
+Keys: TypeAlias = tuple[str | int, ...]
+"""Keys and indices that lead from a record to a value in it."""
+
+TEXT_MAY_DO = frozenset({"string_type", "literal_error", "enum"})
+"""Errors of pydantic that a value's own text may fix."""
+TOLD_BY_TYPE = TEXT_MAY_DO | {"missing", "greater_than", "greater_than_equal", "less_than", "less_than_equal"}
+"""Errors of pydantic about which the words for the type say enough."""
+REFUSED = frozenset({"value_error", "assertion_error"})
+"""Errors that the record itself has raised."""
+
+
+def record_of(kind: type[T], node: Node, *, whose: str, keyword: str = "option", folder: Path | None = None) -> T:
+    """A record of a value of a document.
+
+    Args:
+        kind: the dataclass.
+        node: the mapping that was written.
+        whose: whose record it is, for messages, such as ``the loader 'x'``.
+        keyword: what messages call a key of it.
+        folder: the folder of the file, which paths are relative to; those without a line are relative to the working
+            directory.
+
+    Raises:
+        ConfigError: keys are unknown or missing, or values not what they should be; all problems are reported at once.
+    """
+    return _Given(kind, node, whose, keyword, folder).record()
+
+
+def unknown_key(  # noqa: PLR0917 - what it is about
+    node: Node, key: str, known: Iterable[str], whose: str, keyword: str, keys: Keys = ()
+) -> Problem:
+    """The problem that a mapping has a key which is none."""
+    near = did_you_mean(key, known)
+    if near is None and "options" in known:
+        near = "the options of a stage stand under `options:`, as in `{stage: NAME, options: {…}}`"
+    return Problem(
+        message=f"{whose} has no such {keyword}",
+        mark=node.key_mark(key),
+        field=dotted((*keys, key)),
+        found=key,
+        accepted=", ".join(known) or f"nothing: it has no {keyword}s",
+        suggestion=near,
+    )
+
+
+_ADAPTERS: dict[Any, TypeAdapter[Any]] = {}
+"""Pydantic's checks of a type: to make them takes longer than to use them."""
+
+
+_NO_PLUGINS = "PYDANTIC_DISABLE_PLUGINS"
+
+
+def adapter_of(kind: Any) -> TypeAdapter[Any]:  # noqa: ANN401 - a dataclass
+    """Pydantic's checks of a type, and its JSON Schema.
+
+    Pydantic would look for its own plugins in the metadata of all distributions, and fail at a broken one.
+    """
+    import os
+
+    from pydantic import TypeAdapter
+
+    if kind not in _ADAPTERS:
+        before = os.environ.get(_NO_PLUGINS)
+        os.environ[_NO_PLUGINS] = "__all__"
+        try:
+            _ADAPTERS[kind] = TypeAdapter(kind)
+        finally:
+            if before is None:
+                del os.environ[_NO_PLUGINS]
+            else:
+                os.environ[_NO_PLUGINS] = before
+    return _ADAPTERS[kind]
+
+
+class _Given(Generic[T]):
+    """A mapping on its way to a record.
+
+    Attributes:
+        before: what stands before a message that somebody else has worded.
+        problems: what is wrong.
+        seen: the values by their place, each with its type and whether it may have a unit.
+        wrong: the places of values whose problem is noted already.
+        unknown: the keys that are none, by the place of their mapping.
+    """
+
+    def __init__(self, kind: type[T], root: Node, whose: str, keyword: str, folder: Path | None) -> None:
+        self.kind, self.root, self.whose, self.keyword, self.folder = kind, root, whose, keyword, folder
+        self.before = f"{whose}: " if keyword == "option" else ""
+        self.problems: list[Problem] = []
+        self.seen: dict[Keys, tuple[Node, Any, bool]] = {}
+        self.wrong: set[Keys] = set()
+        self.unknown: dict[Keys, list[str]] = {}
+
+    def record(self) -> T:
+        """The record; see `record_of`."""
+        if not isinstance(self.root.value, dict):
+            self._note(f"{self.whose} cannot take {self.root.describe()} here", self.root, (), type_text(self.kind))
+            raise ConfigError(self.problems)
+        values = self._prepared(self.root, self.kind, ())
+        try:
+            needs = [field for field in fields(self.kind) if field.init]  # type: ignore[arg-type]  # a dataclass
+            if values or any(field.default is field.default_factory is MISSING for field in needs):
+                record = self._checked(values)
+            else:
+                record = self.kind()  # without pydantic, whose import takes as long as the conversion of a table
+        except InputError as error:  # of the record's own __post_init__
+            self.problems += [self._placed(problem) for problem in error.problems]
+        except ValueError as error:
+            self.problems.append(self._refused(str(error), ()))
+        if self.problems:
+            raise ConfigError(in_file_order(self.problems))
+        return record
+
+    # --- Values for pydantic
+
+    def _prepared(self, node: Node, hint: Any, keys: Keys, measure: str | None = None) -> Any:  # noqa: ANN401
+        """A value as JSON has it: without unknown keys, measures in SI units, paths with their folder."""
+        self.seen[keys] = node, hint, measure is not None
+        value = node.value
+        if isinstance(value, dict):
+            known = {name: key for record in records_of(hint) for name, key in keys_of(record).items()}
+            each = next((get_args(member)[1] for member in members(hint) if get_origin(member) is dict), Any)
+            made = {}
+            for key, entry in value.items():
+                if key in known:
+                    made[key] = self._prepared(entry, known[key].hint, (*keys, key), known[key].measures)
+                elif known or records_of(hint):
+                    self.unknown.setdefault(keys, []).append(key)
+                    self.problems.append(unknown_key(node, key, known, self.whose, self.keyword, keys))
+                else:
+                    made[key] = self._prepared(entry, each, (*keys, key))
+            return made
+        if isinstance(value, list):
+            inner = next((get_args(m) for m in members(hint) if get_origin(m) in (list, tuple)), ()) or (Any,)
+            last = len(inner) - 1 - (inner[-1] is ...)
+            return [
+                self._prepared(entry, inner[min(index, last)], (*keys, index), measure)
+                for index, entry in enumerate(value)
+            ]
+        if measure and node.text is not None and node.text not in choices(hint):
+            value = self._in_si(node, measure, keys)
+        if isinstance(value, (int, float)) and not abs(value) <= sys.float_info.max:  # true of NaN too
+            return node.text  # no type takes this text for a number
+        if isinstance(value, str) and self.folder and node.line and "\0" not in value and Path in members(hint):
+            return str(tidy_path(self.folder / value))
+        return value
+
+    def _in_si(self, node: Node, measure: str, keys: Keys) -> Any:  # noqa: ANN401 - any value
+        """What a text or a large number measures."""
+        value = node.value
+        is_large = type(value) in (int, float) and not abs(value) <= LARGEST_BARE.get(measure, inf)  # type: ignore[arg-type]
+        if not isinstance(value, str) and not is_large:
+            return value
+        from dh2urdf.documents.measures import measured
+        from dh2urdf.quantities import Dimension, QuantityError
+
+        try:
+            return measured(node, {each.plain: each for each in Dimension}[measure])
+        except QuantityError as error:
+            self.wrong.add(keys)
+            self._note(f"{self.before}{error.message}", node, keys, error.accepted, error.suggestion)
+            return 0.0
+
+    def _checked(self, values: Any) -> T:  # noqa: ANN401 - as JSON has it
+        """The record as pydantic makes it; what is wrong with the values is among the problems."""
+        import json
+
+        from pydantic import ValidationError
+
+        adapter: TypeAdapter[T] = adapter_of(self.kind)
+        while True:
+            try:
+                # As JSON, since its strict mode takes a list for a tuple and a word for a path or an enumeration.
+                return adapter.validate_json(json.dumps(values), strict=True)
+            except ValidationError as error:
+                found = error
+            texts = [self._put_text(values, one["loc"]) for one in found.errors() if one["type"] in TEXT_MAY_DO]
+            if not any(texts):
+                self._note_errors(found)
+                raise ConfigError([])
+
+    def _put_text(self, values: Any, location: Keys) -> bool:  # noqa: ANN401 - as JSON has it
+        """Put a value's own text in its place; tell whether that changes anything."""
+        keys = self._place(location)
+        node, _, _ = self.seen[keys]
+        if node.text is None or node.value is None or not keys:
+            return False
+        for key in keys[:-1]:
+            values = values[key]
+        changes = values[keys[-1]] != node.text
+        values[keys[-1]] = node.text
+        return bool(changes)
+
+    # --- What is wrong
+
+    def _place(self, location: Keys) -> Keys:
+        """The place of an error: its location may go on with names of types."""
+        return next(location[:depth] for depth in range(len(location), -1, -1) if location[:depth] in self.seen)
+
+    def _note_errors(self, found: ValidationError) -> None:
+        """Note one problem for each value; pydantic reports a union once for each of its types."""
+        by_place: dict[Keys, list[Any]] = {}
+        for one in found.errors(include_url=False):
+            by_place.setdefault(self._place(one["loc"]), []).append(one)
+        for keys, errors in by_place.items():
+            node = self.seen[keys][0]
+            refused = [one["ctx"]["error"] for one in errors if one["type"] in REFUSED]
+            missing = [one["loc"][-1] for one in errors if one["type"] == "missing" and isinstance(one["loc"][-1], str)]
+            # Of a list with wrong entries, pydantic also reports that too few are left.
+            is_told = keys in self.wrong or (node.value and all(one["type"] == "too_short" for one in errors))
+            if missing:
+                self._note_missing(keys, dict.fromkeys(missing))
+            elif refused:
+                self.problems.append(self._refused(str(refused[0]), keys))
+            elif not is_told:
+                self._note_wrong(keys, errors)
+
+    def _note_missing(self, keys: Keys, names: Iterable[str]) -> None:
+        """Note keys that must be there; a key that is written in a wrong way is an unknown one, which says enough."""
+        node, hint, _ = self.seen[keys]
+        known = {name: key for record in records_of(hint) for name, key in keys_of(record).items()}
+        for name in names:
+            if not any(did_you_mean(word, [name]) for word in self.unknown.get(keys, ())):
+                accepted = f"{type_text(known[name].hint)}{known[name].help and ': '}{known[name].help}"
+                self._note(f"{self.whose} needs this {self.keyword}", node, (*keys, name), accepted)
+
+    def _note_wrong(self, keys: Keys, errors: list[Any]) -> None:
+        node, hint, measures = self.seen[keys]
+        accepted = type_text(hint, measures=measures)
+        for one in errors:
+            if one["type"] not in TOLD_BY_TYPE and one.get("ctx") and one["msg"].startswith("Input should be "):
+                accepted += ", " + one["msg"].removeprefix("Input should be ")
+        near = did_you_mean(node.text, choices(hint)) if node.text else None
+        if any(one["type"].startswith("int_") for one in errors):
+            near = near or _as_whole(node.text or "")
+        self._note(f"{self.whose} cannot take {node.describe()} here", node, keys, accepted, near)
+
+    def _refused(self, reason: str, keys: Keys) -> Problem:
+        """What the record itself refuses: the key that its message speaks of is the place."""
+        words = set(re.findall(r"\w+", reason))
+        named = [name for name in self._entries() if name in words]
+        if not keys and named:
+            keys = (named[0],)
+        node = self.seen[keys][0]
+        return Problem(
+            message=f"{self.whose}: {reason}" if keys else f"{self.whose} refuses its {self.keyword}s: {reason}",
+            mark=node.mark,
+            field=dotted(keys) or None,
+            found=node.text,
+        )
+
+    def _entries(self) -> dict[str, Node]:
+        return self.root.value if isinstance(self.root.value, dict) else {}
+
+    def _placed(self, problem: Problem) -> Problem:
+        """A problem of the record itself, which knows no places."""
+        entry = self._entries().get((problem.field or "").partition(".")[0], self.root)
+        return problem.about(mark=entry.mark)
+
+    def _note(
+        self, message: str, node: Node, keys: Keys, accepted: str | None = None, suggestion: str | None = None
+    ) -> None:
+        self.problems.append(
+            Problem(
+                message=message,
+                mark=node.mark,
+                field=dotted(keys) or None,
+                found=node.text,
+                accepted=accepted,
+                suggestion=suggestion,
+            )
+        )
+
+
+def _as_whole(text: str) -> str | None:
+    """How to write a whole number that is written as 1e6, 1_000 or 10.0."""
+    try:
+        number = float(text)
+    except ValueError:
+        return None
+    return f"write {number:.0f}" if number.is_integer() and 0 <= number <= 10**9 else None
+
+
+def dotted(keys: Keys) -> str:
+    """A place as messages name it: ``bodies.1.radius``."""
+    return ".".join(map(str, keys))

@@ -1,0 +1,448 @@
+"""What the fields of records accept, and records that are made without these checks.
+
+Records are made by readers, by plugins and by you. A field of type float accepts everything that is one number
+(`numpy.float32`, `Fraction`, `Decimal`, an array of shape ()), and keeps a float; a field of an enum accepts its values
+as text; a field of three numbers accepts any sequence of three. Everything else is a `RecordError` that names the
+record and the field. The types come from the annotations of the dataclass, so that no field can be forgotten.
+"""
+
+from __future__ import annotations
+
+import math
+import operator
+from collections import deque
+from collections.abc import Callable, Iterable, Mapping, Set as AbstractSet
+from dataclasses import MISSING, fields, is_dataclass
+from enum import Enum
+from functools import cache, partial, reduce
+from itertools import islice, repeat
+from types import NoneType
+from typing import TYPE_CHECKING, Any, NoReturn, ParamSpec, TypeVar, cast, get_args, get_origin, get_type_hints
+
+from dh2urdf.elementwise import is_column
+from dh2urdf.errors import RecordTypeError, RecordValueError
+from dh2urdf.rotations import IDENTITY, RigidTransform, nearest_rotation
+from dh2urdf.source import Mark, Problem, did_you_mean, shown
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+    from typing import TypeAlias
+
+    Take: TypeAlias = Callable[[Any], Any]
+
+P = ParamSpec("P")
+T = TypeVar("T")
+
+NEARLY_ORTHONORMAL = 1e-6
+"""Deviation from a rotation that single precision and printing leave; the nearest rotation is kept then."""
+EXACTLY_ORTHONORMAL = 1e-12
+"""Deviation from a rotation that is rounding; the matrix is kept as it is then."""
+_NUMBER = "one finite number in SI units (m, rad, kg, s)"
+
+
+def take_fields(record: Any) -> None:  # noqa: ANN401 - any dataclass
+    """Bring the fields of a frozen record to their types: the `__post_init__` of its class.
+
+    A number may also be a column of `dh2urdf.columns`, and what is not finite is left to the checks of the finished
+    robot.
+
+    Raises:
+        RecordError: a field does not accept its value; every such field is named.
+    """
+    _take(record, exact=False)
+
+
+def take_exact_fields(record: Any) -> None:  # noqa: ANN401 - any dataclass
+    """As `take_fields`, for records that people make: every number must be a single finite one.
+
+    Raises:
+        RecordError: a field does not accept its value; every such field is named.
+    """
+    _take(record, exact=True)
+
+
+def _take(record: Any, *, exact: bool) -> None:  # noqa: ANN401 - any dataclass
+    known: Any = _takes_of
+    get, takes, doubtful = known(type(record), exact=exact)
+    values = get(record)
+    kinds = tuple(map(type, values))
+    if kinds not in doubtful:  # A robot has a hundred records of a few types: most have no value to look at.
+        doubtful[kinds] = [each for each in takes if kinds[each[1]] not in each[2]]
+    found: list[tuple[str, RefusedError]] = []
+    for name, number, _, take in doubtful[kinds]:
+        try:
+            taken = take(values[number])
+        except RefusedError as refused:
+            found.append((name, refused))
+        else:
+            if taken is not values[number]:
+                object.__setattr__(record, name, taken)
+    if found:
+        kind = RecordTypeError if any(refused.is_type for _, refused in found) else RecordValueError
+        raise kind(_problem(record, name, refused) for name, refused in found)
+
+
+def refuse(
+    record: object, field: str, message: str, *, found: object, accepted: str, suggestion: str | None = None
+) -> NoReturn:
+    """Refuse a record whose fields contradict each other or the arm that they are to describe.
+
+    Raises:
+        RecordValueError: always.
+    """
+    refused = RefusedError(message, found, accepted, suggestion=suggestion)
+    raise RecordValueError(_problem(record, field, refused))
+
+
+def as_number(value: Any) -> float:  # noqa: ANN401 - whatever is given
+    """The float that one number of any type is.
+
+    Raises:
+        RecordTypeError: it is none.
+    """
+    try:
+        return _number(value)
+    except RefusedError as refused:
+        problem = Problem(message=refused.message, found=refused.found, accepted=refused.accepted)
+        raise RecordTypeError(problem) from None
+
+
+# --- Records without checks -------------------------------------------------------------------------------------------
+
+
+def replace_unchecked(record: T, **changes: Any) -> T:  # noqa: ANN401 - whatever the fields are to hold
+    """`dataclasses.replace` for this package's own use: the changes are taken as they are, columns of numbers too."""
+    kind: Any = type(record)
+    made: T = object.__new__(kind)
+    for name in _names_of(kind):
+        object.__setattr__(made, name, changes[name] if name in changes else getattr(record, name))
+    return made
+
+
+def many_unchecked(model: T, count: int, **changes: Iterable[Any]) -> list[T]:
+    """Many records like another one, as `replace_unchecked` makes one.
+
+    They are filled field by field and not record by record, which takes a fifth of the time.
+
+    Args:
+        model: what they are like.
+        count: how many.
+        changes: of some fields the value in each.
+    """
+    kind: Any = type(model)
+    made: list[Any] = list(map(object.__new__, repeat(kind, count)))
+    for name in _names_of(kind):
+        values = changes[name] if name in changes else repeat(getattr(model, name))
+        deque(map(getattr(kind, name).__set__, made, values), maxlen=0)
+    return made
+
+
+def members_of(record: Any, members: Sequence[int]) -> dict[str, list[Any]]:  # noqa: ANN401 - any record
+    """The fields of a record that hold columns of `dh2urdf.columns`, with the value of each for some members."""
+    kind: Any = type(record)
+    found = {name: _entries(getattr(record, name), members) for name in _names_of(kind)}
+    return {name: entries for name, entries in found.items() if entries is not None}
+
+
+def _entries(value: Any, members: Sequence[int]) -> list[Any] | None:  # noqa: ANN401 - whatever a field holds
+    """A value for each of some members; None where there is no column in it."""
+    if is_column(value):
+        numbers: list[float] = value[members].tolist()
+        return numbers
+    if isinstance(value, tuple):
+        parts = [_entries(item, members) for item in value]
+        if all(part is None for part in parts):
+            return None
+        columns = [repeat(item) if part is None else part for item, part in zip(value, parts, strict=True)]
+        entries = list(islice(zip(*columns, strict=False), len(members)))
+        return [type(value)(*entry) for entry in entries] if hasattr(value, "_fields") else entries
+    if is_dataclass(value) and (changed := members_of(value, members)):
+        return many_unchecked(value, len(members), **changed)
+    return None
+
+
+def unchecked(kind: Callable[P, T]) -> Callable[P, T]:
+    """The constructor of a record for this package's own use: its values are kept as they are.
+
+    The caller has made the values itself, of numbers that were checked. A robot has more than a hundred records,
+    and their checks would take a third of the time that it takes to make them.
+    """
+    record: Any = kind
+    defaults = {field.name: field.default for field in fields(record) if field.default is not MISSING}
+    slots = [(name, getattr(record, name).__set__) for name in _names_of(record)]
+    new = object.__new__
+
+    def make(**values: Any) -> Any:  # noqa: ANN401 - any record
+        made = new(record)
+        values = defaults | values
+        for name, fill in slots:
+            fill(made, values[name])
+        return made
+
+    return cast("Callable[P, T]", make)
+
+
+@cache
+def _names_of(kind: type) -> tuple[str, ...]:
+    return tuple(field.name for field in fields(kind))
+
+
+# --- The types of fields ----------------------------------------------------------------------------------------------
+
+
+class RefusedError(Exception):
+    """A value that a field does not accept: what it is, the value as text, what is accepted, and what to do.
+
+    Attributes:
+        inner: the part of the field that is meant, such as ``[2]`` or ``.lower``.
+        is_type: whether its type is wrong, not its value.
+    """
+
+    def __init__(
+        self, message: str, found: object, accepted: str, *, suggestion: str | None = None, is_type: bool = True
+    ) -> None:
+        self.message, self.found, self.accepted, self.suggestion = message, _text(found), accepted, suggestion
+        self.is_type, self.inner = is_type, ""
+        super().__init__(message)
+
+
+@cache
+def _takes_of(kind: type, *, exact: bool) -> tuple[Take, list[tuple[str, int, list[type], Take]], dict[Any, Any]]:
+    """The fields of a class.
+
+    Returns:
+        What gets the values of all; the name of each, its number, the types of values that it keeps without a look, and
+        what it makes of others; and, by the types of all values, those to look at.
+    """
+    hints, names = get_type_hints(kind), _names_of(kind)
+    get = operator.attrgetter(*names) if len(names) > 1 else lambda record: (getattr(record, names[0]),)
+    takes = [
+        (name, number, _kept(hints[name], exact=exact), _take_of(hints[name], exact=exact))
+        for number, name in enumerate(names)
+    ]
+    return get, takes, {}
+
+
+def _kept(hint: Any, *, exact: bool) -> list[type]:  # noqa: ANN401 - a type
+    """The types whose values a field keeps without a look at them."""
+    parts = get_args(hint) if get_origin(hint) is not tuple else ()
+    looked_at = (RigidTransform, float) if exact else (RigidTransform,)
+    return [
+        each
+        for each in parts or (hint,)
+        if isinstance(each, type) and each not in looked_at and not (exact and _numbers_of(each))
+    ]
+
+
+@cache
+def _numbers_of(kind: Any) -> tuple[str, ...]:  # noqa: ANN401 - any type
+    """The fields of a record that holds numbers only; none of any other."""
+    hints = get_type_hints(kind) if is_dataclass(kind) else {}
+    return tuple(hints) if all(float in (hint, *get_args(hint)) for hint in hints.values()) else ()
+
+
+def _take_of(hint: Any, *, exact: bool) -> Take:  # noqa: ANN401 - a type
+    """What a field of an annotated type makes of a value."""
+    arguments = get_args(hint)
+    if NoneType in arguments:
+        take = _take_of(reduce(operator.or_, [part for part in arguments if part is not NoneType]), exact=exact)
+        return lambda value: None if value is None else take(value)
+    if get_origin(hint) is tuple:
+        each = _take_of(arguments[0], exact=exact)
+        return partial(_several, each, arguments[0] if arguments[-1] is ... else len(arguments))
+    if isinstance(hint, type) and issubclass(hint, Enum):
+        return partial(_choice, hint)
+    simple: dict[Any, Take] = {int: _whole, str: _word, bool: _truth, RigidTransform: _transform}
+    simple[float] = _finite if exact else _number_or_column
+    return simple[hint] if hint in simple else partial(_record, hint, _numbers_of(hint) if exact else ())
+
+
+def _number(value: Any) -> float:  # noqa: ANN401 - whatever is given
+    """The float that one number of any type is; it keeps its value as far as a float can hold it."""
+    suggestion = None
+    if isinstance(value, (str, bytes, bytearray)):
+        suggestion = (
+            "write the number without quotes; `dh2urdf.Manipulator.from_dh` reads texts as the cells of a table"
+        )
+    # numpy turns truth values, moments and complex numbers into floats too.
+    elif not isinstance(value, bool) and _kind(value) in "iufO" and not (_shape(value) or hasattr(value, "mask")):
+        try:
+            return float(value)
+        except OverflowError:
+            raise RefusedError("the number is too large for a float", value, _NUMBER, is_type=False) from None
+        except (TypeError, ValueError, ArithmeticError):
+            pass  # The refusal below says what it is.
+    raise RefusedError(_is_a(value), value, _NUMBER, suggestion=suggestion)
+
+
+def _finite(value: Any) -> float:  # noqa: ANN401 - whatever is given
+    number = value if type(value) is float else _number(value)
+    if not math.isfinite(number):
+        raise RefusedError(f"{number} is not a finite number", value, _NUMBER, is_type=False)
+    return number
+
+
+def _number_or_column(value: Any) -> Any:  # noqa: ANN401 - a float or an array
+    is_many = type(value).__name__ == "ndarray" and value.ndim == 1 and value.dtype == float
+    return value if is_many else _number(value)
+
+
+def _whole(value: Any) -> int:  # noqa: ANN401 - whatever is given
+    number = _finite(value)
+    if number != int(number):
+        raise RefusedError(f"{_text(value)} is not a whole number", value, "a whole number", is_type=False)
+    return int(number)
+
+
+def _word(value: Any) -> str:  # noqa: ANN401 - whatever is given
+    if not isinstance(value, str) or isinstance(value, Enum):
+        raise RefusedError(_is_a(value), value, "text (str)")
+    return str.__str__(value)
+
+
+def _truth(value: Any) -> bool:  # noqa: ANN401 - whatever is given
+    if _kind(value) != "b" or _shape(value):
+        raise RefusedError(_is_a(value), value, "True or False")
+    return bool(value)
+
+
+def _choice(kind: type[Enum], value: Any) -> Enum:  # noqa: ANN401 - whatever is given
+    words = {member.value: member for member in kind}
+    *others, last = words
+    accepted = f"{', '.join(others)} or {last}, as text or as a dh2urdf.{kind.__name__}"
+    if not isinstance(value, str) or isinstance(value, Enum):
+        raise RefusedError(_is_a(value), value, accepted)
+    if (word := value.strip().lower()) in words:
+        return words[word]
+    near = did_you_mean(value, words)
+    raise RefusedError(f"{shown(value)} is no {kind.__name__}", value, accepted, suggestion=near, is_type=False)
+
+
+def _record(kind: Any, numbers: tuple[str, ...], value: Any) -> Any:  # noqa: ANN401 - a dataclass, or a union of some
+    if not isinstance(value, kind):
+        name = " or ".join(part.__name__ for part in get_args(kind) or (kind,))
+        raise RefusedError(_is_a(value), value, f"a {name}")
+    for field in numbers:
+        if getattr(value, field) is not None:
+            _part(value, field, _finite)
+    return value
+
+
+def _several(each: Take, count: int | type, value: Any) -> tuple[Any, ...]:  # noqa: ANN401 - whatever is given
+    """So many values in an order, or any number of one type."""
+    if isinstance(count, type):
+        if type(value) is tuple and set(map(type, value)) <= {count}:
+            return value
+        return _each(each, _items(value, f"records of type {count.__name__}, in a list or a tuple"))
+    if type(value) is tuple and tuple(map(type, value)) == (float,) * count and math.isfinite(sum(value)):
+        return value
+    accepted = f"{count} values in a list, a tuple or an array of shape ({count},)"
+    items = _items(value, accepted)
+    if len(items) != count:
+        raise RefusedError(f"the number of values is {len(items)}", value, accepted, is_type=False)
+    return _each(each, items)
+
+
+def _items(value: Any, accepted: str) -> tuple[Any, ...]:  # noqa: ANN401 - whatever is given
+    """The items of a value that has them in an order."""
+    unordered = isinstance(value, (str, bytes, bytearray, Mapping, AbstractSet)) or not isinstance(value, Iterable)
+    if unordered or (hasattr(value, "shape") and not _shape(value)) or hasattr(value, "mask"):
+        raise RefusedError(_is_a(value), value, accepted)
+    return tuple(value)
+
+
+def _each(take: Take, items: tuple[Any, ...]) -> tuple[Any, ...]:
+    taken = []
+    for item in items:
+        try:
+            taken.append(take(item))
+        except RefusedError as refused:
+            refused.inner = f"[{len(taken)}]{refused.inner}"
+            raise
+    return items if all(map(operator.is_, taken, items)) else tuple(taken)
+
+
+def _transform(value: Any) -> RigidTransform:  # noqa: ANN401 - whatever is given
+    """A rigid transform, or the one that a homogeneous 4x4 matrix is."""
+    is_identity = value is IDENTITY  # not in the condition, where mypy takes it for any value
+    if is_identity:
+        return IDENTITY
+    if isinstance(value, RigidTransform):
+        elements = _part(value, "rotation", partial(_matrix, 3))
+        translation = _part(value, "translation", partial(_several, _finite, 3))
+    else:
+        matrix = _matrix(4, value)
+        if matrix[12:] != (0.0, 0.0, 0.0, 1.0):
+            message = f"the last row of the matrix is {list(matrix[12:])}"
+            raise RefusedError(message, value, "0, 0, 0, 1 in the last row", is_type=False)
+        elements, translation = (*matrix[0:3], *matrix[4:7], *matrix[8:11]), matrix[3:12:4]
+    rotation, deviation = nearest_rotation(elements)
+    if not deviation <= NEARLY_ORTHONORMAL:
+        message = f"the matrix is no rotation: |RᵀR − 1| is {deviation:.3g}, so that it stretches, skews or mirrors"
+        raise RefusedError(message, value, "axes of length 1, square to each other and right-handed", is_type=False)
+    taken = RigidTransform(elements if deviation <= EXACTLY_ORTHONORMAL else rotation, translation)
+    is_kept = isinstance(value, RigidTransform) and all(map(operator.is_, taken, value))
+    kept: RigidTransform = value if is_kept else taken
+    return kept
+
+
+def _part(value: Any, name: str, take: Take) -> Any:  # noqa: ANN401 - a part of a record
+    try:
+        return take(getattr(value, name))
+    except RefusedError as refused:
+        refused.inner = f".{name}{refused.inner}"
+        raise
+
+
+def _matrix(side: int, value: Any) -> tuple[float, ...]:  # noqa: ANN401 - whatever is given
+    """The elements of a square matrix row by row, which may be given so."""
+    accepted = f"a matrix of shape ({side}, {side}), row by row"
+    items = _items(value, accepted)
+    if len(items) == side:
+        rows = [_items(row, accepted) for row in items]
+        items = tuple([element for row in rows if len(row) == side for element in row])
+    if len(items) != side * side:
+        raise RefusedError("the matrix has another shape", value, accepted, is_type=False)
+    return _each(_finite, items)
+
+
+# --- Messages ---------------------------------------------------------------------------------------------------------
+
+
+def _problem(record: Any, name: str, refused: RefusedError) -> Problem:  # noqa: ANN401 - any dataclass
+    given = {word: getattr(record, word, None) for word in ("joint", "name", "mark")}
+    joint, robot = (word if isinstance(word, str) else None for word in (given["joint"], given["name"]))
+    own = Mark(file=f"{type(record).__name__}()")
+    return Problem(
+        message=refused.message,
+        mark=given["mark"] if isinstance(given["mark"], Mark) else own,
+        robot=robot,
+        joint=joint,
+        field=name + refused.inner,
+        found=refused.found,
+        accepted=refused.accepted,
+        suggestion=refused.suggestion,
+    )
+
+
+def _kind(value: Any) -> str:  # noqa: ANN401 - whatever is given
+    """The letter of numpy for what a value holds; b for a truth value, O for other objects."""
+    return "b" if isinstance(value, bool) else str(getattr(getattr(value, "dtype", None), "kind", "O"))
+
+
+def _shape(value: Any) -> tuple[int, ...]:  # noqa: ANN401 - whatever is given
+    """The shape of an array, whichever library made it; () for a single number."""
+    return tuple(getattr(value, "shape", ()))
+
+
+def _is_a(value: Any) -> str:  # noqa: ANN401 - whatever is given
+    kind, shape = type(value), _shape(value)
+    name = kind.__name__ if kind.__module__ == "builtins" else f"{kind.__module__.partition('.')[0]}.{kind.__name__}"
+    return f"{_text(value)} is of type {name}" + (f" and shape {shape}" if shape else "")
+
+
+def _text(value: object) -> str:
+    try:
+        return shown(repr(value))[1:-1]
+    except Exception as error:  # noqa: BLE001 - a stranger's __repr__ may raise anything
+        return f"an object whose repr raises {type(error).__name__}"

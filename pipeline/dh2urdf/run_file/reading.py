@@ -1,0 +1,173 @@
+"""Reads a run file section by section, and gathers all that is wrong instead of stopping at the first."""
+
+from __future__ import annotations
+
+import glob
+import os
+import re
+from contextlib import contextmanager
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, TypeVar
+
+from dh2urdf.documents.text_files import LONG_PATH, check_file, is_folder, is_there, tidy_path
+from dh2urdf.errors import ConfigError
+from dh2urdf.late_tuples import NamedTuple
+from dh2urdf.output.file_patterns import matching
+from dh2urdf.plugin_system.validator import record_of
+from dh2urdf.source import Problem, shown
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator
+
+    from dh2urdf.documents.document import Node
+    from dh2urdf.source import Mark
+
+T = TypeVar("T")
+
+_SHELL = re.compile(r"~(?=/|$)|~[A-Za-z]\w*(?=/)|\$[A-Za-z_]\w*|\$\{\w+\}")
+"""What a shell would put something else in place of."""
+
+
+class FoundFiles(NamedTuple):
+    """Files, the findings about their pattern, and the pattern; None where a path names one file."""
+
+    paths: tuple[Path, ...]
+    notices: tuple[Problem, ...]
+    pattern: str | None
+
+
+class Reading:
+    """What is wrong with a run file, and where its paths begin.
+
+    Attributes:
+        problems: what is wrong; whatever reads a value adds to it.
+    """
+
+    def __init__(self, folder: Path = Path(), changes: str = "") -> None:
+        """Begin with nothing wrong.
+
+        Args:
+            folder: the folder of the run file.
+            changes: the file that marks name where a value is a change of the run file.
+        """
+        self.problems: list[Problem] = []
+        self._folder, self._changes = folder, changes
+
+    def record(self, kind: type[T], node: Node, field: str) -> T | None:
+        """A section, or an entry of one; None where something is wrong with it."""
+        with self.noting(node, field):
+            return record_of(kind, node, whose="a run file", keyword="key")
+        return None
+
+    @contextmanager
+    def noting(self, node: Node, field: str) -> Iterator[None]:
+        """Note the problems of a `ConfigError`: at the key of a mapping that a problem names, or at the node."""
+        try:
+            yield
+        except ConfigError as error:
+            for problem in error.problems:
+                at = node.value.get(problem.field or "", node) if isinstance(node.value, dict) else node
+                self.problems.append(
+                    replace(
+                        problem,
+                        mark=problem.mark or at.mark,
+                        field=f"{field}.{problem.field}" if problem.field else field,
+                        found=problem.found or at.text,
+                    )
+                )
+
+    def add_problem(
+        self,
+        message: str,
+        node: Node,
+        field: str,
+        *,
+        mark: Mark | None = None,
+        found: str | None = None,
+        accepted: str | None = None,
+        suggestion: str | None = None,
+    ) -> None:
+        """Note a problem, at the node unless `mark` says where."""
+        self.problems.append(
+            Problem(
+                message=message,
+                mark=mark or node.mark,
+                field=field or None,
+                found=found or node.text,
+                accepted=accepted,
+                suggestion=suggestion,
+            )
+        )
+
+    def distinct(self, entries: Iterable[tuple[T, str, Node, str]], message: str, accepted: str) -> tuple[T, ...]:
+        """The first entry of each name.
+
+        Args:
+            entries: each with its name, which may be empty, its node and its place.
+            message: what is wrong with two of a name.
+            accepted: what is accepted.
+        """
+        taken: list[T] = []
+        first: dict[str, Node] = {}
+        for entry, name, node, field in entries:
+            if name and (other := first.setdefault(name, node)) is not node:
+                where = f"the first is at {other.mark}"
+                self.add_problem(
+                    message.format(shown(name)), node, field, found=name, accepted=accepted, suggestion=where
+                )
+            else:
+                taken.append(entry)
+        return tuple(taken)
+
+    # --- Paths
+
+    def folder_of(self, node: Node) -> Path:
+        """The folder of a path in the run file is that of the file, of one in a change the working directory."""
+        return Path() if node.file == self._changes else self._folder
+
+    def is_path(self, node: Node, field: str) -> bool:
+        """Whether a text can be a path as it is written."""
+        path = node.text or ""
+        if "\0" in path:
+            self.add_problem("a path cannot hold the character U+0000", node, field)
+            return False
+        if (found := _SHELL.search(path)) and (found.start() == 0 or found[0].startswith("$")):
+            message = f"nothing takes the place of {shown(found[0])} in a path of a run file"
+            self.add_problem(message, node, field, accepted="an absolute path, or one from the run file's folder")
+            return False
+        return True
+
+    def directory(self, node: Node | None, field: str) -> Path | str | None:
+        """A folder, or an address such as ``s3://bucket/prefix``."""
+        if node is None or node.text is None or not self.is_path(node, field):
+            return None
+        return node.text if "://" in node.text else tidy_path(self.folder_of(node) / node.text)
+
+    def files(self, node: Node, field: str) -> FoundFiles:
+        """The files of a path or pattern, in the order of their names."""
+        path, folder = node.text or "", self.folder_of(node)
+        if not self.is_path(node, field):
+            return FoundFiles((), (), None)
+        candidates, notices, pattern = [tidy_path(folder / path)], [], None
+        if glob.has_magic(path) and not is_there(candidates[0]):
+            candidates, pattern = [], path
+            with self.noting(node, field):
+                found = matching(folder, path)
+                candidates = [tidy_path(file) for file in found.paths]
+                notices = [found.notice.about(mark=node.mark)] if found.notice else []
+        files = []
+        for file in candidates:
+            try:
+                check_file(file)
+            except ConfigError as error:
+                why = error.problems[0]
+                advice = why.suggestion
+                if is_folder(file):
+                    advice = f"name the tables in it, such as {os.path.join(path, '*.csv')}"  # noqa: PTH118 - as it is written
+                elif "{" in path and not advice:
+                    advice = "no pattern has braces: write a list of paths, or a pattern such as *.csv"
+                self.add_problem(f"{shown(str(file), LONG_PATH)}: {why.message}", node, field, suggestion=advice)
+            else:
+                files.append(file)
+        return FoundFiles(tuple(files), tuple(notices), pattern)

@@ -1,1 +1,0 @@
-"""The contract of edits, beside those of the other kinds of stages."""

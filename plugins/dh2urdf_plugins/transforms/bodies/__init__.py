@@ -1,1 +1,0 @@
-"""Bodies of links that are more than one solid for each segment."""

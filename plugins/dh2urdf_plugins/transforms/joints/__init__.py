@@ -1,1 +1,0 @@
-"""What a joint has that its row leaves open."""

@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
+import atexit
+import importlib.metadata
 import json
 import math
 import os
 import re
+import shutil
 import signal
 import subprocess
 import sys
+import tempfile
 import threading
 import time
+import tomllib
 import urllib.request
 from dataclasses import asdict, fields, is_dataclass
 from importlib.util import find_spec
@@ -56,6 +61,42 @@ hypothesis.settings.register_profile(
 hypothesis.settings.load_profile("dh2urdf")
 
 
+HIDDEN = os.environ.get("DH2URDF_HIDDEN", "").split()
+"""Packages of built-in plugins that these tests do without: test_plugin_commands.py."""
+for package in HIDDEN:
+    sys.modules[package] = None  # type: ignore[assignment] - so Python has a module that must not be imported
+
+
+def _entry_points_of_the_source() -> str:
+    """The folder with metadata of dh2urdf for these tests; empty where its entry points are those of pyproject.toml.
+
+    `pip install -e .` copies entry points when it is called. Where pyproject.toml has got others since, the tests and
+    the processes that they start find a copy of the metadata with those.
+    """
+    project = tomllib.loads((Path(__file__).parents[1] / "pyproject.toml").read_text("utf-8"))["project"]
+    groups = {"console_scripts": project["scripts"], **project["entry-points"]}
+    groups["dh2urdf"] = {name: value for name, value in groups["dh2urdf"].items() if value not in HIDDEN}
+    installed = importlib.metadata.distribution("dh2urdf")
+    if {(p.group, p.name, p.value) for p in installed.entry_points} == {
+        (group, name, value) for group, points in groups.items() for name, value in points.items()
+    }:
+        return ""
+    folder = Path(tempfile.mkdtemp(prefix="dh2urdf-metadata-"))
+    atexit.register(shutil.rmtree, folder, ignore_errors=True)
+    copy = folder / f"dh2urdf-{installed.version}.dist-info"
+    copy.mkdir()
+    (copy / "METADATA").write_text(installed.read_text("METADATA") or "", "utf-8")
+    lines = [
+        [f"[{group}]", *(f"{name} = {value}" for name, value in points.items())] for group, points in groups.items()
+    ]
+    (copy / "entry_points.txt").write_text("\n".join(line for group in lines for line in group), "utf-8")
+    return str(folder)
+
+
+if STALE := _entry_points_of_the_source():
+    sys.path.insert(0, STALE)
+    os.environ["PYTHONPATH"] = os.pathsep.join(filter(None, (STALE, os.environ.get("PYTHONPATH"))))
+
 WITH_LIBRARIES = ("pydrake",)
 """Packages that cannot be imported where some libraries of the system are missing."""
 _UNUSABLE = "DH2URDF_UNUSABLE"
@@ -78,7 +119,11 @@ def pytest_configure(config: pytest.Config) -> None:
 def pytest_report_header() -> list[str]:
     """Names these packages, and what they lack."""
     names = filter(None, os.environ.get(_UNUSABLE, "").split(","))
-    return [f"{name} is installed and cannot be imported, so its tests are skipped: {_why_not(name)}" for name in names]
+    stale = "dh2urdf is installed with other entry points than pyproject.toml has now: `pip install -e .` renews them"
+    notes = [f"without {', '.join(HIDDEN)}"] if HIDDEN else [stale] if STALE else []
+    return notes + [
+        f"{name} is installed and cannot be imported, so its tests are skipped: {_why_not(name)}" for name in names
+    ]
 
 
 def _why_not(name: str) -> str:

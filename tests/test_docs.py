@@ -34,7 +34,7 @@ import pytest
 from child_pytest import ADDOPTS
 from lxml import etree
 
-from dh2urdf.cli import COMMANDS, dh2urdf as program
+from dh2urdf.cli import dh2urdf as program
 from dh2urdf.plugin_system import load
 from dh2urdf.report.schema import report_schema
 from dh2urdf.run_file.config import load_config
@@ -422,9 +422,8 @@ def test_commands_in_the_text_have_these_flags(path: Path) -> None:
         words = [word for word in command.split() if word not in ("--debug", "--help", "--version")]
         if not words or words[0].isupper():
             continue
-        assert words[0] in COMMANDS, command
         known = program.get_command(context, words[0])
-        assert known is not None
+        assert known is not None, command
         flags = {flag for option in known.get_params(context) for flag in option.opts}
         assert {word for word in words if word.startswith("-")} <= flags | {"--help"}, command
 

@@ -15,12 +15,13 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import click
 import numpy as np
 import pytest
 from lxml import etree
 from PIL import Image
 
-from dh2urdf.cli import COMMANDS
+from dh2urdf.cli import dh2urdf as program
 from dh2urdf.plugin_system import load
 
 if TYPE_CHECKING:
@@ -171,7 +172,7 @@ def test_the_picture_is_what_comes_out(*, output: Path, renew: bool) -> None:
     assert different.mean() < 0.01
 
 
-@pytest.mark.parametrize("command", COMMANDS)
+@pytest.mark.parametrize("command", program.list_commands(click.Context(program)))
 def test_every_command_and_flag_is_there(cli: Callable[..., Answer], command: str) -> None:
     """The README names every command, and no flag of one that does not have it."""
     text = README.read_text("utf-8")

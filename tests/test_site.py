@@ -19,6 +19,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 from urllib.parse import urlsplit
 
+import click
 import numpy as np
 import pytest
 from lxml import html
@@ -27,7 +28,7 @@ import gallery
 import pictures
 import site_hook
 from dh2urdf import hookspecs
-from dh2urdf.cli import COMMANDS
+from dh2urdf.cli import dh2urdf as program
 from dh2urdf.plugin_system import KINDS, describe_options, load
 from dh2urdf.report.schema import manifest_schema
 from dh2urdf.run_file.schema import run_schema
@@ -140,7 +141,7 @@ def test_every_stage_is_there_with_its_options(site: Path) -> None:
 def test_every_command_is_there_with_its_options(site: Path) -> None:
     """What `--help` prints of each command, option by option."""
     text = text_of(site, "reference/commands")
-    for command in COMMANDS:
+    for command in program.list_commands(click.Context(program)):
         printed = subprocess.run(
             [sys.executable, "-c", "from dh2urdf.cli import main; main()", command, "--help"],
             check=True,
@@ -178,7 +179,7 @@ def test_every_hook_is_there_with_its_signature(site: Path) -> None:
     source = " ".join(Path(hookspecs.__file__).read_text("utf-8").split())
     assert f"version {hookspecs.INTERFACE_VERSION} of the interface" in text
     signatures = re.findall(r"@hookspec (def \w+\(.*?\) -> [^:]+):", source)
-    assert len(signatures) == len(specified()) == len(KINDS)
+    assert len(signatures) == len(specified()) == len(KINDS) + 1  # and one for commands
     for signature, (_, record) in zip(signatures, specified(), strict=True):
         section = text.partition(signature)[2]
         assert section

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from dh2urdf.cli import COMMANDS, EXIT_STATUS, dh2urdf
+from dh2urdf.cli import EXIT_STATUS, dh2urdf
 from pieces import code, prose, table
 
 if TYPE_CHECKING:
@@ -21,7 +21,7 @@ KEEP_LINES = "\b"
 def commands() -> str:
     """A section for the program, and one for each command: its usage, what it does, what it takes."""
     context = click.Context(dh2urdf, info_name="dh2urdf")
-    found = [command for name in COMMANDS if (command := dh2urdf.get_command(context, name))]
+    found = [command for name in dh2urdf.list_commands(context) if (command := dh2urdf.get_command(context, name))]
     return "\n\n".join([*_program(context), *(text for command in found for text in _command(command, context))])
 
 

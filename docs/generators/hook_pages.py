@@ -8,13 +8,14 @@ from typing import TYPE_CHECKING, Any
 from dh2urdf import hookspecs
 from dh2urdf.plugin_system import RECORDS
 from dh2urdf.plugin_system.plugin_stages import CAPABILITIES
+from dh2urdf.stages import Subcommand
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
 
 def hooks() -> str:
-    """A section for each hook: its signature, what it is for, and the record of its kind of stage."""
+    """A section for each hook: its signature, what it is for, and its record."""
     shown: set[type[Any]] = set()
     return "\n\n".join(text for hook, record in specified() for text in _hook(hook, record, shown))
 
@@ -28,7 +29,8 @@ def specified() -> list[tuple[Callable[..., Any], type[Any]]]:
     """Every hook, in the order of its module, with the record that it gives."""
     marked = f"{hookspecs.PROJECT}_spec"
     found = {name: value for name, value in vars(hookspecs).items() if hasattr(value, marked)}
-    return [(found[f"dh2urdf_{kind}s"], record) for kind, record in RECORDS.items()]
+    records = {**RECORDS, "command": Subcommand}
+    return [(found[f"dh2urdf_{kind}s"], record) for kind, record in records.items()]
 
 
 def signature(hook: Callable[..., Any]) -> str:

@@ -1,4 +1,4 @@
-"""The hooks of a plugin: one per kind of stage, each giving records of `dh2urdf.stages`.
+"""The hooks of a plugin: one per kind of stage and one for commands, each giving records of `dh2urdf.stages`.
 
 A plugin implements any of them with `hookimpl`, in a module that its distribution names as an entry point of the
 group ``dh2urdf``. The group says for which major version of this interface the plugin is made: see
@@ -14,7 +14,7 @@ import pluggy
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from dh2urdf.stages import Edit, Emitter, Executor, Loader, Reader, Transform
+    from dh2urdf.stages import Edit, Emitter, Executor, Loader, Reader, Subcommand, Transform
 
 PROJECT = "dh2urdf"
 INTERFACE_VERSION = "0.7"
@@ -61,4 +61,10 @@ def dh2urdf_loaders() -> Iterable[Loader[Any]]:
 @hookspec
 def dh2urdf_executors() -> Iterable[Executor[Any]]:
     """Stages that run the pipeline over many manipulators."""
+    return ()
+
+
+@hookspec
+def dh2urdf_commands() -> Iterable[Subcommand]:
+    """Commands of the program ``dh2urdf``, beside its own ones."""
     return ()

@@ -1,4 +1,4 @@
-"""The records that a plugin hands to the pipeline, one type per kind of stage.
+"""The records that a plugin hands to the pipeline, one type per kind of stage, and one for commands.
 
 A stage is a plain function with a record around it: a name for the run file, a summary for `dh2urdf plugins`, and an
 options dataclass that the function takes. The options' fields have defaults, and a description each in
@@ -91,6 +91,7 @@ __all__ = [
     "Severity",
     "SimulatedArm",
     "Stage",
+    "Subcommand",
     "Traces",
     "Transform",
     "TransformCapability",
@@ -652,6 +653,24 @@ class Executor(_Capable, Generic[O]):
     map: Callable[[Callable[[Any], Any], Iterable[Any], O], Iterator[Any]] | None = None
     pool: Callable[[O], AbstractContextManager[Any]] | None = None
     capabilities: tuple[ExecutorCapability, ...] = ()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Subcommand:
+    """A command that a plugin adds to ``dh2urdf``.
+
+    Attributes:
+        name: the word on the command line, such as ``check``. A command of dh2urdf itself keeps its name.
+        summary: one line for ``dh2urdf --help``.
+        function: where the `click.Command` is, as ``module:name``; the module is imported when the command is called.
+            The command's options are those of the `click.Command`, and its exit status is what its function returns.
+        behind: the command that it follows in ``dh2urdf --help``; it is at the end by default.
+    """
+
+    name: str
+    summary: str
+    function: str
+    behind: str = ""
 
 
 Kind: TypeAlias = Literal["reader", "transform", "edit", "emitter", "loader", "executor"]

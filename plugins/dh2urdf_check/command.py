@@ -22,7 +22,7 @@ from dh2urdf.cli.shared_options import (
     without_option,
 )
 from dh2urdf.cli.standard_input import DASH, NAME, given_description, given_table
-from dh2urdf.commands.check import inspect, inspect_several, repaired
+from dh2urdf.commands.check import inspect
 from dh2urdf.commands.chosen_table import read_manipulator, reader_call
 from dh2urdf.documents.text_files import check_file, is_folder
 from dh2urdf.errors import ConfigError, InputError
@@ -30,16 +30,17 @@ from dh2urdf.output.whole_files import write_whole
 from dh2urdf.plugin_system.options import COMMAND_LINE
 from dh2urdf.source import Mark, Problem, did_you_mean, printable, shown
 from dh2urdf.stages import Expansion
+from dh2urdf_check.several import inspect_several, repaired
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
 
-    from dh2urdf.commands.check import Inspections
     from dh2urdf.kinematics.comparison import Agreement
     from dh2urdf.manipulator import Manipulator
     from dh2urdf.plugin_system.catalog import Catalog
     from dh2urdf.robot import Robot
     from dh2urdf.stages import Finding
+    from dh2urdf_check.several import Inspections
 
 EXIT_STATUS = (
     "Exit status: 0 no errors, and the arm of the table; 1 errors, or another arm; 2 the file or the table cannot be "
@@ -125,7 +126,7 @@ def command(  # noqa: PLR0917 - click hands everything over by name
     if manipulator is not None and table is not None:
         agreement = _agreement(inspection.robot, manipulator, file, base_link, tip_link)
         comparison = (agreement, manipulator, Path(NAME) if str(table) == DASH else table)
-    from dh2urdf.report.answers.findings import as_json, as_sarif, comparison_finding
+    from dh2urdf_check.reports import as_json, as_sarif, comparison_finding
 
     if comparison and (apart := comparison_finding(comparison[0], comparison[1])):
         findings.append(replace(apart, mark=Mark(file=str(file))))
@@ -135,7 +136,7 @@ def command(  # noqa: PLR0917 - click hands everything over by name
     elif form == "sarif":
         answer(as_sarif(findings))
     else:
-        from dh2urdf.cli.printing.findings import print_findings
+        from dh2urdf_check.printing import print_findings
 
         print_findings(findings, consumers, comparison)
     return status
@@ -193,15 +194,15 @@ def _print_several(several: Inspections, consumers: Mapping[str, str], form: str
     findings = [found for finding in several.findings if (found := _only(finding, consumers))]
     status = _settled(findings)
     if form == "sarif":
-        from dh2urdf.report.answers.findings import as_sarif
+        from dh2urdf_check.reports import as_sarif
 
         answer(as_sarif(findings))
     elif form == "json":
-        from dh2urdf.report.answers.several_findings import as_json
+        from dh2urdf_check.reports import several_as_json
 
-        answer(as_json(several, findings, consumers))
+        answer(several_as_json(several, findings, consumers))
     else:
-        from dh2urdf.cli.printing.several_findings import print_grouped
+        from dh2urdf_check.printing import print_grouped
 
         print_grouped(several, findings, consumers)
     return status

@@ -283,7 +283,7 @@ def test_names_of_strangers_do_not_reach_the_terminal(cli: Cli, arm: Path) -> No
 
 def test_a_table_on_a_terminal(arm: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]) -> None:
     """With the same findings."""
-    from dh2urdf.cli.printing import findings as module
+    from dh2urdf_check import printing as module
     from dh2urdf_check.inspection import inspect_urdf
 
     swap_limits(arm)

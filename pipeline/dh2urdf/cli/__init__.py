@@ -26,7 +26,7 @@ from typing import IO, TYPE_CHECKING, Any, NoReturn
 import click
 
 from dh2urdf._version import __version__
-from dh2urdf.cli.shared_options import option, without_option
+from dh2urdf.cli.shared_options import loaded, option, without_option
 from dh2urdf.errors import BrokenPluginError, Dh2UrdfError, OutputError
 from dh2urdf.isolation.own_process import claim
 from dh2urdf.plugin_system.at_work import at_work_here, current_folder
@@ -53,24 +53,15 @@ COMMANDS = {
     "run": "Do a whole run that a YAML file describes.",
     "convert": "Turn one table into a robot description.",
     "info": "Print what is understood of a table, cell by cell.",
-    "check": "Say what each simulator will do with a robot description.",
     "extract": "Print or write the DH table of a robot description.",
     "collisions": "Find the pairs of links that MoveIt need not check.",
-    "studio": "Type a table in the browser, see the arm move, press Generate.",
-    "view": "Show robots of URDF, xacro, tables and cells in the browser.",
     "plugins": "List every installed stage and its options.",
     "init": "Write the beginning of a table, with comments.",
     "example": "Print the table of a known arm.",
     "schema": "Print the JSON Schema of run files or tables.",
     "new-plugin": "Write the beginning of a plugin.",
 }
-
-ELSEWHERE = {
-    "check": "dh2urdf_check.command",
-    "studio": "dh2urdf_studio.studio_command",
-    "view": "dh2urdf_studio.view_command",
-}
-"""The modules of the commands that plugins bring."""
+"""The commands of dh2urdf itself; plugins add others."""
 
 
 class _Interrupted(BaseException):
@@ -80,29 +71,33 @@ class _Interrupted(BaseException):
 class _LazyGroup(click.Group):
     """A group that imports a command's module when the command is called: help and version cost nothing."""
 
-    def list_commands(self, ctx: click.Context) -> list[str]:  # noqa: ARG002 - click's signature
-        return list(COMMANDS)
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        from dh2urdf.cli.added_commands import with_added
 
-    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:  # noqa: ARG002 - click's signature
-        if cmd_name not in COMMANDS:
-            return None
-        module = ELSEWHERE.get(cmd_name) or f"dh2urdf.cli.{cmd_name.replace('-', '_')}"
-        command: click.Command = import_module(module).command
-        return command
+        return list(with_added(COMMANDS, ctx))
 
-    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:  # noqa: ARG002 - click's signature
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
+        if cmd_name in COMMANDS:
+            command: click.Command = import_module(f"dh2urdf.cli.{cmd_name.replace('-', '_')}").command
+            return command
+        from dh2urdf.cli.added_commands import imported
+
+        added = loaded(ctx).command(cmd_name)
+        return imported(added) if added else None
+
+    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        from dh2urdf.cli.added_commands import with_added
+
         with formatter.section("Commands"):
-            formatter.write_dl(list(COMMANDS.items()))
+            formatter.write_dl(list(with_added(COMMANDS, ctx).items()))
 
     def resolve_command(
         self, ctx: click.Context, args: list[str]
     ) -> tuple[str | None, click.Command | None, list[str]]:
         if args and args[0] not in COMMANDS and not args[0].startswith("-"):
-            from dh2urdf.source import did_you_mean, shown
+            from dh2urdf.cli.added_commands import check_known
 
-            near = did_you_mean(args[0], COMMANDS)
-            advice = f"; {near}" if near else ""
-            ctx.fail(f"no command {shown(args[0])}; the commands are {', '.join(COMMANDS)}{advice}")
+            check_known(COMMANDS, ctx, args)
         for before, word in pairwise(takewhile("--".__ne__, args)):
             if not word.strip() or (word.startswith("--") and word.endswith("=") and "=" not in word[:-1]):
                 name = word[:-1] or before

@@ -167,10 +167,10 @@ def catalog() -> Catalog:
     """
     context = click.get_current_context()
     keep_apart(context)
-    return _loaded(context)
+    return loaded(context)
 
 
-def _loaded(context: click.Context, words: Sequence[str] = ()) -> Catalog:
+def loaded(context: click.Context, words: Sequence[str] = ()) -> Catalog:
     """What is installed, without what was left out so far, and in words of the command line that are not read yet."""
     from dh2urdf.plugin_system.catalog import load
 
@@ -250,7 +250,7 @@ class StageCommand(click.Command):
 
     def _options(self, ctx: click.Context, words: Sequence[str], *, everybody: bool) -> Iterator[tuple[Kind, str, Any]]:
         """The options of the stages that the command may call, each with the kind and the name of its stage."""
-        installed = _loaded(ctx, words)
+        installed = loaded(ctx, words)
         for kind in self.kinds:
             for item in installed.provided(kind) if everybody else installed.builtin(kind):
                 if is_dataclass(item.stage.options) and self.which(item.stage):

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Any, overload
 from dh2urdf.errors import BrokenPluginError, InputError, StageConflictError, UnknownStageError
 from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.plugin_system.discovery import Plugin, installed, same_name
-from dh2urdf.plugin_system.plugin_stages import KINDS, RECORDS, PluginStages, Provided, declared
+from dh2urdf.plugin_system.plugin_stages import COMMAND, KINDS, RECORDS, PluginStages, Provided, declared
 from dh2urdf.source import Problem, did_you_mean, shown
-from dh2urdf.stages import Reader, ReadsCells, ReadsDescriptions, Usual
+from dh2urdf.stages import Reader, ReadsCells, ReadsDescriptions, Subcommand, Usual
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
     from dh2urdf.stages import Edit, Emitter, Executor, Kind, Loader, Stage, Transform
 
-__all__ = ["KINDS", "RECORDS", "Catalog", "Plugin", "Provided", "Shadowed", "load", "load_plugin"]
+__all__ = ["KINDS", "RECORDS", "AddedCommand", "Catalog", "Plugin", "Provided", "Shadowed", "load", "load_plugin"]
 
 _SPREADSHEETS = frozenset({".xls", ".xlsb", ".ods", ".fods", ".numbers"})
 _SAVE_AS = "save the sheet as .xlsx, or as CSV (UTF-8)"
@@ -36,6 +36,14 @@ class Shadowed:
 
     loser: Provided
     winner: Provided
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class AddedCommand:
+    """A command that a plugin adds, and the plugin."""
+
+    command: Subcommand
+    plugin: Plugin
 
 
 class Catalog:
@@ -133,6 +141,34 @@ class Catalog:
         missing = f"no other plugin provides the {kind} {own_name!r}{f'; {near}' if near else ''}"
         self._blame_broken(missing, distribution)
         raise UnknownStageError(kind, name, names)
+
+    def commands(self) -> dict[str, Subcommand]:
+        """The commands that plugins add, by name: of each name, the one with the best right to it."""
+        plugins = sorted(self._plugins, key=lambda plugin: not plugin.is_builtin)
+        found: dict[str, Subcommand] = {}
+        for command in (command for plugin in plugins for command in self._stages.commands(plugin)):
+            found.setdefault(command.name, command)
+        return found
+
+    def command(self, name: str) -> AddedCommand | None:
+        """The command that a plugin adds by a name; no plugin is imported whose entry point names another command.
+
+        Raises:
+            StageConflictError: two plugins claim the name.
+        """
+        for plugins in _by_right(self._plugins, COMMAND, name):
+            claims = [
+                AddedCommand(command=command, plugin=plugin)
+                for plugin in plugins
+                if declared(plugin) in (None, (COMMAND, name))
+                for command in self._stages.commands(plugin)
+                if command.name == name
+            ]
+            if len(claims) > 1:
+                raise StageConflictError(COMMAND, name, [claim.plugin.distribution for claim in claims])
+            if claims:
+                return claims[0]
+        return None
 
     def cell_reader(self) -> Reader[Any]:
         """The reader of rows of cells that come from no file: the one with the capability `ReadsCells`.
@@ -307,7 +343,7 @@ def _right(item: Provided) -> int:
     return 0 if item.plugin.is_builtin else 1 if declared(item.plugin) else 2
 
 
-def _by_right(plugins: Iterable[Plugin], kind: Kind, name: str | None = None) -> tuple[list[Plugin], ...]:
+def _by_right(plugins: Iterable[Plugin], kind: str, name: str | None = None) -> tuple[list[Plugin], ...]:
     """Plugins that may have a stage: the built-in one, those whose entry points name it, those that name nothing."""
     tiers: tuple[list[Plugin], ...] = ([], [], [])
     for plugin in plugins:

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from dh2urdf.plugin_system.entry_points import AnyDistribution
 
 UNKNOWN = "an unknown distribution"
-_BUILT_IN = "builtin = dh2urdf_plugins"
+_BUILT_IN = ("dh2urdf_plugins", "dh2urdf_check", "dh2urdf_studio")
 
 
 class Plugin:
@@ -63,8 +63,8 @@ class Plugin:
 
     @property
     def is_builtin(self) -> bool:
-        """Whether it is the plugin of dh2urdf itself."""
-        return self.name == _BUILT_IN
+        """Whether it is a plugin of dh2urdf itself."""
+        return self.name.partition(" = ")[2] in _BUILT_IN
 
     @cached_property
     def distribution(self) -> str:  # noqa: D102 - documented with the class

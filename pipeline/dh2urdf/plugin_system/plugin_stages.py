@@ -6,7 +6,6 @@ import re
 from collections.abc import Iterable
 from contextlib import contextmanager
 from dataclasses import fields, is_dataclass
-from itertools import chain
 from typing import TYPE_CHECKING, Any, get_args
 
 import pluggy
@@ -16,7 +15,7 @@ from dh2urdf.errors import BrokenPluginError
 from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.plugin_system.at_work import AtWork
 from dh2urdf.plugin_system.discovery import Plugin, reason_of, traceback_of
-from dh2urdf.stages import Compares, Edit, Executor, Kind, OtherFiles, Stage, WritesTables
+from dh2urdf.stages import Compares, Edit, Executor, Kind, OtherFiles, Stage, Subcommand, WritesTables
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -26,8 +25,12 @@ RECORDS: dict[Kind, type[Any]] = {kind: getattr(stages, kind.capitalize()) for k
 CAPABILITIES: dict[Kind, tuple[type[Any], ...]] = {
     kind: get_args(getattr(stages, f"{kind.capitalize()}Capability")) for kind in KINDS
 }
+COMMAND = "command"
+"""What the entry point of a command begins with, such as ``command.check``."""
+_GIVEN: dict[str, type[Any]] = {**{str(kind): record for kind, record in RECORDS.items()}, COMMAND: Subcommand}
+_COMMAND, _PLACE = re.compile(r"[^\s:=-][^\s:=]*"), re.compile(r"[\w.]+:\w+")
 _WORD, _SUFFIX = re.compile(r"[^\s:]+"), re.compile(r"\.[^\s/\\]+")
-_HOOKS = f"the hooks are {', '.join(f'dh2urdf_{kind}s' for kind in KINDS)}"
+_HOOKS = f"the hooks are {', '.join(f'dh2urdf_{kind}s' for kind in _GIVEN)}"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -45,9 +48,9 @@ class Provided:
 
 
 def declared(plugin: Plugin) -> tuple[str, str] | None:
-    """Kind and name of a plugin's only stage, where its entry point is called so, such as ``emitter.usd``."""
+    """Kind and name of a plugin's only stage or command, where its entry point is called so, as ``emitter.usd``."""
     kind, _, name = plugin.entry.partition(".")
-    return (kind, name) if kind in KINDS and name.split() == [name] else None
+    return (kind, name) if kind in _GIVEN and name.split() == [name] else None
 
 
 class PluginStages:
@@ -63,10 +66,17 @@ class PluginStages:
         self._manager.add_hookspecs(hookspecs)
         self._keys: dict[Plugin, str | None] = {}
         self._not_imported: set[Plugin] = set()
-        self._found: dict[tuple[Kind, Plugin], tuple[Provided, ...]] = {}
+        self._found: dict[tuple[str, Plugin], tuple[Any, ...]] = {}
 
     def of(self, kind: Kind, plugin: Plugin) -> tuple[Provided, ...]:
         """What a plugin provides of a kind; it is imported, unless its entry point says that it has none."""
+        return tuple(Provided(kind=kind, stage=stage, plugin=plugin) for stage in self._asked(kind, plugin))
+
+    def commands(self, plugin: Plugin) -> tuple[Subcommand, ...]:
+        """The commands that a plugin adds; it is imported, unless its entry point says that it has none."""
+        return self._asked(COMMAND, plugin)
+
+    def _asked(self, kind: str, plugin: Plugin) -> tuple[Any, ...]:
         if (kind, plugin) not in self._found:
             self._found[kind, plugin] = ()
             only = declared(plugin)
@@ -78,7 +88,7 @@ class PluginStages:
     def known(self, kind: Kind, name: str, plugin: Plugin) -> bool:
         """Whether it is known that a plugin has a stage, without an import of it."""
         return declared(plugin) == (kind, name) or any(
-            item.stage.name == name for item in self._found.get((kind, plugin), ())
+            given.name == name for given in self._found.get((kind, plugin), ())
         )
 
     def plugin_of(self, stage: Stage) -> Plugin:
@@ -87,12 +97,13 @@ class PluginStages:
         Raises:
             LookupError: none did.
         """
-        for item in chain.from_iterable(self._found.values()):
-            if item.stage is stage:
-                return item.plugin
+        for (_, plugin), found in self._found.items():
+            if any(given is stage for given in found):
+                return plugin
         raise LookupError(stage.name)
 
-    def _call(self, kind: Kind, plugin: Plugin, only: str | None) -> Iterator[Provided]:
+    def _call(self, kind: str, plugin: Plugin, only: str | None) -> Iterator[Any]:
+        """The records that a plugin gives: all of them, or the one that its entry point names."""
         if plugin in self._not_imported:  # It is imported once, and reported once.
             return
         try:
@@ -100,22 +111,25 @@ class PluginStages:
         except BaseException:
             self._not_imported.add(plugin)
             raise
-        if isinstance(module, tuple(RECORDS.values())):
+        if isinstance(module, tuple(_GIVEN.values())):
             source = f"the entry point {plugin.entry!r}"
-            given: list[Any] = [module] if only or isinstance(module, RECORDS[kind]) else []
+            given: list[Any] = [module] if only or isinstance(module, _GIVEN[kind]) else []
         else:
             source = f"the hook dh2urdf_{kind}s"
             given = list(self._from_hooks(kind, plugin))
-        for stage in given:
-            check_record(kind, stage, source)
-            if only in (None, stage.name):
-                yield Provided(kind=kind, stage=stage, plugin=plugin)
-        names = [stage.name for stage in given]
+        for record in given:
+            if kind == COMMAND:
+                _check_command(record, source)
+            else:
+                check_record(kind, record, source)  # type: ignore[arg-type] # it is a kind of stage
+            if only in (None, record.name):
+                yield record
+        names = [record.name for record in given]
         if only is not None and only not in names:
             found = ", ".join(map(repr, names)) or "none"
             raise LookupError(f"its entry point {plugin.entry!r} names the {kind} {only!r}, and {source} gives {found}")
 
-    def _from_hooks(self, kind: Kind, plugin: Plugin) -> Iterator[Any]:
+    def _from_hooks(self, kind: str, plugin: Plugin) -> Iterator[Any]:
         key, name = self._registered(plugin), f"dh2urdf_{kind}s"
         for implementation in getattr(self._manager.hook, name).get_hookimpls():
             if implementation.plugin_name != key:
@@ -125,7 +139,7 @@ class PluginStages:
                 if not isinstance(found, Iterable):
                     what = None if found is None else type(found).__name__
                     raise TypeError(
-                        f"the hook {name} gave {what}, not a list of dh2urdf.stages.{RECORDS[kind].__name__}"
+                        f"the hook {name} gave {what}, not a list of dh2urdf.stages.{_GIVEN[kind].__name__}"
                     )
                 found = list(found)
             yield from found
@@ -194,6 +208,22 @@ def _check_texts(kind: Kind, stage: Stage, **texts: Any) -> None:  # noqa: ANN40
     for what, words in texts.items():
         if not isinstance(words, tuple) or not all(isinstance(word, str) for word in words):
             raise TypeError(f"the {what} of the {kind} {stage.name!r} are {words!r:.60}, not a tuple of texts")
+
+
+def _check_command(command: Any, source: str) -> None:  # noqa: ANN401 - whatever a plugin gave
+    """Raises a TypeError or ValueError where it is no command that could be called."""
+    if not isinstance(command, Subcommand):
+        given = f"{type(command).__name__} {command!r:.60}"
+        raise TypeError(f"{source} gave {given}, not a dh2urdf.stages.Subcommand")
+    texts = (command.name, command.summary, command.function, command.behind)
+    if not all(isinstance(text, str) and text.isprintable() for text in texts):
+        raise TypeError(f"the fields of the command {command.name!r:.60} are not lines of text")
+    if not _COMMAND.fullmatch(command.name):
+        raise ValueError(f"the command {command.name!r:.60} has no name that a command line could have: one word")
+    if not _PLACE.fullmatch(command.function):
+        raise ValueError(
+            f"the command {command.name!r} has the function {command.function!r:.60}; accepted: module:name"
+        )
 
 
 def check_record(kind: Kind, stage: Any, source: str) -> None:  # noqa: ANN401 - whatever a plugin gave

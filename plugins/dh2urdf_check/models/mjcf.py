@@ -38,7 +38,7 @@ if TYPE_CHECKING:
 
     from lxml import etree
 
-    from dh2urdf.stages import Inspection
+    from dh2urdf.stages import Expansion, Inspection
 
 JOINTS = ("hinge", "slide", "ball", "free")
 GEOMS = ("plane", "hfield", "sphere", "capsule", "ellipsoid", "cylinder", "box", "mesh", "sdf")
@@ -76,7 +76,7 @@ SMALLEST = 1e-15
 """Mass or moment of inertia that MuJoCo takes for 0 [kg, kg·m²]."""
 
 
-def inspect_mjcf(path: Path) -> Inspection:
+def inspect_mjcf(path: Path, _expansion: Expansion | None = None) -> Inspection:
     """Findings about an MJCF.
 
     Raises:

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
     from pathlib import Path
 
-    from dh2urdf.stages import Inspection
+    from dh2urdf.stages import Expansion, Inspection
 
 VERSIONS = tuple(f"1.{minor}" for minor in range(13))
 TYPES = ("revolute", "prismatic", "fixed", "continuous", "ball", "universal", "screw", "gearbox", "revolute2")
@@ -61,7 +61,7 @@ _POSED = ("inertial", "link", "model", "joint", "frame", "visual", "collision", 
 _NAMED = ("model", "link", "joint", "frame")
 
 
-def inspect_sdf(path: Path) -> Inspection:
+def inspect_sdf(path: Path, _expansion: Expansion | None = None) -> Inspection:
     """Findings about an SDF.
 
     Raises:

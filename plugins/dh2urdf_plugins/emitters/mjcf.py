@@ -6,16 +6,13 @@ from dataclasses import field
 from typing import TYPE_CHECKING, Literal
 
 from dh2urdf.late_dataclasses import dataclass
-from dh2urdf.stages import Checks, EmittedFile, Emitter, ReadsBack, ReadsForeign
+from dh2urdf.stages import EmittedFile, Emitter, ReadsBack, ReadsForeign
 from dh2urdf_plugins.descriptions.foreign import foreign_mjcf
+from dh2urdf_plugins.emitters import checks
 from dh2urdf_plugins.read_back import read_mjcf
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
-    from pathlib import Path
-
     from dh2urdf.robot import Robot
-    from dh2urdf.stages import Expansion, Inspection
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -48,24 +45,6 @@ def emit(robot: Robot, stem: str, options: MjcfOptions) -> tuple[EmittedFile]:
     return (EmittedFile(name=f"{stem}.xml", content=content),)
 
 
-def check(path: Path, _expansion: Expansion | None = None) -> Inspection:
-    """Findings about a file of any origin.
-
-    Raises:
-        InputError: the file cannot be read.
-    """
-    from dh2urdf_check.models.mjcf import inspect_mjcf
-
-    return inspect_mjcf(path)
-
-
-def descriptions(roots: Mapping[Path, str]) -> Iterable[Path]:
-    """The MJCFs that no other includes among the files of a folder."""
-    from dh2urdf_check.whole_files import mjcfs
-
-    return mjcfs(roots)
-
-
 EMITTER = Emitter(
     name="mjcf",
     summary="an MJCF model for MuJoCo, with actuators, sites for flange and tool0, and no contacts of neighbours",
@@ -75,6 +54,6 @@ EMITTER = Emitter(
     capabilities=(
         ReadsBack(read_mjcf),
         ReadsForeign(foreign_mjcf),
-        Checks(check, descriptions),
+        *checks("models.mjcf:inspect_mjcf", "whole_files:mjcfs"),
     ),
 )

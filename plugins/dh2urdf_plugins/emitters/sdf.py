@@ -6,17 +6,14 @@ from dataclasses import field
 from typing import TYPE_CHECKING
 
 from dh2urdf.late_dataclasses import dataclass
-from dh2urdf.stages import Checks, EmittedFile, Emitter, GivesNotices, ReadsBack, ReadsForeign
+from dh2urdf.stages import EmittedFile, Emitter, GivesNotices, ReadsBack, ReadsForeign
 from dh2urdf_plugins.descriptions.foreign import foreign_sdf
+from dh2urdf_plugins.emitters import checks
 from dh2urdf_plugins.read_back import read_sdf
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
-    from pathlib import Path
-
     from dh2urdf.robot import Robot
     from dh2urdf.source import Problem
-    from dh2urdf.stages import Expansion, Inspection
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -47,24 +44,6 @@ def notices(robot: Robot, _options: SdfOptions) -> list[Problem]:
     return notices_for_gazebo(robot, filled=True)
 
 
-def check(path: Path, _expansion: Expansion | None = None) -> Inspection:
-    """Findings about a file of any origin.
-
-    Raises:
-        InputError: the file cannot be read.
-    """
-    from dh2urdf_check.models.sdf import inspect_sdf
-
-    return inspect_sdf(path)
-
-
-def descriptions(roots: Mapping[Path, str]) -> Iterable[Path]:
-    """The SDFs among the files of a folder."""
-    from dh2urdf_check.whole_files import sdfs
-
-    return sdfs(roots)
-
-
 EMITTER = Emitter(
     name="sdf",
     summary="an SDF model for Gazebo, which keeps flange and tool0 as frames",
@@ -74,7 +53,7 @@ EMITTER = Emitter(
     capabilities=(
         ReadsBack(read_sdf),
         ReadsForeign(foreign_sdf),
-        Checks(check, descriptions),
+        *checks("models.sdf:inspect_sdf", "whole_files:sdfs"),
         GivesNotices(notices),
     ),
 )

@@ -6,19 +6,18 @@ from dataclasses import field
 from typing import TYPE_CHECKING
 
 from dh2urdf.late_dataclasses import dataclass
-from dh2urdf.stages import Checks, EmitsInColumns, EmittedFile, Emitter, GivesNotices, ReadsBack, ReadsForeign, Usual
+from dh2urdf.stages import EmitsInColumns, EmittedFile, Emitter, GivesNotices, ReadsBack, ReadsForeign, Usual
 from dh2urdf_plugins.descriptions.foreign import foreign_urdf
+from dh2urdf_plugins.emitters import checks
 from dh2urdf_plugins.emitters.profile_names import PROFILE_HELP, ProfileName
 from dh2urdf_plugins.read_back import read_urdf, read_urdfs
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping, Sequence
-    from pathlib import Path
+    from collections.abc import Sequence
 
     from dh2urdf.columns import RobotColumns
     from dh2urdf.robot import Robot
     from dh2urdf.source import Problem
-    from dh2urdf.stages import Expansion, Inspection, Repair
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -85,35 +84,6 @@ def notices(robot: Robot, options: UrdfOptions) -> list[Problem]:
     return notices_of(robot, options.profile)
 
 
-def check(path: Path, expansion: Expansion | None = None) -> Inspection:
-    """Findings about a URDF of any origin, whose meshes may be in the ROS packages that are named.
-
-    Raises:
-        InputError: the file cannot be read, or a folder of packages is none.
-    """
-    from dh2urdf_check.inspection import inspect_urdf
-
-    return inspect_urdf(path, expansion)
-
-
-def fix(path: Path) -> Repair:
-    """A URDF of any origin with what is mechanical fixed.
-
-    Raises:
-        InputError: the file cannot be read.
-    """
-    from dh2urdf_check.fixing import fixed
-
-    return fixed(path)
-
-
-def descriptions(roots: Mapping[Path, str]) -> Iterable[Path]:
-    """The URDFs among the files of a folder."""
-    from dh2urdf_check.whole_files import urdfs
-
-    return urdfs(roots)
-
-
 EMITTER = Emitter(
     name="urdf",
     summary="URDF that every common simulator and ROS tool reads alike",
@@ -125,7 +95,7 @@ EMITTER = Emitter(
         ReadsBack(read_urdf),
         ReadsForeign(foreign_urdf),
         EmitsInColumns(emit_columns, read_urdfs),
-        Checks(check, descriptions, fix, finds_packages=True),
+        *checks("inspection:inspect_urdf", "whole_files:urdfs", "fixing:fixed", finds_packages=True),
         GivesNotices(notices),
     ),
 )

@@ -6,18 +6,15 @@ from dataclasses import field, replace
 from typing import TYPE_CHECKING
 
 from dh2urdf.late_dataclasses import dataclass
-from dh2urdf.stages import Checks, EmittedFile, Emitter, GivesNotices, OtherFiles, ReadsBack, ReadsForeign
+from dh2urdf.stages import EmittedFile, Emitter, GivesNotices, OtherFiles, ReadsBack, ReadsForeign
 from dh2urdf_plugins.descriptions.foreign import foreign_xacro
+from dh2urdf_plugins.emitters import checks
 from dh2urdf_plugins.emitters.profile_names import PROFILE_HELP, ProfileName
 from dh2urdf_plugins.read_back import read_xacro
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
-    from pathlib import Path
-
     from dh2urdf.robot import Robot
     from dh2urdf.source import Problem
-    from dh2urdf.stages import Expansion, Inspection
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -54,24 +51,6 @@ def notices(robot: Robot, options: XacroOptions) -> list[Problem]:
     return notices_of(robot, options.profile)
 
 
-def check(path: Path, expansion: Expansion | None = None) -> Inspection:
-    """Findings about a xacro of any origin, expanded so or with its defaults.
-
-    Raises:
-        InputError: the file cannot be read.
-    """
-    from dh2urdf_check.inspection import inspect_xacro
-
-    return inspect_xacro(path, expansion)
-
-
-def descriptions(roots: Mapping[Path, str]) -> Iterable[Path]:
-    """The xacros of whole robots among the files of a folder."""
-    from dh2urdf_check.whole_files import xacros
-
-    return xacros(roots)
-
-
 EMITTER = Emitter(
     name="xacro",
     summary="a xacro macro with the table as its properties, and a file that calls it",
@@ -82,7 +61,7 @@ EMITTER = Emitter(
         ReadsBack(read_xacro, is_costly=True),
         ReadsForeign(foreign_xacro, has_macros=True),
         OtherFiles(other_endings=("_macro.xacro",), one_file=one_file),
-        Checks(check, descriptions),
+        *checks("inspection:inspect_xacro", "whole_files:xacros"),
         GivesNotices(notices),
     ),
 )

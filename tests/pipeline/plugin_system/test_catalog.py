@@ -115,7 +115,7 @@ class TestWhatIsProvided:
 
 HOOKS = (
     "the hooks are dh2urdf_readers, dh2urdf_transforms, dh2urdf_edits, dh2urdf_emitters, dh2urdf_loaders, "
-    "dh2urdf_executors"
+    "dh2urdf_executors, dh2urdf_commands"
 )
 
 

@@ -4,17 +4,14 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from dh2urdf.stages import Checks, EmittedFile, Emitter, GivesNotices, ReadsBack, WritesFolders
+from dh2urdf.stages import EmittedFile, Emitter, GivesNotices, ReadsBack, WritesFolders
+from dh2urdf_plugins.emitters import checks
 from dh2urdf_plugins.emitters.ros2.options import Ros2Options
 from dh2urdf_plugins.read_back import read_foreign_xacro
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
-    from pathlib import Path
-
     from dh2urdf.robot import Robot
     from dh2urdf.source import Problem
-    from dh2urdf.stages import Expansion, Inspection
 
 
 def emit(robot: Robot, stem: str, options: Ros2Options) -> tuple[EmittedFile, ...]:
@@ -45,24 +42,6 @@ def notices(robot: Robot, options: Ros2Options) -> list[Problem]:
     return notices_of_packages(robot, options)
 
 
-def check(path: Path, expansion: Expansion) -> Inspection:
-    """What there is to report of the package, of any origin, that a file is in.
-
-    Raises:
-        InputError: the file is in no package, or a folder of packages is none.
-    """
-    from dh2urdf_check.packages.inspection import inspect_package
-
-    return inspect_package(path, expansion)
-
-
-def descriptions(roots: Mapping[Path, str]) -> Iterable[Path]:
-    """The package.xml of each package among the files of a folder."""
-    from dh2urdf_check.packages.inspection import packages
-
-    return packages(roots)
-
-
 EMITTER = Emitter(
     name="ros2",
     summary="ROS 2 packages: a description with ros2_control, launch files and tests, and a configuration of MoveIt",
@@ -72,7 +51,7 @@ EMITTER = Emitter(
     capabilities=(
         ReadsBack(read_foreign_xacro, is_costly=True),
         WritesFolders(folders),
-        Checks(check, descriptions, finds_packages=True),
+        *checks("packages.inspection:inspect_package", "packages.inspection:packages", finds_packages=True),
         GivesNotices(notices),
     ),
 )

@@ -5,9 +5,9 @@ from pathlib import Path
 
 import pytest
 
-from dh2urdf.report.answers.findings import as_json, as_sarif, counts
 from dh2urdf.source import Mark
 from dh2urdf.stages import Effect, Finding
+from dh2urdf_check.reports import as_json, as_sarif, counts
 
 MILD = Effect(consumer="one", severity="note", text="says so")
 BAD = Effect(consumer="two", severity="warning", text="reads it otherwise")

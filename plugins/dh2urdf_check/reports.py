@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 from urllib.parse import quote
 
-from dh2urdf._version import __version__
+from dh2urdf import __version__
 from dh2urdf.kinematics.comparison import changes, number_text
 from dh2urdf.manipulator import JointType
 from dh2urdf.stages import SEVERITIES, Finding
@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from dh2urdf.kinematics.comparison import Agreement, Difference
     from dh2urdf.manipulator import Manipulator
     from dh2urdf.source import Mark
+    from dh2urdf_check.several import Inspections
 
 SCHEMA = "dh2urdf-check/1"
 """Name and version of the form of the JSON."""
@@ -68,6 +69,45 @@ def as_json(
     }
     if comparison:
         document["comparison"] = _comparison(*comparison)
+    return json.dumps(document, indent=2, ensure_ascii=False)
+
+
+def by_rule(findings: Sequence[Finding]) -> dict[str, list[Finding]]:
+    """The findings of each rule; the rules with the worst of them first."""
+    groups: dict[str, list[Finding]] = {}
+    for finding in findings:
+        groups.setdefault(finding.rule, []).append(finding)
+
+    def badness(item: tuple[str, list[Finding]]) -> int:
+        return min(SEVERITIES.index(finding.severity) for finding in item[1])
+
+    return dict(sorted(groups.items(), key=badness))
+
+
+def in_files(findings: Sequence[Finding]) -> dict[str, int]:
+    """How many findings there are in each file."""
+    files: dict[str, int] = {}
+    for finding in findings:
+        name = finding.mark.file if finding.mark else ""
+        files[name] = files.get(name, 0) + 1
+    return files
+
+
+def several_as_json(several: Inspections, findings: Sequence[Finding], consumers: Mapping[str, str]) -> str:
+    """What was found, as a JSON text."""
+    document: dict[str, Any] = {
+        "schema": SCHEMA,
+        "version": __version__,
+        "files": [str(file) for file in several.files],
+        "looked_at": several.looked_at,
+        "consumers": dict(consumers),
+        "counts": counts(findings),
+        "rules": {
+            rule: {"severity": min((f.severity for f in found), key=SEVERITIES.index), "files": in_files(found)}
+            for rule, found in by_rule(findings).items()
+        },
+        "findings": [finding_entry(finding) for finding in findings],
+    }
     return json.dumps(document, indent=2, ensure_ascii=False)
 
 

@@ -211,11 +211,12 @@ class TestLeavingOut:
         """An error that lists what is there, status 2."""
         refused = dh2urdf("plugins", "--without", "lab-three", path=site, status=2).stderr
         assert "named 'lab-three'" in refused
-        assert "dh2urdf (plugin builtin), lab-one (plugin plugin_one), lab-two (plugin plugin_two)" in refused
+        assert "dh2urdf (plugin builtin), " in refused
+        assert "lab-one (plugin plugin_one), lab-two (plugin plugin_two)" in refused
 
     def test_help_imports_no_plugin(self, dh2urdf: Command, site: list[Path], imported: Callable[[], set[str]]) -> None:
-        """Of the program and of each command."""
-        for words in ((), ("run",), ("convert",), ("check",), ("plugins",), ("schema",)):
+        """Of each command; that of the program lists the commands that plugins add."""
+        for words in (("run",), ("convert",), ("check",), ("plugins",), ("schema",)):
             dh2urdf(*words, "--help", path=site)
         assert imported() == set()
 

@@ -29,8 +29,8 @@ def specified() -> list[tuple[Callable[..., Any], type[Any]]]:
     """Every hook, in the order of its module, with the record that it gives."""
     marked = f"{hookspecs.PROJECT}_spec"
     found = {name: value for name, value in vars(hookspecs).items() if hasattr(value, marked)}
-    records = {**RECORDS, "command": Subcommand}
-    return [(found[f"dh2urdf_{kind}s"], record) for kind, record in records.items()]
+    stages = [(found[f"dh2urdf_{kind}s"], record) for kind, record in RECORDS.items()]
+    return [*stages, (found["dh2urdf_commands"], Subcommand)]
 
 
 def signature(hook: Callable[..., Any]) -> str:

@@ -100,7 +100,7 @@ class TestXacroDescription(ReaderContract):
     stage = CATALOG.get("reader", "xacro")
     example = URDF.replace('name="arm"', 'name="arm" xmlns:xacro="http://ros.org/wiki/xacro"')
 
-    def test_keeps_its_input(self, tmp_path: Path) -> None:
+    def test_does_nothing_else(self, tmp_path: Path) -> None:
         """The file is as it was, and nothing is beside it: it is expanded in a process behind a fence."""
         path = tmp_path / "arm.urdf.xacro"
         path.write_text(self.example)

@@ -31,7 +31,7 @@ from dh2urdf.testing import (
     do_run,
     plugin,
 )
-from dh2urdf.testing.stage_contract import StageContract, advice
+from dh2urdf.testing.stage_contract import InputContract, StageContract, advice
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -45,6 +45,7 @@ COOKBOOK = DOCS / "plugin-cookbook.md"
 CLAUSES = re.compile(r"(?<=<!-- clauses: )(?P<remark>[^>]*-->\n)(?P<lists>.*?)(?=<!-- /clauses -->)", re.DOTALL)
 CONTRACTS = {
     "Every stage": StageContract,
+    "Readers, transforms, edits and emitters": InputContract,
     "Readers": ReaderContract,
     "Transforms": TransformContract,
     "Edits": EditContract,

@@ -11,8 +11,7 @@ from dh2urdf.cli.shared_options import option
 from dh2urdf.documents.text_files import is_folder
 from dh2urdf.errors import ConfigError
 from dh2urdf.plugin_system.options import COMMAND_LINE
-from dh2urdf.scaffold.shipped import shipped_table, shipped_tables, summary_of
-from dh2urdf.scaffold.tables import write_new
+from dh2urdf.scaffold.tables import shipped_table, shipped_tables, write_new
 from dh2urdf.source import Problem, shown
 
 
@@ -36,7 +35,9 @@ def command(name: str | None, output: str | None, listed: bool) -> int:  # noqa:
     if listed or name is None:
         tables = shipped_tables()
         width = max(map(len, tables), default=0)
-        answer("\n".join(f"{each.ljust(width)}  {summary_of(path)}" for each, path in tables.items()))
+        for each, path in tables.items():
+            first = path.read_text("utf-8").partition("\n")[0]
+            answer(f"{each.ljust(width)}  {first.strip('# ').rstrip('.')}")
         return 0
     table = shipped_table(name)
     if output in (None, "-"):

@@ -1,25 +1,27 @@
-"""The beginning of a table and of a run file: `dh2urdf init`."""
+"""Tables to begin with: those of known arms (`dh2urdf example`), and the first table of an arm (`dh2urdf init`)."""
 
 from __future__ import annotations
 
 import os
 from dataclasses import replace
+from pathlib import Path
+from string import Template
 from typing import TYPE_CHECKING, Any
 
 from dh2urdf.commands.written_tables import in_format
 from dh2urdf.conversion.one_manipulator import read_items
-from dh2urdf.documents.text_files import encoded
+from dh2urdf.documents.text_files import encoded, is_file, is_folder
 from dh2urdf.errors import ConfigError, OutputError
 from dh2urdf.manipulator import Convention, Manipulator
 from dh2urdf.output.spooled import spooled
 from dh2urdf.output.whole_files import make_folder, reporting_os_errors
 from dh2urdf.plugin_system.options import COMMAND_LINE
-from dh2urdf.source import Problem, shown
+from dh2urdf.scaffold import TEMPLATES
+from dh2urdf.source import Problem, did_you_mean, shown
 from dh2urdf.table_text import TableText, yaml_word
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
-    from pathlib import Path
 
     from dh2urdf.stage_calls.calls import Call
     from dh2urdf.stages import Reader
@@ -30,20 +32,29 @@ _PRODUCTS = {
     Convention.STANDARD: "standard (classic, distal): a row is Rz(theta) Tz(d) Tx(a) Rx(alpha)",
     Convention.MODIFIED: "modified (Craig, proximal): a row is Rx(alpha) Tx(a) Rz(theta) Tz(d)",
 }
-_REACHES = (250, 200, 150)
-_RUN = """\
-# A run makes all files of all its tables, and proves them. Do it: dh2urdf run {run}
-# Every key is in the reference of run files; an editor completes them by `dh2urdf schema`.
-inputs:
-  - {table}
-# The exact arm, its links parallel to the base. frames: dh has the frames of the table in their place.
-transform: {{stage: alpha-swap, options: {{frames: aligned}}}}
-# Formats: urdf, xacro, sdf, mjcf.
-emitters: [urdf, xacro]
-# Simulators that load the files, where they are installed:
-# loaders: [pybullet, mujoco]
-output: {{directory: build}}
-"""
+_IN_A_WHEEL = Path(__file__).parents[1] / "tables"
+_IN_A_CLONE = Path(__file__).parents[3] / "configs" / "tables"
+
+
+def shipped_tables() -> dict[str, Path]:
+    """The tables by name; of a clone of the repository those in `configs/tables`, of which a wheel holds a copy."""
+    folder = _IN_A_WHEEL if is_folder(_IN_A_WHEEL) else _IN_A_CLONE
+    return {path.stem: path for path in sorted(folder.iterdir()) if is_file(path)} if is_folder(folder) else {}
+
+
+def shipped_table(name: str) -> Path:
+    """The table of a name.
+
+    Raises:
+        ConfigError: there is none.
+    """
+    tables = shipped_tables()
+    if name in tables:
+        return tables[name]
+    message, near = f"no example is called {shown(name)}", did_you_mean(name, tables)
+    raise ConfigError(
+        Problem(message=message, mark=COMMAND_LINE, found=name, accepted=", ".join(tables), suggestion=near)
+    )
 
 
 def table_template(
@@ -63,64 +74,33 @@ def table_template(
         InputError: the reader only reads.
         StageError: the reader is at fault.
     """
-    lines = [
-        f"A table of Denavit-Hartenberg parameters: {len(joints)} axes, a row for each, from the base outwards.",
-        "Put the numbers of your arm in place of these, and convert it:",
-        f"    dh2urdf convert {file.name} -o {file.stem}.urdf",
-        f"The convention is {_PRODUCTS[convention]}.",
-        "The type of a joint may be revolute, continuous, prismatic or fixed.",
-        "A number may be an expression (pi/2) and may have its own unit (90 deg).",
-        "Further columns may say the speed, the effort and the mass: docs/tables.md has all of them.",
-    ]
+    comments = Template((TEMPLATES / "table.txt").read_text("utf-8")).substitute(
+        count=len(joints), file=file.name, stem=file.stem, convention=_PRODUCTS[convention]
+    )
+    # A waist, links side by side, and a wrist from the fourth joint on: a [mm], alpha [deg], d [mm], standard.
+    links = [(0, 90, 300), (200, 0, 0), (150, 0, 0)][: len(joints)]
+    links += [(0, 90 if number % 2 else -90, 100) for number in range(3, len(joints))]
+    links[-1] = (0, 0, links[-1][2] or 80)
+    if convention is Convention.MODIFIED:  # a and alpha are those of the link before
+        before = [(0, 0, 0), *links]
+        links = [(a, alpha, d) for (a, alpha, _), (_, _, d) in zip(before, links, strict=False)]
+    ends = {"theta": "0", "lower": "-170", "upper": "170"}
     text = TableText(
         name=name,
         convention=str(convention),
         length_unit="mm",
         angle_unit="deg",
-        rows=tuple(_rows(convention, joints)),
+        rows=tuple(
+            {"joint": joint, "type": "revolute", "a": str(a), "alpha": str(alpha), "d": str(d), **ends}
+            for joint, (a, alpha, d) in zip(joints, links, strict=True)
+        ),
     )
-    content = encoded("".join(f"# {line}\n" for line in lines)) + in_format([text], call).content
-    _check(call, content, file)
-    return content
-
-
-def _rows(convention: Convention, joints: Sequence[str]) -> list[dict[str, str]]:
-    """The rows of an arm: a waist, links side by side, and a wrist from the fourth joint on."""
-    last = len(joints) - 1
-    links: list[tuple[int, int, int]] = []  # a [mm], alpha [deg], d [mm] of the standard convention
-    for number in range(len(joints)):
-        if number == 0:
-            links.append((0, 90, 300))
-        elif number < len(_REACHES):
-            links.append((_REACHES[number], 0, 0))
-        else:
-            links.append((0, 90 if number % 2 else -90, 100))
-    links[last] = (0, 0, links[last][2] or 80)
-    if convention is Convention.MODIFIED:  # a and alpha are those of the link before
-        before = [(0, 0), *((a, alpha) for a, alpha, _ in links)]
-        links = [(a, alpha, d) for (a, alpha), (_, _, d) in zip(before, links, strict=False)]
-    return [
-        {
-            "joint": joint,
-            "type": "revolute",
-            "a": str(a),
-            "alpha": str(alpha),
-            "d": str(d),
-            "theta": "0",
-            "lower": "-170",
-            "upper": "170",
-        }
-        for joint, (a, alpha, d) in zip(joints, links, strict=True)
-    ]
-
-
-def _check(call: Call[Reader[Any]], content: bytes, file: Path) -> None:
-    """Reads a template, so that its user starts with a table without errors."""
+    content = encoded(comments) + in_format([text], call).content
     with spooled(content, str(file), file.suffix) as path:
         (item,) = read_items(call, path)
     if not isinstance(item, Manipulator):
-        problems = [replace(problem, mark=COMMAND_LINE) for problem in item.problems]
-        raise ConfigError(problems)
+        raise ConfigError([replace(problem, mark=COMMAND_LINE) for problem in item.problems])
+    return content
 
 
 def run_template(table: Path, run: Path) -> bytes:
@@ -131,7 +111,8 @@ def run_template(table: Path, run: Path) -> bytes:
         run: where the run file will be; the table is named by its path from there.
     """
     path = os.path.relpath(table, run.parent).replace(os.sep, "/")
-    return encoded(_RUN.format(run=run.name, table=yaml_word(path)))
+    text = Template((TEMPLATES / "run.yaml").read_text("utf-8"))
+    return encoded(text.substitute(run=run.name, table=yaml_word(path)))
 
 
 def write_new(files: dict[Path, bytes]) -> None:
@@ -140,14 +121,11 @@ def write_new(files: dict[Path, bytes]) -> None:
     Raises:
         OutputError: one of them is there, or they cannot be written.
     """
+    advice = "give another name, or move the file away"
+    there = [(str(path), f"{shown(str(path), 200)} is there already, and is not overwritten") for path in files]
     problems = [
-        Problem(
-            message=f"{shown(str(path), 200)} is there already, and is not overwritten",
-            mark=COMMAND_LINE,
-            found=str(path),
-            suggestion="give another name, or move the file away",
-        )
-        for path in files
+        Problem(message=message, mark=COMMAND_LINE, found=path, suggestion=advice)
+        for path, message in there
         if os.path.lexists(path)
     ]
     if problems:

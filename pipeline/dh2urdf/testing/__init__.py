@@ -21,28 +21,28 @@ from dh2urdf._faces import face
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from dh2urdf.testing.catalogs import catalog_of as catalog_of, do_run as do_run
-    from dh2urdf.testing.emitter_contract import EmitterContract as EmitterContract
-    from dh2urdf.testing.executor_contract import ExecutorContract as ExecutorContract
-    from dh2urdf.testing.loader_contract import LoaderContract as LoaderContract
     from dh2urdf.testing.reader_contract import ReaderContract as ReaderContract
     from dh2urdf.testing.reference import (
         plain_robot as plain_robot,
         reference_manipulators as reference_manipulators,
     )
-    from dh2urdf.testing.transform_contract import (
+    from dh2urdf.testing.robot_contracts import (
         EditContract as EditContract,
+        EmitterContract as EmitterContract,
         TransformContract as TransformContract,
+    )
+    from dh2urdf.testing.worker_contracts import (
+        ExecutorContract as ExecutorContract,
+        LoaderContract as LoaderContract,
     )
 else:
     __all__, __getattr__, __dir__ = face(
         __name__,
         {
             "catalogs": "catalog_of do_run",
-            "emitter_contract": "EmitterContract",
-            "executor_contract": "ExecutorContract",
-            "loader_contract": "LoaderContract",
             "reader_contract": "ReaderContract",
             "reference": "plain_robot reference_manipulators",
-            "transform_contract": "EditContract TransformContract",
+            "robot_contracts": "EditContract EmitterContract TransformContract",
+            "worker_contracts": "ExecutorContract LoaderContract",
         },
     )

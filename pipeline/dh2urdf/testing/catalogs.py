@@ -13,7 +13,7 @@ from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.plugin_system.catalog import KINDS, RECORDS, Catalog, Plugin
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
+    from collections.abc import Mapping
 
     from dh2urdf.stages import Stage
 
@@ -25,27 +25,21 @@ def catalog_of(*stages: Stage, plugins: tuple[Any, ...] = ()) -> Catalog:
         stages: records of any kind.
         plugins: modules with hooks, such as ``dh2urdf_plugins`` for the built-in stages.
     """
-    hooks = {f"dh2urdf_{kind}s": _hook(tuple(s for s in stages if isinstance(s, RECORDS[kind]))) for kind in KINDS}
+    by_kind = {kind: tuple(stage for stage in stages if isinstance(stage, RECORDS[kind])) for kind in KINDS}
+    hooks = {f"dh2urdf_{kind}s": hookimpl(lambda some=some: some) for kind, some in by_kind.items()}
     found = [Plugin(name="stages of a test", module=SimpleNamespace(**hooks), distribution="a test")]
     found += [Plugin(name=module.__name__, module=module, distribution=module.__name__) for module in plugins]
     return Catalog(found)
 
 
-def _hook(stages: tuple[Stage, ...]) -> Callable[[], tuple[Stage, ...]]:
-    def give() -> tuple[Stage, ...]:
-        return stages
-
-    return hookimpl(give)
-
-
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RunOutput:
-    """What a run has left.
+    """What a run wrote.
 
     Attributes:
         folder: its output folder.
         exit_status: that of `dh2urdf run`: 0 where all is done, 1 where a manipulator failed.
-        report: what is in its report.json.
+        report: the content of its report.json.
     """
 
     folder: Path
@@ -60,7 +54,7 @@ def do_run(folder: Path, run_file: str, tables: Mapping[str, str | bytes], catal
         folder: where the run file and the tables are written, and the output goes, under ``build``.
         run_file: the text of the run file, without a section `output`; without a section `report`, no report.html is
             written, which takes a second.
-        tables: the files that it names, and what is in them.
+        tables: the contents of the files that it names.
         catalog: the stages; by default all that are installed.
 
     Raises:
@@ -73,11 +67,9 @@ def do_run(folder: Path, run_file: str, tables: Mapping[str, str | bytes], catal
 
     for name, content in tables.items():
         (folder / name).write_bytes(content.encode() if isinstance(content, str) else content)
-    path = folder / "run.yaml"
+    path, build = folder / "run.yaml", folder / "build"
     page = "" if re.search(r"^report:", run_file, re.MULTILINE) else "report: {html: false}\n"
     path.write_text(f"{run_file}\noutput: {{directory: build}}\n{page}", "utf-8")
     result, _ = execute(make_plan(load_config(path), catalog or load()))
-    build = folder / "build"
-    return RunOutput(
-        folder=build, exit_status=result.exit_status, report=json.loads((build / "report.json").read_bytes())
-    )
+    report = json.loads((build / "report.json").read_bytes())
+    return RunOutput(folder=build, exit_status=result.exit_status, report=report)

@@ -1,12 +1,16 @@
-"""T(q) of a table and of a robot by another way than the pipeline's: products of textbook matrices, element by element.
+"""T(q) of a table and of a robot, computed in another way than by the pipeline: products of textbook 4x4 matrices.
 
-It shares no code with `dh2urdf.kinematics.chain` or `dh2urdf.rotations`, so that an error in those is found here.
+The code is not shared with `dh2urdf.kinematics.chain` or `dh2urdf.rotations`, so that an error there is found here.
 """
 
 from __future__ import annotations
 
-from math import atan2, cos, hypot, sin, sqrt
+from functools import reduce
+from math import cos, sin
 from typing import TYPE_CHECKING, TypeAlias
+
+import numpy as np  # noqa: TID253 - this module is imported where arms are compared, and nowhere else
+from numpy.typing import NDArray  # noqa: TID253
 
 from dh2urdf.manipulator import Convention, JointType
 
@@ -16,22 +20,22 @@ if TYPE_CHECKING:
     from dh2urdf.manipulator import Manipulator
     from dh2urdf.robot import Joint, Robot
 
-Matrix: TypeAlias = list[list[float]]
-"""A homogeneous 4x4 matrix, its rows in order."""
+Matrix: TypeAlias = NDArray[np.float64]
+"""A homogeneous 4x4 matrix."""
 
 
 def table_pose(manipulator: Manipulator, q: Sequence[float]) -> Matrix:
     """T(base_link → tool0) of a table at one value per moving joint [rad or m]."""
     values = iter(q)
-    product = _of(manipulator.base.rotation, manipulator.base.translation)
+    factors = [_frame(np.reshape(manipulator.base.rotation, (3, 3)), manipulator.base.translation)]
     for row in manipulator.rows:
         value = 0.0 if row.type is JointType.FIXED else row.offset + row.sign * next(values)
-        slides = row.type is JointType.PRISMATIC
-        along_z = _product(_turn(2, row.theta + (0.0 if slides else value)), _along(0, 0, row.d + value * slides))
-        along_x = _product(_along(row.a, 0, 0), _turn(0, row.alpha))
-        factors = (along_z, along_x) if manipulator.convention is Convention.STANDARD else (along_x, along_z)
-        product = _product(product, *factors)
-    return _product(product, _of(manipulator.tool.rotation, manipulator.tool.translation))
+        turn, slide = (0.0, value) if row.type is JointType.PRISMATIC else (value, 0.0)
+        along_z = _turn((0, 0, 1), row.theta + turn) @ _shift(0, 0, row.d + slide)
+        along_x = _shift(row.a, 0, 0) @ _turn((1, 0, 0), row.alpha)
+        factors += [along_z, along_x] if manipulator.convention is Convention.STANDARD else [along_x, along_z]
+    tool = _frame(np.reshape(manipulator.tool.rotation, (3, 3)), manipulator.tool.translation)
+    return reduce(np.matmul, [*factors, tool])
 
 
 def robot_pose(robot: Robot, q: Sequence[float], root: str, tip: str) -> Matrix:
@@ -41,51 +45,36 @@ def robot_pose(robot: Robot, q: Sequence[float], root: str, tip: str) -> Matrix:
         (joint,) = [joint for joint in robot.joints if joint.child == tip]
         way.insert(0, joint)
         tip = joint.parent
-    values = iter(q)
-    product = _along(0, 0, 0)
+    values, product = iter(q), np.eye(4)
     for joint in way:
         roll, pitch, yaw = joint.origin.rpy
-        frame = _product(_along(*joint.origin.xyz), _turn(2, yaw), _turn(1, pitch), _turn(0, roll))
-        product = _product(product, frame, _motion(joint, 0.0 if joint.type is JointType.FIXED else next(values)))
+        origin = _shift(*joint.origin.xyz) @ _turn((0, 0, 1), yaw) @ _turn((0, 1, 0), pitch) @ _turn((1, 0, 0), roll)
+        value = 0.0 if joint.type is JointType.FIXED else next(values)
+        slides = joint.type is JointType.PRISMATIC
+        motion = _shift(*(value * u for u in joint.axis)) if slides else _turn(joint.axis, value)
+        product = product @ origin @ motion
     return product
 
 
 def gap(left: Matrix, right: Matrix) -> tuple[float, float]:
     """Distance of two frames [m] and the angle between them [rad]."""
-    distance = sqrt(sum((left[i][3] - right[i][3]) ** 2 for i in range(3)))
-    r = [[sum(left[k][i] * right[k][j] for k in range(3)) for j in range(3)] for i in range(3)]
-    angle = atan2(hypot(r[2][1] - r[1][2], r[0][2] - r[2][0], r[1][0] - r[0][1]), r[0][0] + r[1][1] + r[2][2] - 1)
-    return distance, angle
+    r = left[:3, :3].T @ right[:3, :3]
+    across = np.linalg.norm([r[2, 1] - r[1, 2], r[0, 2] - r[2, 0], r[1, 0] - r[0, 1]])
+    return float(np.linalg.norm(left[:3, 3] - right[:3, 3])), float(np.arctan2(across, np.trace(r) - 1))
 
 
-def _motion(joint: Joint, value: float) -> Matrix:
-    """What a joint does at a value."""
-    x, y, z = joint.axis
-    if joint.type is JointType.PRISMATIC:
-        return _along(value * x, value * y, value * z)
-    # The axis is turned into z, the turn made about z, and the axis turned back.
-    azimuth, polar = atan2(y, x), atan2(hypot(x, y), z)
-    return _product(_turn(2, azimuth), _turn(1, polar), _turn(2, value), _turn(1, -polar), _turn(2, -azimuth))
+def _frame(rotation: Matrix, translation: Sequence[float]) -> Matrix:
+    frame = np.eye(4)
+    frame[:3, :3], frame[:3, 3] = rotation, translation
+    return frame
 
 
-def _product(*factors: Matrix) -> Matrix:
-    product = factors[0]
-    for factor in factors[1:]:
-        product = [[sum(row[k] * factor[k][j] for k in range(4)) for j in range(4)] for row in product]
-    return product
+def _shift(x: float, y: float, z: float) -> Matrix:
+    return _frame(np.eye(3), (x, y, z))
 
 
-def _of(rotation: Sequence[float], translation: Sequence[float]) -> Matrix:
-    rows = [[*rotation[3 * i : 3 * i + 3], translation[i]] for i in range(3)]
-    return [*rows, [0.0, 0.0, 0.0, 1.0]]
-
-
-def _along(x: float, y: float, z: float) -> Matrix:
-    return [[1.0, 0.0, 0.0, x], [0.0, 1.0, 0.0, y], [0.0, 0.0, 1.0, z], [0.0, 0.0, 0.0, 1.0]]
-
-
-def _turn(axis: int, angle: float) -> Matrix:
-    """The turn by an angle about x (0), y (1) or z (2)."""
-    turned, (i, j) = _along(0, 0, 0), ((axis + 1) % 3, (axis + 2) % 3)
-    turned[i][i], turned[i][j], turned[j][i], turned[j][j] = cos(angle), -sin(angle), sin(angle), cos(angle)
-    return turned
+def _turn(axis: Sequence[float], angle: float) -> Matrix:
+    """The rotation by an angle about an axis: Rodrigues' formula."""
+    x, y, z = np.array(axis) / np.linalg.norm(axis)
+    k = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+    return _frame(np.eye(3) + sin(angle) * k + (1.0 - cos(angle)) * (k @ k), (0, 0, 0))

@@ -18,16 +18,13 @@ from dh2urdf.source import Mark
 from dh2urdf.stage_calls.column_calls import checked_groups
 from dh2urdf.stages import Reader, ReadsCells, ReadsInColumns, Rejected, Traces
 from dh2urdf.table_text import CellRow
-from dh2urdf.testing.child import in_child
 from dh2urdf.testing.comparing import difference
-from dh2urdf.testing.stage_contract import StageContract, clause, outcomes
+from dh2urdf.testing.stage_contract import Calls, InputContract, clause
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Mapping
+    from collections.abc import Iterator
     from pathlib import Path
 
-    from dh2urdf.manipulator import DHRow
-    from dh2urdf.provenance import Said
     from dh2urdf.testing.stage_contract import Found
 
 LARGE = 2**20
@@ -38,7 +35,7 @@ _CELLS = "cells of a test"
 _WANTED = [(0.4, math.pi / 2, 0.1), (0.3, 0.0, -0.2)]
 
 
-class ReaderContract(StageContract):
+class ReaderContract(InputContract):
     """What holds for a reader.
 
     Attributes:
@@ -55,6 +52,14 @@ class ReaderContract(StageContract):
     def many(self, count: int) -> str | bytes | None:  # noqa: ARG002 - for those who override it
         """What is in a file with so many manipulators; None where a file holds one."""
         return None
+
+    def calls(self, folder: Path) -> Iterator[Calls]:
+        """Reading the example; broken files, no file, and a folder."""
+        suffix = (*self.stage.suffixes, "")[0]
+        (directory := folder / f"folder{suffix}").mkdir()
+        odd = [self._file(folder, content, name) for name, content in self._broken().items()]
+        odd += [folder / f"missing{suffix}", directory]
+        yield Calls(_read_all, (self.stage.read, self.given()), [self._file(folder, self.example)], odd, (TableError,))
 
     @clause
     def test_gives_tables(self, tmp_path: Path) -> Found:
@@ -77,44 +82,34 @@ class ReaderContract(StageContract):
         if content is None:
             if (count := len(self._read(self._file(tmp_path, self.example)))) > 1:
                 yield f"the example holds {count} manipulators, and nothing says what a file of many holds"
-        elif self.is_document:
-            yield from self._made_before_the_first(self._file(tmp_path, content))
-        else:
-            count = MANY * (LARGE // len(_bytes(content)) + 1)
-            yield from self._read_before_the_first(self._file(tmp_path, self.many(count) or ""), count)
-
-    @clause
-    def test_is_deterministic(self, tmp_path: Path) -> Found:
-        """The same file gives the same tables, or the same refusal, in every process."""
-        paths = []
-        for number, content in enumerate([_bytes(self.example), *self._broken().values()]):
-            (folder := tmp_path / str(number)).mkdir()
-            paths.append(self._file(folder, content))
-        yield from self.same_in_every_process(_read_all, paths, self.stage.read, self.given())
-
-    @clause
-    def test_keeps_its_input(self, tmp_path: Path) -> Found:
-        """The file is as it was, nothing else is written, and no process is left."""
-        path = self._file(tmp_path, self.example)
-        seen = in_child(_read_all, path, self.stage.read, self.given())
-        yield from (*seen.deeds, *(f"left {each}" for each in seen.left))
-        if path.read_bytes() != _bytes(self.example):
-            yield f"changed {path.name}"
-
-    @clause
-    def test_raises_documented_errors_only(self, tmp_path: Path) -> Found:
-        """A file that cannot be read is a TableError, whatever is wrong with it."""
-        (folder := tmp_path / f"folder{self._suffix()}").mkdir()
-        missing = tmp_path / f"missing{self._suffix()}"
-        for name, content in {**self._broken(), "no file at all": missing, "a folder": folder}.items():
-            path = self._file(tmp_path, content) if isinstance(content, bytes) else content
-            for found in self.refuses_with((TableError,), self._only_tables, path):
-                yield f"{found} at {name}"
+            return
+        count = MANY if self.is_document else MANY * (LARGE // len(_bytes(content)) + 1)
+        path = self._file(tmp_path, self.many(count) or "")
+        gc.collect()
+        before = sum(isinstance(item, Manipulator) for item in gc.get_objects())
+        tables = iter(self.stage.read(path, self.given()))
+        first = next(tables, None)
+        if self.is_document:
+            made = sum(isinstance(item, Manipulator) for item in gc.get_objects()) - before
+            given = 1 + sum(1 for _ in tables)
+            if first is None or given != MANY or made > MANY // 2:
+                yield f"{made} of {given} manipulators were made before the first was given; the file holds {MANY}"
+            return
+        given, size = int(isinstance(first, Manipulator)), path.stat().st_size
+        # Zeros in place of the second half: a reader that has not read it yet finds them.
+        with path.open("r+b") as file:
+            file.seek(size // 2)
+            file.write(b"\0" * (size - size // 2))
+        with suppress(InputError):
+            given += sum(isinstance(item, Manipulator) for item in islice(tables, count))
+            if given in (0, count):
+                half = f"half of the file ({size / 2**20:.0f} MiB) was overwritten after the first"
+                yield f"{given} of {count} manipulators were given, though {half}"
 
     @clause
     def test_errors_name_the_file(self, tmp_path: Path) -> Found:
         """What is wrong with a file, or noticed in it, is at a place in this file."""
-        for name, content in {"the example": _bytes(self.example), **self._broken()}.items():
+        for name, content in {"the example": self.example, **self._broken()}.items():
             path = self._file(tmp_path, content)
             items: list[Any] = []
             with suppress(Exception, SystemExit):  # Another clause reports it.
@@ -122,11 +117,11 @@ class ReaderContract(StageContract):
                     items = self._read(path)
                 except TableError as error:
                     items = [error]
-            for item in items:
-                told = [*getattr(item, "problems", ()), *getattr(item, "notices", ()), *getattr(item, "rows", ())]
-                for each in told:  # A reader of macros names what they become, too.
-                    if each.mark is not None and each.mark.file.removesuffix(" (expanded)") != str(path):
-                        yield f"{f'{each.mark}: {each}'!r:.200} of {name}"
+            parts = [getattr(item, kind, ()) for item in items for kind in ("problems", "notices", "rows")]
+            for each in (each for part in parts for each in part):
+                # A reader of macros names what they become, too.
+                if each.mark is not None and each.mark.file.removesuffix(" (expanded)") != str(path):
+                    yield f"{f'{each.mark}: {each}'!r:.200} of {name}"
 
     @clause
     def test_traces_what_it_reads(self, tmp_path: Path) -> Found:
@@ -138,11 +133,20 @@ class ReaderContract(StageContract):
         if differs := difference(self._read(path), [item for item, _ in traced]):
             yield differs
         for table, its in traced:
-            if isinstance(table, Manipulator):
-                if len(its.rows) != len(table.rows) or not any(its.rows):
-                    yield f"{len(its.rows)} rows in the trace of {table.name!r}, which has {len(table.rows)}"
-                for row, said in zip(table.rows, its.rows, strict=True):
-                    yield from _mistold(row, said, path)
+            if isinstance(table, Rejected):
+                continue
+            if len(its.rows) != len(table.rows) or not any(its.rows):
+                yield f"{len(its.rows)} rows in the trace of {table.name!r}, which has {len(table.rows)}"
+            cells = [(row, *cell) for row, said in zip(table.rows, its.rows, strict=True) for cell in said.items()]
+            for row, field, each in cells:
+                if each.mark is None or each.mark.file != str(path):
+                    yield f"the place {each.mark} of {field} of {row.joint!r}"
+                value = getattr(row, field, None)
+                with suppress(ValueError, KeyError):  # The cell holds an expression, or has a unit of its own.
+                    if not each.unit or each.text is None or not isinstance(value, float):
+                        continue
+                    if not math.isclose(UNITS[each.unit].si(float(each.text)), value, rel_tol=1e-12, abs_tol=1e-15):
+                        yield f"{each.text!r} in {each.unit} as {field} of {row.joint!r}, and the row has {value}"
 
     @clause
     def test_reads_cells_as_files(self) -> Found:
@@ -163,13 +167,16 @@ class ReaderContract(StageContract):
         """What it reads in columns is to the last bit what it reads one by one, with marks, notices and errors."""
         if not (fast := self.stage.can(ReadsInColumns)):
             return
-        for content in (_bytes(self.example), *self._broken().values(), _bytes(self.many(MANY) or self.example)):
+        for content in (self.example, *self._broken().values(), self.many(MANY) or self.example):
             path = self._file(tmp_path, content)
-            both = [outcomes(_read_all, [path], read, self.given()) for read in (self.stage.read, fast.read_columns)]
-            if differs := difference(*[found[0] for found in both]):
+            both: list[Any] = []
+            for read in (self.stage.read, fast.read_columns):
+                try:
+                    both.append(_read_all(path, read, self.given()))
+                except TableError as error:
+                    both.append(str(error))
+            if differs := difference(*both):
                 yield differs
-
-    # --- What the clauses use
 
     def _broken(self) -> dict[str, bytes]:
         """Files that are not, or not quite, what the reader reads; the name says what they are."""
@@ -186,56 +193,25 @@ class ReaderContract(StageContract):
             **{f"an example cut after {part} of 7 parts": whole[: len(whole) * part // 7] for part in range(1, 7)},
         }
 
-    def _suffix(self) -> str:
-        return (*self.stage.suffixes, "")[0]
-
-    def _file(self, folder: Path, content: str | bytes) -> Path:
-        path = folder / f"table{self._suffix()}"
+    def _file(self, folder: Path, content: str | bytes, name: str = "table") -> Path:
+        path = folder / f"{name}{(*self.stage.suffixes, '')[0]}"
         path.write_bytes(_bytes(content))
         return path
 
     def _read(self, path: Path) -> list[Any]:
         return _read_all(path, self.stage.read, self.given())
 
-    def _only_tables(self, path: Path) -> None:
-        for item in self._read(path):
-            if not isinstance(item, (Manipulator, Rejected)):
-                raise TypeError(f"it yielded {type(item).__name__}")
-
-    def _made_before_the_first(self, path: Path) -> Found:
-        gc.collect()
-        before = sum(isinstance(item, Manipulator) for item in gc.get_objects())
-        tables = iter(self.stage.read(path, self.given()))
-        first = next(tables, None)
-        made = sum(isinstance(item, Manipulator) for item in gc.get_objects()) - before
-        given = 1 + sum(1 for _ in tables)
-        if first is None or given != MANY or made > MANY // 2:
-            yield f"{made} of {given} manipulators were made before the first was given; the file holds {MANY}"
-
-    def _read_before_the_first(self, path: Path, count: int) -> Found:
-        tables = iter(self.stage.read(path, self.given()))
-        given, size = int(isinstance(next(tables, None), Manipulator)), path.stat().st_size
-        # Zeros in place of its second half: a reader that has not read it yet finds them.
-        with path.open("r+b") as file:
-            file.seek(size // 2)
-            file.write(b"\0" * (size - size // 2))
-        with suppress(InputError):
-            given += sum(isinstance(item, Manipulator) for item in islice(tables, count))
-            if given in (0, count):
-                yield (
-                    f"{given} of {count} manipulators were given, though half of the file ({size / 2**20:.0f} MiB) "
-                    "was overwritten after the first"
-                )
-
 
 def _bytes(content: str | bytes) -> bytes:
     return content.encode() if isinstance(content, str) else content
 
 
-def _read_all(path: Path, read: Callable[[Path, Any], Iterator[Any]], options: Any) -> list[Any]:  # noqa: ANN401 - the stage's own
+def _read_all(path: Path, read: Any, options: Any) -> list[Any]:  # noqa: ANN401 - the stage's own
     found: list[Any] = []
     for item in read(path, options):
         found += checked_groups(item).tables() if isinstance(item, ManipulatorGroups) else [item]
+    if wrong := [type(item).__name__ for item in found if not isinstance(item, (Manipulator, Rejected))]:
+        raise TypeError(f"it yielded {wrong[0]}")
     return found
 
 
@@ -243,24 +219,11 @@ def _cell_rows(cell: str) -> list[CellRow]:
     """A table of two rows, the first cell of which is given."""
 
     def row(number: int, *cells: str | float) -> CellRow:
-        marks = [
-            Mark(file=_CELLS, line=number, column=column, place=f"{'ABC'[column - 1]}{number}") for column in (1, 2, 3)
-        ]
+        marks = [Mark(file=_CELLS, line=number, column=i, place=f"{'ABC'[i - 1]}{number}") for i in (1, 2, 3)]
         return CellRow(cells, Mark(file=_CELLS, line=number), marks[: len(cells)])
 
     header = row(2, "a [mm]", "alpha", "d [mm]")
     return [row(1, "# convention: standard"), header, row(3, cell, "pi/2", 100.0), row(4, 300, 0, "-200")]
-
-
-def _mistold(row: DHRow, said: Mapping[str, Said], path: Path) -> Found:
-    """What a trace declares about a row that the file or the manipulator does not."""
-    for field, each in said.items():
-        if each.mark is None or each.mark.file != str(path):
-            yield f"the place {each.mark} of {field} of {row.joint!r}"
-        if each.unit and each.text is not None and isinstance(value := getattr(row, field, None), float):
-            with suppress(ValueError, KeyError):
-                if not math.isclose(UNITS[each.unit].si(float(each.text)), value, rel_tol=1e-12, abs_tol=1e-15):
-                    yield f"{each.text!r} in {each.unit} as {field} of {row.joint!r}, and the row has {value}"
 
 
 def _unfit(value: Any, place: str = "the manipulator") -> Found:  # noqa: ANN401 - a record, or what is in it

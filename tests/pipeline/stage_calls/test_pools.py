@@ -13,7 +13,7 @@ import pytest
 from dh2urdf.stage_calls.pools import AHEAD, results_of
 from dh2urdf.stages import Executor, Lost, NoOptions
 from dh2urdf.testing import ExecutorContract
-from dh2urdf.testing.executor_contract import doubled_or_killed
+from dh2urdf.testing.worker_contracts import doubled_or_killed
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

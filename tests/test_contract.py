@@ -28,8 +28,6 @@ from dh2urdf_plugins.edits.limits import LimitsOptions
 from dh2urdf_plugins.edits.mount import MountOptions
 from dh2urdf_plugins.edits.payload import PayloadOptions
 from dh2urdf_plugins.edits.rename import RenameOptions
-from dh2urdf_plugins.emitters.urdf import UrdfOptions
-from dh2urdf_plugins.emitters.xacro import XacroOptions
 from dh2urdf_plugins.executors.dask import DaskOptions
 from dh2urdf_plugins.executors.local import LocalOptions
 from dh2urdf_plugins.loaders.coppeliasim.loader import CoppeliaSimOptions
@@ -245,18 +243,8 @@ class TestUrdf(EmitterContract):
     stage = CATALOG.get("emitter", "urdf")
 
 
-class TestUrdfForMujoco(EmitterContract):
-    stage = CATALOG.get("emitter", "urdf")
-    options = UrdfOptions(profile="mujoco")
-
-
 class TestXacro(EmitterContract):
     stage = CATALOG.get("emitter", "xacro")
-
-
-class TestXacroInOneFile(EmitterContract):
-    stage = CATALOG.get("emitter", "xacro")
-    options = XacroOptions(single_file=True)
 
 
 class TestSdf(EmitterContract):

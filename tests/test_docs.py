@@ -374,12 +374,6 @@ def test_an_output_stands_below_what_prints_it() -> None:
             assert block.title != OUTPUT or (before is not None and before.runs), block.place
 
 
-def test_examples_are_those_that_have_their_own_test() -> None:
-    """Tables without a title are in the pages of tables, where `test_tables_page.py` reads every one."""
-    found = {page for page in PAGES for block in BLOCKS[page] if "example" in block.marks}
-    assert found <= {"tables.md", *(page for page in PAGES if page.startswith("tables/"))}
-
-
 def test_titled_files_are_used() -> None:
     """A later block names each file of a page, or what is above it in its folder."""
     for page in PAGES:
@@ -387,18 +381,6 @@ def test_titled_files_are_used() -> None:
             if block.title and block.title != OUTPUT and "not run" not in block.marks:
                 later = "".join(each.body for each in BLOCKS[page][number + 1 :])
                 assert block.title in later or Path(block.title).parts[0] in later, block.place
-
-
-def test_blocks_in_tabs_are_blocks(tmp_path: Path) -> None:
-    """They are read without their indent, at their own lines; what follows the tabs is outside of them."""
-    page = tmp_path / "page.md"
-    page.write_text(
-        'A\n\n=== "One"\n\n    ```sh\n    a\n      b\n    ```\n\n=== "Two"\n\n    ```sh\n    c\n    ```\n\n    d\n\nE\n'
-    )
-    found = [(block["language"], block["body"]) for block in BLOCK.finditer(page_text(page))]
-    assert found == [("sh", "a\n  b\n"), ("sh", "c\n")]
-    assert page_text(page).count("\n") == page.read_text("utf-8").count("\n")
-    assert page_text(page).endswith("d\n\nE\n")
 
 
 def test_a_page_that_says_something_else_fails(tmp_path: Path) -> None:

@@ -87,7 +87,7 @@ def test_threads_give_what_one_after_the_other_gives(tmp_path: Path) -> None:
 
     expected = {name: work((number, name)) for number, name in enumerate(NAMES)}
     assert all(len(each["files"]) > 4 for each in expected.values())  # type: ignore[arg-type]
-    places = [(10 + number, NAMES[number % 3]) for number in range(16)]
+    places = [(10 + number, NAMES[number % 3]) for number in range(6)]
     with ThreadPoolExecutor(8) as pool:
         assert list(pool.map(work, places)) == [expected[name] for _, name in places]
 

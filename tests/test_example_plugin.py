@@ -85,15 +85,6 @@ def test_the_plugin_is_listed_with_its_distribution(dh2urdf: Command, site: Path
     assert all(option["help"] for stage in theirs for option in stage["options"])
 
 
-def test_its_options_are_checked_like_the_built_in_ones(dh2urdf: Command, site: Path, table: Path) -> None:
-    """A misspelt option of a third party's stage is an error with its place in the run file and a suggestion."""
-    table.with_name("run.yaml").write_text(RUN.replace("digits", "digitz"))
-    refused = dh2urdf("run", "run.yaml", path=[site], status=2).stderr
-    assert "run.yaml:4:" in refused
-    assert "did you mean 'digits'?" in refused
-    assert not table.with_name("build").exists()
-
-
 def test_its_reader_says_all_that_is_wrong_at_once(dh2urdf: Command, site: Path, tmp_path: Path) -> None:
     """The template for authors shows how it is done: every problem, with joint, field and what is accepted."""
     (tmp_path / "bad.dh.toml").write_text(
@@ -113,15 +104,6 @@ def test_its_reader_says_all_that_is_wrong_at_once(dh2urdf: Command, site: Path,
         "joint 'hip', field 'd': the joint variable is not written in this format",
     ):
         assert part in refused
-
-
-def test_without_it_its_stages_are_unknown(dh2urdf: Command, table: Path) -> None:
-    """Where the plugin is not installed, the run says that no emitter has the name, and what is installed."""
-    table.with_name("run.yaml").write_text(RUN.replace("inputs:", "inputs: # of an unknown kind\n "))
-    refused = dh2urdf("run", "run.yaml", status=2).stderr
-    assert "no emitter is named 'datasheet'" in refused
-    assert "accepted: mjcf, ros2, sdf, srdf, table, urdf, xacro" in refused
-    assert "no reader is known for the file 'scara.dh.toml'" in refused
 
 
 @pytest.mark.long

@@ -205,8 +205,3 @@ def test_its_run_file_uses_it(name: str, stage: str) -> None:
     run = (ROOT / "examples" / name / "run.yaml").read_text("utf-8")
     assert f"stage: {stage}" in run or stage == "workbook"
     assert f"`{stage}`" in (ROOT / "examples" / name / "README.md").read_text("utf-8")
-
-
-def test_short_stages_are_short() -> None:
-    for path in (ROOT / "examples" / "short" / "src").rglob("*.py"):
-        assert len(path.read_text("utf-8").splitlines()) < 60, path.name

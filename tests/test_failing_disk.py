@@ -33,7 +33,7 @@ report: {{html: false}}
 """
 REASONS = (os.strerror(errno.EIO), os.strerror(errno.EBADF), "error closing file")
 """What is said of a fault; the second by Python's `rmtree`, which closes a folder twice, and the third by Arrow."""
-LAYOUTS = {"files": "", "folders": ", layout: folders, size: 2", "shards": ", layout: shards, size: 2"}
+LAYOUTS = {"files": "", "shards": ", layout: shards, size: 2"}
 
 
 @pytest.fixture(scope="session")
@@ -71,10 +71,7 @@ def check(found: list[tuple[str, int, int, str]], calls: str) -> None:
 @pytest.mark.parametrize(
     ("words", "calls"),
     [
-        (("info", "arm.csv"), READ),
         (("check", "arm.urdf"), READ),
-        (("extract", "arm.urdf"), READ),
-        (("extract", "arm.urdf", "-o", "table.csv"), "open,close,read,write,rename,mkdir"),
         (("convert", "arm.csv", "-o", "new/arm.urdf"), "open,close,read,write,rename,mkdir"),
     ],
     ids=lambda value: value[0] if isinstance(value, tuple) else "",

@@ -41,7 +41,8 @@ from dh2urdf import errors
 from dh2urdf.hookspecs import hookimpl
 from dh2urdf.manipulator import Convention, DHRow, Manipulator
 from dh2urdf.plugin_system.plugin_stages import CAPABILITIES
-from dh2urdf.stages import Compares, Edit, Executor, HasSchema, Loader, LoadReport, NoOptions, OtherFiles, Reader
+from dh2urdf.stages import (Compares, Edit, EmittedFile, Executor, HasSchema, Loader, LoadReport, NoOptions, OtherFiles,
+                            Reader, Rejected)
 from dh2urdf_plugins.emitters.urdf import EMITTER
 from dh2urdf_plugins.transforms.alpha_swap import TRANSFORM
 
@@ -95,6 +96,24 @@ def give_nothing(*_arguments):
 
 def give_numbers(*_arguments):
     return [7]
+
+def give_text(*_arguments):
+    return [EmittedFile(name="arm.bad", content="text")]
+
+def give_a_path(*_arguments):
+    return [EmittedFile(name="../../arm.bad", content=b"x")]
+
+def give_no_file(*_arguments):
+    return []
+
+def reject_in_silence(*_arguments):
+    yield Rejected(name="right", problems=())
+
+def give_another_name(table, _):
+    return replace(table, name="other")
+
+def promise_a_picture(request, options):
+    return replace(load(request, options), picture="arm.png")
 
 def read(path, options):
     for name in ("left", "right"):
@@ -184,50 +203,39 @@ def said(answer: Answer) -> str:
 @pytest.mark.parametrize(
     ("what", "message"),
     [
-        ("reader.read.fail", "reader 'bad' of lab 1.0 failed: ZeroDivisionError: at work"),
         ("reader.read.leave", "reader 'bad' of lab 1.0 failed: SystemExit: 7"),
-        (
-            "reader.read.give_numbers",
-            "reader 'bad' of lab 1.0 failed: TypeError: it gave int, not dh2urdf.manipulator.M",
-        ),
-        ("reader.read.vanish", "reader 'bad' of lab 1.0 failed: GeneratorExit, without a message"),
-        ("reader.read.raise_the_base", "reader 'bad' of lab 1.0 failed: Dh2UrdfError: no reason"),
         ("reader.read_columns.fail", "reader 'bad' of lab 1.0 failed: ZeroDivisionError: at work"),
-        ("reader.read_columns.leave", "reader 'bad' of lab 1.0 failed: SystemExit: 7"),
-        ("reader.read_columns.give_nothing", "reader 'bad' of lab 1.0 failed: TypeError: it gave None, not"),
-        ("reader.read_columns.give_numbers", "reader 'bad' of lab 1.0 failed: TypeError: it gave int, not dh2urdf"),
         ("transform.transform.fail", "transform 'bad' of lab 1.0 failed: ZeroDivisionError: at work"),
         ("transform.transform.panic", "transform 'bad' of lab 1.0 failed: Panic: as extensions in Rust do"),
-        ("emitter.emit.vanish", "emitter 'bad' of lab 1.0 failed: GeneratorExit, without a message"),
-        ("emitter.emit.raise_the_base", "emitter 'bad' of lab 1.0 failed: Dh2UrdfError: no reason"),
         ("emitter.emit.fail_without_words", "emitter 'bad' of lab 1.0 failed: Speechless: its text cannot be made"),
-        (
-            "transform.transform.give_nothing",
-            "transform 'bad' of lab 1.0 failed: TypeError: it gave None, not dh2urdf",
-        ),
         ("edit.edit_table.fail", "edit 'bad' of lab 1.0 failed: ZeroDivisionError: at work"),
-        ("edit.edit_table.give_nothing", "edit 'bad' of lab 1.0 failed: TypeError: it gave None, not dh2urdf.manip"),
         ("edit.edit_robot.fail", "edit 'bad' of lab 1.0 failed: ZeroDivisionError: at work"),
-        ("edit.edit_robot.give_nothing", "edit 'bad' of lab 1.0 failed: TypeError: it gave None, not dh2urdf.robot"),
-        ("emitter.emit.fail", "emitter 'bad' of lab 1.0 failed: ZeroDivisionError: at work"),
         (
             "emitter.emit.give_numbers",
             "emitter 'bad' of lab 1.0 failed: TypeError: it gave int, not dh2urdf.stages.Emit",
         ),
         ("emitter.notices.fail", "emitter 'bad' of lab 1.0 failed: ZeroDivisionError: at work"),
-        ("emitter.notices.give_numbers", "emitter 'bad' of lab 1.0 failed: TypeError: it gave int, not dh2urdf."),
         ("emitter.in_folders.fail", "`in_folders` of the emitter 'bad' of lab 1.0 failed: ZeroDivisionError: at work"),
-        ("emitter.in_folders.give_nothing", "`in_folders` of the emitter 'bad' of lab 1.0 failed: TypeError: it gave"),
         ("emitter.read_back.fail", "emitter 'bad' of lab 1.0 failed: ZeroDivisionError: at work"),
-        ("loader.open.fail", "loader 'bad' of lab 1.0 failed: ZeroDivisionError: at work"),
         ("loader.open.fail_oddly", "loader 'bad' of lab 1.0 failed: RuntimeError: Unpicklable: at work and odd"),
-        ("loader.open.give_numbers", "loader 'bad' of lab 1.0 failed: TypeError: open returned list, neither a Si"),
         ("loader.poses.fail", "loader 'bad' of lab 1.0 failed: ZeroDivisionError: at work"),
-        ("loader.poses.give_nothing", "loader 'bad' of lab 1.0 failed: TypeError"),
         ("loader.picture.fail", "loader 'bad' of lab 1.0 failed: ZeroDivisionError: at work"),
         ("loader.time_limit.fail", "loader 'bad' of lab 1.0 failed: ZeroDivisionError: at work"),
         ("loader.prepare.fail", "loader 'bad' of lab 1.0 failed: ZeroDivisionError: at work"),
         ("loader.read_output.fail", "loader 'bad' of lab 1.0 failed: ZeroDivisionError: at work"),
+        (
+            "reader.read.reject_in_silence",
+            "reader 'bad' of lab 1.0 failed: ValueError: it rejected 'right' and did not",
+        ),
+        (
+            "edit.edit_table.give_another_name",
+            "edit 'bad' of lab 1.0 failed: ValueError: it changed the name 'left' to",
+        ),
+        ("emitter.emit.give_text", "TypeError: it gave an EmittedFile whose content is 'text' (str), not bytes"),
+        ("emitter.emit.give_a_path", "'../../arm.bad' is not a plain file name"),
+        ("emitter.emit.give_no_file", "emitter 'bad' of lab 1.0 failed: ValueError: it gave no file"),
+        ("loader.open.promise_a_picture", "ValueError: it reported a picture 'arm.png' and wrote none"),
+        ("executor.map.give_no_file", "it gave no result of the batch that this manipulator is in"),
     ],
 )
 def test_at_work_on_a_manipulator(cli: Cli, lab: Callable[[str], Path], what: str, message: str) -> None:
@@ -244,9 +252,6 @@ def test_at_work_on_a_manipulator(cli: Cli, lab: Callable[[str], Path], what: st
     ("what", "kind", "message"),
     [
         ("transform.transform.refuse", "transform", "transform 'bad' of lab 1.0: an arm on Sundays"),
-        ("edit.edit_table.refuse", "edit", "edit 'bad' of lab 1.0: an arm on Sundays"),
-        ("edit.edit_robot.refuse", "edit", "edit 'bad' of lab 1.0: an arm on Sundays"),
-        ("emitter.emit.refuse", "emitter", "emitter 'bad' of lab 1.0: an arm on Sundays"),
         ("emitter.read_back.refuse_to_read", "input", "`read_back` of the emitter 'bad' of lab 1.0: line 3 is missing"),
         ("loader.open.refuse", "loader", "bad: an arm on Sundays"),
     ],
@@ -263,7 +268,7 @@ def test_who_refuses_a_manipulator_is_named(
     assert [(row["kind"], row["errors"][0]["message"]) for row in rows] == [(kind, message)] * 2
 
 
-@pytest.mark.parametrize("words", [("info", "arm.bad"), ("convert", "arm.bad"), ("run", "run.yaml")], ids=" ".join)
+@pytest.mark.parametrize("words", [("convert", "arm.bad")], ids=" ".join)
 def test_a_refused_file_is_named(cli: Cli, lab: Callable[[str], Path], words: tuple[str, ...]) -> None:
     """A reader need not say in which file it is: the message does, whatever asks for the table."""
     lab("reader.read.refuse")
@@ -283,17 +288,7 @@ def test_a_refused_file_is_named(cli: Cli, lab: Callable[[str], Path], words: tu
         ("executor.require.fail", "run run.yaml", "`require` of the executor 'bad' failed: ZeroDivisionError: at work"),
         ("executor.map.fail", "run run.yaml", "the executor 'bad' failed: ZeroDivisionError: at work"),
         ("executor.pool.fail", "run run.yaml", "the executor 'bad' failed: ZeroDivisionError: at work"),
-        (
-            "executor.pool.give_nothing",
-            "run run.yaml",
-            "the executor 'bad' failed: TypeError: it gave None, not a pool",
-        ),
         ("executor.map.leave", "run run.yaml", "the executor 'bad' failed: SystemExit: 7"),
-        (
-            "executor.map.give_nothing",
-            "run run.yaml",
-            "the executor 'bad' failed: TypeError: it gave None, not an iter",
-        ),
         (
             "emitter.one_file.fail",
             "convert arm.bad --robot left --to bad",
@@ -305,28 +300,16 @@ def test_a_refused_file_is_named(cli: Cli, lab: Callable[[str], Path], words: tu
             "`for_suffix` of the emitter 'bad' failed: Zero",
         ),
         ("emitter.check.fail", "check arm.bad", "`check` of the emitter 'bad' failed: ZeroDivisionError: at work"),
-        ("emitter.check.give_nothing", "check arm.bad", "`check` of the emitter 'bad' failed: TypeError: it gave None"),
         (
             "emitter.fix.fail",
             "check arm.bad --fix -o new.bad",
             "`fix` of the emitter 'bad' failed: ZeroDivisionError: at",
         ),
-        (
-            "emitter.fix.give_nothing",
-            "check arm.bad --fix -o new.bad",
-            "`fix` of the emitter 'bad' failed: TypeError: it",
-        ),
         ("emitter.descriptions.fail", "check .", "`descriptions` of the emitter 'bad' failed: ZeroDivisionError: at"),
-        ("emitter.descriptions.give_nothing", "check .", "`descriptions` of the emitter 'bad' failed: TypeError: it g"),
         (
             "emitter.annotate.fail",
             "collisions arm.bad -o new.bad",
             "`annotate` of the emitter 'bad' failed: ZeroDivisionError: at",
-        ),
-        (
-            "emitter.annotate.give_nothing",
-            "collisions arm.bad -o new.bad",
-            "`annotate` of the emitter 'bad' failed: TypeError: it g",
         ),
         ("reader.schema.fail", "schema table", "`schema` of the reader 'bad' failed: ZeroDivisionError: at work"),
         *(
@@ -352,11 +335,8 @@ def test_what_the_whole_command_needs(
     ("what", "reason"),
     [
         ("transform.transform_columns.fail", "transform 'bad' of lab 1.0 failed: ZeroDivisionError: at work"),
-        ("transform.transform_columns.give_numbers", "transform 'bad' of lab 1.0 failed: TypeError: "),
-        ("emitter.emit_columns.fail", "emitter 'bad' of lab 1.0 failed: ZeroDivisionError: at work"),
         ("emitter.emit_columns.give_numbers", "emitter 'bad' of lab 1.0 failed: TypeError: "),
         ("emitter.read_columns.fail", "emitter 'bad' of lab 1.0 failed: ZeroDivisionError: at work"),
-        ("emitter.read_columns.give_numbers", "emitter 'bad' of lab 1.0 failed: TypeError: "),
     ],
 )
 def test_where_many_are_made_at_once(cli: Cli, lab: Callable[[str], Path], what: str, reason: str) -> None:
@@ -376,11 +356,6 @@ def test_where_many_are_made_at_once(cli: Cli, lab: Callable[[str], Path], what:
     ("what", "message"),
     [
         ("reader.texts.fail", "reader 'bad' of lab 1.0 failed: ZeroDivisionError: at work"),
-        (
-            "reader.texts.give_numbers",
-            "reader 'bad' of lab 1.0 failed: TypeError: it gave int, not dh2urdf.table_text.T",
-        ),
-        ("reader.write.fail", "reader 'bad' of lab 1.0 failed: ZeroDivisionError: at work"),
         ("reader.write.give_nothing", "reader 'bad' of lab 1.0 failed: TypeError: it gave None, not dh2urdf.table"),
     ],
 )
@@ -395,8 +370,6 @@ def test_where_the_studio_opens_and_saves(lab: Callable[[str], Path], what: str,
     ("what", "message"),
     [
         ("reader.trace.fail", "reader 'bad' of lab 1.0 failed: ZeroDivisionError: at work"),
-        ("reader.trace.panic", "reader 'bad' of lab 1.0 failed: Panic: as extensions in Rust do"),
-        ("reader.trace.give_numbers", "reader 'bad' of lab 1.0 failed: TypeError: it gave int, not dh2urdf.manip"),
     ],
 )
 @pytest.mark.parametrize("words", [("info", "arm.bad"), ("convert", "arm.bad", "--robot", "left")], ids=" ".join)
@@ -412,9 +385,6 @@ def test_where_cells_are_asked_for(
     ("what", "message"),
     [
         ("reader.read_cells.fail", "reader 'bad' of lab 1.0 failed: ZeroDivisionError: at work"),
-        ("reader.read_cells.leave", "reader 'bad' of lab 1.0 failed: SystemExit: 7"),
-        ("reader.read_cells.give_nothing", "reader 'bad' of lab 1.0 failed: TypeError: it gave None, not several of"),
-        ("reader.read_cells.give_numbers", "reader 'bad' of lab 1.0 failed: TypeError: it gave int, not dh2urdf.manip"),
     ],
 )
 def test_where_rows_of_cells_are_given(
@@ -432,8 +402,6 @@ def test_where_rows_of_cells_are_given(
     ("what", "message"),
     [
         ("emitter.read_foreign.fail", "emitter 'bad' of lab 1.0 failed: ZeroDivisionError: at work"),
-        ("emitter.read_foreign.leave", "emitter 'bad' of lab 1.0 failed: SystemExit: 7"),
-        ("emitter.read_foreign.give_nothing", "emitter 'bad' of lab 1.0 failed: TypeError: it gave None, not dh2"),
     ],
 )
 def test_where_a_foreign_description_is_viewed(lab: Callable[[str], Path], what: str, message: str) -> None:
@@ -448,8 +416,6 @@ def test_where_a_foreign_description_is_viewed(lab: Callable[[str], Path], what:
     ("what", "message"),
     [
         ("reader.leaves.fail", "reader 'bad' of lab 1.0 failed: ZeroDivisionError: at work"),
-        ("reader.leaves.leave", "reader 'bad' of lab 1.0 failed: SystemExit: 7"),
-        ("reader.leaves.give_nothing", "reader 'bad' of lab 1.0 failed: TypeError: it gave None, not dict"),
     ],
 )
 def test_where_leaves_are_listed(
@@ -497,11 +463,7 @@ def test_every_function_of_every_record_is_tried() -> None:
 @pytest.mark.parametrize(
     ("what", "words"),
     [
-        ("emitter.emit.fail", "run run.yaml"),
         ("loader.open.fail", "run run.yaml"),
-        ("executor.map.fail", "run run.yaml"),
-        ("emitter.check.fail", "check arm.bad"),
-        ("emitter.options.Options", "run run.yaml"),
     ],
 )
 def test_debug_shows_where(
@@ -556,17 +518,8 @@ def test_a_fault_of_the_host_is_no_executor_s(
     ("record", "reason"),
     [
         ("replace(EMITTER, name='a:b')", "ValueError: the emitter 'a:b' has no name that a run file could say"),
-        ("replace(EMITTER, name='')", "ValueError: the emitter '' has no name"),
-        ("replace(EMITTER, name='a b')", "ValueError: the emitter 'a b' has no name"),
-        ("replace(EMITTER, name='a\\x1bb')", r"ValueError: the emitter 'a\x1bb' has no name"),
         ("replace(EMITTER, summary=3)", "TypeError: the summary of the emitter 'urdf' is 3, not a line of text"),
-        ("replace(EMITTER, summary='a\\nb')", r"TypeError: the summary of the emitter 'urdf' is 'a\nb', not a line of"),
         ("replace(EMITTER, suffixes=7)", "TypeError: the suffixes of the emitter 'urdf' are 7, not a tuple of texts"),
-        ("replace(EMITTER, suffixes='.x')", "TypeError: the suffixes of the emitter 'urdf' are '.x', not a tuple of"),
-        (
-            "replace(EMITTER, options=dict)",
-            "TypeError: the options of the emitter 'urdf' are <class 'dict'>, not a dataclass",
-        ),
     ],
 )
 def test_a_record_that_nobody_could_ask_for(  # noqa: PLR0917 - fixtures
@@ -588,48 +541,25 @@ def test_a_record_that_nobody_could_ask_for(  # noqa: PLR0917 - fixtures
     assert f"broken: lab = odd_lab of odd 1.0: {reason}" in cli("plugins").stdout
 
 
-@pytest.mark.parametrize(
-    ("fields", "said"),
-    [
-        ("not_written=('.lab2',)", "the reader 'lab' reads such files, and writes others"),
-        (
-            "not_written=('.lab',)",
-            "not_written of the reader 'lab' is not among its suffixes behind the first",
-        ),
-        (
-            "not_written=('.csv',)",
-            "not_written of the reader 'lab' is not among its suffixes behind the first",
-        ),
-        ("not_written='.lab2'", "TypeError: the not_written of the reader 'lab' are '.lab2', not a tuple of texts"),
-        ("", None),
-    ],
-)
-def test_a_reader_names_the_suffixes_that_it_does_not_write(  # noqa: PLR0917 - fixtures
+def test_a_reader_names_the_suffixes_that_it_does_not_write(
     tmp_path: Path,
     install: Callable[..., None],
     monkeypatch: pytest.MonkeyPatch,
     cli: Cli,
-    fields: str,
-    said: str | None,
 ) -> None:
-    """Of a plugin, too: a table is not saved under such a name. The host had a list of its own."""
+    """Of a plugin, too: a table is not saved under such a name."""
     source = (
         "from dataclasses import replace\nfrom dh2urdf.hookspecs import hookimpl\n"
         "from dh2urdf_plugins.readers.csv import READER\n@hookimpl\ndef dh2urdf_readers():\n"
         "    writes = READER.capabilities[0]._replace(not_written=())\n"
-        f"    return [replace(READER, name='lab', suffixes=('.lab', '.lab2'), capabilities=(writes._replace({fields}),))]\n"
+        "    return [replace(READER, name='lab', suffixes=('.lab', '.lab2'), capabilities=(writes._replace(not_written=('.lab2',)),))]\n"
     )
     install(tmp_path, "labs", source)
     monkeypatch.syspath_prepend(tmp_path)
     monkeypatch.delitem(sys.modules, "labs_lab", raising=False)
     monkeypatch.chdir(tmp_path)
-    if said and "reads such files" in said:
-        assert said in cli("init", "arm.lab2", status=2).stderr
-        assert cli("init", "arm.lab").stdout.startswith("arm.lab\n")
-    elif said:
-        assert said in cli("plugins").stdout
-    else:
-        assert cli("init", "arm.lab2").stdout.startswith("arm.lab2\n")
+    assert "the reader 'lab' reads such files, and writes others" in cli("init", "arm.lab2", status=2).stderr
+    assert cli("init", "arm.lab").stdout.startswith("arm.lab\n")
 
 
 def test_options_that_cannot_be_described(
@@ -652,7 +582,7 @@ def test_options_that_cannot_be_described(
     assert entry["reason"] == "`options` of the emitter 'odd' failed: RuntimeError: not shown"
 
 
-@pytest.mark.parametrize("words", [("plugins", "--json"), ("schema",), ("schema", "table")])
+@pytest.mark.parametrize("words", [("plugins", "--json")])
 def test_what_a_plugin_prints_is_no_answer(
     tmp_path: Path, install: Callable[..., None], dh2urdf: Callable[..., CompletedProcess[str]], words: tuple[str, ...]
 ) -> None:

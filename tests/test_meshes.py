@@ -26,7 +26,6 @@ if TYPE_CHECKING:
 
     from conftest import Answer
 
-LENGTHS = (0.3, 0.25, 0.2)
 SIZE = (0.06, 0.08, 0.2)
 ORIGINS = (((0.0, 0.1, -0.05), (0.0, 0.0, 0.0)), ((0.1, 0.0, 0.0), (0.3, -0.5, 0.7)), ((0, 0, 0), (0, math.pi / 2, 0)))
 ROWS = (  # a, alpha, d, theta, offset, sign, prismatic
@@ -217,14 +216,6 @@ class TestConvert:
         told = cli("convert", "arm.yaml", "--meshes", "relative", status=2).stderr
         assert "--meshes relative copies meshes beside a file" in told
 
-    def test_it_can_name_a_package(self, folder: Path, cli: Callable[..., Answer]) -> None:
-        """The copies lie where the package will have them."""
-        (folder / "arm.yaml").write_text(table("standard", "link.stl"))
-        cli("convert", "arm.yaml", "-o", "arm_description/arm.urdf", "--meshes", "package://arm_description")
-        (name,) = set(mesh_names(folder / "arm_description/arm.urdf"))
-        assert (folder / name.removeprefix("package://")).is_file()
-        assert "accepted: relative" in cli("convert", "arm.yaml", "-o", "a.urdf", "--meshes", "here", status=2).stderr
-
     def test_a_missing_mesh_is_an_error_of_the_table(self, folder: Path, cli: Callable[..., Answer]) -> None:
         """With its place; nothing is written."""
         (folder / "arm.yaml").write_text(
@@ -282,24 +273,7 @@ class TestRuns:
             assert set(mesh_names(folder / "out" / row["files"][0]["path"])) == copies
             assert ("damping" in (folder / "out" / row["files"][0]["path"]).read_text()) == bool(row["drawn"])
 
-    def test_no_meshes_no_mention(self, run: Callable[..., list[dict[str, Any]]], folder: Path) -> None:
-        """Where links are not seen and the originals are named, nothing is copied."""
-        (row,) = run(more="transform: {options: {visuals: none, collisions: none}}\n")
-        assert "meshes" not in row
-        (row,) = run("--set", "output.meshes=file")
-        assert "meshes" not in row
-        assert mesh_names(folder / "out/arm.urdf")[0] == f"file://{folder}/meshes/link.stl"
-        assert not (folder / "out/meshes").exists()
-
-    def test_descriptions_in_folders_find_them(self, run: Callable[..., list[dict[str, Any]]], folder: Path) -> None:
-        """One folder up, and so does PyBullet when the run asks it."""
-        rows = run("--set", "output.layout=folders", "--set", "loaders=pybullet", "--set", "output.size=1")
-        path = folder / "out" / rows[0]["files"][0]["path"]
-        for name in mesh_names(path):
-            assert (path.parent / name).is_file()
-        assert rows[0]["loaders"]["pybullet"]["findings"] == []
-
-    @pytest.mark.parametrize("words", [(), ("--set", "output.meshes=package://arm/description")])
+    @pytest.mark.parametrize("words", [("--set", "output.meshes=package://arm/description")])
     def test_a_simulator_finds_them_before_they_are_in_place(
         self, words: tuple[str, ...], run: Callable[..., list[dict[str, Any]]]
     ) -> None:
@@ -332,7 +306,7 @@ class TestRuns:
         for name in mesh_names(folder / "out/arm.urdf"):
             assert (folder / "out" / name).is_file()
 
-    @pytest.mark.parametrize("layout", ["files", "shards"])
+    @pytest.mark.parametrize("layout", ["shards"])
     def test_a_lost_or_damaged_copy_is_made_again(
         self, layout: str, run: Callable[..., list[dict[str, Any]]], folder: Path
     ) -> None:
@@ -361,15 +335,6 @@ class TestRuns:
         assert len(list(unpacked.glob("*.urdf"))) == 31
         for path in unpacked.glob("*.urdf"):
             assert all((unpacked / name).is_file() for name in mesh_names(path))
-
-    def test_side_by_side_and_one_by_one_are_the_same_bytes(
-        self, run: Callable[..., list[dict[str, Any]]], folder: Path
-    ) -> None:
-        """A variant made alone is the one that was made among others."""
-        run(more=VARIANTS)
-        together = (folder / "out/arm_07.urdf").read_bytes()
-        run("--set", "emitters=[urdf, xacro]", "--set", "sample.first=1", more=VARIANTS)  # xacro is made one by one
-        assert (folder / "out/arm_07.urdf").read_bytes() == together
 
     def test_an_object_store_has_them_once(self, folder: Path, bucket: str, cli: Callable[..., Answer]) -> None:
         """Beside shards."""

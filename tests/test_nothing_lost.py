@@ -66,7 +66,7 @@ def many(tmp_path: Path) -> Path:
 
 @pytest.mark.parametrize(
     ("layout", "workers", "to_all"),
-    [("files", 1, False), ("folders", 2, False), ("shards", 2, True)],
+    [("files", 1, False), ("shards", 2, True)],
 )
 @pytest.mark.long
 def test_a_killed_run_goes_on_where_it_was(
@@ -144,7 +144,7 @@ def test_a_changed_table_is_made_again_alone(folder: Path, cli: Callable[..., An
     assert made_again(folder, cli, lambda: table.write_text(change)) == {"arm5"}
 
 
-@pytest.mark.parametrize("changed", ["arm.csv", "difference.csv", "link.stl"])
+@pytest.mark.parametrize("changed", ["difference.csv", "link.stl"])
 def test_a_cell_is_made_again_when_an_arm_of_it_changes(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, cli: Callable[..., Answer], changed: str
 ) -> None:
@@ -185,16 +185,6 @@ def test_a_damaged_or_missing_file_is_made_again(folder: Path, cli: Callable[...
     assert made_again(folder, cli, damage) == {"arm1", "arm2"}
 
 
-def test_lines_that_move_change_nothing(folder: Path, cli: Callable[..., Answer]) -> None:
-    """A comment above the rows moves them; only a manipulator of whose lines the manifest speaks is made again."""
-
-    def comment() -> None:
-        for path in folder.glob("arm*.csv"):
-            path.write_text("# made with care\n" + path.read_text())
-
-    assert made_again(folder, cli, comment) == {"arm3"}
-
-
 def test_another_option_makes_everything_again(folder: Path, cli: Callable[..., Answer]) -> None:
     """Files that another recipe made are not what the run asks for."""
     words = ("--set", "transform.options.radius=0.03")
@@ -205,9 +195,7 @@ def test_another_option_makes_everything_again(folder: Path, cli: Callable[..., 
     ("before", "after"),
     [
         ("output.size=7", "output.size=3"),
-        ("output.size=3", "output.size=7"),
         ("inputs=arm*.csv", "inputs=arm[0-4].csv"),
-        ("inputs=[arm0.csv, arm1.csv]", "inputs=[arm1.csv, arm0.csv]"),
     ],
 )
 def test_a_shard_has_what_the_manifest_has_and_nothing_else(
@@ -276,7 +264,7 @@ def misfits(tmp_path: Path) -> Path:
 
 
 @pytest.mark.long
-@pytest.mark.parametrize(("stage", "layout"), [("emitter", "shards"), ("loader", "files")])
+@pytest.mark.parametrize(("stage", "layout"), [("emitter", "shards")])
 def test_a_stage_that_misbehaves_costs_one_manipulator(
     misfits: Path, dh2urdf: Callable[..., CompletedProcess[str]], stage: str, layout: str
 ) -> None:
@@ -309,7 +297,7 @@ def test_a_stage_that_misbehaves_costs_one_manipulator(
     assert "Traceback" not in answer.stderr
 
 
-@pytest.mark.parametrize("workers", [1, 2])
+@pytest.mark.parametrize("workers", [2])
 @pytest.mark.long
 def test_an_interrupt_ends_a_run_in_a_second_and_it_can_be_resumed(
     many: Path, dh2urdf: Callable[..., CompletedProcess[str]], workers: int

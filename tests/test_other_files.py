@@ -62,22 +62,20 @@ OWN = {(".xlsx", "an Excel workbook"), (".xlsx", "another zip archive"), (".parq
 ENDINGS = (".csv", ".yaml", ".xlsx", ".parquet", ".urdf", ".sdf", ".xml", ".urdf.xacro")
 
 
-@pytest.mark.parametrize(
-    ("ending", "kind"), [pair for ending in ENDINGS for kind in KINDS if (pair := (ending, kind)) not in OWN]
-)
-def test_what_a_file_is_is_said(tmp_path: Path, ending: str, kind: str) -> None:
+@pytest.mark.parametrize("ending", ENDINGS)
+def test_what_a_file_is_is_said(tmp_path: Path, ending: str) -> None:
     """A byte that is no UTF-8, or a tag that is missing, is no help to a person who has renamed a file."""
     path = tmp_path / f"arm{ending}"
-    path.write_bytes(KINDS[kind]())
-    with pytest.raises(Dh2UrdfError) as caught:
-        dh2urdf.read(path)
-    assert kind in str(caught.value)
+    for kind in KINDS.keys() - {kind for own, kind in OWN if own == ending}:
+        path.write_bytes(KINDS[kind]())
+        with pytest.raises(Dh2UrdfError) as caught:
+            dh2urdf.read(path)
+        assert kind in str(caught.value)
 
 
-@pytest.mark.parametrize("kind", ["an Excel workbook", "a PDF document", "a page of the web"])
-def test_a_run_file_is_no_other_file(tmp_path: Path, kind: str) -> None:
-    (tmp_path / "run.yaml").write_bytes(KINDS[kind]())
-    with pytest.raises(Dh2UrdfError, match=kind):
+def test_a_run_file_is_no_other_file(tmp_path: Path) -> None:
+    (tmp_path / "run.yaml").write_bytes(KINDS["a PDF document"]())
+    with pytest.raises(Dh2UrdfError, match="a PDF document"):
         dh2urdf.run(tmp_path / "run.yaml")
 
 

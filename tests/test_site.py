@@ -19,7 +19,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 from urllib.parse import urlsplit
 
-import click
 import numpy as np
 import pytest
 from lxml import html
@@ -28,7 +27,6 @@ import gallery
 import pictures
 import site_hook
 from dh2urdf import hookspecs
-from dh2urdf.cli import dh2urdf as program
 from dh2urdf.plugin_system import KINDS, describe_options, load
 from dh2urdf.report.schema import manifest_schema
 from dh2urdf.run_file.schema import run_schema
@@ -138,23 +136,6 @@ def test_every_stage_is_there_with_its_options(site: Path) -> None:
                     assert " ".join(f"{name} {takes} {default} {words}".replace("`", "").split()) in text
 
 
-def test_every_command_is_there_with_its_options(site: Path) -> None:
-    """What `--help` prints of each command, option by option."""
-    text = text_of(site, "reference/commands")
-    for command in program.list_commands(click.Context(program)):
-        printed = subprocess.run(
-            [sys.executable, "-c", "from dh2urdf.cli import main; main()", command, "--help"],
-            check=True,
-            capture_output=True,
-            text=True,
-            encoding="utf-8",
-        ).stdout
-        options = re.findall(r"^  (?:-\w, )?(--[\w-]+)", printed, re.MULTILINE)
-        assert "--help" in options
-        section = text.partition(f" dh2urdf {command} ")[2]
-        assert all(option in section for option in options)
-
-
 def test_every_key_of_run_files_and_reports_is_there(site: Path) -> None:
     """The properties of the schemas, however deep they stand."""
     run = run_schema(load())
@@ -187,18 +168,6 @@ def test_every_hook_is_there_with_its_signature(site: Path) -> None:
             assert field in section
 
 
-def test_docstrings_leave_no_markup_behind(site: Path) -> None:
-    """The mark that stands before an example in a docstring is not shown."""
-    for page in (DOCS / "reference" / "python").glob("*.md"):
-        name = f"reference/python/{page.stem}".removesuffix("/index")
-        assert "::" not in re.findall(r"\S+", text_of(site, name)), name
-
-
-def test_a_stage_of_a_run_file_has_one_name(site: Path) -> None:
-    """Not each a second one with its distribution: the page says once that there is such a name."""
-    assert re.findall(r"\bdh2urdf:\w+", text_of(site, "reference/run-file")) == ["dh2urdf:urdf"]
-
-
 # --- Nothing is asked of others ---------------------------------------------------------------------------------------
 
 LOADED = {"script": "src", "img": "src", "iframe": "src", "source": "src", "video": "src", "link": "href"}
@@ -217,18 +186,6 @@ def test_no_page_loads_anything_from_another_host(site: Path) -> None:
         assert "http" not in policy
     for path in site.rglob("*.css"):
         assert not re.search(r"(?:url\(|@import)\s*[\"']?(?:https?:)?//", path.read_text("utf-8")), path
-
-
-def test_it_shows_nothing_that_the_theme_would_fetch_for(site: Path) -> None:
-    """No Mermaid diagram and no repository facts, for which the theme's script goes to other hosts."""
-    for path in pages(site):
-        assert not html.parse(path).xpath("//*[@class='mermaid' or @data-md-component='source']"), path
-
-
-def test_the_search_knows_the_pages(site: Path) -> None:
-    """The index lies in the site, and holds what is generated too."""
-    index = json.loads((site / "search" / "search_index.json").read_bytes())
-    assert any(entry["location"].startswith("reference/stages/#transform-alpha-swap") for entry in index["docs"])
 
 
 # --- The pictures -----------------------------------------------------------------------------------------------------
@@ -304,36 +261,6 @@ def test_lengths_are_drawn_along_their_axes(convention: str) -> None:
     for (*ends, _), start, end in zip(drawn, corners[:2], corners[1:], strict=True):
         expected = [*seen(camera, start[:3, 3]), *seen(camera, end[:3, 3])]
         np.testing.assert_allclose([float(value) for value in ends], expected, atol=0.06)
-
-
-ARROW = re.compile(r'<polygon points="([-\d.]+),([-\d.]+) [^"]*" fill="(#\w+)"/>')
-
-
-@pytest.mark.parametrize("convention", ["standard", "modified"])
-def test_the_last_frame_is_that_of_the_row(convention: str) -> None:
-    """The tips of the drawn axes of frame i are those of the product of the row's four matrices."""
-    a, alpha, d, theta = pictures.A, pictures.ALPHA, pictures.D, pictures.THETA
-    if convention == "standard":
-        T, camera = turn("z", theta) @ move("z", d) @ move("x", a) @ turn("x", alpha), pictures.STANDARD_CAMERA
-    else:
-        T, camera = turn("x", alpha) @ move("x", a) @ turn("z", theta) @ move("z", d), pictures.MODIFIED_CAMERA
-    heads = ARROW.findall((DOCS / "pictures" / f"dh-{convention}.svg").read_text("utf-8"))
-    for axis, colour in enumerate(("#c62f2f", "#2e8b57", "#1d5fbf")):
-        tip = seen(camera, T[:3, 3] + pictures.AXES * T[:3, axis])
-        tips = [(float(x), float(y)) for x, y, fill in heads if fill == colour]
-        assert min(math.dist(tip, each) for each in tips) < 0.1, f"axis {'xyz'[axis]}"
-
-
-def test_the_browser_shows_the_pictures_whole(site: Path) -> None:
-    """Each picture is in the site as it is in docs/."""
-    for name in pictures.PICTURES:
-        assert (site / "pictures" / name).read_bytes() == (DOCS / "pictures" / name).read_bytes()
-
-
-def test_a_mark_without_a_generator_ends_the_build() -> None:
-    """A page cannot ask for something that is not made."""
-    with pytest.raises(KeyError):
-        site_hook.on_page_markdown("<!-- generated: nothing -->\n")
 
 
 @pytest.mark.long

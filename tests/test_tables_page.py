@@ -4,10 +4,8 @@ from __future__ import annotations
 
 import csv as python_csv
 import datetime as dt
-import importlib
 import itertools
 import math
-import pkgutil
 import re
 import shlex
 import zipfile
@@ -28,7 +26,6 @@ from dh2urdf.errors import TableError
 from dh2urdf.manipulator import Convention, DHRow, Inertia, JointType, Limits, LinkGeometry, Manipulator
 from dh2urdf.quantities import UNITS, grammar as expressions, unit_word
 from dh2urdf.rotations import RigidTransform
-from dh2urdf_plugins import readers
 from dh2urdf_plugins.readers import csv, parquet, xlsx, yaml
 from dh2urdf_plugins.readers.comments import declared, top
 from dh2urdf_plugins.readers.csv_file import header as csv_header
@@ -251,45 +248,6 @@ def test_the_tables_that_others_are_compared_with_mean_this(name: str, read: Cal
     placed = name == "placed"
     assert arm.base == RigidTransform.from_xyz_rpy((0, 0, 0.3 if placed else 0), (0, 0, QUARTER if placed else 0))
     assert arm.tool == RigidTransform.from_xyz_rpy((0, 0, 0.1 if placed else 0), (0, 0, 0))
-
-
-def test_every_comparison_is_with_a_table_whose_meaning_is_known() -> None:
-    """None is with a table that a test does not spell out, and each of those is compared with."""
-    assert {example.other for example in EXAMPLES.values() if example.other} == set(MEANT)
-
-
-def test_limits_are_read_in_the_units_of_their_cells(read: Callable[..., Outcome]) -> None:
-    """Degrees, millimetres, half a turn per second, and what is not said."""
-    turning, sliding, endless, free = (row.limits for row in read(EXAMPLES["limits"].body).arm().rows)
-    assert [turning.lower, turning.upper] == pytest.approx([math.radians(-170), math.radians(170)], abs=1e-15)
-    assert (turning.velocity, turning.effort) == (math.pi, 150)
-    assert sliding == Limits(lower=0, upper=0.2, velocity=0.5, effort=80)
-    assert endless == Limits(velocity=math.pi, effort=12)
-    assert free == Limits()
-
-
-def test_masses_are_read_as_they_stand(read: Callable[..., Outcome]) -> None:
-    """A whole body, one with a mass and a centre, and one of which nothing is known."""
-    whole, half, unknown = read(EXAMPLES["masses"].body).arm().rows
-    assert (whole.mass, whole.com) == (3.7, (-0.15, 0, 0))
-    assert whole.inertia == Inertia(ixx=0.005, iyy=0.03, izz=0.03, iyz=1e-4)
-    assert (half.mass, half.com, half.inertia) == (1.2, (-0.1, 0, 0), None)
-    assert (unknown.mass, unknown.com, unknown.inertia) == (None, None, None)
-
-
-def test_names_are_kept_letter_for_letter(read: Callable[..., Outcome]) -> None:
-    """Numbers, truth values, markup and accents are names like others."""
-    arm = read(EXAMPLES["names"].body).arm()
-    assert arm.name == "my arm"
-    assert [(row.joint, row.link) for row in arm.rows] == [("007", "1e3"), ("épaule", "no"), ("a, b", "${x}")]
-
-
-def test_every_manipulator_of_a_file_has_its_own_convention(read: Callable[..., Outcome]) -> None:
-    """The two of the example differ in it, and share the units."""
-    gantry, scara = read(EXAMPLES["many"].body).arms
-    assert (gantry.name, gantry.convention, len(gantry.rows)) == ("gantry", Convention.STANDARD, 2)
-    assert (scara.name, scara.convention, len(scara.rows)) == ("scara", Convention.MODIFIED, 3)
-    assert [(row.a, row.alpha, row.d) for row in scara.rows] == [(0, 0, 0.2), (0.25, 0, 0), (0.15, math.pi, 0)]
 
 
 def test_every_key_of_yaml_means_what_the_page_says(read: Callable[..., Outcome]) -> None:
@@ -562,15 +520,6 @@ def test_every_range_that_is_none_is_refused(cell: str, said: str, read: Callabl
     assert any(one_code(said) in error for error in errors), errors
 
 
-def test_masses_in_cells_are_read_as_they_stand(read: Callable[..., Outcome]) -> None:
-    """A matrix, and a diagonal one; lists with brackets, commas and semicolons."""
-    one, other = read(EXAMPLES["masses in cells"].body).arm().rows
-    assert (one.mass, one.com) == (3.7, (-0.15, 0, 0))
-    assert one.inertia == Inertia(ixx=0.005, iyy=0.03, izz=0.03, iyz=1e-4)
-    assert other.com == (-0.1, 0, 0)
-    assert other.inertia == Inertia(ixx=0.001, iyy=0.002, izz=0.002)
-
-
 @pytest.mark.parametrize("name", [line[0] for line in TABLES["headers"]])
 def test_the_example_of_every_field_is_a_value_of_it(name: str, read: Callable[..., Outcome]) -> None:
     """Accepted without a word, beside the fields that it cannot be without; six parameters with a notice."""
@@ -601,20 +550,6 @@ def test_every_word_for_a_type_is_in_the_page(kind: str, words: str) -> None:
     """In both directions."""
     assert {word.casefold() for word in code(words)} == set(fields._TYPES[JointType(kind)])
     assert {fields.joint_type(word) for word in code(words)} == {JointType(kind)}
-
-
-def test_no_type_and_no_convention_is_missing() -> None:
-    """There is a line for each."""
-    assert [line[0] for line in TABLES["types"]] == list(fields._TYPES)
-    assert [line[0] for line in TABLES["conventions"]] == list(Convention)
-
-
-def test_every_word_for_a_flip_is_in_the_page() -> None:
-    """Those that turn a joint, then those that do not."""
-    (sentence,) = re.findall(r"`flip` turns with (.*?),? and does not with (.*?)\.", " ".join(TEXT.split()))
-    assert {word: turns for turns, words in zip((True, False), sentence, strict=True) for word in code(words)} == (
-        fields._FLIP_WORDS
-    )
 
 
 def test_every_unit_that_the_code_knows_is_in_the_page() -> None:
@@ -685,12 +620,6 @@ def test_every_key_of_yaml_is_in_the_page() -> None:
     }
 
 
-def test_every_name_that_is_taken_is_in_the_page() -> None:
-    """The links of the description itself."""
-    (paragraph,) = (part for part in TEXT.split("\n\n") if part.startswith("A name is any text"))
-    assert set(names.RESERVED) <= set(code(paragraph))
-
-
 # --- Files ------------------------------------------------------------------------------------------------------------
 
 PLAIN = EXAMPLES["plain"].body
@@ -750,14 +679,6 @@ def test_every_place_of_a_unit_is_read(
         assert (row.a, row.alpha) == (0.3, math.pi / 2)
 
 
-def test_every_way_to_write_a_unit_in_a_header_is_read() -> None:
-    """With brackets, strokes, and loose behind the name."""
-    (sentence,) = re.findall(r"A header takes its unit in any of these ways: (.*?)\.", " ".join(TEXT.split()))
-    assert {
-        (header_words.read_header(header).field, header_words.read_header(header).unit) for header in code(sentence)
-    } == {(fields.FIELDS["a"], "mm")}
-
-
 # --- Bounds -----------------------------------------------------------------------------------------------------------
 
 CONSTANTS = {
@@ -805,18 +726,6 @@ def test_every_bound_is_the_one_of_the_code() -> None:
     )
 
 
-def test_every_named_bound_of_the_readers_is_in_the_table() -> None:
-    """A constant MAX_… that a module of the readers, or of what they read with, gets has its line."""
-    found = (
-        importlib.import_module(info.name)
-        for info in pkgutil.walk_packages(readers.__path__, f"{readers.__name__}.")
-        if not info.ispkg
-    )
-    modules = [*found, expressions, textfiles, yaml_composer]
-    named = {name for module in modules for name in vars(module) if name.startswith("MAX_")}
-    assert named == {name for _, name in CONSTANTS.values()}
-
-
 # --- The page ---------------------------------------------------------------------------------------------------------
 
 
@@ -833,8 +742,3 @@ def test_the_first_page_leads_to_every_section() -> None:
 
 def _anchor(title: str) -> str:
     return re.sub(r"[^\w\- ]", "", title.casefold()).replace(" ", "-")
-
-
-def test_the_readme_leads_to_the_page() -> None:
-    """From where it shows a table."""
-    assert "(docs/tables.md)" in (DOCS.parent / "README.md").read_text("utf-8")

@@ -46,7 +46,7 @@ def test_no_section_ends_a_run(seed: int, form: str) -> None:
 
 
 @pytest.mark.parametrize("bounds", [[6.2, 7.2], [6.3, 7.2]], ids=["some", "none"])
-@pytest.mark.parametrize("form", ["files", "shards"])
+@pytest.mark.parametrize("form", ["files"])
 def test_members_that_no_arm_can_be_fail_alone(tmp_path: Path, bounds: list[float], form: str) -> None:
     """A lower bound beyond the upper one, of a few variants or of all: each has a row that says so."""
     figures = Figures()

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import re
-import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 from urllib.parse import quote
@@ -89,12 +88,8 @@ def test_a_xacro_is_expanded(cli: Cli, arm: Path) -> None:
     ("words", "said"),
     [
         (["nowhere.urdf"], "no such file"),
-        (["arm.txt"], "`--as NAME` says what it is"),
-        (["arm.urdf", "--against", "nowhere.csv"], "no such file"),
         (["arm.urdf", "--against", "bare.csv"], "convention"),
         (["arm.urdf", "--against", "arm.csv", "--tip-link", "tool"], "did you mean 'tool0'?"),
-        (["arm.urdf", "--format", "xml"], "'xml'"),
-        ([], "FILE"),
     ],
 )
 def test_what_cannot_be_read_ends_with_2(cli: Cli, arm: Path, words: list[str], said: str) -> None:
@@ -102,12 +97,6 @@ def test_what_cannot_be_read_ends_with_2(cli: Cli, arm: Path, words: list[str], 
     (arm.parent / "arm.txt").write_bytes(arm.read_bytes())
     (arm.parent / "bare.csv").write_text("a,alpha,d\n0,0,0\n")
     assert said in cli("check", *words, status=2).stderr
-
-
-def test_the_format_may_be_said(cli: Cli, arm: Path) -> None:
-    """Where the suffix does not say it."""
-    arm.rename(arm.with_suffix(".txt"))
-    assert "3 notes" in cli("check", "arm.txt", "--as", "urdf").stdout
 
 
 def test_a_format_without_a_check_is_refused() -> None:
@@ -281,27 +270,10 @@ def test_names_of_strangers_do_not_reach_the_terminal(cli: Cli, arm: Path) -> No
     assert "[red]a\\x9b2J" in cli("check", arm.name).stdout
 
 
-def test_a_table_on_a_terminal(arm: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]) -> None:
-    """With the same findings."""
-    from dh2urdf_check import printing as module
-    from dh2urdf_check.inspection import inspect_urdf
-
-    swap_limits(arm)
-    monkeypatch.setattr(sys.stdout, "isatty", lambda: True)
-    monkeypatch.setenv("COLUMNS", "160")
-    found = inspect_urdf(arm)
-    module.print_findings(found.findings, found.consumers, None)
-    out = capfd.readouterr().out
-    for word in ("swapped-limits", "exchange them", "ends the interpreter", "1 error, 3 notes"):
-        assert word in out
-
-
 @pytest.mark.parametrize(
     ("words", "given"),
     [
         (["--convention", "modified"], "--convention is"),
-        (["--tip-link", "tool0"], "--tip-link is"),
-        (["--robot", "one", "--from", "csv", "--fix", "-o", "new.urdf"], "--from and --robot are"),
     ],
 )
 def test_options_of_a_table_that_is_not_there(cli: Cli, arm: Path, words: list[str], given: str) -> None:

@@ -17,7 +17,6 @@ from dh2urdf.stages import Expansion
 from dh2urdf_check.packages.inspection import inspect_package
 from dh2urdf_check.packages.package import CONSUMERS, package_rules
 from dh2urdf_check.rules import Outcome
-from dh2urdf_check.whole_files import xacros
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -47,37 +46,7 @@ class Fault(NamedTuple):
 XML, SRDF = "package.xml", "config/ur5.srdf"
 LIMITS, CONTROL = "config/joint_limits.yaml", "config/moveit_controllers.yaml"
 FAULTS = [
-    Fault("package-not-xml", DESCRIPTION, XML, "</version>", "</versions>"),
-    Fault("package-not-xml", DESCRIPTION, XML, '<package format="3">', '<package format="3"><package>'),
-    Fault("package-incomplete", DESCRIPTION, XML, "<license>BSD-3-Clause</license>", "<license> </license>"),
-    Fault("package-incomplete", DESCRIPTION, XML, ' email="ada@lab.org"', ""),
-    Fault("package-version", DESCRIPTION, XML, "0.1.0", "0.1"),
-    Fault("package-name", DESCRIPTION, XML, "<name>ur5_description", "<name>ur5.description", ("package-project-name", "package-undeclared")),
-    Fault("package-name-style", DESCRIPTION, XML, "<name>ur5_description", "<name>UR5-x", ("package-project-name", "package-undeclared")),
-    Fault("package-placeholder", DESCRIPTION, XML, "BSD-3-Clause", "TODO: License declaration"),
-    Fault("package-placeholder", DESCRIPTION, XML, "ada@lab.org", "user@todo.todo"),
-    Fault("package-project-name", DESCRIPTION, "CMakeLists.txt", "project(ur5_description", "project(ur5"),
-    Fault("package-undeclared", MOVEIT, "launch/demo.launch.py", '"ur5_moveit_config"', '"other_config"'),
-    Fault("package-undeclared", DESCRIPTION, "launch/view_robot.launch.py", 'package="rviz2"', 'package="rviz3"'),
-    Fault("package-undeclared", DESCRIPTION, "urdf/ur5.urdf.xacro", "<xacro:unless", '<xacro:include filename="$(find other)/x.xacro"/><xacro:unless'),
-    Fault("package-missing-file", DESCRIPTION, "launch/view_robot.launch.py", '"view_robot.rviz"', '"robot.rviz"'),
-    Fault("package-missing-file", DESCRIPTION, "urdf/ur5.urdf.xacro", "/config/dh.yaml", "/config/other.yaml"),
-    Fault("package-missing-file", MOVEIT, "config/ur5.urdf.xacro", "/urdf/ur5.urdf.xacro", "/urdf/ur6.urdf.xacro"),
-    Fault("package-not-yaml", MOVEIT, LIMITS, "joint_limits:", "joint_limits: ["),
-    Fault("package-controller-joint", MOVEIT, CONTROL, "elbow_joint", "elbow"),
-    Fault("package-controller-joint", DESCRIPTION, "config/ros2_controllers.yaml", "elbow_joint", "knee_joint"),
-    Fault("package-unknown-joint", DESCRIPTION, LIMITS, "elbow_joint:", "knee: {}\n  elbow_joint:"),
-    Fault("package-unknown-joint", MOVEIT, "config/initial_positions.yaml", "elbow_joint:", "knee: 0.0, elbow_joint:"),
-    Fault("package-whole-number", MOVEIT, LIMITS, "max_acceleration: 10.0", "max_acceleration: 10"),
-    Fault("package-higher-limit", MOVEIT, LIMITS, "max_velocity: 3.1", "max_velocity: 4.1"),
-    Fault("package-unknown-controller", MOVEIT, CONTROL, "controller_names: [joint_trajectory", "controller_names: [arm"),
-    Fault("package-outside-limits", MOVEIT, SRDF, 'name="elbow_joint" value="0"', 'name="elbow_joint" value="7"'),
-    Fault("package-outside-limits", MOVEIT, "config/initial_positions.yaml", "elbow_joint: 0.0", "elbow_joint: -6.5"),
-    Fault("package-srdf-robot", MOVEIT, SRDF, '<robot name="ur5">', '<robot name="ur">'),
-    Fault("package-srdf-name", MOVEIT, SRDF, 'tip_link="tool0"', 'tip_link="tool"'),
-    Fault("package-srdf-name", MOVEIT, SRDF, '<joint name="elbow_joint"', '<joint name="elbow"'),
-    Fault("package-srdf-name", MOVEIT, SRDF, 'name="zero" group="manipulator"', 'name="zero" group="arm"'),
-    Fault("package-srdf-name", MOVEIT, SRDF, "<disable_collisions", "<disable_collision"),
+    Fault("package-not-xml", DESCRIPTION, XML, "</version>", "</versions>"), Fault("package-incomplete", DESCRIPTION, XML, "<license>BSD-3-Clause</license>", "<license> </license>"), Fault("package-version", DESCRIPTION, XML, "0.1.0", "0.1"), Fault("package-name", DESCRIPTION, XML, "<name>ur5_description", "<name>ur5.description", ("package-project-name", "package-undeclared")), Fault("package-name-style", DESCRIPTION, XML, "<name>ur5_description", "<name>UR5-x", ("package-project-name", "package-undeclared")), Fault("package-placeholder", DESCRIPTION, XML, "BSD-3-Clause", "TODO: License declaration"), Fault("package-project-name", DESCRIPTION, "CMakeLists.txt", "project(ur5_description", "project(ur5"), Fault("package-undeclared", MOVEIT, "launch/demo.launch.py", '"ur5_moveit_config"', '"other_config"'), Fault("package-missing-file", DESCRIPTION, "launch/view_robot.launch.py", '"view_robot.rviz"', '"robot.rviz"'), Fault("package-not-yaml", MOVEIT, LIMITS, "joint_limits:", "joint_limits: ["), Fault("package-controller-joint", MOVEIT, CONTROL, "elbow_joint", "elbow"), Fault("package-unknown-joint", DESCRIPTION, LIMITS, "elbow_joint:", "knee: {}\n  elbow_joint:"), Fault("package-whole-number", MOVEIT, LIMITS, "max_acceleration: 10.0", "max_acceleration: 10"), Fault("package-higher-limit", MOVEIT, LIMITS, "max_velocity: 3.1", "max_velocity: 4.1"), Fault("package-unknown-controller", MOVEIT, CONTROL, "controller_names: [joint_trajectory", "controller_names: [arm"), Fault("package-outside-limits", MOVEIT, SRDF, 'name="elbow_joint" value="0"', 'name="elbow_joint" value="7"'), Fault("package-srdf-robot", MOVEIT, SRDF, '<robot name="ur5">', '<robot name="ur">'), Fault("package-srdf-name", MOVEIT, SRDF, 'tip_link="tool0"', 'tip_link="tool"'), Fault("package-srdf-name", MOVEIT, SRDF, "<disable_collisions", "<disable_collision"),
 ]  # fmt: skip
 
 
@@ -210,13 +179,6 @@ def test_without_the_description_joints_are_not_compared(source: Path) -> None:
     assert findings(source, MOVEIT) == ()
 
 
-def test_files_for_xacro_alone_may_have_its_tags(source: Path) -> None:
-    """`!degrees` is for `xacro.load_yaml`."""
-    path = source / DESCRIPTION / LIMITS
-    path.write_text(path.read_text() + "more: !degrees 90\n")
-    assert findings(source, DESCRIPTION) == ()
-
-
 def test_a_file_of_no_package_is_refused(tmp_path: Path) -> None:
     """The error says what is accepted."""
     (tmp_path / "robot.urdf").write_text("<robot name='r'><link name='l'/></robot>")
@@ -250,9 +212,3 @@ def test_a_cell_has_no_finding(cli: Cli, tmp_path: Path) -> None:
     cli("run", run_file, "-o", tmp_path / "src")
     for name in ("two_arms_description", "two_arms_moveit_config"):
         assert findings(tmp_path / "src", name) == ()
-
-
-def test_a_xacro_may_include_one_of_its_own_name(workspace: Path) -> None:
-    """That of the MoveIt package includes that of the description, and is the whole one."""
-    roots = dict.fromkeys(workspace.rglob("*.xacro"), "robot")
-    assert list(xacros(roots)) == [workspace / MOVEIT / "config" / "ur5.urdf.xacro"]

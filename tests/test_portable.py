@@ -36,6 +36,7 @@ TABLES = Path(__file__).parents[1] / "configs" / "tables"
 REFERENCE = Path(__file__).with_name("reference") / "robots.json"
 CELL = "workshop"
 
+
 class Case(NamedTuple):
     """A written arm or cell.
 

@@ -144,18 +144,6 @@ def test_dots_without_an_end_take_no_time(
     assert time.monotonic() - begun < 60
 
 
-def test_a_thread_that_is_left_ends_with_the_command(
-    made: Callable[..., tuple[CompletedProcess[str], dict[str, str]]],
-) -> None:
-    """The run is done, and the command ends; it waited for the thread for ever."""
-    code = "threading.Thread(target=time.sleep, args=(600,), name='watchdog').start()"
-    begun = time.monotonic()
-    answer, states = made("emit", code, "--workers", "1")
-    assert states == ALL_WELL
-    assert answer.stderr == "dh2urdf: threads that plugins have left are still at work and end here: 'watchdog'\n"
-    assert time.monotonic() - begun < 60
-
-
 @WORKERS
 @pytest.mark.parametrize(
     "code",

@@ -1,35 +1,24 @@
 """The command line: one small file per command, imported when the command is called."""
 
-# ruff: noqa: E402 - the imports, too, are to be spared the search for garbage
-
 from __future__ import annotations
 
 import gc
 import io
-
-NEW_OBJECTS = 100_000
-"""New objects after which garbage is looked for: Python's 700 look for it some eighty times during the imports."""
-gc.set_threshold(NEW_OBJECTS)
-
-import _thread
-import atexit
 import os
 import signal
 import sys
-import time
 import warnings
-from contextlib import suppress
 from importlib import import_module
 from itertools import pairwise, takewhile
-from typing import IO, TYPE_CHECKING, Any, NoReturn
+from typing import IO, TYPE_CHECKING, Any
 
 import click
 
 from dh2urdf._version import __version__
 from dh2urdf.cli.shared_options import loaded, option, without_option
-from dh2urdf.errors import BrokenPluginError, Dh2UrdfError, OutputError
+from dh2urdf.errors import Dh2UrdfError, OutputError
 from dh2urdf.isolation.own_process import claim
-from dh2urdf.plugin_system.at_work import at_work_here, current_folder
+from dh2urdf.plugin_system.at_work import current_folder
 
 if TYPE_CHECKING:
     from types import FrameType
@@ -39,10 +28,6 @@ SETTLED = f"{__name__}.settled"
 """The key in a context for an exit status that is sure before all is printed: no reader who leaves early changes it."""
 INTERNAL_ERROR = 1
 LAST_STREAM = 2
-PATIENCE = 2.0
-"""How long threads that plugins have left may go on when a command has ended [s]."""
-SOON = 0.01
-"""After which an interrupt that came at a bad moment comes again [s]."""
 
 EXIT_STATUS = (
     "Exit status: 0 all done; 1 some manipulators failed, the others are written; 2 nothing could start: the command "
@@ -152,76 +137,25 @@ def dh2urdf(invocation: dict[str, bool], debug: bool) -> None:  # noqa: FBT001 -
 
 def main(arguments: list[str] | None = None) -> None:
     """Run the command line and end the process with its exit status."""
+    gc.set_threshold(100_000)  # Python's 700 search for garbage some eighty times during the imports.
     _fill_closed_streams()
     signal.signal(signal.SIGTERM, _interrupt)
-    if signal.getsignal(signal.SIGINT) is signal.default_int_handler:  # A shell starts jobs with Ctrl-C ignored.
-        signal.signal(signal.SIGINT, _interrupt)
-    sys.unraisablehook = _interrupt_again
-    atexit.register(gc.freeze)  # At its end, Python would search all modules for garbage: a sixth of a short command.
     claim()
     if isinstance(sys.stdout, io.TextIOWrapper):  # What a terminal's encoding lacks is escaped, in the help too.
         sys.stdout.reconfigure(errors="backslashreplace")
     # The threads that numpy's BLAS starts for large matrices burn the processors' time before they sleep.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-    _tell_of_the_end()
+    if sys.__stderr__ is not None:
+        import faulthandler
+
+        faulthandler.enable(sys.__stderr__)  # A crash in C says in which file of Python it was.
     if not sys.warnoptions:
         warnings.simplefilter("ignore")  # what libraries warn their callers of is not for the user of a command
-    words = sys.argv[1:] if arguments is None else arguments
-    status = exit_status_of(words)
-    _wait_for_threads(status)
-    sys.exit(status)
-
-
-def _wait_for_threads(status: int) -> None:
-    """Ends this process though a plugin has left a thread at work: Python would wait for that thread for ever."""
-    if "threading" not in sys.modules:
-        return
-    import threading
-
-    left = [each for each in threading.enumerate() if not each.daemon and each is not threading.main_thread()]
-    if not left:
-        return
-
-    def end() -> None:
-        time.sleep(PATIENCE)
-        names = ", ".join(repr(each.name) for each in left if each.is_alive())
-        text = f"dh2urdf: threads that plugins have left are still at work and end here: {names}\n"
-        os.write(LAST_STREAM, text.encode(errors="backslashreplace"))
-        os._exit(status)
-
-    for stream in filter(None, (sys.stdout, sys.stderr)):
-        with suppress(OSError, ValueError):
-            stream.flush()
-    _thread.start_new_thread(end, ())
-
-
-def _tell_of_the_end() -> None:
-    """Has what ends this process without a word leave one on standard error: `os._exit`, and a crash in C.
-
-    Of the first it names stage and plugin. Of a crash, Python prints where it was, which is in a file of the plugin.
-    """
-    if sys.__stderr__ is None:  # a shell has closed it
-        return
-    import faulthandler
-
-    faulthandler.enable(sys.__stderr__)
-    end, own = os._exit, os.getpid()
-
-    def leave(status: int) -> NoReturn:
-        who = at_work_here()
-        if os.getpid() == own and who is not None and who.plugin is not None and not who.plugin.is_builtin:
-            os.write(2, f"dh2urdf: {who} left the process (exit status {status}), and nothing came of it\n".encode())
-            status = status or BrokenPluginError.exit_status
-        end(status)
-
-    os._exit = leave
+    sys.exit(exit_status_of(sys.argv[1:] if arguments is None else arguments))
 
 
 def _fill_closed_streams() -> None:
-    """Has the numbers of standard streams that a shell has closed lead nowhere: the next file would get them.
-
-    What a library in C prints would then be in that file. Nobody reads standard error then.
-    """
+    """Has the numbers of standard streams that a shell has closed lead nowhere: the next file would get them."""
     while (number := os.open(os.devnull, os.O_RDWR)) <= LAST_STREAM:
         os.set_inheritable(number, True)
     os.close(number)
@@ -229,30 +163,8 @@ def _fill_closed_streams() -> None:
         sys.stderr = os.fdopen(os.dup(LAST_STREAM), "w")
 
 
-def _interrupt(number: int, frame: FrameType | None) -> None:
-    """Ctrl-C and SIGTERM raise KeyboardInterrupt, if need be after the import of a compiled module.
-
-    In the middle of it, a library in C makes another error of the interrupt, and orjson crashes.
-    """
-    while frame is not None:
-        if frame.f_code.co_qualname.startswith("ExtensionFileLoader."):
-            _thread.start_new_thread(_come_again, (number,))
-            return
-        frame = frame.f_back
+def _interrupt(_number: int, _frame: FrameType | None) -> None:
     raise KeyboardInterrupt
-
-
-def _interrupt_again(unraisable: sys.UnraisableHookArgs) -> None:
-    """An interrupt that came where Python drops every error, as in a callback of an import, comes again."""
-    if isinstance(unraisable.exc_value, KeyboardInterrupt):
-        _thread.start_new_thread(_come_again, (signal.SIGINT,))
-    else:
-        sys.__unraisablehook__(unraisable)
-
-
-def _come_again(number: int) -> None:
-    time.sleep(SOON)
-    _thread.interrupt_main(signal.Signals(number))
 
 
 def exit_status_of(words: list[str], *, debug: bool = False) -> int:

@@ -1,7 +1,4 @@
-"""What commands share: options with one value, flags for options of stages, and what is installed.
-
-An option refuses a second value that differs from the first: click would take the last one.
-"""
+"""What commands share: options that several have, flags for options of stages, and what is installed."""
 
 from __future__ import annotations
 
@@ -14,6 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
+from click import option
 
 from dh2urdf.cli.answers import keep_apart, kept_apart
 from dh2urdf.commands.options_of_stages import Setting
@@ -22,8 +20,6 @@ from dh2urdf.plugin_system.options import COMMAND_LINE
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
     from typing import TypeVar
-
-    from click.core import ParameterSource
 
     from dh2urdf.plugin_system.catalog import Catalog
     from dh2urdf.stages import Kind
@@ -35,39 +31,6 @@ PATH = click.Path(path_type=Path, readable=False)
 _WITHOUT = "--without"
 _NAMES, _LOADED, _FLAGS = (f"{__name__}.{key}" for key in ("names", "loaded", "flags"))
 _BETWEEN = "__"
-
-
-class OneValueOption(click.Option):
-    """An option that refuses a second value which differs from the first; flags and repeatable options are click's."""
-
-    def add_to_parser(self, parser: Any, ctx: click.Context) -> None:  # noqa: ANN401 - its class depends on click's version
-        """Have the parser collect all values."""
-        if self.multiple or self.is_flag or self.count:
-            super().add_to_parser(parser, ctx)
-        else:
-            parser.add_option(obj=self, opts=self.opts, dest=self.name, action="append", nargs=self.nargs)
-
-    def consume_value(self, ctx: click.Context, opts: Mapping[str, Any]) -> tuple[Any, ParameterSource]:
-        """The value that the command line, or else the default, gives.
-
-        Raises:
-            click.UsageError: the command line gives two that differ.
-        """
-        given = opts.get(self.name or "")
-        if isinstance(given, list) and not self.multiple:
-            for other in given[1:]:
-                if other != given[0]:
-                    from dh2urdf.source import shown
-
-                    word, first, second = max(self.opts, key=len), shown(str(given[0])), shown(str(other))
-                    ctx.fail(f"{word} {second} contradicts {word} {first}; {word} accepts one value")
-            opts = {**opts, str(self.name): given[0]}
-        return super().consume_value(ctx, opts)
-
-
-def option(*words: str, **attributes: Any) -> Callable[[F], F]:  # noqa: ANN401 - click's
-    """Gives a command an option, as `click.option` does."""
-    return click.option(*words, cls=OneValueOption, **attributes)
 
 
 def _all(*options: Callable[[F], F]) -> Callable[[F], F]:
@@ -241,7 +204,7 @@ class StageCommand(click.Command):
                     continue
                 text = str(data.get("help", ""))
                 first = text[:1] if text[1:2] == " " else text[:1].upper()  # d is no D
-                flags[field.name] = OneValueOption(
+                flags[field.name] = click.Option(
                     [f"--{field.name.replace('_', '-')}", f"{kind}{_BETWEEN}{field.name}"],
                     metavar=str(data["flag"]),
                     help=f"{first}{text[1:]}.",

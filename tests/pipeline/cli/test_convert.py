@@ -266,11 +266,6 @@ class TestOptions:
             (["--angle-unit", "gons"], "gons"),
             (["--base", "{xyz: [0, 0]}"], "xyz"),
             (["--base", "[1, 2"], "[1, 2"),
-            (
-                ["--convention", "standard", "--convention", "modified"],
-                "--convention 'modified' contradicts --convention 'standard'; --convention accepts one value",
-            ),
-            (["-o", "a.urdf", "-o", "b.urdf"], "--output 'b.urdf' contradicts --output 'a.urdf'"),
             (["--frames", "dh", "--set", "frames=aligned"], "--set 'frames=aligned' contradicts 'dh'"),
             (["--set", "density=1", "--set", "transform.density=2"], "--set 'transform.density=2' contradicts '1'"),
             (["--set", "transform.snap=-1"], "snap"),

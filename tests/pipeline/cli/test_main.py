@@ -122,12 +122,8 @@ class TestDebug:
         """A person gets no traceback."""
         assert cli("convert", "nope.csv", status=2).stderr == "nope.csv: error: there is no such file\n"
 
-    def test_with_it_the_traceback_comes_first(
-        self, capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-    ) -> None:
+    def test_with_it_the_traceback_comes_first(self, capfd: pytest.CaptureFixture[str]) -> None:
         """The last line is still the sentence."""
-        for module, name in ((os, "_exit"), (sys, "unraisablehook")):  # the program has its own, for this test alone
-            monkeypatch.setattr(module, name, getattr(module, name))
         with pytest.raises(SystemExit) as left:
             main(["--debug", "convert", "nope.csv"])
         assert left.value.code == 2
@@ -159,11 +155,6 @@ class TestDebug:
         monkeypatch.setattr(dh2urdf.cli.plugins, "catalog", _a_closed_file)
         assert exit_status_of(["plugins"], debug=False) == cli.INTERNAL_ERROR
         assert capfd.readouterr().err.startswith("dh2urdf: internal error: OSError: [Errno 9] Bad file descriptor\n")
-
-    def test_it_is_heeded_wherever_it_stands_before_the_command(self, capfd: pytest.CaptureFixture[str]) -> None:
-        """Other options of the program may stand before it."""
-        assert exit_status_of(["--without", "builtin", "--debug", "convert", "nope.csv"]) == 2
-        assert "Traceback (most recent call last):" in capfd.readouterr().err
 
 
 class TestPipes:
@@ -229,49 +220,6 @@ def closed(folder: Path, words: list[str]) -> subprocess.CompletedProcess[str]:
     subprocess.run([*COMMAND, "convert", "arm.csv", "-o", "arm.urdf", "-q"], cwd=folder, check=True)
     command = ["sh", "-c", 'exec "$@" >&-', "sh", *COMMAND, *words]
     return subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
-
-
-class TestInterrupts:
-    """Ctrl-C at moments that are bad for it: 130, and the line of every command."""
-
-    @pytest.mark.parametrize("moment", ["ExtensionFileLoader.exec_module", "_get_module_lock.<locals>.cb"])
-    def test_a_bad_moment(self, tmp_path: Path, moment: str) -> None:
-        """In the middle of a compiled module orjson crashed, and in a callback of an import nobody heard it."""
-        (tmp_path / "run.yaml").write_text("inputs: arm.csv\n")
-        command = [sys.executable, "-c", BAD_MOMENT, moment, "run", "run.yaml"]
-        answer = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
-        assert answer.stderr == "dh2urdf: interrupted; nothing half-written is left\n"
-        assert answer.returncode == cli.INTERRUPTED
-
-    def test_a_command_that_ignores_it_goes_on(self, tmp_path: Path) -> None:
-        """As a shell starts those in the background."""
-        command = ["sh", "-c", 'trap "" INT; exec "$@"', "sh", sys.executable, "-c", BAD_MOMENT]
-        command += ["ExtensionFileLoader.exec_module", "run", "nope.yaml"]
-        answer = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
-        assert answer.stderr == "nope.yaml: error: there is no such file\n"
-
-
-BAD_MOMENT = """
-import os
-import signal
-import sys
-import time
-from dh2urdf.cli import main
-
-moment = sys.argv.pop(1)
-
-def interrupt(frame, event, _argument):
-    if event == "call" and "orjson.orjson" in sys.modules and frame.f_code.co_name in ("<module>", "cb"):
-        place = frame
-        while place is not None and not place.f_code.co_qualname == moment:
-            place = place.f_back
-        if place is not None:
-            sys.setprofile(None)
-            os.kill(os.getpid(), signal.SIGINT)
-
-sys.setprofile(interrupt)
-main()
-"""
 
 
 def on_a_terminal(words: list[str], folder: Path, **environment: str) -> tuple[int, str]:

@@ -12,8 +12,7 @@ from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from dh2urdf.commands.argument_words import word_of, words_of
-from dh2urdf.commands.arguments import check_arguments, check_names, mapping, path_or_none, several
+from dh2urdf.commands.arguments import check_arguments, check_names, mapping, path_or_none, several, word_of, words_of
 from dh2urdf.commands.chosen_table import reader_call
 from dh2urdf.commands.convert import Conversion, plan_conversion
 from dh2urdf.commands.given_tables import as_file, read_table

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 from typing import TYPE_CHECKING
+from unicodedata import normalize
 
 import click
 
@@ -21,16 +22,18 @@ from dh2urdf.cli.shared_options import (
 )
 from dh2urdf.cli.standard_input import DASH, NAME, files_behind, given_table
 from dh2urdf.commands.convert import plan_conversion
+from dh2urdf.conversion.outcome import kind_of, to_text
 from dh2urdf.documents.text_files import is_folder, is_there
 from dh2urdf.errors import SCREENFUL, ConfigError, InputError, ManipulatorError, OutputError, UnknownStageError
+from dh2urdf.output.spooled import STEM
 from dh2urdf.output.whole_files import safe_stem
 from dh2urdf.plugin_system.options import COMMAND_LINE
-from dh2urdf.report.answers.conversions import closing_line
+from dh2urdf.report.answers.conversions import closing_line, conversion_row, conversions_report, failed_row
 from dh2urdf.source import Problem, printable, shown
 from dh2urdf.stages import WritesFolders
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping, Sequence
+    from collections.abc import Sequence
 
     from dh2urdf.commands.convert import Planned
     from dh2urdf.plugin_system.catalog import Catalog
@@ -93,86 +96,61 @@ def command(  # noqa: PLR0917 - click hands everything over by name
     into_folder = target is not None and (str(output).endswith("/") or is_folder(target))
     are_several = len(tables) > 1 or into_folder
     files = _files_of(tables, target, format_name, installed) if are_several else {tables[0]: target}
-
-    def plan(table: Path, file: Path | None) -> Planned:
-        path, reader = given_table(table, reader_name, installed)
-        return plan_conversion(
-            path,
-            file,
-            COMMAND_LINE,
-            installed,
-            reader=reader,
-            transform=transform_name,
-            formats=(format_name,) if format_name else (),
-            robot=robot,
-            given=given_options(flags),
-            settings=settings_of(settings),
-            meshes=flags["meshes"],
-            convert_meshes=flags["convert_meshes"],
-            edits=edits,
-            inputs=files_behind(tables),
-        )
-
-    plans = _plans(files, plan, are_several=are_several)
-    rows: list[ConversionEntry | None] = []
-    failed = 0
-    for table, planned in plans.items():
-        try:
-            rows.append(_carry_out(planned, table, as_json=as_json, quiet=quiet))
-        except (InputError, ManipulatorError) as error:  # It cannot be read, or no description of it can be made.
-            if not are_several or isinstance(error, OutputError):
-                raise
-            rows.append(_failed(table, error))
-            failed += 1
-    if failed:
-        click.echo(f"{len(rows) - failed:,} of {len(rows):,} tables converted, {failed:,} failed", err=True)
-    if as_json:
-        from dh2urdf.conversion.outcome import to_text
-        from dh2urdf.report.answers.conversions import conversions_report
-
-        answer(to_text(conversions_report([row for row in rows if row])), nl=False)
-    return int(failed > 0)
-
-
-def _plans(
-    files: Mapping[Path, Path | None], plan: Callable[[Path, Path | None], Planned], *, are_several: bool
-) -> dict[Path, Planned | InputError]:
-    """The plan of each table, or why it has none: nothing is written before a wrong word is found.
-
-    Raises:
-        InputError: a word of the command line is wrong, whatever the table, or there is one table.
-    """
     plans: dict[Path, Planned | InputError] = {}
-    for table, file in files.items():
+    for table, file in files.items():  # Nothing is written before a wrong word is found.
         try:
-            plans[table] = plan(table, file)
+            path, reader = given_table(table, reader_name, installed)
+            plans[table] = plan_conversion(
+                path,
+                file,
+                COMMAND_LINE,
+                installed,
+                reader=reader,
+                transform=transform_name,
+                formats=(format_name,) if format_name else (),
+                robot=robot,
+                given=given_options(flags),
+                settings=settings_of(settings),
+                meshes=flags["meshes"],
+                convert_meshes=flags["convert_meshes"],
+                edits=edits,
+                inputs=files_behind(tables),
+            )
         except InputError as error:
             if not are_several or isinstance(error, (ConfigError, UnknownStageError)):
                 raise
             plans[table] = error
-            if not frozenset("*?[").isdisjoint(str(table)):
-                message = f"no file is called {shown(str(table), 200)}"
-                advice = "write a pattern without quotes, so that the shell puts the names of the files in its place"
-                problem = Problem(message=message, mark=COMMAND_LINE, found=str(table), suggestion=advice)
-                plans[table] = type(error)(problem)
-    return plans
-
-
-def _carry_out(planned: Planned | InputError, table: Path, *, as_json: bool, quiet: bool) -> ConversionEntry | None:
-    """Convert a table, and say what became of it; its row, where rows are asked for."""
-    if isinstance(planned, InputError):
-        raise planned
-    conversion, file, row = planned.carry_out(lambda each: None if quiet else print_notices(each)), planned.target, None
+    rows: list[ConversionEntry] = []
+    failed = 0
+    for table, planned in plans.items():
+        try:
+            if isinstance(planned, InputError):
+                raise planned
+            row = _carry_out(planned, _source(table), as_json=as_json, quiet=quiet)
+        except (InputError, ManipulatorError) as error:  # It cannot be read, or no description of it can be made.
+            if not are_several or isinstance(error, OutputError):
+                raise
+            click.echo("\n".join(map(printable, str(error).splitlines())), err=True)
+            row = failed_row(_source(table), kind_of(error), error)
+            failed += 1
+        rows.append(row)
+    if failed:
+        click.echo(f"{len(plans) - failed:,} of {len(plans):,} tables converted, {failed:,} failed", err=True)
     if as_json:
-        from dh2urdf.report.answers.conversions import conversion_row
+        answer(to_text(conversions_report(rows)), nl=False)
+    return int(failed > 0)
 
-        in_folders = any("/" in name for name in conversion.files)
-        row = conversion_row(conversion, _source(table), file if file is None or in_folders else file.parent)
-    elif file is None:
-        answer(conversion.written[0].files[0].content, nl=False)
+
+def _carry_out(planned: Planned, source: str, *, as_json: bool, quiet: bool) -> ConversionEntry:
+    """Convert a table, say what became of it, and print the description where it is asked for; its row."""
+    made = planned.carry_out(lambda notices: None if quiet else print_notices(notices))
+    file = planned.target
+    if file is None and not as_json:
+        answer(made.written[0].files[0].content, nl=False)
     if not quiet:
-        click.echo(closing_line(conversion, "standard output" if file is None else str(file)), err=True)
-    return row
+        click.echo(closing_line(made, "standard output" if file is None else str(file)), err=True)
+    in_folders = any("/" in name for name in made.files)
+    return conversion_row(made, source, file if file is None or in_folders else file.parent)
 
 
 def _files_of(
@@ -184,40 +162,29 @@ def _files_of(
         ConfigError: no folder is given, or two tables would become one file.
         UnknownStageError: there is no such emitter.
     """
-    import unicodedata
-
-    from dh2urdf.output.spooled import STEM
-
     emitter = catalog.get("emitter", format_name) if format_name else catalog.usual("emitter")
-    wrong = accepted = ""
+    problems: list[Problem] = []
+
+    def refuse(message: str, accepted: str) -> None:
+        problems.append(Problem(message=message, mark=COMMAND_LINE, accepted=accepted))
+
     if folder is None or (is_there(folder) and not is_folder(folder)):
         wrong = f"{len(tables)} tables go into a folder" + (f", and {shown(str(folder))} is a file" if folder else "")
-        accepted = "-o FOLDER, with any name"
+        refuse(wrong, "-o FOLDER, with any name")
     elif emitter.suffixes and not is_folder(folder) and folder.name.lower().endswith(emitter.suffixes):
         wrong = f"-o {shown(str(folder))} names one file, and there are {len(tables)} tables"
-        accepted = f"-o FOLDER, such as -o {folder.stem}"
-    if folder is None or wrong:
-        raise ConfigError(Problem(message=wrong, mark=COMMAND_LINE, field="-o", accepted=accepted))
+        refuse(wrong, f"-o FOLDER, such as -o {folder.stem}")
     suffix = emitter.suffixes[0] if emitter.suffixes else ""
     files: dict[Path, Path | None] = {}
     taken: dict[str, Path] = {}
-    problems: list[Problem] = []
-    for table in tables:
+    for table in () if folder is None or problems else tables:
         stem = STEM if str(table) == DASH else safe_stem(table.stem)
-        key = unicodedata.normalize("NFC", stem).casefold()  # as on file systems that ignore case
-        if key not in taken:
-            taken[key] = table
-            files[table] = folder if emitter.can(WritesFolders) else folder / f"{stem}{suffix}"
-            continue
-        both = f"and {shown(str(taken[key]))} would both become {stem}{suffix}"
-        problem = Problem(
-            message=f"{shown(str(table))} {'is given twice' if table in files else both}",
-            mark=COMMAND_LINE,
-            found=str(table),
-            accepted="tables whose names differ in more than their folder, their suffix and their case",
-            suggestion="convert them one by one, or into folders of their own",
-        )
-        problems.append(problem)
+        first = taken.setdefault(normalize("NFC", stem).casefold(), table)  # as on file systems that ignore case
+        if table in files or first != table:
+            both = f"and {shown(str(first))} would both become {stem}{suffix}"
+            wrong = f"{shown(str(table))} {'is given twice' if table in files else both}"
+            refuse(wrong, "tables whose names differ in more than their folder, their suffix and their case")
+        files[table] = folder if emitter.can(WritesFolders) else Path(str(folder), f"{stem}{suffix}")
     if problems:
         raise ConfigError(problems)
     return files
@@ -225,15 +192,6 @@ def _files_of(
 
 def _source(table: Path) -> str:
     return NAME if str(table) == DASH else str(table)
-
-
-def _failed(table: Path, error: InputError | ManipulatorError) -> ConversionEntry:
-    """Says on standard error why a table failed; its row."""
-    from dh2urdf.conversion.outcome import kind_of
-    from dh2urdf.report.answers.conversions import failed_row
-
-    click.echo("\n".join(map(printable, str(error).splitlines())), err=True)
-    return failed_row(_source(table), kind_of(error), error)
 
 
 def print_notices(notices: Sequence[Problem]) -> None:

@@ -19,22 +19,21 @@ from dh2urdf.cli.shared_options import (
     without_option,
 )
 from dh2urdf.cli.standard_input import given_table
-from dh2urdf.commands.chosen_table import reader_call, refuse_run_file
+from dh2urdf.commands.chosen_table import chosen_manipulator, read_manipulator, reader_call, refuse_run_file
 from dh2urdf.conversion.one_manipulator import read_items
 from dh2urdf.conversion.robots import make_robot
-from dh2urdf.errors import ManipulatorError, TableError
-from dh2urdf.manipulator import Manipulator
+from dh2urdf.errors import ManipulatorError
 from dh2urdf.plugin_system.options import COMMAND_LINE
 from dh2urdf.provenance import Trace
 from dh2urdf.report.answers.info import brief, details, info_report
 from dh2urdf.report.answers.info_text import lines, markdown, print_on_terminal
-from dh2urdf.source import Mark, Problem, did_you_mean, shown
 from dh2urdf.stage_calls.calls import default_call
 from dh2urdf.stages import Traces
 
 if TYPE_CHECKING:
     from pathlib import Path
 
+    from dh2urdf.manipulator import Manipulator
     from dh2urdf.plugin_system.catalog import Catalog
     from dh2urdf.results import BriefEntry, Detail
     from dh2urdf.stage_calls.calls import Call
@@ -98,34 +97,19 @@ def _read(call: Call[Reader[Any]], path: Path, robot: str | None) -> tuple[list[
         TableError: the table cannot be read, or has no such manipulator.
         ConfigError: it is a run file.
     """
-    trace, its = Trace(), Trace()
+    trace = Trace()
     arms: list[BriefEntry] = []
-    chosen: Manipulator | Rejected | None = None
+    last: list[Manipulator | Rejected] = []
+    if robot is not None:
+        chosen = read_manipulator(call, path, robot, COMMAND_LINE, trace)
+        return [brief(chosen)], chosen, trace
     with refuse_run_file(path):
         for item in read_items(call, path, trace):
-            if robot in (None, item.name):
-                chosen, its = item, trace.copy()
             arms.append(brief(item))
-            if robot == item.name:
-                break
-        if robot is not None and chosen is None:
-            names = [arm["name"] for arm in arms]
-            raise TableError(
-                Problem(
-                    message=f"the table holds no manipulator {shown(robot)}",
-                    mark=Mark(file=str(path)),
-                    found=robot,
-                    accepted=", ".join(names[:20]) or None,
-                    suggestion=did_you_mean(robot, names),
-                )
-            )
-        if robot is None and len(arms) > 1:
-            return arms, None, its
-        if chosen is None:
-            raise TableError(Problem(message="the table holds no manipulator", mark=Mark(file=str(path))))
-        if not isinstance(chosen, Manipulator):
-            raise TableError(chosen.problems, chosen.notices)
-    return [brief(chosen)], chosen, its
+            last = [item]
+        if len(arms) > 1:
+            return arms, None, trace
+        return arms, chosen_manipulator(iter(last), None, str(path), COMMAND_LINE), trace
 
 
 def _detail(catalog: Catalog, manipulator: Manipulator, trace: Trace | None) -> Detail:

@@ -11,7 +11,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
-from click import option
 
 from dh2urdf.cli.answers import keep_apart, kept_apart
 from dh2urdf.commands.options_of_stages import Setting
@@ -26,6 +25,7 @@ if TYPE_CHECKING:
 
     F = TypeVar("F", bound=Callable[..., Any])
 
+option = click.option
 PATH = click.Path(path_type=Path, readable=False)
 """A path, wherever it leads: whatever opens it reports what is wrong with it."""
 _WITHOUT = "--without"

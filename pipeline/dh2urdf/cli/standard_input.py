@@ -11,6 +11,7 @@ import click
 
 from dh2urdf.documents.text_files import MAX_BYTES
 from dh2urdf.errors import ConfigError, TableError
+from dh2urdf.output.spooled import spooled
 from dh2urdf.plugin_system.options import COMMAND_LINE
 from dh2urdf.source import Mark, Problem
 from dh2urdf.stages import ReadsDescriptions
@@ -56,16 +57,8 @@ def refuse_dash(files: Iterable[Path | str | None], command: str) -> None:
         ConfigError: one of the files is a dash.
     """
     if any(str(file) == DASH for file in files):
-        raise ConfigError(
-            Problem(
-                message=f"`dh2urdf {command}` reads no standard input",
-                mark=COMMAND_LINE,
-                found=DASH,
-                accepted="the name of a file",
-                suggestion=f"save it as a file first, `cat > FILE`, and give `dh2urdf {command} FILE`; "
-                "`dh2urdf convert -`, `info -`, `extract -` and `check -` read standard input",
-            )
-        )
+        message = f"`dh2urdf {command}` reads no standard input"
+        raise ConfigError(Problem(message=message, mark=COMMAND_LINE, found=DASH, accepted="the name of a file"))
 
 
 def files_behind(tables: Iterable[Path]) -> list[Path]:
@@ -91,23 +84,20 @@ def given_description(file: Path, emitter: str | None, catalog: Catalog) -> Path
 
 def _kept(content: bytes, suffixes: tuple[str, ...]) -> Path:
     """A file with some content, until the command ends."""
-    from dh2urdf.output.spooled import spooled
-
     return click.get_current_context().with_resource(spooled(content, NAME, suffixes[0] if suffixes else ""))
 
 
 def _standard_input() -> bytes:
-    mark = Mark(file=NAME)
     try:
         content = sys.stdin.buffer.read(MAX_BYTES + 1)
     except (AttributeError, OSError, ValueError) as error:  # closed by the program that started the command
-        reason = getattr(error, "strerror", None) or "it is closed"
-        raise TableError(Problem(message=f"standard input cannot be read: {reason}", mark=mark)) from None
-    if not content.strip():
-        raise TableError(Problem(message="there is nothing in it", mark=mark))
-    if len(content) > MAX_BYTES:
-        message = f"there are more than {MAX_BYTES / 2**20:.0f} MiB, too much to be read at once"
-        raise TableError(Problem(message=message, mark=mark, suggestion="save the table as a file"))
+        content, wrong = b"", f"standard input cannot be read: {getattr(error, 'strerror', None) or 'it is closed'}"
+    else:
+        wrong = "" if content.strip() else "there is nothing in it"
+        if len(content) > MAX_BYTES:
+            wrong = f"there are more than {MAX_BYTES / 2**20:.0f} MiB, too much to be read at once"
+    if wrong:
+        raise TableError(Problem(message=wrong, mark=Mark(file=NAME)))
     return content
 
 
@@ -117,26 +107,17 @@ def _format_of(content: bytes, catalog: Catalog) -> str:
     Raises:
         TableError: no reader does, or several do.
     """
-    from dh2urdf.output.spooled import spooled
-
     names: list[str] = []
+    readers: list[Any] = [provided.stage for provided in catalog.provided("reader")]
     is_markup = content.lstrip().startswith(b"<")
-    for provided in catalog.provided("reader"):
-        reader: Any = provided.stage
-        if reader.can(ReadsDescriptions) and not is_markup:
-            continue
-        with spooled(content, NAME, reader.suffixes[0] if reader.suffixes else "") as path, suppress(Exception):
+    for reader in (each for each in readers if is_markup or not each.can(ReadsDescriptions)):
+        with spooled(content, NAME, (*reader.suffixes, "")[0]) as path, suppress(Exception):
             # A reader may raise anything of what is not its own format.
             if next(iter(reader.read(path, reader.options())), None) is not None:
                 names.append(reader.name)
     if len(names) == 1:
         return names[0]
-    every = [provided.stage.name for provided in catalog.provided("reader")]
-    message = f"{' and '.join(names)} both read this" if names else "no reader surely reads this as it is"
-    raise TableError(
-        Problem(
-            message=f"the format is not sure: {message}",
-            mark=Mark(file=NAME),
-            accepted=f"`--from NAME`, with one of {', '.join(names or every)}",
-        )
-    )
+    wrong = f"{' and '.join(names)} both read this" if names else "no reader surely reads this as it is"
+    accepted = f"`--from NAME`, with one of {', '.join(names or [reader.name for reader in readers])}"
+    message = f"the format is not sure: {wrong}"
+    raise TableError(Problem(message=message, mark=Mark(file=NAME), accepted=accepted))

@@ -154,15 +154,10 @@ def chosen_manipulator(
     if isinstance(chosen, Rejected):
         raise TableError(chosen.problems, chosen.notices)
     if chosen is None:
-        raise TableError(
-            Problem(
-                message=f"the table holds no manipulator{f' {shown(robot)}' if robot else ''}",
-                mark=Mark(file=file),
-                found=robot,
-                accepted=", ".join(others[:20]) or None,
-                suggestion=did_you_mean(robot or "", others),
-            )
-        )
+        message = f"the table holds no manipulator{f' {shown(robot)}' if robot else ''}"
+        near, accepted = did_you_mean(robot or "", others), ", ".join(others[:20]) or None
+        problem = Problem(message=message, mark=Mark(file=file), found=robot, accepted=accepted, suggestion=near)
+        raise TableError(problem)
     return chosen
 
 

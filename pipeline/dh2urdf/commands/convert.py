@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from dh2urdf.commands.chosen_table import chosen_reader, read_manipulator
-from dh2urdf.commands.options_of_stages import option, stage_calls
+from dh2urdf.commands.options_of_stages import edit_calls, option, stage_calls
 from dh2urdf.conversion.one_manipulator import Recipe, Written, with_notices, write_robot
 from dh2urdf.conversion.robots import make_item
 from dh2urdf.documents.text_files import check_file, is_folder
@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from dh2urdf.kinematics.expected_poses import ExpectedPoses
     from dh2urdf.kinematics.proof import Proof
     from dh2urdf.plugin_system.catalog import Catalog
-    from dh2urdf.stages import Edit, Emitter
+    from dh2urdf.stages import Emitter
 
 TRACED_BYTES = 2**16
 """Size of a table of which a conversion also reads what its cells say [B]: a few hundred rows."""
@@ -198,7 +198,7 @@ def plan_conversion(
         settings: further options.
         meshes: how the description names meshes, as `dh2urdf.meshes.files.prefix_of` takes it.
         convert_meshes: what becomes of meshes, as `dh2urdf.meshes.conversion.conversion_of` takes it.
-        edits: changes of the table and of the robot, as `dh2urdf.commands.given_edits.edit_calls` takes them.
+        edits: changes of the table and of the robot, as `dh2urdf.commands.options_of_stages.edit_calls` takes them.
         inputs: further files that must not be overwritten: the other tables of the same command.
 
     Raises:
@@ -224,11 +224,7 @@ def plan_conversion(
         calls["emitter"] = [in_one_file(call) for call in calls["emitter"]]
     elif one_file:
         calls["emitter"] = [as_named(call, target) for call in calls["emitter"]]
-    changes: tuple[Call[Edit[Any]], ...] = ()
-    if words := tuple(edits):
-        from dh2urdf.commands.given_edits import edit_calls
-
-        changes = edit_calls(words, mark, catalog)
+    changes = edit_calls(edits, mark, catalog)
     prefix, conversion = _mesh_settings(meshes, convert_meshes, target, mark)
     recipe = Recipe(
         transform=calls["transform"][0],

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from dh2urdf.commands.argument_words import word_of
+from dh2urdf.commands.arguments import word_of
 from dh2urdf.commands.extract import description_reader, the_one
 from dh2urdf.commands.given_tables import as_file
 from dh2urdf.plugin_system.catalog import load

@@ -11,7 +11,6 @@ from dh2urdf.conversion.file_endings import refuse_other_ending
 from dh2urdf.conversion.one_manipulator import read_items
 from dh2urdf.errors import InputError, RecordValueError
 from dh2urdf.kinematics.chain import angle_error, forward_kinematics, position_error
-from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.output.spooled import spooled
 from dh2urdf.output.whole_files import write_whole
 from dh2urdf.plugin_system.catalog import load
@@ -32,15 +31,6 @@ if TYPE_CHECKING:
 _SAME = 1e-12
 """How far a table that was written in other units than m and rad may be from its manipulator [m, rad]."""
 _POSES = ((0.0,), (0.7, -1.1, 0.4), (-2.3, 0.9, 1.7, -0.6))
-
-
-class _FieldChange(NamedTuple):
-    """A place in which a manipulator that was read back differs from the one that was written."""
-
-    robot: str
-    place: str
-    given: Any
-    found: Any
 
 
 def in_format(tables: Sequence[TableText], call: Call[Reader[Any]]) -> WrittenTable:
@@ -92,13 +82,14 @@ def left_out(
         RecordValueError: what was written reads back as other arms.
     """
     missing: dict[str, list[str]] = {}
-    for difference in _differences(manipulators, content, call, place):
-        if difference.found is None:
-            *_, owner, field = ["", *difference.place.split(".")]
-            missing.setdefault(field, []).append(owner)
-        elif not _close(difference.given, difference.found):
-            raise RecordValueError(_other(difference, call, place))
-    for given, again in zip(manipulators, _read_back(content, call, place), strict=True):
+    read = _read_back(manipulators, content, call, place)
+    for given, again in zip(manipulators, read, strict=True):
+        for inner, value, found in _different(given, again, ""):
+            if found is None:
+                owner, _, field = inner.rpartition(".")
+                missing.setdefault(field, []).append(owner.rpartition(".")[2])
+            elif not _close(value, found):
+                raise RecordValueError(_other(given, (inner, value, found), call, place))
         for pattern in _POSES:
             q = [pattern[number % len(pattern)] for number in range(len(given.moving_rows))]
             one, other = forward_kinematics(given, q), forward_kinematics(again, q)
@@ -143,8 +134,9 @@ def write_table(manipulator: Manipulator, suffix: str, out: str | os.PathLike[st
     if target is not None:
         refuse_other_ending(catalog, Path(target), call.stage, Mark(file=function))
     content = in_format([table_text(manipulator)], call).content
-    if found := list(_differences([manipulator], content, call, function)):
-        raise RecordValueError(_other(difference, call, function) for difference in found)
+    (again,) = _read_back([manipulator], content, call, function)
+    if found := list(_different(manipulator, again, "")):
+        raise RecordValueError(_other(manipulator, each, call, function) for each in found)
     if target is not None:
         write_whole(Path(target), content)
     return content.decode()
@@ -155,36 +147,23 @@ def _reader(format_name: str) -> Call[Reader[Any]]:
     return default_call(catalog, catalog.get("reader", format_name))
 
 
-def _read_back(content: bytes, call: Call[Reader[Any]], place: str) -> list[Manipulator]:
-    """The manipulators of a file.
-
-    Raises:
-        RecordValueError: one of them cannot be read.
-    """
-    read: list[Manipulator] = []
-    with spooled(content, place, (*call.stage.suffixes, "")[0]) as path:
-        for item in read_items(call, path):
-            if isinstance(item, Rejected):
-                raise RecordValueError(item.problems)
-            read.append(item)
-    return read
-
-
-def _differences(
+def _read_back(
     manipulators: Sequence[Manipulator], content: bytes, call: Call[Reader[Any]], place: str
-) -> Iterator[_FieldChange]:
-    """The places in which manipulators differ from what a file of them reads back as.
+) -> list[Manipulator]:
+    """The manipulators of a file that was written of some.
 
     Raises:
-        RecordValueError: the file holds another number of manipulators.
+        RecordValueError: one of them cannot be read, or there is another number of them.
     """
-    read = _read_back(content, call, place)
+    with spooled(content, place, (*call.stage.suffixes, "")[0]) as path:
+        items = list(read_items(call, path))
+    if refused := [problem for item in items if isinstance(item, Rejected) for problem in item.problems]:
+        raise RecordValueError(refused)
+    read = [item for item in items if not isinstance(item, Rejected)]
     if len(read) != len(manipulators):
         message = f"{len(manipulators)} tables were written, and {len(read)} are read back"
         raise RecordValueError(Problem(message=message, mark=Mark(file=place)))
-    for given, again in zip(manipulators, read, strict=True):
-        for inner, value, found in _different(given, again, ""):
-            yield _FieldChange(given.name, inner, value, found)
+    return read
 
 
 def _different(given: Any, again: Any, place: str) -> Iterator[tuple[str, Any, Any]]:  # noqa: ANN401 - records and their parts
@@ -203,15 +182,16 @@ def _different(given: Any, again: Any, place: str) -> Iterator[tuple[str, Any, A
         yield place, given, again
 
 
-def _other(difference: _FieldChange, call: Call[Reader[Any]], place: str) -> Problem:
-    words = [shown(each) if isinstance(each, str) else "" for each in (difference.given, difference.found)]
-    what = f"{words[0]}, which reads back as {words[1]}" if all(words) else "this as it is"
+def _other(arm: Manipulator, change: tuple[str, Any, Any], call: Call[Reader[Any]], place: str) -> Problem:
+    field, given, found = change
+    both = f"{shown(str(given))}, which reads back as {shown(str(found))}"
+    what = both if isinstance(given, str) and isinstance(found, str) else "this as it is"
     return Problem(
         message=f"a table as {call.stage.name} cannot have {what}",
         mark=Mark(file=place),
-        robot=difference.robot,
-        field=difference.place,
-        found=str(difference.given),
+        robot=arm.name,
+        field=field,
+        found=str(given),
         accepted="names and numbers that read back as they are",
         suggestion="change it, or write a YAML table",
     )

@@ -299,12 +299,6 @@ class TestSeveralTables:
         assert answer.stderr.count("error: ") == 1
         assert sorted(folder.iterdir()) == before
 
-    def test_a_pattern_in_quotes(self, cli: Cli) -> None:
-        """No file is called so, and the advice is to leave the quotes out."""
-        answer = cli("convert", "*.csv", "full.csv", "-o", "out", status=1)
-        assert "no file is called '*.csv'" in answer.stderr
-        assert "write a pattern without quotes" in answer.stderr
-
     def test_names_that_no_file_should_have(self, cli: Cli, folder: Path) -> None:
         """Files are called as those of a run are."""
         (folder / "a b; rm -rf.csv").write_text(BARE)

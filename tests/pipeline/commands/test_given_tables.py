@@ -202,7 +202,7 @@ class TestFromDh:
             (
                 {"a": {"x": 0.1, "y": 0.2}, "alpha": {"y": 0.0, "x": 0.0}, "d": [0, 0]},
                 {},
-                "the rows of the columns 'a' and 'alpha' have different labels",
+                "the rows of the column 'alpha' have different labels",
             ),
         ],
     )

@@ -22,7 +22,6 @@ from dh2urdf.cli.shared_options import (
 )
 from dh2urdf.cli.standard_input import DASH, NAME, files_behind, given_table
 from dh2urdf.commands.convert import plan_conversion
-from dh2urdf.conversion.outcome import kind_of, to_text
 from dh2urdf.documents.text_files import is_folder, is_there
 from dh2urdf.errors import SCREENFUL, ConfigError, InputError, ManipulatorError, OutputError, UnknownStageError
 from dh2urdf.output.spooled import STEM
@@ -120,7 +119,7 @@ def command(  # noqa: PLR0917 - click hands everything over by name
             if not are_several or isinstance(error, (ConfigError, UnknownStageError)):
                 raise
             plans[table] = error
-    rows: list[ConversionEntry] = []
+    rows: list[ConversionEntry | None] = []
     failed = 0
     for table, planned in plans.items():
         try:
@@ -131,24 +130,30 @@ def command(  # noqa: PLR0917 - click hands everything over by name
             if not are_several or isinstance(error, OutputError):
                 raise
             click.echo("\n".join(map(printable, str(error).splitlines())), err=True)
+            from dh2urdf.conversion.outcome import kind_of
+
             row = failed_row(_source(table), kind_of(error), error)
             failed += 1
         rows.append(row)
     if failed:
         click.echo(f"{len(plans) - failed:,} of {len(plans):,} tables converted, {failed:,} failed", err=True)
     if as_json:
-        answer(to_text(conversions_report(rows)), nl=False)
+        from dh2urdf.conversion.outcome import to_text
+
+        answer(to_text(conversions_report([row for row in rows if row])), nl=False)
     return int(failed > 0)
 
 
-def _carry_out(planned: Planned, source: str, *, as_json: bool, quiet: bool) -> ConversionEntry:
-    """Convert a table, say what became of it, and print the description where it is asked for; its row."""
+def _carry_out(planned: Planned, source: str, *, as_json: bool, quiet: bool) -> ConversionEntry | None:
+    """Convert a table, say what became of it, and print the description where it is asked for; its row for --json."""
     made = planned.carry_out(lambda notices: None if quiet else print_notices(notices))
     file = planned.target
     if file is None and not as_json:
         answer(made.written[0].files[0].content, nl=False)
     if not quiet:
         click.echo(closing_line(made, "standard output" if file is None else str(file)), err=True)
+    if not as_json:
+        return None
     in_folders = any("/" in name for name in made.files)
     return conversion_row(made, source, file if file is None or in_folders else file.parent)
 

@@ -7,18 +7,15 @@ documents them (P. Corke and J. Haviland, "Not your grandmother's toolbox", ICRA
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any, get_args
+from typing import Any, get_args
 
 from dh2urdf.errors import ProofError, TableError
 from dh2urdf.kinematics.chain import angle_error, forward_kinematics, position_error
 from dh2urdf.manipulator import Convention, DHRow, Inertia, JointType, Limits, Manipulator
 from dh2urdf.mass_properties import Inertias, possible_inertia
-from dh2urdf.rotations import RigidTransform, Rotation, Vec3, nearest_rotation
+from dh2urdf.rotations import IDENTITY, RigidTransform, nearest_rotation
 from dh2urdf.source import Problem
 from dh2urdf.table_warnings import warn_of
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
 
 _FUNCTION = "from_roboticstoolbox()"
 _SAME = 1e-9
@@ -61,20 +58,20 @@ def from_roboticstoolbox(
         ProofError: T(q) of the table is not the robot's.
     """
     links = list(getattr(robot, "links", ()))
+    kinds = {bool(link.mdh) for link in links if hasattr(link, "mdh")}
     if not links or not all(hasattr(link, each) for link in links for each in _NEEDED):
-        raise _error(
+        message, accepted = (
             "this is no robot of DH links",
-            found=type(robot).__name__,
-            accepted="a DHRobot",
-            suggestion="a robot of a URDF or of elementary transforms has no table: `dh2urdf.extract()` makes one of "
-            "its URDF",
+            "a DHRobot; of others, `dh2urdf.extract()`",
         )
-    if inertias not in get_args(Inertias):
-        raise _error("no such treatment of inertias", found=str(inertias), accepted=", ".join(get_args(Inertias)))
-    kinds = {bool(link.mdh) for link in links}
-    if len(kinds) > 1:
-        raise _error("its links are of both conventions", found="standard and modified", accepted="one of them")
-    is_modified = kinds == {True}
+    elif inertias not in get_args(Inertias):
+        message, accepted = f"no such treatment of inertias: {inertias}", ", ".join(get_args(Inertias))
+    elif len(kinds) > 1:
+        message, accepted = "its links are of both conventions, standard and modified", "one of them"
+    else:
+        message = accepted = ""
+    if message:
+        raise _error(message, accepted)
     names = [str(getattr(link, "name", "") or "") for link in links]
     if len(set(names)) < len(names) or not all(names):  # They have no names of their own.
         names = [f"link_{number}" for number in range(1, len(links) + 1)]
@@ -82,36 +79,48 @@ def from_roboticstoolbox(
     rows = tuple(_row(link, number, names[number], inertias, notices) for number, link in enumerate(links))
     arm = Manipulator(
         name=name or str(getattr(robot, "name", "") or "robot"),
-        convention=Convention.MODIFIED if is_modified else Convention.STANDARD,
+        convention=Convention.MODIFIED if kinds == {True} else Convention.STANDARD,
         rows=rows,
         base=_pose(robot, "base"),
         tool=_pose(robot, "tool"),
         notices=tuple(notices),
     )
-    _compare(arm, robot)
+    for value in _POSES:
+        q = [value * (1.0 + 0.1 * number) for number in range(len(rows))]
+        theirs, ours = _transform(robot.fkine(q)), forward_kinematics(arm, q)
+        far = max(position_error(ours, theirs), angle_error(ours, theirs))
+        if not far <= _SAME * max(1.0, *map(abs, theirs.translation)):
+            wrong = f"T(q) of the table is {far:.2g} m, rad from that of the robot at q = {q}"
+            raise ProofError(Problem(message=wrong, robot=arm.name))
     warn_of(arm.notices)
     return arm
 
 
 def _row(link: Any, number: int, name: str, how: Inertias, notices: list[Problem]) -> DHRow:  # noqa: ANN401
     """A row: the joint variable is ±q + offset, and takes the place of theta, or of d, of the link."""
-    slides = bool(link.isprismatic)
-    gear = float(getattr(link, "G", 0.0) or 0.0) or 1.0
-    mass = float(getattr(link, "m", 0.0) or 0.0)
-    bounds = (None, None) if getattr(link, "qlim", None) is None else _two(link.qlim)
+
+    def given(attribute: str) -> float:
+        return float(getattr(link, attribute, 0.0) or 0.0)
+
+    def tell(message: str, field: str) -> None:
+        notices.append(Problem(message=message, severity="notice", joint=joint, field=field))
+
+    joint, slides, gear, mass = f"joint_{number + 1}", bool(link.isprismatic), given("G") or 1.0, given("m")
+    bounds = [None, None] if getattr(link, "qlim", None) is None else _flat(link.qlim)
     lower, upper = (None if each is None or not math.isfinite(each) else each for each in bounds)
-    joint, inertia = f"joint_{number + 1}", _inertia(link)
-    if not mass and (any(_flat(link.r)) or inertia):
-        message = f"link {number + 1} has a centre of mass or an inertia, and no mass: both are left out"
-        notices.append(Problem(message=message, severity="notice", joint=joint, field="mass"))
+    ixx, ixy, ixz, _, iyy, iyz, _, _, izz = tensor = _flat(link.I)
+    inertia = Inertia(ixx=ixx, iyy=iyy, izz=izz, ixy=ixy, ixz=ixz, iyz=iyz) if any(tensor) else None
+    x, y, z = _flat(link.r)
+    if not mass and (any((x, y, z)) or inertia):
+        tell(f"link {number + 1} has a centre of mass or an inertia, and no mass: both are left out", "mass")
     if mass and inertia:
         inertia, message = possible_inertia(inertia, how)
         if message:
-            notices.append(Problem(message=message, severity="notice", joint=joint, field="inertia"))
-    forward, backward = _two(getattr(link, "Tc", None))
+            tell(message, "inertia")
+    forward, backward = [0.0, 0.0] if getattr(link, "Tc", None) is None else _flat(link.Tc)
     if forward != -backward:
         message = f"Tc = [{forward:g}, {backward:g}] of joint {number + 1} differs by direction: the larger one is kept"
-        notices.append(Problem(message=message, severity="notice", joint=joint, field="friction"))
+        tell(message, "friction")
     return DHRow(
         joint=joint,
         link=name,
@@ -124,77 +133,39 @@ def _row(link: Any, number: int, name: str, how: Inertias, notices: list[Problem
         sign=-1 if getattr(link, "isflip", getattr(link, "flip", False)) else 1,
         limits=Limits(lower=lower, upper=upper),
         mass=mass or None,
-        com=_vector(link.r) if mass else None,
+        com=(x, y, z) if mass else None,
         inertia=inertia if mass else None,
-        damping=float(getattr(link, "B", 0.0) or 0.0) * gear**2 or None,
+        damping=given("B") * gear**2 or None,
         friction=max(abs(forward), abs(backward)) * abs(gear) or None,
-        armature=float(getattr(link, "Jm", 0.0) or 0.0) * gear**2 or None,
+        armature=given("Jm") * gear**2 or None,
     )
 
 
-def _two(values: Any) -> tuple[float, float]:  # noqa: ANN401 - an array, or nothing
-    if values is None:
-        return 0.0, 0.0
-    first, second = _flat(values)
-    return first, second
-
-
-def _vector(values: Any) -> Vec3:  # noqa: ANN401 - an array
-    x, y, z = _flat(values)
-    return x, y, z
-
-
-def _inertia(link: Any) -> Inertia | None:  # noqa: ANN401 - of another package
-    ixx, ixy, ixz, _, iyy, iyz, _, _, izz = _flat(link.I)
-    if not any((ixx, iyy, izz, ixy, ixz, iyz)):
-        return None
-    return Inertia(ixx=ixx, iyy=iyy, izz=izz, ixy=ixy, ixz=ixz, iyz=iyz)
-
-
 def _pose(robot: Any, which: str) -> RigidTransform:  # noqa: ANN401 - of another package
-    """The base or the tool: an SE3, whose matrix is its A, or a matrix."""
+    """The base or the tool: an SE3 or a matrix."""
     value = getattr(robot, which, None)
     if value is None:
-        return RigidTransform((1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0), (0.0, 0.0, 0.0))
-    numbers = list(_flat(getattr(value, "A", value)))
-    if len(numbers) != 16:  # noqa: PLR2004 - of a 4x4 matrix
-        raise _error(f"{which} is no pose", found=str(value), accepted="an SE3 or a 4x4 matrix")
-    a, b, c, x, d, e, f, y, g, h, i, z = numbers[:12]
-    rotation: Rotation = (a, b, c, d, e, f, g, h, i)
-    nearest, deviation = nearest_rotation(rotation)
+        return IDENTITY
+    if len(_flat(getattr(value, "A", value))) != 16:  # noqa: PLR2004 - of a 4x4 matrix
+        raise _error(f"{which} is no pose: {value}", "an SE3 or a 4x4 matrix")
+    pose = _transform(value)
+    nearest, deviation = nearest_rotation(pose.rotation)
     if not deviation <= _SAME:
-        raise _error(f"{which} has a matrix that is no rotation, by {deviation:.2g}", accepted="an orthonormal matrix")
-    return RigidTransform(nearest, (x, y, z))
+        raise _error(f"{which} has a matrix that is no rotation, by {deviation:.2g}", "an orthonormal matrix")
+    return RigidTransform(nearest, pose.translation)
 
 
-def _flat(values: Any) -> Iterator[float]:  # noqa: ANN401 - an array of any form
-    if hasattr(values, "ravel"):
-        values = values.ravel().tolist()
-    for value in values:
-        if isinstance(value, (list, tuple)):
-            yield from _flat(value)
-        else:
-            yield float(value)
+def _transform(pose: Any) -> RigidTransform:  # noqa: ANN401 - an SE3, whose matrix is its A, or a matrix
+    a, b, c, x, d, e, f, y, g, h, i, z, *_ = _flat(getattr(pose, "A", pose))
+    return RigidTransform((a, b, c, d, e, f, g, h, i), (x, y, z))
 
 
-def _compare(arm: Manipulator, robot: Any) -> None:  # noqa: ANN401 - of another package
-    """Compare T(q) with that of the robot.
+def _flat(values: Any) -> list[float]:  # noqa: ANN401 - an array of any form
+    import numpy as np
 
-    Raises:
-        ProofError: they differ.
-    """
-    for value in _POSES:
-        q = [value * (1.0 + 0.1 * number) for number in range(len(arm.rows))]
-        numbers = list(_flat(getattr(pose := robot.fkine(q), "A", pose)))
-        rotation: Any = tuple(numbers[4 * row + column] for row in range(3) for column in range(3))
-        theirs = RigidTransform(rotation, (numbers[3], numbers[7], numbers[11]))
-        ours = forward_kinematics(arm, q)
-        far = max(position_error(ours, theirs), angle_error(ours, theirs))
-        if not far <= _SAME * max(1.0, *map(abs, theirs.translation)):
-            message = f"T(q) of the table is {far:.2g} m, rad from that of the robot at q = {q}"
-            raise ProofError(Problem(message=message, robot=arm.name))
+    flat: list[float] = np.asarray(values, dtype=float).ravel().tolist()
+    return flat
 
 
-def _error(message: str, *, found: str | None = None, accepted: str, suggestion: str | None = None) -> TableError:
-    message = f"{_FUNCTION}: {message}"
-    return TableError(Problem(message=message, found=found, accepted=accepted, suggestion=suggestion))
+def _error(message: str, accepted: str) -> TableError:
+    return TableError(Problem(message=f"{_FUNCTION}: {message}", accepted=accepted))

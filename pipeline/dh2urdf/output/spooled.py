@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import tempfile
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -45,6 +44,8 @@ def spooled(content: bytes, name: str, suffix: str = "", *, stem: str = STEM) ->
         suffix: the suffix of the file, with its dot.
         stem: the name of the file without its suffix, which a manipulator has that its table does not name.
     """
+    import tempfile  # Most commands need none.
+
     with tempfile.TemporaryDirectory(prefix="dh2urdf-") as folder:
         path = SpooledPath(os.path.join(folder, f"{stem}{suffix}"))  # noqa: PTH118
         path.write_bytes(content)

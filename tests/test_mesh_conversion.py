@@ -417,11 +417,13 @@ class TestRefusals:
 
     def test_words_that_mean_nothing(self) -> None:
         """With those that do."""
-        with pytest.raises(ConfigError, match=r"(?s)convert_meshes=hulls: .*accepted: never.*did you mean 'hull'"):
+        with pytest.raises(
+            ConfigError, match=r"(?s)the conversion of meshes cannot be 'hulls'.*accepted: never.*did you mean 'hull'"
+        ):
             self.convert("meshes/link.stl", convert_meshes="hulls")
-        with pytest.raises(ConfigError, match=r"(?s)converted meshes are copies.*accepted: meshes=relative"):
+        with pytest.raises(ConfigError, match="converted meshes are copies"):
             self.convert("meshes/link.stl", meshes="file")
-        with pytest.raises(ConfigError, match=r"(?s)converted meshes are copies.*accepted: out=FILE"):
+        with pytest.raises(ConfigError, match="converted meshes are copies"):
             dh2urdf.convert("arm.yaml", convert_meshes="auto")
 
 

@@ -426,8 +426,6 @@ class TestArguments:
         [
             ("arm.sdf", {"formats": "urdf"}, "is the name of a file in the format sdf, and it holds urdf"),
             ("arm.urdf", {"formats": ["xacro"]}, "is the name of a file in the format urdf, and it holds xacro"),
-            ("arm.urdf", {"meshes": "relative"}, "meshes='relative' has no effect: the arm has no meshes"),
-            (None, {"meshes": "file"}, "meshes='file' has no effect"),
             ("arm.urdf", {"formats": "urdf"}, None),
             ("arm.txt", {"formats": "urdf"}, None),
         ],
@@ -435,7 +433,7 @@ class TestArguments:
     def test_what_is_asked_for_and_has_no_effect_is_said(
         self, out: str | None, how: dict[str, Any], says: str | None, tmp_path: Path
     ) -> None:
-        """A suffix of another format, and a word for meshes of an arm that has none."""
+        """A suffix of another format."""
         before = len(dh2urdf.convert(UR5).notices)
         found = [
             notice.message for notice in dh2urdf.convert(UR5, None if out is None else tmp_path / out, **how).notices

@@ -18,7 +18,6 @@ from dh2urdf._version import __version__
 from dh2urdf.cli.shared_options import loaded, option, without_option
 from dh2urdf.errors import Dh2UrdfError, OutputError
 from dh2urdf.isolation.own_process import claim
-from dh2urdf.plugin_system.at_work import current_folder
 
 if TYPE_CHECKING:
     from types import FrameType
@@ -187,9 +186,6 @@ def exit_status_of(words: list[str], *, debug: bool = False) -> int:
 
 def _ended_by(error: Exception, words: list[str], *, debug: bool) -> int:
     """Say what an error that ends a command is about; the exit status that it means."""
-    if _lacks_its_folder(error):
-        text = "error: the current folder was removed\n    `cd` to one that is there"
-        return _failed(words, error, OutputError.exit_status, text, "output")
     if isinstance(error, Dh2UrdfError):
         from dh2urdf.source import printable
 
@@ -215,13 +211,6 @@ def _ended_by(error: Exception, words: list[str], *, debug: bool) -> int:
         "    this is a fault of dh2urdf, not of your table; `dh2urdf --debug …` shows where"
     )
     return _failed(words, error, INTERNAL_ERROR, text, "internal")
-
-
-def _lacks_its_folder(error: BaseException | None) -> bool:
-    """Whether the reason of an error is that the current folder was removed, so that no other path leads anywhere."""
-    while error is not None and not (isinstance(error, FileNotFoundError) and error.filename is None):
-        error = error.__cause__
-    return error is not None and not current_folder()
 
 
 def _is_of_an_answer(error: OSError) -> bool:

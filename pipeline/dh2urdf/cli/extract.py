@@ -43,6 +43,9 @@ if TYPE_CHECKING:
     from dh2urdf.stages import Reader
 
 
+_LENGTHS, _ANGLES = click.Choice(("m", "cm", "mm")), click.Choice(("rad", "deg"))
+
+
 @click.command(
     name="extract",
     cls=StageCommand,
@@ -54,8 +57,8 @@ if TYPE_CHECKING:
 @option("-o", "--output", "output", type=PATH, metavar="TABLE", help="A .yaml or .csv file.")
 @option("--convention", metavar="C", help="standard or modified; without it and without -o, both are printed.")
 @option("--tips", "lists_tips", is_flag=True, help="List the leaves of ROBOT, and how many joints move each.")
-@option("--length-unit", default="m", metavar="UNIT", help="Unit of lengths: m, cm or mm.")
-@option("--angle-unit", default="rad", metavar="UNIT", help="Unit of angles: rad or deg.")
+@option("--length-unit", type=_LENGTHS, default="m", metavar="UNIT", help="Unit of lengths: m, cm or mm.")
+@option("--angle-unit", type=_ANGLES, default="rad", metavar="UNIT", help="Unit of angles: rad or deg.")
 @option("--from", "reader_name", metavar="NAME", help="Reader of ROBOT; by its suffix.")
 @package_paths_option
 @option("--set", "settings", multiple=True, metavar="KEY=VALUE", help="Any other option of the reader.")
@@ -96,7 +99,6 @@ def command(  # noqa: PLR0917 - click hands everything over by name
         message = f"{len(robots)} files are given, and tables are extracted from one"
         raise ConfigError(Problem(message=message, mark=COMMAND_LINE, accepted="one ROBOT"))
     robot, reader_name = given_table(robots[0], reader_name, installed)
-    _check_units(length_unit, angle_unit)
     given = given_options(flags).get("reader", {})
     if arguments:
         given["arguments"] = json.dumps(arguments)
@@ -174,14 +176,3 @@ def _table(arm: Manipulator, length_unit: str, angle_unit: str) -> Iterator[str]
 
 def _moving(count: int) -> str:
     return f"{count} moving joint{'' if count == 1 else 's'}"
-
-
-def _check_units(length_unit: str, angle_unit: str) -> None:
-    accepted = {"--length-unit": (length_unit, ("m", "cm", "mm")), "--angle-unit": (angle_unit, ("rad", "deg"))}
-    problems = [
-        Problem(message=f"{option} {word} is no unit of a table", mark=COMMAND_LINE, accepted=", ".join(units))
-        for option, (word, units) in accepted.items()
-        if word not in units
-    ]
-    if problems:
-        raise ConfigError(problems)

@@ -14,7 +14,7 @@ from dh2urdf.documents.text_files import check_file, is_folder
 from dh2urdf.errors import ConfigError, EditError, RobotError, TableError, TransformError
 from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.manipulator import Manipulator
-from dh2urdf.meshes.files import FILE, RELATIVE, mesh_files, prefix_of
+from dh2urdf.meshes.files import FILE, RELATIVE, prefix_of
 from dh2urdf.meshes.kinds import MeshConversion
 from dh2urdf.output.whole_files import refuse_no_file, safe_stem
 from dh2urdf.plugin_system.options import COMMAND_LINE
@@ -95,7 +95,6 @@ class Planned:
         mark: the place that problems name: the command line, or the function that was called.
         robot: which manipulator of a table that holds several.
         inputs: further files that must not be overwritten.
-        meshes: the options about meshes that were given.
         notices: what a careful person would want to know of what was asked for.
     """
 
@@ -106,7 +105,6 @@ class Planned:
     mark: Mark
     robot: str | None = None
     inputs: tuple[Path, ...] = ()
-    meshes: tuple[str, ...] = ()
     notices: tuple[Problem, ...] = ()
 
     def carry_out(self, note: Callable[[Sequence[Problem]], None] = lambda _: None) -> Conversion:
@@ -143,16 +141,7 @@ class Planned:
             from dh2urdf.meshes.conversion import unsettled
 
             notices = unsettled(notices)
-        unused = [
-            Problem(
-                message=f"{given} has no effect: the arm has no meshes",
-                severity="notice",
-                mark=self.mark,
-                field="meshes",
-            )
-            for given in (self.meshes if self.meshes and not mesh_files(made) else ())
-        ]
-        made = replace(made, notices=(*notices, *self.notices, *unused))
+        made = replace(made, notices=(*notices, *self.notices))
         note((*manipulator.notices, *made.notices))
         used = (path for call in recipe.calls for path in call.files)
         written = _write(expected, made, recipe, self.target, (*files, *used, *self.inputs))
@@ -184,22 +173,9 @@ def plan_conversion(
 ) -> Planned:
     """Resolve the stages and options of a conversion.
 
-    Args:
-        table: a table's file, or what was read from one.
-        target: the file to write; a folder where there are several formats. None writes nothing: each format is then
-            one file.
-        mark: the place that problems name: the command line, or the function that was called.
-        catalog: the stages that there are.
-        reader: name of the reader; without it the table's suffix says it.
-        transform: name of the transform; None for the usual one.
-        formats: names of emitters; without any the suffix of the target says it, else it is the usual one.
-        robot: which manipulator of a table that holds several.
-        given: options by kind of stage, as words.
-        settings: further options.
-        meshes: how the description names meshes, as `dh2urdf.meshes.files.prefix_of` takes it.
-        convert_meshes: what becomes of meshes, as `dh2urdf.meshes.conversion.conversion_of` takes it.
-        edits: changes of the table and of the robot, as `dh2urdf.commands.options_of_stages.edit_calls` takes them.
-        inputs: further files that must not be overwritten: the other tables of the same command.
+    The arguments are those of `dh2urdf.convert`, but for these: `mark` is the place that problems name (the command
+    line, or the function that was called); `given` and `settings` are options as words, the first by kind of stage;
+    `inputs` are further files that must not be overwritten, the other tables of the same command.
 
     Raises:
         TableError: there is no such table.
@@ -240,7 +216,6 @@ def plan_conversion(
 
         given_format = option(mark, "formats", emitters[0].name)
         notices = notices_of_ending(catalog, target, emitters[0], given_format, mark)
-    about_meshes = (("meshes", meshes), ("convert_meshes", convert_meshes))
     return Planned(
         table=table,
         target=target,
@@ -249,7 +224,6 @@ def plan_conversion(
         mark=mark,
         robot=robot,
         inputs=tuple(inputs),
-        meshes=tuple([option(mark, name, shown(word)) for name, word in about_meshes if word is not None]),
         notices=tuple(notices),
     )
 
@@ -264,33 +238,20 @@ def _emitters(
         InputError: no emitter has the name or takes the suffix.
     """
     emitters = [catalog.get("emitter", name) for name in formats]
-    if target is None:
-        emitters = emitters or [catalog.usual("emitter")]
     in_folders = [emitter.name for emitter in emitters if emitter.can(WritesFolders)]
-    if target is None and in_folders:
-        raise ConfigError(
-            Problem(
-                message=f"{option(mark, 'formats', in_folders[0])} writes a folder of files, and {_nowhere(mark)}",
-                mark=mark,
-                found=in_folders[0],
-                accepted=option(mark, "out", "FOLDER"),
-            )
-        )
-    if target is not None and len(formats) <= 1 and not in_folders:
+    if target is None:
+        if in_folders:
+            message = f"{option(mark, 'formats', in_folders[0])} writes a folder of files, and {_nowhere(mark)}"
+            raise ConfigError(Problem(message=message, mark=mark, accepted=option(mark, "out", "FOLDER")))
+        return emitters or [catalog.usual("emitter")]
+    if len(formats) <= 1 and not in_folders:
         if is_folder(target):
             stem = safe_stem(table.name if isinstance(table, Manipulator) else table.stem)
-            raise ConfigError(
-                Problem(
-                    message=f"{option(mark, 'out', shown(str(target)))} is a folder, and one file is written",
-                    mark=mark,
-                    found=str(target),
-                    accepted=f"a file name, such as {target / stem}.urdf",
-                )
-            )
+            message = f"{option(mark, 'out', shown(str(target)))} is a folder, and one file is written"
+            accepted = f"a file name, such as {target / stem}.urdf"
+            raise ConfigError(Problem(message=message, mark=mark, found=str(target), accepted=accepted))
         refuse_no_file(target)
-    if target is not None and not formats:
-        emitters = [catalog.emitter_for(target, f"`{option(mark, 'formats', 'NAME')}` chooses an emitter")]
-    return emitters
+    return emitters or [catalog.emitter_for(target, f"`{option(mark, 'formats', 'NAME')}` chooses an emitter")]
 
 
 def in_one_file(call: Call[Emitter[Any]]) -> Call[Emitter[Any]]:
@@ -353,29 +314,17 @@ def _mesh_settings(
     """
     try:
         prefix = prefix_of(meshes or (FILE if target is None else RELATIVE))
-    except ConfigError as error:
-        raise ConfigError(replace(problem, mark=mark) for problem in error.problems) from None
-    if target is None and prefix is not None:
-        message = f"{option(mark, 'meshes', str(meshes))} copies meshes beside a file, and {_nowhere(mark)}"
-        accepted = f"{option(mark, 'out', 'FILE')}, or {option(mark, 'meshes', 'file')}"
-        raise ConfigError(Problem(message=message, mark=mark, found=meshes, accepted=accepted))
-    if not convert_meshes:
-        return prefix, MeshConversion.NEVER
-    from dh2urdf.meshes.conversion import conversion_of
+        if target is None and prefix is not None:
+            message = f"{option(mark, 'meshes', str(meshes))} copies meshes beside a file, and {_nowhere(mark)}"
+            accepted = f"{option(mark, 'out', 'FILE')}, or {option(mark, 'meshes', 'file')}"
+            raise ConfigError(Problem(message=message, found=meshes, accepted=accepted))
+        if not convert_meshes:
+            return prefix, MeshConversion.NEVER
+        from dh2urdf.meshes.conversion import conversion_of
 
-    try:
         return prefix, conversion_of(convert_meshes, prefix)
     except ConfigError as error:
-        where = option(mark, "out", "FILE") if target is None else option(mark, "meshes", RELATIVE)
-        raise ConfigError(
-            replace(
-                problem,
-                message=f"{option(mark, 'convert_meshes', convert_meshes)}: {problem.message}",
-                mark=mark,
-                accepted=where if prefix is None and convert_meshes in list(MeshConversion) else problem.accepted,
-            )
-            for problem in error.problems
-        ) from None
+        raise ConfigError(replace(problem, mark=mark) for problem in error.problems) from None
 
 
 def _nowhere(mark: Mark) -> str:

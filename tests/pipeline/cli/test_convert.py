@@ -105,17 +105,6 @@ class TestFiles:
         assert b'name="shoulder"' in expand(folder / "two.urdf.xacro")
         assert b'name="shoulder"' in expand(folder / "three.xacro")
 
-    def test_a_missing_folder_is_made(self, cli: Cli, folder: Path) -> None:
-        """As deep as it is."""
-        cli("convert", "arm.csv", "-o", "robots/new/arm.urdf")
-        assert [path.name for path in (folder / "robots" / "new").iterdir()] == ["arm.urdf"]
-
-    def test_a_file_is_replaced(self, cli: Cli, folder: Path) -> None:
-        """By a good one."""
-        (folder / "arm.urdf").write_text("old")
-        cli("convert", "arm.csv", "-o", "arm.urdf")
-        assert robot_name(folder / "arm.urdf") == "arm"
-
     def test_a_failure_leaves_it_alone(self, cli: Cli, folder: Path) -> None:
         """A table that cannot be converted changes nothing."""
         (folder / "bad.urdf").write_text("old")
@@ -175,17 +164,6 @@ class TestRobot:
         assert "the table holds several manipulators" in answer.stderr
         assert "--robot 'left' or --robot 'right'" in answer.stderr
         assert "`dh2urdf run`" in answer.stderr
-
-    def test_an_unknown_one(self, cli: Cli) -> None:
-        """It is told with those that there are, and the one that was probably meant."""
-        answer = cli("convert", "arms.csv", "--robot", "rihgt", status=2)
-        assert "the table holds no manipulator 'rihgt'" in answer.stderr
-        assert "left, right, ../up, bad" in answer.stderr
-        assert "did you mean 'right'?" in answer.stderr
-
-    def test_the_only_one_may_be_named(self, cli: Cli) -> None:
-        """By its file's stem, where the table has no name."""
-        assert robot_name(cli("convert", "arm.csv", "--robot", "arm").stdout) == "arm"
 
     def test_a_name_that_is_a_path_names_no_file(self, cli: Cli, folder: Path) -> None:
         """The user's -o does."""

@@ -89,14 +89,6 @@ class TestFields:
         lower = fields(report(cli("info", "arm.csv", "--json").stdout)["detail"], "shoulder")["lower"]
         assert (lower["value"], lower["typed"], lower["read_in"]) == (-1.0, "-1 rad", None)
 
-    def test_an_offset_or_a_sign_in_an_expression_has_its_cell(self, cli: Cli) -> None:
-        """q2 + 90 in theta is an offset; 20 - q3 in d an offset and a sign."""
-        detail = report(cli("info", "arm.csv", "--json").stdout)["detail"]
-        turning, sliding = fields(detail, "shoulder")["offset"], fields(detail, "slide")
-        assert (turning["value"], turning["typed"]) == (math.pi / 2, "q2 + 90")
-        assert (sliding["offset"]["value"], sliding["offset"]["unit"]) == (0.02, "m")
-        assert (sliding["sign"]["value"], sliding["sign"]["typed"]) == (-1, "20 - q3")
-
     @pytest.mark.parametrize("path", TABLES, ids=lambda path: path.name)
     def test_every_field_of_every_table_of_the_project(self, cli: Cli, path: Path) -> None:
         """Each typed text is at its place; each value of the manipulator is printed."""
@@ -167,11 +159,6 @@ class TestTheArm:
         assert mass["total"] == dh2urdf.convert("arm.csv").robot.mass
         assert mass["computed"] == ["link_2", "link_3", "link_4", "base"]
 
-    def test_notices_are_told(self, cli: Cli) -> None:
-        """Those of the table and those of the robot."""
-        detail = report(cli("info", "arm.csv", "--json").stdout)["detail"]
-        assert any("the type is empty" in notice["message"] for notice in detail["notices"])
-
 
 class TestOtherTables:
     def test_a_workbook_names_its_cells(self, cli: Cli, tmp_path: Path) -> None:
@@ -203,20 +190,6 @@ class TestOtherTables:
         assert stated["payload"]["place"] == "arm.yaml:2:10"
         text = cli("info", "arm.yaml").stdout
         assert "\npayload: mass 2 kg, com 0 0 0.1 m, ixx 0.1 kg·m², iyy 0.1 kg·m², " in text
-
-    def test_what_holds_for_the_whole_arm_is_in_words(self, cli: Cli, tmp_path: Path) -> None:
-        """Each with its SI unit, as a sentence has it."""
-        (tmp_path / "arm.yaml").write_text(
-            "convention: standard\nbase: {mass: 4}\ncollisions: none\n"
-            "defaults: {density: 2700, geometry: {shape: box, radius: 0.04}}\njoints: [{a: 0.4, alpha: 0, d: 0.1}]\n"
-        )
-        lines = cli("info", "arm.yaml").stdout.splitlines()
-        assert lines[4:8] == [
-            "shape of the links: shape box, radius 0.04 m (arm.yaml:4:37)",
-            "density: 2700 kg/m³ (arm.yaml:4:21)",
-            "mass of the base: 4 kg (arm.yaml:2:14)",
-            "collisions: none (arm.yaml:3:13)",
-        ]
 
     def test_an_option_of_the_reader(self, cli: Cli, tmp_path: Path) -> None:
         """`--set` gives one that has no flag of its own."""
@@ -296,11 +269,6 @@ class TestForms:
         answer = cli("info", "bad.csv", "--json", status=2)
         assert json.loads(answer.stdout)["schema"] == "dh2urdf-error/1"
         assert answer.stderr == cli("convert", "bad.csv", status=2).stderr
-
-    def test_a_run_file(self, cli: Cli, folder: Path) -> None:
-        """The message says so."""
-        (folder / "run.yaml").write_text("inputs: arm.csv\n")
-        assert "this is a run file, not a table" in cli("info", "run.yaml", status=2).stderr
 
 
 class TestClosingLine:

@@ -100,21 +100,9 @@ class TestWords:
             in answer.stderr
         )
 
-    def test_an_unknown_option(self, cli: Callable[..., Answer]) -> None:
-        """Of the program, or of a command, with the one that was probably meant."""
-        assert "No such option '--versoin'" in cli("--versoin", status=2).stderr
-        assert "'--frames'" in cli("convert", "arm.csv", "--frams", "dh", status=2).stderr
-
     def test_control_characters_do_not_reach_the_terminal(self, cli: Callable[..., Answer]) -> None:
         """A word of the command line is shown harmlessly."""
         assert "\x1b" not in cli("\x1b[31mred", status=2).stderr
-
-
-def _a_closed_file() -> None:
-    reading, writing = os.pipe()
-    os.close(reading)
-    os.close(writing)
-    os.read(reading, 1)
 
 
 class TestDebug:
@@ -148,21 +136,12 @@ class TestDebug:
         with pytest.raises(LookupError):
             exit_status_of(["--debug", "plugins"])
 
-    def test_an_error_of_the_system_is_none_of_standard_output(
-        self, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
-    ) -> None:
-        """One that names no file was said to be one of writing the answer, wherever it came from."""
-        monkeypatch.setattr(dh2urdf.cli.plugins, "catalog", _a_closed_file)
-        assert exit_status_of(["plugins"], debug=False) == cli.INTERNAL_ERROR
-        assert capfd.readouterr().err.startswith("dh2urdf: internal error: OSError: [Errno 9] Bad file descriptor\n")
-
 
 class TestPipes:
     @pytest.mark.parametrize(
         "words",
         [
             ["plugins"],
-            ["plugins", "--json"],
             ["schema"],
             ["convert", str(CONFIGS / "tables" / "ur5.csv")],
             ["run", str(CONFIGS / "ur5_paper.yaml"), "-o", "out"],
@@ -222,12 +201,12 @@ def closed(folder: Path, words: list[str]) -> subprocess.CompletedProcess[str]:
     return subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
 
 
-def on_a_terminal(words: list[str], folder: Path, **environment: str) -> tuple[int, str]:
+def on_a_terminal(words: list[str], folder: Path) -> tuple[int, str]:
     """Exit status of a command on a terminal of its own, and what it printed there."""
     pid, terminal = pty.fork()
     if pid == 0:
         os.chdir(folder)
-        os.environ.update({"TERM": "xterm", "COLUMNS": "120", **environment})
+        os.environ.update({"TERM": "xterm", "COLUMNS": "120"})
         os.execv(COMMAND[0], [*COMMAND, *words])  # noqa: S606 - our own command
     printed = b""
     try:
@@ -248,10 +227,6 @@ class TestColours:
         status, printed = on_a_terminal([*self.WORDS], tmp_path)
         assert status == 0
         assert "\x1b[32mok" in printed
-
-    def test_whoever_wants_none_gets_none(self, tmp_path: Path) -> None:
-        """NO_COLOR is respected."""
-        assert "\x1b[32m" not in on_a_terminal([*self.WORDS], tmp_path, NO_COLOR="1")[1]
 
     def test_a_pipe_gets_none(self, cli: Callable[..., Answer]) -> None:
         """Nor does a file."""

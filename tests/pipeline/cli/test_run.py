@@ -91,7 +91,7 @@ class TestOutput:
         )
         assert written(folder) == set()
 
-    @pytest.mark.parametrize("workers", ["1", "2", "auto"])
+    @pytest.mark.parametrize("workers", ["1", "2"])
     def test_workers(self, cli: Cli, folder: Path, workers: str) -> None:
         """With any number of workers the files are the same."""
         (folder / "tables").mkdir()
@@ -120,13 +120,6 @@ class TestFailures:
         )
         assert answer.stderr.count(": error: ") == 1
         assert "arms.csv:4:9: error: " in answer.stderr
-
-    def test_notices_are_said_and_reported(self, cli: Cli, folder: Path) -> None:
-        """What was accepted and a careful person would want to know, once on standard error and once in the report."""
-        answer = cli("run", "arms.yaml", status=1)
-        (notice,) = next(entry for entry in report(folder)["manipulators"] if entry["name"] == "right")["notices"]
-        assert "pi/2 was probably meant" in notice["message"]
-        assert answer.stderr.count("pi/2 was probably meant") == 1
 
     def test_findings_of_a_simulator_are_said(self, cli: Cli, folder: Path) -> None:
         """An arm that sinks is no failure; the summary says so, and which row of the table is weak."""
@@ -217,14 +210,6 @@ class TestWords:
         assert answer.stderr.count(": error: ") == 1
         assert answer.stderr.startswith("table.yaml: error: this is a table, not a run file")
         assert "`dh2urdf convert table.yaml` converts it" in answer.stderr
-
-    @pytest.mark.parametrize("name", ["nope.yaml", "arm.csv", "."])
-    def test_what_is_no_run_file(self, cli: Cli, folder: Path, name: str) -> None:
-        """A missing file, a table, a folder: one message, with the name."""
-        answer = cli("run", name, status=2)
-        assert answer.stderr.startswith(f"{name}")
-        assert ": error: " in answer.stderr
-        assert written(folder) == set()
 
     def test_an_output_folder_that_is_a_file(self, cli: Cli, folder: Path) -> None:
         """The message names it, and says what to do."""

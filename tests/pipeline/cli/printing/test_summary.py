@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from dh2urdf.cli.printing.summary import MANY, MOST_ROWS, print_summary
+from dh2urdf.cli.printing.summary import MOST_ROWS, print_summary
 from dh2urdf.conversion.one_manipulator import Written
 from dh2urdf.conversion.outcome import Outcome, Verdict
 from dh2urdf.kinematics.proof import Proof
@@ -116,13 +116,6 @@ def test_a_long_run_is_cut(printed: Callable[..., list[str]]) -> None:
     assert len(cells(lines)) == MOST_ROWS
     assert "and 1,000,010 more manipulators" in lines
     assert "1,000,049 made, 1 failed; 1,000 per second" in lines
-
-
-def test_a_short_run_has_no_rate(printed: Callable[..., list[str]]) -> None:
-    """The start of the program would be most of it."""
-    outcomes = [outcome(f"arm{i}") for i in range(MANY)]
-    assert f"{MANY - 1} made" in printed(*outcomes[1:])
-    assert f"{MANY} made; 200 per second" in printed(*outcomes, seconds=0.5)
 
 
 def test_a_dry_run_says_so(printed: Callable[..., list[str]]) -> None:

@@ -39,14 +39,7 @@ OPTIONS = ("trials", "seed", "min_distance")
 
 @click.command(name="collisions", epilog=EXIT_STATUS)
 @click.argument("words", nargs=-1, required=True, metavar="ROBOT [NAME:=VALUE…]")
-@option(
-    "-o",
-    "--output",
-    "output",
-    type=PATH,
-    metavar="SRDF",
-    help="Where to write; what is in it stays.",
-)
+@option("-o", "--output", "output", type=PATH, metavar="SRDF", help="Where to write; what is in it stays.")
 @option("--update", "earlier", type=PATH, metavar="SRDF", help="Another file to begin with.")
 @option("--trials", metavar="N", help="Random states in which a pair of Never does not touch; 10000.")
 @option("--seed", metavar="N", help="Seed of the random states; 0.")
@@ -120,10 +113,5 @@ def _emitter(catalog: Catalog, file: Path | None) -> tuple[Any, Annotates]:
         return chosen, annotates
     suffixes = sorted({suffix for each in able for suffix in each.suffixes})
     message = "collision pairs are not written in this format" if file else "no emitter writes collision pairs"
-    raise ConfigError(
-        Problem(
-            message=message,
-            mark=Mark(file=str(file)) if file else None,
-            accepted=f"a name that ends in {' or '.join(suffixes)}" if suffixes else None,
-        )
-    )
+    accepted = f"a name that ends in {' or '.join(suffixes)}" if suffixes else None
+    raise ConfigError(Problem(message=message, mark=Mark(file=str(file)) if file else None, accepted=accepted))

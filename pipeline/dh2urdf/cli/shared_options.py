@@ -6,6 +6,7 @@ import os
 import sys
 from contextlib import nullcontext
 from dataclasses import fields, is_dataclass
+from functools import reduce
 from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -14,7 +15,10 @@ import click
 
 from dh2urdf.cli.answers import keep_apart, kept_apart
 from dh2urdf.commands.options_of_stages import Setting
+from dh2urdf.documents.text_files import is_there
+from dh2urdf.errors import ConfigError
 from dh2urdf.plugin_system.options import COMMAND_LINE
+from dh2urdf.source import Problem, shown
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
@@ -35,13 +39,7 @@ _BETWEEN = "__"
 
 def _all(*options: Callable[[F], F]) -> Callable[[F], F]:
     """Gives a command several options, in this order."""
-
-    def give(function: F) -> F:
-        for each in reversed(options):
-            function = each(function)
-        return function
-
-    return give
+    return lambda function: reduce(lambda given, give: give(given), reversed(options), function)
 
 
 def _leave_out(context: click.Context, _parameter: click.Parameter, names: tuple[str, ...]) -> None:
@@ -57,22 +55,11 @@ def _trust(context: click.Context, _parameter: click.Parameter, value: bool) -> 
             context.call_on_close(lambda: os.environ.pop(TRUST, None))
 
 
+_LEAVE_OUT = "Leave out a plugin, or all of a distribution; repeatable."
+_TRUST = "Read meshes though this system's kernel offers no wall around their readers."
 without_option: Callable[[Any], Any] = _all(
-    option(
-        _WITHOUT,
-        multiple=True,
-        metavar="NAME",
-        callback=_leave_out,
-        expose_value=False,
-        help="Leave out a plugin, or all of a distribution; repeatable.",
-    ),
-    option(
-        "--trust",
-        is_flag=True,
-        callback=_trust,
-        expose_value=False,
-        help="Read meshes though this system's kernel offers no wall around their readers.",
-    ),
+    option(_WITHOUT, multiple=True, metavar="NAME", callback=_leave_out, expose_value=False, help=_LEAVE_OUT),
+    option("--trust", is_flag=True, callback=_trust, expose_value=False, help=_TRUST),
 )
 """The options that all commands have, before the command's name and after it."""
 table_options: Callable[[Any], Any] = _all(
@@ -101,24 +88,18 @@ def files_and_arguments(words: Iterable[str]) -> tuple[list[Path], dict[str, str
     Raises:
         ConfigError: a word is no such argument, or one is given twice.
     """
-    from dh2urdf.documents.text_files import is_there
-    from dh2urdf.errors import ConfigError
-    from dh2urdf.source import Problem, shown
-
     files: list[Path] = []
     arguments: dict[str, str] = {}
-    problems: list[Problem] = []
     for word in words:
         name, sign, value = word.partition(":=")
+        name = name.strip()
         if not sign or is_there(Path(word)):
             files.append(Path(word))
-            continue
-        if not name.strip() or name.strip() in arguments:
-            message = f"{shown(word)} {'is given twice' if name.strip() else 'is no argument'}"
-            problems.append(Problem(message=message, mark=COMMAND_LINE, accepted="NAME:=VALUE, each name once"))
-        arguments[name.strip()] = value
-    if problems:
-        raise ConfigError(problems)
+        elif not name or name in arguments:
+            message = f"{shown(word)} {'is given twice' if name else 'is no argument'}"
+            raise ConfigError(Problem(message=message, mark=COMMAND_LINE, accepted="NAME:=VALUE, each name once"))
+        else:
+            arguments[name] = value
     return files, arguments
 
 

@@ -33,11 +33,6 @@ def given_table(table: Path, reader: str | None, catalog: Catalog) -> tuple[Path
 
     What comes from there is kept in a file until the command ends.
 
-    Args:
-        table: the table as it was given.
-        reader: the name of the reader, where it was given.
-        catalog: the readers that there are.
-
     Raises:
         TableError: standard input is empty, too long or closed, or its format is not sure.
         UnknownStageError: there is no such reader.

@@ -83,13 +83,6 @@ def read_manipulator(
 ) -> Manipulator:
     """The manipulator of a table that is meant.
 
-    Args:
-        call: the reader.
-        table: the table's file.
-        robot: which manipulator is meant; None where the table has one.
-        mark: the place that problems name: the command line, or the function that was called.
-        trace: takes what the cells of the manipulator say, where it is wanted.
-
     Raises:
         TableError: it cannot be read, there is none, or which of several is not said.
         ConfigError: the file is a run file.
@@ -124,12 +117,6 @@ def chosen_manipulator(
 ) -> Manipulator:
     """The manipulator that is meant.
 
-    Args:
-        items: the manipulators of a table.
-        robot: which of them is meant; None where there is one.
-        file: what messages call the table.
-        mark: the place of the options: the command line, or the function that was called.
-
     Raises:
         TableError: it cannot be read, there is none, or which of several is not said.
     """
@@ -138,14 +125,10 @@ def chosen_manipulator(
     for item in items:
         if robot is None and chosen is not None:
             names = [option(mark, "robot", shown(name)) for name in (chosen.name, item.name)]
-            raise TableError(
-                Problem(
-                    message="the table holds several manipulators, and one conversion makes one",
-                    mark=Mark(file=file),
-                    accepted=f"{option(mark, 'robot', 'NAME')}, such as {' or '.join(names)}",
-                    suggestion="`dh2urdf run` with a run file makes all of them, and `dh2urdf.read_all` reads them",
-                )
-            )
+            message = "the table holds several manipulators, and one conversion makes one"
+            choices = f"{option(mark, 'robot', 'NAME')}, such as {' or '.join(names)}"
+            advice = "`dh2urdf run` with a run file makes all of them, and `dh2urdf.read_all` reads them"
+            raise TableError(Problem(message=message, mark=Mark(file=file), accepted=choices, suggestion=advice))
         if robot in (None, item.name):
             chosen = item
             if robot is not None:

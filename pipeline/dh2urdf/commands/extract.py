@@ -40,15 +40,7 @@ def description_reader(
     given: Mapping[str, str | None] | None = None,
     settings: Iterable[Setting] = (),
 ) -> Call[Reader[Any]]:
-    """The reader of a robot description, with its options.
-
-    Args:
-        catalog: the stages that there are.
-        path: the description.
-        mark: the place that problems name: the command line, or the function that was called.
-        reader: name of the reader; without it the file's suffix says it.
-        given: options as words.
-        settings: further options.
+    """The reader of a robot description, with its options; the arguments are those of `chosen_table.reader_call`.
 
     Raises:
         TableError: there is no such file.
@@ -58,17 +50,10 @@ def description_reader(
     check_file(path, TableError)
     stage = chosen_reader(catalog, path, reader, mark)
     if stage.can(ReadsDescriptions) is None:
-        known = [item.stage for item in catalog.provided("reader")]
-        names = [each.name for each in known if each.can(ReadsDescriptions)]
-        raise ConfigError(
-            Problem(
-                message=f"the reader {stage.name!r} reads tables, and a table is extracted of a robot description",
-                mark=mark,
-                found=str(path),
-                accepted=f"a file in the format {', '.join(names)}",
-                suggestion="`dh2urdf info` shows a table",
-            )
-        )
+        names = [item.stage.name for item in catalog.provided("reader") if item.stage.can(ReadsDescriptions)]
+        message = f"the reader {stage.name!r} reads tables, and a table is extracted of a robot description"
+        accepted = f"a file in the format {', '.join(names)}"
+        raise ConfigError(Problem(message=message, mark=mark, found=str(path), accepted=accepted))
     if given and "arguments" in given and "arguments" not in stage.options.__dataclass_fields__:
         message = f"files of the format {stage.name!r} have no macros: they take no arguments"
         raise ConfigError(Problem(message=message, mark=Mark(file=str(path)), accepted="NAME:=VALUE with a xacro"))
@@ -127,14 +112,9 @@ def the_one(call: Call[Reader[Any]], path: Path) -> Manipulator:
     arms, refused = chains_of(call, path)
     if len(arms) == 1 and not refused:
         return arms[0]
-    raise TableError(
-        Problem(
-            message=f"{len(arms) + len(refused)} chains are asked for, and one table has one",
-            mark=Mark(file=str(path)),
-            field="tip_link",
-            accepted="the name of a link",
-        )
-    )
+    message = f"{len(arms) + len(refused)} chains are asked for, and one table has one"
+    mark = Mark(file=str(path))
+    raise TableError(Problem(message=message, mark=mark, field="tip_link", accepted="the name of a link"))
 
 
 def write_extracted(

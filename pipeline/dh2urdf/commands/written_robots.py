@@ -68,13 +68,14 @@ def _compare(robot: Robot, described: Robot, mark: Mark) -> None:
     parents = {joint.parent for joint in robot.joints}
     for tip in (joint.child for joint in robot.joints if joint.child not in parents):
         given, found = (KinematicChain.between(each, robot.root, tip) for each in (robot, described))
-        moving = [joint for joint in given.joints if joint.type is not JointType.FIXED]
+        limits = [joint.limits for joint in given.joints if joint.type is not JointType.FIXED]
+        bounds = [
+            (-math.pi if each.lower is None else each.lower, math.pi if each.upper is None else each.upper)
+            for each in limits
+        ]
         for part in (0.0, 1.0, 0.3, 0.7):
-            q = []
-            for number, joint in enumerate(moving):
-                lower = -math.pi if joint.limits.lower is None else joint.limits.lower
-                upper = math.pi if joint.limits.upper is None else joint.limits.upper
-                q.append(lower + (part if number % 2 else 1.0 - part) * (upper - lower))
+            parts = [part if number % 2 else 1.0 - part for number in range(len(bounds))]
+            q = [lower + share * (upper - lower) for share, (lower, upper) in zip(parts, bounds, strict=True)]
             left, right = given.forward_kinematics(q), found.forward_kinematics(q)
             position, angle = position_error(left, right), angle_error(left, right)
             if not (position <= TOLERANCE and angle <= TOLERANCE):

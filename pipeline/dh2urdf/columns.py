@@ -8,14 +8,13 @@ as it would be to each. A number that all have alike is a float.
 from __future__ import annotations
 
 from collections import defaultdict
-from dataclasses import field, fields, is_dataclass, replace
+from dataclasses import dataclass, field, fields, is_dataclass, replace
 from functools import cache, partial
 from itertools import chain, repeat
 from operator import attrgetter, is_, ne
 from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar, cast
 
 from dh2urdf.elementwise import array_of, is_column
-from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.manipulator import DHRow, Inertia, JointType, Limits, Manipulator
 from dh2urdf.record_fields import many_unchecked, members_of, replace_unchecked
 from dh2urdf.robot import Robot

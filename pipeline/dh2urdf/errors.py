@@ -37,13 +37,12 @@ Every exception carries its data as attributes; its text says where, what was fo
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterable
 from typing import TYPE_CHECKING, ClassVar
 
 from dh2urdf.source import Problem, did_you_mean, in_file_order
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Callable, Iterable, Sequence
 
     from dh2urdf.source import Mark
 
@@ -88,8 +87,7 @@ class _ProblemsError(Dh2UrdfError):
 
 def _several(error: Exception, problems: Iterable[Problem]) -> tuple[Problem, ...]:
     """Raises a TypeError where problems are something else: code that prints them could not."""
-    given = problems if isinstance(problems, Iterable) and not isinstance(problems, (str, bytes)) else (problems,)
-    found = tuple(given)
+    found = tuple(problems)
     for problem in found:
         if not isinstance(problem, Problem):
             raise TypeError(f"{type(error).__name__} was made of {problem!r:.60}, not of a text or of Problems")
@@ -97,13 +95,6 @@ def _several(error: Exception, problems: Iterable[Problem]) -> tuple[Problem, ..
 
 
 _LONGEST_REASON = 200
-
-
-def _texts(error: Exception, *words: str) -> None:
-    """Raises a TypeError where the words of an error are none."""
-    for word in words:
-        if not isinstance(word, str) or not word.strip():
-            raise TypeError(f"{type(error).__name__} was made of {word!r:.60}, not of a text")
 
 
 class InputError(_ProblemsError):
@@ -311,12 +302,6 @@ class StageConflictError(PluginError):
         return tuple(f"{name}:{self.name}" for name in names) if len(set(names)) == len(names) else ()
 
     def _message(self) -> str:
-        if len(set(self.distributions)) == 1:
-            whose = self.distributions[0]
-            return (
-                f"{self.kind} {self.name!r} is provided more than once by {whose}; "
-                f"tell the authors of {whose}, or leave it out: `--without NAME`"
-            )
         choice = f"say which is meant: {' or '.join(self.choices)}; or" if self.choices else "to choose,"
         return (
             f"{self.kind} {self.name!r} is claimed by {' and by '.join(self.distributions)}; "
@@ -346,7 +331,6 @@ class MissingDependencyError(PluginError):
     """
 
     def __init__(self, stage: str, package: str, extra: str, reason: str | ImportError = "") -> None:
-        _texts(self, stage, package, extra)
         if isinstance(reason, ModuleNotFoundError):
             reason = ""
         self.stage, self.package, self.extra = stage, package, extra
@@ -372,7 +356,6 @@ class MissingProgramError(PluginError):
     """
 
     def __init__(self, stage: str, program: str, remedy: str) -> None:
-        _texts(self, stage, program, remedy)
         self.stage, self.program, self.remedy = stage, program, remedy
         super().__init__(stage, program, remedy)
 

@@ -4,12 +4,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping
-from dataclasses import field
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TypeVar
+from typing import NamedTuple, TypeVar
 
-from dh2urdf.late_dataclasses import dataclass
-from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.robot import Robot
 from dh2urdf.source import Problem
 

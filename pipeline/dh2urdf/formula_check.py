@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import math
+import re
 from functools import lru_cache
 from typing import TYPE_CHECKING
 
-from dh2urdf.patterns import late_pattern
 from dh2urdf.robot import Box, Cylinder
 from dh2urdf.source import Problem, shown
 
@@ -20,7 +20,7 @@ FUNCTIONS = frozenset({"abs", "max", "min", "sin", "cos", "atan2"})
 """The functions that formulas may use."""
 
 
-_IDENTIFIER = late_pattern(r"(?<![\w.])[^\W\d]\w*")
+_IDENTIFIER = r"(?<![\w.])[^\W\d]\w*"
 
 
 def formula_problems(robot: Robot) -> Iterator[Problem]:
@@ -62,4 +62,4 @@ def _origin_formulas(origin: Origin) -> Iterator[str]:
 @lru_cache(maxsize=4096)
 def _names_in(formula: str) -> tuple[str, ...]:
     """The names that a formula uses; the robots of a run share most of their formulas."""
-    return tuple(dict.fromkeys(_IDENTIFIER.findall(formula)))
+    return tuple(dict.fromkeys(re.findall(_IDENTIFIER, formula)))

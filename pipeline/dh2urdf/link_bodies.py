@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import field
+from dataclasses import dataclass, field
 
-from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.record_fields import take_exact_fields, take_fields
 from dh2urdf.rotations import IDENTITY, RigidTransform, Vec3
 from dh2urdf.source import Mark

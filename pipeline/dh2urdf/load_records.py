@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import field
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.robot import Inertial, Robot
 from dh2urdf.source import Mark, Problem
 

@@ -6,12 +6,11 @@ the sign stay as the table has them, and `dh2urdf.kinematics.chain` is the one p
 
 from __future__ import annotations
 
-from dataclasses import field
+from dataclasses import dataclass, field
 from enum import StrEnum
 from typing import TYPE_CHECKING
 
 from dh2urdf._faces import function_of
-from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.link_bodies import (
     Inertia,
     LinkGeometry,

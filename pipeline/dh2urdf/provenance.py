@@ -6,9 +6,9 @@ collects it where it is asked to (`dh2urdf.stages.Reader.trace`), and reading a 
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.source import Mark
 
 if TYPE_CHECKING:

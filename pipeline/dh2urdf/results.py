@@ -14,9 +14,7 @@ A key that is not always there is `NotRequired`, as in the schema.
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal, NotRequired, TypeAlias, TypedDict
-
-from dh2urdf.late_tuples import NamedTuple
+from typing import Annotated, Any, Literal, NamedTuple, NotRequired, TypeAlias, TypedDict
 
 
 class Keyword(NamedTuple):

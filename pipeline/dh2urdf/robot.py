@@ -12,12 +12,11 @@ other robot; `Robot.arms` says besides of which arms it is composed, for emitter
 
 from __future__ import annotations
 
-from dataclasses import field
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from dh2urdf._faces import function_of
 from dh2urdf.elementwise import total
-from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.manipulator import Inertia, JointType, Limits, Manipulator
 from dh2urdf.record_fields import take_fields
 from dh2urdf.rotations import Z_AXIS, ZERO, Vec3

@@ -15,7 +15,6 @@ from typing import TYPE_CHECKING
 from dh2urdf.formula_check import formula_problems
 from dh2urdf.manipulator import JointType
 from dh2urdf.mass_properties import inertia_problem, is_sound
-from dh2urdf.patterns import late_pattern
 from dh2urdf.robot import Box, Cylinder, Mesh, Sphere
 from dh2urdf.rotations import norm
 from dh2urdf.row_fields import DYNAMICS
@@ -37,7 +36,7 @@ UNIT = 1e-9
 # XML holds none of these, or holds them so that readers make spaces of them (XML 1.0, sections 2.2 and 3.3.3).
 # It is compiled at the first name that is not plain ASCII: that alone takes as long as checking a robot.
 _NOT_IN_NAMES = "[\x00-\x1f\x7f-\x9f\ud800-\udfff\ufffe\uffff]"
-_TROUBLESOME = late_pattern(r"\s|::|[&<>\"'/]|[^\x00-\x7f]")
+_TROUBLESOME = r"\s|::|[&<>\"'/]|[^\x00-\x7f]"
 
 
 def check_robot(robot: Robot) -> tuple[Problem, ...]:
@@ -120,7 +119,7 @@ def _name_problems(robot: Robot, joint_to: dict[str, Joint]) -> Iterator[Problem
                 ),
                 joint,
             )
-        elif not (name.isascii() and name.replace("-", "_").isidentifier()) and _TROUBLESOME.search(name):
+        elif not (name.isascii() and name.replace("-", "_").isidentifier()) and re.search(_TROUBLESOME, name):
             troublesome.append(name)
         owners.setdefault(name, kind)
     if not robot.name.strip():

@@ -11,10 +11,9 @@ Rotations are row-major 9-tuples (r00, r01, r02, r10, …), vectors are 3-tuples
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
 from dh2urdf.elementwise import Condition, Number, array_of, atan2, hypot, is_column
-from dh2urdf.late_tuples import NamedTuple
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

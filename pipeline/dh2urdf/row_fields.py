@@ -7,9 +7,8 @@ lists here come from the fields of the records: a number that is added to `DHRow
 from __future__ import annotations
 
 from dataclasses import fields
-from typing import Any
+from typing import Any, NamedTuple
 
-from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.manipulator import DHRow, Inertia, JointType, Limits, Manipulator
 from dh2urdf.quantities.units import Dimension
 from dh2urdf.robot import Joint

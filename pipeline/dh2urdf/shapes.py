@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import field
+from dataclasses import dataclass, field
 from typing import TypeAlias
 
-from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.link_bodies import MeshFile
 from dh2urdf.record_fields import take_fields
 from dh2urdf.rotations import ZERO, RigidTransform, Vec3

@@ -10,12 +10,10 @@ import math
 import re
 from bisect import bisect_right
 from collections.abc import Iterable, Mapping, Sequence
-from typing import TYPE_CHECKING
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, NamedTuple
 
-from dh2urdf.late_dataclasses import dataclass
-from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.manipulator import JointType
-from dh2urdf.patterns import late_pattern
 from dh2urdf.quantities.number_text import format_number
 from dh2urdf.quantities.units import UNITS, Dimension, Unit
 from dh2urdf.rotations import IDENTITY, RigidTransform, Vec3
@@ -364,15 +362,13 @@ def _mapping(*entries: str) -> str:
     return f"{{{said}}}" if said else ""
 
 
-_PLAIN_WORD = late_pattern(
-    r"[A-Za-z0-9_.π°√][A-Za-z0-9_.+*/()π°√ -]*(?<! )|-[A-Za-z0-9_.(π√][A-Za-z0-9_.+*/()π°√ -]*(?<! )"
-)
-_OTHER_THAN_TEXT = late_pattern(r"~|null|true|false|\.(inf|nan)", re.IGNORECASE)
+_PLAIN_WORD = r"[A-Za-z0-9_.π°√][A-Za-z0-9_.+*/()π°√ -]*(?<! )|-[A-Za-z0-9_.(π√][A-Za-z0-9_.+*/()π°√ -]*(?<! )"
+_OTHER_THAN_TEXT = r"(?i)~|null|true|false|\.(inf|nan)"
 
 
 def yaml_word(text: str) -> str:
     """A text as a scalar of YAML, bare where that is the same: ``pi/2``, ``-425 mm``, ``"a: b"``."""
-    if _PLAIN_WORD.fullmatch(text) and not _OTHER_THAN_TEXT.fullmatch(text):
+    if re.fullmatch(_PLAIN_WORD, text) and not re.fullmatch(_OTHER_THAN_TEXT, text):
         return text
     import json
 

@@ -5,12 +5,11 @@ from __future__ import annotations
 import contextlib
 import os
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 from xml.parsers import expat
 
 from dh2urdf.documents.text_files import check_file
 from dh2urdf.errors import InputError
-from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.source import Mark, Problem
 from dh2urdf.stage_calls.answers import items_of
 from dh2urdf.stage_calls.calls import Call, depending_on

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import math
 import re
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 from xml.parsers import expat
 
 from dh2urdf.documents import read_bytes
 from dh2urdf.errors import InputError
-from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.quantities import format_numbers
 from dh2urdf.rotations import norm
 from dh2urdf.source import Mark, Problem, free_name, shown

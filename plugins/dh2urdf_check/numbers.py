@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import math
 import re
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
-from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.manipulator import Inertia
 from dh2urdf.mass_properties import principal_moments
 from dh2urdf.row_fields import INERTIA

@@ -5,6 +5,7 @@ They are in the folder ``rule_tables`` beside this module, a file a group; the p
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from enum import StrEnum
 from functools import cache
 from pathlib import Path
@@ -12,7 +13,6 @@ from typing import TYPE_CHECKING
 
 import yaml
 
-from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.source import shown
 from dh2urdf.stages import Effect, Finding
 

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from dh2urdf.commands.check import emitter_of, has_macros, inspect
 from dh2urdf.documents.text_files import check_file, is_folder
 from dh2urdf.errors import ConfigError, InputError
-from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.source import Mark, Problem
-from dh2urdf.stage_calls.answers import a_whole_record
+from dh2urdf.stage_calls.answers import a_record
 from dh2urdf.stage_calls.calls import Call, depending_on
 from dh2urdf.stages import Checks, Expansion, Finding, Repair
 from dh2urdf_check.described_files import described_files
@@ -114,4 +113,4 @@ def repaired(catalog: Catalog, file: Path, format_name: str | None, choice: str)
         suggestion = "fix them at the places that the findings name"
         raise ConfigError(Problem(message=message, mark=Mark(file=str(file)), accepted="a URDF", suggestion=suggestion))
     with depending_on(Call(stage=emitter, options=None, plugin=catalog.plugin_of(emitter)), "fix"):
-        return a_whole_record(checks.fix(file), Repair)
+        return a_record(checks.fix(file), Repair)

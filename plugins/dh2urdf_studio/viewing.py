@@ -21,7 +21,7 @@ from dh2urdf.run_file.config import RUN_SUFFIXES, is_run_file, load_config
 from dh2urdf.run_file.plan import make_plan
 from dh2urdf.run_file.records import StageCall
 from dh2urdf.source import Mark, Problem, listed, shown
-from dh2urdf.stage_calls.answers import a_whole_record
+from dh2urdf.stage_calls.answers import a_record
 from dh2urdf.stage_calls.calls import blaming, default_call
 from dh2urdf.stages import Expansion, ReadsBack, ReadsForeign, Rejected
 from dh2urdf.tasks.batch import items
@@ -124,7 +124,7 @@ def description(path: Path, catalog: Catalog, expansion: Expansion | None = None
     given = expansion or Expansion()
     with blaming(default_call(catalog, emitter), "read_back" if isinstance(reads, ReadsBack) else "read_foreign"):
         read = reads.read_back(path) if isinstance(reads, ReadsBack) else reads.read_foreign(path, given)
-        read = a_whole_record(read, ForeignRobot, Robot)
+        read = a_record(read, ForeignRobot, Robot)
     found = read if isinstance(read, ForeignRobot) else ForeignRobot(robot=read)
     robot = _with_unit_axes(found.robot)
     packages = with_its_own(path, packages_in(expansion.package_paths if expansion else ()))

@@ -45,24 +45,6 @@ class TestNames:
         assert dh2urdf.Manipulator is sys.modules["dh2urdf.manipulator"].Manipulator
         assert dh2urdf.kinematics.chain is sys.modules["dh2urdf.kinematics.chain"]
 
-    def test_no_other(self) -> None:
-        """A name that is not there is an AttributeError, as of any module, and so is one of an inner module."""
-        for name in ("manipulater", "json"):
-            with pytest.raises(AttributeError, match=f"module 'dh2urdf' has no attribute '{name}'"):
-                getattr(dh2urdf, name)
-
-    def test_a_module_takes_no_function_s_place(self) -> None:
-        """No submodule has the name of a function: its import would put it in the function's place."""
-        source = Path(dh2urdf.__file__).parent
-        modules = {path.stem for path in source.iterdir()}
-        assert {name for name in dh2urdf.__all__ if callable(getattr(dh2urdf, name))} & modules == set()
-
-    def test_the_star_takes_all(self) -> None:
-        """`from dh2urdf import *` gives the public names."""
-        names: dict[str, object] = {}
-        exec("from dh2urdf import *", names)  # noqa: S102 - that is how it is said
-        assert set(dh2urdf.__all__) <= set(names)
-
     @pytest.mark.long
     def test_they_are_typed(self, tmp_path: Path, types_cache: Path) -> None:
         """mypy --strict knows what each function takes and gives, and no name that is not there."""

@@ -7,15 +7,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from hypothesis import given, strategies as st
 
-from dh2urdf.columns import RobotColumns, columns_of, in_columns, replaced
+from dh2urdf.columns import RobotColumns, columns_of, in_columns
 from dh2urdf.manipulator import Convention, DHRow, Inertia, JointType, Limits, LinkGeometry, Manipulator, Payload
 from dh2urdf.robot import Collision, Inertial, Joint, Link, Origin, Robot, Sphere
 from dh2urdf.rotations import RigidTransform
 from dh2urdf.source import Mark, Problem
-from dh2urdf.unchecked_records import replace_unchecked
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
     from random import Random
 
 NUMBERS = st.one_of(st.sampled_from([0.0, 0.5, 1, -2]), st.floats(allow_nan=False, allow_infinity=False))
@@ -104,13 +102,6 @@ class TestManipulatorsInColumns:
         assert [taken.pick(k) for k in range(5)] == [many[place] for place in places]
         assert bool(columns_of(taken)) is (len({numbers[place] for place in places}) > 1)
 
-    def test_are_floats_where_all_are_alike(self) -> None:
-        """Only what differs is an array."""
-        ((_, columns),) = in_columns([table(row(a=a, d=0.1, mass=2.0)) for a in (0.1, 0.2, 0.3)])
-        (only,) = columns.table.rows
-        assert only.a.tolist() == [0.1, 0.2, 0.3]  # type: ignore[attr-defined]
-        assert (only.d, only.mass, only.radius, only.sign) == (0.1, 2.0, None, 1)
-
     def test_differ_in_numbers_only(self) -> None:
         """Names, types, signs, what is said at all, frames, shapes and notices keep tables apart."""
         different = [
@@ -175,14 +166,3 @@ class TestRobotsInColumns:
         robots = self.robots(present={(1, 1): np.array([False, True])})
         assert robots.pick(0).links[1].collisions == (self.shapes[0], self.shapes[2])
         assert robots.pick(1).links[1].collisions == self.shapes
-
-
-@given(st.lists(NUMBERS, min_size=1, max_size=4))
-def test_a_record_without_columns_is_itself(numbers: Sequence[float]) -> None:
-    """Nothing is copied that need not be, and nothing but columns is touched."""
-    record = table(row(a=numbers[0], com=(0.0, numbers[-1], 1.0)), tool=RigidTransform.from_xyz_rpy((1.0, 0.0, 0.0)))
-    assert replaced(record, lambda _: 0.0) is record
-    assert columns_of(record) == []
-    with_column = replace_unchecked(record, rows=(replace_unchecked(record.rows[0], d=np.array([1.0, 2.0])),))
-    assert [column.tolist() for column in columns_of(with_column)] == [[1.0, 2.0]]
-    assert replaced(with_column, lambda _: 0.0).tool is record.tool

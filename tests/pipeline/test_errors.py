@@ -114,11 +114,6 @@ class TestLists:
         assert TableError(PROBLEM).problems == (PROBLEM,)
         assert TableError(problem for problem in [PROBLEM, PROBLEM]).problems == (PROBLEM, PROBLEM)
 
-    def test_all_problems_are_said_in_order(self) -> None:
-        """The text has every problem, in the order of the file."""
-        many = [Problem(message=f"problem {number}") for number in range(SCREENFUL)]
-        assert str(TableError(many)).splitlines() == [f"error: problem {number}" for number in range(SCREENFUL)]
-
     @pytest.mark.parametrize(("more", "last"), [(1, "and 1 more problem"), (1000, "and 1000 more problems")])
     def test_beyond_a_screenful_they_are_counted(self, more: int, last: str) -> None:
         """A thousand problems do not scroll the first away; none is lost from the data."""
@@ -144,13 +139,6 @@ class TestLists:
             ]
             assert [problem.message for problem in each.notices] == ["line 1", "line 3"]
 
-    def test_no_error_is_scrolled_away_by_notices(self) -> None:
-        """Each kind has a screenful of its own, and the rest of each is counted."""
-        notices = [Problem(message="look", severity="notice")] * (SCREENFUL + 2)
-        lines = str(TableError("wrong", notices)).splitlines()
-        assert lines.count("notice: look") == SCREENFUL
-        assert lines[-2:] == ["error: wrong", "and 2 more notices"]
-
 
 class TestMessages:
     def test_of_a_broken_plugin(self) -> None:
@@ -160,11 +148,6 @@ class TestMessages:
             "plugin 'lab = lab.plugin' of lab 1.0 is broken: OSError: gone; `--debug` shows where; "
             "tell the authors of lab 1.0, or leave it out: `--without lab`"
         )
-
-    def test_of_a_missing_dependency(self) -> None:
-        """It says what to type."""
-        error = MissingDependencyError("loader 'pybullet'", "pybullet", "dh2urdf[pybullet]")
-        assert str(error) == f"loader 'pybullet' needs pybullet: {sys.executable} -m pip install 'dh2urdf[pybullet]'"
 
     def test_of_a_dependency_that_lacks_a_library(self) -> None:
         """It is installed, so that installing it again would change nothing; where it is not, nothing else is said."""
@@ -180,11 +163,6 @@ class TestMessages:
             f"needs drake: {sys.executable} -m pip install 'dh2urdf[drake]'"
         )
 
-    def test_of_a_missing_program(self) -> None:
-        """It says what is missing and what to do."""
-        error = MissingProgramError("loader 'gazebo'", "the command gz", "apt-get install gz")
-        assert str(error) == "loader 'gazebo' needs the command gz: apt-get install gz"
-
     def test_of_a_conflict(self) -> None:
         """It names the stage, both distributions, how to say which is meant, and how to do without one."""
         error = StageConflictError("reader", "csv", ["one 1.0", "two 1.0"])
@@ -192,27 +170,6 @@ class TestMessages:
             "reader 'csv' is claimed by one 1.0 and by two 1.0; say which is meant: one:csv or two:csv; or leave one of "
             "the plugins out: `--without NAME`"
         )
-
-    def test_of_a_conflict_within_one_distribution(self) -> None:
-        """The name of the distribution does not tell the two apart, so it is not offered."""
-        error = StageConflictError("reader", "csv", ["one 1.0", "one 1.0"])
-        assert error.choices == ()
-        assert str(error) == (
-            "reader 'csv' is provided more than once by one 1.0; tell the authors of "
-            "one 1.0, or leave it out: `--without NAME`"
-        )
-
-    def test_of_an_incompatible_plugin(self) -> None:
-        """It names the plugin and the distribution, and says that nothing of it was loaded, and why."""
-        error = IncompatiblePluginError("lab = lab.plugin", "lab 1.0", "it is made for version 2")
-        assert str(error) == "plugin 'lab = lab.plugin' of lab 1.0 is not loaded: it is made for version 2"
-
-    def test_of_a_failed_stage(self) -> None:
-        """It names the stage, what it raised, and where to see more; its traceback is kept."""
-        error = StageError("emitter 'urdf'", "KeyError: 'x'", "Traceback …")
-        assert str(error).startswith("error: emitter 'urdf' failed: KeyError: 'x'")
-        assert "--debug" in str(error)
-        assert error.traceback == "Traceback …"
 
     def test_of_a_failed_stage_of_a_plugin(self) -> None:
         """It names the distribution with its version, and the plugin whose authors should hear of it."""

@@ -10,7 +10,6 @@ from dh2urdf import results
 from dh2urdf.manipulator import Convention, JointType
 from dh2urdf.plugin_system import KINDS
 from dh2urdf.report.answers.conversions import FILLED_IN
-from dh2urdf.report.manifest_writer import REPORTED
 
 
 def test_names_are_those_of_the_records() -> None:
@@ -19,12 +18,6 @@ def test_names_are_those_of_the_records() -> None:
     assert get_args(results.JointTypeName) == tuple(JointType)
     assert get_args(results.KindName) == KINDS
     assert list(get_type_hints(results.FilledInEntry)) == [words.replace(" ", "_") for words in FILLED_IN]
-
-
-def test_the_report_says_how_many_rows_it_has() -> None:
-    """In words, where the number of rows is a constant of another module."""
-    hint = get_type_hints(results.RunReport, include_extras=True)["manipulators"]
-    assert f" {REPORTED} " in hint.__metadata__[0]
 
 
 def test_importing_dh2urdf_does_not_import_them() -> None:

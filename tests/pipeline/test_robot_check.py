@@ -136,11 +136,6 @@ def test_every_rule_has_its_sentence(robot: Robot, says: str) -> None:
     assert (problem.severity, problem.joint, problem.mark, problem.robot) == ("error", "joint_1", MARK, "arm")
 
 
-def test_lower_may_equal_upper() -> None:
-    """A joint that is locked."""
-    assert check_robot(with_joint(limits=replace(LIMITS, lower=1.0))) == ()
-
-
 def test_a_mirrored_mesh_is_a_mesh() -> None:
     """Its scale is negative."""
     assert check_robot(shaped(Mesh(filename="a.stl", scale=(1.0, -1.0, 1.0)))) == ()
@@ -188,17 +183,6 @@ def test_a_name_that_readers_fail_on_is_refused(name: str, says: str) -> None:
     assert says in errors[0].message
 
 
-def test_the_longest_name_is_accepted() -> None:
-    """1,000 characters."""
-    assert check_robot(renamed("link_1", "x" * 1000)) == ()
-
-
-def test_two_links_of_one_name_are_refused() -> None:
-    """A duplicate crashes PyBullet."""
-    twice = replace(GOOD, links=(*GOOD.links, Link(name="link_1", inertial=BODY)))
-    assert "has the name of another link" in only(twice).message
-
-
 def test_names_that_some_tools_do_not_take_are_a_notice() -> None:
     """One for all of them; the robot is written."""
     problem = only(renamed("link_1", "upper arm"))
@@ -244,11 +228,6 @@ def test_a_joint_to_nowhere_is_refused() -> None:
     problem = check_robot(with_joint(parent="base_link_inerta"))[0]
     assert problem.found == "base_link_inerta"
     assert problem.suggestion == "did you mean 'base_link_inertia'?"
-
-
-def test_no_links_are_no_robot() -> None:
-    """Nothing to write."""
-    assert "no links" in only(Robot(name="arm", links=(), joints=())).message
 
 
 def test_a_frame_below_a_frame_is_refused_where_both_weigh_nothing() -> None:
@@ -378,8 +357,3 @@ def test_what_robots_have_alike_is_judged_by_one_of_them() -> None:
 
 def _heavy(*masses: float) -> Inertial:
     return replace(BODY, mass=np.array(masses))
-
-
-def test_a_robot_without_a_name_is_not_sure() -> None:
-    """Names differ from robot to robot as numbers do."""
-    assert sure_columns(GOOD, ["a", " ", ""]).tolist() == [True, False, False]

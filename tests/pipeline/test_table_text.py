@@ -73,12 +73,6 @@ def test_columns_are_those_in_use(reference_robots: list[ReferenceRobot]) -> Non
         assert len(rows) == len(robot.manipulator.rows)
 
 
-@pytest.mark.parametrize("word", ["pi/2", "-425 mm", "90°", "ur5", "q1 + pi/2", "0.5"])
-def test_a_plain_word_stays_bare(word: str) -> None:
-    """What people type into cells needs no quotes in YAML."""
-    assert yaml_word(word) == word
-
-
 @pytest.mark.parametrize("word", ["", "a: b", "#1", "null", "True", "x ", "[0]", "~", "-", "- a", "a, b", "{x}"])
 def test_a_word_that_means_something_else_is_quoted(word: str) -> None:
     """What YAML would take for something else than the text is in quotes."""
@@ -111,7 +105,3 @@ class TestPlaces:
     def test_a_mark_means_a_cell(self, line: int | None, column: int | None, found: Any) -> None:
         """A place in the file leads to row and field; that of a line to its row."""
         assert self.written.at(Mark(file="x", line=line, column=column)) == found
-
-    def test_no_mark_means_nothing(self) -> None:
-        """What has no place is about no cell."""
-        assert self.written.at(None) == (None, None)

@@ -46,12 +46,6 @@ def texts(found: list[warnings.WarningMessage]) -> list[str]:
     return [str(each.message) for each in found]
 
 
-def test_it_is_a_warning_of_users() -> None:
-    """Python shows it without being asked to."""
-    assert issubclass(dh2urdf.TableWarning, UserWarning)
-    assert dh2urdf.errors.TableWarning is dh2urdf.TableWarning
-
-
 def test_of_an_array() -> None:
     """An arm of 740 m is none in silence, and the line of the caller is named."""
     arm, found = told(lambda: dh2urdf.Manipulator.from_dh(IN_MM, **HOW))
@@ -60,12 +54,6 @@ def test_of_an_array() -> None:
     assert "the arm is 740 m long" in str(found[0].message)
     line = Path(__file__).read_text("utf-8").splitlines()[found[0].lineno - 1]
     assert "Manipulator.from_dh(IN_MM" in line
-
-
-def test_of_a_text() -> None:
-    """Once each, although the text goes through `read`."""
-    arm, found = told(lambda: dh2urdf.Manipulator.from_dh(LONG))
-    assert texts(found) == [str(notice) for notice in arm.notices] != []
 
 
 def test_of_a_file(table: Path) -> None:
@@ -85,16 +73,6 @@ def test_of_a_conversion(table: Path) -> None:
     again, second = told(lambda: dh2urdf.convert(arm))
     assert texts(second) == list(dict.fromkeys(map(str, again.robot.notices)))
     assert sorted(texts(first) + texts(second)) == sorted(texts(found))
-
-
-def test_nothing_is_lost_where_warnings_are_off(table: Path) -> None:
-    """The notices stay where they are."""
-    with warnings.catch_warnings():
-        warnings.filterwarnings("error", category=dh2urdf.TableWarning)
-        with pytest.raises(dh2urdf.TableWarning, match="the arm is 70"):
-            dh2urdf.read(table)
-        warnings.filterwarnings("ignore", category=dh2urdf.TableWarning)
-        assert "the arm is 70" in str(dh2urdf.read(table).notices[0])
 
 
 def test_a_script_prints_them_once(tmp_path: Path) -> None:
@@ -144,14 +122,6 @@ class TestReaderOfAPlugin:
         assert len(found) == 1
         assert str(found[0].message).startswith(f"{words}:line 1, row 1: notice: ")
 
-    def test_commands_print_notices_once(self, words: Path, cli: Callable[..., Answer]) -> None:
-        """As notices, not as warnings; a run, too."""
-        (words.parent / "run.yaml").write_text("inputs: long.words\noutput: out\n")
-        for command in (("convert", words.name), ("run", "run.yaml")):
-            printed = cli(*command).stderr
-            assert printed.count("m long") == 1
-            assert "TableWarning" not in printed
-
     def test_errors_name_file_and_row(self, words: Path, cli: Callable[..., Answer]) -> None:
         """Of `from_dh` in a reader: the file, the table's place in it, row and column."""
         words.write_text("0.4 0 0.1\n0.3 ninety 0\n")
@@ -159,17 +129,6 @@ class TestReaderOfAPlugin:
             assert "long.words:line 1, row 2, column alpha: error: " in cli(command, words.name, status=2).stderr
         with pytest.raises(dh2urdf.errors.TableError, match=r"long\.words:line 1, row 2, column alpha"):
             dh2urdf.read(words)
-
-    def test_info_calls_its_values_read(self, words: Path, cli: Callable[..., Answer]) -> None:
-        """Nothing says which are defaults; what the transform fills in is still computed."""
-        printed = cli("info", words.name, "--json").stdout
-        assert '"from": "read"' in printed
-        assert '"from": "computed"' in printed
-        assert '"from": "default"' not in printed
-        (line,) = (
-            line for line in cli("info", words.name).stdout.splitlines() if line.split()[1:3] == ["alpha", "1.57079633"]
-        )
-        assert " read" in line
 
 
 def test_the_place_of_a_table() -> None:

@@ -6,14 +6,13 @@ the world or on a link of another arm.
 
 from __future__ import annotations
 
-from dataclasses import field, replace
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 from dh2urdf.cells.wanted_tables import cannot_be_made
 from dh2urdf.errors import RobotError
 from dh2urdf.kinematics.chain import KinematicChain, forward_kinematics
 from dh2urdf.kinematics.expected_poses import ExpectedPoses, Stretch, Tip
-from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.manipulator import TOOL, WORLD, JointType, Manipulator
 from dh2urdf.record_fields import replace_unchecked
 from dh2urdf.robot import WEIGHTLESS, Arm, Box, Collision, Cylinder, Joint, Link, Origin, Robot, Visual

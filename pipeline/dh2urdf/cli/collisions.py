@@ -25,7 +25,7 @@ from dh2urdf.errors import ConfigError, InputError
 from dh2urdf.output.whole_files import refuse_inputs, write_whole
 from dh2urdf.plugin_system.options import COMMAND_LINE
 from dh2urdf.source import Mark, Problem, printable
-from dh2urdf.stage_calls.answers import a_whole_record
+from dh2urdf.stage_calls.answers import a_record
 from dh2urdf.stage_calls.calls import depending_on
 from dh2urdf.stages import Annotates, Annotation, Expansion
 
@@ -88,7 +88,7 @@ def command(  # noqa: PLR0917 - click hands everything over by name
     given = {"emitter": {name: flags[name] for name in OPTIONS}}
     (call,) = stage_calls(installed, {"emitter": [emitter]}, COMMAND_LINE, given, settings_of(settings))["emitter"]
     with depending_on(call, "annotate"):
-        made: Annotation = a_whole_record(annotates.annotate(robots[0], expansion, earlier, call.options), Annotation)
+        made: Annotation = a_record(annotates.annotate(robots[0], expansion, earlier, call.options), Annotation)
     if not quiet:
         print_notices(made.notices)
     if output is None:

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from dh2urdf.errors import ConfigError
 from dh2urdf.source import Mark, Problem
-from dh2urdf.stage_calls.answers import a_whole_record
+from dh2urdf.stage_calls.answers import a_record
 from dh2urdf.stage_calls.calls import Call, depending_on
 from dh2urdf.stages import Checks, Expansion, Inspection, ReadsForeign
 
@@ -48,7 +48,7 @@ def inspect(
     with depending_on(Call(stage=emitter, options=None, plugin=catalog.plugin_of(emitter)), "check"):
         if not (checks.finds_packages and not (expansion and expansion.arguments)):
             refuse_unused(emitter, expansion, file)
-        return a_whole_record(checks.check(file, expansion or Expansion()), Inspection)
+        return a_record(checks.check(file, expansion or Expansion()), Inspection)
 
 
 def emitter_of(catalog: Catalog, file: Path, format_name: str | None, choice: str) -> Emitter[Any]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -12,7 +12,6 @@ from dh2urdf.conversion.one_manipulator import Recipe, Written, with_notices, wr
 from dh2urdf.conversion.robots import make_item
 from dh2urdf.documents.text_files import check_file, is_folder
 from dh2urdf.errors import ConfigError, EditError, RobotError, TableError, TransformError
-from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.manipulator import Manipulator
 from dh2urdf.meshes.files import FILE, RELATIVE, prefix_of
 from dh2urdf.meshes.kinds import MeshConversion

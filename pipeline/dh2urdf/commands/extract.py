@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from dh2urdf.commands.chosen_table import chosen_reader
 from dh2urdf.commands.options_of_stages import stage_calls
@@ -13,7 +13,6 @@ from dh2urdf.conversion.file_endings import table_writer
 from dh2urdf.conversion.one_manipulator import read_items
 from dh2urdf.documents.text_files import check_file, encoded
 from dh2urdf.errors import ConfigError, TableError
-from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.manipulator import Manipulator
 from dh2urdf.output.whole_files import refuse_inputs, write_whole
 from dh2urdf.source import Mark, Problem, listed

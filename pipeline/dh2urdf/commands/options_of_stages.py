@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from dh2urdf.errors import ConfigError, InputError
-from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.plugin_system.options import COMMAND_LINE, broken_structure, make_options, word_node
 from dh2urdf.source import Problem, did_you_mean, shown
 from dh2urdf.stage_calls.calls import Call

@@ -21,7 +21,7 @@ from dh2urdf.plugin_system.catalog import load
 from dh2urdf.robot import Robot
 from dh2urdf.robot_check import check_robot
 from dh2urdf.source import Mark, Problem
-from dh2urdf.stage_calls.answers import a_whole_record, emitted_files
+from dh2urdf.stage_calls.answers import a_record, emitted_files
 from dh2urdf.stage_calls.calls import blaming
 from dh2urdf.stages import ReadsBack
 
@@ -52,7 +52,7 @@ def write_description(
         stem = safe_stem(robot.name)
         content = emitted_files(emitter.emit(robot, stem, call.options), stem)[0].content
         with spooled(content, str(mark), emitter.suffixes[0]) as path:
-            described: Robot = a_whole_record(emitter.can(ReadsBack).read_back(path), Robot)
+            described: Robot = a_record(emitter.can(ReadsBack).read_back(path), Robot)
     _compare(robot, described, mark)
     if target is not None:
         write_whole(Path(target), content)

@@ -14,7 +14,7 @@ from dh2urdf.output.spooled import spooled
 from dh2urdf.output.whole_files import write_whole
 from dh2urdf.plugin_system.catalog import load
 from dh2urdf.source import Mark, Problem, shown
-from dh2urdf.stage_calls.answers import a_whole_record
+from dh2urdf.stage_calls.answers import a_record
 from dh2urdf.stage_calls.calls import Call, blaming, default_call
 from dh2urdf.stages import Rejected, WritesTables
 from dh2urdf.table_text import WrittenTable, table_text
@@ -42,7 +42,7 @@ def in_format(tables: Sequence[TableText], call: Call[Reader[Any]]) -> WrittenTa
     if writes is None:
         raise InputError(Problem(message=f"the reader {call.stage.name!r} does not write tables"))
     with blaming(call, "write"):
-        return a_whole_record(writes.write(tables), WrittenTable)
+        return a_record(writes.write(tables), WrittenTable)
 
 
 def table_content(

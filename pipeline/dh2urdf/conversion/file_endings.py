@@ -19,12 +19,8 @@ if TYPE_CHECKING:
 
 def table_suffixes(catalog: Catalog) -> list[str]:
     """The suffixes of tables that readers write."""
-    return [suffix for stage in _writers(catalog) for suffix in _written(stage)]
-
-
-def _writers(catalog: Catalog) -> list[Any]:
-    stages = [provided.stage for provided in catalog.provided("reader")]
-    return [stage for stage in stages if stage.can(WritesTables)]
+    stages: list[Any] = [provided.stage for provided in catalog.provided("reader")]
+    return [suffix for stage in stages if stage.can(WritesTables) for suffix in _written(stage)]
 
 
 def table_writer(catalog: Catalog, file: Path, mark: Mark) -> Reader[Any]:
@@ -35,14 +31,9 @@ def table_writer(catalog: Catalog, file: Path, mark: Mark) -> Reader[Any]:
     """
     suffixes = table_suffixes(catalog)
     if not _ends(file, suffixes):
-        only_read = next((each.name for each in _writers(catalog) if _ends(file, each.suffixes)), None)
-        reason = f": the reader {only_read!r} reads such files, and writes others" if only_read else ""
-        message = f"no reader writes tables like {shown(file.name)}{reason}"
-        advice = "`dh2urdf convert` writes such files" if _known(catalog, "emitter", file) else None
+        message = f"no reader writes tables like {shown(file.name)}"
         accepted = f"a file name that ends in {', '.join(suffixes)}"
-        raise TableError(
-            Problem(message=message, mark=mark, found=str(file), accepted=accepted, suggestion=advice),
-        )
+        raise TableError(Problem(message=message, mark=mark, found=str(file), accepted=accepted))
     return catalog.reader_for(file)
 
 

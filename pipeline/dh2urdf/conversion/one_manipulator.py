@@ -6,22 +6,22 @@ The command `convert` and every worker of a run go through here, so one table an
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import field, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, TypeVar, overload
 
 from dh2urdf.columns import ManipulatorGroups
-from dh2urdf.conversion.robots import a_robot, keeps_kinematics
+from dh2urdf.conversion.robots import keeps_kinematics
 from dh2urdf.errors import ProofError, RecordError, TableError
 from dh2urdf.kinematics.proof import Proof, prove
 from dh2urdf.kinematics.proof_vectors import proof_vectors
-from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.manipulator import Manipulator
 from dh2urdf.meshes.files import RELATIVE, copy_path, located, mesh_files, prefix_of, read_mesh
 from dh2urdf.meshes.kinds import MeshConversion
 from dh2urdf.output.whole_files import put_in_place, refuse_inputs, staging, write_files, write_whole
+from dh2urdf.robot import Robot
 from dh2urdf.source import Mark, Problem, shown
-from dh2urdf.stage_calls.answers import a_record, a_whole_record, emitted_files, items_of, whole_records
+from dh2urdf.stage_calls.answers import a_record, emitted_files, items_of, several_records
 from dh2urdf.stage_calls.calls import Call, blaming, reading
 from dh2urdf.stages import (
     Edit,
@@ -47,7 +47,6 @@ if TYPE_CHECKING:
     from dh2urdf.kinematics.expected_poses import ExpectedPoses
     from dh2urdf.kinematics.proof_vectors import Poses
     from dh2urdf.provenance import Trace
-    from dh2urdf.robot import Robot
 
 O = TypeVar("O")  # noqa: E741 - the options type of a stage
 
@@ -149,7 +148,7 @@ def with_notices(robot: Robot, emitters: Iterable[Call[Emitter[Any]]]) -> Robot:
     for call in emitters:
         if gives := call.stage.can(GivesNotices):
             with blaming(call, "notices"):
-                found = whole_records(gives.notices(robot, call.options), Problem)
+                found = several_records(gives.notices(robot, call.options), Problem)
             notices.update(dict.fromkeys(replace(each.about(robot=robot.name), severity="notice") for each in found))
     return replace(robot, notices=tuple(notices))
 
@@ -291,7 +290,7 @@ def _prove_file(
     if reads is None:
         return None
     with reading(path, place), blaming(call, "read_back"):
-        described = a_robot(reads.read_back(path), call)
+        described = a_record(reads.read_back(path), Robot)
     makers: tuple[Call[Any], ...] = (recipe.transform, *recipe.edits)
     try:
         proof = prove(expected, described, poses, at_once=at_once)
@@ -387,7 +386,6 @@ def checked_items(
             if item is end:
                 return
             if isinstance(item, Rejected):
-                a_whole_record(item, Rejected)
                 if not item.problems:
                     raise ValueError(f"it rejected {shown(item.name)} and did not say why")
             elif isinstance(item, ManipulatorGroups) and columns:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from dataclasses import asdict, field
+from dataclasses import asdict, dataclass, field
 from hashlib import sha256
 from math import isfinite
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias
@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 import orjson
 
 from dh2urdf.conversion.one_manipulator import Written
-from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.manipulator import MeshFile
 from dh2urdf.meshes.files import copy_path
 from dh2urdf.source import Problem

@@ -12,7 +12,7 @@ from dh2urdf.manipulator import Manipulator
 from dh2urdf.record_fields import replace_unchecked
 from dh2urdf.robot import Robot
 from dh2urdf.robot_check import check_robot
-from dh2urdf.stage_calls.answers import a_record, a_whole_record
+from dh2urdf.stage_calls.answers import a_record
 from dh2urdf.stage_calls.calls import Call, blaming, depending_on
 from dh2urdf.stages import Edit
 
@@ -108,28 +108,18 @@ def keeps_kinematics(call: Call[Transform[Any]] | Call[Edit[Any]]) -> bool:
         return a_record(call.stage.keeps_kinematics(call.options), bool)
 
 
-def a_robot(value: Robot, call: Call[Any]) -> Robot:
-    """The robot that a stage gave.
-
-    It may hold records of `dh2urdf.unchecked_records`, which a third party's stage may have filled with anything. The
-    built-in stages have tests instead: to look at each robot would take a third of a run.
-    """
-    is_trusted = call.plugin is not None and call.plugin.is_builtin
-    return a_record(value, Robot) if is_trusted else a_whole_record(value, Robot)
-
-
 def _robot_of(
     table: Manipulator, original: Manipulator, transform: Call[Transform[Any]], edits: Sequence[Call[Edit[Any]]]
 ) -> Robot:
     """The robot of an edited table, checked after every stage that has made or changed it."""
     with blaming(transform):
-        robot = a_robot(transform.stage.transform(table, transform.options), transform)
+        robot = a_record(transform.stage.transform(table, transform.options), Robot)
     found = _found_wrong(robot, table.mark)
     known: Manipulator | None = robot.manipulator or table
     for call in edits:
         if call.stage.edit_robot is not None:
             with blaming(call):
-                changed = a_robot(call.stage.edit_robot(robot, call.options), call)
+                changed = a_record(call.stage.edit_robot(robot, call.options), Robot)
                 refuse_new_name(changed.name, robot.name)
             robot, found = changed, _found_wrong(changed, table.mark, after=call)
             known = known if keeps_kinematics(call) else None

@@ -6,7 +6,7 @@ import time
 from contextlib import contextmanager
 from dataclasses import replace
 from types import NoneType
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from dh2urdf.conversion.outcome import NotLoaded, Outcome, Verdict
 from dh2urdf.documents.text_files import is_file
@@ -20,7 +20,6 @@ from dh2urdf.errors import (
 from dh2urdf.isolation.loads import load_in_child
 from dh2urdf.kinematics.chain import KinematicChain
 from dh2urdf.kinematics.proof_vectors import joint_vectors
-from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.source import Problem, shown
 from dh2urdf.stage_calls.answers import a_plain_name, a_record
 from dh2urdf.stage_calls.calls import Call, blaming, depending_on

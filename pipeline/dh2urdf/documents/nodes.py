@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
-from dataclasses import field
+from dataclasses import dataclass, field
 from functools import lru_cache
 from math import tau
 from typing import Any, TypeAlias
 
 from dh2urdf.errors import ConfigError, InputError
-from dh2urdf.late_dataclasses import dataclass
-from dh2urdf.patterns import late_pattern
 from dh2urdf.source import Mark, Problem, shown
 
 MAX_DIGITS = 400
@@ -140,9 +139,9 @@ _CONSTANTS = (
     | {sign + inf: float(sign + "inf") for sign in ("", "+", "-") for inf in (".inf", ".Inf", ".INF")}
     | dict.fromkeys((".nan", ".NaN", ".NAN"), float("nan"))
 )
-_INT = late_pattern(r"[-+]?[0-9]+")
-_OCTAL_OR_HEXADECIMAL = late_pattern(r"0o[0-7]+|0x[0-9a-fA-F]+")
-_FLOAT = late_pattern(r"[-+]?(\.[0-9]+|[0-9]+(\.[0-9]*)?)([eE][-+]?[0-9]+)?")
+_INT = r"[-+]?[0-9]+"
+_OCTAL_OR_HEXADECIMAL = r"0o[0-7]+|0x[0-9a-fA-F]+"
+_FLOAT = r"[-+]?(\.[0-9]+|[0-9]+(\.[0-9]*)?)([eE][-+]?[0-9]+)?"
 
 
 @lru_cache(maxsize=4096)
@@ -152,10 +151,10 @@ def core_value(text: str) -> str | float | bool | None:
         return _CONSTANTS[text]
     if text[0] not in "+-.0123456789":
         return text
-    if _INT.fullmatch(text) and len(text) <= MAX_DIGITS:
+    if re.fullmatch(_INT, text) and len(text) <= MAX_DIGITS:
         return int(text)
-    if _FLOAT.fullmatch(text):
+    if re.fullmatch(_FLOAT, text):
         return float(text)
-    if _OCTAL_OR_HEXADECIMAL.fullmatch(text):
+    if re.fullmatch(_OCTAL_OR_HEXADECIMAL, text):
         return int(text, 0)
     return text

@@ -11,7 +11,6 @@ from errno import ELOOP
 from pathlib import Path
 
 from dh2urdf.errors import ConfigError, InputError, ManipulatorError
-from dh2urdf.patterns import late_pattern
 from dh2urdf.source import Mark, Problem, shown
 
 MAX_BYTES = 2**30
@@ -20,7 +19,7 @@ MAX_BYTES = 2**30
 LONG_PATH = 200
 """Characters of a path that a message repeats."""
 
-ADDRESS = late_pattern(r"[A-Za-z][A-Za-z0-9.+-]+:(?:[/\\]|$)")
+ADDRESS = r"[A-Za-z][A-Za-z0-9.+-]+:(?:[/\\]|$)"
 """What a path begins with that was made of an address, such as ``s3://bucket/name``: it has one slash of two."""
 
 _TEXT = "text in UTF-8, or in UTF-16 with a byte order mark"
@@ -132,7 +131,7 @@ def unreadable(path: Path, reason: OSError | ValueError) -> Problem:
                 message=f"this link leads to {shown(str(path.readlink()), LONG_PATH)}, where there is no file",
                 mark=mark,
             )
-        if ADDRESS.match(str(path)):
+        if re.match(ADDRESS, str(path)):
             advice = "copy what is there to a file of this machine"
             return Problem(message="this is an address, and inputs are files", mark=mark, suggestion=advice)
         if not is_folder(path.parent):

@@ -54,12 +54,11 @@ def main() -> None:
 def _print_at_once() -> None:
     """Turn off the buffers of standard output, so that a crash loses nothing that was printed before it."""
     sys.stdout.reconfigure(line_buffering=True, errors="backslashreplace")  # type: ignore[union-attr]
-    with contextlib.suppress(ImportError, OSError, AttributeError, ValueError):  # no C library, or another
-        import ctypes
+    import ctypes
 
-        libc = ctypes.CDLL(None)
-        unbuffered = 2  # _IONBF of glibc, musl and the BSDs
-        libc.setvbuf(ctypes.c_void_p.in_dll(libc, "stdout"), None, unbuffered, 0)
+    libc = ctypes.CDLL(None)
+    unbuffered = 2  # _IONBF of glibc and musl
+    libc.setvbuf(ctypes.c_void_p.in_dll(libc, "stdout"), None, unbuffered, 0)
 
 
 def _receive(messages: IO[bytes], received: SimpleQueue[Any]) -> None:
@@ -88,11 +87,10 @@ def _answer(answers: int, encoding: bytes, call: bytes) -> None:
 
 def _answer_in_fork(answers: int, encoding: bytes, call: bytes) -> None:
     """Make a call in a fork: nothing that it does is met by the next one. A fork that gives no answer ends us, too."""
-    if sys.platform == "linux":
-        import ctypes
+    import ctypes
 
-        set_child_subreaper = 36  # PR_SET_CHILD_SUBREAPER of <linux/prctl.h>: orphans of the fork become our children
-        ctypes.CDLL(None).prctl(set_child_subreaper, 1, 0, 0, 0)
+    set_child_subreaper = 36  # PR_SET_CHILD_SUBREAPER of <linux/prctl.h>: orphans of the fork become our children
+    ctypes.CDLL(None).prctl(set_child_subreaper, 1, 0, 0, 0)
     has_answered = mmap(-1, 1)
     with warnings.catch_warnings():
         # Python 3.12 warns of other threads. There is one: it waits for the next message, and holds no lock.

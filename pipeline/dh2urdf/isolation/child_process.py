@@ -22,19 +22,15 @@ import struct
 import subprocess
 import sys
 import time
+from dataclasses import dataclass
 from pathlib import Path
-from typing import IO, TYPE_CHECKING, Any, Generic, TypeVar, TypeVarTuple, cast
+from typing import IO, TYPE_CHECKING, Any, Generic, NamedTuple, TypeVar, TypeVarTuple, cast
 
 from dh2urdf.errors import CrashError, TimeLimitError
 from dh2urdf.isolation.encodings import AnswerError, Data, Pickled
-from dh2urdf.late_dataclasses import dataclass
-from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.plugin_system.at_work import MAGIC, MARK, SIZE, VARIABLE
 from dh2urdf.plugin_system.discovery import UNKNOWN, installed
 from dh2urdf.source import shown
-
-if sys.platform == "linux":
-    from fcntl import F_SETPIPE_SZ, fcntl
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -178,9 +174,6 @@ class Child:
         )
         for pipe in (self._calls, self._answers, self._printed):
             os.set_blocking(pipe.fileno(), False)
-            if sys.platform == "linux" and pipe is not self._printed:
-                with contextlib.suppress(OSError):  # This user has many pipes already.
-                    fcntl(pipe, F_SETPIPE_SZ, _CHUNK)  # Whenever a pipe is full, one side waits for the other.
         self._unsent = pickle.dumps(sys.path)
         self._is_reusable = True
 
@@ -417,29 +410,28 @@ class Output:
     """
 
     def __init__(self) -> None:
-        self.size, self._head, self._tail = 0, b"", b""
+        self.size, self._kept = 0, bytearray()
 
     def add(self, data: bytes) -> None:
         """Take what was printed."""
-        half = KEPT_OUTPUT // 2
-        room = half - len(self._head)
-        self._head += data[:room]
-        self._tail = (self._tail + data[room:])[-half:]
         self.size += len(data)
+        self._kept += data
+        del self._kept[KEPT_OUTPUT // 2 : -KEPT_OUTPUT // 2]
 
     @property
     def is_cut(self) -> bool:
         """Whether there was too much to keep all of it."""
-        return self.size > len(self._head) + len(self._tail)
+        return self.size > len(self._kept)
 
     def text(self) -> str:
         """All of it, or its beginning, how much is left out, and its end."""
-        gap = b"\n[%d bytes left out]\n" % (self.size - len(self._head) - len(self._tail)) if self.is_cut else b""
-        return (self._head + gap + self._tail).decode("utf-8", "replace")
+        gap, half = self.size - len(self._kept), KEPT_OUTPUT // 2
+        kept = self._kept[:half] + b"\n[%d bytes left out]\n" % gap + self._kept[half:] if gap else self._kept
+        return kept.decode("utf-8", "replace")
 
     def last(self) -> str:
         """The end of it."""
-        return ((b"" if self.is_cut else self._head) + self._tail).decode("utf-8", "replace")
+        return self._kept[-KEPT_OUTPUT // 2 :].decode("utf-8", "replace")
 
 
 def last_words(printed: str, most: int = 200) -> str:

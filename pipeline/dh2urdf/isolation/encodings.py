@@ -11,11 +11,10 @@ from __future__ import annotations
 import builtins
 import pickle
 from functools import cache
-from typing import Any, Generic, TypeVar
+from typing import Any, Generic, NamedTuple, TypeVar
 
 from dh2urdf import errors
 from dh2urdf.errors import InputError, ManipulatorError
-from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.source import Problem, shown
 
 T = TypeVar("T")

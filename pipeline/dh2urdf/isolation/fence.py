@@ -50,8 +50,6 @@ def missing_wall() -> str:
 
     The answer is kept, because a process behind a fence can no longer ask.
     """
-    if sys.platform != "linux":
-        return f"{sys.platform} has no Landlock, which is of Linux"
     from landlock import LandlockError, landlock_abi_version
 
     try:
@@ -63,10 +61,9 @@ def missing_wall() -> str:
 
 def walls() -> str:
     """Which walls stand around a child that works on a stranger's file."""
-    limits = "limits of memory and time, " if sys.platform != "win32" else ""
     missing = missing_wall()
-    kernel = f"no wall of the kernel ({missing}; meshes need --trust), " if missing else "Landlock, "
-    return f"{kernel}{limits}Python's audit hook"
+    kernel = f"no wall of the kernel ({missing}; meshes need --trust)" if missing else "Landlock"
+    return f"{kernel}, limits of memory and time, Python's audit hook"
 
 
 def tell_of_missing_wall() -> None:
@@ -109,8 +106,6 @@ def enter(readable: Iterable[Path], seconds: float) -> None:
 
 def _end_with_parent() -> None:
     """Has Linux kill this process with its parent, also while an endless computation lets no thread have its turn."""
-    if sys.platform != "linux":
-        return
     import ctypes
 
     set_parent_death_signal = 1  # PR_SET_PDEATHSIG of <linux/prctl.h>
@@ -119,10 +114,8 @@ def _end_with_parent() -> None:
 
 def _limit(seconds: float) -> None:
     """Bounds computing time, memory and the size of files."""
-    try:
-        import resource
-    except ImportError:  # Windows: the parent's clock is the limit there.
-        return
+    import resource
+
     used = resource.getrusage(resource.RUSAGE_SELF)
     whole = int(used.ru_utime + used.ru_stime + seconds) + 1
     for what, bound in (
@@ -133,11 +126,7 @@ def _limit(seconds: float) -> None:
     ):
         _, hard = resource.getrlimit(what)
         most = bound if hard == resource.RLIM_INFINITY else min(bound, hard)
-        try:
-            resource.setrlimit(what, (most, most))
-        except (ValueError, OSError):  # macOS refuses bounds of the address space.
-            if sys.platform == "linux":
-                raise
+        resource.setrlimit(what, (most, most))
 
 
 def _lock(folders: list[str]) -> None:

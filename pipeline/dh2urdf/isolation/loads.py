@@ -9,7 +9,6 @@ only one.
 from __future__ import annotations
 
 import os
-import sys
 import threading
 import time
 import weakref
@@ -25,7 +24,7 @@ from dh2urdf.isolation.encodings import Data
 from dh2urdf.isolation.own_process import is_own
 from dh2urdf.measuring.opened_arm import load_function
 from dh2urdf.source import Problem
-from dh2urdf.stage_calls.answers import a_record, a_whole_record, whole_records
+from dh2urdf.stage_calls.answers import a_record, several_records
 from dh2urdf.stages import LoadReport, Reusable
 
 if TYPE_CHECKING:
@@ -73,30 +72,30 @@ def load_in_child(
         limit = a_record(loader.time_limit(options), int, float, NoneType)
         who = who or f"the loader {loader.name!r}"
         opened = load_function(loader)
-        load = update_wrapper(partial(_whole_report, opened), opened)
+        load = update_wrapper(partial(_report, opened), opened)
         reusable = loader.can(Reusable)
-        if children is None or reusable is None or limit is None or sys.platform != "linux":
-            # A person ends one without a limit, by closing its window. Only Linux forks safely.
+        if children is None or reusable is None or limit is None:
+            # A person ends one without a limit, by closing its window.
             child = run_in_child(load, request, options, timeout=limit, who=who, encoding=_REPORT)
         else:
             child = children.load(reusable.prepare, load, request, options, limit, who)
     except (LoaderError, CrashError) as error:
         output = error.__cause__.output if isinstance(error.__cause__, ChildFailure) else ""
-        said = whole_records(loader.read_output(request, output), Problem)
+        said = several_records(loader.read_output(request, output), Problem)
         raise type(error)(plain((*error.problems, *said))) from error
     report = replace(child.value, joints=tuple(map(_tuples, child.value.joints)), hold=_tuples(child.value.hold))
-    said = whole_records(loader.read_output(request, child.output), Problem)
+    said = several_records(loader.read_output(request, child.output), Problem)
     findings = plain((*report.findings, *said), report.simulator)
     return replace(report, findings=findings, output=child.output.replace(folder, ""))
 
 
-def _whole_report(load: Callable[[LoadRequest, Any], LoadReport], request: LoadRequest, options: Any) -> LoadReport:  # noqa: ANN401 - of any loader
+def _report(load: Callable[[LoadRequest, Any], LoadReport], request: LoadRequest, options: Any) -> LoadReport:  # noqa: ANN401 - of any loader
     """In the child: what a loader gives.
 
     Raises:
-        TypeError: it is no `LoadReport`, or something in it has another type than its field says.
+        TypeError: it is no `LoadReport`.
     """
-    return a_whole_record(load(request, options), LoadReport)
+    return a_record(load(request, options), LoadReport)
 
 
 def _tuples(value: Any) -> Any:  # noqa: ANN401 - plain values of a report

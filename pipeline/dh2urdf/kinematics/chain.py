@@ -14,12 +14,11 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from itertools import count
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
 from dh2urdf.elementwise import total
 from dh2urdf.errors import RecordValueError
 from dh2urdf.kinematics.walk import CompiledChain, JointValue, values_of
-from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.manipulator import ROOT, TOOL, Convention, DHRow, JointType, Manipulator
 from dh2urdf.rotations import (
     IDENTITY,

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import math
 import random
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from dh2urdf.errors import ConfigError
 from dh2urdf.kinematics.chain import KinematicChain, angle_error, forward_kinematics, position_error
 from dh2urdf.kinematics.screws import Mismatch, align, screws_of_chain, screws_of_table
-from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.manipulator import FLANGE, TOOL, JointType, Manipulator
 from dh2urdf.rotations import HALF_PI, IDENTITY, RigidTransform, Vec3
 from dh2urdf.source import Mark, Problem, did_you_mean, shown

@@ -7,13 +7,12 @@ then its rows, up to the link that holds the next arm.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, NamedTuple
 
 from dh2urdf.elementwise import total
 from dh2urdf.kinematics.chain import compile_table, reach
 from dh2urdf.kinematics.walk import CompiledChain, values_of
-from dh2urdf.late_dataclasses import dataclass
-from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.manipulator import ROOT, TOOL, JointType, Manipulator
 from dh2urdf.rotations import IDENTITY, RigidTransform, norm
 from dh2urdf.source import Mark

@@ -9,14 +9,13 @@ offset and a sign: the angle of the model is sign·q − offset.
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 from functools import lru_cache
 from itertools import pairwise
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from dh2urdf.elementwise import is_column, mapped, where
 from dh2urdf.kinematics.chain import dh_transform_of, forward_kinematics, joint_variables
-from dh2urdf.late_dataclasses import dataclass
-from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.manipulator import Convention, JointType
 from dh2urdf.rotations import RigidTransform, Vec3, add, cross, dot, exact_cos_sin, norm, rotation_x, scale, subtract
 

@@ -8,10 +8,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from contextlib import suppress
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from dh2urdf.errors import RecordTypeError, RecordValueError
-from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.source import Mark, Problem, did_you_mean, listed, shown
 
 if TYPE_CHECKING:

@@ -13,9 +13,9 @@ what it gives a float.
 from __future__ import annotations
 
 import math
-from dataclasses import field, replace
+from dataclasses import dataclass, field, replace
 from itertools import repeat
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from dh2urdf.elementwise import is_column
 from dh2urdf.errors import ProofError, RecordError
@@ -23,8 +23,6 @@ from dh2urdf.kinematics.chain import compile_joints, joints_between, reach
 from dh2urdf.kinematics.expected_poses import ExpectedPoses
 from dh2urdf.kinematics.proof_vectors import joint_columns
 from dh2urdf.kinematics.walk import STACKS, CompiledChain, Frame, values_of
-from dh2urdf.late_dataclasses import dataclass
-from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.manipulator import TOOL, JointType
 from dh2urdf.record_fields import many_unchecked, replace_unchecked
 from dh2urdf.source import Problem, listed

@@ -19,12 +19,11 @@ about the first axis goes to X, one about the last to the tool.
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, NamedTuple
 
 from dh2urdf.kinematics.chain import axis_rotation, compile_joints, dh_frames
 from dh2urdf.kinematics.walk import CompiledChain, values_of
-from dh2urdf.late_dataclasses import dataclass
-from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.manipulator import Convention, JointType
 from dh2urdf.rotations import (
     IDENTITY_ROTATION,

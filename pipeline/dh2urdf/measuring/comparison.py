@@ -7,11 +7,10 @@ numbers; where they differ from the robot by more than the simulator's arithmeti
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from dh2urdf.errors import LoaderError
 from dh2urdf.kinematics.chain import KinematicChain
-from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.manipulator import JointType
 from dh2urdf.robot import Inertial
 from dh2urdf.rotations import RigidTransform, Rotation, Vec3, norm, subtract

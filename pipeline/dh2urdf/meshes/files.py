@@ -7,6 +7,7 @@ part of the content's hash in it, so that no two files get in each other's way, 
 from __future__ import annotations
 
 import os
+import re
 from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
@@ -16,7 +17,6 @@ from dh2urdf.documents.text_files import LONG_PATH, check_file
 from dh2urdf.errors import ConfigError, OutputError
 from dh2urdf.manipulator import MeshFile
 from dh2urdf.output.whole_files import safe_stem
-from dh2urdf.patterns import late_pattern
 from dh2urdf.robot import Mesh
 from dh2urdf.source import Problem, shown
 
@@ -38,7 +38,7 @@ _DIGITS = 8
 """Hexadecimal digits of a content's hash in the name of its copy."""
 _READ_AT_ONCE = 1 << 20
 """How much of a file is read at once [byte]."""
-_PACKAGE = late_pattern(r"package://[A-Za-z0-9][A-Za-z0-9._-]*(/[A-Za-z0-9][A-Za-z0-9._-]*)*/?")
+_PACKAGE = r"package://[A-Za-z0-9][A-Za-z0-9._-]*(/[A-Za-z0-9][A-Za-z0-9._-]*)*/?"
 
 
 def prefix_of(word: str, *, in_folders: bool = False) -> str | None:
@@ -55,7 +55,7 @@ def prefix_of(word: str, *, in_folders: bool = False) -> str | None:
         return f"../{FOLDER}/" if in_folders else f"{FOLDER}/"
     if word == FILE:
         return None
-    if _PACKAGE.fullmatch(word):
+    if re.fullmatch(_PACKAGE, word):
         return f"{word.rstrip('/')}/{FOLDER}/"
     raise ConfigError(Problem(message=f"meshes cannot be {shown(word)}", found=word, accepted=ACCEPTED))
 

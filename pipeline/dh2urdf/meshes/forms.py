@@ -7,10 +7,9 @@ and has bounded time and memory. What is written is read again and compared with
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from dh2urdf.isolation.fence import enter
-from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.meshes.kinds import MeshConversion
 from dh2urdf.meshes.triangles import Part, enclosed, read_parts
 

@@ -13,10 +13,9 @@ from __future__ import annotations
 import io
 import math
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from dh2urdf.isolation.fence import refuse_without_wall
-from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.manipulator import Inertia
 from dh2urdf.mass_properties import placed
 from dh2urdf.robot import Inertial

@@ -9,15 +9,12 @@ from __future__ import annotations
 import fnmatch
 import glob
 import os
-import re
-import sys
 from itertools import islice
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from dh2urdf.documents.text_files import LONG_PATH
 from dh2urdf.errors import ConfigError
-from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.output.whole_files import NOT_THERE
 from dh2urdf.source import Problem, shown
 
@@ -55,10 +52,12 @@ def matching(folder: Path, pattern: str) -> Matches:
     Raises:
         ConfigError: no file matches, or more than `MAX_FILES`, or the pattern leads past more than `MOST_ENTRIES`.
     """
-    search = _Search(folder, pattern)
+    search, path = _Search(), Path(pattern)
+    parts = path.parts[1:] if path.anchor else path.parts
+    parts = tuple([part for part, before in zip(parts, ("", *parts), strict=False) if (part, before) != (_DEEP, _DEEP)])
     narrower = "a pattern of fewer folders"
     try:
-        paths = sorted(islice(search.files(), MAX_FILES + 1))
+        paths = sorted(set(islice(search.files(path.anchor or str(folder), parts), MAX_FILES + 1)))
     except OSError as error:  # /proc and the like
         told = f"{shown(str(error.filename), LONG_PATH)} cannot be searched: {error.strerror}"
         raise ConfigError(Problem(message=f"{shown(pattern)}: {told}", accepted=narrower)) from None
@@ -91,55 +90,36 @@ class _Search:
         closed: folders that could not be entered, with the reason of each.
     """
 
-    def __init__(self, folder: Path, pattern: str) -> None:
-        """Takes the folder from which the pattern leads, which is no pattern itself."""
-        path = Path(pattern)
-        self._start = Path(path.anchor) if path.anchor else folder
-        parts = path.parts[1:] if path.anchor else path.parts
-        self._parts = [
-            part for place, part in enumerate(parts) if part != _DEEP or parts[place - 1 : place] != (_DEEP,)
-        ]
-        flags = re.IGNORECASE if sys.platform == "win32" else 0
-        self._tests = [re.compile(fnmatch.translate(part), flags) for part in self._parts]
+    def __init__(self) -> None:
         self.passed = 0
         self.closed: dict[str, str] = {}
 
-    def files(self) -> Iterator[Path]:
-        """The files, in no particular order; links to folders are followed where a name stands for them, not by `**`.
+    def files(self, path: str, parts: tuple[str, ...]) -> Iterator[Path]:
+        """The files below a path that match the rest of a pattern, some of them twice where it has two `**`.
+
+        Links to folders are followed where a name stands for them, not by `**`.
 
         Raises:
             _TooManyError: `MOST_ENTRIES` were passed.
             OSError: a folder cannot be searched for another reason than that it is gone or closed.
         """
-        seen: set[tuple[str, int]] = set()  # With two `**` there are several ways to a file.
-        waiting = [(str(self._start), 0)]
-        while waiting:
-            path, place = waiting.pop()
-            if self._parts.count(_DEEP) > 1:
-                if (path, place) in seen:
-                    continue
-                seen.add((path, place))
-            if place == len(self._parts):
-                if os.path.lexists(path) and not os.path.isdir(path):  # noqa: PTH112 - texts are quicker
-                    yield Path(path)
-            elif self._parts[place] == _DEEP:
-                waiting.append((path, place + 1))
-                waiting += [(entry.path, place) for entry in self._entries(path) if _is_inside(entry)]
-            elif not glob.has_magic(self._parts[place]):
-                waiting.append((os.path.join(path, self._parts[place]), place + 1))  # noqa: PTH118
-            else:
-                yield from self._matching(path, place, waiting)
-
-    def _matching(self, path: str, place: int, waiting: list[tuple[str, int]]) -> Iterator[Path]:
-        """The files in a folder that match the last part of the pattern, or the folders that match another one."""
-        is_last, test = place == len(self._parts) - 1, self._tests[place]
-        shows_hidden = self._parts[place].startswith(_HIDDEN)
-        for entry in self._entries(path):
-            if test.match(entry.name) and (shows_hidden or not entry.name.startswith(_HIDDEN)):
-                if not is_last:
-                    waiting.append((entry.path, place + 1))
-                elif not _is_folder(entry):
-                    yield Path(entry.path)
+        if not parts:
+            if os.path.lexists(path) and not os.path.isdir(path):  # noqa: PTH112 - texts are quicker
+                yield Path(path)
+            return
+        part, *rest = parts
+        if part == _DEEP:
+            yield from self.files(path, (*rest,))
+            for entry in self._entries(path):
+                if not entry.name.startswith(".") and entry.is_dir(follow_symlinks=False):
+                    yield from self.files(entry.path, parts)
+        elif not glob.has_magic(part):
+            yield from self.files(os.path.join(path, part), (*rest,))  # noqa: PTH118
+        else:
+            for entry in self._entries(path):
+                is_hidden = entry.name.startswith(_HIDDEN) and not part.startswith(_HIDDEN)
+                if not is_hidden and fnmatch.fnmatch(entry.name, part):
+                    yield from self.files(entry.path, (*rest,))
 
     def _entries(self, path: str) -> Iterator[os.DirEntry[str]]:
         try:
@@ -153,16 +133,3 @@ class _Search:
             return  # It has vanished, or is a file.
         except PermissionError as error:
             self.closed[path] = error.strerror or str(error)
-
-
-def _is_folder(entry: os.DirEntry[str]) -> bool:
-    """Whether an entry is a folder, or a link to one; what a link that leads in a circle is, its reader reports."""
-    try:
-        return entry.is_dir()
-    except OSError:
-        return False
-
-
-def _is_inside(entry: os.DirEntry[str]) -> bool:
-    """Whether `**` goes into an entry."""
-    return not entry.name.startswith(".") and entry.is_dir(follow_symlinks=False)

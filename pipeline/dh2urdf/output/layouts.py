@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from contextlib import contextmanager
+from dataclasses import dataclass
 from enum import StrEnum
 from typing import TYPE_CHECKING, NotRequired, Protocol, TypedDict
 
-from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.output.shards import ShardWriter, shard_stem
 from dh2urdf.output.whole_files import safe_stem
 

@@ -10,14 +10,13 @@ from __future__ import annotations
 
 from collections import Counter
 from contextlib import suppress
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from hashlib import file_digest, sha256
-from typing import TYPE_CHECKING, Any, BinaryIO, cast
+from typing import TYPE_CHECKING, BinaryIO, NamedTuple, cast
 
 import orjson
 
 from dh2urdf.errors import OutputError
-from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.output.journal import MANIFEST
 from dh2urdf.output.name_set import NameSet
 from dh2urdf.output.whole_files import checked
@@ -71,26 +70,22 @@ def clear_leftovers(store: Store, reports: Store, rows: BinaryIO, *, keep: bool,
         return Leftovers()
     named, failed, digests = _of_new(rows)
     found: Counter[str] = Counter()
-    shards: dict[str, bool] = {}
+    shared: dict[str, bool] = {}
     meshes: dict[str, str] = {}
     with reports.open(MANIFEST) as stream:
-        for row in map(_Row, stream):
+        for row in map(_row, stream):
             if failed.known([row.name]):
                 continue
-            left = _left(row.names, named)
-            meshes |= {} if keep_meshes else {name: row.meshes[name] for name in left.intersection(row.meshes)}
-            if inside := left.intersection(row.members):
-                for name in inside:
-                    shards[name] = shards.get(name, True) and row.is_whole_in(store, name)
-            elif not left.isdisjoint(row.files):
-                own = [(name, digest) for name, digest in row.files.items() if name in left]
-                whole = all(_digest(store, name) in (digest, None) for name, digest in own)
-                _clear(store, left.difference(row.meshes), found, keep=keep, whole=whole)
-    for shard, whole in shards.items():
-        _clear(store, [shard], found, keep=keep, whole=whole)
-    for name, digest in meshes.items():
-        if digest not in digests:
-            _clear(store, [name], found, keep=keep, whole=_digest(store, name) == digest)
+            for name, digest in row.files.items():
+                if not named.known([name.casefold()]):
+                    _clear(store, name, found, keep=keep, whole=_digest(store, name) == digest)
+            for shard, members in row.members.items():
+                shared[shard] = shared.get(shard, True) and _is_whole(store, shard, members)
+            meshes |= {} if keep_meshes else row.meshes
+    shared |= {name: _digest(store, name) == digest for name, digest in meshes.items() if digest not in digests}
+    for name, whole in shared.items():
+        if not named.known([name.casefold()]):
+            _clear(store, name, found, keep=keep, whole=whole)
     return Leftovers(**found)
 
 
@@ -98,8 +93,8 @@ def _of_new(rows: BinaryIO) -> tuple[NameSet, NameSet, set[str]]:
     """The files that a new manifest names, the manipulators that failed, and the hashes of the meshes."""
     named, failed, digests = NameSet(), NameSet(), set[str]()
     rows.seek(0)
-    for row in map(_Row, rows):
-        named.add(name.casefold() for name in row.names)
+    for row in map(_row, rows):
+        named.add(name.casefold() for name in (*row.files, *row.members, *row.meshes))
         failed.add([row.name] if row.failed else [])
         digests.update(row.meshes.values())
     return named, failed, digests
@@ -113,61 +108,62 @@ def _is_same(store: Store, rows: BinaryIO) -> bool:
         return old == new
 
 
-def _left(names: Iterable[str], named: NameSet) -> set[str]:
-    """Those of some names that the new manifest has not; where a file system ignores case, one name is the other."""
-    keys = {name: name.casefold() for name in names}
-    known = named.known(set(keys.values()))
-    return {name for name, key in keys.items() if key not in known}
-
-
-def _clear(store: Store, names: Iterable[str], found: Counter[str], *, keep: bool, whole: bool) -> None:
-    """Removes files that the last run wrote, if they are there and nobody has changed them."""
-    for name in names:
-        if store.size(name) is None or store.is_protected(name):
-            continue
-        if not whole:
-            found["changed"] += 1
-        elif keep:
-            found["kept"] += 1
-        else:
-            try:
-                store.remove(name)
-            except OutputError as error:
-                hint = "`--keep` leaves files of an earlier run where they are"
-                raise OutputError([replace(problem, suggestion=hint) for problem in error.problems]) from error
-            found["removed"] += 1
+def _clear(store: Store, name: str, found: Counter[str], *, keep: bool, whole: bool) -> None:
+    """Removes a file that the last run wrote, if it is there and nobody has changed it."""
+    if store.size(name) is None or store.is_protected(name):
+        return
+    if not whole:
+        found["changed"] += 1
+    elif keep:
+        found["kept"] += 1
+    else:
+        try:
+            store.remove(name)
+        except OutputError as error:
+            hint = "`--keep` leaves files of an earlier run where they are"
+            raise OutputError([replace(problem, suggestion=hint) for problem in error.problems]) from error
+        found["removed"] += 1
 
 
 def _digest(store: Store, name: str) -> str | None:
     """The hash of a file; None where it cannot be read."""
-    try:
+    with suppress(OutputError):
         return sha256(store.read(name)).hexdigest()
-    except OutputError:
-        return None
+    return None
 
 
-class _Row:
+def _is_whole(store: Store, shard: str, members: Iterable[tuple[int, int, str]]) -> bool:
+    """Whether files in a shard have the bytes that they were written with."""
+    with suppress(OutputError), store.open(shard) as stream:
+        for offset, size, digest in members:
+            stream.seek(offset)
+            if sha256(stream.read(size)).hexdigest() != digest:
+                return False
+        return True
+    return False
+
+
+class _Row(NamedTuple):
     """The files that a row of a manifest names; none where the line is no row.
 
     Attributes:
         name: of the manipulator.
         failed: whether nothing was made of it.
-        files: files of their own, with the hashes of their bytes.
+        files: files and pictures of their own, with the hashes of their bytes.
         members: of each shard, the places of its files in it, with their hashes.
         meshes: copies of meshes with their hashes, which rows share.
-        names: the names of all files in the store, those of shards and pictures too.
     """
 
-    def __init__(self, line: bytes) -> None:
-        self.name, self.failed = "", False
-        self.files: dict[str, str] = {}
-        self.members: dict[str, list[tuple[int, int, str]]] = {}
-        self.meshes: dict[str, str] = {}
-        self.names: set[str] = set()
-        with suppress(orjson.JSONDecodeError, KeyError, TypeError, AttributeError, OutputError):
-            self._take(orjson.loads(line))  # If not, it is the manifest of something else.
+    name: str
+    failed: bool
+    files: dict[str, str]
+    members: dict[str, list[tuple[int, int, str]]]
+    meshes: dict[str, str]
 
-    def _take(self, row: Any) -> None:  # noqa: ANN401 - what JSON has
+
+def _row(line: bytes) -> _Row:
+    with suppress(orjson.JSONDecodeError, KeyError, TypeError, AttributeError, OutputError):
+        row = orjson.loads(line)
         files: dict[str, str] = {}
         members: dict[str, list[tuple[int, int, str]]] = {}
         for file in row["files"]:
@@ -176,21 +172,10 @@ class _Row:
                 members.setdefault(checked(file["shard"]), []).append(place)
             else:
                 files[checked(file["path"])] = str(file["sha256"])
-        meshes = {checked(mesh["path"]): str(mesh["sha256"]) for mesh in row.get("meshes", ())}
         # In a shard, pictures are members. Files in folders of their own lie below the pictures.
         beside = "".join(min(files, key=lambda name: name.count("/"), default="").rpartition("/")[:2])
-        pictures = [report["picture"] for report in row["loaders"].values() if report["picture"]]
-        own = {checked(f"{beside}{name}") for name in pictures} if files else set()
-        self.name, self.failed = str(row["name"]), row["status"] != "ok"
-        self.files, self.members, self.meshes = files, members, meshes
-        self.names = {*files, *members, *own, *meshes}
-
-    def is_whole_in(self, store: Store, shard: str) -> bool:
-        """Whether its files in a shard have the bytes that they were written with."""
-        with suppress(OutputError), store.open(shard) as stream:
-            for offset, size, digest in self.members[shard]:
-                stream.seek(offset)
-                if sha256(stream.read(size)).hexdigest() != digest:
-                    return False
-            return True
-        return False
+        pictures = row.get("pictures", {}).items() if files else ()
+        files |= {checked(f"{beside}{name}"): str(digest) for name, digest in pictures}
+        meshes = {checked(mesh["path"]): str(mesh["sha256"]) for mesh in row.get("meshes", ())}
+        return _Row(str(row["name"]), row["status"] != "ok", files, members, meshes)
+    return _Row("", False, {}, {}, {})  # It is the manifest of something else.

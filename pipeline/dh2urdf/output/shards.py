@@ -7,13 +7,10 @@ contents alone: no time, no owner. A member can be read by itself, at the offset
 
 from __future__ import annotations
 
-import os
-import re
-from contextlib import ExitStack, suppress
-from typing import TYPE_CHECKING, BinaryIO, Self
+from contextlib import ExitStack
+from typing import TYPE_CHECKING, BinaryIO, NamedTuple, Self
 
 from dh2urdf.errors import OutputError
-from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.output.whole_files import checked, refused, reporting_os_errors, safe_stem, write_all
 from dh2urdf.source import Problem
 
@@ -29,8 +26,6 @@ _RECORD = 20 * _BLOCK
 """A whole archive is a multiple of this [byte]."""
 _AT_ONCE = 1 << 18
 """So much is written to the disk at once [byte]: what a cache of the processor holds takes a quarter of the time."""
-_IN_MEMORY = 1 << 22
-"""Each time that a shard has grown by so much [byte], the system is asked to keep no copy of it in memory."""
 
 # The fields of a header between name, size and checksum, with the lengths that the standard gives them: mode, user and
 # group; time of modification; kind, linked name, format, names of user and group, device, prefix of the name.
@@ -40,7 +35,6 @@ _REST = b"0" + bytes(100) + b"ustar\x0000" + bytes(32 + 32 + 8 + 8 + 155 + 12)
 _FIXED_SUM = sum(_OWNER + _TIME + _REST) + 8 * ord(" ")
 _LONGEST_NAME = 100
 _ZEROS = bytes(_BLOCK)
-_EXTENDED = b"x"
 
 
 def shard_stem(name: str) -> str:
@@ -58,7 +52,7 @@ class ShardWriter:
     def __init__(self, store: Store, name: str) -> None:
         self._store, self._name = store, checked(name)
         self._parts: list[bytes] = []
-        self._size = self._written = self._released = 0
+        self._size = self._written = 0
 
     def __enter__(self) -> Self:
         with ExitStack() as stack:
@@ -98,19 +92,6 @@ class ShardWriter:
             write_all(self._file.fileno(), b"".join(self._parts))
         self._parts.clear()
         self._written = self._size
-        if self._written - self._released >= _IN_MEMORY:
-            self._release()
-
-    def _release(self) -> None:
-        """Have the system write what it holds of this shard to the disk, and free the memory of what is there already.
-
-        A run of a million manipulators would fill the machine's memory with copies of its shards: what other programs
-        had there is lost, and on a virtual machine it takes an eighth of the run.
-        """
-        if hasattr(os, "posix_fadvise"):  # not on macOS and Windows
-            with suppress(OSError):  # It is advice, which a file system need not take.
-                os.posix_fadvise(self._file.fileno(), 0, self._written, os.POSIX_FADV_DONTNEED)
-        self._released = self._written
 
     @property
     def _place(self) -> str:
@@ -155,43 +136,19 @@ class Member(NamedTuple):
 
 
 def members(shard: BinaryIO) -> Iterator[Member]:
-    """The files of a shard, in their order, read in one pass.
+    """The files of a shard, in their order, read in one pass; the reader compares their hashes.
 
-    Every byte is compared with what `ShardWriter` writes of the same names and contents, from the first header to the
-    zeros at the end. (`tarfile` takes a damaged header for the end of the shard, and reads nothing behind the end.)
+    A damaged header ends the shard.
 
     Raises:
-        OutputError: the shard has other bytes, or ends too soon; it comes after the files before that place.
+        OutputError: it is no shard, or the content of a file ends too soon.
     """
-    position = 0
-    while (header := shard.read(_BLOCK)) != _ZEROS:
-        name, size = _read_header(header, position)
-        offset = position + _BLOCK
-        if header[156:157] == _EXTENDED:  # It holds the name of the next one.
-            extension = shard.read(size + -size % _BLOCK)
-            record = re.fullmatch(rb"[0-9]+ path=(.*)\n", extension[:size], re.DOTALL)
-            name = record[1].decode(errors="replace") if record else name
-            header += extension + (last := shard.read(_BLOCK))
-            size = _read_header(last, position)[1]
-            offset = position + len(header)
-        content = shard.read(size + -size % _BLOCK)
-        if header != _header(name, size) or content[size:] != _ZEROS[: -size % _BLOCK]:
-            raise _damaged(position)
-        yield Member(name, offset, content[:size])
-        position = offset + len(content)
-    rest = bytes(_BLOCK + -(position + 2 * _BLOCK) % _RECORD)
-    if shard.read(len(rest) + 1) != rest:
-        raise _damaged(position)
+    import tarfile
 
-
-def _read_header(header: bytes, position: int) -> tuple[str, int]:
-    """The name and the size that a header has, right or wrong."""
     try:
-        name, size = header[:_LONGEST_NAME].rstrip(b"\x00").decode(errors="replace"), header[124:135].decode("ascii")
-        return name, int(size if size.isdigit() else "", 8)
-    except ValueError as error:
-        raise _damaged(position) from error
-
-
-def _damaged(position: int) -> OutputError:
-    return OutputError(Problem(message=f"this is no shard, or a damaged one, from byte {position} on"))
+        with tarfile.open(fileobj=shard, mode="r|") as archive:
+            for info in archive:
+                content = archive.extractfile(info)
+                yield Member(info.name, info.offset_data, content.read() if content else b"")
+    except tarfile.TarError as error:
+        raise OutputError(Problem(message=f"this is no shard, or a damaged one: {error}")) from error

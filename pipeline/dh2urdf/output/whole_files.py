@@ -3,18 +3,17 @@
 from __future__ import annotations
 
 import os
+import re
 import unicodedata
 from contextlib import contextmanager, suppress
 from errno import EACCES, EBADF, EDQUOT, EISDIR, ENAMETOOLONG, ENOSPC, EPERM, EROFS
 from itertools import permutations, product, takewhile
 from pathlib import Path, PurePosixPath
-from stat import S_ISDIR, S_ISLNK, S_ISREG
 from typing import TYPE_CHECKING
 
 from dh2urdf.documents.text_files import ADDRESS, is_file, is_folder, is_there
 from dh2urdf.errors import OutputError
 from dh2urdf.output.name_set import NameSet
-from dh2urdf.patterns import late_pattern
 from dh2urdf.source import Problem, shown
 
 if TYPE_CHECKING:
@@ -38,7 +37,7 @@ _ADVICE = {
 """What to do where the operating system writes no file."""
 TO_FOLDER = "write to the folder"
 """What is being done where a file cannot be made because of its folder."""
-_SAFE = late_pattern(r"[A-Za-z0-9](?:[A-Za-z0-9.+_-]*[A-Za-z0-9+])?")
+_SAFE = r"[A-Za-z0-9](?:[A-Za-z0-9.+_-]*[A-Za-z0-9+])?"
 _DEVICES = {"con", "prn", "aux", "nul", *(f"{port}{n}" for port in ("com", "lpt") for n in range(1, 10))}
 
 
@@ -51,7 +50,7 @@ def safe_stem(name: str) -> str:
     plain = name.isascii() and name.isalnum()
     if (
         len(name) <= LONGEST_STEM
-        and (plain or _SAFE.fullmatch(name))
+        and (plain or re.fullmatch(_SAFE, name))
         and name.partition(".")[0].lower() not in _DEVICES
     ):
         return name  # as nearly all are; what follows gives the same
@@ -166,10 +165,9 @@ def make_folder(directory: Path) -> None:
     Raises:
         OutputError: it cannot be made; or it is an address, for which a folder called ``s3:`` would be made here.
     """
-    if ":" in str(directory) and ADDRESS.match(str(directory)) and not is_folder(Path(directory.parts[0])):
+    if re.match(ADDRESS, str(directory)) and not is_folder(Path(directory.parts[0])):
         message = f"cannot write to {shown(str(directory), 200)}: this is an address, and only files are written here"
-        advice = "a run writes to addresses: `dh2urdf run FILE -o s3://bucket/prefix`"
-        raise OutputError(Problem(message=message, accepted="a path", suggestion=advice))
+        raise OutputError(Problem(message=message, accepted="a path"))
     with reporting_os_errors(directory, TO_FOLDER):
         directory.mkdir(parents=True, exist_ok=True)
 
@@ -200,9 +198,7 @@ def write_files(folder: Path, files: Sequence[EmittedFile], place: str = "") -> 
         OutputError: a file cannot be written, or its name leads out of the folder.
     """
     for file in files:
-        path = PurePosixPath(file.name)
-        if "\\" in file.name or path.is_absolute() or not NO_NAMES.isdisjoint(file.name.split("/")):
-            raise OutputError(Problem(message=f"{shown(file.name)} is not a plain file name", found=file.name))
+        path = PurePosixPath(checked(file.name))
         with reporting_os_errors(f"{place}/{file.name}" if place else folder.parent / file.name):
             if len(path.parts) > 1:
                 (folder / path).parent.mkdir(parents=True, exist_ok=True)
@@ -216,7 +212,7 @@ def checked(name: str) -> str:
         OutputError: it leads out of the store, or means another file on another system.
     """
     if "\\" in name or not NO_NAMES.isdisjoint(name.split("/")):
-        raise OutputError(Problem(message=f"{shown(name)} is not a plain relative name", found=name))
+        raise OutputError(Problem(message=f"{shown(name)} is not a plain file name", found=name))
     return name
 
 
@@ -283,17 +279,11 @@ def refuse_no_file(path: Path) -> None:
         OutputError: there is a folder, a device, a pipe or a socket, a link to one, or one to an open file.
     """
     with reporting_os_errors(path):
-        try:
-            mode = os.lstat(path).st_mode
-            if is_open_file := S_ISLNK(mode) and os.readlink(path).startswith("/proc/"):  # noqa: PTH115 - as lstat is
-                mode = 0
-            elif S_ISLNK(mode):
-                mode = os.stat(path).st_mode  # noqa: PTH116
-        except OSError:
-            return  # Nothing is there; or a file is in the place of a folder, which whatever writes reports.
-        if S_ISDIR(mode):
+        if path.is_dir():
             raise IsADirectoryError(EISDIR, os.strerror(EISDIR))
-    if is_open_file or not S_ISREG(mode):
+        is_open_file = path.is_symlink() and str(path.readlink()).startswith("/proc/")
+        is_other = path.exists() and not path.is_file()
+    if is_open_file or is_other:
         raise OutputError(
             Problem(
                 message=f"cannot write {shown(str(path), 200)}: a device, a pipe or a socket is there",

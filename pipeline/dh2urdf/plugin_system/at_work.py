@@ -9,11 +9,10 @@ from __future__ import annotations
 
 import os
 from _thread import _local  # `threading.local`, without an import that takes as long as all of this
-from contextlib import contextmanager, suppress
+from contextlib import suppress
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
     from mmap import mmap
     from types import TracebackType
     from typing import Protocol
@@ -32,9 +31,6 @@ if TYPE_CHECKING:
         @property
         def distribution_name(self) -> str: ...
 
-
-SLOW_IMPORT = 3.0
-"""Time after which a line says which import is waited for [s]."""
 
 MARK = "\x1e"
 """What a line on a child's standard error begins with if its parent has the line from the child's results, too."""
@@ -121,29 +117,6 @@ _here = _Here()
 def at_work_here() -> AtWork | None:
     """The innermost context that this thread is in; None where no plugin is at work."""
     return _here.at_work
-
-
-@contextmanager
-def importing(plugin: _NamedPlugin) -> Iterator[None]:
-    """A context in which a plugin is imported; where that takes long, a line says which one it is."""
-    import threading
-
-    def tell() -> None:
-        import logging
-
-        logging.getLogger("dh2urdf").warning(
-            "waiting for the import of the plugin %r of %s; `--without %s` leaves it out",
-            *(plugin.name, plugin.distribution, plugin.distribution_name),
-        )
-
-    clock = threading.Timer(SLOW_IMPORT, tell)
-    clock.daemon = True
-    clock.start()
-    try:
-        with AtWork(f"the import of the plugin {plugin.name!r}", plugin):
-            yield
-    finally:
-        clock.cancel()
 
 
 # --- A parent and its child ------------------------------------------------------------------------------------------

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from itertools import groupby
 from typing import TYPE_CHECKING, Any, overload
 
 from dh2urdf.errors import BrokenPluginError, InputError, StageConflictError, UnknownStageError
-from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.plugin_system.discovery import Plugin, installed, same_name
 from dh2urdf.plugin_system.plugin_stages import COMMAND, KINDS, RECORDS, PluginStages, Provided, declared
 from dh2urdf.source import Problem, did_you_mean, shown
@@ -20,9 +20,6 @@ if TYPE_CHECKING:
     from dh2urdf.stages import Edit, Emitter, Executor, Kind, Loader, Stage, Transform
 
 __all__ = ["KINDS", "RECORDS", "AddedCommand", "Catalog", "Plugin", "Provided", "Shadowed", "load", "load_plugin"]
-
-_SPREADSHEETS = frozenset({".xls", ".xlsb", ".ods", ".fods", ".numbers"})
-_SAVE_AS = "save the sheet as .xlsx, or as CSV (UTF-8)"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -287,14 +284,13 @@ class Catalog:
     def _no_stage_for(self, kind: Kind, path: Path, advice: str) -> InputError:
         suffixes = sorted({s for item in self.provided(kind) for s in getattr(item.stage, "suffixes", ())})
         accepted = f"a file name that ends in {', '.join(suffixes)}" if suffixes else f"no file: there is no {kind}"
-        is_sheet = kind == "reader" and path.suffix.lower() in _SPREADSHEETS
         self._blame_broken(f"no other plugin takes the file {shown(path.name)}; accepted: {accepted}")
         return InputError(
             Problem(
                 message=f"no {kind} is known for the file {shown(path.name)}",
                 found=path.suffix or path.name,
                 accepted=accepted,
-                suggestion=f"{_SAVE_AS}; or {advice}" if is_sheet else advice,
+                suggestion=advice,
             )
         )
 

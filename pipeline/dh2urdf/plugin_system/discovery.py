@@ -8,22 +8,21 @@ of it runs, and a distribution that has a plugin for each of two versions works 
 from __future__ import annotations
 
 import os
+import re
 import sys
+from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from typing import TYPE_CHECKING, Any
 
 from dh2urdf._version import __version__
 from dh2urdf.errors import ConfigError, IncompatiblePluginError
 from dh2urdf.hookspecs import INTERFACE_VERSION, PROJECT
-from dh2urdf.late_dataclasses import dataclass
-from dh2urdf.plugin_system.at_work import importing
-from dh2urdf.plugin_system.entry_points import Point, canonical, points
+from dh2urdf.plugin_system.at_work import AtWork
 from dh2urdf.source import Mark, Problem, did_you_mean
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
-
-    from dh2urdf.plugin_system.entry_points import AnyDistribution
+    from importlib.metadata import Distribution, EntryPoint
 
 UNKNOWN = "an unknown distribution"
 _BUILT_IN = ("dh2urdf_plugins", "dh2urdf_check", "dh2urdf_studio")
@@ -43,9 +42,9 @@ class Plugin:
         self,
         *,
         name: str,
-        distribution: AnyDistribution | str | None,
+        distribution: Distribution | str | None,
         module: Any = None,  # noqa: ANN401 - anything
-        point: Point | None = None,
+        point: EntryPoint | None = None,
     ) -> None:
         self.name = name
         self._distribution = distribution
@@ -58,7 +57,7 @@ class Plugin:
             return self._module
         if self.is_builtin:
             return self._point.load()
-        with importing(self):
+        with AtWork(f"the import of the plugin {self.name!r}", self):
             return self._point.load()
 
     @property
@@ -71,7 +70,7 @@ class Plugin:
         found = self._distribution
         if found is None or isinstance(found, str):
             return found or UNKNOWN
-        return f"{found.name} {found.version}"
+        return f"{found.name or UNKNOWN} {found.version}"
 
     @property
     def distribution_name(self) -> str:
@@ -79,7 +78,7 @@ class Plugin:
         found = self._distribution
         if found is None:
             return UNKNOWN
-        return found.partition(" ")[0] if isinstance(found, str) else found.name
+        return found.partition(" ")[0] if isinstance(found, str) else found.name or UNKNOWN
 
     @property
     def is_installed(self) -> bool:
@@ -128,7 +127,7 @@ def installed(without: Sequence[str] = ()) -> Installed:
     by_major: dict[int, list[Plugin]] = {major: []}
     for version, found in _entry_points(_search_path()):
         by_major.setdefault(version, []).extend(
-            Plugin(name=f"{each.name} = {each.value}", distribution=each.distribution, point=each) for each in found
+            Plugin(name=f"{each.name} = {each.value}", distribution=each.dist, point=each) for each in found
         )
     everybody = [plugin for plugins in by_major.values() for plugin in plugins]
     _check_names(without, everybody)
@@ -168,13 +167,16 @@ def _search_path() -> tuple[tuple[str, int], ...]:
 
 
 @lru_cache(maxsize=8)
-def _entry_points(_place: tuple[tuple[str, int], ...]) -> tuple[tuple[int, tuple[Point, ...]], ...]:
+def _entry_points(_place: tuple[tuple[str, int], ...]) -> tuple[tuple[int, tuple[EntryPoint, ...]], ...]:
     """The entry points of plugins by the interface's major version: folders are searched for them, so they are kept."""
-    found: dict[int, list[Point]] = {}
-    for point in points(PROJECT):
-        name, dot, version = point.group.partition(".v")
+    from importlib.metadata import entry_points
+
+    found: dict[int, list[EntryPoint]] = {}
+    every = entry_points()
+    for group in every.groups:
+        name, dot, version = group.partition(".v")
         if name == PROJECT and (version.isdecimal() or not dot):
-            found.setdefault(int(version or 1), []).append(point)
+            found.setdefault(int(version or 1), []).extend(every.select(group=group))
     return tuple(
         (major, tuple(sorted(each, key=lambda point: (point.value, point.name)))) for major, each in found.items()
     )
@@ -201,7 +203,7 @@ def _check_names(names: Iterable[str], plugins: Sequence[Plugin]) -> None:
 
 def same_name(one: str, other: str) -> bool:
     """Whether two names of a distribution are one name, as pip compares them."""
-    return canonical(one) == canonical(other)
+    return re.sub(r"[-_.]+", "-", one).lower() == re.sub(r"[-_.]+", "-", other).lower()
 
 
 # --- What plugins raise: anything, and even the text of that may fail

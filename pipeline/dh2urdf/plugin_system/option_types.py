@@ -6,9 +6,7 @@ from dataclasses import MISSING, asdict, fields, is_dataclass
 from enum import Enum
 from pathlib import Path
 from types import NoneType, UnionType
-from typing import TYPE_CHECKING, Annotated, Any, Literal, Union, get_args, get_origin, get_type_hints
-
-from dh2urdf.late_tuples import NamedTuple
+from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple, Union, get_args, get_origin, get_type_hints
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -105,6 +103,17 @@ def choices(hint: Any) -> list[str]:  # noqa: ANN401 - any type
         elif isinstance(member, type) and issubclass(member, Enum):
             found += [str(item.value) for item in member]
     return found
+
+
+def takes_text(hint: Any, value: object) -> bool:  # noqa: ANN401 - any type
+    """Whether a value is meant as the text that it is written as: `007` where only a text is accepted."""
+    kinds = {get_origin(kind) or kind for kind in members(hint)}
+    if isinstance(value, str) or (isinstance(value, dict) and records_of(hint)):
+        return False
+    own: dict[type, set[Any]] = {float: {float}, int: {int, float}, list: {list, tuple, set, frozenset}}
+    has_own = Any in kinds or not kinds.isdisjoint(own.get(type(value), {type(value)}))
+    is_text = Literal in kinds or bool(choices(hint)) or not kinds.isdisjoint({str, Path})
+    return is_text and not has_own
 
 
 def type_text(hint: Any, *, measures: bool = False) -> str:  # noqa: ANN401 - any type

@@ -5,17 +5,16 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable
 from contextlib import contextmanager
-from dataclasses import fields, is_dataclass
+from dataclasses import dataclass, fields, is_dataclass
 from typing import TYPE_CHECKING, Any, get_args
 
 import pluggy
 
 from dh2urdf import hookspecs, stages
 from dh2urdf.errors import BrokenPluginError
-from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.plugin_system.at_work import AtWork
 from dh2urdf.plugin_system.discovery import Plugin, reason_of, traceback_of
-from dh2urdf.stages import Compares, Edit, Executor, Kind, OtherFiles, Stage, Subcommand, WritesTables
+from dh2urdf.stages import Compares, Edit, Executor, Kind, Stage, Subcommand
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -195,11 +194,7 @@ def _check_choices(kind: Kind, stage: Any) -> None:  # noqa: ANN401 - a record o
         raise ValueError(f"the executor {stage.name!r} has to give either map or pool")
     if isinstance(stage, Edit) and stage.edit_table is None and stage.edit_robot is None:
         raise ValueError(f"the edit {stage.name!r} has to give edit_table, edit_robot, or both")
-    writes, others, compares = stage.can(WritesTables), stage.can(OtherFiles), stage.can(Compares)
-    _check_texts(kind, stage, not_written=writes.not_written if writes else ())
-    _check_texts(kind, stage, other_endings=others.other_endings if others else ())
-    if writes and not {*writes.not_written} <= {*stage.suffixes[1:]}:
-        raise ValueError(f"not_written of the reader {stage.name!r} is not among its suffixes behind the first")
+    compares = stage.can(Compares)
     if compares and compares.option not in {each.name for each in fields(stage.options)}:
         raise ValueError(f"the {kind} {stage.name!r} compares {compares.option!r:.60}, which is none of its options")
 

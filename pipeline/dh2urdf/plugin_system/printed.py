@@ -49,15 +49,11 @@ class NamedLines(io.TextIOBase):
         """The number of the file that programs print to."""
         return self._stderr.fileno()
 
-    def reconfigure(self, **_changes: object) -> None:
-        """Stay as it is: it takes any text."""
-
     def close(self) -> None:
         """Stay open for the next one that prints."""
 
-    def writable(self) -> bool:
-        """True."""
-        return True
+    def reconfigure(self, **_changes: object) -> None:
+        """Stay as it is: it takes any text."""
 
     def write(self, text: str) -> int:
         """Take a text; its last line waits for its end."""
@@ -90,18 +86,10 @@ class _Bytes(io.RawIOBase):
         self._lines = lines
         self._text = codecs.getincrementaldecoder(lines.encoding)(lines.errors)
 
-    def writable(self) -> bool:
-        """True."""
-        return True
-
     def write(self, data: Any) -> int:  # noqa: ANN401 - anything that has bytes
         """Take bytes; those of a character that is not whole wait for the others."""
-        taken = bytes(data)
-        self._lines.write(self._text.decode(taken))
-        return len(taken)
-
-    def close(self) -> None:
-        """Stay open for the next one that prints."""
+        self._lines.write(self._text.decode(bytes(data)))
+        return len(data)
 
 
 @contextmanager

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any, Generic, TypeAlias, TypeVar, get_args, ge
 from dh2urdf.documents.nodes import LARGEST_BARE
 from dh2urdf.documents.text_files import tidy_path
 from dh2urdf.errors import ConfigError, InputError
-from dh2urdf.plugin_system.option_types import choices, keys_of, members, records_of, type_text
+from dh2urdf.plugin_system.option_types import choices, keys_of, members, records_of, takes_text, type_text
 from dh2urdf.source import Problem, did_you_mean, in_file_order
 
 if TYPE_CHECKING:
@@ -31,9 +31,9 @@ T = TypeVar("T")
 Keys: TypeAlias = tuple[str | int, ...]
 """Keys and indices that lead from a record to a value in it."""
 
-TEXT_MAY_DO = frozenset({"string_type", "literal_error", "enum"})
-"""Errors of pydantic that a value's own text may fix."""
-TOLD_BY_TYPE = TEXT_MAY_DO | {"missing", "greater_than", "greater_than_equal", "less_than", "less_than_equal"}
+TOLD_BY_TYPE = frozenset(
+    "string_type literal_error enum missing greater_than greater_than_equal less_than less_than_equal".split()  # noqa: SIM905
+)
 """Errors of pydantic about which the words for the type say enough."""
 REFUSED = frozenset({"value_error", "assertion_error"})
 """Errors that the record itself has raised."""
@@ -147,6 +147,8 @@ class _Given(Generic[T]):
         """A value as JSON has it: without unknown keys, measures in SI units, paths with their folder."""
         self.seen[keys] = node, hint, measure is not None
         value = node.value
+        if node.text is not None and value is not None and takes_text(hint, value):
+            return node.text
         if isinstance(value, dict):
             known = {name: key for record in records_of(hint) for name, key in keys_of(record).items()}
             each = next((get_args(member)[1] for member in members(hint) if get_origin(member) is dict), Any)
@@ -198,28 +200,12 @@ class _Given(Generic[T]):
         from pydantic import ValidationError
 
         adapter: TypeAdapter[T] = adapter_of(self.kind)
-        while True:
-            try:
-                # As JSON, since its strict mode takes a list for a tuple and a word for a path or an enumeration.
-                return adapter.validate_json(json.dumps(values), strict=True)
-            except ValidationError as error:
-                found = error
-            texts = [self._put_text(values, one["loc"]) for one in found.errors() if one["type"] in TEXT_MAY_DO]
-            if not any(texts):
-                self._note_errors(found)
-                raise ConfigError([])
-
-    def _put_text(self, values: Any, location: Keys) -> bool:  # noqa: ANN401 - as JSON has it
-        """Put a value's own text in its place; tell whether that changes anything."""
-        keys = self._place(location)
-        node, _, _ = self.seen[keys]
-        if node.text is None or node.value is None or not keys:
-            return False
-        for key in keys[:-1]:
-            values = values[key]
-        changes = values[keys[-1]] != node.text
-        values[keys[-1]] = node.text
-        return bool(changes)
+        try:
+            # As JSON, since its strict mode takes a list for a tuple and a word for a path or an enumeration.
+            return adapter.validate_json(json.dumps(values), strict=True)
+        except ValidationError as error:
+            self._note_errors(error)
+            raise ConfigError([]) from None
 
     # --- What is wrong
 
@@ -261,8 +247,6 @@ class _Given(Generic[T]):
             if one["type"] not in TOLD_BY_TYPE and one.get("ctx") and one["msg"].startswith("Input should be "):
                 accepted += ", " + one["msg"].removeprefix("Input should be ")
         near = did_you_mean(node.text, choices(hint)) if node.text else None
-        if any(one["type"].startswith("int_") for one in errors):
-            near = near or _as_whole(node.text or "")
         self._note(f"{self.whose} cannot take {node.describe()} here", node, keys, accepted, near)
 
     def _refused(self, reason: str, keys: Keys) -> Problem:
@@ -300,15 +284,6 @@ class _Given(Generic[T]):
                 suggestion=suggestion,
             )
         )
-
-
-def _as_whole(text: str) -> str | None:
-    """How to write a whole number that is written as 1e6, 1_000 or 10.0."""
-    try:
-        number = float(text)
-    except ValueError:
-        return None
-    return f"write {number:.0f}" if number.is_integer() and 0 <= number <= 10**9 else None
 
 
 def dotted(keys: Keys) -> str:

@@ -17,10 +17,8 @@ from __future__ import annotations
 import math
 import re
 import unicodedata
-from typing import TYPE_CHECKING, NoReturn
+from typing import TYPE_CHECKING, NamedTuple, NoReturn
 
-from dh2urdf.late_tuples import NamedTuple
-from dh2urdf.patterns import late_pattern
 from dh2urdf.quantities.spellings import SIGNS, advice, misreading
 from dh2urdf.quantities.units import (
     UNITS,
@@ -88,14 +86,13 @@ SPACE = r"[^\S\x1c-\x1f]"
 """White space between the parts of a number; Python counts four control characters to it, and `float` does not."""
 
 
-TOKEN = late_pattern(
-    f"(?P<space>{SPACE}+)"
+TOKEN = (
+    f"(?xs)(?P<space>{SPACE}+)"
     r"""
       | (?P<number>(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]{1,18}(?![0-9]))?)
       | (?P<word>\\?[^\W\d]\w*(?:_?\{\w+\})?(?:\.[^\W\d]\w*)*)
       | (?P<degree>°)
-      | (?P<sign>.)""",
-    re.VERBOSE | re.DOTALL,
+      | (?P<sign>.)"""
 )
 
 
@@ -116,14 +113,14 @@ def negative(value: Intermediate) -> Intermediate:
     return value._replace(number=-value.number, decimal=decimal, factor=-value.factor)
 
 
-_DECIMAL_COMMA = late_pattern(r"(?<![0-9.,])([0-9]*),([0-9]+)(?![0-9.,])")
+_DECIMAL_COMMA = r"(?<![0-9.,])([0-9]*),([0-9]+)(?![0-9.,])"
 _LONGEST_UNIT = 7
 """Tokens of the longest unit: ``N * m * s / rad``."""
-_TORN = late_pattern(r"[\s*·]\d|(?<!\w)(?!(?:N|kN|mN|kg|kgf|g|t|lb|lbf|oz|ozf|slug|ft|in|s)\s)\w+\s+\w", re.IGNORECASE)
+_TORN = r"(?i)[\s*·]\d|(?<!\w)(?!(?:N|kN|mN|kg|kgf|g|t|lb|lbf|oz|ozf|slug|ft|in|s)\s)\w+\s+\w"
 """A power without its sign, and a word with a space behind it that is no factor: `m m` is no mm, `N m` is Nm."""
 _CONSTANTS = {"pi": math.pi, "π": math.pi, "m_pi": math.pi}
 _MODULES = ("np.", "numpy.", "math.")
-_VARIABLE = late_pattern(r"\\?(q|th|theta|θ|d)_?\{?([0-9]{1,9}|i)?\}?")
+_VARIABLE = r"\\?(q|th|theta|θ|d)_?\{?([0-9]{1,9}|i)?\}?"
 _VARIABLE_KINDS = {"th": "theta", "θ": "theta"}
 
 # --- Functions --------------------------------------------------------------------------------------------------------
@@ -203,8 +200,8 @@ class _Parser:
             raise QuantityError(message, f"at most {MAX_CHARACTERS} characters")
         plain = text.translate(SIGNS)
         if decimal_comma:
-            plain = _DECIMAL_COMMA.sub(r"\1.\2", plain)
-        matches = (match for match in TOKEN.finditer(plain) if match.lastgroup != "space")
+            plain = re.sub(_DECIMAL_COMMA, r"\1.\2", plain)
+        matches = (match for match in re.finditer(TOKEN, plain) if match.lastgroup != "space")
         self.tokens = [Token(match.lastgroup or "", match.group(), match.start()) for match in matches]
         self.tokens.append(Token("end", "", len(plain)))
         self.plain = plain
@@ -315,7 +312,7 @@ class _Parser:
             return 0
         for count in range(min(_LONGEST_UNIT, len(self.tokens) - 1 - start), 0, -1):
             word = self.between(start, start + count)
-            whole = self.tokens[start + count - 1].kind != "sign" and not _TORN.search(word)
+            whole = self.tokens[start + count - 1].kind != "sign" and not re.search(_TORN, word)
             if whole and is_unit(word):
                 return count
         return 0
@@ -404,7 +401,7 @@ class _Parser:
             return Intermediate(_CONSTANTS[name], uses_pi=True)
         if name in FUNCTIONS and self.take("("):
             return self.inside(lambda: self.call(token.text, FUNCTIONS[name]))
-        if match := _VARIABLE.fullmatch(name):
+        if match := re.fullmatch(_VARIABLE, name):
             self.skip_variable_star(token)
             row = int(match[2]) if match[2] and match[2] != "i" else None
             return Intermediate(

@@ -8,9 +8,9 @@ neighbour. Any other factor is an exact fraction. Degrees are whole quarter turn
 from __future__ import annotations
 
 import math
+import re
+from dataclasses import dataclass
 
-from dh2urdf.late_dataclasses import dataclass
-from dh2urdf.patterns import late_pattern
 from dh2urdf.quantities.grammar import MAX_CHARACTERS, MAX_NESTING, SPACE, Intermediate, Variable, parse
 from dh2urdf.quantities.units import (
     Decimal,
@@ -66,7 +66,7 @@ class Quantity:
 
 
 _AS_COMPUTED = 1e-9
-_DECIMAL = late_pattern(rf"{SPACE}*([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+))(?:[eE]([+-]?[0-9]{{1,18}}))?{SPACE}*")
+_DECIMAL = rf"{SPACE}*([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+))(?:[eE]([+-]?[0-9]{{1,18}}))?{SPACE}*"
 
 
 def evaluate(
@@ -90,7 +90,7 @@ def evaluate(
     Raises:
         QuantityError: it is no such quantity, not a finite one, or one that can be read in two ways.
     """
-    plain = _DECIMAL.fullmatch(text)
+    plain = re.fullmatch(_DECIMAL, text)
     if plain and len(text) <= MAX_CHARACTERS:
         decimal = Decimal(plain[1], int(plain[2] or 0))
         value = Intermediate(float(text), decimal)

@@ -12,8 +12,6 @@ import unicodedata
 from functools import cache
 from pathlib import Path
 
-from dh2urdf.patterns import late_pattern
-
 DEGREE_SIGNS = "°º˚◦∘"
 """What is written for the degree sign: keyboards have ordinals beside it, and LaTeX makes it of a ring or a bullet."""
 # What typesetting and PDF copies make of the signs. The raised dot is missing: it is a decimal point to some.
@@ -30,7 +28,7 @@ _MONTHS = (
 )
 _TIME = r"(?:[T ]+\d{1,2}:\d{2}(?::\d{2}(?:\.\d+)?)?Z?)?"
 _DATES = tuple(
-    late_pattern(rf"\s*(?:{pattern})\s*", re.IGNORECASE | re.ASCII)
+    rf"(?ai)\s*(?:{pattern})\s*"
     for pattern in (
         rf"\d{{4}}([-/.])\d{{1,2}}\1\d{{1,2}}{_TIME}",
         rf"\d{{1,2}}([-/])\d{{1,2}}\1(?:\d{{4}}|\d{{1,2}}){_TIME}",
@@ -48,15 +46,13 @@ _DATE_ADVICE = (
     "around its signs"
 )
 _WORD = r"[^\W\d_]{1,3}|°"
-_IN_BRACKETS = late_pattern(rf"\s*\(\s*([0-9.,]+(?:e[+-]?[0-9]+)?)\s*({_WORD})?\s*\)\s*({_WORD})?\s*", re.IGNORECASE)
-_NO_DIGIT_BUT_0 = late_pattern(r"[0.,]+(?:e[+-]?[0-9]+)?", re.IGNORECASE)
+_IN_BRACKETS = rf"(?i)\s*\(\s*([0-9.,]+(?:e[+-]?[0-9]+)?)\s*({_WORD})?\s*\)\s*({_WORD})?\s*"
+_NO_DIGIT_BUT_0 = r"(?i)[0.,]+(?:e[+-]?[0-9]+)?"
 _PLAIN = r"[0-9]*[.,]?[0-9]+"
-_POWER = late_pattern(
-    rf"\s*([+-]?{_PLAIN})\s*\*\s*10(?:([+-])\s*|\s+([+-]))([0-9]{{1,2}})\s*((?:[^\W\d]|°).*)?", re.DOTALL
-)
+_POWER = rf"(?s)\s*([+-]?{_PLAIN})\s*\*\s*10(?:([+-])\s*|\s+([+-]))([0-9]{{1,2}})\s*((?:[^\W\d]|°).*)?"
 """A power of ten whose exponent is no longer raised: ``3×10-3``."""
 _UNIT = r"(?:\s*(?:[cmµ]?m|in|ft|deg|rad|°))?"
-_TWO_NUMBERS = late_pattern(rf"\s*([+-]?)({_PLAIN}){_UNIT}(\s*)([-−–‐‑/⁄∕])(\s*)([+-]?)({_PLAIN}){_UNIT}\s*")
+_TWO_NUMBERS = rf"\s*([+-]?)({_PLAIN}){_UNIT}(\s*)([-−–‐‑/⁄∕])(\s*)([+-]?)({_PLAIN}){_UNIT}\s*"
 """What may be a difference or a quotient, or two numbers: ``0.3–0.5``, ``90/-90``, ``0/90``, ``0.3/0.4``."""
 _OF_SCALES = ("100", "180", "360", "1000")
 _OF_INCHES = 127
@@ -70,21 +66,21 @@ def misreading(text: str) -> tuple[str, str] | None:
     plain = text.translate(SIGNS)
     # No date has a `*`; a table has many such cells.
     may_be_date = "*" not in plain and plain.strip()[:1].lower() in _FIRST_OF_DATES
-    if may_be_date and any(date.fullmatch(plain) for date in _DATES):
+    if may_be_date and any(re.fullmatch(date, plain) for date in _DATES):
         return "it is a date", _DATE_ADVICE
-    number = _IN_BRACKETS.fullmatch(plain) if "(" in plain else None
-    if number and not _NO_DIGIT_BUT_0.fullmatch(number[1]):
+    number = re.fullmatch(_IN_BRACKETS, plain) if "(" in plain else None
+    if number and not re.fullmatch(_NO_DIGIT_BUT_0, number[1]):
         unit = f" {number[2] or number[3]}" if number[2] or number[3] else ""
         reason = (
             f"a number in brackets is negative to a spreadsheet and positive to a person: -{number[1]}, or {number[1]}"
         )
         return reason, f"write -{number[1]}{unit} or {number[1]}{unit}, without the brackets"
-    if "10" in plain and (power := _POWER.fullmatch(plain)):
+    if "10" in plain and (power := re.fullmatch(_POWER, plain)):
         sign = power[2] or power[3]
         factor, exponent, unit = power[1], f"{sign}{power[4]}", f" {power[5]}" if power[5] else ""
         reason = f"it may be {factor} times a power of ten, whose exponent {exponent} is no longer raised"
         return reason, f"write {factor}e{exponent}{unit}, or {factor}*10 {sign} {power[4]}{unit} with spaces"
-    two = None if "pi" in text else _TWO_NUMBERS.fullmatch(text)
+    two = None if "pi" in text else re.fullmatch(_TWO_NUMBERS, text)
     return _two_numbers(two) if two else None
 
 

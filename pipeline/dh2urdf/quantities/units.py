@@ -10,14 +10,13 @@ import math
 import re
 import tomllib
 import unicodedata
+from dataclasses import dataclass
 from enum import StrEnum
 from functools import lru_cache
 from itertools import accumulate
 from pathlib import Path
+from typing import NamedTuple
 
-from dh2urdf.late_dataclasses import dataclass
-from dh2urdf.late_tuples import NamedTuple
-from dh2urdf.patterns import late_pattern
 from dh2urdf.quantities.spellings import composed
 from dh2urdf.rotations import HALF_PI
 from dh2urdf.source import did_you_mean, shown
@@ -136,7 +135,7 @@ with (Path(__file__).parent / "units.toml").open("rb") as _file:
     _TABLES = tomllib.load(_file)
 _LATIN = {word: unit for unit, words in _TABLES["scripts"].items() for word in words.split()}
 _FIRST_OF_OTHERS = "\u0400"
-_IN_OTHERS = late_pattern(rf"[{_FIRST_OF_OTHERS}-\uffff]+")
+_IN_OTHERS = rf"[{_FIRST_OF_OTHERS}-\uffff]+"
 
 
 LONGEST_UNIT = 100
@@ -151,18 +150,18 @@ def _factors(text: str) -> list[str]:
         return [word]
     word = composed(text).casefold().strip()
     if max(word, default="") >= _FIRST_OF_OTHERS:  # мм/с is mm/s
-        word = _IN_OTHERS.sub(lambda match: _LATIN.get(match[0], match[0]), word)
+        word = re.sub(_IN_OTHERS, lambda match: _LATIN.get(match[0], match[0]), word)
     word = re.sub(r"sec(?:onds?)?", "s", re.sub(r"\s*\bper\s+", "/", word)).replace("minute", "min")
     if word.isalpha():
         return [word]
     if word.endswith("1"):
         word = re.sub(r"(s|min)\s*\^?\s*[-\N{MINUS SIGN}]1$", r"/\1", word)
-    word = _NO_FACTOR.sub("", f"1{word}" if word.startswith("/") else word)
-    return [factor for factor in _TIMES.split(word) if factor]
+    word = re.sub(_NO_FACTOR, "", f"1{word}" if word.startswith("/") else word)
+    return [factor for factor in re.split(_TIMES, word) if factor]
 
 
-_TIMES = late_pattern(r"(?<=\w)-(?=\w)|[\s·⋅∙•*^.]+")
-_NO_FACTOR = late_pattern(r"[\s·⋅∙•*^.]+(?=[\d/])|(?<=/)\s+")
+_TIMES = r"(?<=\w)-(?=\w)|[\s·⋅∙•*^.]+"
+_NO_FACTOR = r"[\s·⋅∙•*^.]+(?=[\d/])|(?<=/)\s+"
 """What is between a unit and its power, or beside a sign of division."""
 
 
@@ -205,7 +204,7 @@ _MEANT_THERE = {
 _USUAL = {Dimension[name.upper()]: units for name, units in _TABLES["usual"].items()}
 _OTHER_UNITS = {word: advice for advice, words in _TABLES["advice"].items() for word in words.split()}
 """What to do about units that people write and that are none here, by their words as `unit_word` has these."""
-_MEGA = late_pattern(r"M\s*N")
+_MEGA = r"M\s*N"
 
 
 class QuantityError(ValueError):
@@ -270,7 +269,7 @@ def unit_where(text: str, dimension: Dimension) -> Unit | None:
     """
     word = unit_word(text)
     unit = UNITS.get(word)
-    if unit and word.startswith("mn") and _MEGA.match(text.strip()):
+    if unit and word.startswith("mn") and re.match(_MEGA, text.strip()):
         milli = unit.symbol
         message = f"{shown(text)} may be M{milli[1:]} or {milli}, a thousandth"
         raise QuantityError(message, accepted_units(dimension), f"write {milli}, or the numbers in k{milli[1:]}")

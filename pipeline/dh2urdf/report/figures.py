@@ -11,13 +11,13 @@ import logging
 import math
 import re
 from contextlib import contextmanager
+from dataclasses import dataclass
 from io import BytesIO
 from typing import TYPE_CHECKING, Any, Self
 from xml.etree import ElementTree as ET
 
 from dh2urdf.kinematics.chain import as_matrices
 from dh2urdf.kinematics.proof_vectors import joint_ranges
-from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.report.skeletons import arm_skeleton
 from dh2urdf.rotations import add, rotate
 

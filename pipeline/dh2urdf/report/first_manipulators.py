@@ -6,15 +6,14 @@ was resumed, and made none of them itself, has the same page.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, NamedTuple
 
 from dh2urdf.cells.cell import Cell
 from dh2urdf.conversion.outcome import ManifestRow
 from dh2urdf.conversion.robots import make_item
 from dh2urdf.errors import ManipulatorError
 from dh2urdf.kinematics.expected_poses import ExpectedPoses
-from dh2urdf.late_dataclasses import dataclass
-from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.manipulator import Manipulator
 from dh2urdf.robot import Joint, Link, Robot
 

@@ -5,12 +5,11 @@ from __future__ import annotations
 import math
 from array import array
 from collections import Counter
-from dataclasses import field
+from dataclasses import dataclass, field
 from itertools import chain
 from typing import TYPE_CHECKING, Any, cast
 
 from dh2urdf.kinematics.proof import TOLERANCE
-from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.quantities.units import Dimension
 from dh2urdf.report.figures import Bars
 from dh2urdf.results import LoadEntry, ManipulatorEntry, ProofEntry

@@ -7,10 +7,10 @@ import platform
 import shlex
 from dataclasses import fields, is_dataclass
 from hashlib import file_digest
+from importlib.metadata import version
 from typing import TYPE_CHECKING, Any
 
 from dh2urdf._version import __version__
-from dh2urdf.plugin_system.entry_points import version_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
@@ -61,7 +61,7 @@ def reproduction(
         "versions": {
             "dh2urdf": __version__,
             "Python": platform.python_version(),
-            "numpy": version_of("numpy"),
+            "numpy": version("numpy"),
             **dict(sorted(each.rpartition(" ")[::2] for each in distributions if each.rpartition(" ")[0])),
         },
         "variations": [

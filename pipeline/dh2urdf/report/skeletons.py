@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from dh2urdf.kinematics.chain import forward_kinematics, joint_variables, row_transform
-from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.manipulator import Convention, JointType
 from dh2urdf.rotations import IDENTITY, RigidTransform, Vec3, add, rotate
 

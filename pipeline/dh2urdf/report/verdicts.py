@@ -6,9 +6,9 @@ All comes from the rows of the manifest, so that a run that was resumed, or made
 from __future__ import annotations
 
 import re
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.results import ProblemEntry
 from dh2urdf.source import Mark
 

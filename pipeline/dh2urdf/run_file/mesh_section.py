@@ -5,12 +5,11 @@ It is for tables that cannot say it, such as CSV files. Its values for a joint o
 
 from __future__ import annotations
 
-from dataclasses import field, replace
+from dataclasses import dataclass, field, replace
 from fnmatch import fnmatchcase
 from typing import TYPE_CHECKING
 
 from dh2urdf.cells.wanted_tables import SHOWN_NAMES
-from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.manipulator import Manipulator, MeshShape
 from dh2urdf.source import Mark, Problem, did_you_mean, shown
 from dh2urdf.stages import Rejected

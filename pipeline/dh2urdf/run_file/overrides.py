@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from dh2urdf.documents.document import Node
 from dh2urdf.errors import ConfigError
-from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.plugin_system.options import COMMAND_LINE, broken_structure, word_node
 from dh2urdf.source import Problem, did_you_mean, shown
 
@@ -49,28 +48,17 @@ def with_setting(root: Node, setting: str, sections: Sequence[str], asked: Asked
     """
     key, equals, word = setting.partition("=")
     keys = [part.strip() for part in key.split(".")]
-    if not equals:
+    if not equals or not 0 < len(keys) <= MAX_KEYS:
         raise _error(asked, setting, "has no value", accepted="KEY=VALUE, such as transform.options.frames=dh")
     if keys[0] not in sections:
-        raise _error(
-            asked,
-            setting,
-            f"begins with {shown(keys[0])}, which is no section of a run file",
-            accepted=f"a key that begins with {', '.join(sections)}",
-            suggestion=did_you_mean(keys[0], sections)
-            or f"an option of a stage is below its section: {shown(f'transform.options.{setting}')}",
-        )
-    if len(keys) > MAX_KEYS:
-        raise _error(asked, setting, f"has a key of {len(keys)} names", accepted=f"at most {MAX_KEYS}")
+        near = did_you_mean(keys[0], sections)
+        advice = near or f"an option of a stage is below its section: {shown(f'transform.options.{setting}')}"
+        message = f"begins with {shown(keys[0])}, which is no section of a run file"
+        raise _error(asked, setting, message, f"a key that begins with {', '.join(sections)}", advice)
     word = word.strip()
     if broken := broken_structure(word, asked.mark.file):
-        raise _error(
-            asked,
-            setting,
-            f"cannot be read: {broken}",
-            accepted="a value as in a run file: a word, a number, [a, b], {key: value}",
-            suggestion="a text with such characters is in quotes: 'KEY=\"TEXT\"'",
-        )
+        advice = "a text with such characters is in quotes: 'KEY=\"TEXT\"'"
+        raise _error(asked, setting, f"cannot be read: {broken}", "a value as in a run file", advice)
     return _put(root, keys, word_node(word, asked.mark.file), setting, asked)
 
 
@@ -80,16 +68,10 @@ def _put(node: Node, keys: Sequence[str], value: Node, setting: str, asked: Aske
         return value
     key, *rest = keys
     if isinstance(node.value, list):
-        indices = [str(index) for index in range(len(node.value))]
-        if key not in indices:
-            raise _error(
-                asked,
-                setting,
-                f"names the entry {shown(key)} of a list that has {len(indices)}",
-                accepted=f"{', '.join(indices[:MAX_KEYS])}: the first entry is 0" if indices else None,
-                suggestion="a whole list can be given as [a, b]",
-            )
         entries = list(node.value)
+        if key not in map(str, range(len(entries))):
+            message = f"names the entry {shown(key)} of a list that has {len(entries)}"
+            raise _error(asked, setting, message, "the number of an entry: the first entry is 0")
         entries[int(key)] = _put(entries[int(key)], rest, value, setting, asked)
         return replace(node, value=entries)
     if node.value is not None and not isinstance(node.value, dict):
@@ -102,12 +84,7 @@ def _put(node: Node, keys: Sequence[str], value: Node, setting: str, asked: Aske
 def _error(
     asked: Asked, setting: str, message: str, accepted: str | None = None, suggestion: str | None = None
 ) -> ConfigError:
+    message = f"{asked.before}{shown(setting)} {message}"
     return ConfigError(
-        Problem(
-            message=f"{asked.before}{shown(setting)} {message}",
-            mark=asked.mark,
-            found=setting,
-            accepted=accepted,
-            suggestion=suggestion,
-        )
+        Problem(message=message, mark=asked.mark, found=setting, accepted=accepted, suggestion=suggestion)
     )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import field, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -12,7 +12,6 @@ from dh2urdf.conversion.keys import recipe_key
 from dh2urdf.conversion.one_manipulator import Recipe
 from dh2urdf.conversion.simulators import missing_of, require
 from dh2urdf.errors import ConfigError
-from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.output.layouts import Layout
 from dh2urdf.output.store import Store, open_store
 from dh2urdf.run_file.mesh_section import MeshCall

@@ -4,15 +4,13 @@ from __future__ import annotations
 
 import glob
 import os
-import re
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING, NamedTuple, TypeVar
 
 from dh2urdf.documents.text_files import LONG_PATH, check_file, is_folder, is_there, tidy_path
 from dh2urdf.errors import ConfigError
-from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.output.file_patterns import matching
 from dh2urdf.plugin_system.validator import record_of
 from dh2urdf.source import Problem, shown
@@ -24,9 +22,6 @@ if TYPE_CHECKING:
     from dh2urdf.source import Mark
 
 T = TypeVar("T")
-
-_SHELL = re.compile(r"~(?=/|$)|~[A-Za-z]\w*(?=/)|\$[A-Za-z_]\w*|\$\{\w+\}")
-"""What a shell would put something else in place of."""
 
 
 class FoundFiles(NamedTuple):
@@ -132,8 +127,8 @@ class Reading:
         if "\0" in path:
             self.add_problem("a path cannot hold the character U+0000", node, field)
             return False
-        if (found := _SHELL.search(path)) and (found.start() == 0 or found[0].startswith("$")):
-            message = f"nothing takes the place of {shown(found[0])} in a path of a run file"
+        if path.startswith(("~", "$")):
+            message = f"nothing takes the place of {shown(path.partition('/')[0])} in a path of a run file"
             self.add_problem(message, node, field, accepted="an absolute path, or one from the run file's folder")
             return False
         return True
@@ -165,8 +160,6 @@ class Reading:
                 advice = why.suggestion
                 if is_folder(file):
                     advice = f"name the tables in it, such as {os.path.join(path, '*.csv')}"  # noqa: PTH118 - as it is written
-                elif "{" in path and not advice:
-                    advice = "no pattern has braces: write a list of paths, or a pattern such as *.csv"
                 self.add_problem(f"{shown(str(file), LONG_PATH)}: {why.message}", node, field, suggestion=advice)
             else:
                 files.append(file)

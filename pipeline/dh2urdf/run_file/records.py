@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import field, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from dh2urdf.cells.cell import CellCall
 from dh2urdf.conversion.one_manipulator import Sample
 from dh2urdf.documents.document import Node
-from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.meshes.files import RELATIVE, prefix_of
 from dh2urdf.meshes.kinds import MeshConversion
 from dh2urdf.output.layouts import Layout

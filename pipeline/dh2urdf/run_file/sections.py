@@ -6,7 +6,7 @@ it in the long form, which these records are of.
 
 from __future__ import annotations
 
-from dataclasses import MISSING, field
+from dataclasses import MISSING, dataclass, field
 from types import NoneType
 from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeAlias, get_args, get_origin
 
@@ -14,7 +14,6 @@ from pydantic import Field, WithJsonSchema  # noqa: TID253 - this module is impo
 
 from dh2urdf.conversion.one_manipulator import Sample
 from dh2urdf.documents.document import Node, expect_mapping
-from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.manipulator import WORLD
 from dh2urdf.meshes.conversion import ACCEPTED
 from dh2urdf.meshes.files import FILE, RELATIVE

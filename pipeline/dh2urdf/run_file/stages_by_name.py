@@ -7,9 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 from dh2urdf.documents.text_files import LONG_PATH
 from dh2urdf.errors import InputError, PluginError
-from dh2urdf.output.journal import MANIFEST
 from dh2urdf.plugin_system.options import make_options
-from dh2urdf.source import Problem, listed, shown
+from dh2urdf.source import Problem, shown
 from dh2urdf.stage_calls.calls import Call
 
 if TYPE_CHECKING:
@@ -77,88 +76,40 @@ class AskedStages:
         for given in inputs:
             self.notices.update((path, notice) for path, notice in zip(given.paths, given.notices, strict=False))
             calls: dict[str, Call[Reader[Any]] | None] = {}
-            unread: dict[str, Problem] = {}
+            before = len(self.problems)
             for path in given.paths:
+                if len(self.problems) > before:
+                    break  # What is wrong with a file is often wrong with all files of this input.
                 with self._at(given.mark):
-                    if (name := given.stage or self._reader_name(path, given, unread)) is None:
-                        continue
+                    name = given.stage or self._catalog.reader_for(path).name
                     if name not in calls:
                         calls[name] = self.call("reader", given.read_by(name))
                     if (call := calls[name]) is None:
-                        break  # What is wrong with it is wrong with all files of this input.
+                        break
                     status = path.stat()
                     earlier = first.setdefault((status.st_dev, status.st_ino), (path, call, given.mark))
                     if earlier[0] is path:
                         found.append((path, call))
                     else:
-                        self._note_again(path, call, given.mark, *earlier)
-            if unread:
-                self._note_unread(given, unread)
+                        alike = (call.stage, call.options) == (earlier[1].stage, earlier[1].options)
+                        self._note_again(earlier[0], given.mark, earlier[2], alike=alike)
         return tuple(found)
 
-    def _reader_name(self, path: Path, given: InputCall, unread: dict[str, Problem]) -> str | None:
-        """The name of a file's reader; None where there is none and a pattern matches the file, which is noted.
-
-        Raises:
-            InputError: there is none for a file that is named, or there are several.
-        """
-        try:
-            return self._catalog.reader_for(path).name
-        except InputError as error:
-            (problem,) = error.problems
-            if given.pattern is None or problem.accepted is None:
-                raise
-            unread[path.name] = problem
-            return None
-
-    def _note_unread(self, given: InputCall, unread: dict[str, Problem]) -> None:
-        """Notes that a pattern matches files that no reader reads, such as those that an earlier run wrote."""
-        names = listed([shown(name, LONG_PATH) for name in unread], 3)
-        own = MANIFEST in unread
-        told = f"; {MANIFEST} is of an earlier run that wrote there" if own else ""
-        advice = "write a narrower pattern, such as *.csv, or a list of patterns"
-        self.problems.append(
-            Problem(
-                message=f"{shown(given.pattern or '', LONG_PATH)} matches files that no reader reads: {names}{told}",
-                mark=given.mark,
-                field="inputs",
-                found=next(iter(unread)),
-                accepted=next(iter(unread.values())).accepted,
-                suggestion=f"{advice}, or another folder for the output" if own else advice,
-            )
-        )
-
-    def _note_again(  # noqa: PLR0917 - two inputs, each with what it is read by
-        self,
-        path: Path,
-        call: Call[Reader[Any]],
-        mark: Mark | None,
-        earlier: Path,
-        earlier_call: Call[Reader[Any]],
-        earlier_mark: Mark | None,
-    ) -> None:
+    def _note_again(self, path: Path, mark: Mark | None, first: Mark | None, *, alike: bool) -> None:
         """Notes that a file is an input a second time: once is enough, unless the two are read in different ways."""
-        also = f", also named {shown(str(earlier), LONG_PATH)}," if str(earlier) != str(path) else ""
-        if (call.stage, call.options) == (earlier_call.stage, earlier_call.options):
-            notice = Problem(
-                message=f"{shown(str(path), LONG_PATH)}{also} is an input twice, and is read once",
-                severity="notice",
-                mark=mark,
-                field="inputs",
-                suggestion=f"the first time is at {earlier_mark}" if earlier_mark != mark else None,
-            )
-            self.notices.setdefault(earlier, notice)
-            return
-        self.problems.append(
-            Problem(
-                message=f"{shown(str(path), LONG_PATH)}{also} is an input twice, with other options or another reader",
-                mark=mark,
-                field="inputs",
-                found=str(path),
-                accepted="each file once, or copies of it under other names",
-                suggestion=f"the first time is at {earlier_mark}",
-            )
+        problem = Problem(
+            message=f"{shown(str(path), LONG_PATH)} is an input twice{', and is read once' if alike else ''}",
+            severity="notice" if alike else "error",
+            mark=mark,
+            field="inputs",
+            found=None if alike else str(path),
+            accepted=None if alike else "each file once, with one reader and its options",
+            suggestion=f"the first time is at {first}" if first != mark else None,
         )
+        if alike:
+            self.notices.setdefault(path, problem)
+        else:
+            self.problems.append(problem)
 
     def check_loaders(
         self,

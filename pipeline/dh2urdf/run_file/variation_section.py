@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from contextlib import suppress
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 from dh2urdf.documents.measures import measured
 from dh2urdf.errors import ConfigError
@@ -33,6 +33,7 @@ if TYPE_CHECKING:
 
     from dh2urdf.documents.document import Node
 
+T = TypeVar("T")
 WORD_LAWS = ("choices", "grid")
 _RANGES: dict[str, type[Uniform | LogUniform | Scale | Offset]] = {
     "uniform": Uniform,
@@ -48,127 +49,112 @@ MOST_TURNS = 10
 
 
 class _LawReader:
-    """Reads the law of one field.
+    """Reads the law of one field; the first value that is wrong is a `ConfigError`.
 
     Attributes:
         what: the field.
         field: the law, by which problems name it.
-        to: gets the problems.
         units: what the units measure that its values name.
     """
 
     def __init__(self, what: str, field: str) -> None:
-        self.what = what
-        self.field = field
-        self.to = Reading()
+        self.what, self.field = what, field
         self.units: list[Dimension] = []
 
-    def add_problem(self, message: str, node: Node, accepted: str | None = None, suggestion: str | None = None) -> None:
-        """Note a problem of the law."""
-        self.to.add_problem(message, node, self.field, accepted=accepted, suggestion=suggestion)
+    def _wrong(self, message: str, node: Node, accepted: str | None = None, near: str | None = None) -> ConfigError:
+        return ConfigError(
+            Problem(
+                message=message, mark=node.mark, field=self.field, found=node.text, accepted=accepted, suggestion=near
+            )
+        )
 
-    def read(self, law: str, node: Node) -> Law | None:
-        """The law; None where something is wrong with it."""
+    def read(self, law: str, node: Node) -> Law:
+        """The law.
+
+        Raises:
+            ConfigError: something is wrong with it.
+        """
         if FIELDS[self.what].dimension is None and law not in WORD_LAWS:
             accepted = f"{' or '.join(WORD_LAWS)}, a list of values"
-            self.add_problem(f"{self.what} cannot vary by {law}", node, accepted=accepted)
-            return None
+            raise self._wrong(f"{self.what} cannot vary by {law}", node, accepted)
         if law in _RANGES:
             return self._range(node, _RANGES[law])
-        return {"choices": self._choices, "grid": self._grid, "normal": self._normal}[law](node)
-
-    # --- Values
-
-    def _choices(self, node: Node) -> Law | None:
-        values = self._values(node, "a list of values")
-        return Choices(values=values) if values else None
-
-    def _grid(self, node: Node) -> Law | None:
-        if isinstance(node.value, dict):
+        if law == "normal":
+            return self._normal(node)
+        if law == "grid" and isinstance(node.value, dict):
             return self._spaced(node)
-        values = self._values(node, f"a list of values, or {SPACING}")
-        return Grid(values=values) if values else None
-
-    def _values(self, node: Node, accepted: str) -> tuple[DrawnValue, ...]:
         if not isinstance(node.value, list) or not node.value:
-            self.add_problem(f"a run file cannot take {node.describe()} here", node, accepted=accepted)
-            return ()
-        values = [self._value(entry) for entry in node.value]
-        return tuple(value for value in values if value is not None)
+            accepted = f"a list of values{f', or {SPACING}' if law == 'grid' else ''}"
+            raise self._wrong(f"a run file cannot take {node.describe()} here", node, accepted)
+        values = tuple([self._value(entry) for entry in node.value])
+        return Grid(values=values) if law == "grid" else Choices(values=values)
 
-    def _value(self, node: Node) -> DrawnValue | None:
+    def _value(self, node: Node) -> DrawnValue:
         if self.what == TYPE:
-            if node.text in JOINT_TYPES:
-                return node.text
-            near, accepted = did_you_mean(node.text or "", JOINT_TYPES), ", ".join(JOINT_TYPES)
-            self.add_problem(f"{node.describe()} is no type of joint", node, accepted=accepted, suggestion=near)
-            return None
+            if node.text not in JOINT_TYPES:
+                near = did_you_mean(node.text or "", JOINT_TYPES)
+                raise self._wrong(f"{node.describe()} is no type of joint", node, ", ".join(JOINT_TYPES), near)
+            return str(node.text)
         if self.what == AXES:
-            if isinstance(node.value, int) and not isinstance(node.value, bool) and node.value >= 1:
-                return node.value
-            self.add_problem(f"{node.describe()} is no number of axes", node, accepted="a whole number from 1 on")
-            return None
+            if not isinstance(node.value, int) or isinstance(node.value, bool) or node.value < 1:
+                raise self._wrong(f"{node.describe()} is no number of axes", node, "a whole number from 1 on")
+            return node.value
         return self._positive(node, self._number(node))
 
-    def _spaced(self, node: Node) -> Law | None:
+    def _record(self, kind: type[T], node: Node) -> T:
+        to = Reading()
+        record = to.record(kind, node, self.field)
+        if record is None:
+            raise ConfigError(to.problems)
+        return record
+
+    def _spaced(self, node: Node) -> Law:
         if FIELDS[self.what].dimension is None:
-            self.add_problem(f"{self.what} has no values in between", node, accepted="a list of values")
-            return None
-        if (given := self.to.record(SpacedSection, node, self.field)) is None:
-            return None
-        low, high = (
-            self._positive(end, self._number(end)) for end in (node.entry("from") or node, node.entry("to") or node)
-        )
-        return None if low is None or high is None else Grid(values=evenly_spaced(low, high, given.points))
+            raise self._wrong(f"{self.what} has no values in between", node, "a list of values")
+        given = self._record(SpacedSection, node)
+        ends = [node.entry(key) or node for key in ("from", "to")]
+        low, high = (self._positive(end, self._number(end)) for end in ends)
+        return Grid(values=evenly_spaced(low, high, given.points))
 
-    # --- Ranges
+    def _range(self, node: Node, law: type[Uniform | LogUniform | Scale | Offset]) -> Law:
+        low, high = self._ends(node, Dimension.NUMBER if law is Scale else None)
+        if law in (Uniform, LogUniform):
+            for end in (low, high):
+                self._positive(node, end)
+        if law is LogUniform and low <= 0.0:
+            raise self._wrong("orders of magnitude begin above 0", node, "two numbers greater than 0")
+        return law(low=low, high=high)
 
-    def _range(self, node: Node, law: type[Uniform | LogUniform | Scale | Offset]) -> Law | None:
-        ends = self._ends(node, Dimension.NUMBER if law is Scale else None)
-        is_absolute = law in (Uniform, LogUniform)
-        if ends is None or (is_absolute and any(self._positive(node, end) is None for end in ends)):
-            return None
-        if law is LogUniform and ends[0] <= 0.0:
-            self.add_problem("orders of magnitude begin above 0", node, accepted="two numbers greater than 0")
-            return None
-        return law(low=ends[0], high=ends[1])
-
-    def _ends(self, node: Node, dimension: Dimension | None = None) -> tuple[float, float] | None:
+    def _ends(self, node: Node, dimension: Dimension | None = None) -> tuple[float, float]:
         if not isinstance(node.value, list) or len(node.value) != 2:  # noqa: PLR2004 - a range has two ends
-            self.add_problem(f"a run file cannot take {node.describe()} here", node, accepted="a range: [LOW, HIGH]")
-            return None
+            raise self._wrong(f"a run file cannot take {node.describe()} here", node, "a range: [LOW, HIGH]")
         low, high = (self._number(end, dimension) for end in node.value)
-        if low is None or high is None:
-            return None
         if low > high:
             message = f"the range goes down from {low:.12g} to {high:.12g}"
-            self.add_problem(message, node, accepted="the lower end first", suggestion="are they exchanged?")
-            return None
+            raise self._wrong(message, node, "the lower end first", "are they exchanged?")
         return low, high
 
-    def _normal(self, node: Node) -> Law | None:
-        if self.to.record(NormalSection, node, self.field) is None:
-            return None
-        mean_node, deviation_node, bounds = (node.entry(key) or node for key in ("mean", "deviation", "bounds"))
-        mean = None if mean_node is node else self._number(mean_node)
-        deviation, ends = self._number(deviation_node), self._ends(bounds)
-        if deviation is not None and deviation <= 0.0:
+    def _normal(self, node: Node) -> Law:
+        self._record(NormalSection, node)
+        mean_node, deviation_node, bounds = (
+            node.entry("mean"),
+            node.entry("deviation") or node,
+            node.entry("bounds") or node,
+        )
+        mean = self._number(mean_node) if mean_node else None
+        deviation, (low, high) = self._number(deviation_node), self._ends(bounds)
+        if deviation <= 0.0:
             message = "a standard deviation is greater than 0"
-            self.add_problem(message, deviation_node, accepted="a number greater than 0")
-        if ends is not None:
-            for end in ends:
-                self._positive(bounds, end)
-        if deviation is None or ends is None or self.to.problems:
-            return None
-        law = Normal(mean=mean, deviation=deviation, low=ends[0], high=ends[1])
+            raise self._wrong(message, deviation_node, "a number greater than 0")
+        for end in (low, high):
+            self._positive(bounds, end)
+        law = Normal(mean=mean, deviation=deviation, low=low, high=high)
         if mean is not None and law.probability() < LEAST_PROBABILITY:
             message = "the bounds leave hardly anything of this normal distribution"
-            self.add_problem(message, bounds, accepted="bounds about the mean")
+            raise self._wrong(message, bounds, "bounds about the mean")
         return law
 
-    # --- Numbers
-
-    def _number(self, node: Node, dimension: Dimension | None = None) -> float | None:
+    def _number(self, node: Node, dimension: Dimension | None = None) -> float:
         """A number in SI units; of the field's dimension where none is given."""
         field = FIELDS[self.what]
         may_be = [dimension] if dimension else [each for each in (field.dimension, field.linear) if each]
@@ -176,19 +162,16 @@ class _LawReader:
         try:
             number = measured(node, each, turns=MOST_TURNS if self.what in {"lower", "upper"} else 1)
         except QuantityError as error:
-            self.add_problem(error.message, node, accepted=error.accepted, suggestion=error.suggestion)
-            return None
+            raise self._wrong(error.message, node, error.accepted, error.suggestion) from None
         if evaluate(node.text or "", each).has_unit:
             self.units.append(each)
         return number
 
-    def _positive(self, node: Node, number: float | None) -> float | None:
+    def _positive(self, node: Node, number: float) -> float:
         """A number that the field may have."""
         field = FIELDS[self.what]
-        if number is not None and not field.takes(number):
-            message = f"{self.what} must be {field.bound}"
-            self.add_problem(message, node, accepted=f"numbers {field.bound}")
-            return None
+        if not field.takes(number):
+            raise self._wrong(f"{self.what} must be {field.bound}", node, f"numbers {field.bound}")
         return number
 
 
@@ -266,8 +249,6 @@ def _rule(field: str, node: Node) -> Rule:
     ((name, values),) = laws
     reader = _LawReader(field, name)
     law = reader.read(name, values)
-    if law is None or reader.to.problems:
-        raise ConfigError(reader.to.problems)
     units = tuple(dict.fromkeys(reader.units))
     return Rule(field=field, law=law, joints=names, units=units, mark=node.mark, joint_marks=marks)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections import defaultdict
 from contextlib import contextmanager, nullcontext
-from dataclasses import field, replace
+from dataclasses import dataclass, field, replace
 from enum import Enum
 from hashlib import sha256
 from itertools import repeat
@@ -25,7 +25,6 @@ from dh2urdf.errors import InputError, ManipulatorError, OutputError, StageError
 from dh2urdf.isolation.loads import KeptChildren
 from dh2urdf.isolation.watchdog import watched
 from dh2urdf.kinematics.proof import Proof, prove_columns
-from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.manipulator import Manipulator
 from dh2urdf.output.journal import Journal
 from dh2urdf.output.layouts import Layout
@@ -39,7 +38,6 @@ from dh2urdf.stage_calls.column_calls import emit_columns, read_columns, transfo
 from dh2urdf.stages import EmitsInColumns, EmittedFile, Emitter, ReadsBack, Rejected
 from dh2urdf.tasks.batch import Batch, Doomed, Single, variants_from
 from dh2urdf.tasks.batch_report import BatchReport
-from dh2urdf.tasks.manifest_table import table_rows
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -78,7 +76,6 @@ class Assignment:
         journal: folder of it for what is done so far.
         home: the process of the run itself, which a manipulator that hangs must not end.
         effect: what is done in earnest.
-        has_table: whether the run makes a table of its manifest.
         has_page: whether it makes a page of it.
         children: the children of loaders that are kept, of the process that this is in.
     """
@@ -91,7 +88,6 @@ class Assignment:
     journal: str
     home: str
     effect: Depth = Depth.MAKE
-    has_table: bool = False
     has_page: bool = False
     children: KeptChildren = field(default_factory=KeptChildren, compare=False, repr=False)
 
@@ -212,7 +208,6 @@ class Work:
             report,
             rows=b"".join([line for _, line in made]),
             told=[row for row in rows if tells or row["status"] != "ok"],
-            table=table_rows(rows) if self.worker.has_table else None,
         )
 
     def _part(

@@ -207,7 +207,6 @@ def _make(  # noqa: PLR0917 - what a run has in its hands
         journal=journal,
         home=this_process(),
         effect=effect,
-        has_table=manifest.table is not None,
         has_page=manifest.overview is not None,
     )
     under_way: deque[Batch] = deque()
@@ -233,7 +232,7 @@ def _make(  # noqa: PLR0917 - what a run has in its hands
             manifest.add(report)
             result.add(report)
             readable = readable or report.was_read
-            unread.append(replace(report, rows=b"", told=[], table=None))
+            unread.append(replace(report, rows=b"", told=[]))
             if readable:
                 for each in unread:
                     if note:

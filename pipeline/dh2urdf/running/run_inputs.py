@@ -89,7 +89,7 @@ def _names_in(store: LocalStore, path: Path) -> Iterator[str]:
     root = os.path.realpath(store.directory)
     by_folder = os.path.join(os.path.realpath(path.parent), path.name)  # noqa: PTH118
     for place in dict.fromkeys((by_folder, os.path.realpath(path))):
-        name = os.path.relpath(place, root).replace(os.sep, "/") if _same_drive(place, root) else ".."
+        name = os.path.relpath(place, root)
         if name != ".." and not name.startswith("../"):
             yield name.casefold()
     for own in OWN_FILES:
@@ -98,7 +98,3 @@ def _names_in(store: LocalStore, path: Path) -> Iterator[str]:
                 yield own
         except (OSError, ValueError):
             continue
-
-
-def _same_drive(one: str, other: str) -> bool:
-    return os.path.splitdrive(one)[0].casefold() == os.path.splitdrive(other)[0].casefold()

@@ -6,12 +6,11 @@ rest, and whatever there is something to say about, is made one by one. The byte
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from dh2urdf.isolation.garbage import collected_at_the_end
 from dh2urdf.isolation.watchdog import this_process
-from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.plugin_system.printed import collected_lines
 from dh2urdf.running.batch_work import Assignment, Work
 from dh2urdf.stage_calls.calls import own_work

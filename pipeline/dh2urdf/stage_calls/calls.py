@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import os
 from contextlib import contextmanager
-from dataclasses import field, fields, replace
+from dataclasses import dataclass, field, fields, replace
 from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
@@ -30,7 +30,6 @@ from dh2urdf.errors import (
     StageError,
     TableError,
 )
-from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.plugin_system.at_work import AtWork
 from dh2urdf.plugin_system.catalog import RECORDS, Catalog, Plugin, load, load_plugin
 from dh2urdf.plugin_system.discovery import UNKNOWN, reason_of, traceback_of

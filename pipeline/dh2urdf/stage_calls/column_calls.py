@@ -89,16 +89,11 @@ def checked_groups(groups: ManipulatorGroups) -> ManipulatorGroups:
     if not count or sum([len(places) for places, _ in found]) < count:
         raise ValueError(f"its groups are not of the members 0 to {count - 1}, each once")
     for places, some in found:
-        told = tuple(map(len, (some.names, some.marks, some.lines)))
-        if told != (len(places),) * 3 or list(places) != sorted(places):
-            names, marks, lines = told
+        if list(places) != sorted(places) or any(
+            len(part) != len(places) for part in (some.names, some.marks, some.lines)
+        ):
             raise ValueError(
-                f"a group of {len(places)} members, which come in ascending order, has {names} names, {marks} marks "
-                f"and the lines of {lines}"
-            )
-        if set(map(len, some.lines)) != {len(some.table.rows)}:
-            raise ValueError(
-                f"a member of a group has no line for each of the {len(some.table.rows)} rows of its table"
+                f"a group of {len(places)} members has other names, marks or lines, or is in another order"
             )
         for numbers in _columns_of_rows(some.table.rows):
             if numbers.shape != (len(places),):

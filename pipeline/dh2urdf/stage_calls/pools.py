@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from contextlib import ExitStack
+from contextlib import ExitStack, suppress
 from typing import TYPE_CHECKING, Any, Self
 
 from dh2urdf.plugin_system.task_window import handed_over
@@ -38,25 +38,11 @@ def _from_a_pool(
     options: Any,  # noqa: ANN401
 ) -> Iterator[Any]:
     """Results of tasks that are submitted to a pool, a few ahead."""
-    workers = _workers(options)
+    workers = getattr(options, "workers", None)
+    workers = workers if isinstance(workers, int) and workers > 0 else os.cpu_count() or 1
     with _Pool(lambda: executor.pool(options), function) as pool:  # type: ignore[misc]  # it is not None
         for promise in handed_over(tasks, pool.submit, lambda: AHEAD * workers):
-            yield pool.result(promise)
-
-
-def _workers(options: object) -> int:
-    """How many work: the field `workers` of the options where it is a number, else one per processor."""
-    workers = getattr(options, "workers", None)
-    return workers if isinstance(workers, int) and workers > 0 else os.cpu_count() or 1
-
-
-class _Promise:
-    """A task that was submitted: to which pool, and what will be its result; None where the pool was broken."""
-
-    __slots__ = ("future", "pool", "task")
-
-    def __init__(self, task: Any, pool: Any, future: Any) -> None:  # noqa: ANN401
-        self.task, self.pool, self.future = task, pool, future
+            yield pool.result(*promise)
 
 
 class _Pool:
@@ -84,34 +70,31 @@ class _Pool:
             future.cancel()
         self._stack.close()
 
-    def submit(self, task: Any) -> _Promise:  # noqa: ANN401 - a task is the caller's
-        """Submit a task; where the pool is broken, nothing, and its result is the error."""
+    def submit(self, task: Any) -> tuple[Any, Any, Any]:  # noqa: ANN401 - a task is the caller's
+        """The pool that a task is submitted to, the task, and its future; None where the pool is broken."""
         from concurrent.futures import BrokenExecutor
 
-        try:
+        with suppress(BrokenExecutor):
             future = self._pool.submit(self._function, task)
-        except BrokenExecutor:
-            return _Promise(task, self._pool, None)
-        self._under_way.add(future)
-        return _Promise(task, self._pool, future)
+            self._under_way.add(future)
+            return self._pool, task, future
+        return self._pool, task, None
 
-    def result(self, promise: _Promise) -> Any:  # noqa: ANN401 - the result of the caller's function
+    def result(self, pool: Any, task: Any, future: Any) -> Any:  # noqa: ANN401 - the result of the caller's function
         """The result of a task; Lost for one that ends the worker which it has for itself."""
         from concurrent.futures import BrokenExecutor
 
-        self._under_way.discard(promise.future)
-        if promise.future is not None:
-            try:
-                return promise.future.result()
-            except BrokenExecutor:
-                pass  # Some task ended a worker, and the pool gives up all that it had.
-        if promise.pool is self._pool:
+        self._under_way.discard(future)
+        with suppress(BrokenExecutor):  # Some task ended a worker, and the pool gives up all that it had.
+            if future is not None:
+                return future.result()
+        if pool is self._pool:
             self._stack.close()
             self._under_way.clear()
             self._pool = self._entered()
         # Alone in a pool, it is known whether it was this task.
         with self._make() as alone:
             try:
-                return alone.submit(self._function, promise.task).result()
+                return alone.submit(self._function, task).result()
             except BrokenExecutor as error:
                 return Lost(reason=f"the worker ended: {error}" if str(error) else "the worker ended")

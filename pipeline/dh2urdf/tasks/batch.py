@@ -7,8 +7,8 @@ of its own for its files. Nothing is held but one batch, and the tables that cel
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import field, replace
-from typing import TYPE_CHECKING, TypeAlias
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
 from dh2urdf.cells.cell import Cell, with_tables
 from dh2urdf.cells.wanted_tables import WantedTables
@@ -17,8 +17,6 @@ from dh2urdf.conversion.one_manipulator import read_items
 from dh2urdf.conversion.simulators import picture_endings
 from dh2urdf.errors import ConfigError, ManipulatorError, StageError, TableError
 from dh2urdf.isolation.garbage import collected_at_the_end
-from dh2urdf.late_dataclasses import dataclass
-from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.manipulator import Manipulator
 from dh2urdf.output.layouts import Form
 from dh2urdf.output.whole_files import Stems

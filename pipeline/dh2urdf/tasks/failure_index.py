@@ -4,10 +4,8 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from dataclasses import field
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
-
-from dh2urdf.late_dataclasses import dataclass
 
 if TYPE_CHECKING:
     from dh2urdf.conversion.outcome import ManifestRow

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import json
 import re
+from dataclasses import dataclass
 from pathlib import Path
 from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
 
 from dh2urdf.hookspecs import hookimpl
-from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.plugin_system.catalog import KINDS, RECORDS, Catalog, Plugin
 
 if TYPE_CHECKING:

@@ -20,13 +20,12 @@ from copy import deepcopy
 from importlib.metadata import EntryPoint
 from importlib.resources import files
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
 import pytest
 
 from dh2urdf.errors import Dh2UrdfError, MissingDependencyError, MissingProgramError, PluginError
 from dh2urdf.hookspecs import PROJECT
-from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.plugin_system.catalog import RECORDS, Catalog, Plugin, load
 from dh2urdf.plugin_system.option_types import describe_options, keys_of
 from dh2urdf.plugin_system.options import make_options

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from dh2urdf.columns import ManipulatorColumns, in_columns, row_places
 from dh2urdf.errors import ManipulatorError
-from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.record_fields import replace_unchecked
 from dh2urdf.variations.variation import FIELDS, Variation, changed, drawn_notices
 

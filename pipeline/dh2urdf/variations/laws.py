@@ -11,12 +11,12 @@ The standard library's has fewer digits in the tails, which is where bounds are.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from decimal import Context, Decimal
 from functools import lru_cache
 from typing import TypeAlias
 
 from dh2urdf.elementwise import Number, is_column, where
-from dh2urdf.late_dataclasses import dataclass
 
 DrawnValue: TypeAlias = float | str
 """A number in SI units, a whole number of axes, or the word of a joint type."""

@@ -7,14 +7,13 @@ anywhere, in any order, and none has to be kept.
 
 from __future__ import annotations
 
-from dataclasses import field as attribute, fields, replace
+from dataclasses import dataclass, field as attribute, fields, replace
 from math import isfinite
 from typing import TYPE_CHECKING, Any
 
 from dh2urdf.drawn_links import LENGTHS, REDRAW, torn_links
 from dh2urdf.elementwise import is_column
 from dh2urdf.errors import ManipulatorError
-from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.manipulator import DHRow, Inertia, JointType, Limits, Manipulator
 from dh2urdf.quantities.units import Dimension
 from dh2urdf.record_fields import replace_unchecked

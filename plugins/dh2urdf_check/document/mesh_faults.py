@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
-from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.source import shown
 from dh2urdf_check.document.description import Hit
 from dh2urdf_check.document.mesh_sizes import SOLID

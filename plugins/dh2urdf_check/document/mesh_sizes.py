@@ -8,12 +8,11 @@ from __future__ import annotations
 import math
 import re
 from itertools import product
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from lxml import etree
 
 from dh2urdf.documents import ForbiddenXmlError, xml_root
-from dh2urdf.late_tuples import NamedTuple
 from dh2urdf_check.document.corners import has_hull, is_planar, summed_volume
 from dh2urdf_check.document.obj import (
     KNOW_COMMENTS,

@@ -6,9 +6,8 @@ The lines are looked at in blocks, by arrays of the words in them; those that ar
 from __future__ import annotations
 
 import re
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
-from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.source import shown
 
 if TYPE_CHECKING:

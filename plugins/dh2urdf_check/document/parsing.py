@@ -8,10 +8,10 @@ from __future__ import annotations
 
 import re
 from bisect import bisect_right
+from typing import NamedTuple
 from xml.parsers import expat
 
 from dh2urdf.documents import ACCEPTED_XML, ForbiddenXmlError, check_encoding
-from dh2urdf.late_tuples import NamedTuple
 from dh2urdf_check.document.tree import DEEPEST, Element
 
 _SPACE = re.compile(r"[ \t\r\n\f\v]*")

@@ -6,10 +6,8 @@
 from __future__ import annotations
 
 import math
-from dataclasses import field
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
-
-from dh2urdf.late_dataclasses import dataclass
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
-from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.source import shown
 from dh2urdf_check.models.models import Hit, numbers
 from dh2urdf_check.numbers import drake_numbers

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
-from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.source import shown
 from dh2urdf_check.document.mesh_faults import MOST_TRIANGLES, SMALLEST_VOLUME
 from dh2urdf_check.document.mesh_sizes import SOLID, read_mesh

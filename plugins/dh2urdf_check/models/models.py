@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from lxml import etree
 
 from dh2urdf.documents import read_bytes, xml_root
 from dh2urdf.errors import Dh2UrdfError, InputError, ProofError
-from dh2urdf.late_dataclasses import dataclass
-from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.manipulator import Inertia
 from dh2urdf.mass_properties import inertia_problem
 from dh2urdf.source import Mark

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import re
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from lxml import etree
 
 from dh2urdf.documents import load_yaml
 from dh2urdf.errors import InputError
-from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.source import Mark, did_you_mean, shown
 from dh2urdf_check.models.models import parsed
 from dh2urdf_check.packages.package import Hit

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import os
+from dataclasses import dataclass
 from functools import cache, cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from dh2urdf.documents import is_file, is_there, read_bytes
 from dh2urdf.errors import Dh2UrdfError, InputError
-from dh2urdf.late_dataclasses import dataclass
-from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.stages import PACKAGE_FILE, Expansion
 from dh2urdf_check.rules import Rule, rules_of
 from dh2urdf_check.whole_files import urdfs, xacros

@@ -5,12 +5,11 @@ from __future__ import annotations
 import ast
 import re
 from pathlib import PurePosixPath
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from lxml import etree
 
 from dh2urdf.documents import is_there
-from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.meshes import PACKAGE
 from dh2urdf.source import Mark, shown
 from dh2urdf_check.models.models import parsed

@@ -11,13 +11,12 @@ from __future__ import annotations
 
 import math
 import random
-from dataclasses import fields, replace
+from dataclasses import dataclass, fields, replace
 from typing import TYPE_CHECKING, Any
 
 from dh2urdf.documents import LONG_PATH, check_file, decoded, read_bytes
 from dh2urdf.errors import InputError, TableError
 from dh2urdf.kinematics import forward_kinematics, position_error
-from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.manipulator import Convention, DHRow, JointType, Manipulator
 from dh2urdf.plugin_system import load
 from dh2urdf.provenance import Trace

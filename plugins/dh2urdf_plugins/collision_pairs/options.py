@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import field
+from dataclasses import dataclass, field
 
 from dh2urdf.errors import ConfigError
-from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.source import Problem
 
 TRIALS = 10_000

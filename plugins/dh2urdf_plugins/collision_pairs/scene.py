@@ -14,13 +14,12 @@ from __future__ import annotations
 import importlib
 import math
 from collections.abc import Mapping
-from dataclasses import field
+from dataclasses import dataclass, field
 from itertools import combinations
 from typing import TYPE_CHECKING, Any
 
 from dh2urdf.errors import InputError, MissingDependencyError
 from dh2urdf.foreign_robot import Follower, with_followers
-from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.manipulator import JointType
 from dh2urdf.meshes import read_parts
 from dh2urdf.robot import Box, Cylinder, Mesh, Robot, Sphere

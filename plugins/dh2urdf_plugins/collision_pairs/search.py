@@ -15,13 +15,12 @@ nearer than `PairOptions.min_distance` is not `Never` here, since other states m
 from __future__ import annotations
 
 from collections import Counter
+from dataclasses import dataclass
 from itertools import chain, combinations
 from random import Random
-from typing import TYPE_CHECKING, Literal, TypeAlias, get_args
+from typing import TYPE_CHECKING, Literal, NamedTuple, TypeAlias, get_args
 
 from dh2urdf.errors import EmitterError, InputError
-from dh2urdf.late_dataclasses import dataclass
-from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.meshes import read_mesh
 from dh2urdf_plugins.collision_pairs.scene import Mechanism, Scene, pair_of, shaped_neighbours
 

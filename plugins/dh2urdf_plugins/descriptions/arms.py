@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from dh2urdf.errors import TableError
 from dh2urdf.kinematics import dh_frames
-from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.manipulator import DHRow, JointType, Limits, Manipulator
 from dh2urdf.robot_check import UNIT
 from dh2urdf.rotations import norm, scale

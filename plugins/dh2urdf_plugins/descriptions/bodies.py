@@ -6,11 +6,10 @@ Whatever is fixed to a link is part of it, and so is a branch behind joints that
 from __future__ import annotations
 
 import math
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, TypeVar
 
 from dh2urdf.errors import ConfigError
-from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.manipulator import Inertia, JointType, MeshShape
 from dh2urdf.mass_properties import compound, inertia_problem, placed
 from dh2urdf.meshes import FORMATS, find_mesh

@@ -9,11 +9,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from copy import deepcopy
-from dataclasses import field, replace
+from dataclasses import dataclass, field, replace
 from functools import partial
 from math import comb, nan
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from lxml import etree
 
@@ -21,8 +21,6 @@ from dh2urdf.documents import is_file, read_bytes
 from dh2urdf.elementwise import total
 from dh2urdf.errors import ProofError, TableError
 from dh2urdf.foreign_robot import Follower
-from dh2urdf.late_dataclasses import dataclass
-from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.robot import Cylinder, Origin, Robot
 from dh2urdf.source import Mark, Problem, listed, shown
 from dh2urdf_plugins.descriptions.rounded_pi import Rounded, repaired

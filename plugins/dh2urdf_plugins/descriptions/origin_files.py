@@ -9,12 +9,11 @@ Each entry of such a file is the origin of a joint about z: T(q) = O_1 Rz(q1) â€
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, NamedTuple
 
 from dh2urdf.documents import load_yaml, read_bytes
 from dh2urdf.errors import TableError
-from dh2urdf.late_dataclasses import dataclass
-from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.manipulator import TOOL, JointType
 from dh2urdf.robot import Joint, Link, Origin, Robot
 from dh2urdf.rotations import Z_AXIS

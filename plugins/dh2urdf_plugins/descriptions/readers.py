@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import field, replace
+from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 from dh2urdf.errors import InputError, TableError
-from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.source import Mark, Problem
 from dh2urdf.stages import Reader, ReadsDescriptions, Rejected
 from dh2urdf_plugins.extraction import TOLERANCE

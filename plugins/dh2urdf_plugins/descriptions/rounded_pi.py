@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import math
 from decimal import ROUND_DOWN, ROUND_HALF_EVEN, Decimal, InvalidOperation
-
-from dh2urdf.late_tuples import NamedTuple
+from typing import NamedTuple
 
 _PI = Decimal("3.1415926535897932384626433832795028841972")
 _FEWEST, _MOST = 3, 14

@@ -13,14 +13,12 @@ The joints of a file of screw axes: names, types and limits, as the reader of YA
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from itertools import pairwise
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from dh2urdf.documents import Item, load_yaml, read_bytes
 from dh2urdf.errors import TableError
-from dh2urdf.late_dataclasses import dataclass
-from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.manipulator import ROOT, TOOL, JointType
 from dh2urdf.quantities import Dimension
 from dh2urdf.robot import Joint, Link, Origin, Robot

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from dh2urdf.errors import TableError
 from dh2urdf.kinematics import USUAL_TIPS
-from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.manipulator import JointType
 from dh2urdf.robot import Joint
 from dh2urdf.rotations import norm

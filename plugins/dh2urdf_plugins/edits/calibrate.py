@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import field, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from dh2urdf.errors import EditError, TableError
-from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.source import Problem
 from dh2urdf.stages import Edit
 

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import math
-from dataclasses import field, replace
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 from dh2urdf.elementwise import agreed, is_column
 from dh2urdf.errors import EditError
-from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.source import Problem, did_you_mean, shown
 from dh2urdf.stages import Edit, EditsInColumns
 

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import math
-from dataclasses import field
+from dataclasses import dataclass, field
 
-from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.rotations import ZERO, Vec3
 
 

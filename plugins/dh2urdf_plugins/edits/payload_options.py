@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import math
-from dataclasses import field
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.rotations import Vec3
 
 if TYPE_CHECKING:

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import re
-from dataclasses import field
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Literal
 
 from dh2urdf.errors import EditError
-from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.source import Problem, shown
 from dh2urdf.stages import Edit, EditsInColumns
 

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import field
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Literal
 
-from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.stages import EmittedFile, Emitter, ReadsBack, ReadsForeign
 from dh2urdf_plugins.descriptions.foreign import foreign_mjcf
 from dh2urdf_plugins.emitters import checks

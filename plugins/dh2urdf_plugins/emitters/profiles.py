@@ -6,13 +6,12 @@ The portable URDF is read alike by all. Each field of `Profile` is a decision in
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from lxml import etree
 
 from dh2urdf.errors import EmitterError
-from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.manipulator import WORLD, JointType
 from dh2urdf.robot import WEIGHTLESS, Arm, Collision, Joint, Link, Origin, Robot
 from dh2urdf.source import Problem

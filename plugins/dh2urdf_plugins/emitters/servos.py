@@ -11,10 +11,9 @@ accelerate alike.
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from dh2urdf.elementwise import total
-from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.manipulator import JointType
 from dh2urdf.mass_properties import GRAVITY
 from dh2urdf.rotations import cross, norm

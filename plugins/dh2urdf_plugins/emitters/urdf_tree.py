@@ -14,7 +14,6 @@ from lxml import etree
 from dh2urdf.errors import EmitterError
 from dh2urdf.manipulator import JointType
 from dh2urdf.meshes import has_meshes
-from dh2urdf.patterns import late_pattern
 from dh2urdf.quantities import format_numbers
 from dh2urdf.robot import Box, Cylinder, Mesh, Sphere
 from dh2urdf.source import Problem, shown
@@ -32,7 +31,7 @@ LONGEST_COMMENT = 1000
 
 # What XML 1.0 cannot hold (section 2.2, Char), and tab and line ends besides: an attribute's reader makes spaces of
 # them (section 3.3.3), and minidom, which writes xacro's output, does not escape them.
-_NOT_FOR_XML = late_pattern("[^\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
+_NOT_FOR_XML = "[^\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]"
 
 INERTIA = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
 """The elements of an inertia, as URDF names and orders them."""
@@ -54,7 +53,7 @@ class Notation:
         Raises:
             EmitterError: XML cannot hold one of its characters.
         """
-        if not (text.isascii() and text.isprintable()) and (culprit := _NOT_FOR_XML.search(text)):
+        if not (text.isascii() and text.isprintable()) and (culprit := re.search(_NOT_FOR_XML, text)):
             raise EmitterError(
                 Problem(
                     message=f"a name holds U+{ord(culprit.group()):04X}, which no robot description can carry",

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import field, replace
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
-from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.stages import EmittedFile, Emitter, GivesNotices, OtherFiles, ReadsBack, ReadsForeign
 from dh2urdf_plugins.descriptions.foreign import foreign_xacro
 from dh2urdf_plugins.emitters import checks

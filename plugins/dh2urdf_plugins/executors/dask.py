@@ -11,13 +11,12 @@ import logging
 import threading
 import time
 from contextlib import ExitStack, contextmanager
-from dataclasses import field
+from dataclasses import dataclass, field
 from functools import cache
 from typing import TYPE_CHECKING, Any, Literal
 
 from dh2urdf.errors import ExecutorError, MissingDependencyError
 from dh2urdf.isolation import is_own
-from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.source import Problem
 from dh2urdf.stages import Executor, Lost, Requires
 from dh2urdf_plugins.executors.local import processors

@@ -13,14 +13,13 @@ import signal
 import sys
 import threading
 import time
-from dataclasses import field
+from dataclasses import dataclass, field
 from itertools import chain, islice
 from operator import length_hint
 from typing import TYPE_CHECKING, Any, Literal
 
 from dh2urdf.errors import ExecutorError, PluginError
 from dh2urdf.isolation import claim
-from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.source import Problem, printable
 from dh2urdf.stages import Executor, Lost, Usual
 

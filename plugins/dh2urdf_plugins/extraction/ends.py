@@ -8,10 +8,9 @@ Where the axis of a prismatic joint lies: a sliding axis may be moved anywhere b
 from __future__ import annotations
 
 import math
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.manipulator import Convention
 from dh2urdf.rotations import (
     HALF_PI,

@@ -15,11 +15,10 @@ even if a is negative, and where a θ = ±π/2 is needed anyhow, a > 0 and θ = 
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, TypeAlias
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
 from dh2urdf.elementwise import total
-from dh2urdf.late_dataclasses import dataclass
-from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.manipulator import Convention
 from dh2urdf.rotations import IDENTITY, RigidTransform, cos_sin, multiply, rotation_z
 from dh2urdf_plugins.extraction.chain import ZSZ, decompose, x_screw, z_screw

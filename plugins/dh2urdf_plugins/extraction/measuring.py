@@ -8,10 +8,9 @@ from __future__ import annotations
 
 import math
 import random
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from dh2urdf.kinematics import KinematicChain, largest_errors, table_chain
-from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.manipulator import JointType
 
 if TYPE_CHECKING:

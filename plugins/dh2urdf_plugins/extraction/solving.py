@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.manipulator import Convention, DHRow, JointType, Manipulator
 from dh2urdf_plugins.extraction import TOLERANCE
 from dh2urdf_plugins.extraction.chain import Chain, Precision

@@ -11,11 +11,10 @@ row between the two joints keeps T(q) and brings the frames back to the arm.
 from __future__ import annotations
 
 import math
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from dh2urdf.kinematics import dh_frames, row_transform
-from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.manipulator import Convention, DHRow, JointType
 from dh2urdf.mass_properties import rotated
 from dh2urdf.rotations import IDENTITY, ZERO, RigidTransform, add, multiply, rotate, rotation_x, transpose

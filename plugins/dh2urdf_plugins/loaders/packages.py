@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import importlib
 import importlib.util
+from dataclasses import dataclass
 from typing import Any
 
 from dh2urdf.errors import MissingDependencyError
-from dh2urdf.late_dataclasses import dataclass
 
 
 @dataclass(frozen=True, slots=True)

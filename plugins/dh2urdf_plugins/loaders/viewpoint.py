@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import math
 from itertools import product
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
-from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.manipulator import JointType
 from dh2urdf.robot import Box, Cylinder, Geometry, Mesh, Sphere
 from dh2urdf.rotations import RigidTransform, Rotation, Vec3, add, rotate, scale, transpose

@@ -7,12 +7,11 @@ others are there twice. What is the same is compared as bytes; the rest is read,
 from __future__ import annotations
 
 import re
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from itertools import accumulate, pairwise
 from typing import TYPE_CHECKING, Any
 
 from dh2urdf.elementwise import array_of
-from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.manipulator import Limits
 from dh2urdf.robot import Joint, Link, Origin, Robot
 from dh2urdf.rotations import ZERO

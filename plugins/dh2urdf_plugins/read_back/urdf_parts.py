@@ -14,7 +14,7 @@ the slow reader reads each of them by itself; only materials come from elsewhere
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import field, replace
+from dataclasses import dataclass, field, replace
 from itertools import chain
 from operator import itemgetter
 from typing import TypeAlias
@@ -23,7 +23,6 @@ import orjson
 from lxml import etree
 
 from dh2urdf.errors import ProofError
-from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.robot import Joint
 from dh2urdf_plugins.read_back.urdf_reader import robot_of
 from dh2urdf_plugins.read_back.xml_files import written_tree_of

@@ -22,9 +22,8 @@ from __future__ import annotations
 
 import re
 from itertools import chain
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
-from dh2urdf.late_tuples import NamedTuple
 from dh2urdf_plugins.read_back.urdf_forms import Form, Joints, Skeleton, joints_of
 from dh2urdf_plugins.read_back.urdf_parts import Parts
 

@@ -8,13 +8,12 @@ Capsules, which robots have as a cylinder with a ball at each end.
 from __future__ import annotations
 
 import re
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from lxml import etree
 
 from dh2urdf.documents import ACCEPTED_XML, ForbiddenXmlError, refuse_other_kind, xml_root
 from dh2urdf.errors import ProofError
-from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.robot import Cylinder, Sphere
 from dh2urdf.rotations import IDENTITY, IDENTITY_ROTATION, RigidTransform
 from dh2urdf.source import Mark, Problem, shown

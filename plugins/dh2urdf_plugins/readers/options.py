@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import field, fields, replace
+from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from dh2urdf.errors import TableError
-from dh2urdf.late_dataclasses import dataclass
 
 if TYPE_CHECKING:
     from dh2urdf.source import Problem

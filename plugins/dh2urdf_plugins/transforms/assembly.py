@@ -9,14 +9,13 @@ The limits of joints that a table does not give: range, travel, velocity, and th
 from __future__ import annotations
 
 import math
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import cache, reduce
 from typing import TYPE_CHECKING
 
 from dh2urdf import unchecked_records as own
 from dh2urdf.elementwise import greater_of, is_column, mapped
 from dh2urdf.errors import TransformError
-from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.manipulator import BASE, FLANGE, ROOT, TOOL, DHRow, JointType, Limits
 from dh2urdf.mass_properties import GRAVITY, compound, placed, rotated, scaled, solid
 from dh2urdf.robot import WEIGHTLESS, Collision, Inertial, Joint, Link, Mesh, Origin, Parameter, Robot, Sphere, Visual

@@ -7,11 +7,10 @@ included. `frames` says where everything is; here it becomes joints and bodies.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
 from dh2urdf import unchecked_records as own
 from dh2urdf.elementwise import agreed, greater_of, hypot, smaller_of
-from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.manipulator import Convention, JointType
 from dh2urdf.robot import Collision
 from dh2urdf.rotations import IDENTITY

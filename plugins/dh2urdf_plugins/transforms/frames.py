@@ -13,10 +13,9 @@ Names below: R is the accumulated rotation at q = 0; ϑ and δ are the angle and
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Any, NamedTuple, cast
 
 from dh2urdf.kinematics import dh_transform_of, joint_variables
-from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.manipulator import Convention, DHRow, JointType
 from dh2urdf.rotations import (
     HALF_PI,

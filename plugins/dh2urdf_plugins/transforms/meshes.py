@@ -9,13 +9,12 @@ from __future__ import annotations
 
 import math
 import re
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from dh2urdf.errors import MissingDependencyError, TransformError
-from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.mass_properties import scaled
 from dh2urdf.meshes import FORMATS, REMEDY, Asset, asset_of, enclosed, file_address, load_scene, read_mesh, to_metres
 from dh2urdf.robot import Collision, Inertial, Mesh, Origin, Visual

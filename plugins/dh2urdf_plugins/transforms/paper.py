@@ -10,9 +10,8 @@ The links end up in a straight line, as the paper's conclusion says: signs and o
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
-from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.robot import Box, Collision, Origin, Visual
 from dh2urdf.rotations import Y_AXIS, Z_AXIS, ZERO, Vec3
 from dh2urdf_plugins.transforms.assembly import Base, Part, assemble, complete_limits, parameters, travel

@@ -6,11 +6,10 @@ What a table declares about shapes and densities that no description shows: each
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from dh2urdf.drawn_links import other_lengths
 from dh2urdf.errors import TransformError
-from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.manipulator import JointType
 from dh2urdf.source import Problem
 from dh2urdf_plugins.transforms.alpha_swap_options import AlphaSwapOptions

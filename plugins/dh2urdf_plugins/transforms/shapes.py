@@ -8,13 +8,12 @@ itself is a carriage on it. A link with no segment gets a joint housing. `housin
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from functools import reduce
-from typing import TYPE_CHECKING, get_args
+from typing import TYPE_CHECKING, NamedTuple, get_args
 
 from dh2urdf import unchecked_records as own
 from dh2urdf.elementwise import agreed, atan2, for_some, greater_of, hypot, smaller_of, where
-from dh2urdf.late_dataclasses import dataclass
-from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.robot import Box, Collision, Cylinder, Material, Sphere, Visual
 from dh2urdf_plugins.transforms.alpha_swap_options import Shape
 from dh2urdf_plugins.transforms.formulas import HALF, NO_VECTOR, Quantities, Quantity, length_of, origin, plus, times

@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 import os
+import re
 import types
 from collections import ChainMap
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from dh2urdf.documents import DOCUMENT_TYPE, check_encoding, refuse_other_kind
 from dh2urdf.errors import CrashError, ProofError, TimeLimitError
 from dh2urdf.isolation import Data, enter, run_in_child, tell_of_missing_wall
-from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.meshes import packages_in
-from dh2urdf.patterns import late_pattern
 from dh2urdf.source import Mark, Problem
 from dh2urdf.stages import Expansion
 from dh2urdf_plugins.xacro_fence.files import Files
@@ -23,7 +22,7 @@ if TYPE_CHECKING:
     from xml.dom.minidom import Document
 
 _Result = tuple[bytes, list[Place | None], str | None]
-_NOT_THERE = late_pattern(r"\[Errno 2\] No such file or directory: (.*)")
+_NOT_THERE = r"\[Errno 2\] No such file or directory: (.*)"
 EXPANSION = 30.0
 """How long an expansion may take [s]: it computes whatever the file asks for."""
 MAX_OUTPUT = 2**26
@@ -88,7 +87,7 @@ def expand_foreign(
 def _failure(path: Path, reason: str, place: Place | None = None) -> ProofError:
     mark = mark_of(_named(path, place)) if place else Mark(file=str(path))
     advice = None
-    if missing := _NOT_THERE.fullmatch(reason):
+    if missing := re.fullmatch(_NOT_THERE, reason):
         reason = f"it names the file {missing[1]}, which is not there"
         advice = (
             "keep the files that it names where it names them; where one file alone is given, as to the studio, give "

@@ -6,11 +6,9 @@ the element wherever xacro moves or copies it.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 from xml.dom import UserDataHandler, expatbuilder
 from xml.dom.minidom import Document, Element
-
-from dh2urdf.late_tuples import NamedTuple
 
 if TYPE_CHECKING:
     import types

@@ -8,13 +8,12 @@ from __future__ import annotations
 import io
 import json
 import struct
+from dataclasses import dataclass
 from hashlib import sha256
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from dh2urdf.errors import OutputError
-from dh2urdf.late_dataclasses import dataclass
-from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.meshes import FORMATS, REMEDY, read_parts
 from dh2urdf.meshes.addresses import NamedFiles
 from dh2urdf.rotations import Vec3

@@ -8,12 +8,11 @@ from __future__ import annotations
 
 import os
 from concurrent.futures import Future, ThreadPoolExecutor
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from dh2urdf.errors import CrashError, OutputError
 from dh2urdf.isolation.child_process import Child
 from dh2urdf.isolation.encodings import Data
-from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.source import Problem, shown
 from dh2urdf_studio.drawing.mesh_files import DrawnTriangles, triangles
 

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from dh2urdf.kinematics.chain import dh_frames, joint_variables
-from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.manipulator import Convention
 from dh2urdf.rotations import IDENTITY, ZERO, RigidTransform, add, cos_sin, rotation_x, rotation_z, scale
 from dh2urdf_studio.drawing.strokes import Stroke

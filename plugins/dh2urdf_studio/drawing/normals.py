@@ -8,11 +8,10 @@ from __future__ import annotations
 import math
 from enum import StrEnum
 from itertools import pairwise
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from dh2urdf.kinematics.chain import dh_frames, link_poses, reach as table_reach
 from dh2urdf.kinematics.facts import Line
-from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.manipulator import Convention
 from dh2urdf.quantities.units import UNITS
 from dh2urdf.rotations import IDENTITY, RigidTransform, Vec3, add, cross, dot, norm, rotate, scale, subtract

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dh2urdf.late_dataclasses import dataclass
+from dataclasses import dataclass
+
 from dh2urdf.rotations import IDENTITY, X_AXIS, Y_AXIS, RigidTransform, Rotation, Vec3, cross, norm, scale
 from dh2urdf_studio.drawing.colours import GREY, Colour
 from dh2urdf_studio.drawing.grips import Grip

@@ -8,13 +8,12 @@ DH frames from the table, by different code, so that the screen itself would sho
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import field, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from dh2urdf.foreign_robot import Follower
 from dh2urdf.kinematics.chain import dh_frames, link_poses
-from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.manipulator import FLANGE, TOOL, WORLD, JointType, Manipulator
 from dh2urdf.robot import Box, Cylinder, Joint, Mesh, Robot, Sphere
 from dh2urdf.rotations import IDENTITY, RigidTransform, norm, scale

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import math
 import re
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from dh2urdf.kinematics.chain import dh_frames, joint_variables
-from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.manipulator import Convention, DHRow, JointType, Manipulator
 from dh2urdf.quantities.units import UNITS
 from dh2urdf.rotations import IDENTITY, RigidTransform, Vec3, add, cross, scale

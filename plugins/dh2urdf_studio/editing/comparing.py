@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-from typing import TYPE_CHECKING, TypeVar
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, NamedTuple, TypeVar
 
 from dh2urdf.errors import ConfigError
 from dh2urdf.kinematics.chain import KinematicChain, angle_error, forward_kinematics, link_poses, position_error
@@ -11,8 +11,6 @@ from dh2urdf.kinematics.comparison import POSES, Agreement, compare
 from dh2urdf.kinematics.expected_poses import ExpectedPoses
 from dh2urdf.kinematics.proof_vectors import proof_vectors
 from dh2urdf.kinematics.screws import axis_error, screws_of_chain, screws_of_table
-from dh2urdf.late_dataclasses import dataclass
-from dh2urdf.late_tuples import NamedTuple
 from dh2urdf_studio.drawing.colours import BESIDE
 from dh2urdf_studio.drawing.scene import Figure
 

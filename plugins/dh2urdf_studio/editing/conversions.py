@@ -14,9 +14,8 @@ from __future__ import annotations
 import math
 import re
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
-from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.manipulator import Convention, DHRow, Inertia, JointType
 from dh2urdf.quantities.number_text import format_number
 from dh2urdf.quantities.quantity import QuantityError, evaluate

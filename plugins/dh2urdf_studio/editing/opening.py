@@ -8,15 +8,14 @@ from contextlib import contextmanager
 from dataclasses import fields, replace
 from itertools import islice
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from dh2urdf.conversion.one_manipulator import read_items
 from dh2urdf.errors import Dh2UrdfError, InputError
-from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.manipulator import Convention, Manipulator
 from dh2urdf.run_file.config import RUN_SUFFIXES, is_run_file
 from dh2urdf.source import Mark, Problem, listed, shown
-from dh2urdf.stage_calls.answers import whole_records
+from dh2urdf.stage_calls.answers import several_records
 from dh2urdf.stage_calls.calls import blaming, default_call
 from dh2urdf.stages import ReadsDescriptions, Rejected, WritesTables
 from dh2urdf.table_text import FIELDS, TableText, table_text
@@ -149,7 +148,7 @@ def _typed(path: Path, reader: Reader[Any], catalog: Catalog, most: int | None) 
         return {}
     try:
         with blaming(default_call(catalog, reader), "texts"):
-            return {table.name: table for table in whole_records(islice(writes.texts(path), most), TableText)}
+            return {table.name: table for table in several_records(islice(writes.texts(path), most), TableText)}
     except InputError:  # It can be read, if not so: then its numbers are what there is.
         return {}
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import re
 import tempfile
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -16,7 +16,6 @@ from dh2urdf.commands.written_tables import in_format
 from dh2urdf.conversion.one_manipulator import read_items
 from dh2urdf.conversion.robots import make_robot
 from dh2urdf.errors import InputError, ManipulatorError
-from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.manipulator import Manipulator
 from dh2urdf.plugin_system.option_types import choices, type_hints
 from dh2urdf.plugin_system.options import make_options

@@ -11,7 +11,7 @@ import re
 import tempfile
 import zipfile
 from contextlib import suppress
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -20,7 +20,6 @@ from dh2urdf.commands.written_tables import in_format
 from dh2urdf.conversion.one_manipulator import Recipe
 from dh2urdf.errors import EmitterError
 from dh2urdf.kinematics.proof import Proof
-from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.output.whole_files import safe_stem
 from dh2urdf.source import Mark
 from dh2urdf.stage_calls.calls import Call, default_call

@@ -6,11 +6,10 @@ It knows no browser. Whatever a person does is a method; the page shows what the
 from __future__ import annotations
 
 import math
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from dh2urdf.kinematics.chain import dh_frames, forward_kinematics
-from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.manipulator import ROOT, TOOL, Convention, Manipulator
 from dh2urdf.robot import Robot
 from dh2urdf.rotations import IDENTITY, RigidTransform

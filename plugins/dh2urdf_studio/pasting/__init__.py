@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import re
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from itertools import pairwise, takewhile
 from typing import TYPE_CHECKING
 
-from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.manipulator import Convention
 from dh2urdf.table_text import REQUIRED, TableText
 from dh2urdf_studio.editing.edits import MOST_ROWS, resized, with_cells

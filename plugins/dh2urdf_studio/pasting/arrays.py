@@ -6,41 +6,35 @@ The rows are taken as they stand. A comment that has as many words as a row has 
 from __future__ import annotations
 
 import re
+from typing import Any, NamedTuple
 
-from dh2urdf.late_tuples import NamedTuple
-from dh2urdf.patterns import late_pattern
-
-_HEAD = late_pattern(r"\s*(?:[\w.:<>*&,\[\]() \t]*;\s*)?[\w.:<>*& \t\[\]]*(?:=(?!=)|<<)\s*")
+_HEAD = r"\s*(?:[\w.:<>*&,\[\]() \t]*;\s*)?[\w.:<>*& \t\[\]]*(?:=(?!=)|<<)\s*"
 """What is before the value: ``dh =``, ``static const double DH[6][4] =``, ``dh <<``."""
-_CALL = late_pattern(
-    r"\s*(?:\w+(?:\.|::))*(?:as)?(?:array|mat|matrix|tensor|list|tuple|sym|double|single|DM|SX|MX)\s*\(\s*(?=[\[({])",
-    re.IGNORECASE,
+_CALL = (
+    r"(?i)\s*(?:\w+(?:\.|::))*(?:as)?(?:array|mat|matrix|tensor|list|tuple|sym|double|single|DM|SX|MX)\s*"
+    r"\(\s*(?=[\[({])"
 )
 """What makes an array, and leaves its numbers as they are: ``np.array(``."""
-_TAIL = late_pattern(r"(?:\s|,\s*[A-Za-z_]\w*\s*=\s*[\w.'\"]+|[,;)])*")
+_TAIL = r"(?:\s|,\s*[A-Za-z_]\w*\s*=\s*[\w.'\"]+|[,;)])*"
 """What is behind it: ``, dtype=float)``."""
-_REMARK = late_pattern(r"(?:#|//|%|/\*).*")
-_UNIT = late_pattern(r"(?:in )?[\[(]?(m|cm|mm|rad|deg)(?:rees|ians)?[\])]?")
+_REMARK = r"(?:#|//|%|/\*).*"
+_UNIT = r"(?:in )?[\[(]?(m|cm|mm|rad|deg)(?:rees|ians)?[\])]?"
 """A comment that is the unit of the column beside it."""
-_OF_A_ROW = late_pattern(
-    r"(?!.*(?:pris|trans|slid|lin|fix|deg|inch|mod|craig|\b[cm]?m\b))[^\W\d_]{3,}(?:[\s_.-]+\w+){0,2}|[jli]?\s*\d*"
-    r"|\d+\s*(?:-+>|→)\s*\d+",
-    re.IGNORECASE,
+_OF_A_ROW = (
+    r"(?i)(?!.*(?:pris|trans|slid|lin|fix|deg|inch|mod|craig|\b[cm]?m\b))[^\W\d_]{3,}(?:[\s_.-]+\w+){0,2}|[jli]?\s*\d*"
+    r"|\d+\s*(?:-+>|→)\s*\d+"
 )
 """What a comment says that is only the number of a row, or its name."""
-_SYMBOL = late_pattern(r"(?:a|r|d|alpha|α|theta|θ|th)i?(?![^\W\d_])", re.IGNORECASE)
-_WORDS = late_pattern(r"[\s,;|&]+")
-_COLUMN = late_pattern(r"(?<![\w.])(?:\w++\.)?(\w++)\s*+=\s*(?:(?:\w+\.)?(?:array|list)\()?\[([^\[\]{}=;]*)\]\)?")
-_SPELLINGS = tuple(
-    (late_pattern(pattern), plain)
-    for pattern, plain in (
-        (r"\bM_PI_([24])\b", r"pi/\1"),
-        (r"\bM_PI\b|\bPi\b|\bPI\b", "pi"),
-        (r"\b(?:(?:np|numpy|math|sp|sympy|std|torch|jnp|cas|ca)\.|std::)", ""),
-        (r"\b(?:deg2rad|radians)\(\s*([-+]?[\d.]+)\s*\)", r"\1°"),
-        (r"(?<![\w.])(\d+\.\d*|\.\d+|\d+(?=f))f\b", r"\1"),
-        (r"\*\*|\.\*|\./", lambda found: {"**": "^", ".*": "*", "./": "/"}[found[0]]),
-    )
+_SYMBOL = r"(?i)(?:a|r|d|alpha|α|theta|θ|th)i?(?![^\W\d_])"
+_WORDS = r"[\s,;|&]+"
+_COLUMN = r"(?<![\w.])(?:\w++\.)?(\w++)\s*+=\s*(?:(?:\w+\.)?(?:array|list)\()?\[([^\[\]{}=;]*)\]\)?"
+_SPELLINGS: tuple[tuple[str, Any], ...] = (
+    (r"\bM_PI_([24])\b", r"pi/\1"),
+    (r"\bM_PI\b|\bPi\b|\bPI\b", "pi"),
+    (r"\b(?:(?:np|numpy|math|sp|sympy|std|torch|jnp|cas|ca)\.|std::)", ""),
+    (r"\b(?:deg2rad|radians)\(\s*([-+]?[\d.]+)\s*\)", r"\1°"),
+    (r"(?<![\w.])(\d+\.\d*|\.\d+|\d+(?=f))f\b", r"\1"),
+    (r"\*\*|\.\*|\./", lambda found: {"**": "^", ".*": "*", "./": "/"}[found[0]]),
 )
 """What programs have in numbers, as a person would type it."""
 _PAIRS = {"[": "]", "(": ")", "{": "}"}
@@ -63,16 +57,16 @@ def code_array(text: str) -> CodeArray | None:
     if not any(sign in text for sign in (*_PAIRS, "<<")) or "\\" in text:
         return None
     lines = [line.replace("...", "") for line in text.splitlines()]
-    comments = [found[0].lstrip("#/%* ").rstrip("*/ ") for line in lines if (found := _REMARK.search(line))]
-    if columns := _columns("\n".join(_REMARK.sub("", line) for line in lines)):
+    comments = [found[0].lstrip("#/%* ").rstrip("*/ ") for line in lines if (found := re.search(_REMARK, line))]
+    if columns := _columns("\n".join(re.sub(_REMARK, "", line) for line in lines)):
         units = dict(filter(None, map(_unit, lines)))
         heads = [f"{name} [{units[name]}]" if name in units else name for name in columns[0]]
-        return CodeArray([heads, *columns[1:]], "\n".join(each for each in comments if not _UNIT.fullmatch(each)))
-    code = "\n".join(_REMARK.sub("", line) for line in lines).strip()
-    head = _HEAD.match(code)
+        return CodeArray([heads, *columns[1:]], "\n".join(each for each in comments if not re.fullmatch(_UNIT, each)))
+    code = "\n".join(re.sub(_REMARK, "", line) for line in lines).strip()
+    head = re.match(_HEAD, code)
     is_stream = head is not None and head[0].rstrip().endswith("<<")
     code = code[head.end() :] if head else code
-    while call := _CALL.match(code):
+    while call := re.match(_CALL, code):
         code = code[call.end() :]
     rows = _streamed(code) if is_stream else _rows(code)
     if not rows or len({len(row) for row in rows}) > 1 or len(rows[0]) < 2:  # noqa: PLR2004 - a table
@@ -81,14 +75,14 @@ def code_array(text: str) -> CodeArray | None:
     if not all(cells[0]) or any(sign in cell for row in cells for cell in row for sign in "[]{}=:;'\""):
         return None
     names = next((words for each in comments if len(words := _names(each, cells)) == len(cells[0])), None)
-    around = [each for each in comments if _names(each, cells) != names and not _OF_A_ROW.fullmatch(each)]
+    around = [each for each in comments if _names(each, cells) != names and not re.fullmatch(_OF_A_ROW, each)]
     return CodeArray([names, *cells] if names else cells, "\n".join(around))
 
 
 def _columns(code: str) -> list[list[str]]:
     """The cells of arrays of one column each, named after it: ``a = [0 1]``, ``alpha = [pi/2 0]``, ``d = [1 0]``."""
-    found = _COLUMN.findall(code)
-    if _COLUMN.sub("", code).strip(" \t\n;,") or not all(_SYMBOL.match(name) for name, _ in found):
+    found = re.findall(_COLUMN, code)
+    if re.sub(_COLUMN, "", code).strip(" \t\n;,") or not all(re.match(_SYMBOL, name) for name, _ in found):
         return []
     columns = [[name, *map(_plain, _cells(" ".join(cells.split())))] for name, cells in found]
     return [list(row) for row in zip(*columns, strict=True)] if len({len(column) for column in columns}) == 1 else []
@@ -96,22 +90,24 @@ def _columns(code: str) -> list[list[str]]:
 
 def _unit(line: str) -> tuple[str, str] | None:
     """The name of the column of a line, and the unit of which the comment is that is behind it."""
-    code, _, remark = line.partition(found[0]) if (found := _REMARK.search(line)) else (line, "", "")
-    names, unit = _COLUMN.findall(code), found and _UNIT.fullmatch(found[0].lstrip("#/%* ").rstrip("*/ "))
+    code, _, remark = line.partition(found[0]) if (found := re.search(_REMARK, line)) else (line, "", "")
+    names, unit = re.findall(_COLUMN, code), found and re.fullmatch(_UNIT, found[0].lstrip("#/%* ").rstrip("*/ "))
     return (names[0][0], unit[1]) if unit and len(names) == 1 and not remark else None
 
 
 def _names(comment: str, cells: list[list[str]]) -> list[str]:
     """The words of a comment where they name the columns: as many as a row has cells, and symbols among them."""
     inner = comment.strip("[](){} ") if comment[:1] in _PAIRS else comment
-    words = [word for word in _WORDS.split(inner) if word]
-    return words if len(words) == len(cells[0]) and len([*filter(_SYMBOL.match, words)]) > 1 else []
+    words = [word for word in re.split(_WORDS, inner) if word]
+    return (
+        words if len(words) == len(cells[0]) and sum(re.match(_SYMBOL, word) is not None for word in words) > 1 else []
+    )
 
 
 def _rows(code: str) -> list[list[str]]:
     """The rows of an array without its name and its comments; none where it is none."""
     parts = _parts(code, ",;\n")
-    if code[:1] in _PAIRS and (close := _closing(code)) and _TAIL.fullmatch(code, close + 1):
+    if code[:1] in _PAIRS and (close := _closing(code)) and re.fullmatch(_TAIL, code[close + 1 :]):
         inner = code[1:close]
         if not (items := [item for item in _parts(inner, ",;\n") if item]):
             return []
@@ -165,5 +161,5 @@ def _plain(cell: str) -> str:
     if len(cell) > 1 and cell[0] == cell[-1] and cell[0] in "'\"":
         cell = cell[1:-1]
     for pattern, plain in _SPELLINGS if any(map(str.isalpha, cell)) or "*" in cell or "." in cell else ():
-        cell = pattern.sub(plain, cell)
+        cell = re.sub(pattern, plain, cell)
     return cell

@@ -5,83 +5,79 @@ from __future__ import annotations
 import html
 import re
 from itertools import takewhile
+from typing import NamedTuple
 
-from dh2urdf.late_tuples import NamedTuple
-from dh2urdf.patterns import late_pattern
 from dh2urdf.quantities.spellings import DEGREE_SIGNS
 from dh2urdf_studio.pasting.arrays import code_array
 
-_BODY = late_pattern(r"\\begin\{(tabular[*xy]?|longtable|array|[bpv]?matrix)\}(.*?)\\end\{\1\}", re.DOTALL)
-_ARGUMENTS = late_pattern(r"\s*(?:\[[^]]*\]|\{(?:[^{}]|\{[^{}]*\})*\})*")
-_RULES = late_pattern(
+_BODY = r"(?s)\\begin\{(tabular[*xy]?|longtable|array|[bpv]?matrix)\}(.*?)\\end\{\1\}"
+_ARGUMENTS = r"\s*(?:\[[^]]*\]|\{(?:[^{}]|\{[^{}]*\})*\})*"
+_RULES = (
     r"\\(?:(?:top|mid|bottom)rule|hline|addlinespace|c(?:mid)?(?:rule|line)(?:\([^)]*\))?\{[^}]*\}"
     r"|(?:row|cell|column)color(?:\[[^]]*\])?\{[^}]*\}(?:\[[^]]*\])*|footnotemark(?:\[[^]]*\])?|tnote\{[^}]*\})"
     r"|(?:~|\s)*\\cite[pt]?\*?(?:\[[^]]*\])*\{[^}]*\}"
 )
 """Rules, colours, citations and the marks of footnotes."""
-_FOOTNOTE = late_pattern(r"\\(?:table)?footnote(?:\[[^]]*\])?\{((?:[^{}]|\{[^{}]*\})*)\}")
-_STACK = late_pattern(r"\\(?:makecell|thead|shortstack)(?:\[[^]]*\])?\{((?:[^{}]|\{[^{}]*\})*)\}")
+_FOOTNOTE = r"\\(?:table)?footnote(?:\[[^]]*\])?\{((?:[^{}]|\{[^{}]*\})*)\}"
+_STACK = r"\\(?:makecell|thead|shortstack)(?:\[[^]]*\])?\{((?:[^{}]|\{[^{}]*\})*)\}"
 """A cell of several lines."""
-_SPAN = late_pattern(r"\\multicolumn\{\s*(\d{1,2})\s*\}\{[^{}]*\}\{((?:[^{}]|\{[^{}]*\})*)\}")
+_SPAN = r"\\multicolumn\{\s*(\d{1,2})\s*\}\{[^{}]*\}\{((?:[^{}]|\{[^{}]*\})*)\}"
 """A cell over several columns, which are those of what follows it."""
-_COMMENT = late_pattern(r"(?<!\\)%.*")
-_NEW_ROW = late_pattern(r"(?:\\\\|\\tabularnewline)(?:\s*\[-?[\d.]+ *[a-z]+\])?")
-_COMMAND = late_pattern(
+_COMMENT = r"(?<!\\)%.*"
+_NEW_ROW = r"(?:\\\\|\\tabularnewline)(?:\s*\[-?[\d.]+ *[a-z]+\])?"
+_COMMAND = (
     r"\\(?:(?:begin|end|label|vspace|hspace|footnotesize|small)\*?(?:\[[^]]*\])?\{[^}]*\}(?:\[[^]]*\])?|[A-Za-z]+)"
 )
-_CELL = late_pattern(r"(?<!\\)&")
-_BAR = late_pattern(r"(?<!\\)\|")
-_RULE = late_pattern(r"\|?(?:\s*:?-+:?\s*[|+])+\s*(?::?-+:?)?\s*\|?\s*")
+_CELL = r"(?<!\\)&"
+_BAR = r"(?<!\\)\|"
+_RULE = r"\|?(?:\s*:?-+:?\s*[|+])+\s*(?::?-+:?)?\s*\|?\s*"
 """The line below the header of a table of Markdown, or of Org."""
 _TERM = (
     rf"(?:(?:\d+(?:[.,]\d*)?|[.,]\d+)(?<!,)(?:e[-+]?\d+)?[{DEGREE_SIGNS}]?"
     r"|(?:\d*\*?)?(?:pi|π)(?:/\d+)?|(?:[θqd]|theta|th)_?\d+\*?)"
 )
-_NUMBER = late_pattern(rf"[-+−–‒‐‑±]?{_TERM}(?:[-+−–‒]{_TERM})*", re.IGNORECASE)
+_NUMBER = rf"(?i)[-+−–‒‐‑±]?{_TERM}(?:[-+−–‒]{_TERM})*"
 _BOX = str.maketrans(dict.fromkeys("│┃║┌┬┐├┼┤└┴┘╔╦╗╠╬╣╚╩╝╒╤╕╞╪╡╘╧╛╭╮╰╯", "|") | dict.fromkeys("─━═", "-") | {"⍺": "α"})
 """The lines of a table in a terminal, as those of Markdown; the Robotics Toolbox writes the α of APL."""
-_LINES = late_pattern(r"[=\-_+ ]*[=\-_]{3}[=\-_+ ]*")
+_LINES = r"[=\-_+ ]*[=\-_]{3}[=\-_+ ]*"
 """A line that rules a table off, as reStructuredText, MATLAB and others have it."""
-_SENTENCE = late_pattern(r"[^\t]*[^\t.:][.:]|(?:[^\s:]+ +){3,}[^\s:]+|[^\t:]+: [^\t]+")
+_SENTENCE = r"[^\t]*[^\t.:][.:]|(?:[^\s:]+ +){3,}[^\s:]+|[^\t:]+: [^\t]+"
 """What no joint is called, in the only cell of a row that is not empty: ``All lengths in mm``, ``Source: [3]``."""
-_JOINT = late_pattern(r"^(joint|link|axis)\s+(\d+)(?=\s)", re.IGNORECASE)
+_JOINT = r"(?i)^(joint|link|axis)\s+(\d+)(?=\s)"
 """The name of a row that is two words."""
-_GAP = late_pattern(r"\s{2,}")
-_UNIT_APART = late_pattern(r"\s+(?=[\[(][^\s\])]*[\])](?:\s|$))")
+_GAP = r"\s{2,}"
+_UNIT_APART = r"\s+(?=[\[(][^\s\])]*[\])](?:\s|$))"
 """The space before a unit: ``a (mm)`` is one header."""
-_SIGN_APART = late_pattern(r"(?:((?:[θq]|theta)_?\d+\*?)\s+|(?<=\s))([-+−–‒])\s+(?=[\d.πp])")
+_SIGN_APART = r"(?:((?:[θq]|theta)_?\d+\*?)\s+|(?<=\s))([-+−–‒])\s+(?=[\d.πp])"
 """A sign with spaces beside it, as copies of PDFs have it: ``– 0.425``, ``θ3 – π/2``."""
-_POSE = late_pattern(r"^\s*(base|tool):\s*(\S.*)$", re.IGNORECASE | re.MULTILINE)
-_UNIT = late_pattern(r"\[(?:(m|cm|mm)|(rad|deg|°))\]")
-_MIXED = late_pattern(r"\s*\[(?:(?:rad|deg|°), ?(?:m|cm|mm)|(?:m|cm|mm), ?(?:rad|deg|°))\]")
+_POSE = r"(?im)^\s*(base|tool):\s*(\S.*)$"
+_UNIT = r"\[(?:(m|cm|mm)|(rad|deg|°))\]"
+_MIXED = r"\s*\[(?:(?:rad|deg|°), ?(?:m|cm|mm)|(?:m|cm|mm), ?(?:rad|deg|°))\]"
 """The unit of a column that has bounds of joints of both kinds."""
-_OF_VARIABLES = late_pattern(r"(?:θ|theta|d)(?![^\W\d_])", re.IGNORECASE)
+_OF_VARIABLES = r"(?i)(?:θ|theta|d)(?![^\W\d_])"
 """A column that may have variables of joints."""
 _LOWERED = str.maketrans("₀₁₂₃₄₅₆₇₈₉", "0123456789")
-_CONVENTION = late_pattern(r"\b(standard|modified) (?:convention|dh parameters)\b", re.IGNORECASE)
-_MARKS = tuple(
-    (late_pattern(pattern, re.IGNORECASE), plain)
-    for pattern, plain in (
-        (r"<br *?/?>", " "),
-        (r"(?<=[\d)])<sup(?: [^<>]*)?>\s*(?:[oº°∘]|&deg;)\s*</sup>", "°"),
-        (r"(?<=[\d)])<sup(?: [^<>]*)?>(?=\s*[-+−\w])", "^"),  # a footnote or a power, and no digit more
-        (r"</?(?:sub|sup|b|i|em|strong|code|var|span|math)(?: [^<>]*)?/?>", ""),
-        (r"(\*\*|__|`)(.+?)\1", r"\2"),
-        (r"(?<![\w*])([*_])([^*_\s][^*_]*)\1(?![\w*])", r"\2"),
-    )
+_CONVENTION = r"(?i)\b(standard|modified) (?:convention|dh parameters)\b"
+_MARKS = (
+    (r"(?i)<br *?/?>", " "),
+    (r"(?i)(?<=[\d)])<sup(?: [^<>]*)?>\s*(?:[oº°∘]|&deg;)\s*</sup>", "°"),
+    (r"(?i)(?<=[\d)])<sup(?: [^<>]*)?>(?=\s*[-+−\w])", "^"),  # a footnote or a power, and no digit more
+    (r"(?i)</?(?:sub|sup|b|i|em|strong|code|var|span|math)(?: [^<>]*)?/?>", ""),
+    (r"(?i)(\*\*|__|`)(.+?)\1", r"\2"),
+    (r"(?i)(?<![\w*])([*_])([^*_\s][^*_]*)\1(?![\w*])", r"\2"),
 )
 """Bold, slanted and lowered text in a cell of Markdown, and formulas of MediaWiki."""
-_JIRA_HEAD = late_pattern(r"\|\|(?:[^|]+\|\|)+")
+_JIRA_HEAD = r"\|\|(?:[^|]+\|\|)+"
 """A header of Jira and Confluence."""
-_JIRA = late_pattern(r"\|\|")
-_WIKI_CELL = late_pattern(r"\|\||!!")
-_ATTRIBUTES = late_pattern(r"\s*+(?:[\w-]++\s*+=\s*+(?:\"[^\"]*+\"|[\w-]++)\s*+)++\|")
+_JIRA = r"\|\|"
+_WIKI_CELL = r"\|\||!!"
+_ATTRIBUTES = r"\s*+(?:[\w-]++\s*+=\s*+(?:\"[^\"]*+\"|[\w-]++)\s*+)++\|"
 """What is before a cell of MediaWiki: ``style="text-align:right" |``."""
-_ASCIIDOC_CELL = late_pattern(r"\s(?:(\d{1,2})\+)?[<^>]?(?:\.[<^>])?[adehlms]?\|")
+_ASCIIDOC_CELL = r"\s(?:(\d{1,2})\+)?[<^>]?(?:\.[<^>])?[adehlms]?\|"
 """The beginning of a cell of AsciiDoc, with the columns that it spans, its place and its style: ``2+^h|``."""
-_ASCIIDOC_COLUMNS = late_pattern(r"^\[.*\bcols=\"?([^\"\]]+)", re.MULTILINE)
-_ATTRIBUTE_LINE = late_pattern(r"\[.*\]")
-_MACRO = late_pattern(r"(?:stem|latexmath|asciimath):\[([^]]*)\]")
+_ASCIIDOC_COLUMNS = r"(?m)^\[.*\bcols=\"?([^\"\]]+)"
+_ATTRIBUTE_LINE = r"\[.*\]"
+_MACRO = r"(?:stem|latexmath|asciimath):\[([^]]*)\]"
 _SIUNITX = {
     r"milli\s*\\met(?:re|er)|mm": "mm",
     r"centi\s*\\met(?:re|er)|cm": "cm",
@@ -96,31 +92,28 @@ _SIUNITX = {
 """Units of the package siunitx."""
 _PART = r"(?:\{([^{}]*)\}|(\\pi(?![a-z])|π|[0-9a-zA-Z]))"
 """A part of a fraction: in braces, or without them where it is one sign."""
-_FORMULAS = tuple(
-    (late_pattern(pattern), plain)
-    for pattern, plain in (
-        (r"\\multirow\{[^{}]*\}\{[^{}]*\}\{((?:[^{}]|\{[^{}]*\})*)\}", r"\1"),
-        (r"\\(?:text|mbox|boldsymbol|bm|emph|(?:math|text)(?:rm|bf|it|sf|tt))\{((?:\\.|[^{}])*)\}", r"\1"),
-        (r"^\\\((.*)\\\)$", r"\1"),
-        (r"\\sqrt\s*\{([^{}]*)\}", r"sqrt(\1)"),
-        (rf"\\(?:[dts]|nice)?frac\s*{_PART}\s*{_PART}", r"\\frac{\1\2}{\3\4}"),
-        (r"\\frac\{(-?[\w.\\]+)\}\{(\d+(?:\.\d+)?|\\?[a-zA-Zπ]+)\}", r"\1/\2"),
-        (r"\\frac\{([^{}]*)\}\{([^{}]*)\}", r"(\1)/(\2)"),
-        *((rf"\\(?:{macro})(?![a-z])", unit) for macro, unit in _SIUNITX.items()),
-        (r"\\ang\{([^{};]*)\}", r"\1°"),
-        (r"\\(?:num|si|unit)(?:\[[^]]*\])?\{([^{}]*)\}", r"\1"),
-        (r"\\(?:SI|qty)(?:\[[^]]*\])?\{([^{}]*)\}\{([^{}]*)\}", r"\1 \2"),
-        (r"\s*(?:\^\s*\{?\s*\\circ\s*\}?|\\degree(?![a-z])|\\textdegree(?![a-z]))", "°"),
-        (r"\s*\\(?:times|cdot)\s*10\s*\^\s*\{?\s*([+-]?\d+)\s*\}?", r"e\1"),
-        (r"\\(?:times|cdot)(?![a-z])", "*"),
-        (r"\\(?:left|right)(?![a-z])", ""),
-        (r"\\[,;:! ]|~|\\q?quad(?![a-z])", " "),
-        (r"\s*\^\s*\{?\s*(?:\*|\\(?:ast|star)(?![a-z]))\s*\}?", "*"),
-        (r"(\d)\s*(?:\\pi(?![a-z])|π)", r"\1*pi"),
-        (r"\\(pi|theta|alpha|min|max)(?![a-z])", r"\1"),
-        (r"(?<!\\)[{}$]", ""),
-        (r"\\([\\`*_{}\[\]()#+.!|&%$-])", r"\1"),
-    )
+_FORMULAS = (
+    (r"\\multirow\{[^{}]*\}\{[^{}]*\}\{((?:[^{}]|\{[^{}]*\})*)\}", r"\1"),
+    (r"\\(?:text|mbox|boldsymbol|bm|emph|(?:math|text)(?:rm|bf|it|sf|tt))\{((?:\\.|[^{}])*)\}", r"\1"),
+    (r"^\\\((.*)\\\)$", r"\1"),
+    (r"\\sqrt\s*\{([^{}]*)\}", r"sqrt(\1)"),
+    (rf"\\(?:[dts]|nice)?frac\s*{_PART}\s*{_PART}", r"\\frac{\1\2}{\3\4}"),
+    (r"\\frac\{(-?[\w.\\]+)\}\{(\d+(?:\.\d+)?|\\?[a-zA-Zπ]+)\}", r"\1/\2"),
+    (r"\\frac\{([^{}]*)\}\{([^{}]*)\}", r"(\1)/(\2)"),
+    *((rf"\\(?:{macro})(?![a-z])", unit) for macro, unit in _SIUNITX.items()),
+    (r"\\ang\{([^{};]*)\}", r"\1°"),
+    (r"\\(?:num|si|unit)(?:\[[^]]*\])?\{([^{}]*)\}", r"\1"),
+    (r"\\(?:SI|qty)(?:\[[^]]*\])?\{([^{}]*)\}\{([^{}]*)\}", r"\1 \2"),
+    (r"\s*(?:\^\s*\{?\s*\\circ\s*\}?|\\degree(?![a-z])|\\textdegree(?![a-z]))", "°"),
+    (r"\s*\\(?:times|cdot)\s*10\s*\^\s*\{?\s*([+-]?\d+)\s*\}?", r"e\1"),
+    (r"\\(?:times|cdot)(?![a-z])", "*"),
+    (r"\\(?:left|right)(?![a-z])", ""),
+    (r"\\[,;:! ]|~|\\q?quad(?![a-z])", " "),
+    (r"\s*\^\s*\{?\s*(?:\*|\\(?:ast|star)(?![a-z]))\s*\}?", "*"),
+    (r"(\d)\s*(?:\\pi(?![a-z])|π)", r"\1*pi"),
+    (r"\\(pi|theta|alpha|min|max)(?![a-z])", r"\1"),
+    (r"(?<!\\)[{}$]", ""),
+    (r"\\([\\`*_{}\[\]()#+.!|&%$-])", r"\1"),
 )
 
 
@@ -138,27 +131,27 @@ class Typeset(NamedTuple):
     @property
     def says_more(self) -> bool:
         """Whether words are around the table, commands of LaTeX aside."""
-        return any(map(str.isalpha, _COMMAND.sub("", self.around)))
+        return any(map(str.isalpha, re.sub(_COMMAND, "", self.around)))
 
     def as_csv(self) -> str:
         """The table as the reader of CSV files takes it, with tabs, and with what the text around it declares."""
         titles = list(takewhile(lambda row: sum(map(bool, row)) == 1 < len(row), self.rows[:-1]))
         named, *rows = self.rows[len(titles) :]
-        heads = [_MIXED.sub("", head) for head in named]
+        heads = [re.sub(_MIXED, "", head) for head in named]
         around = [line.strip() for line in self.around.splitlines() if line.strip()]
-        lines = [line if line.startswith("#") else f"# {line}" for line in around if not _POSE.match(line)]
-        said = {word.lower() for word in _CONVENTION.findall(self.around)}
+        lines = [line if line.startswith("#") else f"# {line}" for line in around if not re.match(_POSE, line)]
+        said = {word.lower() for word in re.findall(_CONVENTION, self.around)}
         lines += [f"# convention: {said.pop()}"] if len(said) == 1 else []
-        poses = [f"# {name.lower()}: {_pose(pose)}" for name, pose in _POSE.findall(self.around)]
+        poses = [f"# {name.lower()}: {_pose(pose)}" for name, pose in re.findall(_POSE, self.around)]
         if poses or heads != named:  # which have the units of the other columns
-            units = zip(("length", "angle"), zip(*_UNIT.findall(" ".join(heads)), strict=True), strict=False)
+            units = zip(("length", "angle"), zip(*re.findall(_UNIT, " ".join(heads)), strict=True), strict=False)
             said_units = [
                 f"{name}: {max(found).replace('°', 'deg')}" for name, found in units if len({*found} - {""}) == 1
             ]
             lines += [f"# units: {{{', '.join(said_units)}}}"] if said_units else []
         # Where axes are counted, a fixed joint has no number; rows are counted without the column.
         if heads[0] in {"i", "no."} and not all(row[0] for row in rows):
-            variable = [_OF_VARIABLES.match(head) is not None for head in heads]
+            variable = [re.match(_OF_VARIABLES, head) is not None for head in heads]
             heads, *rows = (_uncounted(row, variable) for row in (heads, *rows))
         cells = (re.sub(r"^(#[^\t]*)", r'"\1"', "\t".join(row)) for row in (heads, *rows))  # a name, and no comment
         return "\n".join([*lines, *poses, *("".join(row) for row in titles), *cells, ""])
@@ -185,29 +178,33 @@ def typeset(text: str) -> Typeset | None:
         found = _asciidoc([line.strip() for line in lines])
     elif array := code_array(text):
         return Typeset(array.rows, array.around)
-    elif any(map(_CELL.search, lines)) and ("\\\\" in text or "\\begin{" in text):
+    elif any(re.search(_CELL, line) for line in lines) and ("\\\\" in text or "\\begin{" in text):
         found = _latex("\n".join(lines))
     elif any(line.strip().startswith("|") for line in lines) or _ruled(lines):
         found = _markdown(lines)
     elif any("\t" in line.strip() for line in lines):
         found = _tabbed(lines)
     else:
-        found = _spaced([line.strip() for line in lines if line.strip() and not _LINES.fullmatch(line)])
+        found = _spaced([line.strip() for line in lines if line.strip() and not re.fullmatch(_LINES, line)])
     return found._replace(around="\n".join([*comments, found.around])) if found.rows else None
 
 
 def is_value(cell: str) -> bool:
     """Whether a cell is a number or an expression of numbers and variables: ``0.1``, ``pi/2``, ``q2-90°``."""
-    return _NUMBER.fullmatch("".join(cell.split())) is not None
+    return re.fullmatch(_NUMBER, "".join(cell.split())) is not None
 
 
 def _latex(text: str) -> Typeset:
-    notes = "".join(f"\n{found[1]}" for found in _FOOTNOTE.finditer(text))
-    text = _STACK.sub(lambda found: found[1].replace("\\\\", " "), _FOOTNOTE.sub("", text)).replace("~", " ")
-    bodies = [found[2] for found in _BODY.finditer(text)]
-    rows = (row for body in bodies or [text] for row in _NEW_ROW.split(_RULES.sub("", _COMMENT.sub("", _inside(body)))))
-    cells = [[_plain(cell) for cell in _CELL.split(_SPAN.sub(_spread, row))] for row in rows if row.strip()]
-    return Typeset(cells, (_BODY.sub("", text) if bodies else "") + notes)
+    notes = "".join(f"\n{found[1]}" for found in re.finditer(_FOOTNOTE, text))
+    text = re.sub(_STACK, lambda found: found[1].replace("\\\\", " "), re.sub(_FOOTNOTE, "", text)).replace("~", " ")
+    bodies = [found[2] for found in re.finditer(_BODY, text)]
+    rows = (
+        row
+        for body in bodies or [text]
+        for row in re.split(_NEW_ROW, re.sub(_RULES, "", re.sub(_COMMENT, "", _inside(body))))
+    )
+    cells = [[_plain(cell) for cell in re.split(_CELL, re.sub(_SPAN, _spread, row))] for row in rows if row.strip()]
+    return Typeset(cells, (re.sub(_BODY, "", text) if bodies else "") + notes)
 
 
 def _spread(span: re.Match[str]) -> str:
@@ -216,17 +213,19 @@ def _spread(span: re.Match[str]) -> str:
 
 def _inside(body: str) -> str:
     """What follows the arguments of a table: its place, its width, its columns."""
-    arguments = _ARGUMENTS.match(body)
+    arguments = re.match(_ARGUMENTS, body)
     return body[arguments.end() :] if arguments else body
 
 
 def _markdown(lines: list[str]) -> Typeset:
     """The table of Markdown; bars at both ends of its lines may be left out."""
     ruled = _ruled(lines)
-    table = [line.strip() for line in lines if line.strip().startswith("|") or (ruled and _BAR.search(line))]
-    lines_of_cells = (_JIRA.sub("|", line) if _JIRA_HEAD.fullmatch(line) else line for line in table)
+    table = [line.strip() for line in lines if line.strip().startswith("|") or (ruled and re.search(_BAR, line))]
+    lines_of_cells = (re.sub(_JIRA, "|", line) if re.fullmatch(_JIRA_HEAD, line) else line for line in table)
     cells = (
-        _BAR.split(line.removeprefix("|").removesuffix("|")) for line in lines_of_cells if not _RULE.fullmatch(line)
+        re.split(_BAR, line.removeprefix("|").removesuffix("|"))
+        for line in lines_of_cells
+        if not re.fullmatch(_RULE, line)
     )
     around = "\n".join(line for line in lines if line.strip() not in table)
     rows = [[_plain(_unmarked(cell)) for cell in row] for row in cells]
@@ -246,7 +245,7 @@ def _wiki(lines: list[str]) -> Typeset:
         elif line.startswith("|-"):
             rows.append([])
         elif line.startswith(("|", "!")):
-            cells = (_ATTRIBUTES.sub("", cell) for cell in _WIKI_CELL.split(line[1:]))
+            cells = (re.sub(_ATTRIBUTES, "", cell) for cell in re.split(_WIKI_CELL, line[1:]))
             rows[-1] += [_plain(_unmarked(cell)) for cell in cells]
     return Typeset([row for row in rows if row], "\n".join(around))
 
@@ -255,14 +254,14 @@ def _asciidoc(lines: list[str]) -> Typeset:
     """The table of AsciiDoc: a bar begins a cell, and a row may take several lines."""
     first = lines.index("|===")
     last = lines.index("|===", first + 1)
-    around = [line for line in (*lines[:first], *lines[last + 1 :]) if not _ATTRIBUTE_LINE.fullmatch(line)]
-    inside = [_ASCIIDOC_CELL.sub(_repeated, f" {line}") for line in lines[first + 1 : last] if line]
-    cells = [[_plain(_unmarked(_MACRO.sub(r"\1", cell))) for cell in _BAR.split(line)] for line in inside]
+    around = [line for line in (*lines[:first], *lines[last + 1 :]) if not re.fullmatch(_ATTRIBUTE_LINE, line)]
+    inside = [re.sub(_ASCIIDOC_CELL, _repeated, f" {line}") for line in lines[first + 1 : last] if line]
+    cells = [[_plain(_unmarked(re.sub(_MACRO, r"\1", cell))) for cell in re.split(_BAR, line)] for line in inside]
     flat: list[str] = []
     for before, *own in cells:  # what is before the first bar goes on with the cell of the line above
         flat[-1:] = [f"{flat[-1]} {before}".strip()] if flat else []
         flat += own
-    columns = _ASCIIDOC_COLUMNS.search("\n".join(lines[:first]))
+    columns = re.search(_ASCIIDOC_COLUMNS, "\n".join(lines[:first]))
     parts = [part.strip() for part in columns[1].split(",")] if columns else []
     counts = [int(found[1]) if (found := re.match(r"(\d+)\*", part)) else 1 for part in parts]
     width = sum(counts) or len(cells[0]) - 1 if cells else 0
@@ -277,15 +276,17 @@ def _repeated(cell: re.Match[str]) -> str:
 
 def _ruled(lines: list[str]) -> bool:
     """Whether bars are between cells: there is a line of Markdown below the header, or every line has as many bars."""
-    bars = {len(_BAR.findall(line)) for line in lines if line.strip() and not _LINES.fullmatch(line.strip())}
-    return any("|" in line and _RULE.fullmatch(line.strip()) for line in lines) or (len(bars) == 1 and max(bars) > 1)
+    bars = {len(re.findall(_BAR, line)) for line in lines if line.strip() and not re.fullmatch(_LINES, line.strip())}
+    return any("|" in line and re.fullmatch(_RULE, line.strip()) for line in lines) or (
+        len(bars) == 1 and max(bars) > 1
+    )
 
 
 def _unmarked(cell: str) -> str:
     """A cell of Markdown without bold type, tags and codes of HTML."""
     cell = html.unescape(cell).strip()
     for pattern, plain in _MARKS if any(sign in cell for sign in "<*_`") else ():
-        cell = pattern.sub(plain, cell)
+        cell = re.sub(pattern, plain, cell)
     return cell
 
 
@@ -294,7 +295,9 @@ def _tabbed(lines: list[str]) -> Typeset:
 
     Without such sentences it has no rows: the reader of CSV files reads the text as it is.
     """
-    tabbed = [number for number, line in enumerate(lines) if "\t" in line and not _SENTENCE.fullmatch(line.rstrip())]
+    tabbed = [
+        number for number, line in enumerate(lines) if "\t" in line and not re.fullmatch(_SENTENCE, line.rstrip())
+    ]
     first, last = tabbed[0], tabbed[-1] + 1
     around = [line for line in (*lines[:first], *lines[last:]) if line.strip()]
     are_sentences = around and all(len(line.split()) > 1 for line in around)
@@ -310,24 +313,25 @@ def _spaced(lines: list[str]) -> Typeset:
     It is one where all lines have as many cells, and only a header has other cells than numbers, the names of joints
     aside. Lines of text before and after it, as a caption, have fewer than two numbers.
     """
-    lines = [_JOINT.sub(r"\1_\2", line) for line in lines]
-    together = [_SIGN_APART.sub(r"\1\2", line) for line in lines]
+    lines = [re.sub(_JOINT, r"\1_\2", line) for line in lines]
+    together = [re.sub(_SIGN_APART, r"\1\2", line) for line in lines]
     for rows in (
-        [_UNIT_APART.sub("", line).split() for line in lines],
-        [_GAP.split(line) for line in lines],
+        [re.sub(_UNIT_APART, "", line).split() for line in lines],
+        [re.split(_GAP, line) for line in lines],
         [line.split() for line in together] if together != lines else [],
     ):
         of_numbers = [number for number, row in enumerate(rows) if _are_numbers(row)]
         if not of_numbers:
             continue
         first, last = of_numbers[0], of_numbers[-1] + 1
-        if first and not any(map(_NUMBER.fullmatch, head := rows[first - 1])):
+        head = rows[first - 1]
+        if first and not any(re.fullmatch(_NUMBER, cell) for cell in head):
             if len(head) == len(rows[first]) - 1:  # as pandas prints it, without a word above the names of the rows
                 rows[first - 1] = head = ["", *head]
             first -= len(head) == len(rows[first])
         table, around = rows[first:last], [*rows[:first], *rows[last:]]
         is_table = last - of_numbers[0] == len(of_numbers) and len({len(row) for row in table}) == 1
-        counts = [(len(row), sum(map(bool, map(_NUMBER.fullmatch, row)))) for row in around]
+        counts = [(len(row), sum(re.fullmatch(_NUMBER, cell) is not None for cell in row)) for row in around]
         is_text = all(words != len(table[0]) and numbers < min(words, 2) for words, numbers in counts)
         is_split = rows[0] == lines[0].split() or not _are_numbers(table[0])  # `0.1 + 0.2` may be a cell
         if is_table and is_text and is_split:
@@ -337,14 +341,14 @@ def _spaced(lines: list[str]) -> Typeset:
 
 def _are_numbers(row: list[str]) -> bool:
     """Whether a line has numbers alone, two or more, or the name of a joint and three or more."""
-    named = len(row) > 3 and row[0].isidentifier() and _NUMBER.fullmatch(row[0]) is None  # noqa: PLR2004
-    return len(row) > 1 and all(map(_NUMBER.fullmatch, row[named:]))
+    named = len(row) > 3 and row[0].isidentifier() and re.fullmatch(_NUMBER, row[0]) is None  # noqa: PLR2004
+    return len(row) > 1 and all(re.fullmatch(_NUMBER, cell) for cell in row[named:])
 
 
 def _plain(cell: str) -> str:
     """A cell without the signs of LaTeX and of Markdown; what is not known stays, and the reader names it."""
     for pattern, plain in _FORMULAS if any(sign in cell for sign in "\\$π{") else ():
-        cell = pattern.sub(plain, cell)
+        cell = re.sub(pattern, plain, cell)
     return " ".join(cell.split())
 
 

@@ -25,7 +25,7 @@ from dh2urdf.manipulator import Convention, DHRow, JointType, Limits, Manipulato
 from dh2urdf.robot import Joint, Link, Origin, Robot
 from dh2urdf.robot_check import check_robot
 from dh2urdf.rotations import RigidTransform
-from dh2urdf.source import Mark, Problem
+from dh2urdf.source import Mark
 from dh2urdf.stages import Rejected
 from dh2urdf_plugins.emitters.urdf import EMITTER as URDF
 from dh2urdf_plugins.emitters.xacro import EMITTER as XACRO
@@ -146,12 +146,6 @@ class TestCompose:
         assert left.kind.parameters
         assert (hand.prefix, hand.parent) == ("hand_", "left_two")
 
-    def test_the_mounting_joint_takes_no_name_of_the_arm(self) -> None:
-        """A table may call its joint base_joint."""
-        table = replace(ARM, rows=(replace(ARM.rows[0], joint="base_joint"), *ARM.rows[1:]))
-        robot = compose(cell(call("a", "arm")), robots({"arm": table}))
-        assert robot.joints[0].name == "a_base_joint_"
-
     def test_names_that_meet_are_named(self) -> None:
         """Different prefixes can still give one name; both arms, and the place of the second, are said."""
         rows = (replace(ARM.rows[0], link="b_one"), *ARM.rows[1:])
@@ -169,18 +163,6 @@ class TestCompose:
         table = replace(ARM, rows=(replace(ARM.rows[0], link="world"), *ARM.rows[1:]))
         with pytest.raises(RobotError, match="the arm 'a' has the name 'world', as has the root of the cell"):
             compose(cell(call("a", "arm", prefix="")), robots({"arm": table}))
-
-    @pytest.mark.parametrize(("link", "meant"), [("tool_0", "tool0"), ("left_two", "two"), ("Three", "three")])
-    def test_a_parent_link_that_is_not_there_is_an_error(self, link: str, meant: str) -> None:
-        """It names the links that there are, and the one that was probably meant."""
-        mark = Mark(file="run.yaml", line=5, column=9)
-        arms = (call("left", "arm"), call("hand", "arm", parent="left", link=link, parent_mark=mark))
-        with pytest.raises(RobotError) as caught:
-            compose(cell(*arms), robots())
-        message = str(caught.value)
-        assert message.startswith(f"run.yaml:5:9: error: field 'parent': the arm 'hand' stands on 'left/{link}'")
-        assert "accepted: left/base_link, left/base_link_inertia, left/one, left/two, left/three" in message
-        assert f"did you mean {meant!r}?" in message
 
 
 # --- The expected poses, against an oracle that shares nothing with the project: numpy's 4x4 products --------------------------
@@ -402,33 +384,6 @@ class TestXacro:
         assert macros == [b"track", b"track_at", b"arm", b"arm_at"]
         assert library.content.count(b'<xacro:property name="a_1"') == 2
 
-    @pytest.mark.parametrize("prefix", ["", "007", "1e3", "true", "1_0", "'x'", "$(arg x)", "${1/0}", "a b/", "é"])
-    def test_a_prefix_is_a_text_whatever_it_looks_like(self, tmp_path: Path, prefix: str) -> None:
-        """xacro makes numbers and stated values of parameters, and evaluates expressions: not of these."""
-        arms = (call("a", "arm", prefix=prefix), call("b", "arm", parent="a", link="one"))
-        robot = compose(cell(*arms), robots())
-        for file in XACRO.emit(robot, "cell", XACRO.options()):
-            (tmp_path / file.name).write_bytes(file.content)
-        read = parse_urdf(expand(tmp_path / "cell.urdf.xacro"), "cell")
-        assert [link.name for link in read.links] == [link.name for link in robot.links]
-        assert [(joint.name, joint.parent) for joint in read.joints] == [
-            (joint.name, joint.parent) for joint in robot.joints
-        ]
-
-    def test_kinds_whose_macros_would_have_one_name_are_told_apart(self, tmp_path: Path) -> None:
-        """`my arm` and `my_arm` are two robots."""
-        tables = {"my arm": replace(ARM, name="my arm"), "my_arm": replace(TRACK, name="my_arm")}
-        arms = (call("a", "my arm"), call("b", "my_arm"))
-        robot = compose(cell(*arms, tables=tables), robots(tables))
-        top, library = XACRO.emit(robot, "cell", XACRO.options())
-        assert b"<xacro:my_arm prefix" in top.content
-        assert b"<xacro:my_arm_2 prefix" in top.content
-        for file in (top, library):
-            (tmp_path / file.name).write_bytes(file.content)
-        names = [joint.name for joint in parse_urdf(expand(tmp_path / top.name), "cell").joints]
-        assert "a_pan" in names
-        assert "b_slide" in names
-
     def test_a_frame_that_is_no_root_weighs_nothing_explicitly(self, tmp_path: Path) -> None:
         """PyBullet takes a link without inertial for 1 kg, unless it is the root, which must have none for KDL."""
         (tmp_path / "arm_macro.xacro").write_bytes(XACRO.emit(robots()["arm"], "arm", XACRO.options())[1].content)
@@ -523,16 +478,6 @@ class TestGathering:
         assert "and several manipulators have that name" in str(found.problems[0])
         assert "they are at a.csv:2 and a.csv:9" in str(found.problems[0])
 
-    def test_an_arm_that_cannot_be_read_fails_the_cell_with_the_reason(self) -> None:
-        """The problem of the table follows a sentence about the arm."""
-        bad = Rejected(name="arm", problems=(Problem(message="'x' is no number", mark=Mark(file="a.csv", line=7)),))
-        found = self.gathered(bad)
-        assert isinstance(found, Rejected)
-        assert [str(problem) for problem in found.problems[:2]] == [
-            "run.yaml:4: error: field 'of': the arm 'a' cannot be made of 'arm'",
-            "a.csv:7: error: 'x' is no number",
-        ]
-
 
 def report(folder: Path) -> dict[str, Any]:
     entries = json.loads((folder / "report.json").read_bytes())["manipulators"]
@@ -591,16 +536,6 @@ def test_a_cell_that_cannot_be_made_fails_alone(cli: Callable[..., Answer], tmp_
     assert "which is no link" in rows["loose"]["errors"][0]["message"]
     assert (tmp_path / "out" / "good.urdf").is_file()
     assert not (tmp_path / "out" / "loose.urdf").exists()
-
-
-def test_a_dry_run_checks_cells_too(cli: Callable[..., Answer], tmp_path: Path) -> None:
-    """Nothing is written; what fails fails."""
-    (tmp_path / "run.yaml").write_text(RUN)
-    (tmp_path / "arms.csv").write_text(ARMS)
-    answer = cli("run", "run.yaml", "--dry-run", "--json", status=1)
-    rows = {row["name"]: row["status"] for row in json.loads(answer.stdout)["manipulators"]}
-    assert (rows["good"], rows["loose"], rows["lost"]) == ("skipped", "failed", "failed")
-    assert not (tmp_path / "build").exists()
 
 
 def test_the_papers_variant_is_reported_and_fails_nothing(cli: Callable[..., Answer], tmp_path: Path) -> None:

@@ -192,12 +192,6 @@ def test_lines_of_the_file_do_not_count() -> None:
     assert key(replace(ARM, mark=Mark(file="arm.csv", line=7), rows=rows)) == key(ARM)
 
 
-def test_the_sign_of_a_zero_does_not_count() -> None:
-    """No file shows it: a zero is written as 0."""
-    minus = replace(BARE, alpha=-0.0, d=-0.0)
-    assert key(replace(ARM, rows=(FULL, minus))) == key(ARM)
-
-
 ALL = (ARM, *OTHERS)
 ALONE = [key(table) for table in ALL]
 
@@ -219,12 +213,6 @@ def test_equal_numbers_and_only_they_have_equal_keys(values: list[tuple[float, f
     for first, one in zip(found, values, strict=True):
         for second, other in zip(found, values, strict=True):
             assert (first == second) is (one == other)
-
-
-def test_text_of_any_kind_has_a_key() -> None:
-    """A name may hold bytes that are no UTF-8."""
-    assert key(replace(ARM, name="arm\udcff")) != key(ARM)
-    assert key_of("\udcff", "recipe") != key_of("\\udcff", "recipe")
 
 
 # --- The recipe -------------------------------------------------------------------------------------------------------
@@ -257,11 +245,6 @@ def plan_key(tmp_path: Path) -> Any:
 def test_what_is_done_counts(plan_key: Any, text: str) -> None:
     """Every stage with every option, and how the files are proved."""
     assert plan_key(text) != plan_key()
-
-
-def test_the_options_of_loaders_count(plan_key: Any) -> None:
-    """Another number of poses in a simulator is another report."""
-    assert plan_key("loaders: {stage: mujoco, options: {poses: 3}}") != plan_key("loaders: mujoco")
 
 
 @pytest.mark.parametrize(

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, strategies as st
 
 from dh2urdf.conversion.one_manipulator import Written
-from dh2urdf.conversion.outcome import Outcome, Verdict, kind_of, to_line, to_text
+from dh2urdf.conversion.outcome import Outcome, Verdict, kind_of, to_line
 from dh2urdf.errors import (
     CrashError,
     EmitterError,
@@ -114,12 +114,6 @@ def test_an_error_has_its_place_and_its_words() -> None:
     assert (row["status"], row["kind"], row["files"], row["proof"], row["loaders"]) == ("failed", "table", [], {}, {})
 
 
-def test_a_row_has_no_duration() -> None:
-    """A manipulator that took longer has the same row."""
-    slower = replace(ARM, seconds={"transform": 1.0, "write": 2.0})
-    assert to_line(slower.row("00ff", [FILE])) == to_line(ARM.row("00ff", [FILE]))
-
-
 def test_a_cell_has_the_error_of_every_tool0() -> None:
     """One arm has one tool0, and its row does not repeat it; a cell has as many as arms."""
     assert "tips" not in ARM.row("", [])["proof"]["urdf"]
@@ -148,30 +142,6 @@ def test_a_cell_has_the_error_of_every_tool0() -> None:
 def test_the_kind_of_a_failure_is_its_class_in_words(error: Exception, kind: str) -> None:
     """So that whoever counts failures reads words, and whoever adds a class need not add a word."""
     assert kind_of(error) == kind
-
-
-def test_a_line_is_one_line_and_a_text_is_indented() -> None:
-    """The manifest is read line by line, also where a message has lines; the report is for people too."""
-    row = {"name": "a\nb", "errors": [{"message": "one\ntwo\u2028three"}], "loads": {1: True}}
-    assert to_line(row).count(b"\n") == 1
-    assert to_line(row).endswith(b"}\n")
-    assert to_text(row).endswith(b"}\n")
-    assert b'\n  "name": "a\\nb",\n' in to_text(row)
-    assert json.loads(to_line(row)) == json.loads(to_text(row)) == json.loads(json.dumps(row))
-
-
-def test_what_is_no_number_is_null() -> None:
-    """JSON has no infinity."""
-    broken = replace(ARM, written=(replace(ARM.written[0], proof=replace(PROOF, position_error=float("inf"))),))
-    assert json.loads(to_line(broken.row("", [])))["proof"]["urdf"]["position_error"] is None
-
-
-def test_names_that_are_no_unicode_are_spelled_out() -> None:
-    """The name of a file may hold bytes that are no UTF-8: they do not keep the row from being written."""
-    row = replace(ARM, name="arm\udcff", source="a\udcff.csv").row("", [{**FILE, "path": "arm\udcff.urdf"}])
-    assert json.loads(to_line(row))["name"] == "arm\\udcff"
-    assert json.loads(to_line(row))["files"][0]["path"] == "arm\\udcff.urdf"
-    assert json.loads(to_text(row))["source"] == "a\\udcff.csv"
 
 
 TEXTS = st.text(st.characters(codec=None), max_size=5)

@@ -12,10 +12,9 @@ import pytest
 from dh2urdf.conversion.keys import recipe_key
 from dh2urdf.conversion.one_manipulator import Recipe, write_robot
 from dh2urdf.conversion.robots import make_item, make_robot
-from dh2urdf.errors import EditError, ProofError, RobotError, StageError
+from dh2urdf.errors import ProofError, RobotError, StageError
 from dh2urdf.manipulator import JointType, Manipulator
 from dh2urdf.robot import Joint, Link, Origin, Robot
-from dh2urdf.source import Problem
 from dh2urdf.stage_calls.calls import Call
 from dh2urdf.stages import Edit, EmittedFile, Emitter, KeepsKinematics, NoOptions, ReadsBack, Transform
 from dh2urdf.testing import plain_robot, reference_manipulators
@@ -104,12 +103,6 @@ class TestTheProof:
         assert written(tmp_path, call).position_error == pytest.approx(1e-3)
         assert make_robot(UR5, DRAWING, [call]).manipulator is None
 
-    def test_of_several_edits_one_suffices(self) -> None:
-        """The recipe keeps the kinematics where each edit does; an edit of tables always does."""
-        kept, lost = edit(robot=moved), edit(robot=moved, keeps=False)
-        for calls, keeps in (((kept,), True), ((kept, lost), False), ((edit(table=longer, keeps=False),), True)):
-            assert Recipe(transform=DRAWING, emitters=(), edits=calls).keeps_kinematics is keeps
-
 
 class TestTheOrder:
     def test_tables_before_and_robots_after_each_in_order(self) -> None:
@@ -136,25 +129,8 @@ class TestTheOrder:
         robot = make_robot(UR5, DRAWING, [edit(table=longer)])
         assert robot.manipulator == longer(UR5, None)
 
-    def test_only_what_an_edit_adds_is_noticed_of_the_robot(self) -> None:
-        """What was noticed while the table was read is said with the table."""
-        old, new = (Problem(message=text, severity="notice") for text in ("old", "new"))
-        table = replace(UR5, notices=(old,))
-        call = edit(table=lambda given, _: replace(given, notices=(*given.notices, new)))
-        assert [each.message for each in make_robot(table, DRAWING, [call]).notices] == ["new"]
-
 
 class TestFaults:
-    def test_a_refusal_goes_on_as_it_is(self) -> None:
-        """It is an error of the manipulator, not of the plugin."""
-
-        def refuse(*_: object) -> Any:
-            raise EditError("no flange")
-
-        for call in (edit(table=refuse), edit(robot=refuse)):
-            with pytest.raises(EditError, match="no flange"):
-                make_robot(UR5, DRAWING, [call])
-
     def test_another_name_is_a_fault(self) -> None:
         """Files are named before edits are made."""
         for call in (

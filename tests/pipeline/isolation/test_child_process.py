@@ -2,7 +2,6 @@ from __future__ import annotations
 
 import math
 import os
-import pickle
 import signal
 import struct
 import subprocess
@@ -14,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from dh2urdf.errors import CrashError, LoaderError, MissingDependencyError, ProofError, TimeLimitError
+from dh2urdf.errors import CrashError, MissingDependencyError, ProofError, TimeLimitError
 from dh2urdf.isolation import PICKLED, ChildFailure, Data, run_in_child
 from dh2urdf.isolation.child_process import KEPT_OUTPUT, LARGEST_ANSWER
 from dh2urdf.isolation.encodings import MOST_VALUES, Pickled
@@ -76,14 +75,6 @@ def test_crash_names_the_signal(functions: ModuleType, number: int, name: str) -
     assert caught.value.problems[0].message == f"the simulator crashed ({name})"
 
 
-def test_messages_name_whom_the_caller_names(functions: ModuleType) -> None:
-    """What is run in a child is not always a simulator."""
-    with pytest.raises(CrashError, match=r"^error: the emitter 'odd' crashed \(aborted\)"):
-        run_in_child(functions.kill_myself, signal.SIGABRT, timeout=LONG, who="the emitter 'odd'")
-    with pytest.raises(CrashError, match=r"^error: the emitter 'odd' left the interpreter"):
-        run_in_child(functions.leave, "SystemExit", timeout=LONG, who="the emitter 'odd'")
-
-
 def test_crash_tells_the_last_words(functions: ModuleType) -> None:
     """What C printed just before a crash, without a newline or flush, is in the message."""
     with pytest.raises(CrashError, match="it printed last: 'the last thing that was said'"):
@@ -95,11 +86,6 @@ def test_leaving_is_an_error(functions: ModuleType, how: str) -> None:
     """A function that leaves the interpreter ends the child only, and the error has the exit status."""
     with pytest.raises(CrashError, match=r"left the .*exit status 3"):
         run_in_child(functions.leave, how, timeout=LONG)
-
-
-def test_crash_after_the_value_does_not_take_it_back(functions: ModuleType) -> None:
-    """What was measured stands, however the simulator dies while it is taken down."""
-    assert run_in_child(functions.crash_at_the_end, timeout=LONG).value == "measured before"
 
 
 def test_exceptions_keep_their_type(functions: ModuleType) -> None:
@@ -129,14 +115,6 @@ def test_unpicklable_exception_is_wrapped(functions: ModuleType, encoding: Data[
         run_in_child(functions.raise_unpicklable, timeout=LONG, encoding=encoding)
     assert isinstance(caught.value.__cause__, ChildFailure)
     assert "in raise_unpicklable" in caught.value.__cause__.traceback
-
-
-def test_unpicklable_value_is_an_exception(functions: ModuleType) -> None:
-    """The encoding reports a value that cannot be sent."""
-    with pytest.raises(TypeError, match=r"^what it returned cannot be sent as data: .*function"):
-        run_in_child(functions.return_unpicklable, timeout=LONG)
-    with pytest.raises((pickle.PicklingError, AttributeError, TypeError), match="lambda"):
-        run_in_child(functions.return_unpicklable, timeout=LONG, encoding=PICKLED)
 
 
 @pytest.mark.parametrize("when", ["before its answer", "in its place"])
@@ -195,27 +173,10 @@ def test_records_and_marks_arrive(functions: ModuleType) -> None:
     assert caught.value.__notes__ == ["a note"]
 
 
-def test_derived_error_arrives_as_what_it_derives_from(functions: ModuleType) -> None:
-    """A plugin's own kind of `LoaderError` is a `LoaderError` in the parent, which imports no class by a name from the child."""
-    with pytest.raises(LoaderError, match="too heavy") as caught:
-        run_in_child(functions.refuse_in_own_words, timeout=LONG)
-    assert type(caught.value) is LoaderError
-
-
 def test_function_must_be_importable() -> None:
     """A function without a name in a module is refused before a child starts."""
     with pytest.raises(CrashError, match="cannot be sent to a child process"):
         run_in_child(lambda: None, timeout=LONG)
-
-
-def test_module_missing_in_the_child_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Where the child cannot import the function's module, the error says which and why."""
-    (tmp_path / "fleeting.py").write_text("def function():\n    return 1\n")
-    with monkeypatch.context() as path:
-        path.syspath_prepend(tmp_path)
-        import fleeting  # type: ignore[import-not-found]
-    with pytest.raises(CrashError, match=r"cannot import fleeting\.function: ModuleNotFoundError"):
-        run_in_child(fleeting.function, timeout=LONG)
 
 
 @pytest.mark.long
@@ -258,11 +219,6 @@ def test_child_leaves_with_a_killed_parent(
     assert soon(lambda: not any(is_running(int(pid)) for pid in pids.read_text().split()))
 
 
-def test_standard_input_is_empty(functions: ModuleType) -> None:
-    """A simulator that asks on standard input gets an end of file, not the parent's words."""
-    assert run_in_child(functions.read_standard_input, timeout=LONG).value == ""
-
-
 def test_worker_of_a_process_pool_may_start_one(functions: ModuleType) -> None:
     """It works inside a worker of a process pool."""
     with ProcessPoolExecutor(1) as pool:
@@ -280,16 +236,3 @@ def test_script_needs_no_main_guard(tmp_path: Path) -> None:
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
     done = subprocess.run([sys.executable, str(script)], env=environment, capture_output=True, text=True, check=False)
     assert (done.returncode, done.stdout, done.stderr) == (0, "once 5.0\n", "")
-
-
-def test_function_of_the_script_itself_is_refused(tmp_path: Path) -> None:
-    """A function that is in the script cannot be imported by the child, and the error says so."""
-    script = tmp_path / "script.py"
-    script.write_text(
-        "from dh2urdf.isolation.child_process import run_in_child\n"
-        "def mine(): pass\n"
-        "try:\n    run_in_child(mine, timeout=60)\nexcept Exception as error:\n    print(error)\n"
-    )
-    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
-    done = subprocess.run([sys.executable, str(script)], env=environment, capture_output=True, text=True, check=False)
-    assert "mine is in the script that is run" in done.stdout

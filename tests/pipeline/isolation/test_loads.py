@@ -88,24 +88,6 @@ class TestOneLoad:
         with pytest.raises(TimeLimitError, match=r"^error: the loader 'toy' did not finish within 2 s"):
             load_in_child(functions.LOADER, request_for("hang.urdf"), functions.Hasty())
 
-    @pytest.mark.parametrize("name", ["noisy.urdf", "refused_with_its_path.urdf"])
-    def test_the_folder_of_the_file_is_not_told(
-        self, functions: ModuleType, request_for: Callable[[str], LoadRequest], name: str
-    ) -> None:
-        """It is a temporary one of another name in every run; the file's own name is told."""
-        try:
-            report = load_in_child(functions.LOADER, request_for(name), NoOptions())
-            told = [report.output, *(finding.message for finding in report.findings)]
-            assert f"toy: WARNING: {name} is odd" in told
-        except LoaderError as error:
-            told = [problem.message for problem in error.problems]
-            assert told == [
-                f"toy: cannot load {name}",
-                "toy: WARNING: a screw is loose",
-                f"toy: WARNING: {name} is bad",
-            ]
-        assert not any(str(request_for(name).path.parent) in text for text in told)
-
 
 class TestKeptChild:
     def test_serves_many_loads(self, kept: Callable[..., LoadReport], is_running: Callable[[int], bool]) -> None:
@@ -144,12 +126,6 @@ class TestKeptChild:
             assert much.startswith(start.format("much") + "the beginning\n")
             assert much.endswith("the end\n")
             assert len(much) < KEPT_OUTPUT + 200
-
-    def test_warnings_are_printed_by_each_load(self, kept: Callable[..., LoadReport]) -> None:
-        """Python prints a warning once for each process; a report has it although another load had it before."""
-        outputs = {kept("warning").output for _ in range(3)}
-        assert len(outputs) == 1
-        assert "UserWarning: a screw is loose" in outputs.pop()
 
     @pytest.mark.parametrize("name", ["thread", "folder", "environment", "path", "refused"])
     def test_meets_nothing_that_a_load_leaves(self, kept: Callable[..., LoadReport], name: str) -> None:
@@ -215,23 +191,6 @@ class TestKeptChild:
         assert len(left) == 2
         assert soon(lambda: not any(map(is_running, left)))
         assert kept("good", time_limit=3.0).version not in pids
-
-    def test_that_is_killed_while_it_waits_is_replaced(self, kept: Callable[..., LoadReport]) -> None:
-        """Nothing was under way: nobody hears of it."""
-        first = int(kept("good").version)
-        os.kill(first, signal.SIGKILL)
-        os.waitid(os.P_PID, first, os.WEXITED | os.WNOWAIT)  # until all its threads are gone; it is ours to end
-        assert int(kept("good").version) != first
-
-    def test_a_failing_import_is_told_as_by_the_load(
-        self, functions: ModuleType, kept: Callable[..., LoadReport]
-    ) -> None:
-        """What `prepare` raises, and how it ends, are the load's; each load tries again."""
-        for _ in range(2):
-            with pytest.raises(LoaderError, match="toy: no licence"):
-                kept("good", prepare=functions.prepare_badly)
-            with pytest.raises(CrashError, match=r"the loader 'toy' crashed \(aborted\); it printed last: 'starting'"):
-                kept("good", prepare=functions.prepare_and_crash)
 
 
 class TestLifetime:

@@ -1,13 +1,11 @@
 from __future__ import annotations
 
 import json
-import tempfile
 from typing import TYPE_CHECKING, Any
 
 import pytest
 from hypothesis import given, strategies as st
 
-from dh2urdf.errors import OutputError
 from dh2urdf.output.journal import JOURNAL, MANIFEST, Journal, earlier_rows, next_journal
 from dh2urdf.output.store import LocalStore, open_store
 
@@ -36,14 +34,6 @@ def found(store: Store, names: Sequence[str]) -> dict[int, list[Any]]:
 
 
 class TestEarlier:
-    def test_nothing(self, store: Store) -> None:
-        """Where no run was, nothing is known, and nothing is written to find that out."""
-        with earlier_rows(store) as earlier:
-            assert len(earlier) == 0
-            assert earlier.of(["arm"]) == {}
-            assert earlier.of([]) == {}
-        assert list(store.names()) == []
-
     def test_rows_are_found_by_name(self, store: Store) -> None:
         """In whatever file of the journal they stand, byte for byte, by the place of the name that was asked for."""
         write(store, f"{JOURNAL}/0001", "000000000.jsonl", line("a", number=1), line("b", number=2))
@@ -75,13 +65,6 @@ class TestEarlier:
         assert found(store, ["a", "b", "c"]) == {0: [1], 1: [2]}
         assert found(store, ["b", "3"]) == {0: [2]}
 
-    def test_a_last_line_without_its_end_is_a_row(self, store: Store) -> None:
-        """Where only the newline is missing, nothing is; and it does not run into the next row."""
-        write(store, f"{JOURNAL}/0001", "000000000.jsonl", line("a", number=1).rstrip())
-        write(store, f"{JOURNAL}/0001", "000000001.jsonl", line("b", number=2))
-        with earlier_rows(store) as earlier:
-            assert earlier.of(["a", "b"]) == {0: (line("a", number=1),), 1: (line("b", number=2),)}
-
     @given(
         st.lists(st.tuples(st.sampled_from("abcdef"), st.integers(0, 9)), max_size=30),
         st.lists(st.sampled_from("abcxyz")),
@@ -94,19 +77,6 @@ class TestEarlier:
         write(store, f"{JOURNAL}/0001", "000000000.jsonl", *(line(name, number=number) for name, number in rows))
         known = {name: [number for other, number in rows[::-1] if other == name] for name in "abcdef"}
         assert found(store, names) == {place: known[name] for place, name in enumerate(names) if known.get(name)}
-
-    def test_a_full_temporary_folder_is_told(self, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-        """In one line, with the folder that is full: it is not that of the output."""
-        store = open_store(tmp_path / "out")
-        store.write(MANIFEST, line("a"))
-
-        def full(*_: object) -> None:
-            raise OSError(28, "No space left on device")
-
-        monkeypatch.setattr("dh2urdf.output.journal.write_all", full)
-        message = f"cannot write '{tempfile.gettempdir()}': No space left on device"
-        with pytest.raises(OutputError, match=message), earlier_rows(store):
-            pass
 
 
 class TestJournal:
@@ -121,11 +91,6 @@ class TestJournal:
         journal.add(line("c"))
         journal.close()
         assert file.read_bytes() == line("a") + line("b") + line("c")
-
-    def test_no_row_no_file(self, store: Store) -> None:
-        """A batch of which nothing was made leaves no trace."""
-        Journal(store, f"{JOURNAL}/0001/000000000.jsonl").close()
-        assert list(store.names()) == []
 
     def test_an_object_has_all_rows_of_its_batch(self, store: Store) -> None:
         """Where files cannot be written bit by bit they are written once, at the end."""

@@ -50,12 +50,6 @@ def test_a_batch_is_cut_where_a_shard_ends(layout: Layout, whole: int, parts: li
     assert layout.is_whole is (layout.form is Form.SHARDS)
 
 
-def test_the_stems_of_shards_have_no_dot() -> None:
-    """Readers of shards take the files up to the first dot of their names for one sample."""
-    assert Layout(form=Form.SHARDS).stem_of("ur5.v2") == "ur5_v2"
-    assert Layout().stem_of("ur5.v2") == Layout(form=Form.FOLDERS).stem_of("ur5.v2") == "ur5.v2"
-
-
 @pytest.mark.parametrize("form", [Form.FILES, Form.FOLDERS])
 def test_files_of_their_own_are_there_at_once(store: Store, form: Form) -> None:
     """Each as soon as it is put, with its name in the store."""
@@ -139,12 +133,3 @@ def test_shards_are_the_same_with_any_number_of_workers(
     run(cli, tmp_path, *settings, f"execution.options.workers={workers}", out="second")
     for shard in ("000000.tar", "000001.tar", "000002.tar", "manifest.jsonl"):
         assert (tmp_path / "first" / shard).read_bytes() == (tmp_path / "second" / shard).read_bytes()
-
-
-def test_a_run_into_folders(cli: Callable[..., Answer], tmp_path: Path) -> None:
-    """Folders of so many manipulators each, by their numbers: one that failed leaves its place empty."""
-    rows = run(cli, tmp_path, "output={layout: folders, size: 2}")
-    paths = [file["path"] for row in rows for file in row["files"] if file["stage"] == "urdf"]
-    assert paths == ["00000/arm.1.urdf", "00000/arm.2.urdf", "00001/arm.4.urdf", "00002/arm.5.urdf"]
-    assert all((tmp_path / "out" / path).is_file() for path in paths)
-    assert {path.name for path in (tmp_path / "out").iterdir() if path.is_dir()} == {"00000", "00001", "00002"}

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import time
 from typing import TYPE_CHECKING
 
 import pytest
 
 from dh2urdf.isolation.child_process import PLAIN, Child, pickled_call
-from dh2urdf.plugin_system import at_work
-from dh2urdf.plugin_system.at_work import AtWork, at_work_here, importing
+from dh2urdf.plugin_system.at_work import AtWork, at_work_here
 from dh2urdf.plugin_system.discovery import Plugin
 
 if TYPE_CHECKING:
@@ -43,24 +41,6 @@ class TestInThisProcess:
         assert not hasattr(other.value, "__notes__")
 
 
-class TestAnImport:
-    def test_a_slow_one_is_named(self, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture) -> None:
-        """With what leaves it out."""
-        monkeypatch.setattr(at_work, "SLOW_IMPORT", 0.0)
-        with importing(LAB):
-            while not caplog.records:
-                time.sleep(0.01)
-        assert caplog.messages == [
-            "waiting for the import of the plugin 'lab = lab_lab' of lab 1.0; `--without lab` leaves it out"
-        ]
-
-    def test_a_quick_one_is_not(self, caplog: pytest.LogCaptureFixture) -> None:
-        """Nobody waits for it."""
-        with importing(LAB):
-            assert str(at_work_here()) == "the import of the plugin 'lab = lab_lab' of lab 1.0"
-        assert caplog.messages == []
-
-
 class TestInAChild:
     @pytest.mark.parametrize(
         ("ending", "who"),
@@ -88,14 +68,6 @@ class TestInAChild:
             f"    with AtWork('emitter \\'usd\\'', Plugin(name='lab = lab_lab', distribution='?')):\n        {ending}\n"
         )
         assert who_was_at_work(script) == who
-
-    def test_a_name_of_any_length(self) -> None:
-        """It is cut short, and the next one is whole."""
-        script = (
-            "import os\nfrom dh2urdf.plugin_system.at_work import AtWork\nwith AtWork('ä' * 5000, None):\n"
-            "    with AtWork('b', None):\n        pass\n    os._exit(0)\n"
-        )
-        assert who_was_at_work(script).startswith("ää")
 
 
 def who_was_at_work(script: str) -> str:

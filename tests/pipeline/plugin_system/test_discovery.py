@@ -5,9 +5,9 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from dh2urdf.errors import ConfigError, IncompatiblePluginError
+from dh2urdf.errors import ConfigError
 from dh2urdf.hookspecs import INTERFACE_VERSION
-from dh2urdf.plugin_system.discovery import Plugin, installed, same_name
+from dh2urdf.plugin_system.discovery import installed, same_name
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -78,12 +78,6 @@ class TestVersionsOfTheInterface:
         assert "no other plugin provides the emitter 'usd'" in failed
         assert not (tmp_path / "imported").exists()
 
-    def test_without_it_the_name_is_unknown(self, dh2urdf: Command, future: Path, tmp_path: Path) -> None:
-        """Who leaves the plugin out is told what is installed."""
-        (tmp_path / "arm.csv").write_text(TABLE)
-        words = ("--without", "lab-formats", "convert", "arm.csv", "--to", "usd")
-        assert "no emitter is named 'usd'" in dh2urdf(*words, path=[future], status=2).stderr
-
     def test_a_distribution_for_two_versions(self, site: Path, install: Callable[..., None]) -> None:
         """One that has an entry point for this version, too, is no trouble."""
         install(site, "both", READER, plugin="old")
@@ -91,18 +85,6 @@ class TestVersionsOfTheInterface:
         found = installed()
         assert found.incompatible == ()
         assert [plugin.entry for plugin in found.plugins if plugin.is_of("both")] == ["old"]
-
-    @pytest.mark.parametrize("group", ["dh2urdf.testing", "dh2urdf_v2", "dh2urdf.v", "other.dh2urdf"])
-    def test_other_groups_are_none_of_its_business(self, site: Path, install: Callable[..., None], group: str) -> None:
-        """Only `dh2urdf` and `dh2urdf.v` with a number are of plugins."""
-        install(site, "lab", READER, group=group)
-        assert not any(plugin.is_of("lab") for plugin in installed().plugins)
-        assert installed().incompatible == ()
-
-    def test_the_same_version_by_its_number(self, site: Path, install: Callable[..., None]) -> None:
-        """`dh2urdf.v1` is `dh2urdf`."""
-        install(site, "lab", READER, group="dh2urdf.v1")
-        assert any(plugin.is_of("lab") for plugin in installed().plugins)
 
 
 class TestLeavingOut:
@@ -133,26 +115,9 @@ class TestLeavingOut:
         assert "dh2urdf (plugin builtin)" in message
         assert "did you mean 'lab-tools'?" in message
 
-    def test_an_incompatible_one(self, future: Path) -> None:
-        """What is left out is not reported as incompatible."""
-        assert future
-        assert installed(["lab-formats"]).incompatible == ()
-        assert [plugin.entry for plugin in installed(["lab-formats"]).left_out] == ["lab"]
-
 
 class TestPlugin:
-    def test_names(self) -> None:
-        """The entry point has a name, the distribution has one, with and without its version."""
-        plugin = Plugin(name="lab = lab.plugin", distribution="lab-tools 1.0", module=None)
-        assert (plugin.entry, plugin.distribution_name, plugin.distribution) == ("lab", "lab-tools", "lab-tools 1.0")
-        assert Plugin(name="x", distribution=None).distribution_name == "an unknown distribution"
-
     @pytest.mark.parametrize(("other", "same"), [("Lab.Tools", True), ("lab__tools", True), ("labtools", False)])
     def test_names_of_distributions_are_compared_as_pip_does(self, other: str, *, same: bool) -> None:
         """Case, and runs of dots, dashes and underscores, make no difference."""
         assert same_name("lab-tools", other) is same
-
-
-def test_an_incompatible_plugin_is_an_error_of_its_own() -> None:
-    """Who catches broken plugins catches these, too, with the same exit status."""
-    assert IncompatiblePluginError("p", "d 1", "r").exit_status == 3

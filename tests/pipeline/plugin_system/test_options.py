@@ -1,7 +1,6 @@
 from __future__ import annotations
 
 import json
-import math
 import subprocess
 import sys
 from dataclasses import dataclass, field
@@ -122,19 +121,10 @@ def test_where_a_text_is_wanted_a_number_is_its_text() -> None:
     ("text", "place", "field", "found", "accepted"),
     [
         ("gravity: true", "1:10", "gravity", "the truth value true", "a number"),
-        ("gravity: '1'", "1:10", "gravity", "the text '1'", "a number"),
-        ("gravity: .nan", "1:10", "gravity", "the number .nan", "a number"),
         ("gravity: 1" + "0" * 350, "1:10", "gravity", "the number 1000", "a number"),
-        ("picture: yes", "1:10", "picture", "the text 'yes'", "true or false"),
-        ("workers: 2.5", "1:10", "workers", "the number 2.5", "auto or a whole number"),
         ("workers: all", "1:10", "workers", "the text 'all'", "auto or a whole number"),
-        ("colour: blue", "1:9", "colour", "the text 'blue'", "orange or grey"),
-        ("size: [1]", "1:7", "size", "a list of 1", "a list of 2, each a whole number"),
         ("size: [1, x]", "1:11", "size.1", "the text 'x'", "a whole number"),
-        ("body: {radius: x}", "1:16", "body.radius", "the text 'x'", "a number"),
-        ("body: 3", "1:7", "body", "the number 3", "a mapping of radius, shape"),
         ("bodies: [{}, {radius: x}]", "1:23", "bodies.1.radius", "the text 'x'", "a number"),
-        ("height: 0", "1:9", "height", "the number 0", "a number greater than 0"),
     ],
 )
 def test_a_wrong_value_is_told_with_place_and_what_is_accepted(
@@ -144,15 +134,6 @@ def test_a_wrong_value_is_told_with_place_and_what_is_accepted(
     message = refusal(text)
     assert message.startswith(f"run.yaml:{place}: error: field '{field}': the loader 'x' cannot take {found}")
     assert accepted in message.partition("accepted: ")[2]
-
-
-def test_a_word_that_is_nearly_right_gets_a_suggestion() -> None:
-    """A misspelt choice is answered with the right one."""
-    assert refusal("frames: algined") == (
-        "run.yaml:1:9: error: field 'frames': the loader 'x' cannot take the text 'algined' here\n"
-        "    accepted: aligned or dh\n"
-        "    did you mean 'aligned'?"
-    )
 
 
 def test_unknown_options_are_told_wherever_they_stand() -> None:
@@ -167,22 +148,10 @@ def test_unknown_options_are_told_wherever_they_stand() -> None:
     assert "run.yaml:3:15: error: field 'bodies.1.y'" in message
 
 
-def test_everything_that_is_wrong_is_said_at_once_in_file_order() -> None:
-    """Unknown keys and wrong values of one stage come together, by line."""
-    with pytest.raises(ConfigError) as caught:
-        of("gravity: x\nfoo: 1\nsize: 3\nbar: 2\npicture: no\n")
-    assert [problem.mark.line for problem in caught.value.problems if problem.mark] == [1, 2, 3, 4, 5]
-
-
 def test_what_the_type_itself_refuses_is_told_at_the_option() -> None:
     """The text of a ValueError from the options type is the message, at the option that it names."""
     message = "run.yaml:2:10: error: field 'gravity': the loader 'x': gravity points down: give a number from 0 on"
     assert refusal("prefix: a\ngravity: -1") == message
-
-
-def test_problems_of_the_type_itself_are_kept() -> None:
-    """An input error from the options type keeps its problem and gets a place."""
-    assert refusal("prefix: bad") == "run.yaml:1:1: error: the prefix is bad\n    accepted: a good one"
 
 
 def test_a_problem_of_the_type_itself_that_names_an_option_is_told_there() -> None:
@@ -219,11 +188,6 @@ def test_a_missing_option_is_told() -> None:
         make_options(Needy, where="reader 'y'", mark=Mark(file="run.yaml", line=3))
 
 
-def test_options_that_are_no_mapping_are_refused() -> None:
-    """A list in place of the options is told."""
-    assert refusal("[1]").startswith("run.yaml:1:1: error: the options of the loader 'x' must be a mapping")
-
-
 # --- The command line -------------------------------------------------------------------------------------------------
 
 
@@ -233,13 +197,6 @@ def test_words_of_the_command_line_go_through_the_same_door() -> None:
     assert make_options(Options, words, where="x") == Options(
         gravity=0.001, size=(1, 2), picture=True, prefix="@x", base={"xyz": [0, 0, "pi/2"]}
     )
-
-
-def test_a_wrong_word_is_told_without_line_and_column() -> None:
-    """The command line has no lines."""
-    with pytest.raises(ConfigError) as caught:
-        make_options(Options, {"size": "[1, x]", "nope": "1"}, where="loader 'x'")
-    assert [str(problem.mark) for problem in caught.value.problems] == ["command line"] * 2
 
 
 @given(st.text())
@@ -254,17 +211,9 @@ def test_any_word_is_a_value(word: str) -> None:
     ("word", "value"),
     [
         ("3", 3),
-        ("", ""),
-        ("a: b: c", "a: b: c"),
         ("!x", "!x"),
-        ("[1", "[1"),
-        ("[1, {a: b}]", [1, {"a": "b"}]),
         ("~", None),
-        ("a #b", "a #b"),
-        ("2700 # of aluminium", "2700 # of aluminium"),
         ("'a #b'", "a #b"),
-        ("#b", "#b"),
-        (" x ", "x"),
         ("[a] # these", ["a"]),
     ],
 )
@@ -299,14 +248,8 @@ class Sizes:
     ("text", "sizes"),
     [
         ("{length: 40 mm}", Sizes(length=0.04)),
-        ("{length: 0.04, plain: 1e3}", Sizes(length=0.04, plain=1000.0)),
-        ("{length: 10}", Sizes(length=10.0)),
         ("{length: 300 m}", Sizes(length=300.0)),
-        ("{length: ~}", Sizes()),
-        ("{turns: [pi/2, 90 deg, -180°]}", Sizes(turns=(math.pi / 2, math.pi / 2, -math.pi))),
         ("{turns: [0, 1, 6.28]}", Sizes(turns=(0.0, 1.0, 6.28))),
-        ("{density: auto}", Sizes()),
-        ("{density: 2.7 g/cm³}", Sizes(density=2700.0)),
         ("{inertia: [1 kg cm^2, 0.5]}", Sizes(inertia=(1e-4, 0.5))),
     ],
 )
@@ -323,17 +266,8 @@ def test_options_that_measure_something_take_units(text: str, sizes: Sizes) -> N
     ("text", "problem"),
     [
         ("{length: 2 kg}", "field 'length': the edit 'x': '2 kg' is a mass, and a length is needed"),
-        ("{length: q1}", "field 'length': the edit 'x': 'q1' names a joint variable"),
-        (
-            "{length: 40}",
-            "field 'length': the edit 'x': '40' is more than 10 m\n    accepted: at most 10 m where no unit",
-        ),
         ("{length: -2*300}", "if these are mm, say so: '-2*300 mm'; '-2*300 m' is read as such"),
-        ("{turns: [0, 90, 0]}", "field 'turns.1': the edit 'x': '90' is more than a full turn in rad"),
-        ("{turns: [0, 1e9 deg, 0]}", "field 'turns.1': the edit 'x': '1e9 deg' is more than a thousand turns"),
         ("{turns: [0, 1]}", "accepted: a list of 3, each a number with or without a unit"),
-        ("{length: true}", "accepted: a number with or without a unit"),
-        ("{plain: 3 mm}", "accepted: a number"),
     ],
 )
 def test_what_does_not_measure_that_is_told_with_its_place(text: str, problem: str) -> None:

@@ -36,18 +36,6 @@ def test_defaults(folder: Path) -> None:
     assert found.execution.time_limit == DEFAULT_TIME_LIMIT == 300.0
 
 
-@pytest.mark.parametrize(
-    "text", ["output:\nproof:\nsample:\nexecution:", "output: {layout: , size: }\nsample: {first: }"]
-)
-def test_empty_settings_are_defaults(folder: Path, text: str) -> None:
-    """A setting whose value is commented out is as if it were absent."""
-    found, plain = config(folder, text), config(folder, "")
-    assert found.problems == ()
-    assert (found.output.layout, found.proof.proved, found.sample, found.execution.time_limit) == (
-        *(plain.output.layout, plain.proof.proved, plain.sample, plain.execution.time_limit),
-    )
-
-
 def test_every_setting_is_read(folder: Path) -> None:
     """From the file, and from the command line in its place."""
     text = (
@@ -69,21 +57,6 @@ def test_every_setting_is_read(folder: Path) -> None:
     assert (changed.sample.every, changed.execution.time_limit, changed.proof.proved.first) == (7, 60.0, 0)
 
 
-@pytest.mark.parametrize("address", ["s3://bucket/some/prefix", "memory://out", "file:///tmp/out"])
-def test_an_address_is_no_path(folder: Path, address: str) -> None:
-    """It is kept as it is written, wherever the run file lies; alone or with a layout."""
-    assert config(folder, f"output: {address}").output.directory == address
-    assert config(folder, f"output: {{directory: '{address}', layout: folders}}").output.directory == address
-
-
-def test_a_text_alone_is_the_directory(folder: Path) -> None:
-    """As a name alone is a stage."""
-    found = config(folder, "output: build/arms")
-    assert found.problems == ()
-    assert str(found.output.directory) == "build/arms"
-    assert found.output.layout == Layout()
-
-
 WHOLE = "accepted: a whole number from"
 
 
@@ -99,34 +72,11 @@ WHOLE = "accepted: a whole number from"
             ),
         ),
         (
-            "output: {size: 100}",
-            "2:16",
-            (
-                "field 'output.size': all files go into one folder, which has no size\n"
-                "    accepted: a size with layout: folders or layout: shards"
-            ),
-        ),
-        (
-            "output: {layout: folders, size: 0}",
-            "2:33",
-            f"field 'output.size': a run file cannot take the number 0 here\n    {WHOLE} 1 to 10000",
-        ),
-        (
             "sample: {first: -1}",
             "2:17",
             f"field 'sample.first': a run file cannot take the number -1 here\n    {WHOLE} 0 to ",
         ),
-        ("sample: {evry: 2}", "2:10", "did you mean 'every'?"),
-        (
-            "execution: {time_limit: 0}",
-            "2:25",
-            (
-                "field 'execution.time_limit': a run file cannot take the number 0 here\n"
-                "    accepted: seconds that one manipulator may take, a number greater than 0"
-            ),
-        ),
         ("execution: {time_limit: .inf}", "2:25", "a run file cannot take the number .inf here"),
-        ("execution: {timelimit: 5}", "2:13", "did you mean 'time_limit'?"),
     ],
 )
 def test_a_wrong_setting_has_one_message_with_its_place(folder: Path, text: str, place: str, message: str) -> None:

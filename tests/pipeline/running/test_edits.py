@@ -8,8 +8,6 @@ from typing import TYPE_CHECKING, Any
 import pytest
 from lxml import etree
 
-import dh2urdf
-
 if TYPE_CHECKING:
     from collections.abc import Callable
     from pathlib import Path
@@ -89,30 +87,3 @@ def test_a_refusal_costs_one_manipulator(cli: Cli, folder: Path) -> None:
     assert "the joints 'axis 1' and 'axis 2' are both 'axis' after the edit `rename`" in answer.stderr
     rows = {row["name"]: (row["status"], row.get("kind")) for row in report(folder)["manipulators"]}
     assert rows == {"arm": ("ok", None), "other": ("failed", "edit")}
-
-
-@pytest.mark.parametrize(
-    ("edits", "message"),
-    [
-        ("[paylode]", "no edit is named 'paylode'"),
-        ("[{stage: payload, options: {mas: 1}}]", "mas"),
-        ("[{stage: payload, options: {mass: -1}}]", "mass, size and radius are numbers greater than 0"),
-        ("[{options: {mass: 1}}]", "field 'edits.0.stage': a run file needs this key"),
-        ("[{stage: rename, options: {pattern: '('}}]", "no regular expression"),
-    ],
-)
-def test_what_is_wrong_with_an_edit_is_named_with_its_place(cli: Cli, folder: Path, edits: str, message: str) -> None:
-    """Nothing is written."""
-    (folder / "run.yaml").write_text(f"inputs: arm.csv\nedits: {edits}\noutput: out\n")
-    told = " ".join(cli("run", "run.yaml", status=2).stderr.split())
-    assert message in told
-    assert "run.yaml:2:" in told
-    assert not (folder / "out").exists()
-
-
-def test_a_program_runs_edits(folder: Path) -> None:
-    """`dh2urdf.run` takes a run file as a mapping."""
-    options = {"mass": 1.0}
-    result = dh2urdf.run({"inputs": "arm.csv", "edits": [{"stage": "payload", "options": options}], "output": "out"})
-    assert result["manipulators"][0]["status"] == "ok"
-    assert "edited by payload" in (folder / "out" / "arm.urdf").read_text()

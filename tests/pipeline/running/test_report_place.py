@@ -51,14 +51,6 @@ def test_a_folder_of_its_own(folder: Path, cli: Callable[..., Answer], workers: 
     assert names(folder / "told") == TOLD
 
 
-def test_the_output_is_the_usual_place(folder: Path, cli: Callable[..., Answer]) -> None:
-    """Also where it is given as the place of the report."""
-    for report in ("", "report: {directory: out}\n"):
-        answer = run(folder, cli, f"inputs: one.csv\noutput: {{directory: out}}\n{report}")
-        assert answer.stdout.endswith(f"written to {folder / 'out'}\n")
-        assert names(folder / "out") == {"one.urdf", *TOLD}
-
-
 @pytest.mark.parametrize("words", [(), ("-o", "elsewhere/")])
 def test_packages_stand_alone(folder: Path, cli: Callable[..., Answer], words: tuple[str, ...]) -> None:
     """A workspace of colcon holds packages; beside an output of packages and other files there is no other folder."""

@@ -10,7 +10,7 @@ from dh2urdf.errors import BrokenPluginError, EmitterError, StageError
 from dh2urdf.plugin_system import KINDS, load
 from dh2urdf.plugin_system.discovery import Plugin
 from dh2urdf.stage_calls import calls as attribution
-from dh2urdf.stage_calls.calls import Call, blaming, broken, depending_on, own_work
+from dh2urdf.stage_calls.calls import Call, blaming, depending_on, own_work
 from dh2urdf.stages import Emitter, NoOptions
 
 if TYPE_CHECKING:
@@ -48,20 +48,6 @@ class TestBlaming:
             fail(refusal)
         assert caught.value is refusal
 
-    @pytest.mark.parametrize("ask", [blaming, depending_on])
-    def test_an_interrupt_is_no_fault(self, ask: Callable[[Call[Any]], Any]) -> None:
-        """Ctrl-C ends the program, not the stage."""
-        with pytest.raises(KeyboardInterrupt), ask(CALL):
-            fail(KeyboardInterrupt())
-
-    def test_a_stage_from_no_catalog(self) -> None:
-        """It is told without a distribution."""
-        with (
-            pytest.raises(StageError, match=r"^error: emitter 'usd' failed: KeyError"),
-            blaming(Call(stage=STAGE, options=None)),
-        ):
-            fail(KeyError("colour"))
-
 
 class TestDependingOn:
     def test_a_fault_breaks_the_plugin(self) -> None:
@@ -80,11 +66,6 @@ class TestDependingOn:
         arrived = pickle.loads(pickle.dumps(caught.value))  # noqa: S301 - made here
         with pytest.raises(KeyError), depending_on(CALL):
             fail(arrived)
-
-    def test_the_error_alone(self) -> None:
-        """For who lists what is broken and goes on; of a stage from no catalog, too."""
-        assert "is broken: the emitter 'usd' failed: KeyError: 'x'; " in str(broken(KeyError("x"), CALL))
-        assert "of an unknown distribution" in str(broken(KeyError("x"), Call(stage=STAGE, options=None)))
 
 
 class TestBetweenProcesses:

@@ -110,12 +110,6 @@ class TestCutting:
             for name in ("first", "names", "stems", "sources", "notices", "of_readers", "tracebacks"):
                 assert getattr(found, name) == getattr(wanted, name), name
 
-    def test_alike_ones_share_their_columns(self, plan: Callable[..., Plan]) -> None:
-        """Those that differ in numbers only, wherever they are in the batch."""
-        (batch,) = taken(plan("output: {layout: shards}", one=table(["a", "long1", "b", "bad", "long2", "c"])))
-        assert sorted(places for places, _ in batch.columns) == [(0, 2, 5), (1, 4)]
-        assert list(batch.singles) == [3]
-
     def test_cells_and_variants_come_last(self, plan: Callable[..., Plan]) -> None:
         """Variants as ranges of numbers, each variation by itself, cut where a batch is."""
         more = (
@@ -208,31 +202,3 @@ class TestExpected:
         assert all(total is not None and 2900 < total < 3100 for total in guesses)
         assert len(guesses) > 5
         assert expected.total == 3000
-
-    def test_it_goes_by_the_files_that_are_read(self, plan: Callable[..., Plan]) -> None:
-        """Of many small tables."""
-        tables = {f"t{number:02d}": table(["arm"]) for number in range(20)}
-        many = plan(**tables)
-        expected = Expected(many)
-        guesses = [expected.total for _ in batches(many, expected)][1:]
-        assert all(total is not None and 15 <= total <= 25 for total in guesses)
-        assert len(guesses) > 3
-        assert expected.total == 20
-
-    def test_what_comes_besides_is_known_exactly(self, plan: Callable[..., Plan]) -> None:
-        """Cells and counted variants, as soon as all inputs are read."""
-        more = "variations: {of: arm, count: 5000, vary: [{joints: 1, field: a, offset: [1, 2]}]}\n"
-        one = plan(more, one=table(["arm", "bad", "arm2"]))
-        expected = Expected(one)
-        totals = [expected.total for _ in batches(one, expected)]
-        assert len(totals) > 10
-        assert set(totals[3:]) == {expected.total} == {5003}
-
-    def test_grids_are_counted_when_they_are_made(self, plan: Callable[..., Plan]) -> None:
-        """As long as nobody knows how many variants there will be, nothing is claimed."""
-        more = "variations: {of: arm, vary: [{joints: 1, field: a, grid: {from: 0, to: 1, points: 9}}]}\n"
-        one = plan(more, one=table(["arm"]))
-        expected = Expected(one)
-        totals = [expected.total for _ in batches(one, expected)]
-        assert totals[0] is None
-        assert expected.total == 10

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from itertools import accumulate
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import pytest
 
@@ -12,7 +12,7 @@ from dh2urdf.plugin_system import load
 from dh2urdf.run_file.config import load_config
 from dh2urdf.run_file.plan import make_plan
 from dh2urdf.tasks.batch import batches
-from dh2urdf.tasks.batch_sizes import JOINTS, LARGE, SMALL
+from dh2urdf.tasks.batch_sizes import LARGE
 from dh2urdf.tasks.expected import Expected
 
 if TYPE_CHECKING:
@@ -57,13 +57,6 @@ def test_batches_are_large_where_one_worker_does_all(sizes: Callable[..., list[i
     assert sizes(10_000) == [1, 1, *(2**power for power in range(1, 12)), 4000, 1904]
 
 
-def test_the_longer_the_arms_the_smaller_the_batches(sizes: Callable[..., list[int]]) -> None:
-    """What a worker holds at once grows with the joints; a shard is held as a whole whatever its arms."""
-    assert max(sizes(5000, shards(100), joints=24)) == JOINTS // 24
-    assert max(sizes(3000, joints=60)) == LARGE
-    assert set(sizes(3000, shards(1000), joints=60)) == {1000}
-
-
 @pytest.mark.parametrize("workers", [2, 3])
 def test_workers_end_together(sizes: Callable[..., list[int]], workers: int) -> None:
     """No batch is more than half of a worker's part of what is left, but for one shard: nobody waits long at the end."""
@@ -71,32 +64,6 @@ def test_workers_end_together(sizes: Callable[..., list[int]], workers: int) -> 
     left = [40_000 - done for done in (0, *accumulate(found))]
     assert all(size <= max(LARGE, rest / (2 * workers)) for size, rest in zip(found, left, strict=False))
     assert max(found) == 4000
-
-
-def test_nobody_waits_where_the_workers_are_not_known(sizes: Callable[..., list[int]]) -> None:
-    """They may be the hundred of a cluster: a short run is cut as finely as its shards."""
-    assert set(sizes(20_000, shards(1000), workers="auto")) == {1000}
-    assert max(sizes(300_000, shards(1000), workers="auto")) == 4000
-
-
-def test_what_takes_long_for_each_is_cut_finely(sizes: Callable[..., list[int]]) -> None:
-    """Where stages have no form for many, more at once save nothing."""
-    assert max(sizes(400, "emitters: [xacro]\n")) == SMALL
-    assert set(sizes(4000, shards(1000) + "emitters: [xacro]\n")) == {1000}
-
-
-def test_how_many_there_are_may_not_be_known(tmp_path: Path) -> None:
-    """Then batches are as large as is good for any number of workers."""
-    rows = "".join(f"arm{number},0.1,0,0\n" for number in range(3000))
-    (tmp_path / "arms.csv").write_text("# convention: standard\nrobot,a,alpha,d\n" + rows)
-    (tmp_path / "run.yaml").write_text("inputs: arms.csv\nexecution: {options: {workers: 1}}\n")
-    plan = make_plan(load_config(tmp_path / "run.yaml"), load())
-
-    class Unknown(Expected):
-        def see(self, *_: Any) -> None:
-            pass
-
-    assert max(len(batch) for batch in batches(plan, Unknown(plan))) == LARGE
 
 
 @pytest.mark.parametrize("workers", [1, 2])

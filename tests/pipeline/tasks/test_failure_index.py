@@ -30,13 +30,6 @@ KINDS = ("table", "proof", "crash", "time limit")
 
 
 class TestIndex:
-    def test_a_run_in_which_nothing_failed(self) -> None:
-        """Everything is counted, and there are no failures."""
-        index = FailureIndex()
-        for number in range(3):
-            index.add(row(str(number)))
-        assert index.as_json() == {"manipulators": 3, "ok": 3, "failed": 0, "failures": {}}
-
     @given(
         st.lists(st.tuples(st.sampled_from(range(5)), st.integers(0, 10**9), st.floats(allow_nan=False)), max_size=60)
     )
@@ -63,14 +56,6 @@ class TestIndex:
             (reason,) = failures["reasons"]
             assert reason["count"] == len(of_kind)
             assert reason["example"] == of_kind[0]["errors"][0]["message"]
-
-    def test_reasons_are_told_apart(self) -> None:
-        """Two things that went wrong are two reasons, the commoner one first."""
-        index = FailureIndex()
-        for number, message in enumerate(["d is empty", "a is empty", "a is empty"]):
-            index.add(failed(str(number), "table", message))
-        reasons = index.as_json()["failures"]["table"]["reasons"]
-        assert [(reason["pattern"], reason["count"]) for reason in reasons] == [("a is empty", 2), ("d is empty", 1)]
 
     def test_the_index_stays_small(self) -> None:
         """Of many names the first ones are listed, of many reasons the first ones are told apart; all are counted."""

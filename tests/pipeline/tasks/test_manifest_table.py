@@ -2,9 +2,6 @@ from __future__ import annotations
 
 import io
 import itertools
-import subprocess
-import sys
-import tracemalloc
 from itertools import chain
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -12,12 +9,11 @@ from typing import TYPE_CHECKING, Any
 from unittest import mock
 
 import pyarrow as pa
-import pytest
 from hypothesis import given, strategies as st
 from pyarrow import parquet
 
 from dh2urdf.conversion.outcome import to_line
-from dh2urdf.tasks.manifest_table import ROW_GROUP, ManifestTable, can_write_parquet, table_rows
+from dh2urdf.tasks.manifest_table import ROW_GROUP, ManifestTable
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -46,9 +42,7 @@ def written(*blocks: list[dict[str, Any]]) -> bytes:
     with TemporaryDirectory() as folder:
         path = Path(folder) / "manifest.parquet"
         table = ManifestTable(path)
-        for block in blocks:
-            table.add(table_rows(block))
-        table.finish(json_lines(chain.from_iterable(blocks)))
+        table.write(json_lines(chain.from_iterable(blocks)))
         return path.read_bytes()
 
 
@@ -65,12 +59,6 @@ def proof(position: float | None, angle: float) -> dict[str, Any]:
 
 
 class TestManifestTable:
-    def test_pyarrow_is_looked_for(self, monkeypatch: pytest.MonkeyPatch) -> None:
-        """Whether a Parquet file can be written is known without an import."""
-        assert can_write_parquet()
-        monkeypatch.setattr("dh2urdf.tasks.manifest_table.find_spec", lambda _name: None)
-        assert not can_write_parquet()
-
     def test_what_every_manifest_has(self) -> None:
         """A row that says nothing fills every column that does not depend on the run."""
         (read,) = table([row()]).to_pylist()
@@ -155,19 +143,6 @@ class TestManifestTable:
         assert columns["name"] == [f"arm_{number}" for number in range(count)]
         assert columns["drawn.late"] == [None] * (count - 1) + [1.5]
 
-    def test_rows_of_any_length(self) -> None:
-        """A row longer than what is read at once is read whole, and so are those around it."""
-        long = "x" * 3_000_000
-        read = table([row("a"), row("b", notices=[{"message": long}]), row("c")])
-        assert read["name"].to_pylist() == ["a", "b", "c"]
-        assert read["notices"].to_pylist() == [[], [long], []]
-
-    def test_a_run_without_manipulators(self) -> None:
-        """No rows give a file without rows, with the columns that every manifest has."""
-        read = table([])
-        assert read.num_rows == 0
-        assert {"name", "files", "error"} <= set(read.column_names)
-
     @given(
         st.lists(
             st.sampled_from([{}, {"a_1": 0.5}, {"a_1": 2}, {"a_1": "c"}, {"d_2": 0.1}, {"d_2": None}]), max_size=9
@@ -185,42 +160,3 @@ class TestManifestTable:
         blocks = [rows[start:stop] for start, stop in itertools.pairwise(borders)]
         with mock.patch("dh2urdf.tasks.manifest_table.ROW_GROUP", 2):
             assert written(*blocks) == written(*[[row] for row in rows])
-
-    def test_rows_are_not_kept(self, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-        """Ten times as many rows take no more memory than one group of them."""
-        monkeypatch.setattr("dh2urdf.tasks.manifest_table.ROW_GROUP", 500)
-
-        def peak(count: int) -> int:
-            arrow = pa.total_allocated_bytes()
-            tracemalloc.start()
-            table = ManifestTable(tmp_path / "manifest.parquet")
-            for number in range(count):
-                each = row(f"arm_{number}", files=[file("a")], drawn={"a_1": number})
-                table.add(table_rows([each]))
-            table.finish(io.BytesIO())
-            taken = tracemalloc.get_traced_memory()[1]
-            tracemalloc.stop()
-            assert pa.total_allocated_bytes() == arrow
-            return taken
-
-        peak(1)  # what is imported for the first time is not counted
-        assert peak(10_000) < 1.3 * peak(1_000)
-
-
-@pytest.mark.parametrize("errors", [[], [{"message": "one"}]], ids=["ok", "failed"])
-def test_slow_modules_are_not_imported(tmp_path: Path, errors: list[dict[str, str]]) -> None:
-    """pyarrow imports pandas, in 0.2 s, for lists and numpy arrays that it is given, and `pyarrow.compute` for others."""
-    lines = tmp_path / "manifest.jsonl"
-    both = {"urdf": proof(1e-17, 0.0), "sdf": None}
-    lines.write_bytes(json_lines([row(proof=both, errors=errors)]).getvalue())
-    code = (
-        "import orjson, sys; from pathlib import Path; from dh2urdf.tasks.manifest_table import table_rows\n"
-        "from dh2urdf.tasks.manifest_table import ManifestTable\n"
-        "place = Path(sys.argv[1]); table = ManifestTable(place.with_name('manifest.parquet'))\n"
-        "table.add(table_rows([orjson.loads(line) for line in place.open('rb')]))\n"
-        "table.finish(place.open('rb')); print(set(sys.argv[2:]) & set(sys.modules))"
-    )
-    done = subprocess.run(
-        [sys.executable, "-c", code, lines, "pandas", "pyarrow.compute"], capture_output=True, text=True, check=True
-    )
-    assert done.stdout == "set()\n"

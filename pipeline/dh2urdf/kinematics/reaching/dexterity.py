@@ -6,11 +6,10 @@ angles.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from dh2urdf.kinematics.joint_vectors import JointNames, joint_values
 from dh2urdf.kinematics.pose_arrays import table_jacobian
-from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.source import shown
 
 if TYPE_CHECKING:

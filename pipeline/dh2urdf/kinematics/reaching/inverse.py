@@ -8,7 +8,8 @@ alike, and where a pose cannot be reached, a length counts as a turn of that par
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from dh2urdf.elementwise import total
 from dh2urdf.errors import RecordValueError
@@ -16,8 +17,6 @@ from dh2urdf.kinematics.chain import angle_error, compile_table, position_error,
 from dh2urdf.kinematics.joint_vectors import JointNames, joint_values
 from dh2urdf.kinematics.pose_arrays import jacobian_at
 from dh2urdf.kinematics.walk import CompiledChain, values_of
-from dh2urdf.late_dataclasses import dataclass
-from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.manipulator import JointType
 from dh2urdf.record_fields import take_fields
 from dh2urdf.rotations import RigidTransform, multiply, norm, transpose

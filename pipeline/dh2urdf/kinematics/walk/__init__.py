@@ -13,9 +13,8 @@ joints beside it: in arrays, the cosines, sines and matrices of many joints are 
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
-from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.rotations import IDENTITY, ZERO, RigidTransform, Vec3, cos_sin, cross, exact_cos_sin
 
 if TYPE_CHECKING:

@@ -7,11 +7,10 @@ overwrite each other.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, get_args
+from typing import TYPE_CHECKING, NamedTuple, get_args
 
 from lxml import etree
 
-from dh2urdf.late_tuples import NamedTuple
 from dh2urdf_plugins.emitters.ros2.options import PLUGINS, HardwareName
 from dh2urdf_plugins.emitters.ros2.yaml_files import (
     LIMIT_KEYS,

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import math
 import re
-from dataclasses import field
+from dataclasses import dataclass, field
 from typing import Literal, TypeAlias
 
 from dh2urdf.errors import ConfigError
-from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.source import Problem
 from dh2urdf_plugins.emitters.srdf.emitter import SrdfOptions
 

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import field
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from dh2urdf.errors import ConfigError, InputError
-from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.source import Mark, Problem, shown
 from dh2urdf.stages import Annotates, EmittedFile, Emitter
 from dh2urdf_plugins.collision_pairs.options import PairOptions

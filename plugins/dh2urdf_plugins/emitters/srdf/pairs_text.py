@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import re
-from typing import TYPE_CHECKING, NoReturn
+from typing import TYPE_CHECKING, NamedTuple, NoReturn
 from xml.parsers import expat
 from xml.sax.saxutils import quoteattr
 
 from dh2urdf.errors import InputError
-from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.source import Mark, Problem, shown
 from dh2urdf_plugins.collision_pairs.scene import pair_of
 from dh2urdf_plugins.collision_pairs.search import REASONS

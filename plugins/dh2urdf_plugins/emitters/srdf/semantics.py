@@ -5,13 +5,12 @@ The elements are those that srdfdom reads (moveit/srdfdom, src/model.cpp).
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from lxml import etree
 
 from dh2urdf.errors import EmitterError
 from dh2urdf.kinematics import KinematicChain
-from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.manipulator import ENDS, TOOL, WORLD, JointType
 from dh2urdf.quantities import format_numbers
 from dh2urdf.source import Problem, free_name

@@ -7,9 +7,8 @@ the preamble, then ``\input{arm}``.
 from __future__ import annotations
 
 import re
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
-from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.manipulator import JointType
 from dh2urdf.quantities import UNITS
 from dh2urdf.source import markdown_text

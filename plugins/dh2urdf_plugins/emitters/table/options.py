@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import field
+from dataclasses import dataclass, field
 from typing import Literal, TypeAlias
-
-from dh2urdf.late_dataclasses import dataclass
 
 Format: TypeAlias = Literal["yaml", "csv", "markdown", "latex", "json", "matlab", "roboticstoolbox"]
 

@@ -8,11 +8,10 @@ turn.
 from __future__ import annotations
 
 from contextlib import closing
-from dataclasses import field, replace
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 from dh2urdf.errors import MissingProgramError
-from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.stages import LOAD_TIME_LIMIT, Loader, Requires
 from dh2urdf_plugins.loaders.coppeliasim.engines import Engine
 from dh2urdf_plugins.loaders.options import SimulatorOptions

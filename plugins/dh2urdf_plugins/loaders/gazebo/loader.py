@@ -11,11 +11,11 @@ import re
 import shutil
 import subprocess
 import sys
+from dataclasses import dataclass
 from functools import cache
 from typing import TYPE_CHECKING
 
 from dh2urdf.errors import LoaderError, MissingProgramError
-from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.source import Problem, shown
 from dh2urdf.stages import Loader, ReadsOutput, Requires, Reusable
 from dh2urdf_plugins.loaders.options import SimulatorOptions

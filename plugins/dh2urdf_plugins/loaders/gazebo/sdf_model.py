@@ -8,14 +8,13 @@ kinematics of its own, the poses of moved joints are computed here, from its num
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from lxml import etree
 
 from dh2urdf.documents import xml_root
 from dh2urdf.kinematics import axis_rotation
-from dh2urdf.late_dataclasses import dataclass
-from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.manipulator import WORLD, Inertia
 from dh2urdf.mass_properties import placed
 from dh2urdf.measuring import Body, tensor

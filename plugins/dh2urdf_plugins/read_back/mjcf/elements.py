@@ -11,14 +11,13 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from lxml import etree
 
 from dh2urdf.documents import is_file, read_bytes
 from dh2urdf.errors import InputError, ProofError
 from dh2urdf.kinematics import axis_rotation
-from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.rotations import (
     IDENTITY_ROTATION,
     Z_AXIS,

@@ -12,11 +12,10 @@ origin, and each of several joints of a body, gets a link of its own.
 from __future__ import annotations
 
 from collections import defaultdict
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from dh2urdf.errors import ProofError
 from dh2urdf.kinematics import axis_rotation
-from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.manipulator import WORLD, Inertia, JointType, Limits
 from dh2urdf.robot import Inertial, Joint, Link, Origin, Robot
 from dh2urdf.rotations import (

@@ -7,9 +7,8 @@ from __future__ import annotations
 
 import math
 from pathlib import PurePosixPath
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
-from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.manipulator import Inertia
 from dh2urdf.mass_properties import compound, placed, scaled, solid
 from dh2urdf.robot import Box, Collision, Cylinder, Inertial, Material, Mesh, Origin, Sphere, Visual

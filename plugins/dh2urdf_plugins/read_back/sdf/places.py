@@ -12,11 +12,10 @@ Models within a model of SDF, as links, joints and frames of that one. From the 
 from __future__ import annotations
 
 from collections import defaultdict
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from lxml import etree
 
-from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.manipulator import WORLD
 from dh2urdf.rotations import IDENTITY, RigidTransform
 from dh2urdf.source import shown

@@ -12,12 +12,11 @@ posed relative to it hangs below it. A joint apart from its child's origin gets 
 from __future__ import annotations
 
 from copy import deepcopy
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from lxml import etree
 
 from dh2urdf.errors import ProofError
-from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.manipulator import JOINT_TYPES, WORLD, Inertia, JointType, Limits
 from dh2urdf.robot import Box, Collision, Cylinder, Inertial, Joint, Link, Material, Mesh, Origin, Robot, Sphere, Visual
 from dh2urdf.rotations import (

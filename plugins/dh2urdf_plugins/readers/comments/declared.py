@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING
 
 from dh2urdf.documents import Node, load_yaml
 from dh2urdf.errors import TableError
-from dh2urdf.patterns import late_pattern
 from dh2urdf.quantities import Dimension, QuantityError, evaluate
 from dh2urdf.source import Problem, shown
 from dh2urdf.table_text import STATEMENTS
@@ -37,15 +36,15 @@ EXAMPLES = {
 MAX_STATEMENT = 10_000
 """Length of a comment line that says something."""
 
-_STATEMENT = late_pattern(r"\s*[-*•]?\s*(?:dh[\s_-]+)?([^\W\d]+)\s*(?:[:=\uff1a]\s*|(?=[\[{]))", re.IGNORECASE)
-_ENTRY = late_pattern(r"\s*[-*•]?\s*([^\W\d_][\w .\-]{0,40}?)\s*(?:[:=\uff1a]\s*|(?=[\[{]))(.*)", re.DOTALL)
+_STATEMENT = r"(?i)\s*[-*•]?\s*(?:dh[\s_-]+)?([^\W\d]+)\s*(?:[:=\uff1a]\s*|(?=[\[{]))"
+_ENTRY = r"(?s)\s*[-*•]?\s*([^\W\d_][\w .\-]{0,40}?)\s*(?:[:=\uff1a]\s*|(?=[\[{]))(.*)"
 _BEHIND_KEYS = frozenset(":=\uff1a[{")
 """What is behind a key, one of them at least."""
-_BULLET = late_pattern(r"^\s*[-*•]\s+")
+_BULLET = r"^\s*[-*•]\s+"
 _BULLETS = ("-", "*", "•")
-_QUOTED = late_pattern(r'"(?:[^"\\]|\\.)*"|\'(?:[^\']|\'\')*\'')
-_STRUCTURED = late_pattern(r"\{.*:.*|\[\s*(?:\[|[+-]?[0-9.])", re.DOTALL)
-_WORD = late_pattern(r"[^\W_]+")
+_QUOTED = r'"(?:[^"\\]|\\.)*"|\'(?:[^\']|\'\')*\''
+_STRUCTURED = r"(?s)\{.*:.*|\[\s*(?:\[|[+-]?[0-9.])"
+_WORD = r"[^\W_]+"
 _CONVENTION_KEYS = frozenset(
     "dh dhparameters dhparameter dhnotation notation dhtype dhvariant dhtable dhform conventions konvention "  # noqa: SIM905
     "dhkonvention convencion convenzione parameterisation parameterization".split()
@@ -76,7 +75,7 @@ _OF_PLACES = frozenset(
     "uzunluğu 높이 길이".split()
 )
 """Words beside those in a key that gives the place of the tool or of the base: ``tool length``, ``d_tool``."""
-_COMPOUND = late_pattern(
+_COMPOUND = (
     r"(?:(?P<base>基座|底座|基台|台座|ベース|basis|sockel)"
     r"|(?P<tool>法兰到工具|工具|末端执行器|末端|法兰|夹爪|ツール|フランジ|手先|werkzeug|greifer|flansch))(?:的|の|安装)?"
     r"(?:高度|高さ|高|长度|長さ|长|偏移|オフセット|距离|距離|höhe|hoehe|länge|laenge|versatz|abstand|offset)?[为為是は]?"
@@ -86,7 +85,7 @@ _ASCII_COMPOUNDS = ("basis", "sockel", "werkzeug", "greifer", "flansch")
 """How those of ASCII alone begin."""
 
 
-_MAPPING = late_pattern(r"\s*\{[^,]*:")
+_MAPPING = r"\s*\{[^,]*:"
 """The beginning of units as YAML, whose places are those of the file; words are put into such a form first."""
 
 
@@ -97,7 +96,7 @@ def statements_in(comment: Comment) -> dict[str, Node]:
         TableError: it is a misspelt key, a key of something that nothing reads, or the value is not YAML.
     """
     text = comment.text
-    match = None if _BEHIND_KEYS.isdisjoint(text) else _STATEMENT.match(text[:MAX_TEXT])
+    match = None if _BEHIND_KEYS.isdisjoint(text) else re.match(_STATEMENT, text[:MAX_TEXT])
     key = match[1].casefold() if match else ""
     if len(text) > MAX_TEXT:
         return {key: _value(comment, key, match.end())} if match and key in STATEMENTS else {}
@@ -120,7 +119,7 @@ def statements_in(comment: Comment) -> dict[str, Node]:
 
 def _may_be_phrase(key: str, value: str) -> bool:
     """Whether a statement may be in words, and may say more than its key: ``convention: standard, units: mm``."""
-    return (key == "units" and not _MAPPING.match(value)) or (key == "convention" and not convention_of(value))
+    return (key == "units" and not re.match(_MAPPING, value)) or (key == "convention" and not convention_of(value))
 
 
 def is_statement_key(key: str) -> bool:
@@ -135,19 +134,19 @@ def _field_name(key: str) -> str | None:
 
 def entry_of(comment: Comment) -> re.Match[str] | None:
     """The key of a comment and what is behind it, or None."""
-    return None if _BEHIND_KEYS.isdisjoint(comment.text) else _ENTRY.fullmatch(comment.text)
+    return None if _BEHIND_KEYS.isdisjoint(comment.text) else re.fullmatch(_ENTRY, comment.text)
 
 
 def name_said(comment: Comment) -> str | None:
     """The name that a comment says under a key such as `Robot`, `manipulator` or `model`, with nothing besides."""
     entry = entry_of(comment)
-    if entry is None or _field_name(entry[1]) != "robot" or _STRUCTURED.match(entry[2].strip()):
+    if entry is None or _field_name(entry[1]) != "robot" or re.match(_STRUCTURED, entry[2].strip()):
         return None
     from dh2urdf_plugins.readers.comments.prose import convention_in_prose, mentioned_units
 
     value = entry[2].strip()
     # In quotes it may have letters as escapes: `g\u00df` has no grams in it. In `"x,g<n"` g is a letter.
-    is_quoted = _QUOTED.fullmatch(value) is not None
+    is_quoted = re.fullmatch(_QUOTED, value) is not None
     name = str(_node(comment, value, entry.start(2)).value) if is_quoted else value.strip("\"'")
     units = [unit for unit in mentioned_units(name) if not is_quoted or len(unit.symbol) > 1]
     return None if units or convention_in_prose(name) else name or None
@@ -160,7 +159,7 @@ def comment_below(line: str, place: Mark) -> Comment:
         TableError: it says something under a key, which would not hold for the rows above.
     """
     whole = Comment.of(line, place, longest=len(line))
-    match = _STATEMENT.match(whole.text[:MAX_TEXT])
+    match = re.match(_STATEMENT, whole.text[:MAX_TEXT])
     if match and match[1].casefold() in STATEMENTS and statements_in(whole):
         raise TableError(below_header(whole))
     return Comment.of(line, place)
@@ -180,7 +179,7 @@ def _phrase(comment: Comment) -> dict[str, Node]:
     from dh2urdf_plugins.readers.comments.phrases import declared, unit_of_measure, without_model
 
     entry = entry_of(comment)
-    text = _BULLET.sub("", comment.text) if comment.text.lstrip()[:1] in _BULLETS else comment.text
+    text = re.sub(_BULLET, "", comment.text) if comment.text.lstrip()[:1] in _BULLETS else comment.text
     found = declared(text)
     if not found and (rest := without_model(text)) and "convention" in (said := declared(rest)):
         found = said
@@ -257,7 +256,7 @@ def _refuse_unread(comment: Comment) -> None:
     if entry is None:
         return
     key, value = plain_key(entry[1]), entry[2].strip()
-    is_structured = _STRUCTURED.match(value) is not None
+    is_structured = re.match(_STRUCTURED, value) is not None
     meant = _MEANT_BY.get(key) or (key if key in STATEMENTS else placement_of(entry[1]))
     if meant and (is_structured or is_number(value) or meant in ("units", "name")):
         advice = EXAMPLES.get(meant)
@@ -282,7 +281,7 @@ def _refuse(comment: Comment, word: str, position: int, accepted: str, suggestio
 
 def placement_of(key: str) -> str | None:
     """Whether a key gives the place of the tool or of the base: ``tool length``, ``base height``, ``d_tool``."""
-    words = _WORD.findall(key.casefold())
+    words = re.findall(_WORD, key.casefold())
     named = {word: _PLACED_BY.get(word) or _compound(word) for word in words}
     placed = set(filter(None, named.values()))
     others = {word for word in words if not named[word]}
@@ -291,13 +290,13 @@ def placement_of(key: str) -> str | None:
 
 def _compound(word: str) -> str | None:
     may_be = word.startswith(_ASCII_COMPOUNDS) or not word.isascii()
-    return match.lastgroup if may_be and (match := _COMPOUND.fullmatch(word)) else None
+    return match.lastgroup if may_be and (match := re.fullmatch(_COMPOUND, word)) else None
 
 
 def words_under_key(comment: Comment, keys: Collection[str]) -> list[str]:
     """The words that a comment says under one of some keys, and nothing besides; none where it has another key."""
     entry = entry_of(comment)
-    return _WORD.findall(entry[2]) if entry and plain_key(entry[1]) in keys else []
+    return re.findall(_WORD, entry[2]) if entry and plain_key(entry[1]) in keys else []
 
 
 def plain_key(key: str) -> str:

@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING
 
 from dh2urdf.errors import TableError
 from dh2urdf.manipulator import JointType
-from dh2urdf.patterns import late_pattern
 from dh2urdf.source import Problem, shown
 from dh2urdf_plugins.readers.comments.declared import (
     EXAMPLES,
@@ -40,52 +39,47 @@ _TYPE_KEYS = frozenset(
     "type types jointtype jointtypes joint joints kinematics structure configuration gelenk gelenke typ typen "  # noqa: SIM905
     "gelenktypen gelenktyp kinematik articulations tipo tipos".split()
 )
-_SEQUENCE = late_pattern(
+_SEQUENCE = (
     r"(?<![\w-])(?:(?=[\w-]*P)(?:(?:[2-9]?[RP]-?){3,8}(?![\w-])"
     r"|[2-9]?[RP]-?[2-9]?[RP](?=\s*(?:robot|arm|manipulator)\b|\s*$))"
     r"|[1-9]R\s?\+?\s?[1-9]P(?![\w-])|[1-9]P\s?\+?\s?[1-9]R(?![\w-])|[1-9]R\s?\+\s?P(?!\w)|P\s?\+\s?[1-9]R(?!\w)"
     r"|(?=[R, ]{0,16}P)[RP](?:(?:,\s?|\s)[RP]){2,8}(?![\w-]|\s[A-Z]\b))"
 )
 """The joints of an arm by their letters: ``RRP``, ``R-R-P-R``, ``R R P``, ``RP robot``, ``2R1P``."""
-_SLIDING_ARM = late_pattern(
-    r"(?<![^\W_])(?:scara|(?:cartesian|cylindrical|gantry) (?:robot|arm|manipulator)|stanford (?:arm|manipulator)"
+_SLIDING_ARM = (
+    r"(?i)(?<![^\W_])(?:scara|(?:cartesian|cylindrical|gantry) (?:robot|arm|manipulator)|stanford (?:arm|manipulator)"
     r"|(?:polar|spherical) (?:robot|arm|manipulator)|gantry|telescop\w*|(?:ball|lead)[ -]?screw"
     r"|moves? (?:linearly|up|along)|stroke|(?:7th|seventh|external|additional) axis|(?:on|with) (?:a )?(?:rail|track)"
     r"|linear (?:motion|actuator|drive|slide|guide|module|unit|rail)s?(?! speed| veloc| accel)"
     r"|[1-9] (?:linear ax[ei]s|translations?|traslaci[oó]n(?:es)?|traslazion[ei]|translationen|transla[cç](?:ão|ões)))"
-    r"(?![^\W_])",
-    re.IGNORECASE,
+    r"(?![^\W_])"
 )
 """Words for an arm that mostly has a joint that slides."""
-_STILL_ROW = late_pattern(
-    r"(?<![^\W_])(?:(?:last|first|final|[0-9]{1,2}(?:st|nd|rd|th))\s+(?:row|line)|row\s*[0-9]{1,2})(?![^\W_])[^.;]{0,24}"
-    r"(?<![^\W_])(?:tool|flange|end[ -]?effector|base|tcp|gripper|hand|ee|fixed)(?![^\W_])",
-    re.IGNORECASE,
+_STILL_ROW = (
+    r"(?i)(?<![^\W_])(?:(?:last|first|final|[0-9]{1,2}(?:st|nd|rd|th))\s+(?:row|line)|row\s*[0-9]{1,2})(?![^\W_])[^.;]{0,24}"
+    r"(?<![^\W_])(?:tool|flange|end[ -]?effector|base|tcp|gripper|hand|ee|fixed)(?![^\W_])"
 )
 """A row that is no joint, in prose: ``the last row is the tool``."""
-_NTH_SLIDES = late_pattern(
-    rf"{NTH}[^.;,]{{0,24}}?(?<![^\W_])(?:slides?|sliding|translat\w*|prism\w*\.?|schub\w*|glissi\w*"
+_NTH_SLIDES = (
+    rf"(?i){NTH}[^.;,]{{0,24}}?(?<![^\W_])(?:slides?|sliding|translat\w*|prism\w*\.?|schub\w*|glissi\w*"
     r"|linear(?:achse)?(?!\s*(?:speed|veloc|accel|interpol|motion|encoder)))(?![^\W_])"
-    rf"|{NTH}\s*[:=(]\s*P(?!\w)",
-    re.IGNORECASE,
+    rf"|{NTH}\s*[:=(]\s*P(?!\w)"
 )
-_SLIDE_VARIABLE = late_pattern(
-    r"(?<![^\W_])d_?[0-9]{1,2}\*?\s+(?:is\s+)?(?:an?\s+|the\s+)?(?:joint\s+)?variable"
+_SLIDE_VARIABLE = (
+    r"(?i)(?<![^\W_])d_?[0-9]{1,2}\*?\s+(?:is\s+)?(?:an?\s+|the\s+)?(?:joint\s+)?variable"
     r"|(?<![^\W_])d(?:\s*_?i)?\s+is\s+(?:an?\s+|the\s+)?(?:joint\s+)?variable|(?<![^\W_])q\s*=\s*d(?![^\W])"
     r"|variables?\b[^.]*?(?<![^\W_])d_?[0-9]{1,2}\b"
-    r"|(?<![^\W_])q\s*=\s*[\[({][^\])}]*(?<![^\W_])d_?[0-9]|(?<![^\W_])q_?[0-9]\s*=\s*d_?[0-9]",
-    re.IGNORECASE,
+    r"|(?<![^\W_])q\s*=\s*[\[({][^\])}]*(?<![^\W_])d_?[0-9]|(?<![^\W_])q_?[0-9]\s*=\s*d_?[0-9]"
 )
 """``d3`` among the variables of an arm: ``q = [θ1, θ2, d3]``."""
-_NUMBER = late_pattern(r"(?<![^\W])[-+−]?(?:[0-9]*\.)?[0-9]+")
-_SIZE = late_pattern(
+_NUMBER = r"(?<![^\W])[-+−]?(?:[0-9]*\.)?[0-9]+"
+_SIZE = (
     r"(?<![A-Za-z0-9_.,])[-+−]?[0-9]*[.,]?[0-9]*[1-9][0-9]*[.,]?[0-9]*\s*"
     r"(?:(?:mm|cm|m|µm|inch(?:es)?|deg(?:rees)?|rad|grad|мм|см|м)(?![A-Za-zа-я0-9_])|°|毫米|厘米|米|ミリ|メートル)"
 )
-_HEADING = late_pattern(
-    r"\W*(?:(?:left|right|link(?:s|er)|recht(?:s|er)|first|second|third|other|next)(?:\s+(?:arm|robot|manipulator))?"
-    r"|(?:arm|robot|manipulator|roboter)\s*(?:[0-9]{1,2}|[a-d]|left|right|links|rechts))\W*",
-    re.IGNORECASE,
+_HEADING = (
+    r"(?i)\W*(?:(?:left|right|link(?:s|er)|recht(?:s|er)|first|second|third|other|next)(?:\s+(?:arm|robot|manipulator))?"
+    r"|(?:arm|robot|manipulator|roboter)\s*(?:[0-9]{1,2}|[a-d]|left|right|links|rechts))\W*"
 )
 _SHORT = 4
 """Blanks in a comment among rows that is about the row behind it."""
@@ -249,9 +243,9 @@ def types_elsewhere(comment: Comment, *, typed: bool) -> list[Problem]:
     kinds |= {None if word.isdigit() else joint_type(word) for word in words_under_key(comment, _TYPE_KEYS)}
     slides = JointType.PRISMATIC in kinds and None not in kinds
     patterns = (_SEQUENCE, _NTH_SLIDES, _SLIDE_VARIABLE)
-    if not (slides or speaks_of_slide(comment.text) or any(pattern.search(comment.text) for pattern in patterns)):
-        mostly = len(comment.text) > len("scara") - 1 and _SLIDING_ARM.search(comment.text)
-        still = not mostly and _STILL_ROW.search(comment.text)
+    if not (slides or speaks_of_slide(comment.text) or any(re.search(pattern, comment.text) for pattern in patterns)):
+        mostly = len(comment.text) > len("scara") - 1 and re.search(_SLIDING_ARM, comment.text)
+        still = not mostly and re.search(_STILL_ROW, comment.text)
         message = f"{shown(comment.line)} speaks of an arm that mostly has a prismatic joint, and no joint is one"
         if still:
             message = f"{shown(comment.line)} speaks of a row that may not move, and the table has no types"
@@ -271,7 +265,7 @@ def types_elsewhere(comment: Comment, *, typed: bool) -> list[Problem]:
 
 def _is_bare(text: str) -> bool:
     """Whether a text is a place and a number, and nothing besides."""
-    return bool(placement_of(_NUMBER.sub(" ", text)) and _NUMBER.search(text))
+    return bool(placement_of(re.sub(_NUMBER, " ", text)) and re.search(_NUMBER, text))
 
 
 def unread(
@@ -295,7 +289,7 @@ def unread(
 
 def _is_heading(text: str) -> bool:
     """Whether a comment among rows is the title of another arm: ``right arm``, ``UR10``."""
-    return _HEADING.fullmatch(text) is not None or (text.isascii() and text.upper() == text and is_model(text))
+    return re.fullmatch(_HEADING, text) is not None or (text.isascii() and text.upper() == text and is_model(text))
 
 
 def unread_prose(
@@ -312,7 +306,7 @@ def unread_prose(
     placed = map(placement_of, re.findall(r"[^\W\d_]+", comment.text))
     found = {kind for kind in placed if kind}
     what = found.pop() if len(found) == 1 else None
-    if what in statements.placed or not (what and (_is_bare(comment.text) or _SIZE.search(comment.text))):
+    if what in statements.placed or not (what and (_is_bare(comment.text) or re.search(_SIZE, comment.text))):
         what = None
     plain = comment.text.casefold()
     meant = any(meaning.is_in(comment.text, plain) for meaning in MEANINGS.values())

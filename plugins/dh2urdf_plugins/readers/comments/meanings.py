@@ -7,9 +7,7 @@ Most comments have none of the words, and compile no pattern.
 from __future__ import annotations
 
 import re
-
-from dh2urdf.late_tuples import NamedTuple
-from dh2urdf.patterns import late_pattern
+from typing import NamedTuple
 
 NTH = (
     r"(?:(?:joint|axis|link|gelenk|achse|axe|articulation|articulaci[oó]n|articulação|eje|giunto|asse|junta|eixo|关节|轴|関節|軸"
@@ -37,15 +35,15 @@ class Meaning(NamedTuple):
     """
 
     words: tuple[str, ...]
-    pattern: re.Pattern[str]
+    pattern: str
 
     def is_in(self, text: str, plain: str) -> bool:
         """Whether a text means it; `plain` is the text without case."""
-        return any(word in plain for word in self.words) and self.pattern.search(text) is not None
+        return any(word in plain for word in self.words) and re.search(self.pattern, text) is not None
 
 
 def _meaning(words: str, *patterns: str, also: tuple[str, ...] = ()) -> Meaning:
-    return Meaning((*words.split(), *also), late_pattern("|".join(patterns), re.IGNORECASE))
+    return Meaning((*words.split(), *also), "(?i)" + "|".join(patterns))
 
 
 _STATES = (

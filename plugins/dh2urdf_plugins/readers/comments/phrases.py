@@ -6,17 +6,16 @@ A phrase that consists of nothing but units, what they measure and the conventio
 
 from __future__ import annotations
 
+import re
 import unicodedata
 from itertools import takewhile
 from typing import TYPE_CHECKING
 
-from dh2urdf.patterns import late_pattern
 from dh2urdf.quantities import UNITS, unit_word
 from dh2urdf_plugins.readers.header.units import KEY_OF
 from dh2urdf_plugins.readers.words.fields import CONVENTION_CHOICES, convention_of
 
 if TYPE_CHECKING:
-    import re
     from collections.abc import Sequence
 
     from dh2urdf.manipulator import Convention
@@ -63,19 +62,17 @@ _ROBOTS = frozenset(
 )
 """Names of makers and models that are no other words where a convention is behind them."""
 _SIGNS = "-\u2013\u2014.,:;()"
-_NO_LETTERS = late_pattern(r"\bd-h\b|['\u2019]s\b")
-_PARTS = late_pattern(r"[-\u2010\u2011]")
-_BREAKS = late_pattern(r"[\s,;:=&()\[\]{}|\u2013\u2014\u2192\uff1a\uff0c]+|\.(?=\s|$)|->|(?<=\s)[-/](?=\s)")
-_WITH_SLASH = late_pattern(r"(?:[^\W\d_]|°)+(?:/(?:[^\W\d_]|°)+)+")
+_NO_LETTERS = r"\bd-h\b|['\u2019]s\b"
+_PARTS = r"[-\u2010\u2011]"
+_BREAKS = r"[\s,;:=&()\[\]{}|\u2013\u2014\u2192\uff1a\uff0c]+|\.(?=\s|$)|->|(?<=\s)[-/](?=\s)"
+_WITH_SLASH = r"(?:[^\W\d_]|°)+(?:/(?:[^\W\d_]|°)+)+"
 """``deg/s`` is one unit, ``mm/deg`` are two."""
-_INCHES = late_pattern(r"(?<![·*-])\bin\b(?=\s*(?:[,;/)\]}&.]|and\b|$))")
+_INCHES = r"(?<![·*-])\bin\b(?=\s*(?:[,;/)\]}&.]|and\b|$))"
 """The unit, where another word would follow the preposition."""
-_TORQUE = late_pattern(
-    r"\b(k?n|kgf?|lbf?|ozf?)(?:ewtons?)?[\s*-]\s?(mm|cm|m(?=et[er]{2}s?\b)|m\b|in|ft)(?:et[er]{2}s?|ch)?\b"
-)
+_TORQUE = r"\b(k?n|kgf?|lbf?|ozf?)(?:ewtons?)?[\s*-]\s?(mm|cm|m(?=et[er]{2}s?\b)|m\b|in|ft)(?:et[er]{2}s?|ch)?\b"
 """A unit of torques in two words: ``N cm``, ``newton metres``."""
 _OF_TORQUES = ("torque", "moment", "effort", "couple", "coppi")
-_ONE_UNIT = late_pattern(
+_ONE_UNIT = (
     r"\b(?:1|one|each|every|an?)\s+((?:(?:length|linear|angle|angular)\s+)?)(?:units?|einheit|unité|unidad|unità)\s*"
     r"(?:=|:|\b(?:is|equals|means|represents|ist|est|es)\b)\s*(?:(?:1|one|an?)\b\s*|(?=1[^\W\d])1)"
 )
@@ -104,7 +101,7 @@ def declared(text: str) -> dict[str, str]:
             if said.setdefault(key, unit.symbol) != unit.symbol:
                 return {}
             continue
-        for part in _PARTS.split(word):
+        for part in re.split(_PARTS, word):
             convention = None if part in ("dh", "denavit", "hartenberg") else convention_of(part)
             if convention is None and part not in _OF_CONVENTIONS:
                 return {}
@@ -182,11 +179,13 @@ def is_prose(text: str) -> bool:
 
 def _words(text: str) -> list[str]:
     plain = unicodedata.normalize("NFC", text).casefold()
-    plain = _TORQUE.sub(r"\1·\2", plain) if any(word in plain for word in _OF_TORQUES) else plain
-    plain = _INCHES.sub("inch", plain) if "in" in plain else plain
-    plain = _ONE_UNIT.sub(r"\1 unit ", plain) if "uni" in plain or "ein" in plain else plain
-    plain = _NO_LETTERS.sub(lambda match: "dh" if match[0] == "d-h" else "", plain)
-    return [word for word in _BREAKS.split(_WITH_SLASH.sub(_one_or_two, plain) if "/" in plain else plain) if word]
+    plain = re.sub(_TORQUE, r"\1·\2", plain) if any(word in plain for word in _OF_TORQUES) else plain
+    plain = re.sub(_INCHES, "inch", plain) if "in" in plain else plain
+    plain = re.sub(_ONE_UNIT, r"\1 unit ", plain) if "uni" in plain or "ein" in plain else plain
+    plain = re.sub(_NO_LETTERS, lambda match: "dh" if match[0] == "d-h" else "", plain)
+    return [
+        word for word in re.split(_BREAKS, re.sub(_WITH_SLASH, _one_or_two, plain) if "/" in plain else plain) if word
+    ]
 
 
 def _one_or_two(match: re.Match[str]) -> str:

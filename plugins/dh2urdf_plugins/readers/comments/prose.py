@@ -10,7 +10,6 @@ import re
 from typing import TYPE_CHECKING
 
 from dh2urdf.manipulator import Convention
-from dh2urdf.patterns import late_pattern
 from dh2urdf.quantities import UNITS, Dimension, Unit
 from dh2urdf.source import Problem
 from dh2urdf_plugins.readers.comments.phrases import FILLERS, declared, unit_called
@@ -25,22 +24,20 @@ if TYPE_CHECKING:
     from dh2urdf_plugins.readers.statements.statements import Statements
     from dh2urdf_plugins.readers.words.comment_lines import Comment
 
-_MENTION = late_pattern(
-    r"(?:(?:\b(?:in|en|unit|units|is|are|einheit|einheiten|unité|unités)\b|[\[(:=,;|\u2013\u2014]|(?<=\s)-(?=\s)|^)\s*"
+_MENTION = (
+    r"(?i)(?:(?:\b(?:in|en|unit|units|is|are|einheit|einheiten|unité|unités)\b|[\[(:=,;|\u2013\u2014]|(?<="
+    r"\s)-(?=\s)|^)\s*"
     r"|(?<![^\W_])(?:a|d|r|alpha|theta|α|θ|lengths?|angles?)(?:_?i)?\s*/\s*)(?:\b(?:in|is|are|given|expressed)\s+){0,3}"
-    r"(?=((?:(?:[^\W\d_]{1,12}|°)(?:\s*(?:,|;|/|&|\band\b|\bund\b|\bet\b|\by\b|\be\b)\s*)?){1,8}))",
-    re.IGNORECASE,
+    r"(?=((?:(?:[^\W\d_]{1,12}|°)(?:\s*(?:,|;|/|&|\band\b|\bund\b|\bet\b|\by\b|\be\b)\s*)?){1,8}))"
 )
 """What units are behind, as in ``angles are in deg``, ``UR5 (mm, deg)`` and ``a/mm``, and the words there."""
-_LETTERS = late_pattern(r"[^\W\d_]+|°")
+_LETTERS = r"[^\W\d_]+|°"
 _TO_SPACES = {code: " " for code in range(128) if not chr(code).isalpha()}
 """Every ASCII character that is no letter: a table for `str.translate`."""
-_OWN_NUMBER = late_pattern(r"(?<![^\W_])[0-9]")
-_NO_UNIT = late_pattern(
-    r"\bdegrees?\s+of\s+freedom\b|\brev\.?\s*(?:[a-z]|[0-9.]+)\b|\bturns?\s+(?!and\b|per\b)[a-z]", re.IGNORECASE
-)
+_OWN_NUMBER = r"(?<![^\W_])[0-9]"
+_NO_UNIT = r"(?i)\bdegrees?\s+of\s+freedom\b|\brev\.?\s*(?:[a-z]|[0-9.]+)\b|\bturns?\s+(?!and\b|per\b)[a-z]"
 """Where the word of a unit is none: ``6 degrees of freedom``, ``rev. B``, ``turns the other way``."""
-_RATE = late_pattern(r"\s*(?:/|per\b)\s*(s|sec|seconds?|min|minutes?)\b(\s?(?:\^|\*|²|/|squared))?", re.IGNORECASE)
+_RATE = r"(?i)\s*(?:/|per\b)\s*(s|sec|seconds?|min|minutes?)\b(\s?(?:\^|\*|²|/|squared))?"
 """What makes a speed of a length or an angle before it, ``deg/s``, ``mm per second``, or an acceleration."""
 _SYSTEM = {dimension: SI[dimension] for dimension in (Dimension.LENGTH, Dimension.ANGLE)}
 _IN_COLUMNS = {
@@ -51,10 +48,10 @@ _IN_COLUMNS = {
 }
 """Quantities whose unit matters where a table has a column of them: its field, and what messages call them."""
 
-_PROSE_WORD = late_pattern(r"\w+")
-_SAYS_CONVENTION = late_pattern(
-    r"(?<![a-z])d-?h(?![a-z])|denavit|[ck]onvention|convenci|convenz|konwenc|notac|notaz|parameters|денавит|параметр|\bдх\b",
-    re.IGNORECASE,
+_PROSE_WORD = r"\w+"
+_SAYS_CONVENTION = (
+    r"(?i)(?<![a-z])d-?h(?![a-z])|denavit|[ck]onvention|convenci|convenz|konwenc|notac|notaz|parameters|де"
+    r"навит|параметр|\bдх\b"
 )
 _PROSE = {
     Convention.MODIFIED: (frozenset(("mdh", "craig", "proximal", "khalil")), frozenset(("modified", "mod"))),
@@ -70,20 +67,19 @@ _IN_OTHER_LANGUAGES = {
 _NEGATIONS = frozenset(("not", "non", "no", "unlike", "nicht", "kein", "keine", "pas"))
 _BEFORE_DENIED = frozenset("the a an any in using with by to der die das in la le el".split())  # noqa: SIM905
 """Words between a negation and what is denied."""
-_MOVES = late_pattern(r"(?<![^\W_])(?:rot|trans|tr|r|t|d)[\s_({\\]*([xz])(?![a-z])", re.IGNORECASE)
-_PREVIOUS = late_pattern(r"(?<![^\W_])(?:a|alpha|α)[\s_({]{0,3}i\s?[-−]\s?1", re.IGNORECASE)
+_MOVES = r"(?i)(?<![^\W_])(?:rot|trans|tr|r|t|d)[\s_({\\]*([xz])(?![a-z])"
+_PREVIOUS = r"(?i)(?<![^\W_])(?:a|alpha|α)[\s_({]{0,3}i\s?[-−]\s?1"
 """Parameters of the link before: ``a_{i-1}``."""
 _OF_MOVES = {"xxzz": Convention.MODIFIED, "zzxx": Convention.STANDARD}
 """The convention of a product by the axes of its moves: ``Rx(α)·Tx(a)·Rz(θ)·Tz(d)``."""
-_ALONE = late_pattern(
-    r"(?<![\d.,±²³/·*^])(?<!\d\s)(?<!\d[.,]\s)(?<!kg[\s-])(?<!kgf[\s-])(?<!\bn[\s-])(?<![a-zµ])"
+_ALONE = (
+    r"(?i)(?<![\d.,±²³/·*^])(?<!\d\s)(?<!\d[.,]\s)(?<!kg[\s-])(?<!kgf[\s-])(?<!\bn[\s-])(?<![a-zµ])"
     r"(?:(?P<mm>mm(?![a-z/·*^²³0-9])|мм\b|миллиметр|毫米|公厘|ミリ|밀리|milimet)"
     r"|(?P<cm>cm(?![a-z/·*^²³0-9])|см\b|сантиметр|厘米|公分|センチ|센티)"
     r"|(?P<deg>градус|stopni(?!\w*\s+swobod)|(?<!serbestlik )derece|degr[eé]s\b(?!\s+de\s+libert)"
     r"|(?:grados|graus)(?!\s+de\s+liber)|gradi\b(?!\s+di\s+libert)|(?:(?<=in )|(?<=[\[(]))grad\b"
     r"|(?<=[为為は：:，,])\s*度(?!数)|(?<=각도는)\s*도)"
-    r"|(?P<inch>(?<![^\W_])imperial(?= units?\b| system\b)))",
-    re.IGNORECASE,
+    r"|(?P<inch>(?<![^\W_])imperial(?= units?\b| system\b)))"
 )
 """Units that are no other words, in any prose: ``wymiary w mm``, ``長さの単位はmm``, ``углы в градусах``."""
 _IN_ALONE = ("mm", "cm", "milimet", "stopni", "derece", "degres", "grados", "graus", "grad", "imperial")
@@ -130,7 +126,7 @@ def in_other_words(
         by_row: whether each row has its convention.
         fields: those that the table has columns of; None where any joint may have any.
     """
-    if behind and _OWN_NUMBER.search(comment.text):
+    if behind and re.search(_OWN_NUMBER, comment.text):
         return []
     # What explains a value may speak of the other convention.
     problems = [] if behind else _other_convention(comment, statements.convention, lead, by_row=by_row)
@@ -140,7 +136,7 @@ def in_other_words(
 
 def units_beside(text: str) -> list[Unit]:
     """The units that a line names before its comment: ``a: 425 mm``."""
-    return [unit for word in _LETTERS.findall(text) if (unit := unit_called(word))]
+    return [unit for word in re.findall(_LETTERS, text) if (unit := unit_called(word))]
 
 
 def convention_in_prose(line: str) -> Convention | None:
@@ -149,7 +145,7 @@ def convention_in_prose(line: str) -> Convention | None:
     Prose that denies one, as ``not modified DH`` does, speaks of the other.
     """
     plain = line.casefold()
-    words = _PROSE_WORD.findall(plain)
+    words = re.findall(_PROSE_WORD, plain)
     denied = [] if _NEGATIONS.isdisjoint(words) else _denied(words)
     said = [word for place, word in enumerate(words) if place not in denied]
 
@@ -163,17 +159,17 @@ def convention_in_prose(line: str) -> Convention | None:
                     not likely.isdisjoint(some)
                     or any(stem in word for stem in _IN_OTHER_LANGUAGES[each] for word in some)
                 )
-                and (len(set(words)) == 1 or _SAYS_CONVENTION.search(line))
+                and (len(set(words)) == 1 or re.search(_SAYS_CONVENTION, line))
             )
         ]
 
     spoken = spoken_in(said)
     if not spoken and (others := spoken_in([words[place] for place in denied])):
         spoken = [each for each in _PROSE if each not in others]
-    if not spoken and "1" in plain and _PREVIOUS.search(line):
+    if not spoken and "1" in plain and re.search(_PREVIOUS, line):
         return Convention.MODIFIED
     if not spoken and "x" in plain and "z" in plain:
-        return _OF_MOVES.get("".join(_MOVES.findall(line)).lower())
+        return _OF_MOVES.get("".join(re.findall(_MOVES, line)).lower())
     return spoken[0] if len(spoken) == 1 else None
 
 
@@ -208,22 +204,22 @@ def _other_convention(
 def mentioned_units(text: str) -> list[Unit]:
     """The units of lengths and angles that a comment mentions, those behind a number left out: ``0.1 mm``."""
     said = declared(text).get("units")
-    found = [unit for word in _LETTERS.findall(said) if (unit := _measured(word))] if said else []
-    plain = _NO_UNIT.sub("", text) if any(word in text.casefold() for word in ("freedom", "rev", "turn")) else text
+    found = [unit for word in re.findall(_LETTERS, said) if (unit := _measured(word))] if said else []
+    plain = re.sub(_NO_UNIT, "", text) if any(word in text.casefold() for word in ("freedom", "rev", "turn")) else text
     has_unit = not plain.isascii() or any(map(_measured, plain.translate(_TO_SPACES).split()))
-    for match in _MENTION.finditer(plain) if has_unit else ():
-        for word in _LETTERS.finditer(match[1]):
+    for match in re.finditer(_MENTION, plain) if has_unit else ():
+        for word in re.finditer(_LETTERS, match[1]):
             unit = _measured(word[0])
             if unit is None or word[0].casefold() in FILLERS:
                 break
-            if (rate := _RATE.match(plain, match.start(1) + word.end())) and unit.dimension in _SYSTEM:
+            if (rate := re.match(_RATE, plain[match.start(1) + word.end() :])) and unit.dimension in _SYSTEM:
                 speed = unit_called(f"{word[0]}/{'min' if rate[1].startswith('m') else 's'}")
                 found += [speed] if speed and not rate[2] else []
                 break
             found.append(unit)
     if plain.isascii() and not any(unit in plain.casefold() for unit in _IN_ALONE):
         return found
-    return found + [UNITS[match.lastgroup] for match in _ALONE.finditer(plain) if match.lastgroup]
+    return found + [UNITS[match.lastgroup] for match in re.finditer(_ALONE, plain) if match.lastgroup]
 
 
 def _measured(word: str) -> Unit | None:

@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import re
-from dataclasses import field, replace
+from dataclasses import dataclass, field, replace
 from itertools import islice
 from typing import TYPE_CHECKING, Protocol, runtime_checkable
 
 from dh2urdf.documents import Node
 from dh2urdf.errors import TableError
-from dh2urdf.late_dataclasses import dataclass
-from dh2urdf.patterns import late_pattern
 from dh2urdf.source import Mark, Problem, listed, shown
 from dh2urdf.table_text import STATEMENTS
 from dh2urdf_plugins.readers.comments.declared import is_statement_key, name_said, statements_in
@@ -34,7 +32,7 @@ SURE = 2
 """Fields of geometry that make a row a header beyond doubt."""
 MAX_TITLES = 1000
 """Rows that may be above the header."""
-_OTHER_COMMENT = late_pattern(r"\s*(?:--|[!;*]|/\*|<!--|rem\b)", re.IGNORECASE)
+_OTHER_COMMENT = r"(?i)\s*(?:--|[!;*]|/\*|<!--|rem\b)"
 """What a comment of another language begins with."""
 
 
@@ -183,7 +181,7 @@ def _refuse_other_comment(text: str, mark: Mark) -> None:
     Raises:
         TableError: it is such a comment.
     """
-    match = _OTHER_COMMENT.match(text)
+    match = re.match(_OTHER_COMMENT, text)
     if match and statements_in(Comment.of(text[match.end() :], mark)):
         message = f"{shown(text)} is no comment here, and says nothing"
         raise TableError(Problem(message=message, mark=mark, found=text, suggestion="a comment begins with #"))

@@ -5,11 +5,9 @@ from __future__ import annotations
 import csv
 import re
 from itertools import islice
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from dh2urdf.errors import TableError
-from dh2urdf.late_tuples import NamedTuple
-from dh2urdf.patterns import late_pattern
 from dh2urdf.source import Mark, Problem, shown
 from dh2urdf.table_text import REQUIRED, STATEMENTS, CellRow
 from dh2urdf_plugins.readers.comments.top import MAX_TITLES, is_header
@@ -31,7 +29,7 @@ _COMMENT_LINES = 1000
 _EMPTY = SPACES + "".join(DELIMITERS) + '"'
 """What a line consists of that holds nothing."""
 
-_EXCEL_SEPARATOR = late_pattern(r'\s*"?sep=(.)"?[\s,;]*', re.IGNORECASE)  # Excel's own way to name the delimiter
+_EXCEL_SEPARATOR = r'(?i)\s*"?sep=(.)"?[\s,;]*'  # Excel's own way to name the delimiter
 
 
 def top_rows(
@@ -56,7 +54,7 @@ def top_rows(
     for number, first in (numbered := enumerate(lines, start=1)):
         if not first.strip(_EMPTY):
             continue
-        if number == 1 and "=" in first and (match := _EXCEL_SEPARATOR.fullmatch(first)):
+        if number == 1 and "=" in first and (match := re.fullmatch(_EXCEL_SEPARATOR, first)):
             delimiter = match[1] if match[1] in DELIMITERS else None
             continue
         line = _whole(first, numbered)
@@ -267,10 +265,10 @@ _ARRAY = (
 )
 _WIKI = "this is a table of MediaWiki: put commas in place of || and !!, and take out {|, |-, |} and what begins cells"
 _OTHER_FORMS = (
-    (late_pattern(r"^\s*(?:\{\||!.*!!|\|[-+}])"), _WIKI),
-    (late_pattern(r"[─-╿]|^\s*\+[-=]{2}|^\s*\|.*\|\s*$"), _BARS),
-    (late_pattern(r"\\\\|\\hline|\\begin\{|[^&]&[^&]*&"), _LATEX),
-    (late_pattern(r"^\s*(?:[\w.]+\s*=\s*)?(?:[\w.]+\(\s*)?\["), _ARRAY),
+    (r"^\s*(?:\{\||!.*!!|\|[-+}])", _WIKI),
+    (r"[─-╿]|^\s*\+[-=]{2}|^\s*\|.*\|\s*$", _BARS),
+    (r"\\\\|\\hline|\\begin\{|[^&]&[^&]*&", _LATEX),
+    (r"^\s*(?:[\w.]+\s*=\s*)?(?:[\w.]+\(\s*)?\[", _ARRAY),
 )
 """What tables of other programs look like, and what to do about them."""
 _FIRST = 20
@@ -278,7 +276,7 @@ _FIRST = 20
 
 
 def _other_form(line: str) -> str | None:
-    return next((advice for pattern, advice in _OTHER_FORMS if pattern.search(line[:MAX_TEXT])), None)
+    return next((advice for pattern, advice in _OTHER_FORMS if re.search(pattern, line[:MAX_TEXT])), None)
 
 
 def _advice(line: str) -> str | None:

@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import re
-from dataclasses import field, replace
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 from dh2urdf.errors import TableError
-from dh2urdf.late_dataclasses import dataclass
-from dh2urdf.patterns import late_pattern
 from dh2urdf.quantities import Dimension, QuantityError, Unit, find_unit, is_unit
 from dh2urdf.source import Mark, Problem, listed, shown
 from dh2urdf.table_text import REQUIRED
@@ -21,10 +19,10 @@ from dh2urdf_plugins.readers.words.word_keys import key_of
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
-_INDEX_J = late_pattern(r"[jⱼ][\s)}\]]*(?:[\[(].*)?$", re.IGNORECASE)
+_INDEX_J = r"(?i)[jⱼ][\s)}\]]*(?:[\[(].*)?$"
 """The index of Khalil and Kleinfinger."""
 _KHALIL = ("sigma", "gamma", "mu", "b")
-_NUMBERED = late_pattern(r"(?:joint|axis|link|gelenk|achse|axe|articulation|eje|asse|giunto|[ajq])?[\s_.#]*[0-9]{1,2}")
+_NUMBERED = r"(?:joint|axis|link|gelenk|achse|axe|articulation|eje|asse|giunto|[ajq])?[\s_.#]*[0-9]{1,2}"
 TURN_ROUND = "the joints seem to be in columns: turn the table round, so that each joint has a row"
 """What to do about a table whose header names joints."""
 _MINUS = ("-", "−", "–")
@@ -299,7 +297,7 @@ def _missing(name: str, columns: Columns) -> Problem:
 def are_joints(headers: Sequence[str]) -> bool:
     """Whether headers are the joints of an arm, whose fields are in rows."""
     others = [text.strip().casefold() for text in headers[1:] if text.strip()]
-    return len(others) > 1 and all(map(_NUMBERED.fullmatch, others))
+    return len(others) > 1 and all(re.fullmatch(_NUMBERED, each) for each in others)
 
 
 def _negated(text: str, name: str, mark: Mark) -> Problem:
@@ -321,7 +319,7 @@ def _foreign_r(columns: Columns) -> list[Problem]:
         return []
     keys = [read_header(text).key for text in columns.headers]
     letters = [text for text, key in zip(columns.headers, keys, strict=True) if key in _KHALIL]
-    letters += [other] if all(map(_INDEX_J.search, (header, other))) else []
+    letters += [other] if all(re.search(_INDEX_J, each) for each in (header, other)) else []
     if not letters:
         return []
     return [

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
+import re
 from typing import TYPE_CHECKING
 
 from dh2urdf.errors import TableError
-from dh2urdf.patterns import late_pattern
 from dh2urdf.quantities import is_unit
 from dh2urdf.source import Problem, shown
 from dh2urdf.table_text import CellRow
@@ -15,7 +15,7 @@ from dh2urdf_plugins.readers.words.cells import SPACES, text_of
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-_UNIT = late_pattern(r"(.*\S)\s*[\[(]([^\[\]()]*)[\])]")
+_UNIT = r"(.*\S)\s*[\[(]([^\[\]()]*)[\])]"
 _DASHES = frozenset("- – — [-] [–] (-) [] n/a unit units einheit einheiten unité unidad unità".split()) | {""}  # noqa: SIM905
 """What a row of units has where there is none."""
 
@@ -68,7 +68,7 @@ def _has_part(title: str, sub: str) -> bool:
     """Whether a title is of several fields, and what is below it one of these."""
     if not (group := read_header(title).field):
         return False
-    match = _UNIT.fullmatch(title)
+    match = re.fullmatch(_UNIT, title)
     part = read_header(sub).field or read_header(f"{match[1] if match else title} {sub}").field
     return part is not None and part.name in group.parts
 
@@ -80,7 +80,7 @@ def _joined(top: str, sub: str) -> str:
     stem, unit = top, unit_in(sub)
     if unit:
         return f"{top} [{unit}]"
-    if match := _UNIT.fullmatch(top):
+    if match := re.fullmatch(_UNIT, top):
         stem, unit = match[1], match[2]
     header = read_header(sub)
     if header.field is None and read_header(f"{stem} {sub}").field:

@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 import re
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
-from dh2urdf.late_tuples import NamedTuple
-from dh2urdf.patterns import late_pattern
 from dh2urdf.quantities import Dimension, QuantityError, evaluate, find_unit, is_unit, is_zero
 from dh2urdf.source import Mark, Problem, did_you_mean, shown
 from dh2urdf_plugins.readers.header.words import Header, misspelt, read_header, suspected
@@ -21,11 +19,11 @@ if TYPE_CHECKING:
     from dh2urdf.quantities import Quantity
     from dh2urdf_plugins.readers.words.cells import Cell
 
-_WITH_UNIT = late_pattern(r"[+-]?[0-9]+(?:[.,][0-9]+)?\s*([^\s0-9].{0,15})")
-_SEVERAL = late_pattern(r"[\[(]*(?:±|\+\s*/?\s*-|[+\-−])?\s*[0-9][0-9.,]*\s*[^\W\d]*[°\s/~〜～…()+\-−.]")
+_WITH_UNIT = r"[+-]?[0-9]+(?:[.,][0-9]+)?\s*([^\s0-9].{0,15})"
+_SEVERAL = r"[\[(]*(?:±|\+\s*/?\s*-|[+\-−])?\s*[0-9][0-9.,]*\s*[^\W\d]*[°\s/~〜～…()+\-−.]"
 """How a cell of several numbers begins: with a number, its unit, and what is between numbers."""
-_REMARK = late_pattern(r"[\[(][^()\[\]0-9]*[\])]")
-_WORD = late_pattern(r"(?:°|[^\W\d_]+)(?:/[^\W\d_]+)?")
+_REMARK = r"[\[(][^()\[\]0-9]*[\])]"
+_WORD = r"(?:°|[^\W\d_]+)(?:/[^\W\d_]+)?"
 _OF_RANGES = frozenset(("to", "bis", "up", "jusqu", "à", "a", "hasta", "fino", "até", "e", "pi", "π", "至", "到"))
 _NOUNS = {
     "acceleration": "an acceleration",
@@ -34,19 +32,17 @@ _NOUNS = {
     "gear": "of a gear",
 }
 """What has no field, as the end of a sentence."""
-_NUMBER = late_pattern(r"[+\-−]?[.,]?[0-9]")
-_STRAY = late_pattern(r"[^\w\\$]*(.*?[\])}]|.*?\w)(?:[\W_]+\w?[\W_]*|(?<=[\])}])\w)?")
-_FACTOR = late_pattern(
-    r"(.*?\w)\s*[(\[]?\s*(?:(?:[×*·⋅]|(?<![a-z])x)\s*)?"
-    r"(?:10\s*(?:\^|\*\*)?\s*[-−⁻+]?[0-9⁰¹²³⁴-⁹]+|1?e[-+]?[0-9]+|(?<=[×x*·⋅ ])10+)\s*[)\]]?",
-    re.IGNORECASE,
+_NUMBER = r"[+\-−]?[.,]?[0-9]"
+_STRAY = r"[^\w\\$]*(.*?[\])}]|.*?\w)(?:[\W_]+\w?[\W_]*|(?<=[\])}])\w)?"
+_FACTOR = (
+    r"(?i)(.*?\w)\s*[(\[]?\s*(?:(?:[×*·⋅]|(?<![a-z])x)\s*)?"
+    r"(?:10\s*(?:\^|\*\*)?\s*[-−⁻+]?[0-9⁰¹²³⁴-⁹]+|1?e[-+]?[0-9]+|(?<=[×x*·⋅ ])10+)\s*[)\]]?"
 )
 """A header with a factor: ``Ixx ×10⁻³``, ``Ixx*1e3``."""
-_OTHER_ONE = late_pattern(
-    r"(?:delta|d(?=theta|alpha|θ|α|[ad]$)|[δΔ]"
+_OTHER_ONE = (
+    r"(?i)(?:delta|d(?=theta|alpha|θ|α|[ad]$)|[δΔ]"
     r"|calibrated|corrected|identified|measured|actual|true|real|correction(?: of)?)[\s_]*(.+)"
-    r"|(.+?)[\s_]+(?:calibrated|corrected|identified|measured|actual|true|real|correction)",
-    re.IGNORECASE,
+    r"|(.+?)[\s_]+(?:calibrated|corrected|identified|measured|actual|true|real|correction)"
 )
 """A parameter beside the nominal one, or its correction: ``Δd``, ``calibrated a``."""
 DIFFERENCES = "differences are in a table of their own, as a, alpha, d and theta, which `--calibration` names"
@@ -55,15 +51,14 @@ _DIRECTIONS = frozenset(
     "rechtsdrehend linksdrehend horario antihorario horaire antihoraire orario antiorario horário invertiert "
     "顺时针 逆时针 正转 反转".split()
 )
-_AXIS_DOWN = late_pattern(r"[(\[]?\s*(?:-?0(?:\.0*)?[\s,;]+){2}-1(?:\.0*)?\s*[)\]]?")
+_AXIS_DOWN = r"[(\[]?\s*(?:-?0(?:\.0*)?[\s,;]+){2}-1(?:\.0*)?\s*[)\]]?"
 """The axis of a joint that turns the other way about z: ``(0, 0, -1)``."""
 _FEW_WORDS = 4
 _LONGEST_VARIABLE = 40
 _AXES_OF_CONTROLLER = r"(?:j|q|θ|theta)_?[0-9]{1,2}"
-_OF_CONTROLLER = late_pattern(
-    rf"\s*[-−–]\s*\(?\s*{_AXES_OF_CONTROLLER}(?:\s*[-+−–]\s*{_AXES_OF_CONTROLLER})?\s*\)?\s*"
-    rf"|\s*{_AXES_OF_CONTROLLER}\s*\+\s*{_AXES_OF_CONTROLLER}\s*",
-    re.IGNORECASE,
+_OF_CONTROLLER = (
+    rf"(?i)\s*[-−–]\s*\(?\s*{_AXES_OF_CONTROLLER}(?:\s*[-+−–]\s*{_AXES_OF_CONTROLLER})?\s*\)?\s*"
+    rf"|\s*{_AXES_OF_CONTROLLER}\s*\+\s*{_AXES_OF_CONTROLLER}\s*"
 )
 """Joint variables by the names of a controller, turned or coupled: ``-J5``, ``-(J2 + J3)``."""
 _OF_ONE_MEANING = frozenset(("alpha", "theta"))
@@ -121,7 +116,7 @@ def refusal(text: str, header: Header, what: str = "column") -> Refusal | None:
 
 def other_geometry(text: str, what: str) -> Refusal | None:
     """Why a column of a parameter is refused that is not the one which the row has, or not all of it."""
-    match = _OTHER_ONE.fullmatch(text) if len(text) <= MAX_TEXT else None
+    match = re.fullmatch(_OTHER_ONE, text) if len(text) <= MAX_TEXT else None
     named = read_header(match[1] or match[2]).field if match else None
     if named is None or named.name not in ("a", "alpha", "d", "theta"):
         return None
@@ -132,14 +127,14 @@ def other_geometry(text: str, what: str) -> Refusal | None:
 
 def _with_factor(text: str) -> str | None:
     """The field of a quantity whose header has a factor: ``Ixx ×10⁻³``."""
-    match = _FACTOR.fullmatch(text)
+    match = re.fullmatch(_FACTOR, text)
     named = read_header(match[1].strip()).field if match else None
     return named.name if named and named.dimension else None
 
 
 def _with_stray_signs(text: str) -> str | None:
     """The field of a quantity whose header has a sign or a letter too many around it: ``theta [deg]"``, ``(d``."""
-    match = _STRAY.fullmatch(text)
+    match = re.fullmatch(_STRAY, text)
     core = match[1] if match else text
     field = read_header(core).field if core and core != text else None
     return field.name if field and field.dimension else None
@@ -147,7 +142,7 @@ def _with_stray_signs(text: str) -> str | None:
 
 def _without_words(text: str, header: Header) -> Refusal | None:
     """Why a column is refused whose words say nothing: it has a unit, or its header is a symbol or an error."""
-    if text.startswith("#") and SPREADSHEET_ERROR.fullmatch(text):
+    if text.startswith("#") and re.fullmatch(SPREADSHEET_ERROR, text):
         return Refusal("is what a spreadsheet writes for an error", "a header above each column of numbers")
     if header.unit and is_unit(header.unit):
         return Refusal(f"has the unit {shown(header.unit)}, but no field is called so", _measured_in(header.unit))
@@ -169,7 +164,7 @@ def refused(
         number: the number of the row, where it is one of a table with columns.
         what: whether it is a column or a key.
     """
-    label = _REMARK.sub("", cell.text).rstrip() if cell.text[-1:] in ")]" else cell.text
+    label = re.sub(_REMARK, "", cell.text).rstrip() if cell.text[-1:] in ")]" else cell.text
     counted = why.counts and label.casefold() in (str(number), f"j{number}")
     if not cell.text or counted or (why.zero and (is_zero(cell.text) or label.casefold() in NO)):
         return None
@@ -233,7 +228,7 @@ def is_turned_variable(text: str, number: int | None = None) -> bool:
         return False
     said = _variable(text)
     if said is None or said.variable is None or not (said.value or said.sign < 0):
-        return _OF_CONTROLLER.fullmatch(text) is not None
+        return re.fullmatch(_OF_CONTROLLER, text) is not None
     return said.variable.row is not None and said.variable.row == (number or said.variable.row)
 
 
@@ -271,7 +266,7 @@ def _with_unit(cell: Cell, header: str, joint: str) -> Problem | None:
 
 def is_direction(text: str) -> bool:
     """Whether a cell is a direction of rotation, and nothing else: ``ccw``, ``reversed``, ``(0, 0, -1)``."""
-    return text.casefold() in _DIRECTIONS or ("-1" in text and _AXIS_DOWN.fullmatch(text) is not None)
+    return text.casefold() in _DIRECTIONS or ("-1" in text and re.fullmatch(_AXIS_DOWN, text) is not None)
 
 
 def _passive(cell: Cell, header: str, joint: str) -> Problem | None:
@@ -310,21 +305,21 @@ def stray_number(text: str, mark: Mark, joint: str) -> Problem:
 
 def is_number(text: str) -> bool:
     """Whether a cell begins as a number does."""
-    return bool(_NUMBER.match(text))
+    return bool(re.match(_NUMBER, text))
 
 
 def unit_of(text: str) -> str | None:
     """The unit of a cell that is a number with a unit, or several: ``±170°``, ``-170° to 170°``, ``340° (370°)``."""
     if text[-1:].isdigit() and " " not in text:  # a number, in most such columns
         return None
-    if match := _WITH_UNIT.fullmatch(text):
+    if match := re.fullmatch(_WITH_UNIT, text):
         return match[1] if is_unit(match[1]) else _unit_of_several(text)
-    return _unit_of_several(text) if _SEVERAL.match(text) else None
+    return _unit_of_several(text) if re.match(_SEVERAL, text) else None
 
 
 def _unit_of_several(text: str) -> str | None:
     """The unit of a cell of several numbers and nothing else but signs, words for a range, and a remark in brackets."""
-    words = [word for word in _WORD.findall(_REMARK.sub("", text).casefold()) if word not in _OF_RANGES]
+    words = [word for word in re.findall(_WORD, re.sub(_REMARK, "", text).casefold()) if word not in _OF_RANGES]
     return words[0] if words and all(map(is_unit, words)) else None
 
 

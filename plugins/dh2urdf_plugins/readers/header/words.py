@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import re
 from functools import cache, lru_cache
+from typing import NamedTuple
 
-from dh2urdf.late_tuples import NamedTuple
-from dh2urdf.patterns import late_pattern
 from dh2urdf.quantities import UNITS, Dimension, composed, is_unit, unit_word
 from dh2urdf_plugins.readers.words.fields import FIELDS, GROUPS, Field, header_fields
 from dh2urdf_plugins.readers.words.unheld import IGNORED, PROSE, SUSPECTS, UNHELD
@@ -14,11 +13,9 @@ from dh2urdf_plugins.readers.words.word_keys import key_of, keys_of
 
 _INDEXED = ("a", "r", "alpha", "α", "d", "theta", "θ", "b", "beta", "β", "gamma", "γ", "sigma", "σ", "mu", "μ", "q")
 _BEFORE = r"\s*(-\s*1|m1)?\s*[\]})*]*"
-_INDEX = late_pattern(rf"({'|'.join(_INDEXED)})[\s_]*[\[{{(]*[\s]*[ijkn]{_BEFORE}")
-_INDEX_BEHIND = late_pattern(rf"(.+?)(?:[\s_]+[\[{{(]*|[\[{{(]+)\s*[ijk]{_BEFORE}")  # `effort [N]` has a unit
-_INDEXED_BOUND = late_pattern(
-    r"(q|theta|θ)[\W_]*(?:[ijk][\W_]*(min|max|lower|upper)|(min|max|lower|upper)[\W_]+[ijk])\W*"
-)
+_INDEX = rf"({'|'.join(_INDEXED)})[\s_]*[\[{{(]*[\s]*[ijkn]{_BEFORE}"
+_INDEX_BEHIND = rf"(.+?)(?:[\s_]+[\[{{(]*|[\[{{(]+)\s*[ijk]{_BEFORE}"  # `effort [N]` has a unit
+_INDEXED_BOUND = r"(q|theta|θ)[\W_]*(?:[ijk][\W_]*(min|max|lower|upper)|(min|max|lower|upper)[\W_]+[ijk])\W*"
 _SIGNED = {"q-": "q min", "q+": "q max"}
 """How the Robotics Toolbox prints limits: ``q⁻``, ``q⁺``."""
 _LARGEST = dict.fromkeys((Dimension.TURN_RATE, Dimension.SPEED), "velocity")
@@ -35,20 +32,18 @@ _LOOSE = {
 """Words for a length or an angle of any kind, by the fields whose symbol may be beside them."""
 _LETTERS, _BEHIND = frozenset("ijkn"), "]})* "
 _CLOSING = ("]", ")", "}", ">")
-_OTHER_LINK = late_pattern(r"[a-z]{0,3}\s*[-+]+\s*[a-z0-9]{0,3}|[ijkn][ijkn0-9]{1,2}")
-_PREFIX = late_pattern(r"(?:dh|denavit\W?hartenberg)(?:\W*param(?:eter)?s?)?[\s_.:-]+(.+)")
-_AFTER_CHINESE = late_pattern(r"(?<=[\u3040-\u30ff\u4e00-\u9fff\uac00-\ud7a3])(?=[a-zA-Zα-ωΑ-Ω])")
-_LATEX = late_pattern(r"\\(?:mathrm|mathit|mathbf|text|rm)(?![a-z])|[\\$]")
-_FOOTNOTE = late_pattern(r"(?<=[^\W\d_])\s*[¹²³⁰⁴-⁹†‡§]+(?=\s*[\[({]|$)|(?<=[\])}])\s*[¹²³⁰⁴-⁹†‡§*]+$")
-_BRACKETED = late_pattern(r"(.*[^\s])\s*[\[({<]([^\[\](){}<>]*)[\])}>]")
-_LOOSE_UNIT = late_pattern(
+_OTHER_LINK = r"[a-z]{0,3}\s*[-+]+\s*[a-z0-9]{0,3}|[ijkn][ijkn0-9]{1,2}"
+_PREFIX = r"(?:dh|denavit\W?hartenberg)(?:\W*param(?:eter)?s?)?[\s_.:-]+(.+)"
+_AFTER_CHINESE = r"(?<=[\u3040-\u30ff\u4e00-\u9fff\uac00-\ud7a3])(?=[a-zA-Zα-ωΑ-Ω])"
+_LATEX = r"\\(?:mathrm|mathit|mathbf|text|rm)(?![a-z])|[\\$]"
+_FOOTNOTE = r"(?<=[^\W\d_])\s*[¹²³⁰⁴-⁹†‡§]+(?=\s*[\[({]|$)|(?<=[\])}])\s*[¹²³⁰⁴-⁹†‡§*]+$"
+_BRACKETED = r"(.*[^\s])\s*[\[({<]([^\[\](){}<>]*)[\])}>]"
+_LOOSE_UNIT = (
     r"(.+?)(?:\s*[/|:;]\s*|\s*,\s*|\s+(?:in|en|em|в)\s+|[\s_-]+|(?=°))"
     r"([^\s_/,°-]+(?:/(?:s|sec|min|с|сек|мин|秒|分|초))?|°(?:/(?:s|sec|min|с|сек|秒))?)"
 )
 _ENDS_OF_CODE = ("s", "sec", "second", "min", "m2")
-_UNIT_OF_CODE = late_pattern(
-    r"(.+?)[_\s](?:(deg|rad|rev|mm|cm|m)[_\s](?:per[_\s])?(s|sec|second|min)|(kg)[_\s](m2|mm2|cm2))"
-)
+_UNIT_OF_CODE = r"(.+?)[_\s](?:(deg|rad|rev|mm|cm|m)[_\s](?:per[_\s])?(s|sec|second|min)|(kg)[_\s](m2|mm2|cm2))"
 """A unit of two words as the variables of programs have it: ``velocity_deg_per_s``, ``ixx_kg_m2``."""
 _REMARKS = ("dh", "variable", "var", "var.")
 """What brackets behind a parameter add: that it is the joint variable, say."""
@@ -110,9 +105,9 @@ def read_header(text: str) -> Header:
     if len(text) > _LONGEST:  # no name of a field, and too long for patterns that look for one
         return Header(None, key_of(text))
     header = _as_written(text)
-    if header.field or header.key in UNHELD or (text.isascii() and text[-1:] != "*") or not _FOOTNOTE.search(text):
+    if header.field or header.key in UNHELD or (text.isascii() and text[-1:] != "*") or not re.search(_FOOTNOTE, text):
         return header
-    without = _as_written(_FOOTNOTE.sub("", text))  # `d¹`, which is no d1
+    without = _as_written(re.sub(_FOOTNOTE, "", text))  # `d¹`, which is no d1
     return without if without.field or without.key in UNHELD else header
 
 
@@ -139,21 +134,21 @@ def _largest(field: Field, unit: str) -> Field:
 
 def _written(text: str) -> str:
     written = composed(text)
-    plain = _LATEX.sub("", written) if "\\" in written or "$" in written else written
+    plain = re.sub(_LATEX, "", written) if "\\" in written or "$" in written else written
     plain = plain.replace("−", "-").replace("⍺", "α").strip()  # the α of APL, as the Robotics Toolbox prints it
-    return plain if written.isascii() else _AFTER_CHINESE.sub(" ", plain)
+    return plain if written.isascii() else re.sub(_AFTER_CHINESE, " ", plain)
 
 
 def _read(plain: str) -> Header:
     header = _of_code(plain) or _named(plain)
     if header.field or header.key in UNHELD or len(plain) > _LONGEST:
         return header
-    if plain.endswith(_CLOSING) and (match := _BRACKETED.fullmatch(plain)):
+    if plain.endswith(_CLOSING) and (match := re.fullmatch(_BRACKETED, plain)):
         found = _with_brackets(match[1], match[2].strip())
         if found.field or found.unit or found.key in UNHELD:
             return found
         header = found
-    match = _LOOSE_UNIT.fullmatch(plain)
+    match = re.fullmatch(_LOOSE_UNIT, plain)
     # What stands loose behind a name is its unit only if it is one: `com x` and `comment` are no units.
     # The unit of a field may also be one that is none here, as in `α in Grad`: it is refused with what to write.
     if (
@@ -172,7 +167,7 @@ def _read(plain: str) -> Header:
 
 def _of_code(plain: str) -> Header | None:
     """A header whose unit has two words, as the variables of programs have it."""
-    match = _UNIT_OF_CODE.fullmatch(plain) if plain.endswith(_ENDS_OF_CODE) else None
+    match = re.fullmatch(_UNIT_OF_CODE, plain) if plain.endswith(_ENDS_OF_CODE) else None
     front = _named(match[1]) if match else None
     if not (match and front and front.field and front.field.dimension):
         return None
@@ -207,7 +202,7 @@ def _last_unit(before: str | None, unit: str) -> str:
         return unit
     if is_unit(before):
         return unit if UNITS[unit_word(before)] == UNITS[unit_word(unit)] else f"{before} and {unit}"
-    return before if _OTHER_LINK.fullmatch(before) else unit  # `d (along z) [mm]`
+    return before if re.fullmatch(_OTHER_LINK, before) else unit  # `d (along z) [mm]`
 
 
 def _twice(plain: str) -> Header | None:
@@ -227,21 +222,21 @@ def _is_loose(words: str, field: Field) -> bool:
 
 
 def _named(plain: str) -> Header:
-    if plain.startswith(_INDEXED) and not _LETTERS.isdisjoint(plain) and (match := _INDEX.fullmatch(plain)):
+    if plain.startswith(_INDEXED) and not _LETTERS.isdisjoint(plain) and (match := re.fullmatch(_INDEX, plain)):
         key = key_of(match[1])
         return Header(_exact(key), key, link="i-1" if match[2] else "i")
     if plain in _SIGNED:
         plain = _SIGNED[plain]
-    elif plain.startswith(("q", "theta", "θ")) and (match := _INDEXED_BOUND.fullmatch(plain)):
+    elif plain.startswith(("q", "theta", "θ")) and (match := re.fullmatch(_INDEXED_BOUND, plain)):
         plain = f"{match[1]} {match[2] or match[3]}"  # `q_{i,max}`
     key = key_of(plain)
     if (found := field_of(key)) or key in UNHELD:
         return Header(found, key)
-    if plain.rstrip(_BEHIND).endswith(("i", "j", "k", "1")) and (match := _INDEX_BEHIND.fullmatch(plain)):
+    if plain.rstrip(_BEHIND).endswith(("i", "j", "k", "1")) and (match := re.fullmatch(_INDEX_BEHIND, plain)):
         base = key_of(match[1])
         if (found := field_of(base)) or base in UNHELD:
             return Header(found, base, link="i-1" if match[2] else "i")
-    if plain.startswith(("dh", "denavit")) and (match := _PREFIX.fullmatch(plain)):
+    if plain.startswith(("dh", "denavit")) and (match := re.fullmatch(_PREFIX, plain)):
         inner = _named(match[1])
         if inner.field and inner.field.name in ("a", "alpha", "d", "theta"):
             return inner
@@ -338,8 +333,8 @@ def one_slip(left: str, right: str) -> bool:
     )
 
 
-_TOKEN = late_pattern(r"[^\W\d_]+")
-_HUMP = late_pattern(r"(?<=[a-z])(?=[A-Z])")
+_TOKEN = r"[^\W\d_]+"  # noqa: S105 - of a header
+_HUMP = r"(?<=[a-z])(?=[A-Z])"
 _PROSE = {key for word in PROSE.split(", ") for key in keys_of(word)}
 
 
@@ -362,7 +357,7 @@ def _starred(word: str) -> set[str]:
 @lru_cache(maxsize=1024)
 def suspected(text: str) -> str | None:
     """What the words of a header look like that names no field: the name of a field, or of what has none."""
-    tokens = [key_of(token) for token in _TOKEN.findall(_written(_HUMP.sub(" ", text)).casefold())]
+    tokens = [key_of(token) for token in re.findall(_TOKEN, _written(re.sub(_HUMP, " ", text)).casefold())]
     if not tokens or not _PROSE.isdisjoint(tokens):
         return None
     return next((name for name, pattern in _suspects().items() if any(map(pattern.fullmatch, tokens))), None)

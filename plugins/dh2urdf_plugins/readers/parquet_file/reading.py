@@ -17,7 +17,6 @@ from typing import TYPE_CHECKING, Any
 from dh2urdf.columns import ManipulatorGroups
 from dh2urdf.documents import check_file, load_yaml, refuse_other_kind
 from dh2urdf.errors import MissingDependencyError, TableError
-from dh2urdf.patterns import late_pattern
 from dh2urdf.source import Mark, Problem, did_you_mean, shown
 from dh2urdf.table_text import METADATA, REMARKS, STATEMENTS, CellRow
 from dh2urdf_plugins.readers.comments.declared import MAX_STATEMENT
@@ -58,7 +57,7 @@ if TYPE_CHECKING:
 
 _ATTRIBUTES = "PANDAS_ATTRS"
 """The metadata that pandas writes for the attributes of a data frame."""
-_ALMOST = late_pattern(r"dh2urdf[\W_]*", re.IGNORECASE)
+_ALMOST = r"(?i)dh2urdf[\W_]*"
 """What the keys begin with of metadata that say something of all rows."""
 _BATCH = 3000
 """Rows that pyarrow reads at once."""
@@ -174,7 +173,7 @@ def _refuse_without_prefix(name: str, text: str, file: str) -> None:
     Raises:
         TableError: they do.
     """
-    prefixed = _ALMOST.match(name)
+    prefixed = re.match(_ALMOST, name)
     word = (name[prefixed.end() :] if prefixed else name).casefold()
     key = "units" if unit_of_measure(word, text[:MAX_STATEMENT]) else word
     if key in STATEMENTS and (prefixed or key != "name"):

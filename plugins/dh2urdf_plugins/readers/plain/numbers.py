@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import math
+import re
 from contextlib import suppress
 from typing import TYPE_CHECKING, Any
 
-from dh2urdf.patterns import late_pattern
 from dh2urdf.quantities import Dimension, QuantityError, evaluate
 from dh2urdf.rotations import HALF_PI
 from dh2urdf_plugins.readers.words.bounds import REMEMBERED
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 _WITHOUT_UNIT = frozenset("0123456789.+-*/() eEpiPI")
 """What numbers and multiples of pi consist of."""
-_TINY = late_pattern("[eE]-[0-9]{3}")
+_TINY = "[eE]-[0-9]{3}"
 """An exponent, or what looks like one, of numbers too small for a double."""
 
 
@@ -67,7 +67,7 @@ class PlainNumbers:
             return None
         if 0.0 not in numbers:
             return numbers
-        if ("e" in text or "E" in text) and _TINY.search(text) and not all(map(_is_held, column, numbers)):
+        if ("e" in text or "E" in text) and re.search(_TINY, text) and not all(map(_is_held, column, numbers)):
             return None
         return [number + 0.0 for number in numbers] if "-" in text else numbers
 

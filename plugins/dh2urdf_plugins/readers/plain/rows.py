@@ -8,6 +8,7 @@ alone defines what a table means: here a row is read as that would read it, or n
 from __future__ import annotations
 
 import math
+import re
 from collections import defaultdict
 from itertools import accumulate, chain, pairwise
 from math import remainder
@@ -231,9 +232,9 @@ class PlainRows:
             and not (order_fault(joints) or order_fault(links))
             and not any(map(_HASH, names))
             and not any(map(is_turned_variable, names))
-            and not any(map(DECIMAL.fullmatch, names))
-            and not any(map(NUMBER.fullmatch, names))  # a column of numbers counts the joints
-            and not all(map(AXIS.fullmatch, joints))  # which may be no names
+            and not any(re.fullmatch(DECIMAL, name) for name in names)
+            and not any(re.fullmatch(NUMBER, name) for name in names)  # a column of numbers counts the joints
+            and not all(re.fullmatch(AXIS, joint) for joint in joints)  # which may be no names
             and are_joints(alike, typed="type" in self.column)
         )
 

@@ -6,7 +6,6 @@ import math
 import re
 from typing import TYPE_CHECKING
 
-from dh2urdf.patterns import late_pattern
 from dh2urdf.quantities import Dimension, Quantity, QuantityError, accepted_units, evaluate
 from dh2urdf.rotations import HALF_PI, rounded_quarter_turn
 from dh2urdf.source import Mark, Problem, shown
@@ -20,7 +19,7 @@ if TYPE_CHECKING:
     from dh2urdf.quantities import Unit
     from dh2urdf_plugins.readers.words.cells import Cell, Doubt, Units
 
-_MEANT_VARIABLE = late_pattern(r"(?<![a-zA-Z])(?:q|θ|ϑ|th|theta)[\W_]{0,3}[0-9ij₀-₉]", re.IGNORECASE)
+_MEANT_VARIABLE = r"(?i)(?<![a-zA-Z])(?:q|θ|ϑ|th|theta)[\W_]{0,3}[0-9ij₀-₉]"
 """A joint variable, in a cell that cannot be read: ``θ2 - θ1``."""
 FULL_TURN = 2 * math.pi
 LARGEST_ANGLE = 1000 * FULL_TURN
@@ -246,7 +245,7 @@ def variables_in(cells: Mapping[str, Cell]) -> dict[str, int | None]:
         try:
             variable = evaluate(cell.text, dimension, decimal_comma=True).variable  # `q1 + 1,57`, too
         except QuantityError:
-            if name == "theta" and _MEANT_VARIABLE.search(cell.text):
+            if name == "theta" and re.search(_MEANT_VARIABLE, cell.text):
                 found[name] = None  # the cell is refused, and lacks no variable besides
             continue
         if variable is not None:

@@ -11,7 +11,6 @@ from itertools import pairwise
 from typing import TYPE_CHECKING
 
 from dh2urdf.manipulator import JointType
-from dh2urdf.patterns import late_pattern
 from dh2urdf.source import Problem, shown
 from dh2urdf_plugins.readers.header.unknown_columns import is_direction
 from dh2urdf_plugins.readers.rows.cells import variables_in
@@ -30,21 +29,21 @@ Cells = dict[str, Cell]
 LABEL = ""
 """The key of a cell that names its row in a column that no field knows."""
 NUMBER_TEXT = r"([0-9]{1,9})(?:\.0+)?"
-NUMBER = late_pattern(NUMBER_TEXT)
+NUMBER = NUMBER_TEXT
 """A name that is the number of a row."""
-AXIS = late_pattern(r"([-+−–])?\s*[xyz]\s*([-+−–])?", re.IGNORECASE)
+AXIS = r"(?i)([-+−–])?\s*[xyz]\s*([-+−–])?"
 """A name that is an axis of a frame."""
-DECIMAL = late_pattern(r"[-+]?[0-9]*[.,][0-9]+")
+DECIMAL = r"[-+]?[0-9]*[.,][0-9]+"
 TWISTING = ("T", "t")
 """A type that may be that of a joint that turns about the axis of its link."""
 MOST_CHANCE = 3
 """From this number of rows on, a theta that has the number of each row counts them."""
 _AT_START = frozenset("+-.,0123456789")
 """What either may begin with."""
-_ZERO = late_pattern(r"0+(?:\.0+)?")
-_LABELLED = late_pattern(rf"(?:[^\W\d_]{{1,12}}[\s_.#-]*)?{NUMBER_TEXT}\s*[*†‡§]?")
+_ZERO = r"0+(?:\.0+)?"
+_LABELLED = rf"(?:[^\W\d_]{{1,12}}[\s_.#-]*)?{NUMBER_TEXT}\s*[*†‡§]?"
 """The number of a row behind a word, or before the mark of a footnote: ``J1``, ``Axis 1``, ``1*``."""
-_BOUND = late_pattern(r"[1-9]|pi|π", re.IGNORECASE)
+_BOUND = r"(?i)[1-9]|pi|π"
 _MEANT: dict[RowKind, str] = {
     "total": "remove the row, or write its type if it is a joint",
     "frame": "write fixed if nothing moves there, or revolute if it does",
@@ -133,7 +132,7 @@ class _Rows:
         first = next(iter(self.indexes.values()), None)
         if first is None or first.text.isdigit() or not all("joint" in cells for _, cells, _ in self.rows):
             return
-        if any(_LABELLED.fullmatch(index.text) for index in self.indexes.values()):
+        if any(re.fullmatch(_LABELLED, index.text) for index in self.indexes.values()):
             return
         message = f"the column of numbers holds none, and is left out: {shown(first.text)}"
         self.reader.add(Problem(message=message, severity="notice", mark=first.mark, field="index"))
@@ -153,7 +152,7 @@ class _Rows:
     def _leave_out_axes(self) -> None:
         """Leaves out a column of joints that holds axes of frames: ``Z``, ``Y``, ``-Y``."""
         named = {place: cells["joint"] for place, cells, _ in self.rows if "joint" in cells}
-        axes = [(place, AXIS.fullmatch(cell.text)) for place, cell in named.items()]
+        axes = [(place, re.fullmatch(AXIS, cell.text)) for place, cell in named.items()]
         signs = {place: match[1] or match[2] or "" for place, match in axes if match}
         are_names = len({cell.text.casefold() for cell in named.values()}) == len(self.rows) and not any(signs.values())
         if not named or len(signs) < len(named):
@@ -175,17 +174,17 @@ class _Rows:
 
     def _number_of(self, place: int, first: Cell) -> int:
         """The number of a row in a column that counts the rows as its first cell does."""
-        return place if self.reader.from_zero and _ZERO.fullmatch(first.text) else place + self.first
+        return place if self.reader.from_zero and re.fullmatch(_ZERO, first.text) else place + self.first
 
     def _check_index(self, index: Cell, place: int) -> None:
         """Refuses the index of a row that is not the row's number."""
         number = self._number_of(place, self.indexes.get(0, index))
         if index.text == str(number):
             return
-        match = _LABELLED.fullmatch(index.text)
+        match = re.fullmatch(_LABELLED, index.text)
         if (match and int(match[1]) == number) or (number == 0 and is_base(index.text)):
             return
-        zero = place == 0 and _ZERO.fullmatch(index.text)
+        zero = place == 0 and re.fullmatch(_ZERO, index.text)
         self.reader.add(
             Problem(
                 message=f"the index is {shown(index.text)}, and this is row {number}",
@@ -203,8 +202,8 @@ class _Rows:
         cells = {place: row[field] for place, row, _ in self.rows if field in row and not self._is_base(place)}
         if not any(cell.text[:1] in _AT_START for cell in cells.values()):
             return
-        matches = {place: NUMBER.fullmatch(cell.text) for place, cell in cells.items()}
-        if cells and not any(matches.values()) and all(DECIMAL.fullmatch(cell.text) for cell in cells.values()):
+        matches = {place: re.fullmatch(NUMBER, cell.text) for place, cell in cells.items()}
+        if cells and not any(matches.values()) and all(re.fullmatch(DECIMAL, cell.text) for cell in cells.values()):
             first = next(iter(cells.values()))
             message = f"the column of {field}s holds decimal numbers, which are kept as names: {shown(first.text)}"
             self.reader.add(Problem(message=message, severity="notice", mark=first.mark, field=field, found=first.text))
@@ -230,7 +229,7 @@ class _Rows:
             )
         names = {place: f"{field}_{match[1]}" for place, match in matches.items() if match}
         base = next((row[field] for place, row, _ in self.rows if field in row and self._is_base(place)), None)
-        if base and _ZERO.fullmatch(base.text):
+        if base and re.fullmatch(_ZERO, base.text):
             names, cells = {0: f"{field}_0", **names}, {0: base, **cells}
         for place, row, _ in self.rows:
             if place in names:
@@ -313,7 +312,7 @@ class _Rows:
         is_zero = place == 0 and (
             is_base(self.indexes[0].text)
             if place in self.indexes
-            else bool(_ZERO.fullmatch(name)) and self._variables_are_places()
+            else bool(re.fullmatch(_ZERO, name)) and self._variables_are_places()
         )
         if still and kind not in ("total", "slide") and (kind or is_zero):
             called = shown(name or self.indexes[0].text)
@@ -353,7 +352,7 @@ class _Rows:
         if place in self.variables:
             return "a joint variable"
         bounds = [cells[bound].text for bound in ("lower", "upper") if bound in cells]
-        if not self.variables and any(map(_BOUND.search, bounds)) and not holds_type(name, place + 1):
+        if not self.variables and any(re.search(_BOUND, bound) for bound in bounds) and not holds_type(name, place + 1):
             return "bounds"
         names = [self._name_of(row, cells) for row, cells, _ in self.rows]
         is_first = place == 0 and not self.variables and is_first_joint(names)
@@ -365,7 +364,7 @@ class _Rows:
             if cell is not None:
                 return cell.text
         index = self.indexes.get(place)
-        return index.text if index and not NUMBER.fullmatch(index.text) and not is_base(index.text) else ""
+        return index.text if index and not re.fullmatch(NUMBER, index.text) and not is_base(index.text) else ""
 
     def _add_problem(
         self,

@@ -13,7 +13,6 @@ from functools import lru_cache
 from typing import TYPE_CHECKING, Literal
 
 from dh2urdf.manipulator import JointType
-from dh2urdf.patterns import late_pattern
 from dh2urdf.source import Problem, shown
 from dh2urdf_plugins.readers.words.fields import joint_type
 from dh2urdf_plugins.readers.words.word_keys import without_separators
@@ -95,18 +94,15 @@ _MOTIONS = _words(
     "trans transl translate translates slides tz schieben schiebt verschieben gleiten glisse coulisse desliza scorre"
 )
 """What a joint that slides does, in a column that no field knows."""
-_SLIDE_SYMBOL = late_pattern(r"[pd][0-9]{0,3}")
+_SLIDE_SYMBOL = r"[pd][0-9]{0,3}"
 """``P2`` between ``R1`` and ``R3``, and the variable ``d2`` between ``θ1`` and ``θ3``."""
-_SLIDE_IN_PROSE = late_pattern(
-    r"(?<![^\W_])(?:pri[sz]m[aá]ti|schubgelenk|призматич|поступательн\w* (?:пара|кинематич|сочлен|шарнир)"
-    r"|pryzmatyczn|przesuwn)|移动副|移动关节|直动关节|直動関節|직동 ?관절|병진 ?관절",
-    re.IGNORECASE,
+_SLIDE_IN_PROSE = (
+    r"(?i)(?<![^\W_])(?:pri[sz]m[aá]ti|schubgelenk|призматич|поступательн\w* (?:пара|кинематич|сочлен|шарнир)"
+    r"|pryzmatyczn|przesuwn)|移动副|移动关节|直动关节|直動関節|직동 ?관절|병진 ?관절"
 )
-_TYPE_BEHIND = late_pattern(
-    r"[^\W_].*[(\[\uff08]([^()\[\]\uff08\uff09]*)[)\]\uff09]\s*|[a-z].*[0-9]\s*[\s_:/,-]\s*(p)\s*", re.IGNORECASE
-)
+_TYPE_BEHIND = r"(?i)[^\W_].*[(\[\uff08]([^()\[\]\uff08\uff09]*)[)\]\uff09]\s*|[a-z].*[0-9]\s*[\s_:/,-]\s*(p)\s*"
 """``Joint 2 (P)``, ``Joint 2 (elbow, prismatic)``, ``J2-P``."""
-_BREAKS = late_pattern(r"[\s_:/,()\[\]\u2013-]+")
+_BREAKS = r"[\s_:/,()\[\]\u2013-]+"
 _UNMOVED = _words("""
     f fix notused unused passive passiv dummy virtual locked notactuated unactuated inactive gesperrt mimic mimics
     coupled disabled frozen blocked clamped welded notdriven undriven notmotorized nomotor notmoving bloque
@@ -116,16 +112,15 @@ _UNMOVED = _words("""
 """What is behind the name of a joint that does not move, or not by itself."""
 _STILL = (_UNMOVED - {"f", "fix"}) | _words("fixed fest fixe fijo fija fisso fissa fixo fixa")
 """The same where it may be one word of a name."""
-_TO_FRAME = late_pattern(r"[0-9]{1,3}\s*(?:-+>|[→➔⟶])\s*[a-z]", re.IGNORECASE)
+_TO_FRAME = r"(?i)[0-9]{1,3}\s*(?:-+>|[→➔⟶])\s*[a-z]"
 """The last row of a table whose rows are ``0->1``, ``1->2``: ``6->G`` leads to the gripper."""
 _HINTS = tuple(filter(str.isascii, _TOTALS | _FRAMES | _SLIDES | _SLIDING | (_UNMOVED - {"f"})))
-_REMARK = late_pattern(
-    r"(?<![^\W_])(?:(?P<sign>reversed|inverted|invertiert|invertid|inversé|negated|negative|flipped|mirrored|gespiegelt"
+_REMARK = (
+    r"(?i)(?<![^\W_])(?:(?P<sign>reversed|inverted|invertiert|invertid|inversé|negated|negative|flipped|mirrored|gespiegelt"
     r"|umgekehrt|(?:counter|anti)?[ -]?clockwise|(?<=[(\[\uff08])(?:c?cw|inv\.?|[-−–])(?=[)\]\uff09])"
     r"|(?<=[0-9][\s_])c?cw$|upside down)|(?P<motion>coupled|gekoppelt|couplé|acoplad|accoppiat|mimic|continuous"
     r"|(?<=[(\[])(?:mm|cm|m)(?=[)\]])))"
-    r"|(?P<sign2>反向|反转)|(?P<motion2>耦合)|(?<=[(\[\uff08])(?P<value>[^()\[\]]*(?:[±°]|(?<![0-9])[-+−]\s?(?:[0-9][0-9.]|pi|π))[^()\[\]]*)[)\]\uff09]",
-    re.IGNORECASE,
+    r"|(?P<sign2>反向|反转)|(?P<motion2>耦合)|(?<=[(\[\uff08])(?P<value>[^()\[\]]*(?:[±°]|(?<![0-9])[-+−]\s?(?:[0-9][0-9.]|pi|π))[^()\[\]]*)[)\]\uff09]"
 )
 """What a name says about its joint: ``elbow [inverted]``, ``J3 coupled to J2``, ``J1 (±170°)``."""
 _IN_REMARKS = tuple(
@@ -133,7 +128,7 @@ _IN_REMARKS = tuple(
     "gekoppelt acoplad accoppiat mimic continuous 反 耦".split()
 )
 """What such a name has one of."""
-_DIGITS = late_pattern(r"[0-9]+")
+_DIGITS = r"[0-9]+"
 _LONGEST = 60
 
 
@@ -145,15 +140,15 @@ def kind_of(name: str) -> RowKind | None:
     key = _key(name)
     if is_total(name):
         return "total"
-    if name and (not key or _consists_of(key, _FRAMES, _OF_FRAMES) or _TO_FRAME.fullmatch(name)):
+    if name and (not key or _consists_of(key, _FRAMES, _OF_FRAMES) or re.fullmatch(_TO_FRAME, name)):
         return "frame"
-    slides = _SLIDE_SYMBOL.fullmatch(key) or _consists_of(key, _SLIDES | _SLIDING, _OF_SLIDES)
+    slides = re.fullmatch(_SLIDE_SYMBOL, key) or _consists_of(key, _SLIDES | _SLIDING, _OF_SLIDES)
     return "slide" if slides or speaks_of_slide(name) else _kind_behind(name)
 
 
 def _kind_behind(name: str) -> RowKind | None:
     """What a row is by what is behind its name: ``Joint 2 (P)``, ``J7 [fixed]``."""
-    match = _TYPE_BEHIND.fullmatch(name)
+    match = re.fullmatch(_TYPE_BEHIND, name)
     for word in re.split("[,;/]", match[1] or match[2]) if match else ():
         key = _key(word)
         kind = joint_type(word) if len(key) > 1 and key.isalpha() else None
@@ -169,14 +164,14 @@ def kind_of_name(name: str) -> RowKind | None:
     """The same of a name, which may have a word for what does not move: ``fixed elbow``, ``J3 - not used``."""
     if len(name) > _LONGEST or not any(hint in _key(name) for hint in _STILL):
         return kind_of(name)
-    first, *others = filter(None, map(_key, _BREAKS.split(name)))
+    first, *others = filter(None, map(_key, re.split(_BREAKS, name)))
     beside = {first, *others[-1:], "".join(others[-2:]), _key(name)}
     return kind_of(name) if beside.isdisjoint(_STILL) else "frame"
 
 
 def remark_in(name: str) -> str | None:
     """What a name says about its joint besides: its sign, motion or value, as in ``wrist (reversed)``; or None."""
-    if not any(hint in name.lower() for hint in _IN_REMARKS) or not (match := _REMARK.search(name)):
+    if not any(hint in name.lower() for hint in _IN_REMARKS) or not (match := re.search(_REMARK, name)):
         return None
     return next(kind.rstrip("2") for kind, text in match.groupdict().items() if text)
 
@@ -188,7 +183,7 @@ def is_total(name: str) -> bool:
 
 def speaks_of_slide(text: str) -> bool:
     """Whether prose speaks of a prismatic joint: ``joint 3 is prismatic``."""
-    return _SLIDE_IN_PROSE.search(text) is not None
+    return re.search(_SLIDE_IN_PROSE, text) is not None
 
 
 def holds_type(text: str, number: int) -> bool:
@@ -200,7 +195,7 @@ def holds_type(text: str, number: int) -> bool:
     """
     if text.isalpha() and joint_type(text) not in (None, JointType.REVOLUTE):
         return True
-    symbol = _SLIDE_SYMBOL.fullmatch(_key(text[:_LONGEST]))
+    symbol = re.fullmatch(_SLIDE_SYMBOL, _key(text[:_LONGEST]))
     if symbol:
         return symbol[0][1:] in ("", str(number))
     if kind_of(text) != "slide":
@@ -224,7 +219,7 @@ def is_first_joint(names: Sequence[str]) -> bool:
 
     A base that does not move has the number 0, or none; and in ``1 (base)``, ``2 (joint 1)`` the joints have others.
     """
-    counts = [_DIGITS.findall(name) for name in names]
+    counts = [re.findall(_DIGITS, name) for name in names]
     is_counted = len(names) > 1 and counts == [[str(number)] for number in range(1, len(names) + 1)]
     return is_counted and _consists_of(_key(names[0]), _TURNING_BASES, _words("joint jnt axis j gelenk achse axe"))
 
@@ -238,8 +233,14 @@ def are_joints(names: Collection[str], *, typed: bool) -> bool:
     """
     text = without_separators("".join(names))  # a name that has a word has it here, too
     keys = list(map(_key, names))
-    doubtful = any(hint in text for hint in _HINTS) or not all(keys) or any(map(_SLIDE_SYMBOL.fullmatch, keys))
-    doubtful = doubtful or any(map(_TYPE_BEHIND.fullmatch, names)) or any(map(_TO_FRAME.fullmatch, names))
+    doubtful = (
+        any(hint in text for hint in _HINTS) or not all(keys) or any(re.fullmatch(_SLIDE_SYMBOL, key) for key in keys)
+    )
+    doubtful = (
+        doubtful
+        or any(re.fullmatch(_TYPE_BEHIND, name) for name in names)
+        or any(re.fullmatch(_TO_FRAME, name) for name in names)
+    )
     kinds = set(map(kind_of_name, names)) if doubtful else set()
     return "total" not in kinds and (typed or kinds <= {None}) and not any(map(remark_in, names))
 

@@ -11,9 +11,8 @@ whose rows are those of the modified convention where γ and b are 0.
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
-from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.manipulator import Convention, DHRow, JointType
 from dh2urdf.rotations import HALF_PI, ZERO, RigidTransform, cos_sin, multiply, rotation_x, rotation_y, rotation_z
 from dh2urdf.source import Problem, free_name, shown

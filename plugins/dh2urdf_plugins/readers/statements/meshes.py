@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from dh2urdf.errors import ConfigError
-from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.manipulator import MeshShape
 from dh2urdf.meshes import find_mesh
 from dh2urdf.quantities import Dimension

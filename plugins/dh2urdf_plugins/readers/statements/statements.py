@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import field, replace
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 from dh2urdf.documents import load_yaml
 from dh2urdf.errors import TableError
-from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.manipulator import Convention, LinkGeometry, Manipulator, MeshShape, Payload
 from dh2urdf.provenance import Said
 from dh2urdf.quantities import UNITS, Dimension, QuantityError, Unit, accepted_units, find_unit, unit_word

@@ -5,14 +5,13 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING
 
-from dh2urdf.patterns import late_pattern
 from dh2urdf.quantities import UNITS, Dimension, is_unit, unit_word
 from dh2urdf_plugins.readers.words.cells import Cell
 
 if TYPE_CHECKING:
     from dh2urdf.documents import Node
 
-_BETWEEN = late_pattern(r"\s*[/&]\s*|\s+(?:and|und|et|y|e)\s+|\s+")
+_BETWEEN = r"\s*[/&]\s*|\s+(?:and|und|et|y|e)\s+|\s+"
 MEANT_KEYS = {
     **dict.fromkeys(("torque", "force", "friction"), "did you mean 'effort'?"),
     **dict.fromkeys(("speed", "rate"), "did you mean 'velocity'?"),
@@ -38,7 +37,7 @@ def _words(part: str) -> list[str]:
     """The units of a part: one, or several with spaces, with a slash as in ``mm/deg`` or with a word between them."""
     if is_unit(part):
         return [part]
-    several = _BETWEEN.split(part)
+    several = re.split(_BETWEEN, part)
     units = [UNITS.get(unit_word(word)) for word in several]
     are_measures = all(unit and unit.dimension in (Dimension.LENGTH, Dimension.ANGLE) for unit in units)
     return several if are_measures else part.split()

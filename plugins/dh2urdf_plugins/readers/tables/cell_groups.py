@@ -7,10 +7,8 @@ two ways is refused.
 from __future__ import annotations
 
 import re
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
-from dh2urdf.late_tuples import NamedTuple
-from dh2urdf.patterns import late_pattern
 from dh2urdf.quantities import MAX_CHARACTERS, is_unit
 from dh2urdf.row_fields import COM, INERTIA
 from dh2urdf.source import shown
@@ -32,24 +30,24 @@ ACCEPTED = {
 """What a cell of several fields accepts, by field."""
 
 _BRACKETS = "[](){}<>"
-_PLUS_MINUS = late_pattern(r"(?:±|\+\s*/?\s*-|-\s*/\s*\+)\s*(.+)")
-_TO = late_pattern(
+_PLUS_MINUS = r"(?:±|\+\s*/?\s*-|-\s*/\s*\+)\s*(.+)"
+_TO = (
     r"\s*(?:…|\.{2,}|[~〜～至到→]|-+>|[≤<]=?[^0-9≤<]{1,9}?[0-9]{0,2}\s*[≤<]=?)\s*|\s+[-–—]\s+(?=[-+])"
     r"|\s+(?:to|bis|up to|jusqu'à|à|a|hasta|fino a|até|до|do)\s+"
 )
 """Between two bounds: ``-170 to 170``, ``-170° ≤ θ1 ≤ 170°``, ``-170 – +170``."""
-_SPACED = late_pattern(r"(-(?:(?!\s[-–—]).)*)\s+[-–—]\s+([0-9.πp](?:(?!\s[-–—]).)*)", re.IGNORECASE)
+_SPACED = r"(?i)(-(?:(?!\s[-–—]).)*)\s+[-–—]\s+([0-9.πp](?:(?!\s[-–—]).)*)"
 """Two bounds with a dash between spaces, the first of them negative: ``-170 – 170``."""
-_FROM = late_pattern(r"^(?:from|von|de|desde|da|od|от)\s+(?=[-+0-9])", re.IGNORECASE)
+_FROM = r"(?i)^(?:from|von|de|desde|da|od|от)\s+(?=[-+0-9])"
 _DECIMAL_COMMA = r"(?<=[0-9]),(?=(?:[0-9]{1,2}|[0-9]{4,})(?![0-9]))"
 _NUMBER = r"[+-]?\s*[0-9]+(?:[.,][0-9]+)?(?:e[+-]?[0-9]+)?"
-_PAIR = late_pattern(rf"({_NUMBER}[^0-9/+,;-]*?)\s*([/÷]|\s(?=[+0-9.]))\s*({_NUMBER}[^0-9/,;]*)", re.IGNORECASE)
-_DASHED = late_pattern(r"([+-]?\s*[0-9][^+–—-]*)[–—-]\s*([0-9][^+–—-]*)")
-_NAMED_PART = late_pattern(r"([a-z_]+)\s*[:=]\s*((?:[^,;=:]|,(?=[0-9]))+)", re.IGNORECASE)
-_BEFORE_NAME = late_pattern(r",(?=\s*[a-z_]+\s*[:=])", re.IGNORECASE)
+_PAIR = rf"(?i)({_NUMBER}[^0-9/+,;-]*?)\s*([/÷]|\s(?=[+0-9.]))\s*({_NUMBER}[^0-9/,;]*)"
+_DASHED = r"([+-]?\s*[0-9][^+–—-]*)[–—-]\s*([0-9][^+–—-]*)"
+_NAMED_PART = r"(?i)([a-z_]+)\s*[:=]\s*((?:[^,;=:]|,(?=[0-9]))+)"
+_BEFORE_NAME = r"(?i),(?=\s*[a-z_]+\s*[:=])"
 """A comma between parts that are named; any other one is a decimal sign."""
-_DIAGONAL = late_pattern(r"diag\s*[(\[]([^()\[\]]*)[)\]]", re.IGNORECASE)
-_UNIT_AT_END = late_pattern(r"[\d.)\]}iIπ]\s*([^\W\d]+[\w·/²*^]*|°)\s*$")
+_DIAGONAL = r"(?i)diag\s*[(\[]([^()\[\]]*)[)\]]"
+_UNIT_AT_END = r"[\d.)\]}iIπ]\s*([^\W\d]+[\w·/²*^]*|°)\s*$"
 PARTS = {"min": "lower", "max": "upper", "lower": "lower", "upper": "upper", "x": "com_x", "y": "com_y", "z": "com_z"}
 PARTS |= {"min_position": "lower", "max_position": "upper", "max_velocity": "velocity", "max_effort": "effort"}
 """The fields that the parts of a cell are called by."""
@@ -93,8 +91,8 @@ def split_cell(field: Field, text: str, *, decimal_comma: bool = False) -> dict[
 def _named_parts(field: Field, text: str) -> dict[str, str] | None:
     """Parts that are called by their names: ``min: -170, max: 170``, ``x=0, y=0, z=0.1``."""
     inner = text.strip(_BRACKETS)
-    texts = inner.split(";") if ";" in text else _BEFORE_NAME.split(inner)
-    pairs = [match.groups() for part in texts if (match := _NAMED_PART.fullmatch(part.strip()))]
+    texts = inner.split(";") if ";" in text else re.split(_BEFORE_NAME, inner)
+    pairs = [match.groups() for part in texts if (match := re.fullmatch(_NAMED_PART, part.strip()))]
     names = [PARTS.get(name.lower(), name.lower()) for name, _ in pairs]
     if len(pairs) < len(texts) or len(set(names)) < len(names) or not set(names) <= set(field.parts):
         return None
@@ -105,17 +103,17 @@ def _named_parts(field: Field, text: str) -> dict[str, str] | None:
 
 
 def _bounds(text: str, *, decimal_comma: bool) -> dict[str, str] | GroupError:
-    inner, unit = _without_brackets(_FROM.sub("", text, count=1))
-    if match := _PLUS_MINUS.fullmatch(inner):
+    inner, unit = _without_brackets(re.sub(_FROM, "", text, count=1))
+    if match := re.fullmatch(_PLUS_MINUS, inner):
         # Between commas a cell in quotes may have one, too; there three digits behind it may be thousands.
         size = re.sub("(?<=[0-9]),(?=[0-9])" if decimal_comma else _DECIMAL_COMMA, ".", match[1])
         if re.search(r"[+±,;…~]|-|\.\.", size) or not re.search(r"[\w(]", size):  # `±∞`
             return _not_two(text)
         return _both(f"-{match[1]}", match[1], unit)
-    pair = _TO.split(inner)
-    if len(pair) == 1 and (match := _SPACED.fullmatch(inner)):
+    pair = re.split(_TO, inner)
+    if len(pair) == 1 and (match := re.fullmatch(_SPACED, inner)):
         pair = [match[1], match[2]]
-    if len(pair) == 1 and (match := _PAIR.fullmatch(inner)):
+    if len(pair) == 1 and (match := re.fullmatch(_PAIR, inner)):
         pair = [match[1], match[3]]
         if doubt := _doubt(match, text):
             return doubt
@@ -162,7 +160,7 @@ def _not_two(text: str) -> GroupError:
             f"{shown(text)} is one number, and a range has two",
             f"write '±{text}' if the joint moves so far to both sides, or '0..{text}' if it starts at 0",
         )
-    dash = _DASHED.fullmatch(text)
+    dash = re.fullmatch(_DASHED, text)
     return GroupError(
         f"{shown(text)} cannot be read as two bounds",
         f"a dash may be a minus: write '{dash[1].strip()} to {dash[2].strip()}' if it means that" if dash else None,
@@ -171,7 +169,7 @@ def _not_two(text: str) -> GroupError:
 
 def unit_at_end(text: str) -> str | None:
     """The unit at the end of a number, if there is one."""
-    match = _UNIT_AT_END.search(text)
+    match = re.search(_UNIT_AT_END, text)
     return match[1] if match and is_unit(match[1]) else None
 
 
@@ -214,7 +212,7 @@ def _with_unit(item: str, unit: str | None) -> str:
 
 
 def _tensor(text: str, *, decimal_comma: bool) -> dict[str, str] | GroupError:
-    if match := _DIAGONAL.fullmatch(text):
+    if match := re.fullmatch(_DIAGONAL, text):
         items = _items(match[1], decimal_comma=decimal_comma)
         if len(items) == len(TENSOR):
             return dict(zip(INERTIA, [*items, "0", "0", "0"], strict=True))

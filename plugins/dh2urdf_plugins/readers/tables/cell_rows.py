@@ -8,7 +8,6 @@ from itertools import chain, islice
 from typing import TYPE_CHECKING
 
 from dh2urdf.errors import SCREENFUL
-from dh2urdf.patterns import late_pattern
 from dh2urdf.source import Problem, listed, shown
 from dh2urdf.table_text import REQUIRED
 from dh2urdf_plugins.readers.comments.declared import comment_below
@@ -34,12 +33,12 @@ _BATCH = 200
 """Rows that are handed on at once."""
 BELOW = "what is below the table, after an empty row"
 NOTE_HINT = "if this is a note, put an empty row before it, or a # at its beginning"
-_PROSE = late_pattern(
-    r"(?:(?:[*†‡§•>\\_¹²³⁰⁴-⁹][*\\_\s]*|-\s+(?=[^\W\d_]{3})|[\[(]?(?:[0-9]{1,2}|[a-z])[)\]:]\s*|[0-9]\.\s+)[^\W\d_]{2,}|[^\W\d_]{3,})(?:[\s:;,.]|$)",
-    re.IGNORECASE,
+_PROSE = (
+    r"(?i)(?:(?:[*†‡§•>\\_¹²³⁰⁴-⁹][*\\_\s]*|-\s+(?=[^\W\d_]{3})|[\[(]?(?:[0-9]{1,2}|[a-z])[)\]:]\s*|[0-9]"
+    r"\.\s+)[^\W\d_]{2,}|[^\W\d_]{3,})(?:[\s:;,.]|$)"
 )
 """How a note begins, and no number, expression or symbol: with a word, perhaps behind the mark of a footnote."""
-_FOOTMARK = late_pattern(r"[*†‡§•¹²³⁰⁴-⁹]+|[\[(]?[0-9a-z][)\]]")
+_FOOTMARK = r"[*†‡§•¹²³⁰⁴-⁹]+|[\[(]?[0-9a-z][)\]]"
 """The mark of a footnote in a cell of its own."""
 
 
@@ -214,8 +213,8 @@ def is_note(row: CellRow, geometry: Iterable[int], width: int) -> bool:
     """
     texts = [text_in(cell).strip(SPACES) for cell in row.cells]
     filled = [text for text in texts if text]
-    filled = filled[len(filled) > 1 and _FOOTMARK.fullmatch(filled[0]) is not None :]
-    if not _PROSE.match(filled[0]):
+    filled = filled[len(filled) > 1 and re.fullmatch(_FOOTMARK, filled[0]) is not None :]
+    if not re.match(_PROSE, filled[0]):
         return False
     if len(filled) == 1:
         return True

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+import re
 from typing import TYPE_CHECKING
 
-from dh2urdf.patterns import late_pattern
 from dh2urdf.quantities import DEGREE_SIGNS, is_unit, is_zero
 from dh2urdf.source import Mark, Problem, shown
 from dh2urdf.table_text import REQUIRED
@@ -34,10 +34,10 @@ if TYPE_CHECKING:
     from dh2urdf_plugins.readers.statements.statements import Statements
     from dh2urdf_plugins.readers.words.cells import Units, Value
 
-_DECIMAL_COMMA = late_pattern(
+_DECIMAL_COMMA = (
     rf"[-+−]?[0-9]*,[0-9]+(?:[eE][-+]?[0-9]+)?\s*(?:[^\W\d_]{{1,3}}|[{DEGREE_SIGNS}])?(?:[/·][^\W\d_]{{1,3}})?"
 )
-_DIGITS = late_pattern(r"[0-9]{2,}")
+_DIGITS = r"[0-9]{2,}"
 _STEPS = {"parent": "child", "parentlink": "childlink", "from": "to", "predecessor": "successor", "von": "nach"}
 """Headers of the link that a row begins at, and of that which it leads to, as a description has them."""
 
@@ -99,7 +99,7 @@ class TableCells:
             if name is None:
                 self._refuse(index, refused(cell, columns.headers[index], columns.unheld[index], joint, number=number))
                 continue
-            if name in ("joint", "link") and "#" in cell.text and SPREADSHEET_ERROR.match(cell.text):
+            if name in ("joint", "link") and "#" in cell.text and re.match(SPREADSHEET_ERROR, cell.text):
                 reader.add(_spreadsheet_error(cell, name, joint))
             found = self._split(cell, name, number, reader) if name in GROUPS else {name: cell}
             for part, of_part in found.items():
@@ -161,7 +161,7 @@ class TableCells:
         """
         if self.columns.decimal_comma:
             self.signs.note(cell, name, number)
-        elif self.columns.quoted_commas and "," in cell.text and _DECIMAL_COMMA.fullmatch(cell.text):
+        elif self.columns.quoted_commas and "," in cell.text and re.fullmatch(_DECIMAL_COMMA, cell.text):
             self.signs.note(cell, name, number)
             return cell._replace(text=cell.text.replace(",", "."))
         elif self.columns.quoted_commas and "." in cell.text:
@@ -323,7 +323,7 @@ class Remarks:
     def say_nothing(self, texts: Iterable[str]) -> bool:
         """Whether cells say nothing that has not been reported."""
         for text in texts:
-            shape = _DIGITS.sub("10", text)
+            shape = re.sub(_DIGITS, "10", text)
             if text in self.known or shape in self.quiet or not _is_remark(text):
                 continue
             if self._said_in(Comment.note(text, self.whole), 1):

@@ -7,12 +7,10 @@ puts cells in quotes, and splits what stood between brackets at every comma. Her
 from __future__ import annotations
 
 import csv
-from dataclasses import replace
-from typing import TYPE_CHECKING
+import re
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, NamedTuple
 
-from dh2urdf.late_dataclasses import dataclass
-from dh2urdf.late_tuples import NamedTuple
-from dh2urdf.patterns import late_pattern
 from dh2urdf.source import Mark
 from dh2urdf_plugins.readers.words.bounds import MAX_TEXT
 from dh2urdf_plugins.readers.words.cells import SPACES
@@ -29,19 +27,17 @@ _QUOTED = "#>"
 
 _INVISIBLE = SPACES + "\ufeff\u3000"
 _APOSTROPHES = "'\N{RIGHT SINGLE QUOTATION MARK}\N{LEFT SINGLE QUOTATION MARK}`\N{ACUTE ACCENT}"
-_ANY_START = late_pattern(
+_ANY_START = (
     rf'(?P<outer>(?:[{_INVISIBLE},;]|"")*+)(?P<quote>"?)[{_INVISIBLE}]*+[{_APOSTROPHES}]*+[{_INVISIBLE}]*+'
     rf"(?P<sign>{'|'.join(SIGNS)})"
 )
-SPREADSHEET_ERROR = late_pattern(
-    r"\s*#(?:[¡¿]?[A-Z\u00c0-\u00dc][A-Z\u00c0-\u00dc/0-9_ ]*[!?]|N/?[AVD]\b|CALC!|GETTING_DATA|KALK!)"
-)
+SPREADSHEET_ERROR = r"\s*#(?:[¡¿]?[A-Z\u00c0-\u00dc][A-Z\u00c0-\u00dc/0-9_ ]*[!?]|N/?[AVD]\b|CALC!|GETTING_DATA|KALK!)"
 """What spreadsheets write for an error: ``#REF!``, ``#NAME?``, ``#N/A``, in German ``#WERT!`` and ``#NV``."""
-_DECIMAL_COMMA = late_pattern(r"([^,]*?[+-]?[0-9]*),([0-9]+[^,]*)")
+_DECIMAL_COMMA = r"([^,]*?[+-]?[0-9]*),([0-9]+[^,]*)"
 _OPEN_KEY = (":", "=", "\uff1a")
 """What a key ends with whose value is in the next cell."""
 _BRACKETS = frozenset("[{")
-_NUMBER = late_pattern(r"[-+−(]*([0-9]|[.,][0-9]|\\?pi\b|π)")
+_NUMBER = r"[-+−(]*([0-9]|[.,][0-9]|\\?pi\b|π)"
 
 
 @dataclass(frozen=True, slots=True)
@@ -100,7 +96,7 @@ class _Start(NamedTuple):
 def _start_of(line: str) -> _Start | None:
     if line.startswith(MARKERS[0]):
         return _Start("", "", 0, MARKERS[0])  # as most begin
-    match = _ANY_START.match(line) if any(sign in line for sign in SIGNS) else None
+    match = re.match(_ANY_START, line) if any(sign in line for sign in SIGNS) else None
     return _Start(match["outer"], match["quote"], match.start("sign"), match["sign"]) if match else None
 
 
@@ -124,7 +120,7 @@ def is_comment(line: str, *, top: bool = False) -> bool:
             Below, a cell in quotes may be a name.
     """
     start = _start_of(line)
-    if start is None or (line[start.end :][:1] != " " and SPREADSHEET_ERROR.match(line, start.at)):
+    if start is None or (line[start.end :][:1] != " " and re.match(SPREADSHEET_ERROR, line[start.at :])):
         return False
     return top or not (start.quote or start.outer.strip(_INVISIBLE))
 
@@ -189,17 +185,17 @@ def joined(cells: Sequence[str], *, decimal_comma: bool = False) -> str:
 
 def _with_point(part: str) -> str:
     """A part of a list with a decimal point in place of its decimal comma."""
-    match = _DECIMAL_COMMA.fullmatch(part)
+    match = re.fullmatch(_DECIMAL_COMMA, part)
     return f"{match[1]}.{match[2]}" if match else part
 
 
 def fills_row(cells: Sequence[str], required: Iterable[int]) -> bool:
     """Whether cells, the first of which begins as a comment does, are a row: what it needs is there, and a number."""
     filled = [cells[index].strip(SPACES) if index < len(cells) else "" for index in required]
-    return all(filled) and any(map(_NUMBER.match, filled))
+    return all(filled) and any(re.match(_NUMBER, each) for each in filled)
 
 
 def looks_like_row(line: str, delimiter: str, required: Iterable[int]) -> bool:
     """Whether a comment line was a row before it became a comment: there are numbers where a row has them."""
     cells = without_marker(line).split(delimiter)
-    return all(index < len(cells) and _NUMBER.match(cells[index].strip(SPACES)) for index in required)
+    return all(index < len(cells) and re.match(_NUMBER, cells[index].strip(SPACES)) for index in required)

@@ -13,7 +13,6 @@ import re
 from itertools import accumulate
 from typing import TYPE_CHECKING, Any
 
-from dh2urdf.patterns import late_pattern
 from dh2urdf.quantities import UNITS, Dimension
 from dh2urdf.source import Problem, shown
 from dh2urdf_plugins.readers.words.bounds import LONG_ARM
@@ -25,19 +24,17 @@ if TYPE_CHECKING:
     from dh2urdf_plugins.readers.words.cells import Cell, Units
 
 _WORDS = {".": "point", ",": "comma"}
-_GROUPED = {
-    sign: late_pattern(rf"(?<![\w.,])[1-9][0-9]{{0,2}}[{sign}][0-9]{{3}}(?![0-9.,]|[eE][+-]?[0-9])") for sign in ".,"
-}
+_GROUPED = {sign: (rf"(?<![\w.,])[1-9][0-9]{{0,2}}[{sign}][0-9]{{3}}(?![0-9.,]|[eE][+-]?[0-9])") for sign in ".,"}
 """A number that may have its sign between thousands."""
 _SURE = {
-    sign: late_pattern(
+    sign: (
         rf"(?<![\w.,])(?:0[0-9]*|[0-9]{{4,}}|)[{sign}][0-9]+(?![0-9.,])"
         rf"|(?<![\w.,])[0-9]+[{sign}](?:[0-9]{{1,2}}|[0-9]{{4,}}|[0-9]+[eE][+-]?[0-9]+)(?![0-9.,])"
     )
     for sign in ".,"
 }
 """A number whose sign can only be the decimal one."""
-_PLAIN = {sign: late_pattern(rf"^[ \t]*[-+−–]?[0-9]*[{sign}][0-9]+[ \t]*$", re.MULTILINE) for sign in ".,"}
+_PLAIN = {sign: rf"(?m)^[ \t]*[-+−–]?[0-9]*[{sign}][0-9]+[ \t]*$" for sign in ".,"}
 
 
 _THOUSAND = 1000
@@ -72,16 +69,16 @@ class DecimalSigns:
         for sign in _WORDS:
             if sign not in cell.text:
                 continue
-            self.has_commas |= sign == "," and any(form[sign].search(cell.text) for form in (_SURE, _GROUPED))
-            is_grouped = not _SURE[sign].search(cell.text)
+            self.has_commas |= sign == "," and any(re.search(form[sign], cell.text) for form in (_SURE, _GROUPED))
+            is_grouped = not re.search(_SURE[sign], cell.text)
             if not is_grouped or self._is_too_large(cell.text, name, sign):
                 self._sure.setdefault(sign, cell)
-            if is_grouped and sign not in self._grouped and _GROUPED[sign].search(cell.text):
+            if is_grouped and sign not in self._grouped and re.search(_GROUPED[sign], cell.text):
                 self._grouped[sign] = (cell, name, number)
 
     def _is_too_large(self, text: str, name: str, sign: str) -> bool:
         """Whether a number would be none of a table if the sign separated thousands."""
-        if name not in self._largest or not _PLAIN[sign].fullmatch(text):
+        if name not in self._largest or not re.fullmatch(_PLAIN[sign], text):
             return False
         return int(text.strip(" \t+-−–").replace(sign, "")) >= self._largest[name]
 
@@ -129,7 +126,7 @@ def _in_doubt(sign: str, cell: Cell, name: str, number: int, sure: Mapping[str, 
 
 
 def _both_readings(text: str, sign: str) -> str:
-    match = _GROUPED[sign].search(text)
+    match = re.search(_GROUPED[sign], text)
     number = match.group() if match else text
     decimal = number.rstrip("0").rstrip(sign)
     if decimal == number:
@@ -164,6 +161,6 @@ class PlainPoints:
             for index, form in self._numbers
             if isinstance(columns[index][start], str)  # numbers have no such signs
         ]
-        return any("." in text and form.search(text) for text, form in texts) or not any(
-            "." in text and _GROUPED["."].search(text) for text, _ in texts
+        return any("." in text and re.search(form, text) for text, form in texts) or not any(
+            "." in text and re.search(_GROUPED["."], text) for text, _ in texts
         )

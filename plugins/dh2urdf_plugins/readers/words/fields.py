@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from functools import cache
 
-from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.manipulator import Convention, JointType
 from dh2urdf.quantities import Dimension
 from dh2urdf.row_fields import COM, INERTIA, ROW_FIELDS, RowField

@@ -6,11 +6,9 @@ import re
 import unicodedata
 from dataclasses import replace
 from itertools import chain, count, pairwise
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
-from dh2urdf.late_tuples import NamedTuple
 from dh2urdf.manipulator import BASE, ENDS, ROOT, WORLD
-from dh2urdf.patterns import late_pattern
 from dh2urdf.source import Mark, Problem, shown
 
 if TYPE_CHECKING:
@@ -20,9 +18,9 @@ MAX_NAME = 200
 """Length of a name; readers of robot descriptions cut names of a thousand characters, or crash."""
 RESERVED = (WORLD, ROOT, BASE, *ENDS)
 """Links that every robot description of ours has; `world` is the simulators' own."""
-_NUMBERED = late_pattern(r"(.*?)([0-9]{1,9})", re.DOTALL)
-_REMARK = late_pattern(r"(?<=[0-9])\s*[(\[][^()\[\]]*[)\]]$")
-_STEP = late_pattern(r"(\w+)\s*(-*>|[→➔⟶]|[-–]|\bto\b)\s*(\w+)")
+_NUMBERED = r"(?s)(.*?)([0-9]{1,9})"
+_REMARK = r"(?<=[0-9])\s*[(\[][^()\[\]]*[)\]]$"
+_STEP = r"(\w+)\s*(-*>|[→➔⟶]|[-–]|\bto\b)\s*(\w+)"
 _BETWEEN = (">", "-", " to ")
 _DASHES = "-–"
 _FOOTNOTES = "*†‡§¹²³⁴⁵⁶⁷⁸⁹"
@@ -129,15 +127,15 @@ def order_fault(names: Sequence[str]) -> str | None:
         What is wrong with their numbers, as the end of a sentence; None where nothing is.
     """
     may_be_step = any(sign in names[0] for sign in _BETWEEN) or not names[0].isascii()
-    steps = [step for name in names if (step := _STEP.fullmatch(name))] if may_be_step else []
+    steps = [step for name in names if (step := re.fullmatch(_STEP, name))] if may_be_step else []
     if len(steps) == len(names):
         pairs = list(pairwise(steps))
         wrong = [pair for pair in pairs if pair[0][3] != pair[1][1]]
         if wrong and (len(wrong) < len(pairs) or steps[0][2] not in _DASHES):  # `wrist-1`, `wrist-2` are no steps
             return f"do not follow each other: {wrong[0][1][0]} is behind {wrong[0][0][0]}"
     if names[0][-1:] in ")]":
-        names = [_REMARK.sub("", name) for name in names]  # `Joint 1 (shoulder)`
-    parts = [_NUMBERED.fullmatch(name) for name in names] if all(name[-1:].isdecimal() for name in names) else []
+        names = [re.sub(_REMARK, "", name) for name in names]  # `Joint 1 (shoulder)`
+    parts = [re.fullmatch(_NUMBERED, name) for name in names] if all(name[-1:].isdecimal() for name in names) else []
     if not parts or not all(parts) or len({part[1] for part in parts if part}) > 1:
         return None
     numbers = [int(part[2]) for part in parts if part]

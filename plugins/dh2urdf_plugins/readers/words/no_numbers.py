@@ -4,16 +4,14 @@ from __future__ import annotations
 
 import re
 
-from dh2urdf.patterns import late_pattern
 from dh2urdf.table_text import REQUIRED
 
-_NONE = late_pattern(r"[-–—−]+|[/?.…]|n\.?/?a\.?|none|null|nil|nan|tbd|k\.?\s?a\.?", re.IGNORECASE)
-_ENDLESS = late_pattern(
-    r"[+-]?\s*(?:±|\+/-)?\s*(?:inf(?:init[ey]|inity)?|∞)|unlimited|endless|continuous|unbegrenzt|endlos|illimité|ilimitado"
-    r"|illimitato|no limits?",
-    re.IGNORECASE,
+_NONE = r"(?i)[-–—−]+|[/?.…]|n\.?/?a\.?|none|null|nil|nan|tbd|k\.?\s?a\.?"
+_ENDLESS = (
+    r"(?i)[+-]?\s*(?:±|\+/-)?\s*(?:inf(?:init[ey]|inity)?|∞)|unlimited|endless|continuous|unbegrenzt|endlos|illimité|ilimitado"
+    r"|illimitato|no limits?"
 )
-_SYMBOL = late_pattern(
+_SYMBOL = (
     r"\s*[-+−–]?\s*(?:[^\W\d]_?\{?[0-9]{1,2}\}?|(?:[^\W\d]|[0Oo])[₀-₉]{1,2}|[0Oo]\s+[0-9]{1,2})"
     r"(?:\s*[-+−–](?!.*[^\W\d]_?\{?[0-9₀-₉]).*|\s*)"
 )
@@ -34,10 +32,10 @@ def advice_for(name: str, text: str) -> str | None:
         return "write 1, or -1 where the positive direction is the other one"
     if "#" in text or "//" in text:
         return "put the comment on a line of its own, above the row"
-    if name in _BOUNDS and _ENDLESS.fullmatch(text.strip()):
+    if name in _BOUNDS and re.fullmatch(_ENDLESS, text.strip()):
         return "if the joint turns without end, give it the type continuous, and leave its bounds empty"
-    if name == "theta" and _SYMBOL.fullmatch(text):
+    if name == "theta" and re.fullmatch(_SYMBOL, text):
         return "write the joint variable as q1, and what is added to it behind: q1 + pi/2"
-    if name not in _GEOMETRY and _NONE.fullmatch(text.strip()):
+    if name not in _GEOMETRY and re.fullmatch(_NONE, text.strip()):
         return "leave the cell empty if there is none"
     return None

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+import re
 from typing import TYPE_CHECKING
 
-from dh2urdf.patterns import late_pattern
 from dh2urdf.source import Mark, Problem, shown
 from dh2urdf_plugins.readers.words.fields import joint_type
 
@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
     from dh2urdf.manipulator import JointType
 
-_PAIR = late_pattern(
+_PAIR = (
     r"(?<![\w.,+-])(?=([01]|[^\W\d_]+)\s*(?:[=:→]|[-=]>|\s[-–—]\s|\bfor\b|\bis\b|\bmeans\b)\s*"
     r"([01]|[^\W\d_]+)(?![\w.]))"
 )
@@ -21,17 +21,17 @@ _PAIR = late_pattern(
 _CODES = ("0", "1")
 _TURNED = frozenset(("reversed", "reverse", "inverted", "flipped", "opposite", "negative", "invertiert", "invertido"))
 _KEPT = frozenset(("normal", "regular", "unchanged", "same", "positive", "forward"))
-_COUNTED = late_pattern(r"\b(?:joints?|axis|axes|links?|rows?|gelenke?|achsen?|articulation|eje|giunto)\s*$")
+_COUNTED = r"\b(?:joints?|axis|axes|links?|rows?|gelenke?|achsen?|articulation|eje|giunto)\s*$"
 """What a number behind it counts: ``joint 1: revolute`` is no legend."""
 
 
 def _meanings(text: str) -> Iterator[tuple[str, str]]:
     """The meanings that a legend gives to the numbers 0 and 1, as words in lower case."""
     plain = text.casefold()
-    for match in _PAIR.finditer(plain) if any(code in plain for code in _CODES) else ():
+    for match in re.finditer(_PAIR, plain) if any(code in plain for code in _CODES) else ():
         one, other = match.groups()
         code, word = (one, other) if one in _CODES else (other, one)
-        if code in _CODES and not word.isdigit() and not _COUNTED.search(plain[: match.start()]):
+        if code in _CODES and not word.isdigit() and not re.search(_COUNTED, plain[: match.start()]):
             yield code, word
 
 

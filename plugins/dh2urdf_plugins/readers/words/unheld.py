@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dh2urdf.late_tuples import NamedTuple
+from typing import NamedTuple
+
 from dh2urdf.row_fields import ROW_FIELDS
 from dh2urdf_plugins.readers.words.word_keys import key_of, keys_of
 

@@ -5,10 +5,9 @@ from __future__ import annotations
 import datetime as dt
 from collections import defaultdict
 from collections.abc import Sequence
-from dataclasses import field
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, overload
 
-from dh2urdf.late_dataclasses import dataclass
 from dh2urdf.source import Mark, Problem, shown
 from dh2urdf.table_text import CellRow
 from dh2urdf_plugins.readers.words.cells import text_of

@@ -7,8 +7,9 @@ been computed are not among what it gives so, and are read here from the sheet's
 from __future__ import annotations
 
 import posixpath
+import re
 import zipfile
-from dataclasses import field
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, NoReturn
 from xml.parsers import expat
 
@@ -16,8 +17,6 @@ from lxml import etree
 
 from dh2urdf.documents import BROKEN_ARCHIVE, check_file, kind_of_file
 from dh2urdf.errors import TableError
-from dh2urdf.late_dataclasses import dataclass
-from dh2urdf.patterns import late_pattern
 from dh2urdf.source import Mark, Problem
 
 if TYPE_CHECKING:
@@ -34,9 +33,7 @@ _LONGEST_REFERENCE = 20
 _PROLOG = 2**16
 _STRICT = b"http://purl.oclc.org/ooxml/"
 """What the names of a strict workbook's elements begin with (ISO/IEC 29500-1); openpyxl knows the transitional ones."""
-_MARGIN_CODE = late_pattern(
-    r'&(?:(?P<ampersand>&)|(?P<part>[LCR])|"[^"]*"|K(?:[0-9]{2}[+-][0-9]{3}|[0-9A-Fa-f]{6})|[0-9]+|[A-Za-z])'
-)
+_MARGIN_CODE = r'&(?:(?P<ampersand>&)|(?P<part>[LCR])|"[^"]*"|K(?:[0-9]{2}[+-][0-9]{3}|[0-9A-Fa-f]{6})|[0-9]+|[A-Za-z])'
 """What is no text in a header or footer: its parts, fonts, colours, sizes, the page (ECMA-376-1, 18.3.1.46)."""
 _ACCEPTED = "a workbook in the format of Excel 2007 and later (.xlsx)"
 
@@ -214,7 +211,7 @@ def read_layout(path: Path, part: str) -> SheetLayout:
 
 def _margin_texts(text: str) -> list[str]:
     """The texts to the left, in the middle and to the right of the header or footer of a page, without their codes."""
-    plain = _MARGIN_CODE.sub(lambda code: code["ampersand"] or ("\n" if code["part"] else " "), text)
+    plain = re.sub(_MARGIN_CODE, lambda code: code["ampersand"] or ("\n" if code["part"] else " "), text)
     return [" ".join(line.split()) for line in plain.split("\n") if line.strip()]
 
 

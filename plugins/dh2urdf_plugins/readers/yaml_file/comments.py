@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+import re
 from typing import TYPE_CHECKING
 
-from dh2urdf.patterns import late_pattern
 from dh2urdf.source import Mark, Problem, shown
 from dh2urdf_plugins.readers.words.comment_lines import Comment
 
@@ -14,9 +14,9 @@ if TYPE_CHECKING:
     from dh2urdf_plugins.readers.statements.statements import Statements
 
 _MAX_COMMENTS = 1000
-_JOINT = late_pattern(r"-\s.*\b(?:a|alpha|d)\s*:\s*[-+]?(?:[0-9.]|pi)")
+_JOINT = r"-\s.*\b(?:a|alpha|d)\s*:\s*[-+]?(?:[0-9.]|pi)"
 """A joint, in the list of which it is no more."""
-_STATEMENT = late_pattern(r"(base|tool|payload|defaults)\s*[:=]\s*[\[{]")
+_STATEMENT = r"(base|tool|payload|defaults)\s*[:=]\s*[\[{]"
 _BEFORE_QUOTES = ("", ":", ",", "[", "{", "-", "?")
 """What a text in quotes comes after."""
 
@@ -96,7 +96,7 @@ def judge_comments(
 
 def _left_out(comment: Comment, statements: Statements) -> list[Problem]:
     """A notice of a base, a tool or a payload that is declared as in a CSV table, and that no key declares."""
-    match = _STATEMENT.match(comment.text)
+    match = re.match(_STATEMENT, comment.text)
     if match is None or match[1] in statements.placed:
         return []
     message = f"{shown(comment.line)} is a comment, and nothing is read from it"
@@ -107,7 +107,7 @@ def _left_out(comment: Comment, statements: Statements) -> list[Problem]:
 
 def _lost_joint(comment: Comment) -> list[Problem]:
     """A notice of a comment that is a joint: ``# - {a: 0.4, …``."""
-    if not _JOINT.match(comment.text):
+    if not re.match(_JOINT, comment.text):
         return []
     message = f"{shown(comment.line)} is a comment, and no joint"
     return [Problem(message=message, severity="notice", mark=comment.whole, found=comment.line)]

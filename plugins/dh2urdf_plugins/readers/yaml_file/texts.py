@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
+import re
 from contextlib import suppress
 from typing import TYPE_CHECKING
 
 from dh2urdf.documents import load_yaml, read_bytes
 from dh2urdf.errors import TableError
-from dh2urdf.patterns import late_pattern
 from dh2urdf.row_fields import COM, INERTIA
 from dh2urdf.table_text import MESHES, TableText, WrittenTable, yaml_word
 from dh2urdf_plugins.readers.header.words import read_header
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 _GROUPS = {"limits": ("lower", "upper", "velocity", "effort"), "inertia": INERTIA}
 _GROUPED = {field: group for group, fields in _GROUPS.items() for field in fields} | dict.fromkeys(COM, "com")
 _LONGEST = 4 * 2**20
-_FLOW = late_pattern(r"[a-z]+|\{(?:[a-z]+: (?:\[[-\w., /*+]*\]|[-\w.]+)(?:, |(?=\})))+\}")
+_FLOW = r"[a-z]+|\{(?:[a-z]+: (?:\[[-\w., /*+]*\]|[-\w.]+)(?:, |(?=\})))+\}"
 """A mapping of numbers and lists of them, as most are."""
 
 
@@ -55,7 +55,7 @@ def _lines(table: TableText) -> list[str]:
 
 def _mapping(text: str) -> str:
     """A text that is YAML, in braces where it is a mapping without them; in quotes where it would break the file."""
-    if _FLOW.fullmatch(text):
+    if re.fullmatch(_FLOW, text):
         return text
     for written in (text, f"{{{text}}}"):
         with suppress(TableError):

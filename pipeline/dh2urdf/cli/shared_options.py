@@ -167,19 +167,13 @@ class StageCommand(click.Command):
                 return super().parse_args(ctx, list(args))
             except click.NoSuchOption as error:
                 refused = error
-        name = refused.option_name.lstrip("-").replace("-", "_")
-        for kind, stage, field in self._options(ctx, args, everybody=True):
-            if field.name == name and any(parameter.name == "settings" for parameter in self.params):
-                advice = f"`--set {name}=VALUE` gives the {kind} {stage!r} its option."
-                told = f"No such option {refused.option_name!r}; {advice}"
-                raise click.NoSuchOption(refused.option_name, told, ctx=ctx) from refused
         raise refused
 
     def _flags(self, ctx: click.Context, words: Sequence[str], *, everybody: bool) -> list[click.Option]:
         """The flags of the built-in stages, or of all, each once; what plugins print meanwhile is no answer."""
         flags = dict[str, click.Option]()
         with kept_apart() if everybody and None not in (sys.stdout, sys.stderr) else nullcontext():
-            for kind, _, field in self._options(ctx, words, everybody=everybody):
+            for kind, field in self._options(ctx, words, everybody=everybody):
                 data = field.metadata
                 if field.name in flags or "flag" not in data or self.name not in data.get("commands", (self.name,)):
                     continue
@@ -192,14 +186,14 @@ class StageCommand(click.Command):
                 )
         return list(flags.values())
 
-    def _options(self, ctx: click.Context, words: Sequence[str], *, everybody: bool) -> Iterator[tuple[Kind, str, Any]]:
-        """The options of the stages that the command may call, each with the kind and the name of its stage."""
+    def _options(self, ctx: click.Context, words: Sequence[str], *, everybody: bool) -> Iterator[tuple[Kind, Any]]:
+        """The options of the stages that the command may call, each with the kind of its stage."""
         installed = loaded(ctx, words)
         for kind in self.kinds:
             for item in installed.provided(kind) if everybody else installed.builtin(kind):
                 if is_dataclass(item.stage.options) and self.which(item.stage):
                     for field in fields(item.stage.options):
-                        yield kind, item.stage.name, field
+                        yield kind, field
 
 
 def given_options(flags: Mapping[str, Any]) -> dict[str, dict[str, str | None]]:

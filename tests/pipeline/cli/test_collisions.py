@@ -60,11 +60,6 @@ def test_to_standard_output_and_to_a_file(cli: Cli, tmp_path: Path) -> None:
     assert (tmp_path / "two.srdf").read_text() == told.stdout
 
 
-def test_standard_input_is_none(cli: Cli) -> None:
-    """A dash was a file that is not there."""
-    assert "`dh2urdf collisions` reads no standard input" in cli("collisions", "-", status=2).stderr
-
-
 def test_an_earlier_file_is_brought_up_to_date(cli: Cli, tmp_path: Path) -> None:
     """In place with -o, or from another one with --update, which stays as it is."""
     (tmp_path / "two.urdf").write_text(plain())
@@ -123,12 +118,10 @@ def test_meshes_are_found_in_packages(cli: Cli, tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        (("collisions", "gone.urdf"), "gone.urdf"),
         (("collisions", "two.urdf", "two.urdf"), "2 files are given, and pairs are of one"),
         (("collisions", "two.urdf", "-o", "out.urdf"), "accepted: a name that ends in .srdf"),
         (("collisions", "two.urdf", "-o", "two.urdf"), "two.urdf"),
         (("collisions", "two.urdf", "far:=1"), "a URDF has no macros and takes no arguments"),
-        (("collisions", "two.urdf", "--update", "gone.srdf"), "gone.srdf"),
     ],
 )
 def test_what_is_refused(

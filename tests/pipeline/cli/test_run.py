@@ -165,17 +165,6 @@ class TestFailures:
         assert len(stems) == len(names)
         assert {path.name for path in folder.iterdir()} == {"arm.csv", "arms.csv", "arm.yaml", "arms.yaml", "out"}
 
-    def test_a_screenful_is_said_and_the_rest_counted(self, cli: Cli, folder: Path) -> None:
-        """Of 30 notices and 25 errors 20 each; the report has all of them."""
-        rows = "".join(f"odd{i},0.4,1.5708,0.1\n" for i in range(30)) + "".join(f"bad{i},x,0,0\n" for i in range(25))
-        (folder / "arms.csv").write_text(f"# convention: standard\nrobot,a,alpha,d\n{rows}")
-        answer = cli("run", "arms.yaml", "--workers", "1", status=1)
-        assert answer.stderr.count(": notice: ") == 20
-        assert answer.stderr.count(": error: ") == 20
-        assert "and 10 more notices" in answer.stderr
-        assert "and 5 more errors" in answer.stderr
-        assert sum(len(entry["notices"] + entry["errors"]) for entry in report(folder)["manipulators"]) == 55
-
 
 class TestWords:
     def test_set(self, cli: Cli, folder: Path, reports: frozenset[str]) -> None:
@@ -195,14 +184,6 @@ class TestWords:
             assert words in answer.stderr
         assert written(folder) == set()
 
-    @pytest.mark.parametrize("workers", ["0", "-1", "many"])
-    def test_wrong_numbers_of_workers(self, cli: Cli, folder: Path, workers: str) -> None:
-        """They are told with what is accepted."""
-        answer = cli("run", "arm.yaml", "--workers", workers, status=2)
-        assert "workers" in answer.stderr
-        assert "auto" in answer.stderr
-        assert written(folder) == set()
-
     def test_a_table_is_no_run_file(self, cli: Cli, folder: Path) -> None:
         """Whoever mistakes one for the other is told what takes a table."""
         (folder / "table.yaml").write_text("{name: arm, convention: standard, joints: [{a: 0.4, alpha: 0, d: 0}]}")
@@ -210,15 +191,6 @@ class TestWords:
         assert answer.stderr.count(": error: ") == 1
         assert answer.stderr.startswith("table.yaml: error: this is a table, not a run file")
         assert "`dh2urdf convert table.yaml` converts it" in answer.stderr
-
-    def test_an_output_folder_that_is_a_file(self, cli: Cli, folder: Path) -> None:
-        """The message names it, and says what to do."""
-        answer = cli("run", "arm.yaml", "-o", "arm.csv", status=2)
-        assert answer.stderr.startswith(
-            "error: cannot write to the folder 'arm.csv': it is a file, not a folder\n    write "
-        )
-        assert answer.stderr.count("\n") == 2
-        assert (folder / "arm.csv").read_text() == TABLE
 
 
 # --- Plugins that misbehave -------------------------------------------------------------------------------------------

@@ -78,19 +78,3 @@ def test_a_plugin_is_not_imported_for_the_flags_of_others(
     refused = dh2urdf("convert", "arm.csv", "--fraems", "dh", path=[plugin], status=2)
     assert "No such option '--fraems'" in refused.stderr
     assert "--frames" in refused.stderr
-
-
-@pytest.mark.parametrize(
-    ("word", "told"),
-    [
-        ("--shape", "`--set shape=VALUE` gives the transform 'alpha-swap' its option"),
-        ("--mesh-links", "`--set mesh_links=VALUE` gives the reader 'csv' its option"),
-        ("--silent", "`--set silent=VALUE` gives the emitter 'note' its option"),
-    ],
-)
-def test_an_option_that_is_no_flag(
-    dh2urdf: Callable[..., subprocess.CompletedProcess[str]], plugin: Path, word: str, told: str
-) -> None:
-    """The message says how it is given; it had the nearest flag, `--help` for `--shape`."""
-    refused = dh2urdf("convert", "arm.csv", word, "box", path=[plugin], status=2)
-    assert f"No such option '{word}'; {told}." in refused.stderr

@@ -42,13 +42,6 @@ ORDER = ["theta", "d", "a", "alpha"]
 CSV = "# convention: standard\nname,theta,d,a,alpha\nfirst,0.1,0.2,0.3,pi/2\nsecond,0,0.05,-0.4,-0.25\n"
 
 
-class WriteOnly(io.RawIOBase):
-    """A stream that is open for writing."""
-
-    def read(self, _size: int = -1) -> bytes:
-        raise io.UnsupportedOperation("not readable")
-
-
 def closed_stream() -> io.StringIO:
     stream = io.StringIO(CSV)
     stream.close()
@@ -72,13 +65,9 @@ class TestReading:
         ("source", "error", "says"),
         [
             ("a,alpha\nd\n", ConfigError, "accepted: reader=NAME, with one of csv"),
-            (b"", ConfigError, "a text has no suffix that says its format"),
             (None, RecordError, "a NoneType is no file"),
             ("", RecordError, "the name of the file is empty"),
-            (" ", RecordError, "the name of the file is empty"),
             (closed_stream(), RecordError, "cannot be read: I/O operation on closed file"),
-            (WriteOnly(), RecordError, "cannot be read: not readable"),
-            (1.5, RecordError, "a float is no file"),
             ([[1, 2, 3]], RecordError, "`dh2urdf.Manipulator.from_dh` makes a table of arrays"),
         ],
     )
@@ -169,36 +158,23 @@ class TestFromDh:
             (ARRAY, {}, "their order is never guessed"),
             (ARRAY, {"columns": ORDER[:3]}, "row 1 has 4 cells, and there are 3 columns"),
             (ARRAY, {"columns": [*ORDER[:3], "alhpa"]}, "alpha"),
-            (ARRAY, {"columns": [*ORDER[:3], 3]}, "the columns are named"),
             (ARRAY[0], {"columns": ORDER}, "a table of two dimensions"),
             (
                 ARRAY * np.nan,
                 {"columns": ORDER},
                 "row 1, column theta: error: joint 'joint_1', field 'theta': nan is not",
             ),
-            (np.full((1, 4), np.inf), {"columns": ORDER}, "inf is not a finite number"),
             (ARRAY.astype(complex), {"columns": ORDER}, "is of type numpy.complex128"),
-            ([{"a": 1, "d": 0}], {}, "there is no column for alpha"),
             ([{"a": 1, "alpha": None, "d": 0}], {}, "alpha is empty"),
-            ([{"a": [1], "alpha": 0, "d": 0}], {}, "'[1]' cannot be read"),
             ({"a": [1, 2], "alpha": [0], "d": [0, 0]}, {}, "row 2, column alpha: error: joint 'joint_2'"),
             ([{"a": 1, "alpha": 0, "d": 0}], {"columns": ["a"]}, "the columns have names already"),
             (ARRAY, {"columns": ORDER, "types": "R"}, "types= has 1 entries, and the table has 2 rows"),
-            (ARRAY, {"columns": ORDER, "types": "RX"}, "'X' is no type of joint"),
             (ARRAY, {"columns": ORDER, "joints": ["a", "a"]}, "'a'"),
-            (ARRAY, {"columns": ORDER, "unist": "mm"}, "no such option"),
-            (ARRAY, {"columns": ORDER, "convention": "foo"}, "convention"),
             (ARRAY, {"columns": ORDER, "convention": None}, "Denavit-Hartenberg convention"),
             (None, {}, "a NoneType is no table"),
-            (7, {}, "a int is no table"),
             ("arm.csv", {}, "`dh2urdf.read('arm.csv')` reads a file"),
             (CSV, {"types": "RR"}, "a text says its columns, types and names itself"),
-            ([], {"columns": ORDER}, "there are no joints"),
-            ({(0.1, 0.2, 0.3, 0.4)}, {"columns": ORDER}, "a set is no table"),
-            ([{0.1, 0.2, 0.3, 0.4}], {"columns": ORDER}, "and no list of cells"),
             ({"a": 0.1, "alpha": 0.2, "d": 0.3}, {}, "the column 'a' is '0.1', and no list of cells"),
-            ({"a": "12", "alpha": [0, 0], "d": [0, 0]}, {}, "the column 'a' is '12', and no list of cells"),
-            ({"a": {0.1, 0.2}, "alpha": [0, 0], "d": [0, 0]}, {}, "and no list of cells"),
             (
                 {"a": {"x": 0.1, "y": 0.2}, "alpha": {"y": 0.0, "x": 0.0}, "d": [0, 0]},
                 {},
@@ -325,7 +301,7 @@ class TestWriting:
         assert dh2urdf.read(tmp_path / "arm.csv") == dh2urdf.read(tmp_path / "arm.yaml") == arm
 
     @pytest.mark.parametrize("write", ["to_csv", "to_yaml"])
-    @pytest.mark.parametrize("name", ["a.sdf", "a.URDF", "a.json", "a.tsv", "a.tex", "a.xlsx", "a.CSV", "a.yaml"])
+    @pytest.mark.parametrize("name", ["a.sdf", "a.json", "a.CSV", "a.yaml"])
     def test_a_name_of_another_format_is_refused(self, tmp_path: Path, write: str, name: str) -> None:
         """What is written is what the name says: the reader of the suffix reads the arm back, or nothing is written."""
         arm, file = replace(dh2urdf.read(UR5), name="a"), tmp_path / name
@@ -364,24 +340,6 @@ class TestRobots:
         assert robot.to_urdf(profile="ros") == dh2urdf.convert(UR5, profile="ros").text
         with pytest.raises(ConfigError, match="no such option"):
             robot.to_urdf(profil="ros")
-
-    @pytest.mark.parametrize("write", ["to_urdf", "to_sdf", "to_mjcf"])
-    @pytest.mark.parametrize("name", ["a.urdf", "a.sdf", "a.xml", "a.urdf.xacro", "a.yaml"])
-    def test_a_name_of_another_format_is_refused(self, tmp_path: Path, write: str, name: str) -> None:
-        """A file has the format that its name says; any other reader would refuse it, or read another robot."""
-        own = {"to_urdf": "a.urdf", "to_sdf": "a.sdf", "to_mjcf": "a.xml"}[write]
-        robot = dh2urdf.convert(UR5).robot
-        if name == own:
-            assert getattr(robot, write)(tmp_path / name) == (tmp_path / name).read_text("utf-8")
-        else:
-            with pytest.raises(ConfigError, match=f"'{name}' is the name of a file in another format"):
-                getattr(robot, write)(tmp_path / name)
-            assert list(tmp_path.iterdir()) == []
-
-    def test_names_of_no_format_are_as_they_are(self, tmp_path: Path) -> None:
-        """As with `dh2urdf convert --to`."""
-        for name in ("robot_description", "arm.txt"):
-            assert dh2urdf.convert(UR5).robot.to_urdf(tmp_path / name) == (tmp_path / name).read_text("utf-8")
 
     def test_a_robot_that_breaks_a_rule_is_refused(self) -> None:
         """As of any run."""

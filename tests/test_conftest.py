@@ -84,27 +84,6 @@ def test_a_skip_is_a_skip_elsewhere(tmp_path: Path) -> None:
     assert "5 skipped in" in run_tests(SKIPPING, tmp_path, require_all=False)
 
 
-def test_a_package_that_lacks_a_library_is_not_there(tmp_path: Path) -> None:
-    """It is skipped as one that is not installed, by workers too, and the first lines say what it lacks."""
-    (tmp_path / "pydrake.py").write_text("raise ImportError('libglib-2.0.so.0: cannot open shared object file')\n")
-    asking = {
-        "package": "def test_it():\n    pytest.importorskip('pydrake')",
-        "loader": "def test_it(require_loaders):\n    require_loaders('drake')",
-    }
-    for workers in ("0", "2"):
-        printed = run_tests(asking, tmp_path, "-n", workers, require_all=False, path=tmp_path)
-        assert "2 skipped in" in printed, printed
-        assert "pip install 'dh2urdf[drake]'" in printed
-        assert "pydrake is installed and cannot be imported" in printed
-        assert "libglib-2.0.so.0: cannot open shared object file" in printed
-
-
-def test_an_expected_failure_is_no_skip(tmp_path: Path) -> None:
-    """A test that is known to fail may fail, with the switch too."""
-    known = "@pytest.mark.xfail\ndef test_it():\n    assert False"
-    assert "1 xfailed in" in run_tests({"known": known}, tmp_path, require_all=True)
-
-
 def test_ci_runs_the_long_tests_that_others_leave_out(tmp_path: Path) -> None:
     """`pytest` deselects them, as pyproject.toml has it, and `.ci/run` has options that select every test again."""
     settings = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["tool"]["pytest"]["ini_options"]

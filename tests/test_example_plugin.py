@@ -70,42 +70,6 @@ def test_both_stages_work_in_a_run(dh2urdf: Command, site: Path, table: Path) ->
     assert arm["proof"]["datasheet"] is None
 
 
-def test_both_stages_work_in_a_conversion(dh2urdf: Command, site: Path, table: Path) -> None:
-    """`convert` chooses the third party's stages by suffix, and takes their options on the command line."""
-    dh2urdf("convert", table.name, "-o", "arm.datasheet.md", "--set", "angles=rad", "--set", "digits=3", path=[site])
-    assert table.with_name("arm.datasheet.md").read_text("utf-8").startswith(DATASHEET)
-
-
-def test_the_plugin_is_listed_with_its_distribution(dh2urdf: Command, site: Path) -> None:
-    """`dh2urdf plugins` shows the stages with their options, help texts and distribution; nothing is broken."""
-    listed = json.loads(dh2urdf("plugins", "--json", path=[site]).stdout)
-    assert listed["broken"] == []
-    theirs = [stage for stage in listed["stages"] if stage["distribution"] == "dh2urdf-example-plugin 1.0.0"]
-    assert [(stage["kind"], stage["name"]) for stage in theirs] == [("reader", "dh-toml"), ("emitter", "datasheet")]
-    assert all(option["help"] for stage in theirs for option in stage["options"])
-
-
-def test_its_reader_says_all_that_is_wrong_at_once(dh2urdf: Command, site: Path, tmp_path: Path) -> None:
-    """The template for authors shows how it is done: every problem, with joint, field and what is accepted."""
-    (tmp_path / "bad.dh.toml").write_text(
-        'tool = 1\n[[joint]]\nname = "hip"\ntype = "revolut"\na = "ten"\nalpa = 0\nd = "q1"\n', encoding="utf-8"
-    )
-    refused = dh2urdf("convert", "bad.dh.toml", path=[site], status=2).stderr
-    for part in (
-        "bad.dh.toml: error: 'tool' is nothing that a table says",
-        "bad.dh.toml: error: field 'convention': the table does not say its convention",
-        "accepted: standard or modified",
-        "joint 'hip', field 'alpha': this field is missing",
-        "joint 'hip', field 'alpa': no field has this name",
-        "did you mean 'alpha'?",
-        "joint 'hip', field 'type': 'revolut' is no joint type",
-        "accepted: revolute, continuous, prismatic, fixed",
-        "joint 'hip', field 'a': ",
-        "joint 'hip', field 'd': the joint variable is not written in this format",
-    ):
-        assert part in refused
-
-
 @pytest.mark.long
 def test_it_keeps_the_contracts(site: Path, tmp_path: Path) -> None:
     """Its own tests, three lines for each stage, hold it to all that the pipeline relies on."""

@@ -164,18 +164,6 @@ class TestInARun:
             assert f'label="{element.get("name")}' in graph
         assert "rankdir=LR" in graph
 
-    def test_the_graph_can_be_drawn(self, lab: Lab) -> None:
-        """Graphviz's own dot draws it: a node for each link, an edge for each joint."""
-        if shutil.which("dot") is None:
-            pytest.skip("Graphviz's command dot is not installed")
-        report_of(lab, "graphviz")
-        build = lab.folder / "graphviz" / "build"
-        drawn = subprocess.run(["dot", "-Tsvg", build / "scara.dot"], capture_output=True, check=True).stdout  # noqa: S607
-        shapes = [group.get("class") for group in etree.fromstring(drawn).iter("{http://www.w3.org/2000/svg}g")]
-        urdf = etree.parse(build / "scara.urdf")
-        assert shapes.count("node") == len(urdf.findall("link"))
-        assert shapes.count("edge") == len(urdf.findall("joint"))
-
     def test_the_executor(self, lab: Lab) -> None:
         """Forty arms are made by threads, byte for byte as by one process, and all are proved."""
         arms = report_of(lab, "threads")
@@ -195,13 +183,3 @@ class TestInARun:
             urdf = etree.parse(lab.folder / "short" / "build" / f"{arm['name']}.urdf")
             (mass,) = urdf.xpath("//link[@name='payload']/inertial/mass/@value")
             assert float(mass) == 0.8
-
-
-@pytest.mark.parametrize(
-    ("name", "stage"), [(name, stage) for name, stages in EXAMPLES.items() for _, stage in sorted(stages)]
-)
-def test_its_run_file_uses_it(name: str, stage: str) -> None:
-    """The run file names the stage, unless its own tests write the file that it reads, and the README describes it."""
-    run = (ROOT / "examples" / name / "run.yaml").read_text("utf-8")
-    assert f"stage: {stage}" in run or stage == "workbook"
-    assert f"`{stage}`" in (ROOT / "examples" / name / "README.md").read_text("utf-8")

@@ -6,10 +6,8 @@ What happens at import, at registration and in hooks is in tests/pipeline/test_r
 from __future__ import annotations
 
 import json
-import re
 import signal
 import sys
-from dataclasses import fields
 from inspect import getsource
 from typing import TYPE_CHECKING, Any
 
@@ -17,13 +15,7 @@ import pytest
 from other_fields import with_field
 
 from dh2urdf.cli import exit_status_of
-from dh2urdf.errors import InputError, StageError
-from dh2urdf.manipulator import Manipulator
-from dh2urdf.plugin_system import KINDS, RECORDS, load
-from dh2urdf.plugin_system.plugin_stages import CAPABILITIES
-from dh2urdf_studio.editing.opening import open_tables
-from dh2urdf_studio.editing.save import table_file
-from dh2urdf_studio.viewing import load_figures
+from dh2urdf.plugin_system import KINDS
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -268,49 +260,21 @@ def test_who_refuses_a_manipulator_is_named(
     assert [(row["kind"], row["errors"][0]["message"]) for row in rows] == [(kind, message)] * 2
 
 
-@pytest.mark.parametrize("words", [("convert", "arm.bad")], ids=" ".join)
-def test_a_refused_file_is_named(cli: Cli, lab: Callable[[str], Path], words: tuple[str, ...]) -> None:
-    """A reader need not say in which file it is: the message does, whatever asks for the table."""
-    lab("reader.read.refuse")
-    assert "arm.bad: error: an arm on Sundays" in cli(*words, status=2).stderr
-
-
 @pytest.mark.parametrize(
     ("what", "words", "message"),
     [
         ("transform.keeps_kinematics.fail", "run run.yaml", "`keeps_kinematics` of the transform 'bad' failed: Zero"),
-        (
-            "edit.keeps_kinematics.fail",
-            "run run.yaml",
-            "`keeps_kinematics` of the edit 'bad' failed: ZeroDivisionError",
-        ),
         ("loader.require.fail", "run run.yaml", "`require` of the loader 'bad' failed: ZeroDivisionError: at work"),
         ("executor.require.fail", "run run.yaml", "`require` of the executor 'bad' failed: ZeroDivisionError: at work"),
         ("executor.map.fail", "run run.yaml", "the executor 'bad' failed: ZeroDivisionError: at work"),
         ("executor.pool.fail", "run run.yaml", "the executor 'bad' failed: ZeroDivisionError: at work"),
-        ("executor.map.leave", "run run.yaml", "the executor 'bad' failed: SystemExit: 7"),
-        (
-            "emitter.one_file.fail",
-            "convert arm.bad --robot left --to bad",
-            "`one_file` of the emitter 'bad' failed: Zero",
-        ),
         (
             "emitter.for_suffix.fail",
             "convert arm.bad --robot left -o new.bad",
             "`for_suffix` of the emitter 'bad' failed: Zero",
         ),
         ("emitter.check.fail", "check arm.bad", "`check` of the emitter 'bad' failed: ZeroDivisionError: at work"),
-        (
-            "emitter.fix.fail",
-            "check arm.bad --fix -o new.bad",
-            "`fix` of the emitter 'bad' failed: ZeroDivisionError: at",
-        ),
         ("emitter.descriptions.fail", "check .", "`descriptions` of the emitter 'bad' failed: ZeroDivisionError: at"),
-        (
-            "emitter.annotate.fail",
-            "collisions arm.bad -o new.bad",
-            "`annotate` of the emitter 'bad' failed: ZeroDivisionError: at",
-        ),
         ("reader.schema.fail", "schema table", "`schema` of the reader 'bad' failed: ZeroDivisionError: at work"),
         *(
             (
@@ -350,114 +314,6 @@ def test_where_many_are_made_at_once(cli: Cli, lab: Callable[[str], Path], what:
         (notice,) = (notice["message"] for notice in row["notices"] if "of lab 1.0" in notice["message"])
         assert notice.startswith(reason)
         assert "; it was made by itself" in notice
-
-
-@pytest.mark.parametrize(
-    ("what", "message"),
-    [
-        ("reader.texts.fail", "reader 'bad' of lab 1.0 failed: ZeroDivisionError: at work"),
-        ("reader.write.give_nothing", "reader 'bad' of lab 1.0 failed: TypeError: it gave None, not dh2urdf.table"),
-    ],
-)
-def test_where_the_studio_opens_and_saves(lab: Callable[[str], Path], what: str, message: str) -> None:
-    """What a person reads on the page names the reader, the distribution and the version."""
-    table, catalog = lab(what) / "arm.bad", load()
-    with pytest.raises(StageError, match=re.escape(message)):
-        table_file(open_tables(table, catalog)[0].table, "bad", catalog)
-
-
-@pytest.mark.parametrize(
-    ("what", "message"),
-    [
-        ("reader.trace.fail", "reader 'bad' of lab 1.0 failed: ZeroDivisionError: at work"),
-    ],
-)
-@pytest.mark.parametrize("words", [("info", "arm.bad"), ("convert", "arm.bad", "--robot", "left")], ids=" ".join)
-def test_where_cells_are_asked_for(
-    cli: Cli, lab: Callable[[str], Path], what: str, message: str, words: tuple[str, ...]
-) -> None:
-    """What a person wants to know of the cells names the reader, the distribution and the version."""
-    lab(what)
-    assert message in cli(*words, status=1).stderr
-
-
-@pytest.mark.parametrize(
-    ("what", "message"),
-    [
-        ("reader.read_cells.fail", "reader 'bad' of lab 1.0 failed: ZeroDivisionError: at work"),
-    ],
-)
-def test_where_rows_of_cells_are_given(
-    lab: Callable[[str], Path], monkeypatch: pytest.MonkeyPatch, what: str, message: str
-) -> None:
-    """`Manipulator.from_dh` names the reader, the distribution and the version, where the plugin's reader is asked."""
-    lab(what)
-    catalog = load(("dh2urdf",))  # The reader of dh2urdf would be preferred.
-    monkeypatch.setattr("dh2urdf.commands.given_tables.load", lambda: catalog)
-    with pytest.raises(StageError, match=re.escape(message)):
-        Manipulator.from_dh([{"a": 0.4, "alpha": 0, "d": 0.1}])
-
-
-@pytest.mark.parametrize(
-    ("what", "message"),
-    [
-        ("emitter.read_foreign.fail", "emitter 'bad' of lab 1.0 failed: ZeroDivisionError: at work"),
-    ],
-)
-def test_where_a_foreign_description_is_viewed(lab: Callable[[str], Path], what: str, message: str) -> None:
-    """`dh2urdf view` names the emitter, the distribution and the version."""
-    file = lab(what) / "arm.robot"
-    file.touch()
-    with pytest.raises(InputError, match=re.escape(message)):
-        load_figures([file], load())
-
-
-@pytest.mark.parametrize(
-    ("what", "message"),
-    [
-        ("reader.leaves.fail", "reader 'bad' of lab 1.0 failed: ZeroDivisionError: at work"),
-    ],
-)
-def test_where_leaves_are_listed(
-    lab: Callable[[str], Path], cli: Callable[..., Answer], what: str, message: str
-) -> None:
-    """`dh2urdf extract --tips` names the reader, the distribution and the version."""
-    lab(what)
-    assert message in cli("extract", "arm.bad", "--tips", status=1).stderr
-
-
-def test_every_function_of_every_record_is_tried() -> None:
-    """The lists above have each field of each kind of stage that may hold code of a plugin."""
-    tried = set()
-    for test in (
-        test_at_work_on_a_manipulator,
-        test_what_the_whole_command_needs,
-        test_where_many_are_made_at_once,
-        test_where_the_studio_opens_and_saves,
-        test_where_cells_are_asked_for,
-        test_where_rows_of_cells_are_given,
-        test_where_a_foreign_description_is_viewed,
-        test_where_leaves_are_listed,
-    ):
-        mark = next(mark for mark in test.pytestmark if mark.args[0] != "words")  # type: ignore[attr-defined]
-        tried |= {tuple(case[0].split(".")[:2]) for case in mark.args[1]}
-    described = {
-        "capabilities",
-        "name",
-        "summary",
-        "suffixes",
-        "not_written",
-        "other_endings",
-        "formats",
-        "is_costly",
-        "has_macros",
-        "finds_packages",
-        "option",
-    }
-    names = {(kind, each.name) for kind in KINDS for each in fields(RECORDS[kind])}
-    names |= {(kind, name) for kind in KINDS for each in CAPABILITIES[kind] for name in getattr(each, "_fields", ())}
-    names |= {("loader", name) for name in ("poses", "picture", "time_limit")}
-    assert tried == {(kind, name) for kind, name in names if name not in described}
 
 
 @pytest.mark.parametrize(
@@ -539,27 +395,6 @@ def test_a_record_that_nobody_could_ask_for(  # noqa: PLR0917 - fixtures
     monkeypatch.syspath_prepend(tmp_path)
     monkeypatch.delitem(sys.modules, "odd_lab", raising=False)
     assert f"broken: lab = odd_lab of odd 1.0: {reason}" in cli("plugins").stdout
-
-
-def test_a_reader_names_the_suffixes_that_it_does_not_write(
-    tmp_path: Path,
-    install: Callable[..., None],
-    monkeypatch: pytest.MonkeyPatch,
-    cli: Cli,
-) -> None:
-    """Of a plugin, too: a table is not saved under such a name."""
-    source = (
-        "from dataclasses import replace\nfrom dh2urdf.hookspecs import hookimpl\n"
-        "from dh2urdf_plugins.readers.csv import READER\n@hookimpl\ndef dh2urdf_readers():\n"
-        "    writes = READER.capabilities[0]._replace(not_written=())\n"
-        "    return [replace(READER, name='lab', suffixes=('.lab', '.lab2'), capabilities=(writes._replace(not_written=('.lab2',)),))]\n"
-    )
-    install(tmp_path, "labs", source)
-    monkeypatch.syspath_prepend(tmp_path)
-    monkeypatch.delitem(sys.modules, "labs_lab", raising=False)
-    monkeypatch.chdir(tmp_path)
-    assert "the reader 'lab' reads such files, and writes others" in cli("init", "arm.lab2", status=2).stderr
-    assert cli("init", "arm.lab").stdout.startswith("arm.lab\n")
 
 
 def test_options_that_cannot_be_described(

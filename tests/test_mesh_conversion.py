@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -15,13 +14,12 @@ from lxml import etree
 
 import dh2urdf
 from dh2urdf.errors import ConfigError, CrashError, EmitterError
-from dh2urdf.meshes import conversion as mesh_conversion, read_parts
+from dh2urdf.meshes import conversion as mesh_conversion
 from dh2urdf.meshes.forms import forms_of
 from dh2urdf.meshes.kinds import MeshConversion
 from dh2urdf.report.schema import manifest_schema
 
 if TYPE_CHECKING:
-    import subprocess
     from collections.abc import Callable, Iterator
 
     from conftest import Answer
@@ -216,20 +214,6 @@ def test_a_body_in_several_colours_is_closed(folder: Path) -> None:
     assert mass == pytest.approx(DENSITY * 0.007, rel=1e-6)  # 0.4 × 0.1 × 0.1 and 0.1 × 0.3 × 0.1
 
 
-@pytest.mark.parametrize("suffix", [".stl", ".dae"])
-def test_vertices_that_are_close_stay_apart(suffix: str) -> None:
-    """A triangle of two nanometres in the unit of its file is a triangle in every format."""
-    tiny = trimesh.Trimesh(2e-9 * np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0]]), [[0, 1, 2]], process=False)
-    lines = [f"v {x!r} {y!r} {z!r}" for x, y, z in tiny.vertices.tolist()]
-    content = {
-        ".stl": lambda: tiny.export(file_type="stl"),
-        ".obj": lambda: "\n".join([*lines, "f 1 2 3\n"]).encode(),
-        ".dae": lambda: collada(tiny).encode(),
-    }[suffix]()
-    (part,) = read_parts(content, suffix, (1.0, 1.0, 1.0))
-    assert part.vertices[part.faces[0]] == pytest.approx(tiny.vertices, rel=1e-6)
-
-
 def test_the_colours_of_a_collada_file_stay(folder: Path) -> None:
     """As a visual for each, with the colour in the description; what touches is one mesh."""
     (folder / "meshes/link.dae").write_text(collada(wedge(), "0.25 0.5 0.75 1", "1 0 0 1"))
@@ -368,15 +352,6 @@ def test_a_hostile_mesh_is_refused(suffix: str, content: bytes, message: str) ->
         forms_of(content, suffix, ONE, MeshConversion.AUTO)
 
 
-@pytest.mark.parametrize("how", [MeshConversion.HULL])
-def test_a_flat_mesh_has_no_hull(how: MeshConversion) -> None:
-    """It is a sheet; as it is it can be seen and touched."""
-    sheet = b"v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n"
-    assert len(obj(forms_of(sheet, ".obj", ONE, MeshConversion.AUTO).collisions[0]).faces) == 2
-    with pytest.raises(ValueError, match="flat"):
-        forms_of(sheet, ".obj", ONE, how)
-
-
 class TestRefusals:
     @pytest.fixture(autouse=True)
     def _in(self, folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -425,31 +400,3 @@ class TestRefusals:
             self.convert("meshes/link.stl", meshes="file")
         with pytest.raises(ConfigError, match="converted meshes are copies"):
             dh2urdf.convert("arm.yaml", convert_meshes="auto")
-
-
-@pytest.mark.parametrize(
-    ("lines", "told"),
-    [
-        ("output: {meshes: {names: file, convert: auto}}", "run.yaml:2:41: error: field 'output.meshes.convert': conv"),
-    ],
-)
-def test_a_run_file_says_where(lines: str, told: str, folder: Path, cli: Callable[..., Answer]) -> None:
-    """With what is accepted."""
-    (folder / "arm.csv").write_text(CSV)
-    (folder / "run.yaml").write_text(f"inputs: arm.csv\n{lines}\n")
-    assert told in cli("run", "run.yaml", "--dry-run", status=2).stderr
-
-
-@pytest.mark.parametrize("package", ["coacd"])
-def test_without_a_package_the_message_says_what_to_install(
-    package: str, folder: Path, dh2urdf: Callable[..., subprocess.CompletedProcess[str]]
-) -> None:
-    """In one line, with the exit status of what is not installed."""
-    (folder / f"{package}.py").write_text("raise ModuleNotFoundError('not here', name=__name__)\n")
-    body = "mass: 1, com: [0, 0, 0], inertia: {ixx: 1, iyy: 1, izz: 1}"
-    (folder / "arm.yaml").write_text(
-        f"convention: standard\njoints:\n  - {{a: 0.3, alpha: 0, d: 0.1, {body}, mesh: meshes/link.stl}}\n"
-    )
-    words = ("--convert-meshes", "decomposition")
-    told = dh2urdf("convert", "arm.yaml", "-o", "out/arm.urdf", *words, path=[folder], status=3).stderr
-    assert told.strip().endswith(f"needs {package}: {sys.executable} -m pip install 'dh2urdf[meshes]'")

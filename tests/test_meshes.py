@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-import io
 import json
 import math
-import shutil
 import sys
-import tarfile
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -321,32 +318,6 @@ class TestRuns:
         for path, content in contents.items():
             if path.name != "timing.json":
                 assert path.read_bytes() == content, path
-
-    def test_shards_hold_descriptions_alone(
-        self, run: Callable[..., list[dict[str, Any]]], folder: Path, tmp_path: Path
-    ) -> None:
-        """Unpacked beside the folder of meshes, they find them."""
-        run("--set", "output.layout=shards", more=VARIANTS)
-        unpacked = tmp_path / "unpacked"
-        shutil.copytree(folder / "out/meshes", unpacked / "meshes")
-        with tarfile.open(folder / "out/000000.tar") as shard:
-            assert all(member.name.endswith(".urdf") for member in shard.getmembers())
-            shard.extractall(unpacked, filter="data")
-        assert len(list(unpacked.glob("*.urdf"))) == 31
-        for path in unpacked.glob("*.urdf"):
-            assert all((unpacked / name).is_file() for name in mesh_names(path))
-
-    def test_an_object_store_has_them_once(self, folder: Path, bucket: str, cli: Callable[..., Answer]) -> None:
-        """Beside shards."""
-        import fsspec
-
-        (folder / "arm.csv").write_text(CSV)
-        (folder / "run.yaml").write_text(RUN + VARIANTS)
-        cli("run", "run.yaml", "-o", bucket, "--workers", 1, "--set", "output.layout=shards")
-        files = fsspec.open_files(f"{bucket}/meshes/*")
-        assert len(files) == 2
-        with fsspec.open(f"{bucket}/000000.tar") as stream, tarfile.open(fileobj=io.BytesIO(stream.read())) as shard:
-            assert len(shard.getnames()) == 31
 
     def test_meshes_of_nobody_and_of_no_joint_fail_the_run_s_exit_status(
         self, folder: Path, cli: Callable[..., Answer]

@@ -97,21 +97,6 @@ def test_a_killed_run_goes_on_where_it_was(
     assert not [path for path in (many / "out").rglob("*") if path.name.startswith(".")]
 
 
-@pytest.mark.long
-def test_what_is_finished_is_not_made_again(many: Path, dh2urdf: Callable[..., CompletedProcess[str]]) -> None:
-    """A second run touches no file, with a message; without --resume everything is made anew."""
-    out = many / "out"
-    dh2urdf("run", "run.yaml", "--quiet")
-    first = {path.name: path.stat().st_mtime_ns for path in out.glob("*.urdf")}
-    assert len(first) == COUNT + 1
-    said = dh2urdf("run", "run.yaml", "--resume").stdout
-    assert f"{COUNT + 1:,} unchanged" in said
-    assert {path.name: path.stat().st_mtime_ns for path in out.glob("*.urdf")} == first
-    dh2urdf("run", "run.yaml", "--quiet")
-    again = {path.name: path.stat().st_mtime_ns for path in out.glob("*.urdf")}
-    assert all(again[name] != first[name] for name in first)
-
-
 @pytest.fixture
 def folder(tmp_path: Path) -> Path:
     """Ten tables, the third of which has a notice, and a run of them that was made."""
@@ -172,17 +157,6 @@ output: {directory: out}
     change = path.read_text().replace("0.4,", "0.45,").replace("0.01,", "0.02,").replace("vertex 0.1 ", "vertex 0.2 ")
     assert change != path.read_text()
     assert made_again(tmp_path, cli, lambda: path.write_text(change)) == {"arm", "pair"}
-
-
-def test_a_damaged_or_missing_file_is_made_again(folder: Path, cli: Callable[..., Answer]) -> None:
-    """What the power took, or somebody's editor: the hashes of the manifest find it."""
-
-    def damage() -> None:
-        (folder / "out/arm1.urdf").unlink()
-        path = folder / "out/arm2.urdf"
-        path.write_bytes(path.read_bytes()[:-100])
-
-    assert made_again(folder, cli, damage) == {"arm1", "arm2"}
 
 
 def test_another_option_makes_everything_again(folder: Path, cli: Callable[..., Answer]) -> None:

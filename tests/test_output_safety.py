@@ -7,7 +7,6 @@ import io
 import json
 import os
 import resource
-import shlex
 import signal
 import subprocess
 import sys
@@ -206,36 +205,6 @@ def test_standard_output_that_takes_nothing_is_one_line(tmp_path: Path, words: l
         )
     assert result.returncode == 2
     assert result.stderr == "error: cannot write to standard output: No space left on device\n"
-
-
-def test_closed_standard_error_changes_no_exit_status(tmp_path: Path) -> None:
-    """A run with `2>&-` is done; it was an internal error. With a full disk behind `>`, the status is 2, and was 1."""
-    (tmp_path / "arms.csv").write_text(table(["one"]))
-    run_file(tmp_path)
-    words = shlex.join([sys.executable, "-c", MAIN, "run", "run.yaml"])
-    for ending, status in ((">/dev/null", 0), (">/dev/full", 2), ("--json --quiet >/dev/full", 2)):
-        result = subprocess.run(["/bin/sh", "-c", f"{words} {ending} 2>&-"], cwd=tmp_path, check=False)
-        assert result.returncode == status
-        assert (tmp_path / "out" / "one.urdf").is_file()
-
-
-@pytest.mark.parametrize(
-    "words",
-    [
-        "run ../run.yaml",
-    ],
-)
-def test_a_current_folder_that_was_removed_is_one_line(tmp_path: Path, words: str) -> None:
-    """A shell may stay in a folder that another one has removed; a plugin of dh2urdf was reported as broken."""
-    (tmp_path / "arm.csv").write_text(URDF)
-    command(tmp_path, "convert", "arm.csv", "--convention", "standard", "-o", "arm.urdf")
-    (tmp_path / "arms.csv").write_text(table(["one"]))
-    run_file(tmp_path)
-    (tmp_path / "gone").mkdir()
-    line = f"cd gone && rmdir ../gone && exec {shlex.join([sys.executable, '-P', '-c', MAIN])} {words}"
-    result = subprocess.run(["/bin/sh", "-c", line], cwd=tmp_path, capture_output=True, text=True, check=False)
-    assert (result.returncode, result.stdout) == (2, "")
-    assert result.stderr == "error: the current folder was removed\n    `cd` to one that is there\n"
 
 
 def forbidden_folder(tmp_path: Path) -> tuple[Path, str]:

@@ -106,13 +106,6 @@ class TestAClash:
         dh2urdf("convert", "arm.tab", "--from", "lab-two:table", "-o", "arm.urdf", path=site)
         assert "arm_by_two" in (tmp_path / "arm.urdf").read_text()
 
-    def test_both_in_one_run_are_refused(self, dh2urdf: Command, site: list[Path], tmp_path: Path) -> None:
-        """Files and reports are told by the short name: two of one name are an error with its place."""
-        (tmp_path / "run.yaml").write_text(RUN.format(emitter='"lab-one:usd", "lab-two:usd"'))
-        refused = dh2urdf("run", "run.yaml", path=site, status=2).stderr
-        assert "run.yaml:2:27: error: field 'emitters': the emitter 'usd' stands twice in one run" in refused
-        assert "it stands first at run.yaml:2:12" in refused
-
     def test_it_is_listed(self, dh2urdf: Command, site: list[Path]) -> None:
         """`dh2urdf plugins` names it without anybody using it, and its JSON has it as its schema says."""
         assert (
@@ -172,13 +165,6 @@ class TestLeavingOut:
         command = (*option, *words) if before else (*words, *option)
         dh2urdf(*command, path=site, status=int(words[0] == "check"))  # it is another arm
         assert imported() == {"one"}
-
-    def test_it_may_be_said_often(self, dh2urdf: Command, site: list[Path], imported: Callable[[], set[str]]) -> None:
-        """Before the command and after it, all names count; `plugins` lists what is left out."""
-        words = ("--without", "lab-one", "plugins", "--without", "lab-two", "--json")
-        listed = json.loads(dh2urdf(*words, path=site).stdout)
-        assert [entry["distribution"] for entry in listed["left_out"]] == ["lab-one 1.0", "lab-two 1.0"]
-        assert imported() == set()
 
     def test_help_imports_no_plugin(self, dh2urdf: Command, site: list[Path], imported: Callable[[], set[str]]) -> None:
         """Of each command; that of the program lists the commands that plugins add."""
@@ -255,30 +241,12 @@ class TestBuiltInNames:
         written = (tmp_path / words[1]).read_bytes() if words[0] == "-o" else answer.stdout.encode()
         assert written.startswith(chosen)
 
-    def test_a_run_file_chooses(self, dh2urdf: Command, greedy: list[Path], tmp_path: Path) -> None:
-        """By the short name the built-in stage, by the full name the other one; in workers, too."""
-        for name, chosen in (("urdf", "<?xml"), ('"greedy:urdf"', "greedy")):
-            (tmp_path / "b.csv").write_text(TABLE)
-            (tmp_path / "run.yaml").write_text(RUN.format(emitter=name))
-            dh2urdf("run", "run.yaml", "--workers", "2", path=greedy)
-            assert (tmp_path / "out" / "a.urdf").read_text().startswith(chosen)
-
     def test_a_warning_says_so(self, dh2urdf: Command, greedy: list[Path]) -> None:
         """Where the other plugin is imported for something else, or its entry point names the stage: once."""
         told = dh2urdf("convert", "a.csv", "-o", "out.v2.urdf", path=greedy).stderr
         used = f"warning: the emitter 'urdf' of {BUILT_IN} is used"
         assert told.count(f"{used}; `greedy:urdf` chooses the one of greedy 1.0\n") == 1
         assert told.count(f"{used} for files .urdf; `greedy:robot` chooses the one of greedy 1.0\n") == 1
-
-    def test_a_warning_needs_no_import(
-        self, dh2urdf: Command, tmp_path: Path, install: Callable[..., None], imported: Callable[[], set[str]]
-    ) -> None:
-        """An entry point that is called by kind and name of the stage says what the plugin has."""
-        install(tmp_path / "site", "greedy", ALL_FORMATS, plugin="emitter.urdf")
-        (tmp_path / "a.csv").write_text(TABLE)
-        told = dh2urdf("convert", "a.csv", "-o", "out.urdf", path=[tmp_path / "site"]).stderr
-        assert "is used; `greedy:urdf` chooses the one of greedy 1.0\n" in told
-        assert imported() == set()
 
 
 class TestWhatIsNotNeeded:

@@ -15,7 +15,6 @@ from typing import TYPE_CHECKING, Any
 import pytest
 from lxml import etree
 
-import dh2urdf.testing
 import dh2urdf_plugins
 from dh2urdf.manipulator import Manipulator
 from dh2urdf.stages import Reader, Rejected
@@ -28,9 +27,8 @@ from dh2urdf.testing import (
     TransformContract,
     catalog_of,
     do_run,
-    plugin,
 )
-from dh2urdf.testing.stage_contract import InputContract, StageContract, advice
+from dh2urdf.testing.stage_contract import InputContract, StageContract
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -99,24 +97,6 @@ def test_the_first_plugin_is_the_one_of_the_page(cli: Callable[..., Answer], tmp
         assert command in " ".join(others)
         assert command in (folder / ".github" / "workflows" / "ci.yml").read_text("utf-8")
     assert (folder / "src" / "dh2urdf_joint_list" / "emitter.py").read_text("utf-8").count('"joint-list"') == 1
-
-
-def test_the_fixtures_are_those_of_the_plugin() -> None:
-    """Each fixture has its row, and every function that the page names is there."""
-    text = CONTRACT.read_text("utf-8")
-    fixtures = {name for name in vars(plugin) if name.startswith("dh2urdf_")}
-    assert set(re.findall(r"^\| `(dh2urdf_\w+)` \|", text, re.MULTILINE)) == fixtures
-    for name in dh2urdf.testing.__all__:
-        assert f"`{name}`" in text or f"import {name}\n" in text
-        assert getattr(dh2urdf.testing, name)
-
-
-def test_the_message_is_one_that_the_contract_gives() -> None:
-    """Clause, what is accepted and what to do are those of the code."""
-    (message,) = (block for block in blocks(CONTRACT, "text") if "breaks the contract" in block)
-    clause = EmitterContract.test_is_deterministic
-    assert f"clause {clause.__name__}: {clause.__doc__}" in message
-    assert tuple(re.findall(r"^    (?:accepted|what to do): (.*)$", message, re.MULTILINE)) == advice(clause)
 
 
 TABLE = """

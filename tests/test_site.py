@@ -5,19 +5,13 @@ Its pictures are drawn by docs/generators/pictures.py; `pytest --renew` writes t
 
 from __future__ import annotations
 
-import json
 import math
 import os
 import re
-import shutil
 import subprocess
 import sys
-import threading
-from functools import partial
-from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
 from typing import TYPE_CHECKING
-from urllib.parse import urlsplit
 
 import numpy as np
 import pytest
@@ -28,13 +22,9 @@ import pictures
 import site_hook
 from dh2urdf import hookspecs
 from dh2urdf.plugin_system import KINDS, describe_options, load
-from dh2urdf.report.schema import manifest_schema
-from dh2urdf.run_file.schema import run_schema
 from hook_pages import specified
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
-
     from drawing import Camera
 
 ROOT = Path(__file__).parents[1]
@@ -63,34 +53,6 @@ def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("site")
     assert build(folder) == (0, [])
     return folder
-
-
-@pytest.mark.long
-def test_a_broken_link_fails_the_build(tmp_path: Path) -> None:
-    """A link to a page that is not there, one to a heading that is not there, and a page that the menu lacks."""
-    docs = tmp_path / "docs"
-    docs.mkdir()
-    for path in (ROOT / "pipeline", ROOT / "plugins", *(DOCS / name for name in ("assets", "generators", "theme"))):
-        (tmp_path / path.relative_to(ROOT)).symlink_to(path)
-    settings = (ROOT / "mkdocs.yml").read_text("utf-8").partition("\nnav:\n")[0]
-    (tmp_path / "mkdocs.yml").write_text(f"{settings}\nnav: [index.md, cells.md]\n", "utf-8")
-    (docs / "index.md").write_text("# Home\n\n[a](gone.md), [b](cells.md#gone), [c](cells.md#units)\n", "utf-8")
-    (docs / "cells.md").write_text("# Cells\n\n## Units\n", "utf-8")
-    (docs / "lonely.md").write_text("# Lonely\n", "utf-8")
-    status, warnings = build(tmp_path / "site", tmp_path)
-    assert status == 1
-    text = "\n".join(warnings)
-    assert "'gone.md', but the target is not found" in text
-    assert "'cells.md#gone', but the doc 'cells.md' does not contain an anchor '#gone'" in text
-    assert "lonely.md" in text
-    assert text.count("WARNING") == 3
-
-
-class QuietHandler(SimpleHTTPRequestHandler):
-    """Serves the site and does not mention it."""
-
-    def log_message(self, *_: object) -> None:
-        pass
 
 
 def text_of(site: Path, page: str) -> str:
@@ -134,24 +96,6 @@ def test_every_stage_is_there_with_its_options(site: Path) -> None:
                 assert item.stage.summary[1:] in text
                 for name, takes, default, words in describe_options(item.stage.options):
                     assert " ".join(f"{name} {takes} {default} {words}".replace("`", "").split()) in text
-
-
-def test_every_key_of_run_files_and_reports_is_there(site: Path) -> None:
-    """The properties of the schemas, however deep they stand."""
-    run = run_schema(load())
-    del run["$defs"]  # The options of stages have a page of their own.
-    for schema, page in ((run, "run-file"), (manifest_schema(), "report-schema")):
-        text = text_of(site, f"reference/{page}")
-        missing = [key for key in keys(schema) if not re.search(rf"\b{re.escape(key)}\b", text)]
-        assert missing == []
-
-
-def keys(schema: object) -> Iterator[str]:
-    """The names of all properties in a schema."""
-    if isinstance(schema, dict):
-        yield from schema.get("properties", ()) if isinstance(schema.get("properties"), dict) else ()
-    for inner in schema.values() if isinstance(schema, dict) else schema if isinstance(schema, list) else ():
-        yield from keys(inner)
 
 
 def test_every_hook_is_there_with_its_signature(site: Path) -> None:
@@ -261,32 +205,3 @@ def test_lengths_are_drawn_along_their_axes(convention: str) -> None:
     for (*ends, _), start, end in zip(drawn, corners[:2], corners[1:], strict=True):
         expected = [*seen(camera, start[:3, 3]), *seen(camera, end[:3, 3])]
         np.testing.assert_allclose([float(value) for value in ends], expected, atol=0.06)
-
-
-@pytest.mark.long
-def test_a_browser_asks_nobody_else(site: Path, tmp_path: Path) -> None:
-    """Chromium, shown the front page by a server of its own, asks that server for all that the page starts."""
-    chromium = shutil.which("chromium")
-    if chromium is None:
-        pytest.skip("chromium is not installed")
-    handler = partial(QuietHandler, directory=str(site))
-    log = tmp_path / "net.json"
-    with ThreadingHTTPServer(("127.0.0.1", 0), handler) as server:
-        threading.Thread(target=server.serve_forever, daemon=True).start()
-        address = f"http://127.0.0.1:{server.server_port}"
-        subprocess.run(
-            [
-                *(chromium, "--headless", "--no-sandbox", "--use-angle=swiftshader", f"--log-net-log={log}"),
-                *(f"--user-data-dir={tmp_path / 'profile'}", "--virtual-time-budget=3000", "--dump-dom", f"{address}/"),
-            ],
-            check=True,
-            capture_output=True,
-            timeout=60,
-        )
-        server.shutdown()
-    asked = {
-        urlsplit(event["params"]["url"])[:2]
-        for event in json.loads(log.read_bytes())["events"]
-        if event.get("params", {}).get("initiator") == address  # what the browser does on its own has another one
-    }
-    assert asked == {urlsplit(address)[:2]}

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import csv as python_csv
 import datetime as dt
-import itertools
 import math
 import re
 import shlex
@@ -35,10 +34,10 @@ from dh2urdf_plugins.readers.rows import cells as row_cells, rows
 from dh2urdf_plugins.readers.statements import plausibility, text
 from dh2urdf_plugins.readers.table import TableOptions
 from dh2urdf_plugins.readers.tables import tables
-from dh2urdf_plugins.readers.words import bounds as table_bounds, fields, names, other_words, unheld
+from dh2urdf_plugins.readers.words import bounds as table_bounds, fields, names, unheld
 from dh2urdf_plugins.readers.words.word_keys import key_of
 from dh2urdf_plugins.readers.xlsx_file import workbook as xlsx_file
-from dh2urdf_plugins.readers.yaml_file import reading as yaml_reading, schema as yaml_schema
+from dh2urdf_plugins.readers.yaml_file import schema as yaml_schema
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -475,30 +474,6 @@ def test_every_header_that_the_code_knows_is_in_the_page() -> None:
     assert code(" ".join(paragraph.split())) == list(unheld.UNHELD_WORDS)
 
 
-def test_every_header_of_other_languages_is_in_the_page() -> None:
-    """Field by field and language by language, in both directions; each is read as its field."""
-    page = {name: list(map(code, others)) for name, *others in TABLES["languages"]}
-    assert page == {
-        name: [list(field.others.get(language, ())) for language in other_words.LANGUAGES]
-        for name, field in fields.FIELDS.items()
-        if field.others
-    }
-    for name, headers in page.items():
-        for header in itertools.chain.from_iterable(headers):
-            for form in (header, header.upper(), header.title(), header.replace(" ", "_"), header.replace(" ", "-")):
-                assert header_words.read_header(form).field is fields.FIELDS[name]
-
-
-def test_every_word_around_a_header_is_in_the_page() -> None:
-    """Field by field, in both directions; before and behind a header each leaves its meaning."""
-    page = {name: code(words) for name, words in TABLES["words around"]}
-    assert page == {name: list(dict.fromkeys(each.around)) for name, each in fields.FIELDS.items() if each.around}
-    for name, words in page.items():
-        for word in words:
-            for form in (f"{word} {name}", f"{name}_{word}"):
-                assert header_words.read_header(form).field is fields.FIELDS[name], form
-
-
 @pytest.mark.parametrize(("cell", "lower", "upper"), of_tables("ranges"))
 def test_every_range_is_the_two_bounds_beside_it(
     cell: str, lower: str, upper: str, read: Callable[..., Outcome]
@@ -579,45 +554,6 @@ def test_every_number_of_a_doubtful_unit_is_refused(
     above = "# convention: standard\n" + (f"{one_code(top)}\n" if "`" in top else "")
     errors = read(table_of(one_code(header), one_code(row), above)).errors
     assert any(one_code(said) in error for error in errors), errors
-
-
-def test_every_function_and_constant_is_in_the_page() -> None:
-    """Those of the grammar, with the names that numpy has for them."""
-    (paragraph,) = (part for part in TEXT.split("\n\n") if part.startswith("The constant is"))
-    names_in_page = {word.casefold() for word in code(paragraph)}
-    assert names_in_page >= {*expressions.FUNCTIONS, *expressions.OTHER_NAMES, "pi", "π"}
-    assert names_in_page >= {f"{module}pi" for module in expressions._MODULES}
-    assert (expressions.__doc__ or "").split("::")[1].split("\n\n")[1].split() == [
-        word for block in BLOCK.finditer(TEXT) if block["form"] == "text" for word in block["body"].split()
-    ]
-
-
-def test_every_statement_is_in_the_page(read: Callable[..., Outcome]) -> None:
-    """The keys of comment lines, each with an example that is accepted."""
-    assert [key for key, _ in TABLES["statements"]] == list(declared.STATEMENTS)
-    other_form = "`# DH convention = modified`"
-    assert other_form in TEXT
-    for key, example in [*TABLES["statements"], ("convention", other_form)]:
-        convention = "" if key == "convention" else "# convention: modified\n"
-        read(table_of("a,alpha,d", "0,0,0", f"{one_code(example)}\n{convention}")).arm()
-
-
-def test_every_key_of_yaml_is_in_the_page() -> None:
-    """Those of a manipulator, of its base and defaults, and of a joint."""
-    keys = set(re.findall(r"(\w+):", EXAMPLES["every key"].body))
-    joint = {*yaml_reading._JOINT_KEYS, *yaml_reading.LIMITS, *fields.INERTIA, "sign", "flip"}
-    assert keys == {
-        *yaml_reading.KEYS,
-        *joint,
-        "xyz",
-        "rpy",
-        *table_units.UNIT_KEYS,
-        "geometry",
-        "shape",
-        "density",
-        "file",
-        "scale",
-    }
 
 
 # --- Files ------------------------------------------------------------------------------------------------------------

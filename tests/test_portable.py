@@ -118,7 +118,7 @@ def names() -> list[str]:
     return [*(record["id"] for record in records), "ur5", "panda", "track", CELL]
 
 
-@pytest.fixture(params=[*names()[::4], CELL])
+@pytest.fixture(params=[*dict.fromkeys([*names()[::4], CELL])])
 def case(request: pytest.FixtureRequest, cases: dict[str, Case]) -> Case:
     return cases[request.param]
 
@@ -273,7 +273,7 @@ def test_check_urdf(case: Case) -> None:
     assert all(f":  {tip}" in done.stdout for _, tips in case.poses for tip in tips)
 
 
-@pytest.mark.parametrize("case", [*names()[::12], CELL], indirect=True)
+@pytest.mark.parametrize("case", [*dict.fromkeys([*names()[::12], CELL])], indirect=True)
 def test_sdformat(case: Case) -> None:
     """sdformat converts the file without a word and with the whole mass; it lumps tool0 into the link that carries it. It starts slowly, so it takes a sample."""
     model = etree.fromstring(sdformat("--print", case.urdf).encode()).find("model")

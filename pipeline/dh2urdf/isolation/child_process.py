@@ -32,6 +32,9 @@ from dh2urdf.plugin_system.at_work import MAGIC, MARK, SIZE, VARIABLE
 from dh2urdf.plugin_system.discovery import UNKNOWN, installed
 from dh2urdf.source import shown
 
+if sys.platform == "linux":
+    from fcntl import F_SETPIPE_SZ, fcntl
+
 if TYPE_CHECKING:
     from collections.abc import Callable
     from typing import Self
@@ -174,6 +177,9 @@ class Child:
         )
         for pipe in (self._calls, self._answers, self._printed):
             os.set_blocking(pipe.fileno(), False)
+            if sys.platform == "linux" and pipe is not self._printed:
+                with contextlib.suppress(OSError):  # This user has many pipes already.
+                    fcntl(pipe, F_SETPIPE_SZ, _CHUNK)  # Whenever a pipe is full, one side waits for the other.
         self._unsent = pickle.dumps(sys.path)
         self._is_reusable = True
 

@@ -68,7 +68,7 @@ def write_reports(store: Store, manifest: ManifestWriter, result: Result) -> Run
     store.write(REPORT, to_text(report))
     if manifest.table:
         with reporting_os_errors(manifest.table.place):
-            manifest.table.write(manifest.rows)
+            manifest.table.finish(manifest.rows)
         store.put(TABLE, manifest.table.path)
     else:
         store.remove(TABLE)  # An older one would describe another run.

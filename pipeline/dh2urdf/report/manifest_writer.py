@@ -65,3 +65,6 @@ class ManifestWriter:
             self.verdicts.add(row)
             if self.overview:
                 self.overview.add(row)
+        if self.table and report.table:
+            with reporting_os_errors(self.table.place):
+                self.table.add(report.table)

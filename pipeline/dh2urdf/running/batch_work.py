@@ -38,6 +38,7 @@ from dh2urdf.stage_calls.column_calls import emit_columns, read_columns, transfo
 from dh2urdf.stages import EmitsInColumns, EmittedFile, Emitter, ReadsBack, Rejected
 from dh2urdf.tasks.batch import Batch, Doomed, Single, variants_from
 from dh2urdf.tasks.batch_report import BatchReport
+from dh2urdf.tasks.manifest_table import table_rows
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -76,6 +77,7 @@ class Assignment:
         journal: folder of it for what is done so far.
         home: the process of the run itself, which a manipulator that hangs must not end.
         effect: what is done in earnest.
+        has_table: whether the run makes a table of its manifest.
         has_page: whether it makes a page of it.
         children: the children of loaders that are kept, of the process that this is in.
     """
@@ -88,6 +90,7 @@ class Assignment:
     journal: str
     home: str
     effect: Depth = Depth.MAKE
+    has_table: bool = False
     has_page: bool = False
     children: KeptChildren = field(default_factory=KeptChildren, compare=False, repr=False)
 
@@ -208,6 +211,7 @@ class Work:
             report,
             rows=b"".join([line for _, line in made]),
             told=[row for row in rows if tells or row["status"] != "ok"],
+            table=table_rows(rows) if self.worker.has_table else None,
         )
 
     def _part(

@@ -207,6 +207,7 @@ def _make(  # noqa: PLR0917 - what a run has in its hands
         journal=journal,
         home=this_process(),
         effect=effect,
+        has_table=manifest.table is not None,
         has_page=manifest.overview is not None,
     )
     under_way: deque[Batch] = deque()
@@ -232,7 +233,7 @@ def _make(  # noqa: PLR0917 - what a run has in its hands
             manifest.add(report)
             result.add(report)
             readable = readable or report.was_read
-            unread.append(replace(report, rows=b"", told=[]))
+            unread.append(replace(report, rows=b"", told=[], table=None))
             if readable:
                 for each in unread:
                     if note:

@@ -9,6 +9,7 @@ from typing import Any
 from dh2urdf.conversion.outcome import ManifestRow, Outcome
 from dh2urdf.errors import SCREENFUL
 from dh2urdf.source import Problem, in_file_order
+from dh2urdf.tasks.manifest_table import TableRows
 
 TIMED = 1000
 """Manipulators of a run whose durations are listed one by one; those of the others are added up."""
@@ -22,6 +23,7 @@ class BatchReport:
         first: number of its first manipulator in the run.
         rows: its part of the manifest, a line of JSON for each.
         told: its rows as data: those of failures, or all, where there are loaders or a page is made of them.
+        table: what a table of the manifest has of its part; None where there is no table.
         statuses: how many are ok, kept from an earlier run, failed or skipped.
         kinds: how many failed, by kind.
         problems: what was noticed and what failed, a screenful of each; what is noticed of many is there once.
@@ -38,6 +40,7 @@ class BatchReport:
     statuses: Counter[str] = field(default_factory=Counter)
     kinds: Counter[str] = field(default_factory=Counter)
     told: list[ManifestRow] = field(default_factory=list)
+    table: TableRows | None = None
     problems: list[Problem] = field(default_factory=list)
     severities: Counter[str] = field(default_factory=Counter)
     tracebacks: list[str] = field(default_factory=list)

@@ -1,14 +1,14 @@
 """The manifest of a run as a Parquet file, for data science: a row for each manipulator, and a column for each fact.
 
-It is made of the finished manifest, a group of rows at a time.
+It is written while the rows pass by; none is kept.
 """
 
 from __future__ import annotations
 
 import io
 from importlib.util import find_spec
-from itertools import islice, product
-from typing import TYPE_CHECKING, Any, BinaryIO, get_args, get_origin, get_type_hints, is_typeddict
+from itertools import islice
+from typing import TYPE_CHECKING, Any, BinaryIO, NamedTuple, get_args, get_origin, get_type_hints, is_typeddict
 
 import orjson
 
@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     import pyarrow as pa
+    from pyarrow.parquet import ParquetWriter
 
     from dh2urdf.conversion.outcome import ManifestRow
 
@@ -36,6 +37,38 @@ _OF_SOME_RUNS = ("drawn.", "loaders.")
 def can_write_parquet() -> bool:
     """Whether pyarrow is installed; it is not imported."""
     return find_spec("pyarrow") is not None
+
+
+class TableRows(NamedTuple):
+    """Rows of the table, which a worker makes of rows of the manifest that it has at hand.
+
+    Attributes:
+        lines: each as a line of JSON.
+        kinds: the columns that not all runs have, in the order in which they have a value for the first time: whether
+            they hold truth values, numbers, text, lists of text, or objects of several kinds, which become text.
+    """
+
+    lines: Sequence[bytes]
+    kinds: Mapping[str, type]
+
+
+def table_rows(rows: Sequence[ManifestRow]) -> TableRows:
+    """The rows of the table for some rows of the manifest."""
+    lines, seen = [], dict[tuple[str, type], None]()
+    for row in rows:
+        flat = _flat(row)
+        seen.update(dict.fromkeys(zip(flat, map(type, flat.values()), strict=True)))
+        lines.append(orjson.dumps(flat))
+    kinds: dict[str, type] = {}
+    for name, kind in seen:
+        if name.startswith(_OF_SOME_RUNS) and kind is not type(None):
+            _see(kinds, name, float if kind is int else kind)
+    return TableRows(lines, kinds)
+
+
+def _see(kinds: dict[str, type], name: str, kind: type) -> None:
+    if kinds.setdefault(name, kind) is not kind:
+        kinds[name] = object
 
 
 def _flat(row: ManifestRow) -> dict[str, Any]:
@@ -94,7 +127,7 @@ class ManifestTable:
     ===============================  ===================================================================================
 
     A column `drawn` or `loaders` that no manipulator fills is left out. The same rows give the same bytes with the same
-    version of pyarrow.
+    version of pyarrow, however many come at once.
 
     Attributes:
         path: the file that is written.
@@ -105,12 +138,45 @@ class ManifestTable:
         self.path = path
         self.place = place or str(path)
         self._kinds: dict[str, type] = {}
+        self._waiting: list[bytes] = []
+        self._writer: ParquetWriter | None = None
+        self._is_outgrown = False
 
-    def write(self, manifest: BinaryIO) -> None:
-        """Write the file of all lines of a manifest, which are read twice: for the columns, and for their values.
+    def add(self, rows: TableRows) -> None:
+        """Take rows of the manifest.
 
         Raises:
             OSError: the file cannot be written.
+        """
+        for name, kind in rows.kinds.items():
+            _see(self._kinds, name, kind)
+        self._waiting += rows.lines
+        while len(self._waiting) >= ROW_GROUP:
+            self._write(self._waiting[:ROW_GROUP])
+            del self._waiting[:ROW_GROUP]
+
+    def finish(self, manifest: BinaryIO) -> None:
+        """Complete the file, or write it anew where late rows have columns that the first ones had not.
+
+        Args:
+            manifest: all lines.
+
+        Raises:
+            OSError: the file cannot be written.
+        """
+        self._write(self._waiting)
+        self._close()
+        if self._is_outgrown:
+            self._is_outgrown = False
+            manifest.seek(0)
+            while some := [orjson.loads(line) for line in islice(manifest, ROW_GROUP)]:
+                self._write(table_rows(some).lines)
+            self._close()
+
+    def _write(self, lines: Sequence[bytes]) -> None:
+        """Write a row group, if the columns are those of the groups before.
+
+        Raises:
             MissingDependencyError: pyarrow is installed and cannot be imported.
         """
         try:
@@ -118,26 +184,28 @@ class ManifestTable:
         except ImportError as error:
             raise MissingDependencyError("manifest.parquet", "pyarrow", "dh2urdf[parquet]", error) from error
 
-        for rows in _groups(manifest):
-            for name, value in (entry for row in rows for entry in row.items()):
-                if name.startswith(_OF_SOME_RUNS) and value is not None:
-                    kind = float if type(value) is int else type(value)
-                    self._kinds[name] = kind if self._kinds.get(name, kind) is kind else object
-        mixed = [name for name, kind in self._kinds.items() if kind is object]
         schema = self._schema()
-        with parquet.ParquetWriter(self.path, schema, use_dictionary=_REPEATED) as writer:
-            for rows in _groups(manifest):
-                for row, name in product(rows, mixed):
-                    if row.get(name) is not None:
-                        row[name] = str(row[name])
-                # Unlike what it is given as Python's lists, pyarrow reads JSON without an import of pandas (0.2 s).
-                data = b"\n".join(map(orjson.dumps, rows))
-                columns = json.read_json(
-                    io.BytesIO(data),
-                    json.ReadOptions(use_threads=False, block_size=len(data) + 1),
-                    json.ParseOptions(explicit_schema=schema, unexpected_field_behavior="ignore"),
-                )
-                writer.write_table(columns, ROW_GROUP)
+        if self._writer is None:
+            self._writer = parquet.ParquetWriter(self.path, schema, use_dictionary=_REPEATED)
+        self._is_outgrown = self._is_outgrown or self._writer.schema != schema
+        if lines and not self._is_outgrown:
+            # Unlike what it is given as Python's lists, pyarrow reads JSON without importing pandas, which takes 0.2 s.
+            if mixed := [name for name, kind in self._kinds.items() if kind is object]:
+                rows = [orjson.loads(line) for line in lines]
+                texts = [{name: str(row[name]) for name in mixed if row.get(name) is not None} for row in rows]
+                lines = [orjson.dumps(row | text) for row, text in zip(rows, texts, strict=True)]
+            data = b"\n".join(lines)
+            columns = json.read_json(
+                io.BytesIO(data),
+                json.ReadOptions(use_threads=False, block_size=len(data) + 1),
+                json.ParseOptions(explicit_schema=schema, unexpected_field_behavior="ignore"),
+            )
+            self._writer.write_table(columns, ROW_GROUP)
+
+    def _close(self) -> None:
+        if self._writer is not None:
+            self._writer.close()
+            self._writer = None
 
     def _schema(self) -> pa.Schema:
         """The columns and their types."""
@@ -155,13 +223,6 @@ class ManifestTable:
         for some in _OF_SOME_RUNS:
             types |= {name: kinds[kind] for name, kind in self._kinds.items() if name.startswith(some)}
         return pa.schema(types)
-
-
-def _groups(manifest: BinaryIO) -> Iterator[list[dict[str, Any]]]:
-    """The rows of the table for the lines of a manifest."""
-    manifest.seek(0)
-    while some := [_flat(orjson.loads(line)) for line in islice(manifest, ROW_GROUP)]:
-        yield some
 
 
 def _types(record: type, *names: str) -> dict[str, pa.DataType]:

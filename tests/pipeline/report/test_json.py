@@ -14,7 +14,7 @@ from dh2urdf.output.store import open_store
 from dh2urdf.report.json import SCHEMA, run_report, timing, write_reports, write_timing
 from dh2urdf.report.manifest_writer import REPORTED, ManifestWriter
 from dh2urdf.tasks.batch_report import BatchReport
-from dh2urdf.tasks.manifest_table import ManifestTable
+from dh2urdf.tasks.manifest_table import ManifestTable, table_rows
 from dh2urdf.tasks.result import Result
 
 if TYPE_CHECKING:
@@ -42,7 +42,9 @@ def written_manifest(folder: Path, rows: Iterable[dict[str, Any]], *, with_table
         made.table = ManifestTable(folder / "table", f"{folder}/manifest.parquet")
     every: Any = list(rows)
     lines, statuses = b"".join(map(to_line, every)), Counter(row["status"] for row in every)
-    made.add(BatchReport(first=0, rows=lines, statuses=statuses, kinds=Counter(), told=tuple(every)))
+    made.add(
+        BatchReport(first=0, rows=lines, statuses=statuses, kinds=Counter(), told=tuple(every), table=table_rows(every))
+    )
     return made
 
 
@@ -172,6 +174,6 @@ def test_a_table_that_cannot_be_written_is_one_line(tmp_path: Path, monkeypatch:
     def full(*_: object) -> None:
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr("dh2urdf.tasks.manifest_table.ManifestTable.write", full)
+    monkeypatch.setattr("dh2urdf.tasks.manifest_table.ManifestTable.finish", full)
     with pytest.raises(OutputError, match=r"cannot write '.*/manifest\.parquet': No space left on device"):
         write_reports(open_store(tmp_path), written_manifest(tmp_path, [ARM]), result(batch(ok=1)))

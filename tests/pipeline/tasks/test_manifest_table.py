@@ -13,7 +13,7 @@ from hypothesis import given, strategies as st
 from pyarrow import parquet
 
 from dh2urdf.conversion.outcome import to_line
-from dh2urdf.tasks.manifest_table import ROW_GROUP, ManifestTable
+from dh2urdf.tasks.manifest_table import ROW_GROUP, ManifestTable, table_rows
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -42,7 +42,9 @@ def written(*blocks: list[dict[str, Any]]) -> bytes:
     with TemporaryDirectory() as folder:
         path = Path(folder) / "manifest.parquet"
         table = ManifestTable(path)
-        table.write(json_lines(chain.from_iterable(blocks)))
+        for block in blocks:
+            table.add(table_rows(block))
+        table.finish(json_lines(chain.from_iterable(blocks)))
         return path.read_bytes()
 
 

@@ -167,7 +167,8 @@ def make_folder(directory: Path) -> None:
     """
     if re.match(ADDRESS, str(directory)) and not is_folder(Path(directory.parts[0])):
         message = f"cannot write to {shown(str(directory), 200)}: this is an address, and only files are written here"
-        raise OutputError(Problem(message=message, accepted="a path"))
+        advice = "a run writes to addresses: `dh2urdf run FILE -o s3://bucket/prefix`"
+        raise OutputError(Problem(message=message, accepted="a path", suggestion=advice))
     with reporting_os_errors(directory, TO_FOLDER):
         directory.mkdir(parents=True, exist_ok=True)
 

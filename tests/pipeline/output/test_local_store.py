@@ -134,6 +134,7 @@ class TestAppending:
 class TestFullDisk:
     CODE = """
 import resource, sys
+from pathlib import Path
 from dh2urdf.errors import OutputError
 from dh2urdf.output.store import LocalStore
 resource.setrlimit(resource.RLIMIT_FSIZE, (5000, 5000))
@@ -177,6 +178,7 @@ class TestInterrupts:
 
     WRITER = """
 import sys
+from pathlib import Path
 from dh2urdf.output.store import LocalStore
 store = LocalStore(Path(sys.argv[1]))
 with store.lock():
@@ -217,6 +219,7 @@ with store.lock():
 class TestLock:
     HOLDER = """
 import os, sys, time
+from pathlib import Path
 from dh2urdf.output.store import LocalStore
 with LocalStore(Path(sys.argv[1])).lock():
     child = os.fork()
@@ -288,6 +291,7 @@ with LocalStore(Path(sys.argv[1])).lock():
         """Of processes that take and leave a lock in turns, no two have it at once, though its file comes and goes."""
         code = """
 import os, sys, time
+from pathlib import Path
 from dh2urdf.errors import OutputError
 from dh2urdf.output.store import LocalStore
 folder, done = Path(sys.argv[1]), 0

@@ -139,7 +139,7 @@ class TestEveryStore:
             lambda: store.remove_tree(name),
         ]
         for doing in doings:
-            with pytest.raises(OutputError, match="is not a plain relative name"):
+            with pytest.raises(OutputError, match="is not a plain file name"):
                 doing()
         assert everything(tmp_path) == ["made"]
         assert list(store.names()) == []

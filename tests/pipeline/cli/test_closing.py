@@ -68,13 +68,6 @@ class TestTheClosingLine:
         error = float(line.partition("largest error ")[2].split()[0])
         assert 0 <= error < 1e-12
 
-    def test_the_travel_of_a_slide_is_told(self, cli: Cli, folder: Path) -> None:
-        """It follows from the size of the arm: 0.4 m is the longest link."""
-        (folder / "slide.csv").write_text(
-            BARE.replace("joint,", "joint,type,").replace("r,0,", "r,R,0,").replace("w,", "w,P,")
-        )
-        assert "limits of 2 joints (prismatic: -0.2 to 0.2 m), " in cli("convert", "slide.csv").stderr
-
     def test_a_transform_that_gives_another_arm(self, cli: Cli) -> None:
         """The paper's algorithm does not keep the kinematics, and the line says how far off the robot is."""
         line = cli("convert", TABLES / "ur5.csv", "--variant", "paper").stderr
@@ -134,11 +127,6 @@ class TestJson:
         for error in report["errors"]:
             assert error["message"].partition("; ")[0] in answer.stderr
 
-    def test_the_place_of_an_error_is_in_it(self, cli: Cli) -> None:
-        """File, line and column of a cell."""
-        (error,) = json.loads(cli("convert", "bad.csv", "--json", status=2).stdout)["errors"]
-        assert (error["file"], error["line"], error["column"], error["field"]) == ("bad.csv", 3, 12, "alpha")
-
 
 class TestStandardInput:
     @pytest.mark.parametrize("words", [["--from", "csv"], []], ids=["said", "sniffed"])
@@ -160,15 +148,6 @@ class TestStandardInput:
             wanted = wanted.replace(f'<robot name="{table.stem}"', '<robot name="robot"')
         assert row["files"][0]["content"] == wanted
 
-    def test_a_parquet_file(self, cli: Cli, type_in: Callable[[bytes], None], tmp_path: Path) -> None:
-        """Bytes that are no text are passed on as they are."""
-        parquet = pytest.importorskip("pyarrow.parquet")
-        arrow = pytest.importorskip("pyarrow")
-        columns = {"a": [0.4], "alpha": [0.0], "d": [0.1], "convention": ["standard"]}
-        parquet.write_table(arrow.table(columns), tmp_path / "arm.parquet")
-        type_in((tmp_path / "arm.parquet").read_bytes())
-        assert cli("convert", "-").stderr.startswith("robot: 1 revolute joint; ")
-
     @pytest.mark.parametrize(
         ("content", "words", "message"),
         [
@@ -185,11 +164,6 @@ class TestStandardInput:
         """It is refused, with what to say."""
         type_in(content)
         assert message in cli("convert", "-", *words, status=2).stderr
-
-    def test_a_closed_one(self, cli: Cli, monkeypatch: pytest.MonkeyPatch) -> None:
-        """A command that was started without standard input says so."""
-        monkeypatch.setattr(sys, "stdin", None)
-        assert "standard input cannot be read: it is closed" in cli("convert", "-", status=2).stderr
 
     def test_the_command_in_a_pipeline(self, tmp_path: Path) -> None:
         """A real pipe on both ends; nothing is left behind."""

@@ -189,12 +189,6 @@ class TestOptions:
         text = cli("convert", "arm.csv", "--set", setting, "--set", "radius=0.02").stdout
         assert '<box size="0.04 0.04 0.4"/>' in text
 
-    def test_an_option_of_two_stages_is_asked_for_by_its_whole_name(self, cli: Cli) -> None:
-        """The reader and the emitter have the option; neither is guessed."""
-        answer = cli("convert", "arm.csv", "-o", "arm.tex", "--set", "angle_unit=deg", status=2)
-        assert "--set 'angle_unit=deg' is an option of the reader and of the emitter" in answer.stderr
-        assert "write reader.angle_unit or emitter.angle_unit" in answer.stderr
-
     def test_all_that_is_wrong_with_options_is_said_at_once(self, cli: Cli, folder: Path) -> None:
         """Flags and settings together, each with what is accepted and what was probably meant."""
         words = ["--frames", "algined", "--set", "radus=1", "--set", "density", "--set", "transform.shape=sphere"]
@@ -234,33 +228,6 @@ class TestOptions:
 
 @pytest.mark.usefixtures("folder")
 class TestRefusals:
-    def test_a_missing_table(self, cli: Cli) -> None:
-        """It is told with a neighbour whose name is near."""
-        answer = cli("convert", "arsm.csv", status=2)
-        assert answer.stderr.startswith("arsm.csv: error: there is no such file\n    did you mean ")
-        assert "'arms.csv'" in answer.stderr
-
-    def test_a_run_file_is_no_table(self, cli: Cli, folder: Path) -> None:
-        """Whoever mistakes one for the other is told what to type."""
-        (folder / "run.yaml").write_text("inputs: arm.csv\nemitters: [urdf]\n")
-        answer = cli("convert", "run.yaml", status=2)
-        assert answer.stderr == (
-            "run.yaml: error: this is a run file, not a table\n    `dh2urdf run run.yaml`, or in Python `dh2urdf.run('run.yaml')`, runs it\n"
-        )
-
-    def test_a_folder(self, cli: Cli, folder: Path) -> None:
-        """It is told as such, whatever its name ends in."""
-        (folder / "tables.csv").mkdir()
-        for name in (".", "tables.csv"):
-            assert cli("convert", name, status=2).stderr.startswith(f"{name}: error: this is a folder, not a file")
-
-    def test_a_table_of_an_unknown_kind(self, cli: Cli, folder: Path) -> None:
-        """The error says which suffixes are known."""
-        (folder / "arm.docx").touch()
-        answer = cli("convert", "arm.docx", status=2)
-        assert "no reader is known for the file 'arm.docx'" in answer.stderr
-        assert ".csv" in answer.stderr
-
     def test_a_table_that_the_transform_refuses_is_wrong(self, cli: Cli, folder: Path) -> None:
         """The table can be read, but no arm can be made of it with these options: nothing is written."""
         (folder / "arm.csv").write_text(STANDARD.replace("pi/2", "1.2"))

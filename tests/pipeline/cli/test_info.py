@@ -84,11 +84,6 @@ class TestFields:
         }
         assert {found[name]["place"] for name in origins} == {None}
 
-    def test_a_cell_with_a_unit_of_its_own_is_read_in_no_other(self, cli: Cli) -> None:
-        """'-1 rad' in a table of degrees."""
-        lower = fields(report(cli("info", "arm.csv", "--json").stdout)["detail"], "shoulder")["lower"]
-        assert (lower["value"], lower["typed"], lower["read_in"]) == (-1.0, "-1 rad", None)
-
     @pytest.mark.parametrize("path", TABLES, ids=lambda path: path.name)
     def test_every_field_of_every_table_of_the_project(self, cli: Cli, path: Path) -> None:
         """Each typed text is at its place; each value of the manipulator is printed."""
@@ -147,11 +142,6 @@ class TestTheArm:
         assert lengths == pytest.approx([0.1, -0.135, 0, 0.615, 0.705, 0.755, 0.085], abs=1e-12)
         text = cli("info", table).stdout
         assert "parallel axes: j2, j3\nspherical wrist: j4, j5, j6\nOPW arm: a1 0.1, a2 -0.135, b 0," in text
-
-    def test_a_slide_counts_with_its_limits(self, cli: Cli) -> None:
-        """20 mm - q3 with q3 up to 200 mm is up to 180 mm."""
-        detail = report(cli("info", "arm.csv", "--json").stdout)["detail"]
-        assert detail["largest_distance"]["bound"] == pytest.approx(0.3 + 0.25 + 0.18 + 0.05 + 0.06)
 
     def test_the_mass_and_what_of_it_is_computed(self, cli: Cli) -> None:
         """The robot's mass; the links without one in the table, and the base."""
@@ -262,19 +252,3 @@ class TestForms:
         assert "| waist | alpha | 1.57079633 rad (90°) | '90' | deg | arm.csv:5:27 |" in text
         (folder / "a|b.csv").write_text(ARM)
         assert "a&#124;b.csv:5:27 |" in cli("info", "a|b.csv", "--markdown").stdout
-
-    def test_an_error_of_the_table(self, cli: Cli, folder: Path) -> None:
-        """As `convert` says it; as JSON too."""
-        (folder / "bad.csv").write_text(ARM.replace("90,    300", "ninety, 300"))
-        answer = cli("info", "bad.csv", "--json", status=2)
-        assert json.loads(answer.stdout)["schema"] == "dh2urdf-error/1"
-        assert answer.stderr == cli("convert", "bad.csv", status=2).stderr
-
-
-class TestClosingLine:
-    def test_joints_without_a_type_are_told(self, cli: Cli, folder: Path) -> None:
-        """One of the table has none, and is revolute."""
-        assert "filled in: type of 1 joint, masses of 3 links" in cli("convert", "arm.csv").stderr
-        (row,) = json.loads(cli("convert", "arm.csv", "--json").stdout)["conversions"]
-        assert row["filled_in"]["types"] == ["shoulder"]
-        assert (folder / "arm.csv").read_text() == ARM

@@ -94,10 +94,6 @@ class TestWords:
             in answer.stderr
         )
 
-    def test_control_characters_do_not_reach_the_terminal(self, cli: Callable[..., Answer]) -> None:
-        """A word of the command line is shown harmlessly."""
-        assert "\x1b" not in cli("\x1b[31mred", status=2).stderr
-
 
 class TestDebug:
     def test_an_error_is_one_sentence_without_it(self, cli: Callable[..., Answer]) -> None:
@@ -221,10 +217,6 @@ class TestColours:
         status, printed = on_a_terminal([*self.WORDS], tmp_path)
         assert status == 0
         assert "\x1b[32mok" in printed
-
-    def test_a_pipe_gets_none(self, cli: Callable[..., Answer]) -> None:
-        """Nor does a file."""
-        assert "\x1b" not in cli(*self.WORDS).stdout
 
 
 def test_python_runs_the_package_as_the_command() -> None:

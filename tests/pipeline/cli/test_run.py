@@ -139,32 +139,6 @@ class TestFailures:
         assert answer.stdout == ""
         assert answer.stderr.count(": error: ") == 3
 
-    def test_two_of_one_name(self, cli: Cli, folder: Path, reports: frozenset[str]) -> None:
-        """Two tables of one name give two files; the second one's is told in a notice."""
-        for name in ("a", "b"):
-            (folder / f"{name}.yml").write_text(
-                "{name: twin, convention: standard, joints: [{a: 0.4, alpha: 0, d: 0}]}"
-            )
-        (folder / "twins.yaml").write_text("inputs: [a.yml, b.yml]\noutput: {directory: out}\n")
-        answer = cli("run", "twins.yaml")
-        assert written(folder) == {"twin.urdf", "twin-2.urdf", *reports}
-        assert "b.yml: notice: manipulator 'twin': its files are named 'twin-2'" in answer.stderr
-        assert [[file["path"] for file in entry["files"]] for entry in report(folder)["manipulators"]] == [
-            *(["twin.urdf"], ["twin-2.urdf"])
-        ]
-
-    def test_names_that_are_no_file_names(self, cli: Cli, folder: Path) -> None:
-        """They become safe ones in the output folder; the robot keeps its name."""
-        names = ["../up", "a/b", "con", ".hidden", "x" * 150]
-        rows = "".join(f"{name},0.4,0,0.1\n" for name in names)
-        (folder / "arms.csv").write_text(f"# convention: standard\nrobot,a,alpha,d\n{rows}")
-        cli("run", "arms.yaml")
-        assert [entry["name"] for entry in report(folder)["manipulators"]] == names
-        stems = {path.stem for path in (folder / "out").glob("*.urdf")}
-        assert {stem for stem in stems if len(stem) < 100} == {"up", "a_b", "con_", "hidden"}
-        assert len(stems) == len(names)
-        assert {path.name for path in folder.iterdir()} == {"arm.csv", "arms.csv", "arm.yaml", "arms.yaml", "out"}
-
 
 class TestWords:
     def test_set(self, cli: Cli, folder: Path, reports: frozenset[str]) -> None:
@@ -183,14 +157,6 @@ class TestWords:
         for words in ("arm.yaml:2:12", "'urdf'", "arm.yaml:3:1", "'transform'", "--set 'a.b=1'", "aligned or dh"):
             assert words in answer.stderr
         assert written(folder) == set()
-
-    def test_a_table_is_no_run_file(self, cli: Cli, folder: Path) -> None:
-        """Whoever mistakes one for the other is told what takes a table."""
-        (folder / "table.yaml").write_text("{name: arm, convention: standard, joints: [{a: 0.4, alpha: 0, d: 0}]}")
-        answer = cli("run", "table.yaml", status=2)
-        assert answer.stderr.count(": error: ") == 1
-        assert answer.stderr.startswith("table.yaml: error: this is a table, not a run file")
-        assert "`dh2urdf convert table.yaml` converts it" in answer.stderr
 
 
 # --- Plugins that misbehave -------------------------------------------------------------------------------------------
@@ -238,12 +204,6 @@ class TestPluginsThatMisbehave:
         assert "emitter 'broken' of lab 1.0 failed: AttributeError" in failed.stderr
         assert "Traceback" not in failed.stderr
         assert written(lab) == reports
-
-    def test_debug_shows_where(self, dh2urdf: Callable[..., CompletedProcess[str]], lab: Path) -> None:
-        """The line of the plugin that is wrong."""
-        failed = dh2urdf("--debug", "run", "broken.yaml", path=[lab / "site"], status=1)
-        assert "Traceback (most recent call last):" in failed.stderr
-        assert "robot.nmae" in failed.stderr
 
 
 @pytest.mark.skipif(not hasattr(os, "killpg"), reason="the system has no process groups")

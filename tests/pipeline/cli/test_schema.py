@@ -4,7 +4,6 @@ import json
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import pytest
 import yaml
 from jsonschema import Draft202012Validator
 
@@ -31,11 +30,6 @@ def test_it_validates_every_run_file_of_the_project(cli: Callable[..., Answer]) 
         assert list(validator.iter_errors({**config, "emiters": ["urdf"]}))
 
 
-def test_run_files_are_the_default(cli: Callable[..., Answer]) -> None:
-    """`schema` is `schema run`."""
-    assert schema(cli) == schema(cli, "run") != schema(cli, "table")
-
-
 def test_the_one_of_tables_validates_every_table_of_the_project(cli: Callable[..., Answer]) -> None:
     """What an editor gets accepts every YAML table in configs/, and finds a slip in it."""
     validator = Draft202012Validator(schema(cli, "table"))
@@ -43,11 +37,3 @@ def test_the_one_of_tables_validates_every_table_of_the_project(cli: Callable[..
         table = yaml.safe_load(path.read_text("utf-8"))
         assert [error.message for error in validator.iter_errors(table)] == []
         assert list(validator.iter_errors({**table, "convetion": "standard"}))
-
-
-@pytest.mark.parametrize("word", ["runs", "robot"])
-def test_an_unknown_one_is_an_error(cli: Callable[..., Answer], word: str) -> None:
-    """It is told with the two that there are."""
-    answer = cli("schema", word, status=2)
-    assert "'run', 'table'" in answer.stderr
-    assert answer.stdout == ""

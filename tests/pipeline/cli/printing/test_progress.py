@@ -18,7 +18,6 @@ if TYPE_CHECKING:
     from collections.abc import Callable
     from pathlib import Path
 
-    from conftest import Answer
 
 MANY = SCREENFUL + 7
 ARMS = "# convention: standard\nrobot,a,alpha,d\n" + "".join(
@@ -132,16 +131,6 @@ def arms(tmp_path: Path) -> Path:
     (tmp_path / "arms.csv").write_text(ARMS)
     (tmp_path / "arms.yaml").write_text("inputs: arms.csv\noutput: {directory: out}\n")
     return tmp_path
-
-
-def test_quiet(cli: Callable[..., Answer], arms: Path) -> None:
-    """--quiet: what fails on standard error, nothing on standard output, and the files as ever."""
-    answer = cli("run", "arms.yaml", "--quiet", status=1)
-    assert answer.stdout == ""
-    assert answer.stderr.startswith("arms.csv:6:6: error: ")
-    assert answer.stderr.count(": error: ") == 1
-    assert "notice" not in answer.stderr
-    assert (arms / "out" / "arm39.urdf").is_file()
 
 
 WITHOUT_PAGE = ("--set", "report.html=false")

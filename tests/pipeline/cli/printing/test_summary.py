@@ -102,12 +102,6 @@ def test_failures_come_first(printed: Callable[..., list[str]]) -> None:
     assert "1 made, 2 failed" in lines
 
 
-def test_failures_are_counted_by_kind(printed: Callable[..., list[str]]) -> None:
-    """The commonest kind first; what an earlier run had finished counts by itself."""
-    lines = printed(outcome(), kept=1200, failed=5, kinds={"table": 2, "time limit": 3})
-    assert "1 made, 1,200 unchanged, 5 failed (time limit: 3, table: 2)" in lines
-
-
 def test_a_long_run_is_cut(printed: Callable[..., list[str]]) -> None:
     """A screenful of rows, the failures among them, and the number of the others, in the report or not."""
     outcomes = [outcome(f"arm{i}") for i in range(MOST_ROWS + 9)]
@@ -116,13 +110,6 @@ def test_a_long_run_is_cut(printed: Callable[..., list[str]]) -> None:
     assert len(cells(lines)) == MOST_ROWS
     assert "and 1,000,010 more manipulators" in lines
     assert "1,000,049 made, 1 failed; 1,000 per second" in lines
-
-
-def test_a_dry_run_says_so(printed: Callable[..., list[str]]) -> None:
-    """Nothing is claimed to be written, and no error is spoken of."""
-    lines = printed(outcome(status="skipped"), dry_run=True)
-    assert lines[-1] == "1 skipped (dry run: nothing was written)"
-    assert not lines[0].startswith("largest")
 
 
 def test_a_transform_that_gives_another_arm_is_named(printed: Callable[..., list[str]]) -> None:

@@ -3,50 +3,39 @@
 from __future__ import annotations
 
 import asyncio
-import threading
 from collections import OrderedDict
 from pathlib import Path
-from typing import TYPE_CHECKING, Generic, Protocol, Self, TypeVar
+from typing import TYPE_CHECKING, Generic, TypeVar
 
 from fastapi import Response
 from nicegui import app, ui
 
 from dh2urdf.errors import OutputError
-from dh2urdf.table_text import TableText
-from dh2urdf_studio import dialogs, words
-from dh2urdf_studio.connection.acts import Arrivals
+from dh2urdf_studio import dialogs
+from dh2urdf_studio.arrivals import Arrivals
 from dh2urdf_studio.drawing.mesh_store import MeshStore
-from dh2urdf_studio.driving.live_joints import LiveJoints
-from dh2urdf_studio.driving.routes import serve_joints
 from dh2urdf_studio.editing.session import Session
+from dh2urdf_studio.live_joints import LiveJoints, serve_joints
 from dh2urdf_studio.page import StudioPage
 from dh2urdf_studio.view_page import ViewPage
 from dh2urdf_studio.viewing import View
 
 if TYPE_CHECKING:
-    from collections.abc import Awaitable, Callable, Sequence
+    from collections.abc import Awaitable, Callable
 
     from dh2urdf.plugin_system.catalog import Catalog
+    from dh2urdf.table_text import TableText
 
 MOST_SESSIONS = 100
 """Tabs whose state is kept; the one that was not used for the longest time goes first."""
 _HERE = Path(__file__).parent
-_OWNER = "dh2urdf_tab"
 
 
-class _Copied(Protocol):
-    def copy(self) -> Self: ...
-
-
-S = TypeVar("S", bound=_Copied)
+S = TypeVar("S")
 
 
 class Sessions(Generic[S]):
-    """What tabs show, by tab.
-
-    Args:
-        new: makes what a new tab shows.
-    """
+    """What tabs show, by tab."""
 
     def __init__(self, new: Callable[[], S]) -> None:
         self._new = new
@@ -59,21 +48,12 @@ class Sessions(Generic[S]):
     async def of_this_tab(self) -> S:
         """What the tab shows that asks for a page, as soon as it has said which it is."""
         await ui.context.client.connected(timeout=30.0)
-        tab, stored = str(ui.context.client.tab_id), app.storage.tab
-        session = self.of(tab, stored.get(_OWNER))
-        stored[_OWNER] = tab
-        return session
+        return self.of(str(ui.context.client.tab_id))
 
-    def of(self, tab: str, before: str | None = None) -> S:
-        """What a tab shows.
-
-        Args:
-            tab: the tab.
-            before: the tab of which it is a copy, where a person has duplicated one.
-        """
+    def of(self, tab: str) -> S:
+        """What a tab shows."""
         if tab not in self._of:
-            original = self._of.get(before or "")
-            self._of[tab] = original.copy() if original else self._new()
+            self._of[tab] = self._new()
         self._of.move_to_end(tab)
         while len(self._of) > MOST_SESSIONS:
             self._of.popitem(last=False)
@@ -81,36 +61,19 @@ class Sessions(Generic[S]):
 
 
 def build_studio(catalog: Catalog, table: TableText | None) -> None:
-    """Declares the page of the studio.
-
-    Args:
-        catalog: the installed stages.
-        table: what a new tab begins with; None for an empty table.
-    """
+    """Declares the page of the studio."""
     arrivals = Arrivals()
     arrivals.serve()
     sessions = Sessions(lambda: Session(catalog, table))
     meshes = MeshStore({})
     app.on_shutdown(meshes.close)
     _serve(meshes)
-    app.on_startup(lambda: threading.Thread(target=rehearse, args=[catalog], daemon=True).start())
 
     @ui.page("/")
     async def studio() -> None:
         dress()
-        ui.on("dh-lost", lambda event: tell_lost(arrivals.lost(*event.args)))
+        ui.on("dh-lost", lambda event: dialogs.tell_lost(arrivals.lost(*event.args)))
         await _unless_left(StudioPage(await sessions.of_this_tab(), meshes).start())
-
-
-def tell_lost(acts: Sequence[str]) -> None:
-    """Shows what the page before this one could not send."""
-    if acts:
-        dialogs.warn(words.lost(acts))
-
-
-def rehearse(catalog: Catalog) -> None:
-    """Makes an arm that nobody sees, so that the first key in an empty table does not wait for imports."""
-    Session(catalog, TableText(name="arm", convention="standard", rows=({"a": "1", "alpha": "0", "d": "0"},)))
 
 
 def _serve(meshes: MeshStore) -> None:
@@ -137,12 +100,7 @@ def _serve(meshes: MeshStore) -> None:
 
 
 def build_view(first: View, meshes: MeshStore) -> None:
-    """Declares the page that shows some robots.
-
-    Args:
-        first: what the page of the first tab shows.
-        meshes: reads their mesh files.
-    """
+    """Declares the page that shows some robots."""
     Arrivals().serve()
     live = LiveJoints(first)
     views = Sessions(lambda: live.begin(View(first.figures)))
@@ -168,6 +126,6 @@ async def _unless_left(start: Awaitable[None]) -> None:
 def dress() -> None:
     """The style sheet and the scripts of a page."""
     ui.add_css((_HERE / "studio.css").read_text("utf-8"))
-    for script in ("connection/acts.js", "look.js", "view_cube.js", "table_grid.js", "table_widths.js", "page.js"):
+    for script in ("acts.js", "look.js", "view_cube.js", "table_grid.js", "table_widths.js", "page.js"):
         ui.add_head_html(f"<script>{(_HERE / script).read_text('utf-8')}</script>")
     ui.colors(primary="#1864ab", positive="#237032", info="#1864ab")  # white text on them can be read

@@ -1,10 +1,9 @@
-"""What the studio asks and hands over: opening, saving, generating, converting, and what went wrong."""
+"""What the studio asks and hands over: opening, pasting, saving, generating, converting, and what went wrong."""
 
 from __future__ import annotations
 
 import traceback
 from contextlib import contextmanager
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from nicegui import ElementFilter, run, ui
@@ -12,34 +11,34 @@ from nicegui import ElementFilter, run, ui
 from dh2urdf.errors import Dh2UrdfError
 from dh2urdf.manipulator import Convention
 from dh2urdf.table_text import ANGLE_UNITS, LENGTH_UNITS
-from dh2urdf_studio import gallery, words
-from dh2urdf_studio.editing import save as saving
-from dh2urdf_studio.editing.opening import Opened, tables_of
+from dh2urdf_studio import words
+from dh2urdf_studio.editing.opening import Opened, gallery, gallery_table
+from dh2urdf_studio.editing.save import Saved, saved
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping, Sequence
 
     from dh2urdf.plugin_system.catalog import Catalog
     from dh2urdf.table_text import TableText
-    from dh2urdf_studio.editing.save import Saved
     from dh2urdf_studio.editing.session import Session
 
 LARGEST_FILE = 64 * 2**20
 """Size of a file that may be opened [B]."""
-_MOST_WARNINGS = 3
 LOST = "The files did not arrive. Open them again."
 """The message where the connection was cut while files were sent."""
 MOST_CHOICES = 1000
 """Manipulators of a file that a person is given to choose from."""
+_MOST_WARNINGS = 3
 _MEANINGS = {
     Convention.STANDARD: "standard (Denavit-Hartenberg, Spong): Rz(θ) Tz(d) Tx(a) Rx(α)",
     Convention.MODIFIED: "modified (Craig): Rx(α) Tx(a) Rz(θ) Tz(d)",
 }
+_SIGNS = {"joint": "name", "alpha": "α", "theta": "θ"}
 
 
 @contextmanager
-def card(title: str, *, persistent: bool = False) -> Iterator[ui.dialog]:
-    """A dialog with a title, which is its name for those who do not see it."""
+def card(title: str, *, persistent: bool = False, cancel: str = "") -> Iterator[ui.dialog]:
+    """A dialog with a title, which is its name for those who do not see it, and a button that answers nothing."""
     with ui.dialog() as dialog, ui.card().classes("studio-card"):
         dialog.props["aria-label"] = title
         if persistent:
@@ -47,6 +46,14 @@ def card(title: str, *, persistent: bool = False) -> Iterator[ui.dialog]:
         with ui.element("h2"):
             ui.label(title)
         yield dialog
+        if cancel:
+            ui.button(cancel, on_click=lambda: dialog.submit(None)).props("flat")
+
+
+def _choice(dialog: ui.dialog, text: str, answer: Any, *, first: bool = False) -> ui.button:  # noqa: ANN401 - what is submitted
+    """A button of a question, as wide as the card."""
+    button = ui.button(text, on_click=lambda: dialog.submit(answer)).classes("studio-choice")
+    return button.props(f"no-caps align=left {'unelevated autofocus' if first else 'outline'}")
 
 
 async def answer_of(dialog: ui.dialog) -> Any:  # noqa: ANN401 - what was submitted
@@ -63,13 +70,10 @@ async def answer_of(dialog: ui.dialog) -> Any:  # noqa: ANN401 - what was submit
 
 async def ask_convention(convention: Convention, *, possible: bool) -> bool | None:
     """Whether to convert to a convention (True) or to reinterpret (False); None for neither."""
-    moved = (
-        "a and α move down by one row; what is left over goes into the tool."
-        if convention is Convention.MODIFIED
-        else "a and α move up by one row; what is left over goes into the base."
-    )
+    down = convention is Convention.MODIFIED
+    moved = f"a and α move {'down' if down else 'up'} by one row; what is left over goes into the "
     both = (
-        f"Convert: the same arm, other numbers. {moved}",
+        f"Convert: the same arm, other numbers. {moved}{'tool' if down else 'base'}.",
         "Reinterpret: the same numbers, another arm. They were meant so from the beginning.",
     )
     answer = await _ask(f"To the convention {_MEANINGS[convention]}", lambda: both, possible=possible)
@@ -105,7 +109,7 @@ async def _ask(
         for button, text in zip((convert, again), told(*(each.value for each in chosen)), strict=True):
             button.set_text(text)
 
-    with card(title) as dialog:
+    with card(title, cancel="Cancel") as dialog:
         dialog.mark("conversion")
         with ui.element("div").classes("studio-row") as row:
             chosen = [
@@ -113,102 +117,162 @@ async def _ask(
                 for name, (every, unit) in (units or {}).items()
             ]
         row.set_visibility(bool(chosen))
-        convert = ui.button(on_click=lambda: dialog.submit(True)).props("unelevated align=left autofocus")
-        convert.classes("studio-choice").set_enabled(possible)
+        convert = _choice(dialog, "", answer=True, first=True)
+        convert.set_enabled(possible)
         if not possible:
             ui.label("A table that is not right yet cannot be converted.").classes("studio-status")
-        again = ui.button(on_click=lambda: dialog.submit(False)).props("outline align=left").classes("studio-choice")
-        ui.button("Cancel", on_click=lambda: dialog.submit(None)).props("flat")
+        again = _choice(dialog, "", answer=False)
         show()
     answer = await answer_of(dialog)
     return None if answer is None else (*(each.value for each in chosen), answer)
 
 
+# --- Pasting ----------------------------------------------------------------------------------------------------------
+
+
+async def ask_paste(
+    found: tuple[Opened, ...] | str, other: tuple[Opened, ...] | str
+) -> tuple[Opened, ...] | str | None:
+    """What to do with a pasted text that has a header: tables to open, ``cells``, or None for nothing."""
+    title = "What you paste may be misread" if isinstance(found, str) else "The clipboard holds a whole table"
+    with card(title, cancel="Cancel") as dialog:
+        if isinstance(found, str):
+            ui.label(found).classes("studio-problem error")
+        else:
+            table = found[0].table
+            many = f"{len(found)} manipulators" if len(found) > 1 else f"{table.name}: {_rows(table)}"
+            named = f", {table.convention}" if table.convention else ""
+            told = f"{many}{named}, read as a CSV file is: its header, units and separators are understood"
+            ui.label(told).classes("studio-status")
+            for units, tables in reversed({_units(tables): tables for tables in (other, found)}.items()):
+                _choice(dialog, f"Open it in place of this table: {units}", tables, first=tables is found)
+        _choice(dialog, "Put its cells in here, as they are", "cells")
+    answer: tuple[Opened, ...] | str | None = await answer_of(dialog)
+    return answer
+
+
+def _units(tables: tuple[Opened, ...] | str) -> str:
+    if isinstance(tables, str):
+        return tables
+    return f"lengths in {tables[0].table.length_unit}, angles in {tables[0].table.angle_unit}"
+
+
+async def ask_columns(choices: Sequence[Sequence[str]], cells: Sequence[str]) -> Sequence[str] | None:
+    """The fields of columns that have no names, of which one is a row of cells; None for nothing."""
+    with card("The columns that you paste have no names", cancel="Cancel") as dialog:
+        told = f"The first row is {' | '.join(cell or 'empty' for cell in cells)}. What are its columns?"
+        ui.label(told).classes("studio-status")
+        for number, fields in enumerate(choices):
+            button = _choice(dialog, ", ".join(_SIGNS.get(field, field) for field in fields), fields)
+            button.props("" if number else "autofocus")
+    answer: Sequence[str] | None = await answer_of(dialog)
+    return answer
+
+
 # --- Opening ----------------------------------------------------------------------------------------------------------
 
 
-async def ask_table(catalog: Catalog) -> Opened | None:
-    """A table of the gallery or of a file; None where none was chosen."""
-    suffixes = table_suffixes(catalog)
-    with card("Open a table") as dialog:
-
-        def refuse(told: str) -> None:
-            problem.set_text(told)
-            problem.set_visibility(True)
-
-        def refuse_file(reason: str, name: str) -> None:
-            told = f"{name} is too large" if reason == "max-file-size" else f"{name} is no file that can be opened"
-            refuse(f"{told}\naccepted: {accepted}")
-
-        async def take(event: Any) -> None:  # noqa: ANN401 - NiceGUI's
-            name, size = event.file.name, event.file.size()
-            if size > LARGEST_FILE:  # before it is in memory, whatever the page has let through
-                refuse_file("max-file-size", name)
-                return
-            problem.set_visibility(False)
-            busy.set_visibility(True)
-            told.set_text(words.busy(name, size))
-            tables = await run.io_bound(tables_of, name, await event.file.read(), catalog, MOST_CHOICES + 1)
-            if dialog.is_deleted or not dialog.value:  # a person has gone on without it
-                return
-            busy.set_visibility(False)
-            if isinstance(tables, str):
-                refuse(tables)
-            else:
-                dialog.submit(tables)
-
-        accepted = f"one of {', '.join(suffixes)}, of at most {LARGEST_FILE // 2**20} MB"
-        label = "drop a file of yours here, or choose it"
-        upload = ui.upload(label=label, auto_upload=True, max_file_size=LARGEST_FILE, on_upload=take)
-        why = "([{ failedPropValidation, file }]) => emit(failedPropValidation, file.name)"
-        upload.on("rejected", lambda event: refuse_file(*event.args), js_handler=why)
-        upload.props(f'accept="{",".join(suffixes)}" flat bordered').style("width: 100%")
-        choose_file = ui.button("Choose a file", icon="folder_open", on_click=lambda: upload.run_method("pickFiles"))
-        choose_file.props("unelevated no-caps autofocus")
-        with ui.element("div").style("width: 100%") as busy:
-            told = ui.label().classes("studio-status")
-            ui.linear_progress(show_value=False).props("indeterminate instant-feedback")
-        busy.set_visibility(False)
-        problem = ui.label().classes("studio-problem error")
-        problem.set_visibility(False)
-        ui.label("or one of the gallery").classes("studio-status")
+async def ask_table(catalog: Catalog, choose_file: str) -> Opened | None:
+    """A table of the gallery; None where none was chosen, or a file is, which the page opens by `choose_file`."""
+    with card("Open a table", cancel="Cancel") as dialog:
+        own = ui.button("Choose a file", icon="folder_open", on_click=lambda: dialog.submit(None))
+        own.props("unelevated no-caps autofocus").on("click", js_handler=f"() => {choose_file}")
+        ui.label("A file can also be dropped anywhere on the page. The gallery has:").classes("studio-status")
         with ui.element("div").classes("studio-gallery"):
-            for item in gallery.tables():
-                box = (
-                    ui.element("button").classes("studio-gallery-table").props(f'type="button" data-name="{item.name}"')
-                )
-                box.on("click", lambda item=item: dialog.submit((Opened(gallery.table(item.file, catalog)),)))
+            for file, what in gallery().items():
+                name = file.partition(".")[0]
+                box = ui.element("button").classes("studio-gallery-table").props(f'type="button" data-name="{name}"')
+                box.on("click", lambda file=file: dialog.submit(Opened(gallery_table(file, catalog))))
                 with box:
                     with ui.element("b"):
-                        ui.label(item.name)
-                    ui.label(item.told)
-        ui.button("Cancel", on_click=lambda: dialog.submit(None)).props("flat")
-    tables = await answer_of(dialog)
-    return await choose(tables)
+                        ui.label(name)
+                    ui.label(what)
+    opened: Opened | None = await answer_of(dialog)
+    return opened
 
 
 def table_suffixes(catalog: Catalog) -> list[str]:
-    """How the names of files end that can be opened."""
+    """File name endings of what can be opened."""
     return [suffix for item in catalog.provided("reader") for suffix in getattr(item.stage, "suffixes", ())]
 
 
 async def choose(tables: tuple[Opened, ...] | None) -> Opened | None:
     """One of some tables; a person is asked where there are several. None where none was chosen."""
-    if not tables:
-        return None
-    return tables[0] if len(tables) == 1 else await _ask_which(tables)
+    if not tables or len(tables) == 1:
+        return tables[0] if tables else None
+    more = len(tables) > MOST_CHOICES
+    with card(f"The file holds {f'more than {MOST_CHOICES}' if more else len(tables)} manipulators") as dialog:
+        names = {number: opened.table.name for number, opened in enumerate(tables[:MOST_CHOICES])}
+        if more:
+            told = f"the first {MOST_CHOICES} can be chosen; `dh2urdf studio FILE --robot NAME` opens any of them"
+            ui.label(told).classes("studio-status")
+        chosen = ui.select(names, value=0, label="manipulator", with_input=True).style("width: 100%")
+        with ui.element("div").classes("studio-row"):
+            ui.button("Open", on_click=lambda: dialog.submit(chosen.value))
+            ui.button("Cancel", on_click=lambda: dialog.submit(None)).props("flat")
+    answer = await answer_of(dialog)
+    return None if answer is None else tables[answer]
 
 
 async def ask_back(table: TableText) -> bool:
     """Whether a table that the browser has kept is to be opened again."""
     with card("The studio was started anew", persistent=True) as dialog:
-        rows = words.count(len(table.rows), "row", "rows")
-        ui.label(f"This tab has kept a table of {rows}, {table.name or 'without a name'}.").classes("studio-status")
+        told = f"This tab has kept a table of {_rows(table)}, {table.name or 'without a name'}."
+        ui.label(told).classes("studio-status")
         with ui.element("div").classes("studio-row"):
             ui.button("Bring it back", on_click=lambda: dialog.submit("back")).props("unelevated autofocus")
             ui.button("Go on without it", on_click=lambda: dialog.submit("without")).props("flat")
-    answer = await answer_of(dialog)
-    return bool(answer == "back")
+    return bool(await answer_of(dialog) == "back")
+
+
+def _rows(table: TableText) -> str:
+    return words.count(len(table.rows), "row", "rows")
+
+
+# --- Saving -----------------------------------------------------------------------------------------------------------
+
+
+async def save(session: Session, kind: str, name: str) -> None:
+    """Hands over what was chosen, or says what keeps it from being made."""
+    await make(session, kind, name, "This cannot be made yet")
+
+
+async def generate(session: Session) -> None:
+    """Press Generate: the URDF, made and proved as the command line makes and proves it."""
+    await make(session, "robot", session.catalog.usual("emitter").name, "The URDF cannot be generated yet")
+
+
+async def make(session: Session, kind: str, name: str, failed: str) -> None:
+    """Hands over one of the `savings` of a session; where both variants are shown, of the arm itself."""
+    variant = session.variant if session.variant in session.variants else session.variants[0]
+    try:
+        file = await run.io_bound(saved, session.table, kind, name, variant, session.catalog)
+    except Dh2UrdfError as error:
+        await show_error(failed, error)
+        return
+    if file is None:  # as it is while the server ends
+        return
+    hand_over(file)
+    if file.missing:
+        told = ", ".join(file.missing)
+        warn(f"Not in the zip, as the format cannot hold this table: {told}. Save one to see why.")
+
+
+def hand_over(file: Saved) -> None:
+    """Downloads a file, and tells its size and how right it is."""
+    ui.download.content(file.content, file.name)
+    told, proof = f"{file.name}, {len(file.content) / 1000:.1f} kB", file.proof
+    if proof is not None:
+        told += (
+            f"\nread back and compared with the table at {proof.poses} joint vectors: tool0 is within "
+            f"{proof.position_error:.2g} m and {proof.angle_error:.2g} rad of the DH product"
+            if proof.holds
+            else f"\nnot the arm of the table: tool0 is up to {proof.position_error:.3g} m from the DH product"
+        )
+    ui.notify(told, type="positive" if proof is None or proof.holds else "warning", multi_line=True, timeout=9000)
+
+
+# --- What went wrong --------------------------------------------------------------------------------------------------
 
 
 def warn(text: str) -> None:
@@ -220,6 +284,12 @@ def forget_warnings() -> None:
     """Takes away what was shown of a table that is no longer on the page."""
     for shown in ElementFilter(kind=ui.notification, marker="table"):
         shown.dismiss()
+
+
+def tell_lost(acts: Sequence[str]) -> None:
+    """Shows what the page before this one could not send."""
+    if acts:
+        warn(words.lost(acts))
 
 
 class Warnings:
@@ -243,102 +313,6 @@ class Warnings:
 
     def _forget(self) -> None:
         self._texts, self._shown = [], None
-
-
-async def _ask_which(tables: tuple[Opened, ...]) -> Opened | None:
-    more = len(tables) > MOST_CHOICES
-    with card(f"The file holds {f'more than {MOST_CHOICES}' if more else len(tables)} manipulators") as dialog:
-        names = {number: opened.table.name for number, opened in enumerate(tables[:MOST_CHOICES])}
-        if more:
-            told = f"the first {MOST_CHOICES} can be chosen; `dh2urdf studio FILE --robot NAME` opens any of them"
-            ui.label(told).classes("studio-status")
-        chosen = ui.select(names, value=0, label="manipulator", with_input=True).style("width: 100%")
-        with ui.element("div").classes("studio-row"):
-            ui.button("Open", on_click=lambda: dialog.submit(chosen.value))
-            ui.button("Cancel", on_click=lambda: dialog.submit(None)).props("flat")
-    answer = await answer_of(dialog)
-    return None if answer is None else tables[answer]
-
-
-# --- Saving -----------------------------------------------------------------------------------------------------------
-
-
-def savings(catalog: Catalog) -> Iterator[tuple[str, str, str]]:
-    """What can be saved: its kind, the format, and what the menu calls it."""
-    for name in saving.table_formats(catalog):
-        yield "table", name, f"Table as {name}"
-    for suffix in saving.other_suffixes(catalog):
-        yield "other", suffix, f"Table as {suffix}"
-    for name in saving.robot_formats(catalog):
-        yield "robot", name, f"Robot as {name}"
-    yield "run", "", "Run file"
-    yield "all", "", "Everything, as a zip"
-
-
-async def save(session: Session, kind: str, name: str) -> None:
-    """Hands over what was chosen, or says what keeps it from being made."""
-    table, catalog, variant = session.table, session.catalog, _made(session)
-
-    def make() -> list[Saved]:
-        if kind == "table":
-            return [saving.table_file(table, name, catalog)]
-        if kind == "other":
-            return [saving.other_file(table, name, variant, catalog)]
-        if kind == "run":
-            return [saving.run_file(table, variant, catalog)]
-        if kind == "robot":
-            return [saving.robot_file(table, name, variant, catalog)]
-        files = saving.all_files(table, variant, catalog)
-        there = {Path(file.name).suffix for file in files}
-        missing.extend(suffix for suffix in saving.other_suffixes(catalog) if suffix not in there)
-        stem = Path(files[0].name).stem
-        return [saving.Saved(name=f"{stem}.zip", content=saving.zipped(files))]
-
-    missing: list[str] = []
-    try:
-        for file in await run.io_bound(make) or ():
-            hand_over(file)
-        if missing:
-            warn(f"Not in the zip, as the format cannot hold this table: {', '.join(missing)}. Save one to see why.")
-    except Dh2UrdfError as error:
-        await show_error("This cannot be made yet", error)
-
-
-async def generate(session: Session) -> None:
-    """Press Generate: the URDF, made and proved as the command line makes and proves it."""
-    format_name = session.catalog.usual("emitter").name
-    try:
-        file = await run.io_bound(saving.robot_file, session.table, format_name, _made(session), session.catalog)
-    except Dh2UrdfError as error:
-        await show_error("The URDF cannot be generated yet", error)
-        return
-    if file is not None:  # as it is while the server ends
-        hand_over(file)
-
-
-def _made(session: Session) -> str:
-    """The variant that files are made in: where both are shown, the arm itself."""
-    return session.variant if session.variant in session.variants else session.variants[0]
-
-
-def hand_over(file: Saved) -> None:
-    """Downloads a file, and tells its size and how right it is."""
-    ui.download.content(file.content, file.name)
-    told = f"{file.name}, {len(file.content) / 1000:.1f} kB"
-    if file.proof is not None:
-        proof = file.proof
-        told += (
-            f"\nread back and compared with the table at {proof.poses} joint vectors: tool0 is within "
-            f"{proof.position_error:.2g} m and {proof.angle_error:.2g} rad of the DH product"
-            if proof.holds
-            else f"\nnot the arm of the table: tool0 is up to {proof.position_error:.3g} m from the DH product"
-        )
-    ui.notify(
-        told, type="positive" if file.proof is None or file.proof.holds else "warning", multi_line=True, timeout=9000
-    )
-
-
-# --- What went wrong --------------------------------------------------------------------------------------------------
 
 
 async def show_error(title: str, error: Dh2UrdfError) -> None:

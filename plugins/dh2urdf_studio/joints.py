@@ -19,8 +19,6 @@ if TYPE_CHECKING:
     from dh2urdf.manipulator import Manipulator
     from dh2urdf.robot import Joint
 
-_TURN = math.pi
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Slider:
@@ -79,7 +77,7 @@ def sliders(
         unit = UNITS[length_unit if joint.type is JointType.PRISMATIC else angle_unit]
         is_endless = joint.type is JointType.CONTINUOUS
         if lower is None or upper is None or is_endless:
-            lower, upper = -_TURN, _TURN
+            lower, upper = -math.pi, math.pi
         lower, upper = max(lower, -LARGEST_SAMPLE), min(upper, LARGEST_SAMPLE)
         found.append(Slider(name=joint.name, lower=lower, upper=upper, unit=unit, group=group, is_endless=is_endless))
     return tuple(found)
@@ -102,13 +100,12 @@ def kept(q: Mapping[str, float], of: Sequence[Slider]) -> dict[str, float]:
 def reach(manipulator: Manipulator, of: Sequence[Slider]) -> float:
     """An upper bound of the distance from base_link to tool0, every joint anywhere inside its limits [m]."""
     ends = {slider.name: (slider.lower, slider.upper) for slider in of}
-    sliding = [row for row in manipulator.moving_rows if row.type is JointType.PRISMATIC]
-    travel = (
-        max(abs(chain.joint_variables(row, q)[1]) for q in ends.get(row.joint, (0.0,)))
-        - abs(chain.joint_variables(row)[1])
-        for row in sliding
-    )
-    return chain.reach(manipulator) + sum(travel, 0.0)
+    travel = 0.0
+    for row in manipulator.moving_rows:
+        if row.type is JointType.PRISMATIC:
+            farthest = max(abs(chain.joint_variables(row, q)[1]) for q in ends.get(row.joint, (0.0,)))
+            travel += farthest - abs(chain.joint_variables(row)[1])
+    return chain.reach(manipulator) + travel
 
 
 def zero(of: Sequence[Slider]) -> dict[str, float]:

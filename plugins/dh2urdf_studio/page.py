@@ -7,43 +7,31 @@ from typing import TYPE_CHECKING, Any
 
 from nicegui import ui
 
-from dh2urdf.table_text import LENGTH_UNITS
+from dh2urdf.table_text import LENGTH_UNITS, TableText
 from dh2urdf_studio import dialogs, joints, pasting, words
-from dh2urdf_studio.connection import ANSWERED
-from dh2urdf_studio.editing import axes, edits
-from dh2urdf_studio.editing.keeping import finish_typing, kept_table, kept_text
+from dh2urdf_studio.arrivals import ANSWERED
+from dh2urdf_studio.bars import EndFields, ProblemList, SceneBar, StudioHead, TableBar, lay_files
+from dh2urdf_studio.editing import edits
 from dh2urdf_studio.editing.opening import Opened
-from dh2urdf_studio.layout.dropping import lay_drop
-from dh2urdf_studio.layout.head import StudioHead
-from dh2urdf_studio.layout.problem_list import ProblemList
-from dh2urdf_studio.layout.scene_bar import SceneBar
-from dh2urdf_studio.layout.table_bar import EndFields, TableBar
 from dh2urdf_studio.panels import sharing
 from dh2urdf_studio.panels.comparing import ComparingPanel
 from dh2urdf_studio.panels.lesson import LessonPanel
-from dh2urdf_studio.panels.measuring import MeasuringPanel
-from dh2urdf_studio.panels.poses import PosesPanel
+from dh2urdf_studio.panels.poses import MeasuringPanel, PosesPanel
 from dh2urdf_studio.panels.target import TargetPanel
-from dh2urdf_studio.pasting import questions
 from dh2urdf_studio.table_grid import TableGrid
-from dh2urdf_studio.widgets import ArmView, JointSliders, LiveHtml
+from dh2urdf_studio.widgets import ArmView, JointSliders, row_of, small_button
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
 
     from dh2urdf.manipulator import Convention
-    from dh2urdf.table_text import TableText
     from dh2urdf_studio.drawing.mesh_store import MeshStore
     from dh2urdf_studio.editing.reading import CellProblem
     from dh2urdf_studio.editing.session import Session
 
 
 class StudioPage:
-    """What a tab shows of its session.
-
-    Attributes:
-        session: the session.
-    """
+    """What a tab shows of its session."""
 
     def __init__(self, session: Session, meshes: MeshStore) -> None:
         """Lays the page out; `show` fills it."""
@@ -51,25 +39,29 @@ class StudioPage:
         ui.on_exception(dialogs.show_fault)
         ui.on("dh-undo", lambda event: self._do(self.session.redo if event.args else self.session.undo))
         with ui.element("div").classes("studio") as page:
-            lay_drop(page, session.catalog, self._show_opened)
+            self._choose_file = lay_files(page, session.catalog, self._show_opened)
             with ui.element("header").classes("studio-head"):
-                self._head = StudioHead(
-                    session,
-                    on_name=lambda name: self._set_texts(name=name),
-                    on_undo=lambda: self._do(session.undo),
-                    on_redo=lambda: self._do(session.redo),
-                    on_new=self._new,
-                    on_open=self._open,
-                    on_generate=self._generate,
-                )
+                acts: dict[str, Callable[..., Any]] = {
+                    "name": lambda name: self._set_texts(name=name),
+                    "undo": lambda: self._do(session.undo),
+                    "redo": lambda: self._do(session.redo),
+                    "new": lambda: self._do(lambda: session.open(TableText(name="arm"))),
+                    "open": self._open,
+                }
+                self._head = StudioHead(session, acts)
             with ui.element("section").classes("studio-table").props('aria-label="DH table"'):
                 self._lay_table()
             with ui.element("section").classes("studio-scene").props('aria-label="Scene"'):
                 self._lay_scene()
             with ui.element("section").classes("studio-motion").props('aria-label="Joints"'):
-                self._lay_motion()
-
-    # --- Layout -------------------------------------------------------------------------------------------------------
+                with ui.element("div").classes("studio-joints"):
+                    with row_of():
+                        ui.label("joint values").classes("studio-caption")
+                        small_button("zero", lambda: self._moved(joints.zero(session.sliders)))
+                        small_button("random pose", lambda: self._moved(joints.anywhere(session.sliders)))
+                    self._sliders = JointSliders(on_values=self._moved)
+                with ui.element("div").classes("studio-numbers"):
+                    self._numbers = ui.html(sanitize=False)
 
     def _lay_table(self) -> None:
         self._bar = TableBar(
@@ -78,18 +70,20 @@ class StudioPage:
             on_units=self._choose_units,
             on_columns=self._all_columns,
         )
-        self._table = TableGrid(
-            self.session,
-            on_edit=self._edited,
-            on_typing=self._typing,
-            on_end=self._typing_ended,
-            on_pick=self._pick,
-            on_paste=self._paste,
-            on_clear=self._clear,
-            on_act=self._act,
-            on_axes=self._resize,
+        acts: Mapping[str, Callable[..., Any]] = {
+            "edit": self._edited,
+            "typing": self._typing,
+            "end": self._typing_ended,
+            "pick": self._pick,
+            "paste": self._paste,
+            "clear": self._clear,
+            "act": self._act,
+            "axes": self._resize,
+        }
+        self._table = TableGrid(self.session, acts)
+        self._target = TargetPanel(
+            self.session, self._show_pose, lambda *, shown: self._view.run_method("showHandle", shown)
         )
-        self._target = TargetPanel(self.session, self._show_pose, self._show_handle)
         self._panels = (
             self._target,
             PosesPanel(self.session, self._show_pose),
@@ -101,7 +95,7 @@ class StudioPage:
         self._ends = EndFields(self.session, self._set_texts)
 
     def _lay_scene(self) -> None:
-        self._layers = SceneBar(
+        SceneBar(
             self.session,
             self._panels,
             on_layers=self._choose_layers,
@@ -110,26 +104,10 @@ class StudioPage:
         )
         self._remark = ui.label().classes("studio-bar studio-remark")
         with ui.element("div").classes("studio-stage"):
-            self._view = ArmView(
-                on_aim=self._target.drag,
-                on_grip=self._drag,
-                on_undrawn=dialogs.Warnings().add,
-            )
+            self._view = ArmView(on_aim=self._target.drag, on_grip=self._drag, on_undrawn=dialogs.Warnings().add)
             with ui.element("div").classes("studio-empty") as self._empty, ui.element("div"):
                 ui.html(words.EMPTY, sanitize=False)
         self._head.share(self._view)
-
-    def _lay_motion(self) -> None:
-        with ui.element("div").classes("studio-joints"):
-            with ui.element("div").classes("studio-row"):
-                ui.label("joint values").classes("studio-caption")
-                ui.button("zero", on_click=lambda: self._move_to(joints.zero)).props("outline dense no-caps size=sm")
-                ui.button("random pose", on_click=lambda: self._move_to(joints.anywhere)).props(
-                    "outline dense no-caps size=sm"
-                )
-            self._sliders = JointSliders(on_values=self._moved)
-        with ui.element("div").classes("studio-numbers"):
-            self._numbers = LiveHtml()
 
     # --- What is shown ------------------------------------------------------------------------------------------------
 
@@ -146,23 +124,21 @@ class StudioPage:
 
     def _keep(self, table: TableText | None = None) -> None:
         """The browser keeps a table, or else the session's, for when the studio is away."""
-        kept, keys = kept_text(table or self.session.table), self.session.history.keys
+        kept, keys = edits.kept_text(table or self.session.table), self.session.history.keys
         ui.run_javascript(f"dhPage.keep({json.dumps(kept)}, {json.dumps(keys)})")
 
     def _show_words(self) -> None:
         """Everything but cells and arm."""
         self._head.show()
         self._bar.show()
-        self._layers.show()
         self._empty.set_visibility(not self.session.table.rows)
         self._keep()
         self._ends.show(wrong=self._problems.show())
 
     def _show_arm(self) -> None:
         session = self.session
-        q = session.joint_values()
-        self._view.show(session.drawing, session.drawing.poses(q), session.strokes())
-        self._view.highlight(session.drawn_row)
+        self._view.show(session.drawing, session.drawing.poses(session.joint_values()), session.strokes())
+        self._view.run_method("highlight", session.drawn_row)
         self._table.draw(session.arm.keys if session.arm else ())
         self._sliders.show(session.sliders, session.q)
         self._show_numbers()
@@ -177,26 +153,24 @@ class StudioPage:
     def _show_numbers(self) -> None:
         session = self.session
         pose = session.pose
-        self._numbers.show(words.numbers(pose, session.table, session.reach) if pose else "")
+        self._numbers.set_content(words.numbers(pose, session.table, session.reach) if pose else "")
         remark = words.remark(session)
         self._remark.set_text(remark)
         self._remark.set_visibility(bool(remark))
         for panel in self._panels:
             panel.show()
 
-    # --- What is done -------------------------------------------------------------------------------------------------
+    # --- What is done to the table ------------------------------------------------------------------------------------
 
     def _do(self, act: Callable[[], None]) -> None:
         act()
         self.show()
 
-    def _put(self, table: TableText, keys: Sequence[str] = ()) -> None:
-        self.session.put(table, keys)
-        self.show()
+    def _put(self, table: TableText) -> None:
+        self._do(lambda: self.session.put(table))
 
     def _set_texts(self, **texts: str) -> None:
-        self.session.set_texts(**texts)
-        self.show()
+        self._do(lambda: self.session.set_texts(**texts))
 
     def _edited(self, row: int, field: str, text: str) -> None:
         try:
@@ -231,10 +205,10 @@ class StudioPage:
         found = pasting.whole_tables(text, catalog, table.convention, (table.length_unit, table.angle_unit))
         answer: Any = found or "cells"
         if found and (table.rows or isinstance(found, str)):  # a whole table takes the place of an empty one
-            answer = await questions.ask_paste(found, pasting.whole_tables(text, catalog, table.convention))
+            answer = await dialogs.ask_paste(found, pasting.whole_tables(text, catalog, table.convention))
         columns: Sequence[str] | None = session.columns
         if answer == "cells" and not table.rows and (choices := pasting.orders(text)):  # no header is on the page
-            columns = await questions.ask_columns(choices, pasting.cells_of(text)[0])
+            columns = await dialogs.ask_columns(choices, pasting.cells_of(text)[0])
             field = columns[0] if columns else field
         if answer == "cells" and row < 0:
             self._refuse("paste")
@@ -247,16 +221,14 @@ class StudioPage:
             await self._show_opened(await dialogs.choose(answer))
 
     def _resize(self, count: float | None, keys: Sequence[str]) -> None:
-        moving = axes.moving_rows(self.session.table, self.session.arm)
         # An emptied field takes no rows away, and Enter says a number twice.
-        if count is None or count < 0 or min(int(count), edits.MOST_ROWS) == len(moving):
+        if count is None or count < 0 or min(int(count), edits.MOST_ROWS) == len(self.session.moving_rows):
             self.show()
             return
         if count > edits.MOST_ROWS:
-            dialogs.warn(
-                f"A table of the studio has at most {edits.MOST_ROWS} rows: these are the first of {int(count)}."
-            )
-        self._put(axes.with_axes(self.session.table, int(count), self.session.arm), keys)
+            told = f"A table of the studio has at most {edits.MOST_ROWS} rows: these are the first of {int(count)}."
+            dialogs.warn(told)
+        self._do(lambda: self.session.resize(int(count), keys))
 
     def _act(self, act: str, key: str | None, other: str | None) -> None:
         """What was done to a row."""
@@ -280,12 +252,6 @@ class StudioPage:
     def _all_columns(self) -> None:
         self.session.all_columns = not self.session.all_columns
         self.show()
-
-    def _pick(self, key: str | None) -> None:
-        self.session.picked = key
-        self._view.highlight(self.session.drawn_row)
-        if self.session.lesson is not None:
-            self._show_pose()
 
     def _answer_unit(self, found: CellProblem, unit: str) -> None:
         table = self.session.table
@@ -314,6 +280,25 @@ class StudioPage:
             session.set_units(*chosen[:2], convert=chosen[2])
         self.show()
 
+    async def _open(self) -> None:
+        await self._show_opened(await dialogs.ask_table(self.session.catalog, self._choose_file))
+
+    async def _show_opened(self, opened: Opened | None, *, keep_view: bool = False) -> None:
+        if opened is not None:
+            self.session.open(opened.table)
+            self.show()
+            if remarks := words.remarks(opened):
+                dialogs.warn("\n".join(remarks))
+            self._view.run_method("fit", keep_view)
+
+    # --- What is done to the arm --------------------------------------------------------------------------------------
+
+    def _pick(self, key: str | None) -> None:
+        self.session.picked = key
+        self._view.run_method("highlight", self.session.drawn_row)
+        if self.session.lesson is not None:
+            self._show_pose()
+
     def _choose_layers(self, layers: frozenset[str]) -> None:
         self.session.layers = layers
         self._show_pose()
@@ -321,10 +306,7 @@ class StudioPage:
     def _choose_variant(self, variant: str) -> None:
         self.session.show_variant(variant)
         self._show_arm()
-        self._view.fit()
-
-    def _show_handle(self, *, shown: bool) -> None:
-        self._view.show_handle(shown=shown)
+        self._view.run_method("fit", False)
 
     def _show_cloud(self, points: Any) -> None:  # noqa: ANN401 - an array of shape (n, 3)
         self._view.show_cloud(points)
@@ -333,41 +315,19 @@ class StudioPage:
         self.session.drag(node, by, begins=begins)
         self._show_pose()
 
-    def _move_to(self, poses: Callable[[Any], Mapping[str, float]]) -> None:
-        self.session.move(poses(self.session.sliders))
-        self._show_pose()
-
     def _moved(self, values: Mapping[str, float]) -> None:
         self.session.move(values)
         self._show_pose()
-
-    async def _open(self) -> None:
-        await self._show_opened(await dialogs.ask_table(self.session.catalog))
-
-    async def _show_opened(self, opened: Opened | None, *, keep_view: bool = False) -> None:
-        if opened is not None:
-            self.session.open(opened.table)
-            self.show()
-            if remarks := words.remarks(opened):
-                dialogs.warn("\n".join(remarks))
-            self._view.fit(keep=keep_view)
-
-    def _new(self) -> None:
-        self.session.open(type(self.session.table)(name="arm"))
-        self.show()
-
-    async def _generate(self) -> None:
-        await dialogs.generate(self.session)
 
     async def start(self) -> None:
         """Shows the session for the first time."""
         is_new = not self.session.history.can_undo  # before the answer, in whose time a person may begin a table
         text, left = await ui.run_javascript("return [dhPage.kept(), dhPage.unfinished()]", timeout=ANSWERED)
-        finish_typing(self.session, left, kept := kept_table(text), is_new=is_new)
+        self.session.finish_typing(left, kept := edits.kept_table(text), is_new=is_new)
         self._view.set_layers(self.session.shown_layers)
-        self._view.fade(self.session.opacities)
+        self._view.run_method("fade", self.session.opacities)
         self.show()
-        self._view.fit(keep=True)  # a person may have turned the camera already
+        self._view.run_method("fit", True)  # a person may have turned the camera already
         if (linked := await sharing.linked_table()) is not None:
             await self._show_opened(Opened(linked), keep_view=True)
             return

@@ -7,11 +7,12 @@ import ipaddress
 import socket
 import threading
 import webbrowser
+from importlib.util import find_spec
 from typing import TYPE_CHECKING
 
 from dh2urdf.errors import InputError, MissingDependencyError
 from dh2urdf.source import Mark, Problem
-from dh2urdf_studio.connection.guard import Guard
+from dh2urdf_studio.guard import Guard
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -21,7 +22,6 @@ PORT = 8420
 """The port that is tried first."""
 PATIENCE = 10.0
 """How long a tab that is gone may come back to what it showed [s]."""
-_LARGEST_PORT = 65535
 
 
 def require_nicegui(command: str) -> None:
@@ -30,14 +30,12 @@ def require_nicegui(command: str) -> None:
     Raises:
         MissingDependencyError: it is not installed.
     """
-    from importlib.util import find_spec
-
     if find_spec("nicegui") is None:
         raise MissingDependencyError(f"the command {command!r}", "nicegui", "dh2urdf[studio]")
 
 
 def listen(host: str, port: int | None) -> socket.socket:
-    """A socket that listens.
+    """A socket that listens at an address of this machine.
 
     Args:
         host: the address, or a name of this machine.
@@ -49,9 +47,8 @@ def listen(host: str, port: int | None) -> socket.socket:
     try:
         family, _, _, _, address = socket.getaddrinfo(host, PORT if port is None else port, type=socket.SOCK_STREAM)[0]
     except OSError as error:
-        raise InputError(
-            Problem(message=f"no address is known for the host {host!r}: {error.strerror}", found=host)
-        ) from error
+        message = f"no address is known for the host {host!r}: {error.strerror}"
+        raise InputError(Problem(message=message, found=host)) from error
     listening = socket.socket(family, socket.SOCK_STREAM)
     listening.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
     try:
@@ -59,36 +56,22 @@ def listen(host: str, port: int | None) -> socket.socket:
     except OSError as error:
         if port is not None or error.errno != errno.EADDRINUSE:
             listening.close()
-            raise InputError(
-                Problem(
-                    message=f"nothing can be served at {host}, port {PORT if port is None else port}: {error.strerror}",
-                    mark=Mark(file="command line"),
-                    found=str(port),
-                    accepted=f"a free port, 1 to {_LARGEST_PORT}, or 0 for any that is free",
-                )
-            ) from error
+            problem = Problem(
+                message=f"nothing can be served at {host}, port {PORT if port is None else port}: {error.strerror}",
+                mark=Mark(file="command line"),
+                found=str(port),
+                accepted="a free port, 1 to 65535, or 0 for any that is free",
+            )
+            raise InputError(problem) from error
         listening.bind((address[0], 0, *address[2:]))
     listening.listen(128)
     return listening
-
-
-def is_open(address: str) -> bool:
-    """Whether other machines may reach what listens at an address."""
-    return not ipaddress.ip_address(address).is_loopback
 
 
 def serve(
     build: Callable[[], None], *, host: str, port: int | None, browser: bool, say: Callable[[str], None], title: str
 ) -> None:
     """Serves pages until it is interrupted.
-
-    Args:
-        build: declares the pages, with NiceGUI.
-        host: the address to listen at.
-        port: see `listen`.
-        browser: whether to open the page in the person's browser.
-        say: gets the address of the page, and who else may open it.
-        title: the title of the pages.
 
     Raises:
         InputError: nothing can be served there.
@@ -103,6 +86,7 @@ def serve(
     from dh2urdf_studio.drawing.mesh_files import LARGEST
 
     name, port = listening.getsockname()[:2]
+    is_open = not ipaddress.ip_address(name).is_loopback  # to other machines
     app = FastAPI(openapi_url=None)
     # Quasar's bar at the top of a page has no name for people who hear it, and the page has progress of its own.
     pages.config.quasar_config["loadingBar"]["skipHijack"] = True
@@ -114,14 +98,14 @@ def serve(
         show_welcome_message=False,
         reconnect_timeout=PATIENCE,
         tailwind=False,
-        gzip_middleware_factory=GZipMiddleware if is_open(name) else None,  # packing takes longer than loopback saves
+        gzip_middleware_factory=GZipMiddleware if is_open else None,  # packing takes longer than loopback saves
     )
     guarded = Guard(app, port, [host, socket.gethostname()], LARGEST + 2**20)  # files, and their names
     server = uvicorn.Server(uvicorn.Config(guarded, log_level="warning", ws_max_size=64 * 2**20))
     place = f"[{name}]" if ":" in name else name
     address = f"http://{LOOPBACK if name in ('0.0.0.0', '::') else place}:{port}/"  # noqa: S104 - a comparison
     say(f"{title} is at {address} (Ctrl-C ends it)")
-    if is_open(name):
+    if is_open:
         say("everybody who reaches this port of the machine can use it: there is no password")
     if browser:
         threading.Timer(0.5, webbrowser.open, [address]).start()

@@ -416,6 +416,11 @@
       typed = null;
     },
 
-    stopped: () => (typed = null), // what was typed is sent as a whole
+    // What was typed is sent as a whole. The grid draws a cell that was left as it was from what it had when typing began:
+    // an answer may have come since.
+    stopped({ api, node, column }) {
+      typed = null;
+      api.refreshCells({ rowNodes: [node], columns: [column], force: true });
+    },
   };
 })();

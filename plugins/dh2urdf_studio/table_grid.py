@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from typing import TYPE_CHECKING, Any
 
 from nicegui import ui
@@ -10,7 +11,7 @@ from dh2urdf.manipulator import Convention
 from dh2urdf_studio.pasting import first_field
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Callable, Mapping, Sequence
 
     from dh2urdf_studio.editing.session import Session
 
@@ -52,32 +53,15 @@ class TableGrid:
 
     Args:
         session: the session.
-        on_edit: is called with row, field and text of a cell that was typed.
-        on_typing: is called with row, field and text of a cell that is being typed.
-        on_end: is called when typing has ended.
-        on_pick: is called with the key of the row that has the cursor, or whose link was picked in the scene; None
-            where nothing was.
-        on_paste: is called with the row, the field and the text where cells are pasted; the text is None where there is
-            none, and the row where the table is empty.
-        on_clear: is called with the rows and the fields of cells that are cut or deleted.
-        on_act: is called with ``add``, ``remove``, ``up``, ``down`` or ``to``, the key of a row and another key; see
-            `dh2urdf_studio.editing.edits.rearranged`.
-        on_axes: is called with the number of axes, None where the field is empty, and keys for new rows.
+        on: what is called, by name: ``edit`` with row, field and text of a cell that was typed, ``typing`` of one that
+            is being typed, ``end`` when typing has ended; ``pick`` with the key of the row that has the cursor, or
+            whose link was picked in the scene, None where nothing was; ``paste`` with the row, the field and the text,
+            None where there is none; ``clear`` with the rows and the fields of cells that are cut or deleted; ``act``
+            with what `edits.rearranged` takes; ``axes`` with the number of axes, None where the field is empty, and
+            keys for new rows.
     """
 
-    def __init__(
-        self,
-        session: Session,
-        *,
-        on_edit: Callable[[int, str, str], None],
-        on_typing: Callable[[int, str, str], None],
-        on_end: Callable[[], None],
-        on_pick: Callable[[str | None], None],
-        on_paste: Callable[[int, str, str | None], Any],
-        on_clear: Callable[[Sequence[int], Sequence[str]], None],
-        on_act: Callable[[str, str | None, str | None], None],
-        on_axes: Callable[[float | None, Sequence[str]], None],
-    ) -> None:
+    def __init__(self, session: Session, on: Mapping[str, Callable[..., Any]]) -> None:
         self._session = session
         self._header: tuple[Any, ...] = ()
         self._columns: list[dict[str, Any]] = []
@@ -107,7 +91,7 @@ class TableGrid:
                 "enableBrowserTooltips": True,
                 "suppressHeaderFocus": True,
                 ":onCellEditingStarted": "e => dhGrid.started(e)",
-                ":onCellEditingStopped": "() => dhGrid.stopped()",
+                ":onCellEditingStopped": "e => dhGrid.stopped(e)",
                 "stopEditingWhenCellsLoseFocus": True,
                 "animateRows": False,  # a row that is gone would stay for a moment
                 "rowDragManaged": True,
@@ -119,23 +103,23 @@ class TableGrid:
             auto_size_columns=False,
         ).classes("dh-table")
         grid = self._grid
-        self._take("dh-edit", lambda key, field, text: on_edit(self._number(key), field, text))
-        grid.on("cellEditingStopped", lambda _: on_end(), ["rowId"])
-        ui.on("dh-focus", lambda event: on_pick(event.args))
+        self._take("dh-edit", lambda key, field, text: on["edit"](self._number(key), field, text))
+        grid.on("cellEditingStopped", lambda _: on["end"](), ["rowId"])
+        ui.on("dh-focus", lambda event: on["pick"](event.args))
         for event in ("input", "focusin"):
             grid.on(event, js_handler=f"e => dhGrid.{event}(e)")
-        ui.on("dh-typing", lambda event: on_typing(self._number(event.args[0]), *event.args[1:]))
+        ui.on("dh-typing", lambda event: on["typing"](self._number(event.args[0]), *event.args[1:]))
         grid.on(
             "paste",
-            lambda event: on_paste(self._first(event.args[0]), *event.args[1:]),
+            lambda event: on["paste"](self._first(event.args[0]), *event.args[1:]),
             js_handler=f"e => dhGrid.paste(getElement({grid.id}).api, e, emit)",
         )
-        ui.on("dh-paste", lambda event: on_paste(self._first([]), first_field(event.args), event.args))
+        ui.on("dh-paste", lambda event: on["paste"](self._first([]), first_field(event.args), event.args))
         for event, function in {"copy": "copy", "cut": "copy", "mousedown": "clicked"}.items():
             grid.on(event, js_handler=f"e => dhGrid.{function}(getElement({grid.id}).api, e)")
-        self._take("dh-clear", lambda keys, fields: on_clear([*map(self._number, keys)], fields))
-        self._take("dh-act", on_act)
-        self._take("dh-axes", on_axes)
+        self._take("dh-clear", lambda keys, fields: on["clear"]([*map(self._number, keys)], fields))
+        self._take("dh-act", on["act"])
+        self._take("dh-axes", on["axes"])
         ui.on("dh-text-size", self._lay_columns)
 
     def _number(self, key: str) -> int:
@@ -202,8 +186,6 @@ class TableGrid:
             self._run("draw", keys)
 
     def _run(self, name: str, *arguments: object) -> None:
-        import json
-
         said = ", ".join(json.dumps(argument) for argument in arguments)
         self._grid.client.run_javascript(
             f"{{const api = getElement({self._grid.id})?.api; if (api) dhGrid.{name}(api, {said});}}"

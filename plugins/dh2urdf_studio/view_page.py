@@ -4,25 +4,24 @@ from __future__ import annotations
 
 import math
 from html import escape
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from nicegui import ui
 
 from dh2urdf_studio import dialogs, joints, viewing, words
-from dh2urdf_studio.drawing.fading import faded
-from dh2urdf_studio.driving.routes import PageFollower
-from dh2urdf_studio.layout.look import lay_look
-from dh2urdf_studio.layout.scene_tools import LayerBoxes, lay_grasp, lay_opacity, lay_views
+from dh2urdf_studio.bars import LayerBoxes, lay_look, lay_opacity, lay_tools
+from dh2urdf_studio.drawing.scene import faded
+from dh2urdf_studio.live_joints import PageFollower
 from dh2urdf_studio.panels import sharing
-from dh2urdf_studio.panels.clicks import Menu
 from dh2urdf_studio.robot_tree import RobotTree
-from dh2urdf_studio.widgets import ArmView, JointSliders, LiveHtml
+from dh2urdf_studio.widgets import ArmView, JointSliders, Menu, row_of, small_button
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping, Sequence
+    from collections.abc import Mapping, Sequence
 
-    from dh2urdf_studio.drawing.colours import Colour
-    from dh2urdf_studio.driving.live_joints import LiveJoints
+    from dh2urdf_studio.drawing.parts import Colour
+    from dh2urdf_studio.drawing.strokes import Stroke
+    from dh2urdf_studio.live_joints import LiveJoints
     from dh2urdf_studio.viewing import View
     from dh2urdf_studio.widgets import ShownScene
 
@@ -46,15 +45,14 @@ class ViewPage:
                     menu = Menu(items=True)
                 lay_look()
             with ui.element("section").classes("studio-motion").props('aria-label="Joints"'):
-                with ui.element("div").classes("studio-row"):
-                    for told, poses in (("zero", joints.zero), ("random pose", joints.anywhere)):
-                        button = ui.button(told, on_click=lambda poses=poses: self._move_to(poses))
-                        button.props("outline dense no-caps size=sm")
+                with row_of():
+                    small_button("zero", lambda: self._moved(joints.zero(view.sliders)))
+                    small_button("random pose", lambda: self._moved(joints.anywhere(view.sliders)))
                 self._sliders = JointSliders(on_values=self._moved)
                 with _fold("links"):
                     self._tree = RobotTree(on_pick=self._pick, on_hide=self._hide)
                 with _fold("ends of the arms"):
-                    self._numbers = LiveHtml().classes("studio-numbers")
+                    self._numbers = ui.html(sanitize=False).classes("studio-numbers")
             with ui.element("section").classes("studio-scene").props('aria-label="Scene"'):
                 self._lay_scene()
             with menu:
@@ -63,74 +61,57 @@ class ViewPage:
     def _shown(self) -> ShownScene:
         """What is on the screen now."""
         view = self.view
-        return (
-            viewing.told(view.figures).replace(", ", "-"),
-            faded(view.drawing, view.opacities, view.hidden),
-            view.q,
-            view.layers,
-        )
+        name = viewing.told(view.figures).replace(", ", "-")
+        return name, faded(view.drawing, view.opacities, view.hidden), view.q, view.layers
 
     def _lay_scene(self) -> None:
+        view = self.view
         with ui.element("div").classes("studio-bar"):
-            tables = any(figure.manipulator for figure in self.view.figures)
-            LayerBoxes(self.view.layers, self._choose_layers, left_out=() if tables else ("parameters",))
-            if len(self.view.figures) > 1:
-                choice = ui.toggle({True: "side by side", False: "at one place"}, value=self.view.apart)
-                choice.props("dense unelevated no-caps").on_value_change(self._choose_place)
-            if self.view.turns:
-                up = ui.toggle({True: "meshes as in ROS", False: "as their files say"}, value=self.view.as_in_ros)
-                up.props("dense unelevated no-caps").on_value_change(self._choose_up)
+            tables = any(figure.manipulator for figure in view.figures)
+            LayerBoxes(view.layers, self._choose_layers, left_out=() if tables else ("parameters",))
+            if len(view.figures) > 1:
+                choice = ui.toggle({True: "side by side", False: "at one place"}, value=view.apart)
+                choice.props("dense unelevated no-caps")
+                choice.on_value_change(lambda event: self._place(apart=bool(event.value)))
+            if view.turns:
+                up = ui.toggle({True: "meshes as in ROS", False: "as their files say"}, value=view.as_in_ros)
+                up.props("dense unelevated no-caps")
+                up.on_value_change(lambda event: self._place(as_in_ros=bool(event.value)))
                 up.tooltip("COLLADA files name the axis that points up. RViz and MoveIt take z, whatever they name.")
-            with ui.element("div").classes("studio-tools"):
-                button = ui.button(icon="center_focus_strong", on_click=self._see_all)
-                button.props('flat dense round size=sm aria-label="see all"').tooltip("see all")
-                lay_views(lambda: self._scene)
-                lay_grasp(lambda: self._scene)
-                titles = {figure.name: figure.title or figure.robot.name for figure in self.view.figures}
-                lay_opacity(titles, self.view.opacities, self._fade, self.view.plain, self._paint)
-        if unseen := self.view.drawing.unseen:
+            with lay_tools(lambda: self._scene, "see all"):
+                titles = {figure.name: figure.title or figure.robot.name for figure in view.figures}
+                lay_opacity(titles, view.opacities, self._fade, view.plain, lambda colour: self._place(plain=colour))
+        if unseen := view.drawing.unseen:
             told = words.count(len(unseen), "mesh file was not found", "mesh files were not found")
             _remark(f"{told}: {words.some_of(unseen)}", unseen)
-        if left_out := [notice.message for figure in self.view.figures for notice in figure.notices]:
+        if left_out := [notice.message for figure in view.figures for notice in figure.notices]:
             _remark(words.some_of(left_out), left_out)
-        self._scene = ArmView(
-            on_undrawn=dialogs.Warnings().add,
-            on_pick_node=self._picked_in_scene,
-            on_grip=self._drag,
-        )
+        self._scene = ArmView(on_undrawn=dialogs.Warnings().add, on_pick_node=self._picked_in_scene, on_grip=self._drag)
 
     def _picked_in_scene(self, node: str | None) -> None:
         self._pick(node)
-        self._tree.pick(self.view.picked)
+        self._tree.pick(node)
 
     def _pick(self, node: str | None) -> None:
-        self.view.picked = node
-        self._scene.highlight(None, node)
+        self._scene.run_method("highlight", None, node)
 
     def _hide(self, nodes: frozenset[str]) -> None:
         self.view.hidden = nodes
-        self._scene.hide(nodes)
-
-    def _drag(self, node: str, by: float, *, begins: bool) -> None:
-        self.view.drag(node, by, begins=begins)
-        self._show_own_pose()
+        self._scene.run_method("hide", sorted(nodes))
 
     def _fade(self, robot: str, opacity: float) -> None:
         self.view.opacities[robot] = opacity
-        self._scene.fade(self.view.opacities)
-
-    def _paint(self, colour: Colour) -> None:
-        self.view.place(plain=colour)
-        self._show()
+        self._scene.run_method("fade", self.view.opacities)
 
     async def start(self) -> None:
         """Shows the view for the first time."""
-        self._scene.set_layers(self.view.layers)
-        self._tree.show(self.view.figures, self.view.hidden)
-        self._scene.hide(self.view.hidden)
-        self._scene.fade(self.view.opacities)
+        view = self.view
+        self._scene.set_layers(view.layers)
+        self._tree.show(view.figures, view.hidden)
+        self._scene.run_method("hide", sorted(view.hidden))
+        self._scene.run_method("fade", view.opacities)
         self._show()
-        self._scene.fit()
+        self._scene.run_method("fit", False)
         PageFollower(self._live, self._scene, self._show_pose)
 
     def _show(self) -> None:
@@ -144,7 +125,7 @@ class ViewPage:
         self._sliders.answer(self.view.q)
         self._show_numbers()
 
-    def _strokes(self) -> Any:  # noqa: ANN401 - strokes of the drawing
+    def _strokes(self) -> Sequence[Stroke]:
         drawing, q, layers = self.view.drawing, self.view.q, self.view.layers
         parameters = drawing.strokes(q) if "parameters" in layers else ()
         return (*parameters, *(drawing.normals(q) if "normals" in layers else ()))
@@ -155,34 +136,26 @@ class ViewPage:
             xyz = ", ".join(f"{x + 0.0:.4f}" for x in pose.translation)
             rpy = ", ".join(f"{math.degrees(x) + 0.0:.2f}" for x in pose.rpy)
             lines.append(f"<div><b>{escape(name)}</b><br>xyz {xyz} m<br>rpy {rpy} °</div>")
-        self._numbers.show("".join(lines))
+        self._numbers.set_content("".join(lines))
 
     def _choose_layers(self, layers: frozenset[str]) -> None:
         self.view.layers = layers
-        self._scene.set_layers(self.view.layers)
+        self._scene.set_layers(layers)
         self._show_pose()
 
-    def _choose_place(self, event: Any) -> None:  # noqa: ANN401 - NiceGUI's
-        self.view.place(apart=bool(event.value))
+    def _place(self, *, apart: bool | None = None, as_in_ros: bool | None = None, plain: Colour | None = None) -> None:
+        self.view.place(apart=apart, as_in_ros=as_in_ros, plain=plain)
         self._show()
-        self._scene.fit()
+        if apart is not None:
+            self._scene.run_method("fit", False)
 
-    def _choose_up(self, event: Any) -> None:  # noqa: ANN401 - NiceGUI's
-        self.view.place(as_in_ros=bool(event.value))
-        self._show()
-
-    def _see_all(self) -> None:
-        self._scene.fit()
-
-    def _move_to(self, poses: Callable[[Any], Mapping[str, float]]) -> None:
-        self.view.move(poses(self.view.sliders))
-        self._show_own_pose()
+    def _drag(self, node: str, by: float, *, begins: bool) -> None:
+        self.view.drag(node, by, begins=begins)
+        self._live.note(self.view)
+        self._show_pose()
 
     def _moved(self, values: Mapping[str, float]) -> None:
         self.view.move(values)
-        self._show_own_pose()
-
-    def _show_own_pose(self) -> None:
         self._live.note(self.view)
         self._show_pose()
 

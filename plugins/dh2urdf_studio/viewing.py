@@ -28,18 +28,17 @@ from dh2urdf.tasks.batch import items
 from dh2urdf.tasks.expected import Expected
 from dh2urdf.variations.variation import Variant
 from dh2urdf_studio import joints
-from dh2urdf_studio.drawing.colours import GREY
 from dh2urdf_studio.drawing.grips import Grasp
+from dh2urdf_studio.drawing.parts import GREY
 from dh2urdf_studio.drawing.scene import Drawing, Figure, extent, meshes_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
     from pathlib import Path
 
-    from dh2urdf.manipulator import Manipulator
     from dh2urdf.plugin_system.catalog import Catalog
-    from dh2urdf_studio.drawing.colours import Colour
     from dh2urdf_studio.drawing.mesh_files import DrawnMesh
+    from dh2urdf_studio.drawing.parts import Colour
     from dh2urdf_studio.joints import Slider
 
 MOST_FIGURES = 50
@@ -50,11 +49,6 @@ TOLD_NAMES = 6
 
 def load_figures(paths: Sequence[Path], catalog: Catalog, expansion: Expansion | None = None) -> tuple[Figure, ...]:
     """The robots of some files.
-
-    Args:
-        paths: the files.
-        catalog: the readers and emitters that there are.
-        expansion: how those of them are expanded that hold macros.
 
     Raises:
         InputError: a file cannot be read; the problems of all files are reported at once.
@@ -98,8 +92,9 @@ def _figures(path: Path, catalog: Catalog, expansion: Expansion | None) -> Itera
         return
     if catalog.is_table(path):
         transform = default_call(catalog, catalog.usual("transform"))
-        for item in read_items(default_call(catalog, catalog.reader_for(path)), path):
-            arm = _accepted(item)
+        for arm in read_items(default_call(catalog, catalog.reader_for(path)), path):
+            if isinstance(arm, Rejected):
+                raise InputError(arm.problems, arm.notices)
             yield Figure(robot=make_robot(arm, transform), manipulator=arm, title=arm.name)
         return
     yield description(path, catalog, expansion)
@@ -107,11 +102,6 @@ def _figures(path: Path, catalog: Catalog, expansion: Expansion | None) -> Itera
 
 def description(path: Path, catalog: Catalog, expansion: Expansion | None = None) -> Figure:
     """The robot of a robot description.
-
-    Args:
-        path: the file.
-        catalog: the emitters that there are.
-        expansion: how it is expanded, where it holds macros, and where its packages are.
 
     Raises:
         InputError: no emitter reads files of its format, or it cannot be read.
@@ -126,7 +116,9 @@ def description(path: Path, catalog: Catalog, expansion: Expansion | None = None
         read = reads.read_back(path) if isinstance(reads, ReadsBack) else reads.read_foreign(path, given)
         read = a_record(read, ForeignRobot, Robot)
     found = read if isinstance(read, ForeignRobot) else ForeignRobot(robot=read)
-    robot = _with_unit_axes(found.robot)
+    # Simulators make axes of the length 1, of any length but 0.
+    unit_axes = (replace(each, axis=scale(1.0 / (norm(each.axis) or 1.0), each.axis)) for each in found.robot.joints)
+    robot = replace(found.robot, joints=tuple(unit_axes))
     packages = with_its_own(path, packages_in(expansion.package_paths if expansion else ()))
     find = mesh_finder(found.folder or path.resolve().parent, packages)
     addresses = dict.fromkeys(mesh.filename for mesh in meshes_of(robot))
@@ -134,12 +126,6 @@ def description(path: Path, catalog: Catalog, expansion: Expansion | None = None
     followers = following(found.followers, [joint.name for joint in robot.moving_joints])
     title = robot.name.strip() or path.stem
     return Figure(robot=robot, title=title, files=files, followers=followers, loose=found.loose, notices=found.notices)
-
-
-def _with_unit_axes(robot: Robot) -> Robot:
-    """A robot whose axes have the length 1, as simulators make them of any length; 0 stays 0."""
-    joints = (replace(each, axis=scale(1.0 / (norm(each.axis) or 1.0), each.axis)) for each in robot.joints)
-    return replace(robot, joints=tuple(joints))
 
 
 def _of_run(path: Path, catalog: Catalog) -> Iterator[Figure]:
@@ -163,12 +149,6 @@ def _of_run(path: Path, catalog: Catalog) -> Iterator[Figure]:
 
 def _too_many(count: str) -> Problem:
     return Problem(message=f"these are {count} robots", accepted=f"at most {MOST_FIGURES} in one scene")
-
-
-def _accepted(item: Manipulator | Rejected) -> Manipulator:
-    if isinstance(item, Rejected):
-        raise InputError(item.problems, item.notices)
-    return item
 
 
 def _with_own_names(figures: Sequence[Figure]) -> Iterator[Figure]:
@@ -197,7 +177,6 @@ class View:
         q: the values of all joints by name [rad or m].
         drawing: the robots, as they are drawn.
         hidden: the links that are not shown, by the names of their nodes.
-        picked: the link that stands out, by the name of its node.
         opacities: how opaque robots are, by their names, where a person has changed it.
     """
 
@@ -210,32 +189,22 @@ class View:
             for figure in figures
             for name, follower in figure.followers.items()
         }
-        self.sliders: tuple[Slider, ...] = tuple(
-            slider for figure in figures for slider in self._sliders_of(figure) if slider.name not in self.followers
-        )
+        found: list[Slider] = []
+        for figure in figures:
+            named = [replace(joint, name=figure.name + joint.name) for joint in figure.robot.moving_joints]
+            found += joints.sliders(named, angle_unit="deg", group=figure.title)
+        self.sliders = tuple(slider for slider in found if slider.name not in self.followers)
         self.q = self._followed(joints.zero(self.sliders))
         self.drawing = Drawing()
         self.hidden: frozenset[str] = frozenset()
-        self.picked: str | None = None
         self.opacities: dict[str, float] = {}
         self._grasp = Grasp()
         self.place()
         if self.drawing.meshes:  # which joint axes would only lie on
             self.layers -= {"axes"}
 
-    @staticmethod
-    def _sliders_of(figure: Figure) -> tuple[Slider, ...]:
-        named = [replace(joint, name=figure.name + joint.name) for joint in figure.robot.moving_joints]
-        return joints.sliders(named, angle_unit="deg", group=figure.title)
-
     def _followed(self, values: Mapping[str, float]) -> dict[str, float]:
         return with_followers(values, self.followers)
-
-    def copy(self) -> View:
-        """Another view of the same robots, at the same joint values."""
-        other = View(self.figures)
-        other.q = self.q
-        return other
 
     def place(self, *, apart: bool | None = None, as_in_ros: bool | None = None, plain: Colour | None = None) -> None:
         """Puts the robots side by side or all at one place, their meshes as ROS or as their files have them."""
@@ -243,7 +212,14 @@ class View:
         self.as_in_ros = self.as_in_ros if as_in_ros is None else as_in_ros
         self.plain = plain or self.plain
         figures = [replace(figure, as_in_ros=self.as_in_ros, plain=self.plain) for figure in self.figures]
-        self.drawing = Drawing.of(list(_placed(figures)) if self.apart else figures)
+        if self.apart:  # in a row along y, as far from each other as their arms do not touch when they are stretched
+            edge = 0.0
+            for number, figure in enumerate(figures):
+                half = 0.6 * max(extent(figure.robot), 0.1)
+                edge += half if number else 0.0
+                figures[number] = replace(figure, place=RigidTransform(IDENTITY.rotation, (0.0, edge, 0.0)))
+                edge += half
+        self.drawing = Drawing.of(figures)
 
     @property
     def turns(self) -> bool:
@@ -268,30 +244,15 @@ class View:
             self.move({grip.joint: self._grasp.value(grip, self.q[grip.joint], by, begins=begins)})
 
     def tips(self) -> Iterator[tuple[str, RigidTransform]]:
-        """The links at the ends, with their poses in the robots' roots."""
+        """The ends of the arms with their poses in the robots: links called tool0, or else those without a child."""
         for figure in self.figures:
             own = {joint.name: self.q[figure.name + joint.name] for joint in figure.robot.moving_joints}
             poses = link_poses(figure.robot, own)
-            for name in ends(figure.robot):
+            holding = {joint.parent for joint in figure.robot.joints}
+            links = [link.name for link in figure.robot.links]
+            tools = [name for name in links if name.endswith(TOOL)]
+            for name in tools or [name for name in links if name not in holding]:
                 yield figure.name + name, poses.get(name, IDENTITY)
-
-
-def ends(robot: Robot) -> tuple[str, ...]:
-    """The links that stand for the ends of arms: those called tool0, or else those that hold no other."""
-    holding = {joint.parent for joint in robot.joints}
-    last = [link.name for link in robot.links if link.name not in holding]
-    tools = [link.name for link in robot.links if link.name.endswith(TOOL)]
-    return tuple(tools or last)
-
-
-def _placed(figures: Sequence[Figure]) -> Iterator[Figure]:
-    """Robots in a row along y, as far from each other as their arms do not touch when they are stretched."""
-    edge = 0.0
-    for number, figure in enumerate(figures):
-        half = 0.6 * max(extent(figure.robot), 0.1)
-        edge += half if number else 0.0
-        yield replace(figure, place=RigidTransform(IDENTITY.rotation, (0.0, edge, 0.0)))
-        edge += half
 
 
 def told(figures: Sequence[Figure]) -> str:

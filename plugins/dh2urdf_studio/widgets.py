@@ -1,11 +1,13 @@
-"""The studio's own widgets: the scene and the sliders, each one element of the page that takes one message a change."""
+"""The studio's own widgets: the scene, the sliders, menus and buttons."""
 
 from __future__ import annotations
 
 import contextlib
+import inspect
 import math
 from typing import TYPE_CHECKING, Any, TypeAlias
 
+from nicegui import ui
 from nicegui.element import Element
 from nicegui.elements import scene as _scene  # noqa: F401 - it makes three.js known to the page as nicegui-scene
 
@@ -32,6 +34,60 @@ _DIGITS = {"deg": 2, "rad": 4, "m": 4, "cm": 2, "mm": 1}
 """Digits behind the point of what a slider shows."""
 _LEAST_STEPS = 50
 """From one limit of a joint to the other; of a joint that moves by a millimetre the steps are smaller."""
+
+
+class Menu(ui.menu):
+    """A menu that opens and closes at once, and not when the server has answered; a click on an item may close it."""
+
+    LOOPBACK = None
+
+    def __init__(self, *, items: bool = False) -> None:
+        super().__init__()
+        opens = f"mounted_app.elements[{self.id}].props['model-value'] = opens"
+        self.on("update:model-value", js_handler=f"(opens) => ({opens})")
+        if items:
+            self.props("auto-close")
+
+
+def lay_menu_item(told: str, act: Callable[[], Any]) -> None:
+    """Lay out an entry of a menu; a list's, which Quasar makes of it, is none to a screen reader."""
+    act_once(ui.menu_item(told, auto_close=False).props("role=menuitem"), act)
+
+
+def act_once(element: ui.button | ui.menu_item, act: Callable[[], Any]) -> None:
+    """A click acts once, though more clicks follow before its answer is on the page; see page.js."""
+
+    async def acted() -> None:
+        try:
+            if inspect.isawaitable(done := act()):
+                await done
+        finally:
+            if not element.is_deleted:
+                element.client.run_javascript(f"dhPage.answered('{element.html_id}')")
+
+    element.props("data-once").on_click(acted)
+
+
+def icon_button(icon: str, told: str, act: Callable[..., Any] | None = None) -> ui.button:
+    """A small round button, with a name for those who do not see it."""
+    button = ui.button(icon=icon, on_click=act).props("flat dense round size=sm").tooltip(told)
+    button.props["aria-label"] = told
+    return button
+
+
+def small_button(text: str, act: Callable[..., Any] | None = None, icon: str | None = None) -> ui.button:
+    """A small button with a text."""
+    return ui.button(text, icon=icon, on_click=act).props("outline dense no-caps size=sm")
+
+
+def panel(name: str) -> ui.element:
+    """A panel below the table."""
+    return ui.element("aside").classes("studio-panel").props(f'aria-label="{name}"')
+
+
+def row_of() -> ui.element:
+    """A row of buttons and fields, which may break."""
+    return ui.element("div").classes("studio-row")
 
 
 class ArmView(Element, component="arm_view.js", esm={"dh2urdf-scene": "scene3d"}):  # type: ignore[call-arg]  # Element is any type to mypy
@@ -73,24 +129,12 @@ class ArmView(Element, component="arm_view.js", esm={"dh2urdf-scene": "scene3d"}
         """What is shown."""
         self.run_method("setLayers", sorted(layers))
 
-    def highlight(self, row: int | None, node: str | None = None) -> None:
-        """The link and the frame of a row stand out, or a node by its name."""
-        self.run_method("highlight", row, node)
-
-    def hide(self, nodes: Iterable[str]) -> None:
-        """These nodes are not shown, by their names; all others are."""
-        self.run_method("hide", sorted(nodes))
-
     def save_picture(self, name: str, *, transparent: bool) -> None:
         """Hands the scene over as the browser draws it, as a PNG of twice the size; with or without the ground."""
         self.run_method("savePicture", safe_stem(name or "arm"), transparent)
 
     async def turn(self, frames: int, largest: int) -> AsyncIterator[str]:
         """Frames of a turn of the camera about the arm, as data addresses of PNGs; the camera is back afterwards.
-
-        Args:
-            frames: their number.
-            largest: the longer side of a frame, at most [px].
 
         Raises:
             TimeoutError: the page does not answer.
@@ -105,10 +149,6 @@ class ArmView(Element, component="arm_view.js", esm={"dh2urdf-scene": "scene3d"}
         """Points of shape (n, 3) [m] in place of those before, to a micrometre."""
         self.run_method("showCloud", points.round(6).ravel().tolist())
 
-    def show_handle(self, *, shown: bool) -> None:
-        """The handle at tool0, which a person drags."""
-        self.run_method("showHandle", shown)
-
     def _aimed(self, on_aim: Callable[..., None], args: Mapping[str, Any]) -> None:
         x, y, z = (float(number) for number in args["place"])
         if all(map(math.isfinite, (x, y, z))):
@@ -120,40 +160,6 @@ class ArmView(Element, component="arm_view.js", esm={"dh2urdf-scene": "scene3d"}
         if math.isfinite(by):
             on_grip(str(args["node"]), by, begins=bool(args["begins"]))
         self.run_method("answered")
-
-    def grasp(self, *, on: bool) -> None:
-        """Whether links can be dragged without the Shift key."""
-        self.run_method("grasp", on)
-
-    def fade(self, opacities: Mapping[str, float]) -> None:
-        """How opaque the bodies of robots are, by the names of the robots: 1 as they are drawn without it."""
-        self.run_method("fade", dict(opacities))
-
-    def follow_picked(self, *, on: bool) -> None:
-        """Whether the camera moves with what is picked."""
-        self.run_method("followPicked", on)
-
-    def look(self, view: str) -> None:
-        """The camera where it sees all of the arm from one of the standard sides."""
-        self.run_method("look", view)
-
-    def fit(self, *, keep: bool = False) -> None:
-        """The camera where it sees all of the arm; from where it looks now, if it is to keep its direction."""
-        self.run_method("fit", keep)
-
-
-class LiveHtml(Element, component="live_html.js"):  # type: ignore[call-arg]
-    """HTML that changes with every letter and every slider."""
-
-    def __init__(self) -> None:
-        super().__init__()
-        self._content = ""
-
-    def show(self, content: str) -> None:
-        """Other HTML, of the studio's own making: it is not sanitized."""
-        if content != self._content:
-            self._content = content
-            self.run_method("show", content)
 
 
 class JointSliders(Element, component="joint_sliders.js"):  # type: ignore[call-arg]

@@ -1,4 +1,4 @@
-"""What the studio says: texts of a session for its page."""
+"""What the studio says: texts of a session for its page, and numbers with as many digits as count."""
 
 from __future__ import annotations
 
@@ -8,12 +8,11 @@ from typing import TYPE_CHECKING
 from dh2urdf.quantities.units import UNITS
 from dh2urdf.source import listed
 from dh2urdf.table_text import number_in
-from dh2urdf_studio.drawing.digits import decimals, plain
-from dh2urdf_studio.editing.axes import moving_rows
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from dh2urdf.quantities.units import Unit
     from dh2urdf.rotations import RigidTransform
     from dh2urdf.table_text import TableText
     from dh2urdf_studio.editing.opening import Opened
@@ -26,10 +25,40 @@ EMPTY = (
     "Or paste a table, open one of yours, or one of the gallery."
 )
 """What the scene of a table without rows says, as HTML."""
-_LARGE = 100_000
-"""From this size on, the size of a file is written in megabytes [B]."""
 MOST_LOST = 6
 """What a table cannot hold, or what was lost, as far as it is reported."""
+USUAL = 6
+"""Digits behind the point of a number that a person reads or changes, where its arm is not small."""
+_SMALL = 0.1
+"""Of an arm that is smaller [m], lengths have more digits."""
+
+
+def decimals(length: Unit, reach: float) -> int:
+    """The digits behind the point of a length in a unit, for an arm with a reach [m]."""
+    more = math.ceil(math.log10(_SMALL / reach)) if 0.0 < reach < _SMALL else 0
+    return max(2, 5 + min(0, length.power) + more)
+
+
+def plain(number: float, digits: int) -> str:
+    """A number with some digits behind the point, and without a minus before a zero."""
+    text = f"{number:.{digits}f}"
+    return text.lstrip("-") if float(text) == 0 else text
+
+
+def short(number: float, digits: int) -> str:
+    """The same without zeros at its end; with more digits than is usual, as many as count."""
+    text = plain(number, digits).rstrip("0").rstrip(".")
+    return text if digits <= USUAL else f"{float(text):.{USUAL}g}"
+
+
+def count(number: int, one: str, many: str) -> str:
+    """A number of things."""
+    return f"{number} {one if number == 1 else many}"
+
+
+def some_of(things: Sequence[str]) -> str:
+    """The first of some things, and how many more there are."""
+    return listed(things, MOST_LOST)
 
 
 def status(session: Session, errors: int) -> tuple[str, str]:
@@ -47,31 +76,20 @@ def status(session: Session, errors: int) -> tuple[str, str]:
         which = f"row {rows} is" if waiting == 1 else f"rows {done + 1} to {rows} are"
         shown = f"; the arm of the {'first row' if done == 1 else f'first {done} rows'} is shown" if done else ""
         return f"{which} still empty{shown}", ""
-    moving = len(moving_rows(session.table, session.arm))
+    moving = len(session.moving_rows)
     fixed = f" and {count(rows - moving, 'fixed joint', 'fixed joints')}" if rows > moving else ""
     return f"{count(moving, 'axis', 'axes')}{fixed}; the arm is the table's", "good"
 
 
-def count(number: int, one: str, many: str) -> str:
-    """A number of things."""
-    return f"{number} {one if number == 1 else many}"
-
-
 def busy(name: str, size: int) -> str:
     """The message while a file is read."""
-    return (
-        f"reading {name}, {size / 1e6:.1f} MB" if size >= _LARGE else f"reading {name}, {max(size / 1e3, 0.1):.1f} kB"
-    )
+    return f"reading {name}, {f'{size / 1e6:.1f} MB' if size >= 1e5 else f'{max(size / 1e3, 0.1):.1f} kB'}"  # noqa: PLR2004 - [B]
 
 
 def remarks(opened: Opened) -> list[str]:
     """What a person should know of a table that was opened."""
-    return [*([without(opened.lost)] if opened.lost else ()), *opened.notices]
-
-
-def without(lost: Sequence[str]) -> str:
-    """What a table that was opened says, and the table on the screen does not."""
-    return f"The studio's table has no place for {some_of(lost)}: what is made here is without."
+    lost = f"The studio's table has no place for {some_of(opened.lost)}: what is made here is without."
+    return [*([lost] if opened.lost else ()), *opened.notices]
 
 
 def lost(acts: Sequence[str]) -> str:
@@ -81,16 +99,10 @@ def lost(acts: Sequence[str]) -> str:
     return "\n".join(["The connection broke before this arrived, and the table is without it:", *lines])
 
 
-def some_of(things: Sequence[str]) -> str:
-    """The first of some things, and how many more there are."""
-    return listed(things, MOST_LOST)
-
-
 def left_out(number: int) -> str:
     """The message where pasted cells found no place."""
-    cells = count(number, "cell finds", "cells find")
     return (
-        f"{cells} no place to the right of the last column or below the last row.\n"
+        f"{count(number, 'cell finds', 'cells find')} no place to the right of the last column or below the last row.\n"
         "Start further to the left, show all columns, or copy the header too: then columns are known by their names."
     )
 
@@ -105,30 +117,28 @@ def refused(act: str) -> str:
 
 def place(found: CellProblem, table: TableText) -> str:
     """Where a problem is, before its message."""
+    field = f"{found.field}: " if found.field else ""
     if found.row is None:
-        return f"{found.field}: " if found.field else ""
+        return field
     name = table.rows[found.row].get("joint", f"joint_{found.row + 1}") if found.row < len(table.rows) else ""
-    return f"row {found.row + 1}, {name}{f', {found.field}' if found.field else ''}: "
+    return f"row {found.row + 1}, {name}, {field}" if field else f"row {found.row + 1}, {name}: "
 
 
 def numbers(pose: RigidTransform, table: TableText, reach: float) -> str:
     """T(base → tool0) and the reach as HTML; numbers only, nothing that a person has typed."""
     r, t = pose
     length, angle = UNITS[table.length_unit], UNITS[table.angle_unit]
-    factor = 10.0**-length.power
     digits = decimals(length, reach)
     rows = [
-        " ".join(f"{plain(x, 4):>7}" for x in r[3 * i : 3 * i + 3]) + f" {plain(t[i] * factor, digits):>9}"
+        " ".join(f"{plain(x, 4):>7}" for x in r[3 * i : 3 * i + 3]) + f" {plain(length.number(t[i]), digits):>9}"
         for i in range(3)
     ]
-    rows.append(" ".join(f"{x:>7}" for x in "000") + f" {'1':>9}")
-    matrix = "\n".join(rows)
-    turn = ", ".join(plain(math.degrees(x) if angle.degrees else x, 4) for x in pose.rpy)
-    sign = "°" if angle.degrees else " rad"
+    matrix = "\n".join([*rows, " ".join(f"{x:>7}" for x in "000") + f" {'1':>9}"])
+    turn = ", ".join(plain(angle.number(x), 4) for x in pose.rpy)
     return (
         f'<div><b>T(base_link → tool0)</b></div><pre class="studio-matrix">{matrix}</pre>'
-        f"<div>rpy <b>{turn}</b>{sign}</div>"
-        f"<div>distance <b>{plain(math.hypot(*t) * factor, digits)}</b> {length.symbol}, "
+        f"<div>rpy <b>{turn}</b>{'°' if angle.degrees else ' rad'}</div>"
+        f"<div>distance <b>{plain(length.number(math.hypot(*t)), digits)}</b> {length.symbol}, "
         f"reach at most <b>{plain(float(number_in(reach, length)), digits)}</b> {length.symbol}</div>"
     )
 
@@ -141,11 +151,9 @@ def remark(session: Session) -> str:
     if session.arm.other is None:
         told = "; ".join(found.text.partition("\n")[0] for found in session.arm.refusal[:3])
         return f"The variant {name} refuses this table: {told}"
-    error = session.other_error
-    if error is None:
+    if (error := session.other_error) is None:
         return ""
-    distance, angle = error
     return (
-        f"The variant {name} is not the arm of the table: at this pose its tool0 is {distance:.4g} m and "
-        f"{math.degrees(angle):.4g}° from the table's."
+        f"The variant {name} is not the arm of the table: at this pose its tool0 is {error[0]:.4g} m and "
+        f"{math.degrees(error[1]):.4g}° from the table's."
     )

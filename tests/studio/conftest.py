@@ -20,8 +20,8 @@ import pytest
 from dh2urdf.kinematics import forward_kinematics
 from dh2urdf.kinematics.chain import as_matrices
 from dh2urdf.plugin_system import load
-from dh2urdf_studio import gallery
-from dh2urdf_studio.editing.keeping import kept_text
+from dh2urdf_studio.editing.edits import kept_text
+from dh2urdf_studio.editing.opening import gallery, gallery_table
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -130,8 +130,8 @@ def chromium(request: pytest.FixtureRequest) -> Iterator[Browser]:
 @cache
 def link_to(name: str) -> str:
     """The part of a link that holds a table of the gallery: to click through the dialog costs as much as the page."""
-    (file,) = (item.file for item in gallery.tables() if item.name == name)
-    return link_to_table(gallery.table(file, load()))
+    (file,) = (file for file in gallery() if file.partition(".")[0] == name)
+    return link_to_table(gallery_table(file, load()))
 
 
 def link_to_table(table: TableText) -> str:
@@ -288,6 +288,13 @@ class Tab:
         for kind in ("dragEnter", "dragOver", "drop"):
             session.send("Input.dispatchDragEvent", {"type": kind, **place, "data": data})
         session.detach()
+
+    def choose_file(self, path: Path) -> None:
+        """Opens a file by the dialog."""
+        self.page.get_by_role("button", name="Open", exact=True).click()
+        with self.page.expect_file_chooser() as choosing:
+            self.page.get_by_role("button", name="Choose a file").click()
+        choosing.value.set_files(path)
 
     def save(self, what: str) -> tuple[str, bytes]:
         """Chooses an entry of the menu; gives the name and the bytes that are downloaded."""

@@ -28,14 +28,6 @@ PIXEL = """([name, x, y, z]) => {
     const point = node.position.clone().set(x, y, z).applyMatrix4(node.matrixWorld).project(camera);
     return [box.left + (point.x + 1) / 2 * box.width, box.top + (1 - point.y) / 2 * box.height];
 }"""
-ALL_SEEN = """() => {
-    const { camera, scene } = document.querySelector('.arm-view');
-    scene.updateMatrixWorld(), camera.updateMatrixWorld();
-    return scene.children[0].children.every(node => {
-        const point = node.position.clone().setFromMatrixPosition(node.matrixWorld).project(camera);
-        return Math.abs(point.x) < 1 && Math.abs(point.y) < 1;
-    });
-}"""
 ANSWERED = """() => {
     const view = getElement(Number(document.querySelector('.arm-view').id.slice(1)));
     return !view.asked && !view.wanted;
@@ -175,42 +167,4 @@ def test_bodies_are_looked_through(new_tab: Callable[..., Any], serving: Callabl
         scene = trimesh.load_scene(io.BytesIO(content), file_type="glb", process=False)
         opacities = [int(mesh.visual.material.baseColorFactor[3]) for mesh in scene.geometry.values()]
         assert set(opacities) == {26, 255}
-        page.close()
-
-
-@pytest.mark.long
-def test_the_camera_goes_after_the_arm(
-    new_tab: Callable[..., Any], serving: Callable[..., Any], tmp_path: Path
-) -> None:
-    """Where joints move the arm out of the picture it is seen again; not while a person holds the camera or has chosen."""
-    path = tmp_path / "r.urdf"
-    path.write_text(ROBOT)
-    with serving("view", path) as address:
-        tab = new_tab(address)
-        page = tab.page
-        page.goto(address)
-        page.wait_for_function("document.querySelectorAll('.joint-slider').length === 2")
-        box = page.locator(".arm-view").bounding_box()
-        corner = box["x"] + 30, box["y"] + 30
-        page.mouse.move(*corner)
-        page.mouse.down()
-        tab.set_sliders([0, 6])
-        page.wait_for_timeout(400)
-        assert not page.evaluate(ALL_SEEN), "the camera is held"
-        page.mouse.up()
-        page.wait_for_timeout(300)
-        assert not page.evaluate(ALL_SEEN), "it was left there"
-        page.get_by_role("button", name="see all").click()
-        page.wait_for_function(ALL_SEEN)
-        tab.set_sliders([0, 0])
-        far = page.evaluate(CAMERA)
-        page.get_by_role("button", name="see all").click()
-        page.wait_for_function(f"far => Math.abs({CAMERA}[12] - far) > 1", arg=far[12])
-        before = page.evaluate(CAMERA)
-        tab.set_sliders([10, 0.01])
-        assert page.evaluate(CAMERA) == before, "all is seen: nothing moves"
-        tab.set_sliders([20, 5])
-        page.wait_for_function(ALL_SEEN)
-        after = page.evaluate(CAMERA)
-        assert np.abs(np.subtract(after[:12], before[:12])).max() < 1e-5, "it looks in the same direction"
         page.close()

@@ -72,18 +72,3 @@ def test_the_ur5_by_keyboard(
     assert generating.value.suggested_filename == "arm.urdf"
     made = cli("convert", table)
     assert generating.value.path().read_bytes() == made.stdout.encode()
-
-
-@pytest.mark.long
-def test_the_cursor_comes_back_from_a_dialog(studio_address: str, new_tab: Callable[..., Any]) -> None:
-    """It is on the button that opened the dialog, also after a walk through all of the dialog and round again."""
-    tab = new_tab(studio_address)
-    page = tab.open("ur5")
-    page.get_by_role("button", name="mm", exact=True).focus()
-    page.keyboard.press("Enter")
-    page.wait_for_function("document.activeElement.closest('.q-dialog')")
-    for _ in range(12):
-        page.keyboard.press("Tab")
-    page.keyboard.press("Escape")
-    page.locator(".q-dialog").wait_for(state="detached")
-    page.wait_for_function("document.activeElement.textContent === 'mm'")

@@ -7,7 +7,7 @@ from contextlib import suppress
 from typing import TYPE_CHECKING, Any
 
 import pytest
-from tests.studio.test_slow_network import HELD, UR5, Network, wait_for_rows
+from tests.studio.test_slow_network import HELD, Network
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -54,34 +54,6 @@ def test_the_first_letters_go_where_they_are_typed(
     rows = [["joint_1", "0", "pi/2", "0.089159"], ["joint_2", "-0.425", "0", "0"], ["joint_3", "0.35", "", ""]]
     page.wait_for_function(f"rows => JSON.stringify(({KEPT})()) === JSON.stringify(rows)", arg=rows)
     assert page.evaluate(SHOWN) == rows
-    page.close()
-
-
-@pytest.mark.parametrize(
-    ("name", "after"),
-    [
-        ("remove the row", UR5[:5]),
-        pytest.param("move the row up", [*UR5[:4], UR5[5], UR5[4]], marks=pytest.mark.long),
-        pytest.param("move the row down", UR5, marks=pytest.mark.long),  # it is the last one
-    ],
-)
-def test_a_late_answer_picks_no_row(
-    studio_address: str, new_tab: Callable[..., Any], name: str, after: list[list[str]]
-) -> None:
-    """A button acts on the row with the cursor; the answer to an earlier cell picked its row again, and that was removed."""
-    tab = new_tab(studio_address)
-    tab.page.add_init_script(HELD)
-    page = tab.open("ur5")
-    network = Network(page)
-    network.hold()
-    tab.type_into(1, "d", "0.9")
-    tab.cell(5, "a").click()
-    network.wait_for("dhGrid.mark")
-    page.evaluate("answers.pass(answers.waiting.findIndex(act => act.text.includes('dhGrid.mark')) + 1)")
-    assert page.evaluate(PICKED) == [5]
-    page.get_by_role("button", name=name).click()
-    network.release()
-    wait_for_rows(tab, after)
     page.close()
 
 
@@ -259,7 +231,7 @@ def test_a_monkey_with_a_late_server(studio_address: str, new_tab: Callable[...,
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("seed", [2, 3])
+@pytest.mark.parametrize("seed", [2])
 def test_a_monkey_of_a_thousand_acts(studio_address: str, new_tab: Callable[..., Any], seed: int) -> None:
     """A thousand acts at random; the server answers 0.6 s late."""
     let_act(studio_address, new_tab, seed=seed, acts=1000)

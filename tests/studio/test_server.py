@@ -53,17 +53,8 @@ def test_an_unknown_host_is_an_error(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def test_without_nicegui_it_is_said_how_to_get_it(monkeypatch: pytest.MonkeyPatch) -> None:
     """The message names the command and the extra."""
-    monkeypatch.setattr("importlib.util.find_spec", lambda _: None)
+    monkeypatch.setattr(server, "find_spec", lambda _: None)
     with pytest.raises(
         MissingDependencyError, match=r"the command 'studio' needs nicegui: .* -m pip install 'dh2urdf\[studio\]'"
     ):
         server.require_nicegui("studio")
-
-
-@pytest.mark.parametrize(
-    ("address", "is_open"),
-    [("127.0.0.1", False), ("::1", False), ("192.0.2.1", True), ("::", True)],
-)
-def test_who_may_reach_it(address: str, is_open: bool) -> None:  # noqa: FBT001 - a parameter of the test
-    """Loopback is for this machine alone; where anybody may come, the command says so."""
-    assert server.is_open(address) is is_open

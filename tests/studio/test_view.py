@@ -185,26 +185,3 @@ def test_meshes_are_drawn(new_tab: Callable[..., Any], serving: Callable[..., An
         assert set(page.evaluate(COLOURS)) == painted_ones, "those that have a colour keep it"
         assert tab.foreign() == []
         page.close()
-
-
-@pytest.mark.long
-def test_makers_meshes_look_like_their_robot(
-    new_tab: Callable[..., Any], serving: Callable[..., Any], example_robots: Path
-) -> None:
-    """All meshes of a Panda are found by the name of their package, and the arm is white with a black hand."""
-    with serving("view", example_robots / "panda_description" / "urdf" / "panda.urdf") as address:
-        tab = new_tab(address)
-        page = tab.page
-        page.goto(address)
-        page.wait_for_function("document.querySelectorAll('.joint-slider').length === 8")  # a finger follows the other
-        tab.wait_for_triangles(100_000)
-        assert page.get_by_text("not found").count() == 0
-        box = page.locator(".joint-sliders").bounding_box()
-        assert box["height"] > 200, "the tree and the ends leave room for the sliders"
-        style = "([part, name]) => getComputedStyle(document.querySelector(part))[name]"
-        page.evaluate("document.documentElement.dataset.size = 'large'")
-        assert page.evaluate(style, [".joint-sliders", "overflowY"]) == "auto", "they do not lie over the tree"
-        page.evaluate("document.documentElement.dataset.size = 'usual'")
-        page.set_viewport_size({"width": 390, "height": 844})
-        assert page.evaluate(style, [".studio-fold", "maxHeight"]) == "320px", "a long tree scrolls by itself"
-        page.close()

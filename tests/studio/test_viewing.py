@@ -10,7 +10,7 @@ import trimesh
 from dh2urdf.errors import InputError
 from dh2urdf.kinematics.chain import as_matrices
 from dh2urdf.robot import Mesh
-from dh2urdf_studio.viewing import View, ends, load_figures
+from dh2urdf_studio.viewing import View, load_figures
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -109,5 +109,4 @@ def test_ends_of_a_foreign_robot(catalog: Catalog, tmp_path: Path) -> None:
         "<joint name='l' type='continuous'><parent link='trunk'/><child link='left'/></joint>"
         "<joint name='r' type='fixed'><parent link='trunk'/><child link='right'/></joint></robot>"
     )
-    (figure,) = load_figures([path], catalog)
-    assert ends(figure.robot) == ("left", "right")
+    assert [name for name, _ in View(load_figures([path], catalog)).tips()] == ["left", "right"]

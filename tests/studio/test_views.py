@@ -13,7 +13,6 @@ from PIL import Image
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-FROM = {"front (1)": (1, 0, 0), "right (3)": (0, -1, 0), "top (7)": (0, 0, 1), "corner (9)": (0.62, -0.62, 0.5)}
 SIDES = {
     "front": (1, 0, 0),
     "left": (0, 1, 0),
@@ -32,38 +31,6 @@ UPRIGHT = """name => {
     const [a, b, c, d, x, y] = sides[0].style.transform.slice(7, -1).split(',').map(Number);
     return sides.length === 1 && sides[0].textContent === name && [a - 1, b, c, d - 1, x, y].every(part => Math.abs(part) < 0.02);
 }"""
-DIRECTION = """() => {
-    const { camera, scene } = document.querySelector('.arm-view');
-    const { elements } = camera.matrixWorld;
-    const box = (point) => point.project(camera).toArray();
-    const nodes = scene.children[0].children.map(node => box(node.position.clone().setFromMatrixPosition(node.matrixWorld)));
-    return [elements.slice(8, 11), nodes];
-}"""
-
-
-@pytest.mark.long
-@pytest.mark.parametrize("by_key", [False, True])
-def test_each_looks_from_its_side(studio_address: str, new_tab: Callable[..., Any], by_key: bool) -> None:  # noqa: FBT001 - a parameter
-    """And sees all of the arm, whatever the camera saw before."""
-    tab = new_tab(studio_address)
-    page = tab.open("ur5")
-    scene = page.get_by_role("application")
-    for name, wanted in FROM.items():
-        scene.focus()
-        for _ in range(9):
-            page.keyboard.press("ArrowLeft")
-            page.keyboard.press("+")
-        drawn = page.evaluate("document.querySelector('.arm-view').drawn")
-        if by_key:
-            page.keyboard.press(name[-2])
-        else:
-            page.get_by_role("button", name="look from a side").click()
-            page.locator(".q-menu").get_by_text(name, exact=True).click()
-            page.wait_for_function("!document.querySelector('.q-menu')")
-        page.wait_for_function("drawn => document.querySelector('.arm-view').drawn > drawn", arg=drawn)
-        page.wait_for_function(LOOKS_FROM, arg=list(wanted))
-        _, nodes = page.evaluate(DIRECTION)
-        assert np.abs(np.array(nodes)[:, :2]).max() <= 1.0
 
 
 @pytest.mark.long
@@ -227,20 +194,3 @@ def test_orthographic(studio_address: str, new_tab: Callable[..., Any]) -> None:
     eye.press("0")
     eye.sees_all(parallel=False)
     assert tab.serious(ARM) == []
-
-
-@pytest.mark.long
-def test_the_projection_is_kept(studio_address: str, new_tab: Callable[..., Any]) -> None:
-    """The browser keeps the projection over a reload, beside the scheme, until the other one is chosen."""
-    tab = new_tab(studio_address)
-    page, eye = tab.open("ur5"), Eye(tab)
-    for parallel in (True, False):
-        pressed = page.locator(f".arm-view-projection[aria-pressed={str(parallel).lower()}]")
-        eye.press("5")
-        pressed.wait_for()
-        page.evaluate("dhLook.choose('dark')")
-        page.reload()
-        page.wait_for_function("document.querySelector('.arm-view')?.scene?.getObjectByName('tool0')")
-        pressed.wait_for()
-        page.wait_for_function(f"parallel => ({SEEN})()[0] === parallel", arg=parallel)
-        assert page.evaluate("document.documentElement.dataset.look") == "dark"

@@ -9,8 +9,9 @@ import pytest
 from dh2urdf.manipulator import Convention
 from dh2urdf.rotations import RigidTransform
 from dh2urdf.table_text import TableText
-from dh2urdf_studio import gallery, words
+from dh2urdf_studio import words
 from dh2urdf_studio.editing import edits
+from dh2urdf_studio.editing.opening import Opened, gallery_table
 from dh2urdf_studio.editing.session import Session
 
 if TYPE_CHECKING:
@@ -46,12 +47,12 @@ def test_what_is_to_be_done_next(catalog: Catalog) -> None:
 )
 def test_axes_are_those_that_move(catalog: Catalog, file: str, told: str) -> None:
     """A fixed row is no axis."""
-    assert status(Session(catalog, gallery.table(file, catalog))) == (told, "good")
+    assert status(Session(catalog, gallery_table(file, catalog))) == (told, "good")
 
 
 def test_a_problem_says_its_row(catalog: Catalog) -> None:
     """Row, joint and field stand before the message; what is about the whole table names what."""
-    session = Session(catalog, edits.with_cell(gallery.table("ur5.csv", catalog), 3, "alpha", "pi/x"))
+    session = Session(catalog, edits.with_cells(gallery_table("ur5.csv", catalog), {(3, "alpha"): "pi/x"}))
     (found,) = session.reading.errors
     assert words.place(found, session.table) == "row 4, wrist_1_joint, alpha: "
     assert words.place(replace(found, row=None, field="base"), session.table) == "base: "
@@ -78,24 +79,17 @@ def test_a_small_arm_has_digits_that_count() -> None:
 
 def test_what_is_lost_is_told_in_a_line() -> None:
     """Six names, and how many there are besides."""
-    assert words.without(["visual of one"]).startswith("The studio's table has no place for visual of one: ")
-    assert "f and 2 more: " in words.without(list("abcdefgh"))
+    told = words.remarks(Opened(TableText(), tuple("abcdefgh"), ("a notice",)))
+    assert told[0].startswith("The studio's table has no place for a, b")
+    assert "f and 2 more: " in told[0]
+    assert told[1:] == ["a notice"]
 
 
 def test_the_paper_is_remarked_on(catalog: Catalog) -> None:
     """Where the paper's variant is shown it is said how far it is from the arm, or why it refuses the table."""
-    session = Session(catalog, gallery.table("ur5_paper.csv", catalog))
+    session = Session(catalog, gallery_table("ur5_paper.csv", catalog))
     assert words.remark(session) == ""
     session.show_variant("both")
     assert words.remark(session).endswith("at this pose its tool0 is 1.41 m and 90° from the table's.")
     session.edit(0, "alpha", "0.3")
     assert words.remark(session).startswith("The variant paper refuses this table: ")
-
-
-@pytest.mark.parametrize(
-    ("size", "told"),
-    [(20, "reading arm.csv, 0.1 kB"), (5300, "reading arm.csv, 5.3 kB"), (6_400_000, "reading arm.csv, 6.4 MB")],
-)
-def test_a_file_that_is_read_has_a_size(size: int, told: str) -> None:
-    """No file of 0.0 MB is read."""
-    assert words.busy("arm.csv", size) == told

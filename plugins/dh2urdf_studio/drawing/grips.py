@@ -37,45 +37,28 @@ class Grip(NamedTuple):
     is_endless: bool
     followers: tuple[Follower, ...] = ()
 
-    def rate(self, value: float) -> float:
-        """How far the link moves for each rad or m of the joint, at a value of that."""
+    def value(self, before: float, by: float) -> float:
+        """The joint value that turns or slides the link so far from a value before [rad or m], by Newton's method."""
+        aim, value = self._followed(before)[0] + by, before
+        for _ in range(_STEPS):
+            now, rate = self._followed(value)
+            if abs(aim - now) < _CLOSE or not rate:
+                break
+            value += (aim - now) / rate
+        if not abs(self._followed(value)[0] - aim) < _CLOSE:  # the joint turns back before
+            return before
+        return math.remainder(value, math.tau) if self.is_endless else value
+
+    def _followed(self, value: float) -> tuple[float, float]:
+        """Where the link is at a value of the joint, and how far it moves for each rad or m of it."""
         rate = 1.0
         for follower in self.followers:
             rate, value = rate * follower.rate(value), follower.value(value)
-        return rate
-
-    def value(self, before: float, by: float) -> float:
-        """The joint value that moves the link so far.
-
-        Args:
-            before: the value before [rad or m].
-            by: how far the link turns or slides [rad or m].
-        """
-        aim, value = self._followed(before) + by, before
-        for _ in range(_STEPS):  # Newton's method; where a joint follows by a straight line, the first step is exact.
-            if not (rate := self.rate(value)):
-                return before
-            value += (aim - self._followed(value)) / rate
-            if all(not follower.higher for follower in self.followers):
-                break
-        if not abs(self._followed(value) - aim) < _CLOSE:  # the joint turns back before
-            return before
-        return math.remainder(value, 2.0 * math.pi) if self.is_endless else value
-
-    def _followed(self, value: float) -> float:
-        for follower in self.followers:
-            value = follower.value(value)
-        return value
+        return value, rate
 
 
 def grips(robot: Robot, followers: Mapping[str, Follower], before: str = "") -> dict[str, Grip]:
-    """How the links of a robot can be dragged, by the name of the link; those that nothing moves are left out.
-
-    Args:
-        robot: the robot.
-        followers: the joints that follow another one, by name.
-        before: what stands before the names of its joints and links in the scene.
-    """
+    """How the links of a robot can be dragged, by the name of the link; those that nothing moves are left out."""
     above = {joint.child: joint for joint in robot.joints}
     joints = {joint.name: joint for joint in robot.joints}
     found = {}
@@ -99,14 +82,8 @@ def _grip(joint: Joint, joints: Mapping[str, Joint], followers: Mapping[str, Fol
         way.insert(0, follower)
     if not all(each.is_finite and (each.multiplier or each.higher) for each in way):
         return None
-    return Grip(
-        joint=before + leader,
-        carrier=before + joint.child,
-        axis=joint.axis,
-        slides=joint.type is JointType.PRISMATIC,
-        is_endless=joints[leader].type is JointType.CONTINUOUS,
-        followers=tuple(way),
-    )
+    slides, is_endless = joint.type is JointType.PRISMATIC, joints[leader].type is JointType.CONTINUOUS
+    return Grip(before + leader, before + joint.child, joint.axis, slides, is_endless, tuple(way))
 
 
 class Grasp:
@@ -116,14 +93,7 @@ class Grasp:
         self._before = 0.0
 
     def value(self, grip: Grip, value: float, by: float, *, begins: bool) -> float:
-        """The value of the grip's joint.
-
-        Args:
-            grip: of the link.
-            value: the value of its joint now [rad or m].
-            by: how far the link has moved since it was taken [rad or m].
-            begins: whether it was taken just now.
-        """
+        """The value of the grip's joint, where the link has moved so far since it was taken [rad or m]."""
         if begins:
             self._before = value
         return grip.value(self._before, by)

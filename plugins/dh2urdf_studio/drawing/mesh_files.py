@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import io
 import json
+import math
 import struct
 from dataclasses import dataclass
 from hashlib import sha256
@@ -18,7 +19,6 @@ from dh2urdf.meshes import FORMATS, REMEDY, read_parts
 from dh2urdf.meshes.addresses import NamedFiles
 from dh2urdf.rotations import Vec3
 from dh2urdf.source import Problem, shown
-from dh2urdf_studio.drawing.solids import Picture, Surface
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -27,19 +27,40 @@ if TYPE_CHECKING:
     from dh2urdf.robot import Mesh
 
 SUFFIXES = (*FORMATS, ".glb", ".gltf")
-"""How the names of the files end that can be drawn."""
+"""File name endings of the meshes that can be drawn."""
 LARGEST = 512 * 2**20
 """Size of a mesh file that is read, and of each file that it names [B]."""
 LARGEST_PICTURE = 2**26
 """Pixels of a texture that is drawn."""
 _SHOWN = {"PNG": "image/png", "JPEG": "image/jpeg", "WEBP": "image/webp"}
 """Formats of pictures that all browsers show; others are sent as PNG."""
-_SMOOTH = 0.77
-"""Cosine of the largest angle between two triangles that are parts of one smooth surface: 40°."""
-_HALF = ((1.0 + _SMOOTH) / 2.0) ** 0.5
-"""Cosine of half of that angle."""
-_AT_ONCE = 2**22
-"""Pairs of corners that are compared at a time."""
+_SMOOTH = math.radians(40.0)
+"""The largest angle between neighbouring triangles of one smooth surface."""
+
+
+class Picture(NamedTuple):
+    """A picture on triangles, as browsers show it: the file, and its type, such as ``image/png``."""
+
+    content: bytes
+    media_type: str
+
+
+class Surface(NamedTuple):
+    """Triangles.
+
+    Attributes:
+        positions: corners [m], of shape (N, 3).
+        normals: the direction outwards at each corner, of shape (N, 3).
+        faces: numbers of corners, anticlockwise as seen from outside, of shape (M, 3).
+        uv: where the corners are in the texture, as `dh2urdf.meshes.triangles.Texture` has them, of shape (N, 2).
+        texture: the picture on the triangles.
+    """
+
+    positions: Any
+    normals: Any
+    faces: Any
+    uv: Any = None
+    texture: Picture | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -63,25 +84,14 @@ class DrawnMesh:
 
 
 class DrawnTriangles(NamedTuple):
-    """What the page gets of a mesh file.
-
-    Attributes:
-        content: see `triangles`.
-        pictures: the textures by the keys that the page asks for them by.
-    """
+    """What the page gets of a mesh file: the bytes of `triangles`, and the textures by the keys that they name."""
 
     content: bytes
     pictures: dict[str, Picture]
 
 
 def drawn_mesh(mesh: Mesh, path: Path | None, *, as_in_ros: bool) -> DrawnMesh | None:
-    """What is drawn of a mesh; None where there is no file, or none of a kind that can be drawn.
-
-    Args:
-        mesh: the mesh.
-        path: the file that its address means; a mesh of a table knows its own.
-        as_in_ros: whether the axis up of a COLLADA file is not followed; it always is for a table's mesh.
-    """
+    """The file of a mesh; None where there is none that can be drawn. A table's mesh knows its own, and its axis up."""
     path = Path(mesh.file.path) if mesh.file is not None else path
     if path is None or path.suffix.lower() not in SUFFIXES:
         return None
@@ -113,12 +123,60 @@ def triangles(mesh: DrawnMesh) -> DrawnTriangles:
             key = sha256(surface.texture.content).hexdigest()[:32]
             pictures[key] = surface.texture
             bodies.append(surface.uv.astype("<f4").tobytes())
-        bodies.append(surface.corners.astype("<u4").tobytes())
-        told.append({"rgba": rgba, "vertices": len(packed), "corners": len(surface.corners), "texture": key})
+        bodies.append(surface.faces.astype("<u4").tobytes())
+        told.append({"rgba": rgba, "vertices": len(packed), "corners": surface.faces.size, "texture": key})
     unread = [f"{shown(mesh.path.name)} names {shown(name)}: {why}" for name, why in named.unread.items()]
     header = json.dumps({"parts": told, "unread": unread}).encode()
     header += b" " * (-len(header) % 4)
     return DrawnTriangles(b"".join([struct.pack("<I", len(header)), header, *bodies]), pictures)
+
+
+def surfaces(
+    mesh: DrawnMesh, named: NamedFiles | None = None
+) -> Iterator[tuple[tuple[float, float, float, float] | None, Surface]]:
+    """The triangles of a file in metres, z up: the surface of each part with its colour.
+
+    Raises:
+        OutputError: the file cannot be read, or holds no triangles.
+    """
+    named = named or NamedFiles(mesh.path, LARGEST)
+    for part in _parts(mesh, named):
+        uv, picture = _textured(part, named) or (None, None)
+        yield part.rgba, creased(part.vertices, part.faces, uv, picture)
+
+
+def creased(vertices: Any, faces: Any, uv: Any = None, picture: Picture | None = None) -> Surface:  # noqa: ANN401 - arrays
+    """The surface of some triangles, with edges where neighbours are more than 40° apart.
+
+    Args:
+        vertices: of shape (N, 3).
+        faces: numbers of vertices, of shape (M, 3).
+        uv: where the corners of the triangles are in the picture, of shape (3 M, 2).
+        picture: the picture on them.
+    """
+    import numpy as np
+    import trimesh
+
+    whole = trimesh.Trimesh(vertices, faces, process=False)
+    near = whole.face_adjacency[whole.face_adjacency_angles <= _SMOOTH]
+    graph: Any = trimesh.graph  # its functions have no types
+    smooth = graph.connected_component_labels(near, node_count=len(faces))
+    rows = np.column_stack([np.repeat(smooth, 3), np.asarray(faces).reshape(-1)])
+    if uv is not None:
+        rows = np.column_stack([rows, uv.astype("<f4").view("<u4")])
+    _, first, number = np.unique(rows, axis=0, return_index=True, return_inverse=True)
+    number = number.reshape(-1, 3)
+    a, b, c = (np.asarray(vertices)[whole.faces[:, corner]] for corner in range(3))
+    areas = np.cross(b - a, c - a)
+    # Of one smooth surface a vertex has one normal, though its triangles have several places in the picture.
+    _, group = np.unique(rows[first, :2], axis=0, return_inverse=True)
+    sums = np.zeros((len(first), 3))
+    np.add.at(sums, group.reshape(-1)[number].reshape(-1), np.repeat(areas, 3, axis=0))
+    normals = sums[group.reshape(-1)]
+    lengths = np.linalg.norm(normals, axis=1, keepdims=True)
+    normals = np.where(lengths > 0.0, normals / np.where(lengths > 0.0, lengths, 1.0), (0.0, 0.0, 1.0))
+    places = None if uv is None else uv[first]
+    return Surface(np.asarray(vertices)[rows[first, 1]], normals, number, places, picture)
 
 
 def _textured(part: Part, named: NamedFiles) -> tuple[Any, Picture] | None:
@@ -140,40 +198,6 @@ def _textured(part: Part, named: NamedFiles) -> tuple[Any, Picture] | None:
     return uv, Picture(target.getvalue(), "image/png")
 
 
-def surfaces(
-    mesh: DrawnMesh, named: NamedFiles | None = None
-) -> Iterator[tuple[tuple[float, float, float, float] | None, Surface]]:
-    """The triangles of a file in metres, z up: the surface of each part with its colour. Like corners are one.
-
-    A corner has the mean of the normals of the triangles that meet there, weighted by their areas, without those that
-    are at an edge from its own one; a triangle without an area has normals along z.
-
-    Args:
-        mesh: the file.
-        named: reads the files that it names, and has the messages about those that cannot be shown.
-
-    Raises:
-        OutputError: the file cannot be read, or holds no triangles.
-    """
-    import numpy as np
-
-    named = named or NamedFiles(mesh.path, LARGEST)
-    for part in _parts(mesh, named):
-        normals, alike = _normals(part.vertices, part.faces)
-        uv, picture = _textured(part, named) or (None, None)
-        if uv is not None:
-            rows = np.column_stack([alike, uv.astype("<f4").view("<u4")])
-            _, first, number = np.unique(rows, axis=0, return_index=True, return_inverse=True)
-            alike = first[number.reshape(-1)]
-        is_first = alike == np.arange(len(alike))
-        corners = (np.cumsum(is_first) - 1)[alike]
-        places = None if uv is None else uv[is_first]
-        yield (
-            part.rgba,
-            Surface(part.vertices[part.faces.reshape(-1)[is_first]], normals[is_first], corners, places, picture),
-        )
-
-
 def _parts(mesh: DrawnMesh, named: NamedFiles) -> list[Part]:
     """What a file holds.
 
@@ -183,53 +207,14 @@ def _parts(mesh: DrawnMesh, named: NamedFiles) -> list[Part]:
     name = shown(mesh.path.name)
     try:
         if mesh.path.stat().st_size > LARGEST:
-            raise OutputError(Problem(message=f"{name} is larger than {LARGEST // 2**20} MB"))
+            raise ValueError(f"it is larger than {LARGEST // 2**20} MB")
         content = mesh.path.read_bytes()
         return read_parts(content, mesh.path.suffix.lower(), mesh.scale, as_in_ros=mesh.as_in_ros, named=named)
-    except OSError as error:
-        raise OutputError(Problem(message=f"{name} cannot be read: {error.strerror}")) from error
+    except OutputError:
+        raise
     except ImportError as error:
         message = f"{name} needs a package that is not installed"
         raise OutputError(Problem(message=message, suggestion=REMEDY)) from error
-    except OutputError:
-        raise
     except Exception as error:
-        raise OutputError(Problem(message=f"{name} cannot be read: {str(error)[:200]}")) from error
-
-
-def _normals(vertices: Any, faces: Any) -> tuple[Any, Any]:  # noqa: ANN401 - arrays
-    """Unit normals of the corners of all triangles, see `surfaces`, and the first corner that each is the same as."""
-    import numpy as np
-
-    a, b, c = (vertices[faces[:, corner]] for corner in range(3))
-    areas = np.cross(b - a, c - a)
-    flat = _unit(areas)
-    meeting = faces.reshape(-1)
-    order = np.argsort(meeting, kind="stable")  # corners at one vertex, one after the other
-    counts = np.bincount(meeting)
-    counts = counts[counts > 0]
-    first = np.cumsum(counts) - counts
-    # Where all triangles are within half of the angle from one direction, they are one surface.
-    total = np.add.reduceat(areas[order // 3], first)
-    apart = np.einsum("ij,ij->i", flat[order // 3], np.repeat(_unit(total), counts, axis=0))
-    is_edge = np.minimum.reduceat(apart, first) <= _HALF
-    normals, alike = np.empty((len(meeting), 3)), np.empty_like(order)
-    normals[order], alike[order] = np.repeat(total, counts, axis=0), np.repeat(order[first], counts)
-    for count in np.unique(counts[is_edge]):
-        starts = first[is_edge & (counts == count)]
-        for some in np.array_split(starts, 1 + len(starts) * count * count // _AT_ONCE):
-            corners = order[some[:, None] + np.arange(count)]  # (vertices, corners there)
-            near, own = areas[corners // 3], flat[corners // 3]
-            mean = (own @ own.transpose(0, 2, 1) > _SMOOTH) @ near
-            x, y, z = (mean[:, :, None, axis] == mean[:, None, :, axis] for axis in range(3))
-            normals[corners], alike[corners] = mean, np.take_along_axis(corners, (x & y & z).argmax(axis=2), axis=1)
-    normals = _unit(normals)
-    normals[~normals.any(axis=1)] = (0.0, 0.0, 1.0)
-    return normals, alike
-
-
-def _unit(vectors: Any) -> Any:  # noqa: ANN401 - arrays (N, 3)
-    import numpy as np
-
-    lengths = np.sqrt(np.einsum("ij,ij->i", vectors, vectors))[:, None]
-    return np.divide(vectors, lengths, out=np.zeros_like(vectors), where=lengths > 0.0)
+        why = getattr(error, "strerror", None) or str(error)[:200]
+        raise OutputError(Problem(message=f"{name} cannot be read: {why}")) from error

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import os
 from concurrent.futures import Future, ThreadPoolExecutor
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 from dh2urdf.errors import CrashError, OutputError
 from dh2urdf.isolation.child_process import Child
@@ -19,32 +19,15 @@ from dh2urdf_studio.drawing.mesh_files import DrawnTriangles, triangles
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
 
-    from dh2urdf_studio.drawing.mesh_files import DrawnMesh
-    from dh2urdf_studio.drawing.solids import Picture
+    from dh2urdf_studio.drawing.mesh_files import DrawnMesh, Picture
 
 _MOST_READERS = 4
 """Files that are read at a time, where there are so many processors beside the one of the server and the page."""
 _READ: Data[DrawnTriangles] = Data(DrawnTriangles)
 
 
-class _Read(NamedTuple):
-    """A file that has been read, or is being read.
-
-    Attributes:
-        stamp: when it was changed, and its size.
-        content: its triangles.
-    """
-
-    stamp: tuple[int, int]
-    content: Future[DrawnTriangles]
-
-
 class MeshStore:
-    """What the pages serve of mesh files.
-
-    Args:
-        meshes: the files, by the keys that pages ask for them by.
-    """
+    """What the pages serve of mesh files, by the keys that pages ask for them by."""
 
     def __init__(self, meshes: Mapping[str, DrawnMesh]) -> None:
         self._meshes = dict(meshes)
@@ -52,11 +35,11 @@ class MeshStore:
         self._pool = ThreadPoolExecutor(readers, thread_name_prefix="dh2urdf-mesh")
         self._idle: list[Child] = []
         self._busy: set[Child] = set()
-        self._read: dict[str, _Read] = {}
+        self._read: dict[str, tuple[tuple[int, int], Future[DrawnTriangles]]] = {}
         self._pictures: dict[str, Picture] = {}
 
     def add(self, meshes: Mapping[str, DrawnMesh]) -> None:
-        """More files, by their keys; pages will ask for them."""
+        """Serve more files; they are read before pages ask for them."""
         self._meshes.update(meshes)
         self.begin(meshes)
 
@@ -90,10 +73,9 @@ class MeshStore:
             stamp = status.st_mtime_ns, status.st_size
         except OSError:  # which reading the file reports
             stamp = 0, 0
-        found = self._read.get(key)
-        if found is None or found.stamp != stamp:
-            found = self._read[key] = _Read(stamp, self._pool.submit(self._triangles, mesh))
-        return found.content
+        if key not in self._read or self._read[key][0] != stamp:
+            self._read[key] = stamp, self._pool.submit(self._triangles, mesh)
+        return self._read[key][1]
 
     def _triangles(self, mesh: DrawnMesh) -> DrawnTriangles:
         name = shown(mesh.path.name)

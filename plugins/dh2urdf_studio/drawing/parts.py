@@ -1,13 +1,50 @@
-"""What nodes of the scene are made of: bodies with a size, a place, a colour and a layer."""
+"""What the nodes of a scene are made of: bodies with a size, a place, a colour and a layer."""
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, TypeAlias
 
-from dh2urdf.rotations import IDENTITY, X_AXIS, Y_AXIS, RigidTransform, Rotation, Vec3, cross, norm, scale
-from dh2urdf_studio.drawing.colours import GREY, Colour
+from dh2urdf.manipulator import JointType
+from dh2urdf.rotations import (
+    IDENTITY,
+    IDENTITY_ROTATION,
+    X_AXIS,
+    Y_AXIS,
+    RigidTransform,
+    Rotation,
+    Vec3,
+    cross,
+    norm,
+    scale,
+)
 from dh2urdf_studio.drawing.grips import Grip
 from dh2urdf_studio.drawing.mesh_files import DrawnMesh
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator, Mapping
+
+    from dh2urdf.robot import Inertial, Link
+
+Colour: TypeAlias = tuple[float, float, float]
+"""Red, green, blue in 0..1."""
+
+GREY: Colour = (0.72, 0.74, 0.77)
+COLLISION: Colour = (0.85, 0.2, 0.45)
+MASS: Colour = (0.45, 0.3, 0.75)
+CENTRE: Colour = (1.0, 0.85, 0.1)
+PAPER: Colour = (0.45, 0.24, 0.72)
+BESIDE: Colour = (0.03, 0.55, 0.42)
+_TURNS: tuple[Colour, ...] = ((0.85, 0.1, 0.6), (1.0, 0.85, 0.1))
+AXIS_COLOURS: Mapping[JointType, tuple[Colour, ...]] = {
+    JointType.REVOLUTE: _TURNS,
+    JointType.CONTINUOUS: _TURNS,
+    JointType.PRISMATIC: ((0.0, 0.72, 0.62), (0.75, 0.95, 0.2)),
+}
+"""Colours of a joint's axis: the usual one, and the one for links of nearly that colour."""
+APART = 0.3
+"""Distance of two colours that can be told apart."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -41,13 +78,13 @@ class SceneNode:
     """A rigid thing.
 
     Attributes:
-        name: what it is called: a link's name, or ``frame 3``.
+        name: a link's name, or ``frame 3``.
         row: number of the row of the table that it belongs to, counted from 0.
         figure: the name of the robot that it belongs to.
         grip: how it can be dragged; None where no joint moves it.
         carrier: the node whose frame carries its frame; None for what shows no frame, and for a root.
         parts: its bodies.
-        label: a text that is at its origin.
+        label: a text at its origin.
         layer: with what the label is shown.
         rooted: whether no joint moves it, in a robot that may stand elsewhere than at its root.
     """
@@ -66,8 +103,49 @@ class SceneNode:
 def towards(direction: Vec3) -> Rotation:
     """A rotation that turns z into a direction."""
     z = scale(1.0 / norm(direction), direction)
-    helper = X_AXIS if abs(z[0]) < 0.9 else Y_AXIS  # noqa: PLR2004 - any that is not nearly parallel
-    y = cross(z, helper)
+    y = cross(z, X_AXIS if abs(z[0]) < 0.9 else Y_AXIS)  # noqa: PLR2004 - any that is not nearly parallel
     y = scale(1.0 / norm(y), y)
     x = cross(y, z)
     return (x[0], y[0], z[0], x[1], y[1], z[1], x[2], y[2], z[2])
+
+
+def axis_colour(kind: JointType, links: Iterable[Colour]) -> Colour | None:
+    """The colour of a joint's axis, which is never that of the links it joins; None for a joint that does not move."""
+    choices, near = AXIS_COLOURS.get(kind), tuple(links)
+    if choices is None:
+        return None
+    return next((one for one in choices if all(math.dist(one, other) >= APART for other in near)), choices[-1])
+
+
+def mass_parts(link: Link, radius: float) -> Iterator[ScenePart]:
+    """A ball of a radius [m] at the centre of mass of a link, and the ellipsoid that has its mass and inertia."""
+    inertial = link.inertial
+    if inertial is None or not inertial.mass > 0.0:
+        return
+    centre = RigidTransform(IDENTITY_ROTATION, inertial.com)
+    yield ScenePart(shape="sphere", size=(radius,), pose=centre, layer="masses", colour=CENTRE)
+    if (found := inertia_ellipsoid(inertial)) is not None:
+        half_axes, pose = found
+        yield ScenePart(shape="sphere", size=half_axes, pose=pose, layer="inertias", colour=MASS, opacity=0.5)
+
+
+def inertia_ellipsoid(inertial: Inertial) -> tuple[Vec3, RigidTransform] | None:
+    """The half axes [m] of the ellipsoid of even density that has a mass and an inertia, and where it is in the link.
+
+    An ellipsoid with the half axes a, b, c has the principal moments I1 = m (b² + c²)/5 and so on
+    (https://scienceworld.wolfram.com/physics/MomentofInertiaEllipsoid.html), so a² = 5 (I2 + I3 - I1)/(2 m).
+
+    Returns:
+        None for a tensor that no body has: the largest of the moments is larger than the sum of the other two.
+    """
+    import numpy as np
+
+    i = inertial.inertia
+    moments, axes = np.linalg.eigh([[i.ixx, i.ixy, i.ixz], [i.ixy, i.iyy, i.iyz], [i.ixz, i.iyz, i.izz]])
+    if np.linalg.det(axes) < 0.0:
+        axes[:, 2] *= -1.0
+    squares = 2.5 / inertial.mass * (moments.sum() - 2.0 * moments)
+    if not squares.min() >= 0.0:
+        return None
+    a, b, c = (float(axis) for axis in np.sqrt(squares))
+    return (a, b, c), RigidTransform(tuple(map(float, axes.ravel())), inertial.com)  # type: ignore[arg-type]  # nine of them

@@ -7,7 +7,7 @@ DH frames from the table, by different code, so that the screen itself would sho
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -19,13 +19,19 @@ from dh2urdf.robot import Box, Cylinder, Joint, Mesh, Robot, Sphere
 from dh2urdf.rotations import IDENTITY, RigidTransform, norm, scale
 from dh2urdf.source import Problem
 from dh2urdf.table_text import TableText
-from dh2urdf_studio.drawing.colours import COLLISION, GREY, Colour, axis_colour
 from dh2urdf_studio.drawing.grips import Grip, grips
-from dh2urdf_studio.drawing.masses import mass_parts
 from dh2urdf_studio.drawing.mesh_files import DrawnMesh, drawn_mesh
-from dh2urdf_studio.drawing.normals import robot_normals, table_normals
-from dh2urdf_studio.drawing.parts import SceneNode, ScenePart, towards
-from dh2urdf_studio.drawing.strokes import Stroke, strokes
+from dh2urdf_studio.drawing.parts import (
+    COLLISION,
+    GREY,
+    Colour,
+    SceneNode,
+    ScenePart,
+    axis_colour,
+    mass_parts,
+    towards,
+)
+from dh2urdf_studio.drawing.strokes import Stroke, robot_normals, strokes, table_normals
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -148,18 +154,12 @@ class Drawing:
 
     def strokes(self, q: Mapping[str, float]) -> tuple[Stroke, ...]:
         """The DH parameters of the figures that have a table, where they are at q."""
-        return tuple(
-            stroke
-            for figure in self.figures
-            if figure.manipulator is not None
-            for stroke in strokes(
-                figure.manipulator,
-                _own_values(figure, q),
-                place=figure.place,
-                radius=0.8 * FRAME_SIZE * self.reach,
-                typed=figure.typed,
-            )
-        )
+        found: list[Stroke] = []
+        for figure in self.figures:
+            if figure.manipulator is not None:
+                own, radius = _own_values(figure, q), 0.8 * FRAME_SIZE * self.reach
+                found += strokes(figure.manipulator, own, place=figure.place, radius=radius, typed=figure.typed)
+        return tuple(found)
 
     def normals(self, q: Mapping[str, float], only: int | None = None) -> tuple[Stroke, ...]:
         """The joint axes and their common normals at q; of tables of one row alone, where its number is given."""
@@ -167,52 +167,42 @@ class Drawing:
 
     def as_json(self) -> dict[str, Any]:
         """The drawing as a browser takes it."""
-        return {
-            "reach": self.reach,
-            "nodes": [
-                {
-                    "name": node.name,
-                    "row": node.row,
-                    "figure": node.figure,
-                    "grip": node.grip
-                    and {"carrier": node.grip.carrier, "axis": node.grip.axis, "slides": node.grip.slides},
-                    "carrier": node.carrier,
-                    "label": node.label,
-                    "layer": node.layer,
-                    "rooted": node.rooted,
-                    "parts": [
-                        {
-                            "shape": part.shape,
-                            "size": part.size,
-                            "pose": numbers(part.pose),
-                            "layer": part.layer,
-                            "colour": part.colour,
-                            "opacity": part.opacity,
-                            "mesh": part.mesh and part.mesh.key,
-                            "ownColours": part.own_colours,
-                        }
-                        for part in node.parts
-                    ],
-                }
-                for node in self.nodes
-            ],
+        return {"reach": self.reach, "nodes": [_node_as_json(node) for node in self.nodes]}
+
+
+def _node_as_json(node: SceneNode) -> dict[str, Any]:
+    grip = node.grip
+    own = {name: getattr(node, name) for name in ("name", "row", "figure", "carrier", "label", "layer", "rooted")}
+    parts = [
+        {
+            **{name: getattr(part, name) for name in ("shape", "size", "layer", "colour", "opacity")},
+            "pose": numbers(part.pose),
+            "mesh": part.mesh and part.mesh.key,
+            "ownColours": part.own_colours,
         }
+        for part in node.parts
+    ]
+    return {**own, "grip": grip and {"carrier": grip.carrier, "axis": grip.axis, "slides": grip.slides}, "parts": parts}
+
+
+def faded(drawing: Drawing, opacities: Mapping[str, float], hidden: Collection[str] = ()) -> Drawing:
+    """A drawing without hidden nodes, its robots as opaque as a person wants them, by their names."""
+    nodes = []
+    for node in drawing.nodes:
+        share = opacities.get(node.figure, 1.0)
+        parts = () if node.name in hidden else node.parts
+        bodies = (replace(part, opacity=share * part.opacity) if part.layer == "links" else part for part in parts)
+        nodes.append(replace(node, parts=tuple(bodies)))
+    return replace(drawing, nodes=tuple(nodes))
 
 
 def poses_as_json(poses: Sequence[RigidTransform], strokes: Sequence[Stroke] = ()) -> dict[str, Any]:
     """Poses and strokes as a browser takes them: twelve numbers a pose, all in one list."""
-    return {
-        "poses": [number for pose in poses for number in numbers(pose)],
-        "strokes": [
-            {
-                "row": stroke.row,
-                "field": stroke.field,
-                "label": stroke.label,
-                "points": [[round(x, _DECIMALS) for x in point] for point in stroke.points],
-            }
-            for stroke in strokes
-        ],
-    }
+    told = [
+        {"row": stroke.row, "field": stroke.field, "label": stroke.label, "points": stroke.rounded(_DECIMALS)}
+        for stroke in strokes
+    ]
+    return {"poses": [number for pose in poses for number in numbers(pose)], "strokes": told}
 
 
 def numbers(pose: RigidTransform) -> list[float]:

@@ -1,31 +1,63 @@
-"""The DH parameters as segments and arcs in the scene, each with its symbol and its value."""
+"""Lines in the scene: DH parameters, the motions of a row, and the common normals on which the frames stand.
+
+Sources: Denavit and Hartenberg (1955); for axes that are parallel or meet, Siciliano et al., Robotics, section 2.8.2.
+"""
 
 from __future__ import annotations
 
 import math
 import re
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from enum import StrEnum
+from itertools import pairwise
+from typing import TYPE_CHECKING, NamedTuple
 
-from dh2urdf.kinematics.chain import dh_frames, joint_variables
+from dh2urdf.kinematics.chain import dh_frames, joint_variables, link_poses, reach as table_reach
+from dh2urdf.kinematics.facts import Line
 from dh2urdf.manipulator import Convention, DHRow, JointType, Manipulator
 from dh2urdf.quantities.units import UNITS
-from dh2urdf.rotations import IDENTITY, RigidTransform, Vec3, add, cross, scale
+from dh2urdf.rotations import (
+    IDENTITY,
+    ZERO,
+    RigidTransform,
+    Vec3,
+    add,
+    cos_sin,
+    cross,
+    dot,
+    norm,
+    rotate,
+    rotation_x,
+    rotation_z,
+    scale,
+    subtract,
+)
 from dh2urdf.table_text import TableText
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
+    from collections.abc import Iterator, Mapping, Sequence
 
+    from dh2urdf.quantities.units import Unit
+    from dh2urdf.robot import Robot
+
+NAMES = {"theta": "Rz(θ)", "d": "Tz(d)", "a": "Tx(a)", "alpha": "Rx(α)"}
+"""The elementary motions of a row by the parameter that is their size."""
+ORDER = {Convention.STANDARD: ("theta", "d", "a", "alpha"), Convention.MODIFIED: ("alpha", "a", "theta", "d")}
+"""The parameters of a row in the order of its motions."""
 _BARE_NUMBER = re.compile(r"[-+]?[\d.]+(?:[eE][-+]?\d+)?")
+_PARALLEL = 1e-7  # sine of the angle between axes
+_NONE = 1e-7  # of a length, in reaches
+_BEYOND = 0.35  # how far an axis is drawn beyond its feet, in reaches
+_CROSS = 0.25  # length of the arrow of a cross product, in reaches
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Stroke:
-    """A DH parameter as the segment or the arc that it is, at some q; or another line to draw.
+    """A line to draw.
 
     Attributes:
         row: number of its row, counted from 0; None of what belongs to no row.
-        field: a, alpha, d or theta; x, y or z of a frame; distance; line, normal, offset or foot of `normals`.
+        field: a, alpha, d or theta; x, y or z of a frame; distance; line, normal, offset or foot of common normals.
         points: from its beginning to its end, or the only one [m].
         label: its symbol and its value.
     """
@@ -33,7 +65,18 @@ class Stroke:
     row: int | None
     field: str
     points: tuple[Vec3, ...]
-    label: str
+    label: str = ""
+
+    def rounded(self, decimals: int) -> list[list[float]]:
+        """The points with some decimals."""
+        return [[round(x, decimals) for x in point] for point in self.points]
+
+
+def _frames(table: Manipulator, q: Mapping[str, float], place: RigidTransform = IDENTITY) -> list[RigidTransform]:
+    return [place @ frame for frame in dh_frames(table, [q.get(row.joint, 0.0) for row in table.moving_rows])]
+
+
+# --- Parameters and motions -------------------------------------------------------------------------------------------
 
 
 def strokes(
@@ -44,46 +87,33 @@ def strokes(
     radius: float,
     typed: TableText | None = None,
 ) -> Iterator[Stroke]:
-    """Every parameter that is not zero, between the frame before a row and the one after it.
-
-    Args:
-        table: the table.
-        q: joint values by name [rad or m].
-        place: where its base_link is.
-        radius: of the arcs of angles [m].
-        typed: the table as it was typed, whose texts and units are at the parameters.
-    """
-    words = typed or TableText(angle_unit="deg")
-    vector = [q.get(row.joint, 0.0) for row in table.moving_rows]
-    frames = [place @ frame for frame in dh_frames(table, vector)]
+    """Every parameter that is not zero, between the frame before a row and the one after it."""
+    words, frames = typed or TableText(angle_unit="deg"), _frames(table, q, place)
+    is_standard = table.convention is Convention.STANDARD
     for number, row in enumerate(table.rows):
         theta, d = joint_variables(row, q.get(row.joint, 0.0))
         before, after = frames[number], frames[number + 1]
-        if table.convention is Convention.STANDARD:  # Rz(theta) Tz(d) Tx(a) Rx(alpha): z of before, x of after
-            axis, normal = (_axes(before)[2], before.translation), (_axes(after)[0], after.translation)
-            turn = (_axes(before)[0], axis[0], add(axis[1], scale(d, axis[0])))
-            twist = (_axes(before)[2], normal[0], normal[1])
-            along_d = (axis[1], add(axis[1], scale(d, axis[0])))
-            along_a = (along_d[1], after.translation)
+        start, end = before.translation, after.translation
+        x, z = (_axis(before, 0), _axis(before, 2))
+        if is_standard:  # Rz(theta) Tz(d) Tx(a) Rx(alpha): z of before, x of after
+            about, along, turns_at = z, _axis(after, 0), add(start, scale(d, z))
+            foot, twists_at = turns_at, end
+            lines = {"d": (start, foot), "a": (foot, end)}
         else:  # Rx(alpha) Tx(a) Rz(theta) Tz(d): x of before, z of after
-            axis, normal = (_axes(after)[2], after.translation), (_axes(before)[0], before.translation)
-            foot = add(normal[1], scale(row.a, normal[0]))
-            turn, twist = (_axes(before)[0], axis[0], after.translation), (_axes(before)[2], normal[0], normal[1])
-            along_a, along_d = (normal[1], foot), (foot, after.translation)
-        index = number + 1 if table.convention is Convention.STANDARD else number
-        if d:
-            label = f"d{small(number + 1)} = {_value(words, row, number, 'd', d)}"
-            yield Stroke(row=number, field="d", points=along_d, label=label)
-        if row.a:
-            label = f"a{small(index)} = {_value(words, row, number, 'a', row.a)}"
-            yield Stroke(row=number, field="a", points=along_a, label=label)
-        for name, symbol, angle, (start, about, centre), which in (
-            ("theta", "θ", theta, turn, number + 1),
-            ("alpha", "α", row.alpha, twist, index),
+            about, along, turns_at, twists_at = _axis(after, 2), x, end, start
+            foot = add(start, scale(row.a, x))
+            lines = {"a": (start, foot), "d": (foot, end)}
+        index = number + is_standard
+        for field, value, points, which in (
+            ("d", d, lines["d"] if d else (), number + 1),
+            ("a", row.a, lines["a"] if row.a else (), index),
+            ("theta", theta, _arc(turns_at, x, about, theta, radius), number + 1),
+            ("alpha", row.alpha, _arc(twists_at, z, along, row.alpha, radius), index),
         ):
-            if arc := _arc(centre, start, about, angle, radius):
-                label = f"{symbol}{small(which)} = {_value(words, row, number, name, angle)}"
-                yield Stroke(row=number, field=name, points=arc, label=label)
+            if points:
+                symbol = {"theta": "θ", "alpha": "α"}.get(field, field)
+                label = f"{symbol}{small(which)} = {_value(words, row, number, field, value)}"
+                yield Stroke(row=number, field=field, points=points, label=label)
 
 
 def _value(words: TableText, row: DHRow, number: int, field: str, value: float) -> str:
@@ -94,17 +124,12 @@ def _value(words: TableText, row: DHRow, number: int, field: str, value: float) 
     typed = words.rows[number].get(field, "") if number < len(words.rows) and field != variable else ""
     if typed:
         return f"{typed}{symbol}" if _BARE_NUMBER.fullmatch(typed) else typed
-    return f"{math.degrees(value) if unit.degrees else value * 10.0**-unit.power:.4g}{symbol}"
-
-
-def _axes(frame: RigidTransform) -> tuple[Vec3, Vec3, Vec3]:
-    a, b, c, d, e, f, g, h, i = frame.rotation
-    return (a, d, g), (b, e, h), (c, f, i)
+    return f"{unit.number(value):.4g}{symbol}"
 
 
 def _arc(centre: Vec3, start: Vec3, about: Vec3, angle: float, radius: float) -> tuple[Vec3, ...]:
     """Points of the arc that an angle is, from one direction about another; none where it is nothing to see."""
-    shown = math.remainder(angle, 2 * math.pi)
+    shown = math.remainder(angle, math.tau)
     shown = math.pi if shown == -math.pi else shown
     if abs(shown) < 1e-6:  # noqa: PLR2004 - [rad], less than a pixel
         return ()
@@ -118,4 +143,255 @@ def _arc(centre: Vec3, start: Vec3, about: Vec3, angle: float, radius: float) ->
 
 def small(number: int) -> str:
     """A number as an index, in small digits."""
-    return str(number).translate(str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉"))
+    return "".join(chr(ord("₀") + int(digit)) for digit in str(number))
+
+
+class Motion(NamedTuple):
+    """An elementary motion: the parameter, and its value [rad or m]."""
+
+    field: str
+    size: float
+
+    def part(self, share: float) -> RigidTransform:
+        """A share of it, from 0 to 1."""
+        size = share * self.size
+        match self.field:
+            case "theta":
+                return RigidTransform(rotation_z(*cos_sin(size)), ZERO)
+            case "alpha":
+                return RigidTransform(rotation_x(*cos_sin(size)), ZERO)
+            case "d":
+                return RigidTransform(IDENTITY.rotation, (0.0, 0.0, size))
+        return RigidTransform(IDENTITY.rotation, (size, 0.0, 0.0))
+
+
+def motions(convention: Convention, row: DHRow, q: float) -> tuple[Motion, ...]:
+    """The four motions of a row at a joint value [rad or m]; their product is A(q)."""
+    theta, d = joint_variables(row, q)
+    sizes = {"theta": theta, "d": d, "a": row.a, "alpha": row.alpha}
+    return tuple(Motion(field, sizes[field]) for field in ORDER[convention])
+
+
+def so_far(steps: Sequence[Motion], progress: float) -> RigidTransform:
+    """The product of the motions that are done, and of the share of the one under way: from 0 to their number."""
+    done = IDENTITY
+    for number, step in enumerate(steps):
+        done = done @ step.part(min(max(progress - number, 0.0), 1.0))
+    return done
+
+
+def moving_frame(
+    table: Manipulator, number: int, q: Mapping[str, float], progress: float, size: float
+) -> Iterator[Stroke]:
+    """The axes of the frame on its way through a row, as arrows of a size [m]; its progress is counted in motions."""
+    row = table.rows[number]
+    steps = motions(table.convention, row, q.get(row.joint, 0.0))
+    frame = _frames(table, q)[number] @ so_far(steps, progress)
+    for axis, name in enumerate("xyz"):
+        tip = add(frame.translation, scale(size, _axis(frame, axis)))
+        yield Stroke(row=number, field=name, points=(frame.translation, tip), label=name)
+
+
+# --- Common normals ---------------------------------------------------------------------------------------------------
+
+
+class Position(StrEnum):
+    """How two axes lie to each other."""
+
+    SKEW = "skew"
+    PARALLEL = "parallel"
+    MEETING = "meeting"
+    ONE_LINE = "one line"
+
+
+class AxisNormal(NamedTuple):
+    """The common normal of an axis and the next one.
+
+    Attributes:
+        position: how the axes lie to each other.
+        start: its foot on the first axis [m].
+        end: its foot on the next one [m].
+        direction: the unit vector from foot to foot; of axes that meet, of their cross product; of one line, none.
+        angle: from the first axis to the next one, about the direction [rad].
+    """
+
+    position: Position
+    start: Vec3
+    end: Vec3
+    direction: Vec3 | None
+    angle: float
+
+
+def common_normal(one: Line, other: Line, near: Vec3, least: float) -> AxisNormal:
+    """The common normal of two axes.
+
+    Args:
+        one: an axis.
+        other: the next one.
+        near: a point; of the many common normals of parallel axes, the one whose foot on the first is nearest to it.
+        least: a distance that is none [m].
+    """
+    product, between = cross(one.direction, other.direction), subtract(other.point, one.point)
+    sine = norm(product)
+    if sine < _PARALLEL:
+        start = add(one.point, scale(dot(subtract(near, one.point), one.direction), one.direction))
+        end = add(other.point, scale(dot(subtract(start, other.point), other.direction), other.direction))
+    else:
+        along = dot(cross(between, other.direction), product) / sine**2
+        back = dot(cross(between, one.direction), product) / sine**2
+        start, end = add(one.point, scale(along, one.direction)), add(other.point, scale(back, other.direction))
+    step = subtract(end, start)
+    length, angle = norm(step), math.atan2(sine, dot(one.direction, other.direction))
+    if length >= least:
+        direction = scale(1.0 / length, step)
+        signed = angle if dot(product, direction) >= 0.0 else -angle
+        position = Position.PARALLEL if sine < _PARALLEL else Position.SKEW
+        return AxisNormal(position, start, end, direction, signed)
+    if sine < _PARALLEL:
+        return AxisNormal(Position.ONE_LINE, start, start, None, angle)
+    return AxisNormal(Position.MEETING, start, start, scale(1.0 / sine, product), angle)
+
+
+def row_normals(table: Manipulator, frames: Sequence[RigidTransform], least: float) -> list[AxisNormal]:
+    """The common normals of the z axes before and after each row; of parallel axes the ones that the table takes."""
+    lines = [Line(frame.translation, _axis(frame, 2)) for frame in frames]
+    # The origin after a row is a foot in the standard convention, the one before it in the modified one.
+    feet = frames[1:] if table.convention is Convention.STANDARD else frames
+    return [
+        common_normal(one, other, foot.translation, least)
+        for (one, other), foot in zip(pairwise(lines), feet, strict=False)
+    ]
+
+
+def table_normals(
+    table: Manipulator,
+    q: Mapping[str, float],
+    *,
+    place: RigidTransform = IDENTITY,
+    reach: float,
+    typed: TableText | None = None,
+    only: int | None = None,
+) -> Iterator[Stroke]:
+    """The axes z of a table with their common normals, and the offsets along each axis.
+
+    Args:
+        table: the table.
+        q: joint values by name [rad or m].
+        place: where its base_link is.
+        reach: size of the scene [m].
+        typed: the table as it was typed, in whose unit lengths are.
+        only: number of the only row that is drawn, counted from 0; None for all rows.
+    """
+    frames = _frames(table, q, place)
+    normals = row_normals(table, frames, _NONE * reach)
+    is_standard = table.convention is Convention.STANDARD
+    unit = UNITS[typed.length_unit if typed else "m"]
+    arrivals = [frames[0].translation, *(normal.end for normal in normals)]
+    departures = [*(normal.start for normal in normals), frames[-1].translation]
+    rows = [only] if only is not None else list(range(len(normals)))
+    for number in sorted({axis for row in rows for axis in (row, row + 1)}):
+        line = Line(frames[number].translation, _axis(frames[number], 2))
+        yield _line(f"z{small(number)}", line, (arrivals[number], departures[number]), reach)
+    for row in rows:
+        names = f"z{small(row)} × z{small(row + 1)}", f"a{small(row + is_standard)}"
+        yield from _of_normal(row, normals[row], names, unit, reach)
+        axis = row if is_standard else row + 1
+        yield from _offset(row, f"d{small(row + 1)}", (arrivals[axis], departures[axis]), unit, reach)
+
+
+def robot_normals(
+    robot: Robot, q: Mapping[str, float], *, place: RigidTransform = IDENTITY, reach: float
+) -> Iterator[Stroke]:
+    """The same of a robot without a table: the axis of each moving joint, and the common normal with the one before."""
+    poses, above = link_poses(robot, q), {joint.child: joint for joint in robot.joints}
+    moving = {joint.name: joint for joint in robot.moving_joints if joint.child in poses}
+    lines = {}
+    for name, joint in moving.items():
+        pose = place @ poses[joint.child]
+        direction = rotate(pose.rotation, joint.axis)
+        lines[name] = Line(pose.translation, scale(1.0 / norm(direction), direction))
+    feet: dict[str, list[Vec3]] = {name: [] for name in lines}
+    arrivals: dict[str, Vec3] = {}
+    unit = UNITS["m"]
+    for name, joint in moving.items():  # a robot's joints come after the ones that hold them
+        before = above.get(joint.parent)
+        while before is not None and before.name not in lines:
+            before = above.get(before.parent)
+        if before is None:
+            continue
+        one, other = lines[before.name], lines[name]
+        near = arrivals.get(before.name, one.point)
+        normal = common_normal(one, other, near, _NONE * reach)
+        arrivals[name] = normal.end
+        feet[before.name].append(normal.start)
+        feet[name].append(normal.end)
+        yield from _of_normal(None, normal, ("z × z", "a"), unit, reach)
+        yield from _offset(None, "d", (near, normal.start), unit, reach)
+    for name, line in lines.items():
+        yield _line("", line, feet[name] or [line.point], reach)
+
+
+def where_x_is(table: Manipulator, q: Mapping[str, float], number: int) -> str:
+    """Where x of a row comes from, as HTML: how the axes before and after the row lie to each other."""
+    frames = _frames(table, q)
+    normal = row_normals(table, frames, _NONE * table_reach(table))[number]
+    one, other = f"z<sub>{number}</sub>", f"z<sub>{number + 1}</sub>"
+    frame = number + 1 if table.convention is Convention.STANDARD else number
+    x = f"x<sub>{frame}</sub>"
+    against = normal.direction is not None and dot(_axis(frames[frame], 0), normal.direction) < 0.0
+    match normal.position:
+        case Position.SKEW:
+            way = f"from {other} to {one}, as a is negative" if against else f"from {one} to {other}"
+            return f"{one} and {other} are skew: they have one common normal, and {x} points along it, {way}."
+        case Position.PARALLEL:
+            return (
+                f"{one} and {other} are parallel: they have a common normal at every point, and any of them is right. "
+                f"This table takes the one through the origin of {{{frame}}}; d follows from that choice."
+            )
+        case Position.MEETING:
+            way = "against" if against else "along"
+            return f"{one} and {other} meet in a point: a is 0, and {x} is {way} {one} × {other}."
+    return (
+        f"{one} and {other} are one line: a is 0, and {x} may have any direction across it; θ follows from that choice."
+    )
+
+
+def _axis(frame: RigidTransform, number: int) -> Vec3:
+    r = frame.rotation
+    return (r[number], r[number + 3], r[number + 6])
+
+
+def _line(name: str, line: Line, feet: Sequence[Vec3], reach: float) -> Stroke:
+    """An axis, some way beyond the feet on it."""
+    along = [dot(subtract(foot, line.point), line.direction) for foot in feet]
+    ends = min(along) - _BEYOND * reach, max(along) + _BEYOND * reach
+    points = tuple(add(line.point, scale(end, line.direction)) for end in ends)
+    return Stroke(row=None, field="line", points=points, label=name)
+
+
+def _of_normal(
+    row: int | None, normal: AxisNormal, names: tuple[str, str], unit: Unit, reach: float
+) -> Iterator[Stroke]:
+    """A common normal with its feet; of axes that meet, the cross product that takes its place."""
+    product, length = names
+    if normal.direction is None:
+        return
+    if normal.position is Position.MEETING:
+        tip = add(normal.start, scale(_CROSS * reach, normal.direction))
+        yield Stroke(row=row, field="normal", points=(normal.start, tip), label=product)
+    else:
+        size = unit.number(norm(subtract(normal.end, normal.start)))
+        label = f"|{length}| = {size:.4g} {unit.symbol}"
+        yield Stroke(row=row, field="normal", points=(normal.start, normal.end), label=label)
+        yield Stroke(row=row, field="foot", points=(normal.end,))
+    yield Stroke(row=row, field="foot", points=(normal.start,))
+
+
+def _offset(row: int | None, name: str, feet: tuple[Vec3, Vec3], unit: Unit, reach: float) -> Iterator[Stroke]:
+    """The way along an axis from one foot to the next, where it is any."""
+    start, end = feet
+    length = norm(subtract(end, start))
+    if length >= _NONE * reach:
+        yield Stroke(
+            row=row, field="offset", points=(start, end), label=f"|{name}| = {unit.number(length):.4g} {unit.symbol}"
+        )

@@ -14,36 +14,31 @@ from __future__ import annotations
 import math
 import re
 from dataclasses import replace
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
-from dh2urdf.manipulator import Convention, DHRow, Inertia, JointType
+from dh2urdf.manipulator import Convention, Inertia, JointType
+from dh2urdf.mass_properties import rotated
 from dh2urdf.quantities.number_text import format_number
 from dh2urdf.quantities.quantity import QuantityError, evaluate
 from dh2urdf.quantities.units import UNITS, Unit
-from dh2urdf.rotations import IDENTITY, RigidTransform, cos_sin, multiply, rotation_x, transpose
-from dh2urdf.table_text import (
-    FIELDS,
-    TableText,
-    dimension_of,
-    number_in,
-    table_text,
-    transform_text,
-    unit_of,
-)
+from dh2urdf.rotations import IDENTITY, RigidTransform, cos_sin, rotation_x
+from dh2urdf.row_fields import COM, INERTIA
+from dh2urdf.table_text import FIELDS, TableText, dimension_of, number_in, table_text, transform_text, unit_of
+from dh2urdf_studio.editing.edits import meaning
 from dh2urdf_studio.editing.reading import read_whole
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Mapping
 
-    from dh2urdf.manipulator import Manipulator
+    from dh2urdf.manipulator import DHRow, Manipulator
     from dh2urdf.plugin_system.catalog import Catalog
-    from dh2urdf_studio.editing.history import History
+    from dh2urdf_studio.editing.edits import History
 
 _VARIABLE_FIELDS = {"d", "theta", "offset", "sign"}
 """Fields of which one cell may say several: ``-q2 + pi/2`` is an angle, an offset and a sign."""
-_TO_AND_FRO = 1e-13
-"""Relative difference of numbers that went to and fro."""
-_MOVED_TO_AND_FRO = 1e-12
+_ROUNDING = 1e-13
+"""Relative difference of numbers that were converted and converted back."""
+_MOVED_ROUNDING = 1e-12
 """That of products of transforms."""
 _LEFT_OF_ZERO = 1e-16
 """What may be left of a 0 then."""
@@ -52,24 +47,12 @@ _NUMBER = re.compile(r"(?!0[\],]|0$)[^\[\], ][^\[\],]*")
 _TRANSLATION = re.compile(r"(?<=, )(?!0\])([^\[\], ]+)(?=\], \[)")
 """The last number in a row of a matrix, but of the last row."""
 _ENDS = ("base", "tool", "payload", "defaults")
-_MASS_FIELDS = ("com_x", "com_y", "com_z", "ixx", "iyy", "izz", "ixy", "ixz", "iyz")
+_MASS_FIELDS = (*COM, *INERTIA)
 
 
-class CommonNormal(NamedTuple):
-    """Tx(a)·Rx(alpha).
-
-    Attributes:
-        a: [m].
-        alpha: [rad].
-    """
-
-    a: float = 0.0
-    alpha: float = 0.0
-
-    @property
-    def transform(self) -> RigidTransform:
-        """The rigid transform."""
-        return RigidTransform(rotation_x(*cos_sin(self.alpha)), (self.a, 0.0, 0.0))
+def _screw(row: DHRow) -> RigidTransform:
+    """Tx(a)·Rx(alpha) of a row."""
+    return RigidTransform(rotation_x(*cos_sin(row.alpha)), (row.a, 0.0, 0.0))
 
 
 def with_convention(
@@ -90,125 +73,69 @@ def with_convention(
     if manipulator.convention is convention:
         return replace(table, convention=str(convention))
     length, angle = UNITS[table.length_unit], UNITS[table.angle_unit]
-    to_modified = convention is Convention.MODIFIED
+    to_modified, rows = convention is Convention.MODIFIED, manipulator.rows
     screws: list[Mapping[str, str]] = [{k: row[k] for k in ("a", "alpha") if k in row} for row in table.rows]
     base, tool = manipulator.base, manipulator.tool
+    between = [_screw(row) for row in rows]
     if to_modified:
-        last = manipulator.rows[-1]
-        first, base = _left_over(base, earlier, to_modified=True)
-        tool = CommonNormal(last.a, last.alpha).transform @ tool
-        shifted = [_texts(first or CommonNormal(), length, angle), *screws[:-1]]
+        tool = between[-1] @ tool
+        (a, alpha), base = _left_over(base, earlier, to_modified=True)
+        screws = [{"a": number_in(a, length), "alpha": number_in(alpha, angle)}, *screws[:-1]]
     else:
-        row = manipulator.rows[0]
-        base = base @ CommonNormal(row.a, row.alpha).transform
-        final, tool = _left_over(tool, earlier, to_modified=False)
-        shifted = [*screws[1:], _texts(final or CommonNormal(), length, angle)]
-    cuts = _cut(manipulator, convention, None if to_modified else final)
-    bodies = [_body_texts(cut, to_modified=to_modified, length=length) for cut in cuts]
-    rows = tuple(
-        {
-            **{field: text for field, text in row.items() if field not in _MASS_FIELDS or field not in body},
-            **moved,
-            **body,
-        }
-        for row, moved, body in zip(table.rows, shifted, bodies, strict=True)
-    )
-    body = {"mass": manipulator.base_mass, "geometry": manipulator.base_geometry}
+        base = base @ between[0]
+        (a, alpha), tool = _left_over(tool, earlier, to_modified=False)
+        between = [*between[1:], RigidTransform(rotation_x(*cos_sin(alpha)), (a, 0.0, 0.0))]
+        screws = [*screws[1:], {"a": number_in(a, length), "alpha": number_in(alpha, angle)}]
+    bodies = [
+        _body_texts(row, each if to_modified else each.inverse, length) for row, each in zip(rows, between, strict=True)
+    ]
+    shape = {"mass": manipulator.base_mass, "geometry": manipulator.base_geometry}
     return replace(
         table,
         convention=str(convention),
-        base=table.base if base == manipulator.base else transform_text(base, length, angle, **body),  # type: ignore[arg-type]  # of two types
+        base=table.base if base == manipulator.base else transform_text(base, length, angle, **shape),  # type: ignore[arg-type]  # of two types
         tool=table.tool if tool == manipulator.tool else transform_text(tool, length, angle),
-        rows=rows,
+        rows=tuple(
+            {**{field: text for field, text in row.items() if not body or field not in _MASS_FIELDS}, **moved, **body}
+            for row, moved, body in zip(table.rows, screws, bodies, strict=True)
+        ),
     )
 
 
 def _left_over(
     end: RigidTransform, earlier: Manipulator | None, *, to_modified: bool
-) -> tuple[CommonNormal | None, RigidTransform]:
-    """The screw at the base, or at the tool, that goes into a row, and what is left of the base or tool."""
+) -> tuple[tuple[float, float], RigidTransform]:
+    """The a and alpha at the base, or at the tool, that go into a row, and what is left of the base or tool."""
     if earlier is not None:
         row, rest = (earlier.rows[0], earlier.base) if to_modified else (earlier.rows[-1], earlier.tool)
-        screw = CommonNormal(row.a, row.alpha)
-        moved = rest @ screw.transform if to_modified else screw.transform @ rest
-        if all(_is_near(*pair) for pair in zip(moved, end, strict=True)):
-            return screw, rest
-    found = _screw_of(end)
-    return found, IDENTITY if found else end
+        moved = rest @ _screw(row) if to_modified else _screw(row) @ rest
+        far = (math.dist(*pair) / (math.hypot(*pair[1]) or 1.0) for pair in zip(moved, end, strict=True))
+        if max(far) <= _MOVED_ROUNDING:
+            return (row.a, row.alpha), rest
+    x, roll = end.translation[0], end.rpy[0]
+    screw = RigidTransform(rotation_x(*cos_sin(roll)), (x, 0.0, 0.0))
+    return ((x, roll), IDENTITY) if screw == end and end != IDENTITY else ((0.0, 0.0), end)
 
 
-def _is_near(one: Sequence[float], other: Sequence[float]) -> bool:
-    """Whether rotations or translations are the same, rounding aside."""
-    return math.dist(one, other) <= _MOVED_TO_AND_FRO * math.hypot(*other) + _LEFT_OF_ZERO
-
-
-def _screw_of(transform: RigidTransform) -> CommonNormal | None:
-    """The a and alpha of a transform that is Tx(a)·Rx(alpha); None where it is another one, or the identity."""
-    x, y, z = transform.translation
-    roll, pitch, yaw = transform.rpy
-    screw = CommonNormal(x, roll)
-    plain = not (y or z or pitch or yaw) and transform != IDENTITY
-    return screw if plain and screw.transform == transform else None
-
-
-def _texts(screw: CommonNormal, length: Unit, angle: Unit) -> dict[str, str]:
-    return {"a": number_in(screw.a, length), "alpha": number_in(screw.alpha, angle)}
-
-
-class _Cut(NamedTuple):
-    """A row and what stands between its two frames."""
-
-    row: DHRow
-    between: RigidTransform
-
-
-def _cut(manipulator: Manipulator, convention: Convention, final: CommonNormal | None) -> list[_Cut]:
-    """Every row with S_i, which leads from its modified frame to its standard one, in the screws that it will have."""
-    rows = manipulator.rows
-    if convention is Convention.MODIFIED:
-        return [_Cut(row, CommonNormal(row.a, row.alpha).transform) for row in rows]
-    return [
-        _Cut(row, (CommonNormal(after.a, after.alpha) if after else final or CommonNormal()).transform)
-        for row, after in zip(rows, (*rows[1:], None), strict=True)
-    ]
-
-
-def _body_texts(cut: _Cut, *, to_modified: bool, length: Unit) -> dict[str, str]:
-    """Centre of mass and inertia in the other frame, where the row has them and they are other numbers there."""
-    row = cut.row
-    if (row.com is None and row.inertia is None) or cut.between == IDENTITY:
-        return {}
-    move = cut.between if to_modified else cut.between.inverse
+def _body_texts(row: DHRow, move: RigidTransform, length: Unit) -> dict[str, str]:
+    """Centre of mass and inertia of a row in another frame, where it has them."""
     texts: dict[str, str] = {}
+    if move == IDENTITY:
+        return texts
     if row.com is not None:
         com = (move @ RigidTransform(IDENTITY.rotation, row.com)).translation
         texts |= {f"com_{axis}": number_in(value, length) for axis, value in zip("xyz", com, strict=True)}
     if row.inertia is not None:
-        turned = _turned(row.inertia, move)
-        texts |= {name: format_number(getattr(turned, name)) for name in ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")}
+        turned: Inertia = rotated(row.inertia, move.rotation)
+        texts |= {name: format_number(getattr(turned, name)) for name in INERTIA}
     return texts
-
-
-def _turned(inertia: Inertia, move: RigidTransform) -> Inertia:
-    """The tensor in axes turned by a rotation: R I R^T."""
-    i = inertia
-    tensor = (i.ixx, i.ixy, i.ixz, i.ixy, i.iyy, i.iyz, i.ixz, i.iyz, i.izz)
-    ixx, ixy, ixz, _, iyy, iyz, _, _, izz = multiply(multiply(move.rotation, tensor), transpose(move.rotation))
-    return Inertia(ixx=ixx, iyy=iyy, izz=izz, ixy=ixy, ixz=ixz, iyz=iyz)
 
 
 # --- Units ------------------------------------------------------------------------------------------------------------
 
 
 def with_units(table: TableText, manipulator: Manipulator, length_unit: str, angle_unit: str) -> TableText:
-    """The same arm in other units; texts that name their unit stay as they are.
-
-    Args:
-        table: the table.
-        manipulator: what a reader makes of it.
-        length_unit: the unit wanted of lengths.
-        angle_unit: the unit wanted of angles.
-    """
+    """The same arm in other units; texts that name their unit stay as they are."""
     old = UNITS[table.length_unit], UNITS[table.angle_unit]
     new = UNITS[length_unit], UNITS[angle_unit]
     rows = tuple(
@@ -216,16 +143,8 @@ def with_units(table: TableText, manipulator: Manipulator, length_unit: str, ang
         for texts, row in zip(table.rows, manipulator.rows, strict=True)
     )
     written = table_text(manipulator, length_unit, angle_unit)
-    return replace(
-        table,
-        length_unit=length_unit,
-        angle_unit=angle_unit,
-        base=written.base if table.base else "",
-        tool=written.tool if table.tool else "",
-        payload=written.payload if table.payload else "",
-        defaults=written.defaults if table.defaults else "",
-        rows=rows,
-    )
+    ends = {name: getattr(written, name) if getattr(table, name) else "" for name in _ENDS}
+    return replace(table, length_unit=length_unit, angle_unit=angle_unit, rows=rows, **ends)
 
 
 def _in_unit(field: str, text: str, kind: JointType, old: tuple[Unit, Unit], new: tuple[Unit, Unit]) -> str:
@@ -246,9 +165,6 @@ def _in_unit(field: str, text: str, kind: JointType, old: tuple[Unit, Unit], new
     symbol = f"{'-' if quantity.sign < 0 else ''}{quantity.variable.text}"
     added = f" - {number[1:]}" if number.startswith("-") else f" + {number}"
     return symbol + (added if quantity.value else "")
-
-
-# --- Units that nothing declares --------------------------------------------------------------------------------------
 
 
 def _readable(converted: TableText, before: TableText, catalog: Catalog) -> TableText:
@@ -289,45 +205,27 @@ def _with_units_in(text: str, length: Unit, angle: Unit) -> str:
 
 def earlier_arm(history: History, convention: Convention, catalog: Catalog) -> Manipulator | None:
     """What the table was when it last had a convention."""
-    states = history.states[history.position :: -1]
-    state = next((each for each in states if each.convention == str(convention) and each.rows), None)
+    state = next((each for each in history.earlier if each.convention == str(convention) and each.rows), None)
     return read_whole(state, catalog).manipulator if state else None
 
 
 def as_typed(converted: TableText, history: History, catalog: Catalog) -> TableText:
     """A converted table with the texts that a person has typed in its convention and units, where they are its numbers.
 
-    Args:
-        converted: the table.
-        history: what it was before; the newest table of the same convention and units is the one that was typed.
-        catalog: the installed stages.
+    The newest table of the same convention and units in its past is the one that was typed.
     """
-    typed = _with_old_texts(_readable(converted, history.table, catalog), history, catalog)
-    return _readable(typed, history.table, catalog)
-
-
-def _with_old_texts(converted: TableText, history: History, catalog: Catalog) -> TableText:
-    old = next((each for each in history.states[history.position :: -1] if _meaning(each) == _meaning(converted)), None)
+    converted = _readable(converted, history.table, catalog)
+    old = next((each for each in history.earlier if meaning(each) == meaning(converted)), None)
     if old is None or len(old.rows) != len(converted.rows):
         return converted
     now, was = (read_whole(each, catalog).manipulator for each in (converted, old))
     if now is None or was is None:
         return converted
-    before = history.table
-    to_before = _readable(with_convention(old, was, Convention(before.convention)), old, catalog)
-    same_units = (old.length_unit, old.angle_unit) == (before.length_unit, before.angle_unit)
-    if not same_units and (again := read_whole(to_before, catalog).manipulator) is not None:
-        to_before = _readable(with_units(to_before, again, before.length_unit, before.angle_unit), old, catalog)
-    if to_before == before:  # nothing was edited since: a tool and the last row may share a screw in several ways
-        return old
     one, other = (table_text(each, converted.length_unit, converted.angle_unit) for each in (now, was))
     ends = {name: getattr(old, name) for name in _ENDS if getattr(one, name) == getattr(other, name)}
     rows = zip(now.rows, converted.rows, old.rows, one.rows, other.rows, strict=True)
-    return replace(converted, **ends, rows=tuple(_typed_row(row.type, *texts) for row, *texts in rows))
-
-
-def _meaning(table: TableText) -> tuple[str, str, str]:
-    return table.convention, table.length_unit, table.angle_unit
+    typed = replace(converted, **ends, rows=tuple(_typed_row(row.type, *texts) for row, *texts in rows))
+    return _readable(typed, history.table, catalog)
 
 
 def _typed_row(
@@ -343,17 +241,14 @@ def _typed_row(
     if others & _VARIABLE_FIELDS:
         others |= _VARIABLE_FIELDS
     texts = {field: (old if field in quantities - others else row).get(field, "") for field in FIELDS}
-    return {
-        **{field: text for field, text in row.items() if field not in FIELDS},
-        **{f: t for f, t in texts.items() if t},
-    }
+    return {field: text for field, text in texts.items() if text}
 
 
 def _is_same(one: str | None, other: str | None) -> bool:
     """Whether two texts are one number, rounding aside."""
     try:
         return one == other or math.isclose(
-            float(one or ""), float(other or ""), rel_tol=_TO_AND_FRO, abs_tol=_LEFT_OF_ZERO
+            float(one or ""), float(other or ""), rel_tol=_ROUNDING, abs_tol=_LEFT_OF_ZERO
         )
     except ValueError:  # an expression or a name
         return False

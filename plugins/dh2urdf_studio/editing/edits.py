@@ -1,40 +1,39 @@
-"""What a person does to a table: each a function from a table to a table."""
+"""What a person does to a table: each a function from a table to a table; and the past of a table, to undo it."""
 
 from __future__ import annotations
 
+import json
 import re
-from dataclasses import replace
+from dataclasses import asdict, dataclass, fields, replace
 from typing import TYPE_CHECKING
 
-from dh2urdf.table_text import FIELDS, NAMES, TableText
+from dh2urdf.manipulator import Convention, JointType
+from dh2urdf.table_text import ANGLE_UNITS, FIELDS, LENGTH_UNITS, NAMES, TableText
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
+
+    from dh2urdf.manipulator import Manipulator
 
 MOST_ROWS = 1000
 """Rows that a table of the studio may have."""
 LONGEST_TEXT = 1000
 """Characters of one cell; what is longer is cut, with a sign that no reader takes for a number."""
+LONGEST_PAST = 500
+"""States of a table that are kept."""
 NEW_JOINT = re.compile(r"joint_\d+")
 """A name that the studio itself has given."""
-"""Fields that do not begin a row: names and types are filled in before a person begins."""
-
-_UNWRITABLE = re.compile(r"[^\t\x20-\x7e\xa0-\u2027\u202a-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]+|\t")
+TEXTS = tuple(field.name for field in fields(TableText) if field.name != "rows")
+"""The texts of a whole table."""
+_WORDS = {"convention": ("", *Convention), "length_unit": LENGTH_UNITS, "angle_unit": ANGLE_UNITS}
+"""The words that some of the texts must be: the page has no others to choose from."""
+_UNWRITABLE = re.compile(r"[^\x20-\x7e\xa0-\u2027\u202a-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]+")
 
 
 def clean(text: str) -> str:
     """A text as a cell can hold it: one line, without characters that no text file has."""
     line = _UNWRITABLE.sub(" ", text).strip()
     return line if len(line) <= LONGEST_TEXT else f"{line[: LONGEST_TEXT - 1]}…"
-
-
-def with_cell(table: TableText, row: int, field: str, text: str) -> TableText:
-    """The table with another text in a cell.
-
-    Raises:
-        LookupError: there is no such cell.
-    """
-    return with_cells(table, {(row, field): text})
 
 
 def with_cells(table: TableText, texts: Mapping[tuple[int, str], str]) -> TableText:
@@ -51,6 +50,11 @@ def with_cells(table: TableText, texts: Mapping[tuple[int, str], str]) -> TableT
     return replace(table, rows=tuple(map(_tidy, rows)))
 
 
+def with_texts(table: TableText, **texts: str) -> TableText:
+    """The table with another name, base, tool, payload or defaults."""
+    return replace(table, **{name: clean(text) for name, text in texts.items()})  # type: ignore[arg-type]  # all are texts
+
+
 def resized(table: TableText, count: int) -> TableText:
     """The table with so many rows: empty ones more, or the last ones less."""
     count = min(max(count, 0), MOST_ROWS)
@@ -61,13 +65,11 @@ def resized(table: TableText, count: int) -> TableText:
 
 
 def arranged(table: TableText, rows: Sequence[int | None]) -> TableText:
-    """The table with some of its rows in some order; names that the studio gave stay with their places.
-
-    Args:
-        table: the table.
-        rows: the number of each row as it is in the table, None for an empty new one.
-    """
-    return replace(table, rows=_numbered([_new_row(table.rows) if row is None else table.rows[row] for row in rows]))
+    """The table with some of its rows in some order, None for new ones; names that the studio gave stay in place."""
+    found = [_new_row(table.rows) if row is None else table.rows[row] for row in rows]
+    if all(NEW_JOINT.fullmatch(row.get("joint", "")) for row in found):
+        found = [_tidy({**row, "joint": f"joint_{number}"}) for number, row in enumerate(found, start=1)]
+    return replace(table, rows=tuple(found))
 
 
 def rearranged(keys: Sequence[str], act: str, key: str | None, other: str | None) -> list[int | None]:
@@ -102,6 +104,26 @@ def begun(table: TableText) -> int:
     return max((number for number, row in enumerate(table.rows, start=1) if not set(row) <= set(NAMES)), default=0)
 
 
+def moving_rows(table: TableText, made: tuple[TableText, Manipulator] | None) -> list[int]:
+    """The numbers of the rows that move, and so are axes.
+
+    Args:
+        table: the table.
+        made: the last table that was an arm, and the arm: it knows what fixed joints are called beside ``fixed``.
+    """
+    pairs = zip(made[0].rows, made[1].rows, strict=False) if made else ()
+    fixed = {"fixed", *(typed["type"] for typed, row in pairs if row.type is JointType.FIXED and "type" in typed)}
+    return [number for number, row in enumerate(table.rows) if row.get("type") not in fixed]
+
+
+def with_axes(table: TableText, count: int, made: tuple[TableText, Manipulator] | None) -> TableText:
+    """The table with so many rows that move: empty ones more, or the last ones less, fixed rows among them."""
+    moving = moving_rows(table, made)
+    if count >= len(moving):
+        return resized(table, len(table.rows) + count - len(moving))
+    return resized(table, moving[count - 1] + 1 if count else 0)
+
+
 def _new_row(rows: Sequence[Mapping[str, str]]) -> dict[str, str]:
     taken = {row.get("joint") for row in rows}
     number = len(rows) + 1
@@ -110,12 +132,152 @@ def _new_row(rows: Sequence[Mapping[str, str]]) -> dict[str, str]:
     return {"joint": f"joint_{number}", "type": "revolute"}
 
 
-def _numbered(rows: Sequence[Mapping[str, str]]) -> tuple[Mapping[str, str], ...]:
-    """Rows whose names, where the studio gave all of them, are those of their places."""
-    if not all(NEW_JOINT.fullmatch(row.get("joint", "")) for row in rows):
-        return tuple(rows)
-    return tuple(_tidy({**row, "joint": f"joint_{number}"}) for number, row in enumerate(rows, start=1))
-
-
 def _tidy(row: Mapping[str, str]) -> dict[str, str]:
     return {field: row[field] for field in FIELDS if row.get(field)}
+
+
+# --- A table as a text ------------------------------------------------------------------------------------------------
+
+
+def kept_text(table: TableText) -> str:
+    """A table as a browser keeps it while the studio is away, and as a link holds it."""
+    return json.dumps(asdict(table), ensure_ascii=False)
+
+
+def kept_table(text: str) -> TableText | None:
+    """The table of such a text; None where it is none, or has no rows."""
+    try:
+        told = json.loads(text)
+    except (ValueError, RecursionError):
+        return None
+    if not isinstance(told, dict) or not isinstance(told.get("rows"), list):
+        return None
+    rows = [row for row in told["rows"] if isinstance(row, dict)][:MOST_ROWS]
+    texts = {name: clean(told[name]) for name in TEXTS if isinstance(told.get(name), str)}
+    texts = {name: text for name, text in texts.items() if text in _WORDS.get(name, (text,))}
+    cells = tuple(
+        {key: clean(row[key]) for key in FIELDS if isinstance(row.get(key), str) and row[key]} for row in rows
+    )
+    return TableText(**texts, rows=cells) if cells else None
+
+
+def with_typed(table: TableText, keys: Sequence[str], left: object) -> TableText:
+    """The table with the text that was being typed when its page lost the connection or was loaded anew.
+
+    Args:
+        table: the table.
+        keys: the keys of its rows.
+        left: the key of a row, field and text of a cell, as the browser has kept them, or None, name and text of a text
+            of the whole table; None where nothing was being typed.
+    """
+    match left:
+        case [str(key), str(field), str(text)] if key in keys and field in FIELDS:
+            return with_cells(table, {(keys.index(key), field): text})
+        case [None, str(field), str(text)] if field in TEXTS and field not in _WORDS:
+            return with_texts(table, **{field: text})
+    return table
+
+
+# --- The past of a table ----------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class State:
+    """A state of a table.
+
+    Attributes:
+        table: the table.
+        keys: the keys of its rows. A row keeps its key wherever it goes, and no other gets it.
+        number: the number of the table: one that was opened is another one.
+    """
+
+    table: TableText
+    keys: tuple[str, ...] = ()
+    number: int = 0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class History:
+    """The states of a table; none is ever changed.
+
+    Attributes:
+        states: from the oldest to the newest.
+        position: which of them is on the screen.
+        made: how many keys have been made.
+    """
+
+    states: tuple[State, ...]
+    position: int = 0
+    made: int = 0
+
+    @staticmethod
+    def of(table: TableText) -> History:
+        """A history that begins with a table."""
+        keys = tuple(map(str, range(len(table.rows))))
+        return History(states=(State(table=table, keys=keys),), made=len(keys))
+
+    @property
+    def table(self) -> TableText:
+        """The table as it is."""
+        return self.states[self.position].table
+
+    @property
+    def keys(self) -> tuple[str, ...]:
+        """The keys of the rows of the table as it is."""
+        return self.states[self.position].keys
+
+    @property
+    def number(self) -> int:
+        """The number of the table, which all states have that are its own."""
+        return self.states[self.position].number
+
+    @property
+    def earlier(self) -> list[TableText]:
+        """The table as it is, and what it was before, the newest first."""
+        return [state.table for state in self.states[self.position :: -1]]
+
+    @property
+    def can_undo(self) -> bool:
+        """Whether there is an older state."""
+        return self.position > 0
+
+    @property
+    def can_redo(self) -> bool:
+        """Whether there is a state that was undone."""
+        return self.position < len(self.states) - 1
+
+    def then(self, table: TableText, keys: Sequence[str | None] | None = None) -> History:
+        """The history with a new state; what was undone before is forgotten, and so is what is very old.
+
+        Args:
+            table: the new state.
+            keys: the keys of its first rows, None for new rows; further rows are new. Without them, each row is the one
+                that had its number, unless its numbers are in other units or of another convention, where it had one:
+                what was typed below the old header is not for the new one. No keys at all are those of another table.
+        """
+        if table == self.table and (keys is None or (*keys,) == self.keys):
+            return self
+        number = max(state.number for state in self.states) + 1 if keys == () else self.number
+        if keys is None:
+            is_read_anew = begun(table) and self.table.convention and meaning(table) != meaning(self.table)
+            keys = () if is_read_anew else self.keys
+        count, made, own = len(table.rows), self.made, list[str]()
+        for key in [*keys, *[None] * count][:count]:
+            own.append(str(made) if key is None else key)
+            made += key is None
+        state = State(table=table, keys=tuple(own), number=number)
+        states = (*self.states[: self.position + 1], state)[-LONGEST_PAST:]
+        return History(states=states, position=len(states) - 1, made=made)
+
+    def undo(self) -> History:
+        """One state back, where there is one."""
+        return replace(self, position=max(0, self.position - 1))
+
+    def redo(self) -> History:
+        """One state forward, where there is one."""
+        return replace(self, position=min(len(self.states) - 1, self.position + 1))
+
+
+def meaning(table: TableText) -> tuple[str, str, str]:
+    """What decides on the meaning of numbers: the convention and the units."""
+    return table.convention, table.length_unit, table.angle_unit

@@ -29,14 +29,15 @@ MOST_FILES = 1000
 
 
 def description_suffixes(catalog: Catalog) -> tuple[str, ...]:
-    """How the names of robot descriptions end that can be compared."""
-    stages = [item.stage for item in catalog.provided("emitter")]
-    return tuple(
-        suffix
-        for stage in stages
-        if isinstance(stage, Emitter) and stage.can(ReadsForeign) is not None
-        for suffix in stage.suffixes
-    )
+    """File name endings of robot descriptions that can be compared."""
+    stages = (item.stage for item in catalog.provided("emitter"))
+    readable = (stage for stage in stages if isinstance(stage, Emitter) and stage.can(ReadsForeign) is not None)
+    return tuple(suffix for stage in readable for suffix in stage.suffixes)
+
+
+def wanted_suffixes(catalog: Catalog) -> tuple[str, ...]:
+    """File name endings of everything that is kept."""
+    return (*description_suffixes(catalog), *SUFFIXES, *addresses.SUFFIXES, ".yaml", ".yml")
 
 
 def too_much() -> InputError:
@@ -46,37 +47,25 @@ def too_much() -> InputError:
 
 
 class GivenFiles:
-    """A folder with files that were sent, which is there until `close`.
-
-    Args:
-        files: their names, with slashes where they are in folders, and their bytes. A ZIP is unpacked.
-        catalog: the installed stages.
-
-    Raises:
-        InputError: they are more than `MOST_FILES`, or larger than `LARGEST` unpacked, or a ZIP cannot be read.
-    """
+    """A folder for files that were sent, which is there until `close`."""
 
     def __init__(self, files: Iterable[tuple[str, bytes]], catalog: Catalog) -> None:
         self._catalog = catalog
-        self._described = description_suffixes(catalog)
-        self._wanted = (*self._described, *SUFFIXES, *addresses.SUFFIXES, ".yaml", ".yml")
+        self._wanted = wanted_suffixes(catalog)
         self._folder = tempfile.TemporaryDirectory(prefix="dh2urdf-")
         # One folder deeper: an MJCF may include files beside its folder, and nothing is there.
         self._root = Path(self._folder.name).resolve() / "files"
         self._paths: list[Path] = []
         self._left = LARGEST
-        try:
-            for name, content in files:
-                self.add(name, content)
-        except BaseException:
-            self.close()
-            raise
+        for name, content in files:
+            self.add(name, content)
 
     @property
     def descriptions(self) -> Sequence[str]:
         """The descriptions among them, those in fewer folders first."""
+        suffixes = description_suffixes(self._catalog)
         paths = [path.relative_to(self._root) for path in self._paths]
-        found = [path for path in paths if path.name.lower().endswith(self._described) and path.name != PACKAGE_FILE]
+        found = [path for path in paths if path.name.lower().endswith(suffixes) and path.name != PACKAGE_FILE]
         return [path.as_posix() for path in sorted(found, key=lambda path: (len(path.parts), path))]
 
     def figure(self, name: str) -> Figure | str:
@@ -95,31 +84,25 @@ class GivenFiles:
         return self._root / name
 
     def close(self) -> None:
-        """Removes the files."""
+        """Remove the files."""
         self._folder.cleanup()
 
     def _file(self, address: str, found: Path | None) -> Path | None:
         """The file that an address means: the one that was found, or that whose path ends most like the address."""
         if found is not None and (path := found.resolve()).is_relative_to(self._root):
             return path
-        wanted = [part for part in address.replace("\\", "/").split("/") if part]
-
-        def alike(path: Path) -> int:
-            count = 0
-            for one, other in zip(reversed(path.relative_to(self._root).parts), reversed(wanted), strict=False):
-                if one != other:
-                    break
-                count += 1
-            return count
-
-        best = max(self._paths, key=alike, default=None)
-        return best if best is not None and alike(best) else None
+        wanted = tuple(part for part in address.replace("\\", "/").split("/") if part)
+        for length in range(len(wanted), 0, -1):
+            for path in self._paths:
+                if path.parts[-length:] == wanted[-length:]:
+                    return path
+        return None
 
     def add(self, name: str, content: bytes) -> None:
-        """Keeps another file.
+        """Keep a file by its name, with slashes where it is in folders. A ZIP is unpacked.
 
         Raises:
-            InputError: see the class.
+            InputError: the files are more than `MOST_FILES`, or larger than `LARGEST`, or a ZIP cannot be read.
         """
         if not name.lower().endswith(".zip"):
             self._write(name, content)

@@ -19,7 +19,6 @@ from dh2urdf.errors import InputError, ManipulatorError
 from dh2urdf.manipulator import Manipulator
 from dh2urdf.plugin_system.option_types import choices, type_hints
 from dh2urdf.plugin_system.options import make_options
-from dh2urdf.robot import Robot
 from dh2urdf.source import Mark, Problem, in_file_order
 from dh2urdf.stage_calls.calls import Call, default_call
 from dh2urdf.stages import Compares, Rejected, Transform
@@ -27,12 +26,11 @@ from dh2urdf.table_text import ANGLE_UNITS, FIELDS, LENGTH_UNITS, STATEMENTS, Ta
 from dh2urdf_studio.editing.edits import begun
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
-
     from dh2urdf.plugin_system.catalog import Catalog
+    from dh2urdf.robot import Robot
 
-_TEXTS = ("message", "accepted", "suggestion")
-_PRESSED = re.compile(r"press (\w+)")
+_UNIT = re.compile(r"(?:length|angle)(?:-unit|:) ?(\w+)")
+"""A unit in a reader's advice, which says how to declare it in a file or on the command line."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -58,9 +56,9 @@ class CellProblem:
 
     def units(self, table: TableText) -> list[str]:
         """The units that are an answer: those that the reader asks about, and of a notice the table's own."""
-        pressed = _PRESSED.findall(self.problem.suggestion or "")
+        named = dict.fromkeys(_UNIT.findall(self.problem.suggestion or ""))
         for units, own in ((LENGTH_UNITS, table.length_unit), (ANGLE_UNITS, table.angle_unit)):
-            if asked := [unit for unit in pressed if unit in units and unit != own]:
+            if asked := [unit for unit in named if unit in units and unit != own]:
                 return [*asked, own] if self.problem.severity == "notice" else asked
         return []
 
@@ -97,16 +95,18 @@ def read(table: TableText, catalog: Catalog) -> Reading:
     count = begun(table)
     if not count:
         return Reading(table=table, waiting=len(table.rows))
-    return replace(
-        read_whole(replace(table, rows=table.rows[:count]), catalog), table=table, waiting=len(table.rows) - count
-    )
+    reading = read_whole(replace(table, rows=table.rows[:count]), catalog)
+    return replace(reading, table=table, waiting=len(table.rows) - count)
 
 
 def read_whole(table: TableText, catalog: Catalog) -> Reading:
     """What the reader reports about all rows of a table."""
     reader = catalog.cell_reader()
     if blank := [number for number, row in enumerate(table.rows) if not row]:
-        return Reading(table=table, problems=tuple(map(_blank, blank)))
+        told = "fill it in, or remove it"
+        problems = [Problem(message=f"row {number + 1} is empty", suggestion=told) for number in blank]
+        found = tuple(CellProblem(problem=each, row=row) for each, row in zip(problems, blank, strict=True))
+        return Reading(table=table, problems=found)
     written = in_format([table], default_call(catalog, reader))
     with tempfile.TemporaryDirectory(prefix="dh2urdf-") as folder:
         path = Path(folder) / f"table{reader.suffixes[0]}"
@@ -117,21 +117,14 @@ def read_whole(table: TableText, catalog: Catalog) -> Reading:
             item = Rejected(name=table.name, problems=error.problems, notices=error.notices)
     manipulator = item if isinstance(item, Manipulator) else None
     said = in_file_order((*item.notices, *(() if isinstance(item, Manipulator) else item.problems)))
-    problems = located([_without_path(problem, path, written) for problem in said], written, table)
-    return Reading(table=table, manipulator=manipulator, problems=problems)
-
-
-def _blank(row: int) -> CellProblem:
-    message = f"row {row + 1} is empty"
-    return CellProblem(problem=Problem(message=message, suggestion="fill it in, or remove it"), row=row)
-
-
-def located(problems: Iterable[Problem], written: WrittenTable, table: TableText) -> tuple[CellProblem, ...]:
-    """Problems with the cells that they are about."""
-    return tuple(_located(problem, written, table) for problem in problems)
+    told_here = (_without_path(problem, path, written) for problem in said)
+    return Reading(
+        table=table, manipulator=manipulator, problems=tuple(_located(each, written, table) for each in told_here)
+    )
 
 
 def _located(problem: Problem, written: WrittenTable, table: TableText) -> CellProblem:
+    """A problem with the cell that it is about."""
     row, field = written.at(problem.mark)
     whole, _, part = (problem.field or "").partition(".")
     if whole in STATEMENTS:
@@ -139,9 +132,7 @@ def _located(problem: Problem, written: WrittenTable, table: TableText) -> CellP
     if row is None and problem.joint is not None:
         row = next((index for index, texts in enumerate(table.rows) if texts.get("joint") == problem.joint), None)
     said = part or whole  # `limits.lower` is the field lower
-    if field is None and said in FIELDS:
-        field = said
-    return CellProblem(problem=problem, row=row, field=field)
+    return CellProblem(problem=problem, row=row, field=said if field is None and said in FIELDS else field)
 
 
 def _without_path(problem: Problem, path: Path, written: WrittenTable) -> Problem:
@@ -152,49 +143,20 @@ def _without_path(problem: Problem, path: Path, written: WrittenTable) -> Proble
         row, _ = written.at(Mark(file=str(path), line=int(match[1]))) if match[1] else (None, None)
         return "the table" if row is None else f"row {row + 1}"
 
-    texts = {name: on_the_page(pattern.sub(said, text)) for name in _TEXTS if (text := getattr(problem, name))}
+    names = ("message", "accepted", "suggestion")
+    texts = {name: pattern.sub(said, text) for name in names if (text := getattr(problem, name))}
     return replace(problem, **texts)  # type: ignore[arg-type]  # all are texts
 
 
-_WAYS = re.compile(r"(?:`[^`]*`(?: (?:above a CSV header|in the header|in YAML))?(?:, or give | or |, or |, )?)+")
-"""Ways to state a thing in a file or on the command line, one after the other."""
-_UNIT = re.compile(r"(?:length|angle)(?:-unit|:) ?(\w+)")
-
-
-def on_the_page(text: str) -> str:
-    """A reader's advice for somebody who has switches: not what to write into a file, but what to press."""
-
-    def pressed(ways: re.Match[str]) -> str:
-        if "convention" in ways[0]:
-            return "press standard or modified above the table"
-        unit = _UNIT.search(ways[0])
-        rest = ", or " if ways[0].endswith(", or ") else ""
-        return f"press {unit[1]}{rest}" if unit else ways[0]
-
-    return re.sub(r"(?:write|declare it:|say so:) " + _WAYS.pattern, pressed, text)
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Made:
-    """A robot, or why there is none.
-
-    Attributes:
-        robot: the robot.
-        problems: what the transform declares about the table.
-    """
-
-    robot: Robot | None = None
-    problems: tuple[CellProblem, ...] = ()
-
-
-def make(manipulator: Manipulator, variant: str, table: TableText, catalog: Catalog) -> Made:
-    """The robot of a manipulator as a variant of the transform makes it."""
-    reader = catalog.cell_reader()
+def make(
+    manipulator: Manipulator, variant: str, table: TableText, catalog: Catalog
+) -> tuple[Robot | None, tuple[CellProblem, ...]]:
+    """The robot of a manipulator as a variant of the transform makes it; None, and why there is none."""
     try:
-        robot = make_robot(manipulator, transform_call(catalog, variant))
+        return make_robot(manipulator, transform_call(catalog, variant)), ()
     except ManipulatorError as error:
-        return Made(problems=located(error.problems, in_format([table], default_call(catalog, reader)), table))
-    return Made(robot=robot)
+        written = in_format([table], default_call(catalog, catalog.cell_reader()))
+        return None, tuple(_located(problem, written, table) for problem in error.problems)
 
 
 def variants(catalog: Catalog) -> tuple[str, ...]:

@@ -11,45 +11,78 @@ import re
 import tempfile
 import zipfile
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from dh2urdf.commands.convert import POSES, Planned, as_named, in_one_file
 from dh2urdf.commands.written_tables import in_format
 from dh2urdf.conversion.one_manipulator import Recipe
 from dh2urdf.errors import EmitterError
-from dh2urdf.kinematics.proof import Proof
 from dh2urdf.output.whole_files import safe_stem
 from dh2urdf.source import Mark
-from dh2urdf.stage_calls.calls import Call, default_call
+from dh2urdf.stage_calls.calls import default_call
 from dh2urdf.stages import Emitter, OtherFiles, WritesFolders, WritesTables
 from dh2urdf.table_text import NAMES, yaml_word
 from dh2urdf_studio.editing.reading import transform_call, variant_options
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Iterator, Sequence
 
+    from dh2urdf.kinematics.proof import Proof
     from dh2urdf.plugin_system.catalog import Catalog
+    from dh2urdf.stage_calls.calls import Call
     from dh2urdf.table_text import TableText
 
 _COMMA = re.compile(r"^([-+−]?[0-9]*),(?=[0-9]+(?:[eE][-+]?[0-9]+)?[^0-9,]*$)")
 """The comma of a cell that is a number with a decimal comma, with or without a unit."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Saved:
+class Saved(NamedTuple):
     """A file to hand over.
 
     Attributes:
         name: its name.
         content: what is in it.
         proof: how far it is from the DH product, where it is a robot description.
+        missing: the suffixes of files that are not in it, where it is a zip of everything that can be made.
     """
 
     name: str
     content: bytes
     proof: Proof | None = None
+    missing: tuple[str, ...] = ()
+
+
+def savings(catalog: Catalog) -> Iterator[tuple[str, str, str]]:
+    """What can be saved: its kind, the format, and what the menu calls it."""
+    yield from (("table", name, f"Table as {name}") for name in table_formats(catalog))
+    yield from (("other", suffix, f"Table as {suffix}") for suffix in other_suffixes(catalog))
+    yield from (("robot", name, f"Robot as {name}") for name in robot_formats(catalog))
+    yield "run", "", "Run file"
+    yield "all", "", "Everything, as a zip"
+
+
+def saved(table: TableText, kind: str, name: str, variant: str, catalog: Catalog) -> Saved:
+    """One of the `savings` of a table.
+
+    Raises:
+        InputError: the table is not right, or the stage is not installed or cannot do so.
+        ManipulatorError: the format cannot hold the table, or what was made is not its arm.
+    """
+    match kind:
+        case "table":
+            return table_file(table, name, catalog)
+        case "other":
+            return other_file(table, name, variant, catalog)
+        case "robot":
+            return robot_file(table, name, variant, catalog)
+        case "run":
+            return run_file(table, variant, catalog)
+    files = all_files(table, variant, catalog)
+    there = {Path(file.name).suffix for file in files}
+    missing = tuple(suffix for suffix in other_suffixes(catalog) if suffix not in there)
+    return Saved(f"{Path(files[0].name).stem}.zip", zipped(files), missing=missing)
 
 
 def table_file(table: TableText, format_name: str, catalog: Catalog) -> Saved:
@@ -59,19 +92,14 @@ def table_file(table: TableText, format_name: str, catalog: Catalog) -> Saved:
         InputError: no such reader is installed, or it only reads.
     """
     reader = catalog.get("reader", format_name)
-    if reader.name != catalog.cell_reader().name:
-        table = _with_points(table)
+    if reader.name != catalog.cell_reader().name:  # which alone takes decimal commas
+        rows = (
+            {field: text if field in NAMES else _COMMA.sub(r"\1.", text) for field, text in row.items()}
+            for row in table.rows
+        )
+        table = replace(table, rows=tuple(rows))
     written = in_format([table], default_call(catalog, reader))
-    return Saved(name=f"{safe_stem(table.name or 'arm')}{reader.suffixes[0]}", content=written.content)
-
-
-def _with_points(table: TableText) -> TableText:
-    """A table without decimal commas, which only the reader of cells takes."""
-    rows = (
-        {field: text if field in NAMES else _COMMA.sub(r"\1.", text) for field, text in row.items()}
-        for row in table.rows
-    )
-    return replace(table, rows=tuple(rows))
+    return Saved(f"{safe_stem(table.name or 'arm')}{reader.suffixes[0]}", written.content)
 
 
 def table_formats(catalog: Catalog) -> tuple[str, ...]:
@@ -81,7 +109,8 @@ def table_formats(catalog: Catalog) -> tuple[str, ...]:
 
 def robot_formats(catalog: Catalog) -> tuple[str, ...]:
     """The formats in which a robot can be saved as a file, by the names of their emitters."""
-    return tuple(stage.name for stage in _emitters_of_files(catalog) if not _for_suffix(stage))
+    emitters = _emitters_of_files(catalog)
+    return tuple(stage.name for stage in emitters if (others := stage.can(OtherFiles)) is None or not others.for_suffix)
 
 
 def other_suffixes(catalog: Catalog) -> tuple[str, ...]:
@@ -89,13 +118,15 @@ def other_suffixes(catalog: Catalog) -> tuple[str, ...]:
     readable = {suffix for name in table_formats(catalog) for suffix in catalog.get("reader", name).suffixes[:1]}
     found: list[str] = []
     for stage in _emitters_of_files(catalog):
-        if for_suffix := _for_suffix(stage):
-            given = stage.options()
-            seen = [for_suffix(given, suffix) for suffix in stage.suffixes if suffix in readable]
-            for suffix in stage.suffixes:
-                if (options := for_suffix(given, suffix)) not in seen:
-                    seen.append(options)
-                    found.append(suffix)
+        others = stage.can(OtherFiles)
+        if others is None or others.for_suffix is None:
+            continue
+        given = stage.options()
+        seen = [others.for_suffix(given, suffix) for suffix in stage.suffixes if suffix in readable]
+        for suffix in stage.suffixes:
+            if (options := others.for_suffix(given, suffix)) not in seen:
+                seen.append(options)
+                found.append(suffix)
     return tuple(found)
 
 
@@ -104,44 +135,20 @@ def _emitters_of_files(catalog: Catalog) -> list[Emitter[Any]]:
     return [stage for stage in stages if isinstance(stage, Emitter) and not stage.can(WritesFolders)]
 
 
-def _for_suffix(stage: Emitter[Any]) -> Callable[[Any, str], Any] | None:
-    others = stage.can(OtherFiles)
-    return others.for_suffix if others else None
-
-
 def robot_file(table: TableText, format_name: str, variant: str, catalog: Catalog) -> Saved:
-    """The robot of a table as one file: the bytes of `dh2urdf convert TABLE --to FORMAT` on standard output.
-
-    Raises:
-        InputError: the table is not right, or no such emitter is installed.
-        ManipulatorError: no file could be made, or it is not the arm of the table.
-    """
+    """The robot of a table as one file: the bytes of `dh2urdf convert TABLE --to FORMAT` on standard output."""
     call = in_one_file(default_call(catalog, catalog.get("emitter", format_name)))
-    (saved, *_) = _make(table, [call], variant, catalog)
-    return saved
+    return _make(table, [call], variant, catalog)[0]
 
 
 def other_file(table: TableText, suffix: str, variant: str, catalog: Catalog) -> Saved:
-    """A table for people or other programs: the bytes of `dh2urdf convert TABLE -o FILE` with this suffix.
-
-    Raises:
-        InputError: the table is not right, or no emitter has the suffix.
-        ManipulatorError: the format cannot hold the table.
-    """
+    """A table for people or other programs: the bytes of `dh2urdf convert TABLE -o FILE` with this suffix."""
     call = as_named(default_call(catalog, catalog.emitter_for(Path(f"arm{suffix}"))), Path(f"arm{suffix}"))
-    (saved, *_) = _make(table, [call], variant, catalog)
-    return saved
+    return _make(table, [call], variant, catalog)[0]
 
 
 def all_files(table: TableText, variant: str, catalog: Catalog) -> tuple[Saved, ...]:
-    """The table in every format, the run file, and what `dh2urdf run` makes of it.
-
-    A format that cannot hold the table is left out.
-
-    Raises:
-        InputError: the table is not right.
-        ManipulatorError: no robot description could be made, or it is not the arm of the table.
-    """
+    """The table in every format that can hold it, the run file, and what `dh2urdf run` makes of it."""
     emitters = [catalog.get("emitter", name) for name in robot_formats(catalog)]
     tables = [table_file(table, name, catalog) for name in table_formats(catalog)]
     made = _make(table, [default_call(catalog, emitter) for emitter in emitters], variant, catalog)
@@ -154,18 +161,18 @@ def all_files(table: TableText, variant: str, catalog: Catalog) -> tuple[Saved, 
 
 def run_file(table: TableText, variant: str, catalog: Catalog) -> Saved:
     """A run file that does with the saved table what the studio does."""
-    saved = table_file(table, catalog.cell_reader().name, catalog)
+    name = table_file(table, catalog.cell_reader().name, catalog).name
     transform = catalog.usual("transform")
-    options = ", ".join(f"{name}: {word}" for name, word in variant_options(transform, variant).items())
+    options = ", ".join(f"{option}: {word}" for option, word in variant_options(transform, variant).items())
     lines = [
-        f"inputs: {yaml_word(saved.name)}",
+        f"inputs: {yaml_word(name)}",
         f"transform: {{stage: {transform.name}, options: {{{options}}}}}",
         "emitters:",
-        *(f"  - {{stage: {name}}}" for name in robot_formats(catalog)),
-        f"output: {{directory: {yaml_word('build/' + Path(saved.name).stem)}}}",
+        *(f"  - {{stage: {emitter}}}" for emitter in robot_formats(catalog)),
+        f"output: {{directory: {yaml_word('build/' + Path(name).stem)}}}",
         "",
     ]
-    return Saved(name=f"{Path(saved.name).stem}_run.yaml", content="\n".join(lines).encode())
+    return Saved(f"{Path(name).stem}_run.yaml", "\n".join(lines).encode())
 
 
 def zipped(files: Sequence[Saved]) -> bytes:
@@ -185,14 +192,13 @@ def _make(table: TableText, emitters: Sequence[Call[Emitter[Any]]], variant: str
     reader = default_call(catalog, catalog.cell_reader())
     recipe = Recipe(transform=transform_call(catalog, variant), emitters=tuple(emitters), poses=POSES)
     with tempfile.TemporaryDirectory(prefix="dh2urdf-") as folder:
-        saved = table_file(table, reader.stage.name, catalog)
-        path = Path(folder) / saved.name
-        path.write_bytes(saved.content)
-        made = Planned(
-            table=path, target=None, reader=reader, recipe=recipe, mark=Mark(file="dh2urdf studio")
-        ).carry_out()
+        file = table_file(table, reader.stage.name, catalog)
+        path = Path(folder) / file.name
+        path.write_bytes(file.content)
+        mark = Mark(file="dh2urdf studio")
+        made = Planned(table=path, target=None, reader=reader, recipe=recipe, mark=mark).carry_out()
     return [
-        Saved(name=file.name, content=file.content, proof=emitted.proof if file is emitted.files[0] else None)
+        Saved(file.name, file.content, emitted.proof if file is emitted.files[0] else None)
         for emitted in made.written
         for file in emitted.files
     ]

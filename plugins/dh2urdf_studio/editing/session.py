@@ -15,14 +15,12 @@ from dh2urdf.robot import Robot
 from dh2urdf.rotations import IDENTITY, RigidTransform
 from dh2urdf.table_text import FIELDS, TableText
 from dh2urdf_studio import joints
-from dh2urdf_studio.drawing.colours import PAPER
 from dh2urdf_studio.drawing.grips import Grasp
-from dh2urdf_studio.drawing.motions import moving_frame
+from dh2urdf_studio.drawing.parts import PAPER
 from dh2urdf_studio.drawing.scene import FRAME_SIZE, Drawing, Figure, extent
-from dh2urdf_studio.drawing.strokes import Stroke
+from dh2urdf_studio.drawing.strokes import Stroke, moving_frame
 from dh2urdf_studio.editing import conversions, edits
 from dh2urdf_studio.editing.comparing import Beside, beside, tip_error
-from dh2urdf_studio.editing.history import History
 from dh2urdf_studio.editing.reading import CellProblem, Reading, make, read, variants
 
 if TYPE_CHECKING:
@@ -88,7 +86,7 @@ class Session:
 
     def __init__(self, catalog: Catalog, table: TableText | None = None) -> None:
         self.catalog = catalog
-        self.history = History.of(table or TableText(name="arm"))
+        self.history = edits.History.of(table or TableText(name="arm"))
         self.arm: OpenArm | None = None
         self.drawing = Drawing()
         self.sliders: tuple[Slider, ...] = ()
@@ -112,15 +110,6 @@ class Session:
         self._before_preview = None
         self.look()
 
-    def copy(self) -> Session:
-        """Another session that goes on from here: a tab that was duplicated."""
-        other = Session.__new__(Session)
-        other.__dict__.update(self.__dict__)  # All of it is immutable but q and poses.
-        other.q = dict(self.q)
-        other.grasp = Grasp()
-        other.poses = list(self.poses)
-        return other
-
     @property
     def table(self) -> TableText:
         """The table as it is typed."""
@@ -138,11 +127,38 @@ class Session:
         keys = self.history.keys
         return keys.index(self.picked) if self.picked in keys else None
 
+    @property
+    def moving_rows(self) -> list[int]:
+        """The numbers of the rows that move, and so are axes."""
+        return edits.moving_rows(self.table, self._made)
+
+    @property
+    def _made(self) -> tuple[TableText, Manipulator] | None:
+        return (self.arm.table, self.arm.manipulator) if self.arm else None
+
     # --- The table ----------------------------------------------------------------------------------------------------
 
     def put(self, table: TableText, keys: Sequence[str] = ()) -> None:
         """Another table takes the place of this one, with the same rows, and some more with these keys."""
         self._go_to(self.history.then(table, [*self.history.keys, *keys] if keys else None))
+
+    def resize(self, axes: int, keys: Sequence[str] = ()) -> None:
+        """So many rows that move; more of them have these keys."""
+        self.put(edits.with_axes(self.table, axes, self._made), keys)
+
+    def finish_typing(self, left: object, kept: TableText | None, *, is_new: bool) -> None:
+        """Takes the text that was being typed when the page lost the connection or was loaded anew.
+
+        Args:
+            left: what `edits.with_typed` takes.
+            kept: the table with that text, as the browser has kept it.
+            is_new: whether the session had no table when the page asked: it is offered the whole kept table instead.
+        """
+        if self.previews:  # nobody types on in a page that is gone
+            self.look()
+        table = edits.with_typed(self.table, self.history.keys, left)
+        if table != self.table and (not is_new or table == kept):
+            self.put(table)
 
     def arrange(self, act: str, key: str | None, other: str | None = None) -> None:
         """Something was done to a row, as `edits.rearranged` has it; ``other`` may be the key of a new row."""
@@ -150,7 +166,7 @@ class Session:
         keys = [other if row is None else self.history.keys[row] for row in rows]
         self._go_to(self.history.then(edits.arranged(self.table, rows), keys))
 
-    def _go_to(self, history: History) -> None:
+    def _go_to(self, history: edits.History) -> None:
         self.history = history
         self.look()
 
@@ -169,11 +185,11 @@ class Session:
         Raises:
             LookupError: there is no such cell.
         """
-        self.put(edits.with_cell(self.table, row, field, text))
+        self.put(edits.with_cells(self.table, {(row, field): text}))
 
     def set_texts(self, **texts: str) -> None:
         """A text of the whole table was typed: its name, base, tool or defaults."""
-        self.put(replace(self.table, **{key: edits.clean(text) for key, text in texts.items()}))  # type: ignore[arg-type]  # all are texts
+        self.put(edits.with_texts(self.table, **texts))
 
     def undo(self) -> None:
         """One state back."""
@@ -190,7 +206,7 @@ class Session:
             Whether there is something new to show.
         """
         try:
-            table = edits.with_cell(self.table, row, field, text)
+            table = edits.with_cells(self.table, {(row, field): text})
         except LookupError:
             return False
         if self._before_preview is None:
@@ -268,7 +284,7 @@ class Session:
         if self.measured is not None and frames.keys() >= set(self.measured):
             one, other = (frames[name].translation for name in self.measured)
             if math.dist(one, other) > LEAST_LENGTH * self.drawing.reach:
-                yield Stroke(row=None, field="distance", points=(one, other), label="")
+                yield Stroke(row=None, field="distance", points=(one, other))
 
     @property
     def frames(self) -> dict[str, RigidTransform]:
@@ -332,20 +348,19 @@ class Session:
         manipulator = reading.manipulator
         if manipulator is None:
             return False
-        made = make(manipulator, self.variants[0], reading.table, self.catalog)
-        if made.robot is None:
-            self.problems_of_making = made.problems
+        robot, problems = make(manipulator, self.variants[0], reading.table, self.catalog)
+        if robot is None:
+            self.problems_of_making = problems
             return False
-        keys = self.history.keys
-        self.arm = OpenArm(table=reading.table, keys=keys, manipulator=manipulator, robot=made.robot)
+        self.arm = OpenArm(table=reading.table, keys=self.history.keys, manipulator=manipulator, robot=robot)
         self._draw()
         return True
 
     def _make_other(self) -> None:
         """Makes the other variant, which no letter has to wait for while it is not shown."""
         if self.arm is not None and self.arm.other is None and not self.arm.refusal:
-            made = make(self.arm.manipulator, self.variants[-1], self.arm.table, self.catalog)
-            self.arm = replace(self.arm, other=made.robot, refusal=made.problems)
+            robot, problems = make(self.arm.manipulator, self.variants[-1], self.arm.table, self.catalog)
+            self.arm = replace(self.arm, other=robot, refusal=problems)
 
     def _draw(self) -> None:
         self.beside = None

@@ -1,1 +1,1 @@
-"""The panels below the table, such as a row explained and the pose of tool0, and what a click on a button does."""
+"""The panels below the table: a row explained, the pose of tool0, stored poses, measures, a description beside it."""

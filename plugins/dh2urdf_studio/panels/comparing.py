@@ -12,15 +12,13 @@ from nicegui import run, ui
 
 from dh2urdf.errors import InputError
 from dh2urdf.kinematics.comparison import TOLERANCE, changes
-from dh2urdf.meshes import addresses
 from dh2urdf.quantities.units import UNITS
 from dh2urdf_studio import dialogs, words
-from dh2urdf_studio.drawing import mesh_files
-from dh2urdf_studio.drawing.digits import decimals, short
+from dh2urdf_studio.drawing.mesh_files import LARGEST
 from dh2urdf_studio.drawing.scene import Drawing
-from dh2urdf_studio.editing.adopting import adopted, changed_cells, own_table
-from dh2urdf_studio.editing.comparing import Apart, Beside, differences
-from dh2urdf_studio.editing.given_files import MOST_FILES, GivenFiles, description_suffixes, too_much
+from dh2urdf_studio.editing.comparing import Apart, Beside, adopted, changed_cells, differences, own_table
+from dh2urdf_studio.editing.given_files import MOST_FILES, GivenFiles, description_suffixes, too_much, wanted_suffixes
+from dh2urdf_studio.widgets import panel, row_of, small_button
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -42,45 +40,25 @@ class ComparingPanel:
     ICON, TITLE = "compare", "compare with a robot description"
 
     def __init__(
-        self,
-        session: Session,
-        meshes: MeshStore,
-        on_arm: Callable[[], None],
-        on_table: Callable[[TableText], None],
+        self, session: Session, meshes: MeshStore, on_arm: Callable[[], None], on_table: Callable[[TableText], None]
     ) -> None:
-        """Lay the panel out, hidden.
-
-        Args:
-            session: what it is about.
-            meshes: serves the mesh files of the description.
-            on_arm: draws the arm anew.
-            on_table: puts another table in place of the one that is there, as one step of undo.
-        """
+        """Lay the panel out, hidden."""
         self._session, self._meshes, self._on_arm, self._on_table = session, meshes, on_arm, on_table
         self._is_open = False
         self._files: GivenFiles | None = None
         self._figure: Figure | None = None
         self._served: tuple[str, ...] = ()
-        suffixes = description_suffixes(session.catalog)
-        ends = [*suffixes, ".zip", *mesh_files.SUFFIXES, *addresses.SUFFIXES, ".yaml", ".yml"]
-        wanted = json.dumps({"ends": ends, "most": MOST_FILES, "largest": mesh_files.LARGEST, "refused": "dh-no-files"})
-        nothing = f"No description was found. Accepted: {', '.join(suffixes)}, with mesh files, or a ZIP of them."
-        answers = {"none": nothing, "too much": str(too_much()), "lost": dialogs.LOST}
-        ui.on("dh-no-files", lambda event: self._answer(answers[str(event.args)]))
         ui.context.client.on_delete(self._forget)
         if session.beside is not None:  # of a page that was loaded anew, whose files are gone
             session.lay_beside(None)
-        with ui.element("aside").classes("studio-panel").props('aria-label="comparing"') as self._panel:
-            upload = ui.upload(multiple=True, on_multi_upload=self._take).style("display: none")
-            address = json.dumps(upload.props["url"])
-            self._panel.on("dragover", js_handler="event => event.preventDefault()")
-            self._panel.on("drop", js_handler=f"event => dhPage.drop(event, {address}, {wanted})")
-            with ui.element("div").classes("studio-row"):
+        with panel("comparing") as self._panel:
+            address, wanted = self._lay_upload()
+            with row_of():
                 for told, icon, folder in (
                     ("Open a description", "folder_open", "false"),
                     ("Open a folder", "drive_folder_upload", "true"),
                 ):
-                    choose = ui.button(told, icon=icon).props("outline dense no-caps size=sm")
+                    choose = small_button(told, icon=icon)
                     choose.on("click", js_handler=f"() => dhPage.choose({address}, {wanted}, {folder})")
                 self._which = ui.select([], on_change=self._choose_description)
                 self._which.props('dense outlined prefix="file" aria-label="description"').set_visibility(False)
@@ -90,14 +68,26 @@ class ComparingPanel:
                     )
                     for end in ("base link", "tip link")
                 }
-                self._adopt = ui.button("Take its numbers over", on_click=self._take_over)
-                self._adopt.props("outline dense no-caps size=sm")
+                self._adopt = small_button("Take its numbers over", self._take_over)
                 self._adopt.tooltip("puts the numbers that differ into the table; undo brings the old ones back")
-                self._away = ui.button("Take it away", on_click=self._close)
-                self._away.props("flat dense no-caps size=sm")
+                self._away = ui.button("Take it away", on_click=self._close).props("flat dense no-caps size=sm")
             self._status = ui.label().classes("studio-compared").style("white-space: pre-line").props('role="status"')
             self._numbers = ui.html(sanitize=False)
         self.show()
+
+    def _lay_upload(self) -> tuple[str, str]:
+        """Lay out what takes files; its address, and what it accepts, as page.js has them."""
+        catalog = self._session.catalog
+        nothing = f"No description was found. Accepted: {', '.join(description_suffixes(catalog))}"
+        answers = {"none": f"{nothing}, with mesh files, or a ZIP of them.", "too much": str(too_much())}
+        ui.on("dh-no-files", lambda event: self._status.set_text(answers.get(str(event.args), dialogs.LOST)))
+        ends = [*wanted_suffixes(catalog), ".zip"]
+        wanted = json.dumps({"ends": ends, "most": MOST_FILES, "largest": LARGEST, "refused": "dh-no-files"})
+        upload = ui.upload(multiple=True, on_multi_upload=self._take).style("display: none")
+        address = json.dumps(upload.props["url"])
+        self._panel.on("dragover", js_handler="event => event.preventDefault()")
+        self._panel.on("drop", js_handler=f"event => dhPage.drop(event, {address}, {wanted})")
+        return address, wanted
 
     def switch(self) -> None:
         """Open it, or close it; the description is shown while it is open."""
@@ -115,21 +105,20 @@ class ComparingPanel:
         self._adopt.set_visibility(differs and session.reading.is_whole)
         if not self._is_open or self._figure is None:
             return
+        self._numbers.set_content("")
         if found is None or session.arm is None:
-            self._answer("The table has no arm yet.")
-            self._numbers.set_content("")
+            self._status.set_text("The table has no arm yet.")
             return
         table = session.arm.manipulator
-        self._answer("\n".join(_words(found, table)))
-        here: tuple[Apart, ...] = ()
+        self._status.set_text("\n".join(_words(found, table)))
         if found.chain is not None:
             here = differences(found.chain, table, [session.q.get(row.joint, 0.0) for row in table.moving_rows])
-        self._numbers.set_content(_as_html(found, table, here, 1 + decimals(_MM, session.reach)) if here else "")
+            self._numbers.set_content(_as_html(found, table, here, 1 + words.decimals(_MM, session.reach)))
 
     async def _take(self, event: Any) -> None:  # noqa: ANN401 - NiceGUI's
         self._close()
-        if len(event.files) > MOST_FILES or sum(file.size() for file in event.files) > mesh_files.LARGEST:
-            self._answer(str(too_much()))  # before any of it is in memory
+        if len(event.files) > MOST_FILES or sum(file.size() for file in event.files) > LARGEST:
+            self._status.set_text(str(too_much()))  # before any of it is in memory
             return
         files = GivenFiles((), self._session.catalog)
         try:
@@ -137,11 +126,11 @@ class ComparingPanel:
                 await run.io_bound(files.add, unquote(file.name), await file.read())
         except InputError as error:
             files.close()
-            self._answer(str(error))
+            self._status.set_text(str(error))
             return
         self._files, names = files, list(files.descriptions)
         if not names:
-            self._answer("There is no robot description among these files.")
+            self._status.set_text("There is no robot description among these files.")
             return
         self._which.set_options(names, value=names[0])  # which opens it
         self._which.set_visibility(len(names) > 1)
@@ -153,7 +142,7 @@ class ComparingPanel:
         found = await run.io_bound(files.figure, name)
         if isinstance(found, str):
             self._lay(None)
-            self._answer(found)
+            self._status.set_text(found)
         elif found is not None:  # as it is while the server ends
             links = [_LIKELIEST, *(link.name for link in found.robot.links)]
             for select in self._ends.values():
@@ -184,23 +173,16 @@ class ComparingPanel:
         if session.table is not table:  # it was edited meanwhile
             return
         if taken is None:
-            ui.notify(
-                "No numbers in these rows make the table this arm. Open has the description's own table.",
-                type="warning",
-            )
+            told = "No numbers in these rows make the table this arm. Open has the description's own table."
+            ui.notify(told, type="warning")
             return
         self._on_table(taken)
-        ui.notify(
-            f"{words.count(changed_cells(table, taken), 'cell has', 'cells have')} the description's numbers",
-            type="positive",
-        )
-
-    def _answer(self, text: str) -> None:
-        self._status.set_text(text)
+        told = words.count(changed_cells(table, taken), "cell has", "cells have")
+        ui.notify(f"{told} the description's numbers", type="positive")
 
     def _lay(self, figure: Figure | None) -> None:
         self._figure = figure
-        self._answer("")
+        self._status.set_text("")
         self._numbers.set_content("")
         self._compare()
 
@@ -254,5 +236,5 @@ def _as_html(found: Beside, table: Manipulator, here: tuple[Apart, ...], digits:
 
 def _cells(apart: Apart, digits: int) -> str:
     kind = "" if max(apart) <= TOLERANCE else " class='studio-differs'"
-    distance, angle = short(_MM.number(apart.distance), digits), short(math.degrees(apart.angle), _DIGITS)
-    return f"<td{kind}>{distance}</td><td{kind}>{angle}</td>"
+    distance, angle = _MM.number(apart.distance), math.degrees(apart.angle)
+    return f"<td{kind}>{words.short(distance, digits)}</td><td{kind}>{words.short(angle, _DIGITS)}</td>"

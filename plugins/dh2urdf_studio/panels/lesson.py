@@ -6,44 +6,68 @@ from typing import TYPE_CHECKING
 
 from nicegui import ui
 
-from dh2urdf_studio.drawing.motions import NAMES, order
-from dh2urdf_studio.panels.lesson_words import explained
+from dh2urdf.kinematics.chain import dh_frames, dh_transform, joint_variables, reach, row_transform
+from dh2urdf.manipulator import Convention, JointType
+from dh2urdf.quantities.units import UNITS
+from dh2urdf_studio.drawing.strokes import NAMES, ORDER, where_x_is
 from dh2urdf_studio.panels.poses import TICK
+from dh2urdf_studio.widgets import panel, row_of, small_button
+from dh2urdf_studio.words import decimals, plain
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Iterable, Mapping, Sequence
 
+    from dh2urdf.manipulator import Manipulator
+    from dh2urdf.quantities.units import Unit
+    from dh2urdf.rotations import RigidTransform
+    from dh2urdf.table_text import TableText
     from dh2urdf_studio.editing.session import Session
 
 _STEP = 0.04  # of a motion in a tick: a motion takes 1.25 s
 _ALL = 4.0
+_SYMBOLS = {
+    Convention.STANDARD: (
+        ("cθ", "−sθ cα", "sθ sα", "a cθ"),
+        ("sθ", "cθ cα", "−cθ sα", "a sθ"),
+        ("0", "sα", "cα", "d"),
+        ("0", "0", "0", "1"),
+    ),
+    Convention.MODIFIED: (
+        ("cθ", "−sθ", "0", "a"),
+        ("sθ cα", "cθ cα", "−sα", "−d sα"),
+        ("sθ sα", "cθ sα", "cα", "d cα"),
+        ("0", "0", "0", "1"),
+    ),
+}
+"""A in symbols, c and s for cosine and sine: Spong, Hutchinson, Vidyasagar, eq. 3.10; Craig, eq. 3.6."""
+_MEANING = {
+    Convention.STANDARD: "x of the frame after the row lies on the common normal of the row's axis and the next one: a "
+    "is its length, α the angle between the axes; d and θ lead to it along and about the row's axis.",
+    Convention.MODIFIED: "x of the frame before the row lies on the common normal of its axis and the row's axis: a is "
+    "its length, α the angle between the axes; θ and d lead on about and along the row's axis.",
+}
+_DIGITS = 4
+_MOST_FACTORS = 3
 
 
 class LessonPanel:
-    """Explains the picked row beside the arm, and moves a frame through it."""
+    """Explains the picked row beside the arm, and moves a frame through it; `on_move` draws the pose anew."""
 
     ICON, TITLE = "school", "explain the picked row"
 
     def __init__(self, session: Session, on_move: Callable[[], None]) -> None:
-        """Lay the panel out, hidden.
-
-        Args:
-            session: what it is about.
-            on_move: draws the pose anew.
-        """
+        """Lay the panel out, hidden."""
         self._session, self._on_move, self._until = session, on_move, _ALL
-        with (
-            ui.element("aside")
-            .classes("studio-panel studio-lesson")
-            .props('aria-label="the picked row"') as self._panel
-        ):
-            with ui.element("div").classes("studio-row"):
+        with panel("the picked row").classes("studio-lesson") as self._panel:
+            with row_of():
                 self._title = ui.label().classes("studio-caption")
-                ui.button("play", icon="play_arrow", on_click=self._play).props("outline dense no-caps size=sm")
+                small_button("play", lambda: self._start(0.0, _ALL), "play_arrow")
                 self._steps = [
-                    ui.button(on_click=lambda number=number: self._one(number)).props("flat dense no-caps size=sm")
+                    ui.button(on_click=lambda number=number: self._start(float(number), number + 1.0))
                     for number in range(int(_ALL))
                 ]
+                for step in self._steps:
+                    step.props("flat dense no-caps size=sm")
             self._text = ui.html(sanitize=False).classes("studio-lesson-text")
         self._timer = ui.timer(TICK, self._go_on, active=False)
         self.show()
@@ -63,22 +87,17 @@ class LessonPanel:
             return
         self._panel.props(f"data-progress={session.lesson:.2f}")
         row = session.drawn_row
-        names = [NAMES[field] for field in order(session.arm.manipulator.convention)]
-        for number, (button, name) in enumerate(zip(self._steps, names, strict=True), start=1):
-            button.set_text(f"{number} {name}")
+        for number, (button, field) in enumerate(
+            zip(self._steps, ORDER[session.arm.manipulator.convention], strict=True), start=1
+        ):
+            button.set_text(f"{number} {NAMES[field]}")
             button.set_enabled(row is not None)
         if row is None:
             self._title.set_text("Pick a row of the table, or a link of the arm.")
             self._text.set_content("")
-            return
-        self._title.set_text(f"row {(session.row or 0) + 1}")
-        self._text.set_content(explained(session.arm.manipulator, row, session.q, session.table))
-
-    def _play(self) -> None:
-        self._start(0.0, _ALL)
-
-    def _one(self, number: int) -> None:
-        self._start(float(number), number + 1.0)
+        else:
+            self._title.set_text(f"row {(session.row or 0) + 1}")
+            self._text.set_content(explained(session.arm.manipulator, row, session.q, session.table))
 
     def _start(self, progress: float, until: float) -> None:
         self._session.lesson, self._until = progress, until
@@ -87,10 +106,63 @@ class LessonPanel:
 
     def _go_on(self) -> None:
         session = self._session
-        if session.lesson is None:
+        if session.lesson is not None:
+            session.lesson = min(session.lesson + _STEP, self._until)
+            self._on_move()
+        if session.lesson is None or session.lesson >= self._until:
             self._timer.deactivate()
-            return
-        session.lesson = min(session.lesson + _STEP, self._until)
-        if session.lesson >= self._until:
-            self._timer.deactivate()
-        self._on_move()
+
+
+def explained(table: Manipulator, number: int, q: Mapping[str, float], typed: TableText) -> str:
+    """The transform of a row and that of all rows up to it, at the pose on the screen, as HTML."""
+    row, value = table.rows[number], q.get(table.rows[number].joint, 0.0)
+    length, angle, far = UNITS[typed.length_unit], UNITS[typed.angle_unit], reach(table)
+    theta, d = joint_variables(row, value)
+    moves = {JointType.PRISMATIC: "d", JointType.FIXED: ""}.get(row.type, "θ")
+    told = []
+    for symbol, size in {"θ": theta, "d": d, "a": row.a, "α": row.alpha}.items():
+        unit = angle if symbol in "θα" else length
+        sign = "°" if unit.degrees else f" {unit.symbol}"
+        told.append(f"{symbol} = {unit.number(size):.6g}{sign}{' (moves)' if symbol == moves else ''}")
+    index = number + 1
+    is_standard = table.convention is Convention.STANDARD
+    other = Convention.MODIFIED if is_standard else Convention.STANDARD
+    neighbour = number + (-1 if is_standard else 1)
+    whose, a, alpha = "a = 0 and α = 0", 0.0, 0.0
+    if 0 <= neighbour < len(table.rows):
+        whose, a, alpha = f"a and α of row {neighbour + 1}", table.rows[neighbour].a, table.rows[neighbour].alpha
+    there = dh_transform(other, a=a, alpha=alpha, d=d, theta=theta)
+    frame = dh_frames(table, [q.get(each.joint, 0.0) for each in table.moving_rows])[index]
+    factors = [f"A<sub>{each}</sub>" for each in range(1, index + 1)]
+    product = " ".join(["base", *(factors if index <= _MOST_FACTORS else (factors[0], "…", factors[-1]))])
+    here = row_transform(table.convention, row, value)
+    return (
+        f"<div>{', '.join(told)}</div>"
+        f"<div><b>A<sub>{index}</sub> = {_product(table.convention)}</b></div>"
+        f"{_equal(_matrix(_SYMBOLS[table.convention]), here, length, far)}"
+        f"{_equal(f'<b>T<sub>0{index}</sub> = {product}</b>', frame, length, far)}"
+        f"<div>{_MEANING[table.convention]}</div><div>{where_x_is(table, q, number)}</div>"
+        f"<details><summary>The {other} convention</summary><div>A = {_product(other)}</div>"
+        f"{_equal(_matrix(_SYMBOLS[other]), there, length, far)}"
+        f"<div>The same arm has d and θ of this row there, and {whose}.</div><div>{_MEANING[other]}</div></details>"
+    )
+
+
+def _product(convention: Convention) -> str:
+    return " ".join(NAMES[field] for field in ORDER[convention])
+
+
+def _equal(left: str, transform: RigidTransform, length: Unit, reach: float) -> str:
+    """An equation with a transform in numbers on its right side."""
+    digits = max(_DIGITS, decimals(length, reach))
+    rows = [
+        [*(plain(x, _DIGITS) for x in transform.rotation[3 * row : 3 * row + 3]), plain(length.number(place), digits)]
+        for row, place in enumerate(transform.translation)
+    ]
+    numbers = [[text.replace("-", "−") for text in row] for row in (*rows, ["0", "0", "0", "1"])]
+    return f'<div class="studio-matrices">{left}<span>=</span>{_matrix(numbers)}</div>'
+
+
+def _matrix(rows: Iterable[Sequence[str]]) -> str:
+    cells = "".join(f"<tr>{''.join(f'<td>{cell}</td>' for cell in row)}</tr>" for row in rows)
+    return f'<table class="studio-table-matrix">{cells}</table>'

@@ -1,4 +1,4 @@
-"""Poses that a person has stored, and the arm's way from one to the next."""
+"""Poses that a person has stored, where one frame is in another, and where tool0 can be."""
 
 from __future__ import annotations
 
@@ -6,39 +6,42 @@ from typing import TYPE_CHECKING
 
 from nicegui import ui
 
+from dh2urdf.manipulator import ROOT, TOOL
+from dh2urdf.quantities.units import UNITS
+from dh2urdf.rotations import norm
+from dh2urdf_studio import joints
+from dh2urdf_studio.widgets import panel, row_of, small_button
+
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
+    from dh2urdf.rotations import RigidTransform
     from dh2urdf_studio.editing.session import OpenArm, Session
 
 TICK = 0.05
 """Time from one step of a motion to the next [s]."""
 _STRETCH = 1.5  # from one pose to the next [s]
+_POINTS = 4000  # of the workspace, for arms of up to a hundred joints
+_NUMBERS = 400_000  # joint values that are drawn at most
 
 
 class PosesPanel:
-    """Stores poses, brings the arm back to each, and plays all of them."""
+    """Stores poses, brings the arm back to each, and plays all of them; `on_move` draws the pose anew."""
 
     ICON, TITLE = "animation", "stored poses"
 
     def __init__(self, session: Session, on_move: Callable[[], None]) -> None:
-        """Lay the panel out, hidden.
-
-        Args:
-            session: what it is about.
-            on_move: draws the pose anew.
-        """
+        """Lay the panel out, hidden."""
         self._session, self._on_move, self._is_open = session, on_move, False
         self._way: list[Mapping[str, float]] = []
         self._progress = 0.0  # along the way, in poses
         self._arm: OpenArm | None = None  # whose way it is
         self._laid: list[dict[str, float]] | None = None  # the poses that have buttons
-        with ui.element("aside").classes("studio-panel").props('aria-label="stored poses"') as self._panel:
-            with ui.element("div").classes("studio-row"):
-                ui.button("store this pose", icon="add", on_click=self._store).props("outline dense no-caps size=sm")
-                self._play = ui.button("play", icon="play_arrow", on_click=self._play_or_stop)
-                self._play.props("outline dense no-caps size=sm")
-            self._list = ui.element("div").classes("studio-row")
+        with panel("stored poses") as self._panel:
+            with row_of():
+                small_button("store this pose", self._store, "add")
+                self._play = small_button("play", self._play_or_stop, "play_arrow")
+            self._list = row_of()
         self._timer = ui.timer(TICK, self._go_on, active=False)
         self.show()
 
@@ -60,7 +63,9 @@ class PosesPanel:
         with self._list:
             for number in range(len(session.poses)):
                 with ui.button_group().props("outline"):
-                    go = ui.button(f"{number + 1}", on_click=lambda number=number: self._go(number))
+                    go = ui.button(
+                        f"{number + 1}", on_click=lambda number=number: self._start(session.poses[number : number + 1])
+                    )
                     go.props(f'outline dense size=sm aria-label="pose {number + 1}"')
                     drop = ui.button(icon="close", on_click=lambda number=number: self._drop(number))
                     drop.props(f'outline dense size=sm aria-label="forget pose {number + 1}"')
@@ -73,9 +78,6 @@ class PosesPanel:
         self._timer.deactivate()
         del self._session.poses[number : number + 1]
         self.show()
-
-    def _go(self, number: int) -> None:
-        self._start(self._session.poses[number : number + 1])
 
     def _play_or_stop(self) -> None:
         if self._timer.active:
@@ -102,12 +104,7 @@ class PosesPanel:
 
 
 def between(way: list[Mapping[str, float]], progress: float) -> dict[str, float]:
-    """The joint values on a way [rad or m]: linear in each joint, beginning and ending each stretch at rest.
-
-    Args:
-        way: joint values by name; joints that a pose does not have stay where they are.
-        progress: 0 at the first pose, 1 at the second, and so on.
-    """
+    """The joint values on a way [rad or m]: linear in each joint, beginning and ending each stretch at rest."""
     begin = min(int(progress), len(way) - 1)
     part = progress - begin
     if not part:
@@ -115,3 +112,80 @@ def between(way: list[Mapping[str, float]], progress: float) -> dict[str, float]
     part = part * part * (3.0 - 2.0 * part)
     one, other = way[begin], way[begin + 1]
     return {name: value + part * (other.get(name, value) - value) for name, value in one.items()}
+
+
+class MeasuringPanel:
+    """Measures between two frames, and shows the workspace as a cloud of points."""
+
+    ICON, TITLE = "straighten", "measure between frames, and show the workspace"
+
+    def __init__(self, session: Session, on_move: Callable[[], None], show_cloud: Callable[..., None]) -> None:
+        """Lay the panel out, hidden."""
+        self._session, self._on_move, self._show_cloud = session, on_move, show_cloud
+        self._is_open = False
+        self._arm: OpenArm | None = None  # whose workspace is shown
+        with panel("measuring") as self._panel:
+            with row_of():
+                self._from, self._to = (
+                    ui.select([], on_change=self._choose).props(f'dense outlined prefix="{word}" aria-label="{word}"')
+                    for word in ("from", "to")
+                )
+                self._cloud = ui.checkbox("workspace", on_change=self.show).props("dense size=xs")
+            self._words = ui.label().classes("studio-measured").style("white-space: pre-line")
+            self._reach = ui.label()
+        self.show()
+
+    def switch(self) -> None:
+        """Open it, or close it."""
+        self._is_open = not self._is_open
+        self._choose()
+
+    def show(self) -> None:
+        """Show the measures as they are now."""
+        session = self._session
+        arm = session.arm if self._is_open else None
+        self._panel.set_visibility(arm is not None)
+        wanted = arm if self._cloud.value else None
+        if wanted is not self._arm:
+            self._arm = wanted
+            self._show_workspace()
+        if arm is None:
+            session.measured = None
+            return
+        frames = session.frames
+        for select, usual in ((self._from, ROOT), (self._to, TOOL)):
+            select.set_options(list(frames), value=select.value if select.value in frames else usual)
+        session.measured = str(self._from.value), str(self._to.value)
+        one, other = (frames[name] for name in session.measured)
+        self._words.set_text(_measures(one.inverse @ other, arm))
+
+    def _choose(self) -> None:
+        self.show()
+        self._on_move()
+
+    def _show_workspace(self) -> None:
+        """Show where tool0 is at random joint values inside the limits, or nothing."""
+        import numpy as np
+
+        self._reach.set_text("")
+        if self._arm is None:
+            self._show_cloud(np.zeros((0, 3)))
+            return
+        manipulator, sliders = self._arm.manipulator, self._session.sliders
+        count = max(1, min(_POINTS, _NUMBERS // max(1, len(sliders))))
+        drawn = [joints.anywhere(sliders) for _ in range(count)]
+        q = np.array([[each.get(row.joint, 0.0) for row in manipulator.moving_rows] for each in drawn])
+        points = manipulator.fk(q)[:, :3, 3]
+        self._show_cloud(points)
+        far = np.linalg.norm(points, axis=1)
+        unit = UNITS[self._arm.table.length_unit]
+        least, most = (f"{unit.number(float(each)):.4g} {unit.symbol}" for each in (far.min(), far.max()))
+        self._reach.set_text(f"workspace: tool0 was {least} to {most} from base_link in {count} random poses")
+
+
+def _measures(pose: RigidTransform, arm: OpenArm) -> str:
+    length, angle = UNITS[arm.table.length_unit], UNITS[arm.table.angle_unit]
+    xyz = ", ".join(f"{length.number(x):.6g}" for x in pose.translation)
+    rpy = ", ".join(f"{angle.number(x):.6g}" for x in pose.rpy)
+    distance = length.number(norm(pose.translation))
+    return f"distance {distance:.6g} {length.symbol}\nxyz {xyz} {length.symbol}; rpy {rpy} {angle.symbol}"

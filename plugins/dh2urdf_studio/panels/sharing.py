@@ -11,13 +11,12 @@ from nicegui import run, ui
 from dh2urdf.errors import Dh2UrdfError
 from dh2urdf.output.whole_files import safe_stem
 from dh2urdf_studio import dialogs
-from dh2urdf_studio.connection import ANSWERED
-from dh2urdf_studio.drawing import turntable
-from dh2urdf_studio.drawing.fading import faded
-from dh2urdf_studio.drawing.scene_file import glb
-from dh2urdf_studio.editing.keeping import kept_table, kept_text
+from dh2urdf_studio.arrivals import ANSWERED
+from dh2urdf_studio.drawing import exports
+from dh2urdf_studio.drawing.scene import faded
+from dh2urdf_studio.editing.edits import kept_table, kept_text
 from dh2urdf_studio.editing.save import Saved
-from dh2urdf_studio.panels.clicks import lay_menu_item
+from dh2urdf_studio.widgets import lay_menu_item
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -37,20 +36,11 @@ def lay_items(session: Session, view: ArmView) -> None:
 
 
 def lay_scene_items(view: ArmView, scene: Callable[[], ShownScene]) -> None:
-    """Lay out the entries of a menu that take the scene along.
-
-    Args:
-        view: what shows it.
-        scene: gives its name, and what is shown of it now.
-    """
+    """Lay out the entries of a menu that take the scene along; `scene` gives what is shown of it now."""
     for told, transparent in (("Picture (PNG)", False), ("Picture with a transparent ground", True)):
-        lay_menu_item(told, partial(_save_picture, view, scene, transparent=transparent))
+        lay_menu_item(told, lambda clear=transparent: view.save_picture(scene()[0], transparent=clear))  # type: ignore[misc]  # of a default
     lay_menu_item("Turntable (GIF)", partial(_save_turntable, view, scene))
     lay_menu_item("Scene as glTF (GLB)", partial(_save_scene, scene))
-
-
-def _save_picture(view: ArmView, scene: Callable[[], ShownScene], *, transparent: bool) -> None:
-    view.save_picture(scene()[0], transparent=transparent)
 
 
 async def _save_turntable(view: ArmView, scene: Callable[[], ShownScene]) -> None:
@@ -59,12 +49,12 @@ async def _save_turntable(view: ArmView, scene: Callable[[], ShownScene]) -> Non
     note = ui.notification("turntable", spinner=True, timeout=None)
     try:
         frames = []
-        async for frame in view.turn(turntable.FRAMES, turntable.LARGEST):
+        async for frame in view.turn(exports.FRAMES, exports.LARGEST):
             frames.append(frame)
-            note.message = f"turntable: frame {len(frames)} of {turntable.FRAMES}"
-        made = await run.io_bound(turntable.gif, frames)
+            note.message = f"turntable: frame {len(frames)} of {exports.FRAMES}"
+        made = await run.io_bound(exports.gif, frames)
         if made is not None:  # as it is while the server ends
-            dialogs.hand_over(Saved(name=f"{name}.gif", content=made))
+            dialogs.hand_over(Saved(f"{name}.gif", made))
     except Dh2UrdfError as error:
         await dialogs.show_error("The turntable cannot be made", error)
     finally:
@@ -75,9 +65,9 @@ async def _save_scene(scene: Callable[[], ShownScene]) -> None:
     """Hand over the robots as they are shown, in the pose on the screen."""
     name, drawing, q, layers = scene()
     try:
-        made = await run.io_bound(glb, drawing, q, layers, name or "arm")
+        made = await run.io_bound(exports.glb, drawing, q, layers, name or "arm")
         if made is not None:  # as it is while the server ends
-            dialogs.hand_over(Saved(name=f"{safe_stem(name or 'arm')}.glb", content=made))
+            dialogs.hand_over(Saved(f"{safe_stem(name or 'arm')}.glb", made))
     except Dh2UrdfError as error:
         await dialogs.show_error("The scene cannot be written", error)
 
@@ -96,10 +86,7 @@ async def show_link(table: TableText) -> None:
 
 
 async def linked_table() -> TableText | None:
-    """The table of the link by which the page was opened; None where it was opened without one.
-
-    A link whose table cannot be read is shown as a problem.
-    """
+    """The table of the link by which the page was opened; None where it was opened without one, or it is damaged."""
     text = await ui.run_javascript("return dhPage.linked()", timeout=ANSWERED)
     if text is None:
         return None

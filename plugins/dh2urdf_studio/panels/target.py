@@ -21,7 +21,8 @@ from dh2urdf.rotations import (
     rotation_from_quaternion,
     rotation_from_rpy,
 )
-from dh2urdf_studio.drawing.digits import USUAL, decimals, short
+from dh2urdf_studio.widgets import panel, row_of
+from dh2urdf_studio.words import USUAL, decimals, short
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -44,13 +45,7 @@ class TargetPanel:
     ICON, TITLE = "ads_click", "set the pose of tool0"
 
     def __init__(self, session: Session, on_move: Callable[[], None], on_switch: Callable[..., None]) -> None:
-        """Lay the panel out, hidden.
-
-        Args:
-            session: what it is about.
-            on_move: draws the pose anew.
-            on_switch: shows the handle in the scene, or hides it.
-        """
+        """Lay the panel out, hidden."""
         self._session, self._on_move, self._on_switch = session, on_move, on_switch
         self._is_open = False
         self._keeps_texts = False  # what was typed stays where the arm does not reach it: other boxes may follow
@@ -58,12 +53,12 @@ class TargetPanel:
         self._focused = ""  # the box that a person types in
         self._searches = 0
         self._dragged = IDENTITY_ROTATION  # how tool0 was turned when the handle was taken
-        with ui.element("aside").classes("studio-panel").props('aria-label="the pose of tool0"') as self._panel:
-            with ui.element("div").classes("studio-row"):
+        with panel("the pose of tool0") as self._panel:
+            with row_of():
                 ui.label("T(base_link → tool0)").classes("studio-caption")
                 self._turn = ui.toggle(list(TURNS), value=next(iter(TURNS)), on_change=self.show)
                 self._turn.props('dense unelevated no-caps aria-label="how the orientation is written"')
-            with ui.element("div").classes("studio-row"):
+            with row_of():
                 self._boxes = {name: self._box(name) for name in (*PLACE, *sum(TURNS.values(), ()))}
             self._answer = ui.label().classes("studio-target-answer").props('role="status"')
             self._numbers = ui.label().classes("studio-target-numbers")
@@ -72,15 +67,12 @@ class TargetPanel:
     def _box(self, name: str) -> ui.input:
         box = ui.input().props(f'dense outlined prefix="{name}" aria-label="{name} of tool0"')
         box.classes("studio-target-box").on("change", self._typed)
-        box.on("focus", lambda: self._focus(name)).on("blur", lambda: self._blur(name))
+        box.on("focus", lambda: self._focus(name)).on("blur", lambda: self._focus("", after=name))
         return box
 
-    def _focus(self, name: str) -> None:
-        self._focused = name
-
-    def _blur(self, name: str) -> None:
-        if self._focused == name:  # The browser reports it after the focus of the next box.
-            self._focused = ""
+    def _focus(self, name: str, after: str | None = None) -> None:
+        if after in (None, self._focused):  # The browser reports that a box is left after the focus of the next one.
+            self._focused = name
 
     def switch(self) -> None:
         """Open it, or close it."""
@@ -112,8 +104,7 @@ class TargetPanel:
 
     @property
     def _units(self) -> tuple[Unit, Unit]:
-        arm = self._session.arm
-        table = arm.table if arm else self._session.table
+        table = self._session.arm.table if self._session.arm else self._session.table
         return UNITS[table.length_unit], UNITS[table.angle_unit]
 
     def _number(self, name: str, unit: Unit) -> float:
@@ -159,8 +150,13 @@ class TargetPanel:
         self._searches += 1
         number = self._searches
         try:
-            pose = self._pose()
-            found = await self._search(arm.manipulator, pose)
+            search: asyncio.Future[InverseSolution | None] = asyncio.ensure_future(
+                run.io_bound(inverse_kinematics, arm.manipulator, self._pose(), self._start(arm.manipulator))
+            )
+            done, _ = await asyncio.wait({search}, timeout=_PATIENCE)
+            if not done:
+                self._answer.set_text("searching …")
+            found = await search
         except (QuantityError, InputError) as error:
             self._answer.set_text(": ".join([*getattr(error, "__notes__", ()), str(error)]))
             return
@@ -169,16 +165,6 @@ class TargetPanel:
             self._keeps_texts = not found.reached
             self._take(arm.manipulator, found)
             self._keeps_texts = False
-
-    async def _search(self, arm: Manipulator, pose: RigidTransform) -> InverseSolution | None:
-        """The nearest pose of the arm; the panel says that it is searched for where that takes a while."""
-        search: asyncio.Future[InverseSolution | None] = asyncio.ensure_future(
-            run.io_bound(inverse_kinematics, arm, pose, self._start(arm))
-        )
-        done, _ = await asyncio.wait({search}, timeout=_PATIENCE)
-        if not done:
-            self._answer.set_text("searching …")
-        return await search
 
     def drag(self, place: Vec3, *, begins: bool) -> None:
         """Follow the handle: tool0 comes to a place [m], turned as it was when the handle was taken."""
@@ -195,32 +181,18 @@ class TargetPanel:
         return [self._session.q.get(row.joint, 0.0) for row in arm.moving_rows]
 
     def _take(self, arm: Manipulator, found: InverseSolution) -> None:
-        self._session.move(_joint_values(arm, found))
+        values = {}
+        for row, value in zip(arm.moving_rows, found.q, strict=True):
+            turns = row.type is not JointType.PRISMATIC and row.limits.lower is None
+            values[row.joint] = math.remainder(value, math.tau) if turns else value
+        self._session.move(values)
         self._on_move()
-        self._answer.set_text(_report(found))
+        self._answer.set_text("tool0 is there" if found.reached else _shortfall(found))
 
 
-def _three_digits(number: float) -> str:
-    """Three digits that count, and no power of ten: 1080."""
-    return f"{float(f'{number:.3g}'):g}"
-
-
-def _report(found: InverseSolution) -> str:
-    if found.reached:
-        return "tool0 is there"
-    return (
-        f"The arm cannot reach this pose: tool0 is {_three_digits(found.position_error * 1000.0)} mm and "
-        f"{math.degrees(found.angle_error):.3g}° from it."
-    )
-
-
-def _joint_values(arm: Manipulator, found: InverseSolution) -> dict[str, float]:
-    """The joint values of a solution; of a joint that turns without limits those within half a turn."""
-    values = {}
-    for row, value in zip(arm.moving_rows, found.q, strict=True):
-        turns = row.type is not JointType.PRISMATIC and row.limits.lower is None
-        values[row.joint] = math.remainder(value, 2.0 * math.pi) if turns else value
-    return values
+def _shortfall(found: InverseSolution) -> str:
+    far = float(f"{found.position_error * 1000.0:.3g}")  # and no power of ten: 1080
+    return f"The arm cannot reach this pose: tool0 is {far:g} mm and {math.degrees(found.angle_error):.3g}° from it."
 
 
 def _words_of(arm: Manipulator, session: Session) -> str:

@@ -7,8 +7,8 @@ import math
 from dh2urdf.foreign_robot import Follower
 from dh2urdf.manipulator import Inertia, JointType, Limits
 from dh2urdf.robot import Box, Collision, Inertial, Joint, Link, Material, Mesh, Origin, Robot, Visual
-from dh2urdf_studio.drawing.contents import contents
 from dh2urdf_studio.drawing.scene import Figure
+from dh2urdf_studio.robot_tree import contents
 
 
 def test_links_from_the_root_with_all_that_they_hold() -> None:

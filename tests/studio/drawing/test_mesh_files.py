@@ -77,36 +77,12 @@ def test_a_ball_is_smooth(tmp_path: Path) -> None:
     assert np.abs(normals - positions / 0.5).max() < 0.03
 
 
-def test_corners_have_the_normals_that_the_rule_gives(tmp_path: Path) -> None:
-    """Of crumpled paper, which has every angle between its triangles, and one triangle without an area."""
-    random = np.random.default_rng(1)
-    x, y = (axis.reshape(-1) for axis in np.meshgrid(np.arange(12.0), np.arange(12.0)))
-    vertices = np.column_stack([x, y, random.normal(0.0, 0.3, len(x))])
-    squares = [12 * row + column for row in range(11) for column in range(11)]
-    faces = [face for i in squares for face in ((i, i + 1, i + 13), (i, i + 13, i + 12))]
-    paper = trimesh.Trimesh(vertices, [*faces, (0, 1, 1)], process=False)
-    ((_, positions, normals),) = parts(DrawnMesh(path=written(tmp_path, "paper.obj", paper)))
-    corners = positions.reshape(-1, 3, 3).astype(float)
-    areas = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    lengths = np.linalg.norm(areas, axis=1)
-    flat = areas / np.where(lengths > 0.0, lengths, 1.0)[:, None]
-    split = 0
-    for number, (position, normal) in enumerate(zip(positions, normals, strict=True)):
-        meeting = [other // 3 for other in np.flatnonzero((positions == position).all(axis=1))]
-        smooth = [other for other in meeting if flat[other] @ flat[number // 3] > 0.77]
-        expected = areas[smooth].sum(axis=0)
-        split += 0 < len(smooth) < len(meeting)
-        expected = expected / np.linalg.norm(expected) if smooth else (0.0, 0.0, 1.0)
-        assert np.abs(normal - expected).max() < 0.006
-    assert split > 50
-
-
 @pytest.mark.parametrize(("name", "count"), [("box.stl", 24), ("ball.stl", 642)])
 def test_corners_that_are_alike_are_one(tmp_path: Path, name: str, count: int) -> None:
     """A box has three normals at each of its corners, a ball one."""
     shape = trimesh.creation.box((1, 1, 1)) if name == "box.stl" else trimesh.creation.icosphere(subdivisions=3)
     ((_, surface),) = surfaces(DrawnMesh(path=written(tmp_path, name, shape)))
-    assert (len(surface.positions), len(surface.corners)) == (count, 3 * len(shape.faces))
+    assert (len(surface.positions), surface.faces.shape) == (count, shape.faces.shape)
 
 
 @pytest.mark.parametrize(("as_in_ros", "sizes"), [(True, (1, 2, 0)), (False, (1, 0, 2))])

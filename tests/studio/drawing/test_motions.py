@@ -11,7 +11,7 @@ from dh2urdf.kinematics import dh_frames, row_transform
 from dh2urdf.kinematics.chain import as_matrices
 from dh2urdf.manipulator import Convention, DHRow, JointType, Manipulator
 from dh2urdf.rotations import RigidTransform
-from dh2urdf_studio.drawing.motions import motions, moving_frame, order, so_far
+from dh2urdf_studio.drawing.strokes import ORDER, motions, moving_frame, so_far
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -38,7 +38,7 @@ def elementary(field: str, size: float) -> NDArray[np.float64]:
 def test_the_product_is_the_row(convention: Convention, row: DHRow) -> None:
     """At the end it is A(q); in between the motions of the textbook's order, the last one in part."""
     names = ("theta", "d", "a", "alpha") if convention is Convention.STANDARD else ("alpha", "a", "theta", "d")
-    assert order(convention) == names
+    assert ORDER[convention] == names
     steps = motions(convention, row, 0.35)
     assert so_far(steps, 0.0) == RigidTransform((1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0), (0.0, 0.0, 0.0))
     whole = as_matrices(row_transform(convention, row, 0.35))

@@ -14,8 +14,7 @@ from dh2urdf.kinematics.facts import Line
 from dh2urdf.manipulator import Convention, DHRow, JointType, Manipulator
 from dh2urdf.rotations import RigidTransform
 from dh2urdf.stage_calls.calls import default_call
-from dh2urdf_studio import gallery
-from dh2urdf_studio.drawing.normals import (
+from dh2urdf_studio.drawing.strokes import (
     Position,
     common_normal,
     robot_normals,
@@ -23,6 +22,7 @@ from dh2urdf_studio.drawing.normals import (
     table_normals,
     where_x_is,
 )
+from dh2urdf_studio.editing.opening import gallery_table
 from dh2urdf_studio.editing.session import Session
 
 if TYPE_CHECKING:
@@ -97,7 +97,7 @@ UR5 = [
 
 def test_parallel_axes_and_axes_that_meet(catalog: Catalog) -> None:
     """Each row of a UR5 has the words for how its axes lie, and the normal that the table takes."""
-    session = Session(catalog, gallery.table("ur5.csv", catalog))
+    session = Session(catalog, gallery_table("ur5.csv", catalog))
     assert session.arm is not None
     table = session.arm.manipulator
     session.move({row.joint: 0.4 * number - 0.7 for number, row in enumerate(table.moving_rows)})

@@ -3,7 +3,6 @@ from __future__ import annotations
 import json
 import math
 from dataclasses import replace
-from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -16,8 +15,8 @@ from dh2urdf.manipulator import Convention, Inertia, JointType
 from dh2urdf.robot import Inertial, Joint, Link, Mesh, Origin, Robot, Visual
 from dh2urdf.rotations import RigidTransform
 from dh2urdf.table_text import table_text
-from dh2urdf_studio.drawing.colours import APART, PAPER
-from dh2urdf_studio.drawing.scene import FRAME_SIZE, Drawing, Figure, extent, numbers, poses_as_json, towards
+from dh2urdf_studio.drawing.parts import APART, PAPER
+from dh2urdf_studio.drawing.scene import FRAME_SIZE, Drawing, Figure, extent, poses_as_json
 from dh2urdf_studio.editing.reading import make
 
 if TYPE_CHECKING:
@@ -28,7 +27,7 @@ if TYPE_CHECKING:
 
 
 def figure(arm: Manipulator, catalog: Catalog) -> Figure:
-    robot = make(arm, "exact", table_text(arm), catalog).robot
+    robot = make(arm, "exact", table_text(arm), catalog)[0]
     assert robot is not None
     return Figure(robot=robot, manipulator=arm)
 
@@ -130,18 +129,6 @@ def test_a_link_with_nothing_to_draw_is_sticks() -> None:
     assert not any(part.layer == "links" for node in drawing.nodes[1:] for part in node.parts)
 
 
-def test_what_stands_in_the_world_has_no_stick_to_its_origin() -> None:
-    """A joint that moves has one."""
-    links = tuple(Link(name=name) for name in ("world", "table", "cart"))
-    joints = (
-        Joint(name="a", type=JointType.FIXED, parent="world", child="table", origin=Origin(xyz=(0.3, 0.0, 0.4))),
-        Joint(name="b", type=JointType.PRISMATIC, parent="world", child="cart", origin=Origin(xyz=(0.0, 0.0, 0.4))),
-    )
-    drawing = Drawing.of([Figure(robot=Robot(name="x", links=links, joints=joints))])
-    (stick,) = (part for node in drawing.nodes for part in node.parts if part.layer == "links")
-    assert stick.pose.translation == (0.0, 0.0, 0.2)
-
-
 def test_a_mass_is_the_ellipsoid_of_its_inertia() -> None:
     """Of an ellipsoid of steel, whose mass and tensor trimesh integrates over triangles: the very ellipsoid.
 
@@ -175,44 +162,6 @@ def test_an_inertia_that_no_body_has_is_no_ellipsoid() -> None:
     assert {part.layer for node in drawing.nodes for part in node.parts} == {"masses"}
 
 
-def test_centres_of_mass_are_seen_in_robots_of_many_links() -> None:
-    """Their balls are as large as the robot asks for, however short its links and their frames are."""
-    names = [f"l{number}" for number in range(51)]
-    inertial = Inertial(mass=1.0, inertia=Inertia(ixx=1.0, iyy=1.0, izz=1.0))
-    links = tuple(Link(name=name, inertial=inertial) for name in names)
-    joints = tuple(
-        Joint(
-            name=f"j{child}", type=JointType.CONTINUOUS, parent=parent, child=child, origin=Origin(xyz=(0.02, 0.0, 0.0))
-        )
-        for parent, child in pairwise(names)
-    )
-    drawing = Drawing.of([Figure(robot=Robot(name="x", links=links, joints=joints))])
-    balls = [part for node in drawing.nodes for part in node.parts if part.layer == "masses"]
-    assert len(balls) == 51
-    assert all(ball.size[0] > 0.01 * drawing.reach for ball in balls)
-
-
-def test_links_in_any_order_are_drawn() -> None:
-    """A description of foreign origin may name children before parents, and joints in any order."""
-    links = tuple(Link(name=name) for name in ("tip", "middle", "root"))
-    joints = (
-        Joint(name="b", type=JointType.FIXED, parent="middle", child="tip", origin=Origin(xyz=(1.0, 0.0, 0.0))),
-        Joint(name="a", type=JointType.PRISMATIC, parent="root", child="middle", origin=Origin(xyz=(0.0, 1.0, 0.0))),
-    )
-    drawing = Drawing.of([Figure(robot=Robot(name="x", links=links, joints=joints))])
-    poses = dict(zip((node.name for node in drawing.nodes), drawing.poses({"a": 0.5}), strict=True))
-    assert poses["tip"].translation == (1.0, 1.0, 0.5)
-
-
-@pytest.mark.parametrize("direction", [(0.0, 0.0, 1.0), (0.0, 0.0, -1.0), (1.0, 0.0, 0.0), (0.3, -2.0, 0.4)])
-def test_a_rotation_towards(direction: tuple[float, float, float]) -> None:
-    """It turns z into the direction, and is a rotation."""
-    R = np.array(towards(direction)).reshape(3, 3)
-    assert np.allclose(R @ R.T, np.eye(3))
-    assert np.isclose(np.linalg.det(R), 1.0)
-    assert np.allclose(R[:, 2], np.array(direction) / np.linalg.norm(direction))
-
-
 def test_the_extent_bounds_the_arm(reference_robot: ReferenceRobot, catalog: Catalog) -> None:
     """No published pose is farther away than the scene is made for."""
     arm = reference_robot.manipulator
@@ -224,31 +173,6 @@ def test_the_extent_bounds_the_arm(reference_robot: ReferenceRobot, catalog: Cat
         )
         if inside:
             assert math.hypot(*forward_kinematics(arm, q).translation) <= extent(robot) + 1e-9
-
-
-def test_frames_of_many_axes_do_not_bury_the_links() -> None:
-    """An arm of 30 axes of 0.1 m: an arrow is no longer than half a link."""
-    joints = [
-        Joint(
-            name=f"j{n}",
-            type=JointType.REVOLUTE,
-            parent=f"l{n}",
-            child=f"l{n + 1}",
-            axis=(0.0, 0.0, 1.0),
-            origin=Origin(xyz=(0.1, 0.0, 0.0)),
-        )
-        for n in range(30)
-    ]
-    robot = Robot(name="long", links=tuple(Link(name=f"l{n}") for n in range(31)), joints=tuple(joints))
-    drawing = Drawing.of([Figure(robot=robot)])
-    frames = [part.size[0] for node in drawing.nodes for part in node.parts if part.shape == "frame"]
-    assert len(frames) == 30
-    assert max(frames) <= 0.05 + 1e-12
-
-
-def test_poses_are_told_to_a_nanometre() -> None:
-    """Nine digits: far below what a pixel shows, and half the bytes of a double."""
-    assert numbers(RigidTransform.from_xyz_rpy((1 / 3, 0.0, 0.0)))[3] == 0.333333333
 
 
 def test_an_axis_is_never_in_the_colour_of_its_links(reference_robots: list[ReferenceRobot], catalog: Catalog) -> None:

@@ -13,9 +13,9 @@ import trimesh
 from PIL import Image
 
 from dh2urdf_studio.drawing import mesh_files
+from dh2urdf_studio.drawing.exports import glb
 from dh2urdf_studio.drawing.mesh_files import DrawnMesh, triangles
 from dh2urdf_studio.drawing.mesh_store import MeshStore
-from dh2urdf_studio.drawing.scene_file import glb
 from dh2urdf_studio.viewing import View, load_figures
 
 if TYPE_CHECKING:
@@ -132,17 +132,6 @@ def test_the_scene_as_gltf_has_textures(tmp_path: Path, catalog: Catalog) -> Non
     assert len(mesh.vertices) == 4, "corners that are alike are there once"
     expected = [COLOURS[round(x), round(y)] for x, y in mesh.vertices[:, :2]]
     assert (colours_at(mesh.visual.uv, mesh.visual.material.baseColorTexture) == expected).all()
-
-
-@pytest.mark.parametrize(("material", "file"), [("painted", "gone.mtl"), ("other", "square.mtl")])
-def test_a_mesh_without_its_material_has_no_texture(tmp_path: Path, material: str, file: str) -> None:
-    """It has the colour that the description gives it."""
-    path = square(tmp_path, "square.obj")
-    path.write_text(OBJ.replace("square.mtl", file).replace("usemtl painted", f"usemtl {material}"))
-    content, pictures = triangles(DrawnMesh(path=path))
-    (length,) = struct.unpack_from("<I", content)
-    (part,) = json.loads(content[4 : 4 + length])["parts"]
-    assert (pictures, part["texture"], part["rgba"]) == ({}, None, None)
 
 
 @pytest.mark.parametrize(

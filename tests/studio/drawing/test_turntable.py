@@ -9,7 +9,7 @@ import pytest
 from PIL import Image
 
 from dh2urdf.errors import OutputError
-from dh2urdf_studio.drawing.turntable import LARGEST, gif
+from dh2urdf_studio.drawing.exports import LARGEST, gif
 
 
 def frame(size: tuple[int, int], colour: tuple[int, int, int], kind: str = "PNG") -> str:

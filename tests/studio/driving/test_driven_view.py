@@ -12,14 +12,11 @@ from typing import TYPE_CHECKING, Any
 from urllib.parse import urlsplit
 
 import pytest
-from foreign_pages import foreign_page
 
 from dh2urdf_studio.viewing import View, load_figures
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
-
-    from playwright.sync_api import Browser
 
     from dh2urdf.plugin_system import Catalog
 
@@ -197,31 +194,3 @@ def test_requests_from_elsewhere_drive_nothing(address: str) -> None:
     assert program.get() == before
     assert program.ask("POST", "/set_joint_positions", body, **own, Origin=address.rstrip("/"))[0] == 200
     assert program.get()[PAN] == 1.0
-
-
-HOSTILE = """<!doctype html><title>waiting</title><iframe name="nowhere"></iframe>
-<form method="post" enctype="text/plain" action="{address}set_joint_positions" target="nowhere">
-<input name='{{"names": ["{joint}"], "positions": [1.0], "x": "' value='"}}'></form><script>
-const body = '{{"names": ["{joint}"], "positions": [1.0]}}', url = "{address}set_joint_positions";
-const send = (mode, type) => fetch(url, {{method: "POST", mode, body, headers: {{"Content-Type": type}}}}).catch(() => null);
-document.forms[0].submit();
-navigator.sendBeacon(url, new Blob([body], {{type: "text/plain"}}));
-const read = fetch("{address}get_joint_positions").then((answer) => answer.text(), () => "nothing");
-Promise.all([read, send("no-cors", "text/plain"), send("cors", "text/plain"), send("cors", "application/json")])
-    .then(([found]) => setTimeout(() => (document.title = found), 500));
-</script>"""
-
-
-def test_a_hostile_page_drives_nothing(address: str, chromium: Browser) -> None:
-    """A page of another origin in a real browser: a form, a beacon, and requests with and without asking first."""
-    program = Program(address)
-    program.set(**{PAN: 0.25})
-    text = HOSTILE.format(address=address, joint=PAN)
-
-    with foreign_page(text) as foreign:
-        page = chromium.new_page()
-        page.goto(foreign)
-        page.wait_for_function("document.title !== 'waiting'")
-        assert page.title() == "nothing"
-        page.close()
-    assert program.get()[PAN] == 0.25

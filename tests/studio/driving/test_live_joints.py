@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 from dh2urdf.errors import InputError
-from dh2urdf_studio.driving.live_joints import LiveJoints
+from dh2urdf_studio.live_joints import LiveJoints
 from dh2urdf_studio.viewing import View, load_figures
 
 if TYPE_CHECKING:
@@ -37,11 +37,11 @@ def asked(names: Any, positions: Any) -> bytes:
 
 def test_joints_move_inside_their_limits(view: View) -> None:
     """As sliders have it: the nearest limit holds, a wheel goes round, and a joint that follows another one follows."""
-    live, tab = LiveJoints(view.copy()), view
+    live, tab = LiveJoints(View(view.figures)), view
     assert live.take(asked(["l", "w"], [0.05, 4]), [tab]) == []
     assert tab.q == live.q == {"l": 0.05, "r": -0.05, "w": 4 - math.tau}
     assert live.take(asked(["r", "l"], [9, 0.5]), [tab]) == ["l"]
-    assert live.as_json() == {"names": ["l", "w", "r"], "positions": [0.08, 4 - math.tau, -0.08]}
+    assert live.q == {"l": 0.08, "w": 4 - math.tau, "r": -0.08}
     assert live.take(asked([], []), [tab]) == []
 
     # A tab that is opened later has what programs gave; what a person moves, programs read.
@@ -76,7 +76,7 @@ def test_joints_move_inside_their_limits(view: View) -> None:
 )
 def test_what_is_wrong_moves_nothing(view: View, text: bytes, told: str) -> None:
     """The message names the joint and what is accepted; of a request that is partly right no part counts."""
-    live = LiveJoints(view.copy())
+    live = LiveJoints(View(view.figures))
     with pytest.raises(InputError) as error:
         live.take(text, [view])
     assert told in str(error.value)

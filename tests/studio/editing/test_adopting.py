@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING
 import pytest
 
 import dh2urdf
-from dh2urdf_studio import gallery
-from dh2urdf_studio.editing.adopting import adopted, changed_cells, own_table
+from dh2urdf_studio.editing.comparing import adopted, changed_cells, own_table
 from dh2urdf_studio.editing.edits import with_cells
 from dh2urdf_studio.editing.given_files import GivenFiles
+from dh2urdf_studio.editing.opening import gallery_table
 from dh2urdf_studio.editing.session import Session
 
 if TYPE_CHECKING:
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 )
 def test_the_table_becomes_the_description(catalog: Catalog, file: str, cells: dict, ends: dict, most: int) -> None:
     """Of an arm that differs in a few numbers only these are taken; the other cells keep their texts."""
-    table = gallery.table(file, catalog)
+    table = gallery_table(file, catalog)
     other = replace(with_cells(table, cells), **ends)
     described = Session(catalog, other).arm
     assert described

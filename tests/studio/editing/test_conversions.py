@@ -10,8 +10,8 @@ from dh2urdf.kinematics import angle_error, forward_kinematics, position_error
 from dh2urdf.manipulator import Convention, DHRow, Inertia, JointType, Limits, Manipulator
 from dh2urdf.rotations import RigidTransform
 from dh2urdf.table_text import TableText, table_text
-from dh2urdf_studio import gallery
 from dh2urdf_studio.editing.conversions import with_convention, with_units
+from dh2urdf_studio.editing.opening import gallery_table
 from dh2urdf_studio.editing.reading import make, read_whole
 from dh2urdf_studio.editing.session import Session
 
@@ -97,9 +97,10 @@ class TestConvention:
 def _bodies(table: TableText, catalog: Catalog) -> list[list[float]]:
     """Mass, centre of mass and inertia of the links whose rows give them, in frames parallel to the base."""
     made = make(arm_of(table, catalog), "exact", table, catalog)
-    assert made.robot is not None
-    links = {link.name: link.inertial for link in made.robot.links}
-    origins = {joint.child: joint.origin.xyz for joint in made.robot.joints}
+    robot, _ = made
+    assert robot is not None
+    links = {link.name: link.inertial for link in robot.links}
+    origins = {joint.child: joint.origin.xyz for joint in robot.joints}
     found = []
     position = (0.0, 0.0, 0.0)
     for name in ("link_1", "link_2", "link_3"):
@@ -181,7 +182,7 @@ def _there_and_back(session: Session) -> None:
 @pytest.mark.parametrize("file", ["ur5.csv", "panda.yaml", "scara.csv", "stanford.csv", "track.csv"])
 def test_what_was_typed_comes_back(file: str, catalog: Catalog) -> None:
     """`pi` as a velocity is no 3.14 after a look at the table in degrees: every text is as it was typed."""
-    session = Session(catalog, gallery.table(file, catalog))
+    session = Session(catalog, gallery_table(file, catalog))
     table = session.table
     _there_and_back(session)
     assert session.table == table
@@ -294,7 +295,7 @@ def test_a_row_has_its_a_and_alpha_back_in_other_units(
 
 def test_an_edit_in_between_stays(catalog: Catalog) -> None:
     """What was typed in millimetres is not what was there before; the other cells of the row are."""
-    session = Session(catalog, gallery.table("ur5.csv", catalog))
+    session = Session(catalog, gallery_table("ur5.csv", catalog))
     session.edit(1, "d", "1/3")
     session.set_units("mm", "rad", convert=True)
     session.edit(1, "a", "-426")

@@ -6,8 +6,8 @@ import pytest
 from hypothesis import given, strategies as st
 
 from dh2urdf.table_text import TableText
-from dh2urdf_studio import gallery
-from dh2urdf_studio.editing import axes, edits
+from dh2urdf_studio.editing import edits
+from dh2urdf_studio.editing.opening import gallery_table
 from dh2urdf_studio.editing.session import Session
 
 if TYPE_CHECKING:
@@ -42,14 +42,15 @@ def test_any_number_of_axes(first: int, second: int) -> None:
 @pytest.mark.parametrize("word", ["fixed", "F"])
 def test_fixed_rows_are_no_axes(word: str, catalog: Catalog) -> None:
     """A Panda has seven axes and a fixed row: to ask for eight adds a row, to ask for six takes the last two away."""
-    session = Session(catalog, edits.with_cell(gallery.table("panda.yaml", catalog), 7, "type", word))
-    table, arm = session.table, session.arm
-    assert axes.moving_rows(table, arm) == list(range(7))
-    assert column(axes.with_axes(table, 8, arm), "joint") == [*column(table, "joint"), "joint_9"]
-    assert column(axes.with_axes(table, 6, arm), "joint") == column(table, "joint")[:6]
-    assert axes.with_axes(table, 0, arm).rows == ()
+    session = Session(catalog, edits.with_cells(gallery_table("panda.yaml", catalog), {(7, "type"): word}))
+    names = column(session.table, "joint")
+    assert session.moving_rows == list(range(7))
+    for axes, expected in ((8, [*names, "joint_9"]), (6, names[:6]), (0, [])):
+        session.resize(axes)
+        assert column(session.table, "joint") == expected
+        session.undo()
     session.edit(0, "a", "wrong")
-    assert axes.moving_rows(session.table, session.arm) == list(range(7))
+    assert session.moving_rows == list(range(7))
 
 
 def test_there_is_a_bound() -> None:
@@ -65,7 +66,7 @@ def test_rows_are_inserted_removed_and_moved() -> None:
     assert column(edits.arranged(THREE, [0, 2]), "a") == ["1", "3"]
     assert column(edits.arranged(THREE, [1, 2, 0]), "a") == ["2", "3", "1"]
     assert column(edits.arranged(THREE, [1, 2, 0]), "joint") == ["joint_1", "joint_2", "joint_3"]
-    named = edits.with_cell(THREE, 0, "joint", "base_joint")
+    named = edits.with_cells(THREE, {(0, "joint"): "base_joint"})
     assert column(edits.arranged(named, [1, 2, 0]), "joint") == ["joint_2", "joint_3", "base_joint"]
 
 
@@ -99,17 +100,17 @@ def test_nothing_is_done_to_a_row_that_is_gone(act: str, key: str, other: str | 
 
 def test_a_cell_is_one_line_of_what_a_file_can_hold() -> None:
     """Line ends and characters that no text file has become spaces, long texts are cut."""
-    table = edits.with_cell(THREE, 0, "joint", " a\nb\x00c\t")
+    table = edits.with_cells(THREE, {(0, "joint"): " a\nb\x00c\t"})
     assert table.rows[0]["joint"] == "a b c"
-    assert len(edits.with_cell(THREE, 0, "a", "1" * 10_000).rows[0]["a"]) == edits.LONGEST_TEXT
-    assert "a" not in edits.with_cell(THREE, 0, "a", "  ").rows[0]
+    assert len(edits.with_cells(THREE, {(0, "a"): "1" * 10_000}).rows[0]["a"]) == edits.LONGEST_TEXT
+    assert "a" not in edits.with_cells(THREE, {(0, "a"): "  "}).rows[0]
 
 
 @pytest.mark.parametrize(("row", "field"), [(3, "a"), (-1, "a"), (0, "beta")])
 def test_there_are_no_other_cells(row: int, field: str) -> None:
     """A page that speaks of a cell which there is not is told so, and changes nothing."""
     with pytest.raises(LookupError):
-        edits.with_cell(THREE, row, field, "1")
+        edits.with_cells(THREE, {(row, field): "1"})
 
 
 def test_a_row_begins_with_its_geometry() -> None:

@@ -6,14 +6,13 @@ from itertools import count
 from hypothesis import given, strategies as st
 
 from dh2urdf.table_text import TableText
-from dh2urdf_studio.editing.edits import arranged, rearranged, resized, with_cells
-from dh2urdf_studio.editing.history import LONGEST, History
+from dh2urdf_studio.editing.edits import LONGEST_PAST as LONGEST, History, arranged, rearranged, resized, with_cells
 
 
 @given(st.lists(st.sampled_from(["undo", "redo", "a", "b", "c"]), max_size=40))
 def test_undo_and_redo_are_those_of_a_list(acts: list[str]) -> None:
     """Whatever is done in whatever order, the table is the one that a list with a cursor would have."""
-    history = History()
+    history = History.of(TableText())
     states, cursor = [""], 0
     for act in acts:
         if act == "undo":
@@ -54,7 +53,7 @@ def test_a_row_keeps_its_key(acts: list[tuple[str, int]]) -> None:
 
 def test_very_old_states_are_forgotten() -> None:
     """So many states are kept and no more; the newest ones."""
-    history = History()
+    history = History.of(TableText())
     for number in range(LONGEST + 10):
         history = history.then(TableText(name=str(number)))
     assert len(history.states) == LONGEST
@@ -78,9 +77,3 @@ def test_a_convention_that_is_chosen_leaves_the_rows() -> None:
     chosen = history.then(replace(table, convention="standard"))
     assert chosen.keys == history.keys
     assert not {*chosen.then(replace(chosen.table, convention="modified")).keys} & {*chosen.keys}
-
-
-def test_empty_rows_change_places() -> None:
-    """They look the same, and a cursor is in one of them."""
-    history = History.of(resized(TableText(), 2))
-    assert history.then(arranged(history.table, [1, 0]), ["1", "0"]).keys == ("1", "0")

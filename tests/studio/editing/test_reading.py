@@ -81,8 +81,8 @@ def test_what_the_transform_refuses_has_its_cell(catalog: Catalog) -> None:
     arm = read_whole(table, catalog).manipulator
     assert arm is not None
     made = make(arm, "paper", table, catalog)
-    assert made.robot is None
-    assert [(found.row, found.field) for found in made.problems] == [(1, "theta")]
+    assert made[0] is None
+    assert [(found.row, found.field) for found in made[1]] == [(1, "theta")]
 
 
 def test_rows_that_nobody_has_begun_are_waited_for(catalog: Catalog) -> None:

@@ -9,9 +9,8 @@ import pytest
 
 from dh2urdf.errors import EmitterError, InputError
 from dh2urdf.table_text import TableText
-from dh2urdf_studio import gallery
 from dh2urdf_studio.editing import edits, save
-from dh2urdf_studio.editing.opening import tables_of
+from dh2urdf_studio.editing.opening import gallery, gallery_table, tables_of
 from dh2urdf_studio.editing.reading import read_whole
 
 if TYPE_CHECKING:
@@ -20,7 +19,7 @@ if TYPE_CHECKING:
 
     from dh2urdf.plugin_system import Catalog
 
-EXHIBITS = [item.file for item in gallery.tables()]
+EXHIBITS = list(gallery())
 
 
 @pytest.mark.parametrize("variant", ["exact", "paper"])
@@ -30,7 +29,7 @@ def test_files_are_those_of_convert(
     catalog: Catalog, cli: Callable[..., Any], tmp_path: Path, *, variant: str, form: str, robot: str
 ) -> None:
     """Byte by byte what `dh2urdf convert` makes of the saved table, in whichever format it was saved."""
-    table = gallery.table("ur5_paper.csv", catalog)
+    table = gallery_table("ur5_paper.csv", catalog)
     saved = save.table_file(table, form, catalog)
     (tmp_path / saved.name).write_bytes(saved.content)
     made = save.robot_file(table, robot, variant, catalog)
@@ -52,7 +51,7 @@ def test_decimal_commas_are_saved(catalog: Catalog, cli: Callable[..., Any], tmp
 @pytest.mark.parametrize("file", EXHIBITS)
 def test_the_gallery_is_converted_alike(file: str, catalog: Catalog, cli: Callable[..., Any], tmp_path: Path) -> None:
     """The URDF of every arm of the gallery is that of its table, opened and saved again or not."""
-    table = gallery.table(file, catalog)
+    table = gallery_table(file, catalog)
     saved = save.table_file(table, "csv", catalog)
     (tmp_path / saved.name).write_bytes(saved.content)
     made = save.robot_file(table, "urdf", "exact", catalog)
@@ -64,7 +63,7 @@ def test_the_gallery_is_converted_alike(file: str, catalog: Catalog, cli: Callab
 @pytest.mark.long
 def test_a_zip_of_all_runs(catalog: Catalog, cli: Callable[..., Any], tmp_path: Path) -> None:
     """The run file of the zip makes the robot descriptions of the zip, byte by byte; a zip is always the same bytes."""
-    table = replace(gallery.table("ur5.csv", catalog), name="my arm: 1")
+    table = replace(gallery_table("ur5.csv", catalog), name="my arm: 1")
     files = save.all_files(table, "exact", catalog)
     content = save.zipped(files)
     assert content == save.zipped(save.all_files(table, "exact", catalog))
@@ -85,7 +84,7 @@ def test_a_zip_of_all_runs(catalog: Catalog, cli: Callable[..., Any], tmp_path: 
 def test_tables_for_people_and_programs(catalog: Catalog, cli: Callable[..., Any], tmp_path: Path, suffix: str) -> None:
     """Byte by byte what `dh2urdf convert` writes; YAML and CSV are saved as they were typed, and not once more."""
     assert save.other_suffixes(catalog) == (".md", ".tex", ".json", ".m", ".py")
-    table = gallery.table("panda.yaml", catalog)
+    table = gallery_table("panda.yaml", catalog)
     saved = save.table_file(table, "yaml", catalog)
     (tmp_path / saved.name).write_bytes(saved.content)
     cli("convert", saved.name, "-o", f"again{suffix}")
@@ -94,8 +93,8 @@ def test_tables_for_people_and_programs(catalog: Catalog, cli: Callable[..., Any
 
 def test_what_a_format_cannot_hold_is_not_in_the_zip(catalog: Catalog) -> None:
     """A fixed row between two joints has no place in a DHRobot: asking for it says so, and the zip has all others."""
-    table = gallery.table("ur5.csv", catalog)
-    table = edits.with_cell(table, 2, "type", "fixed")
+    table = gallery_table("ur5.csv", catalog)
+    table = edits.with_cells(table, {(2, "type"): "fixed"})
     names = [file.name for file in save.all_files(table, "exact", catalog)]
     assert "ur5.m" in names
     assert "ur5.py" not in names
@@ -105,18 +104,18 @@ def test_what_a_format_cannot_hold_is_not_in_the_zip(catalog: Catalog) -> None:
 
 def test_a_wrong_table_is_not_made(catalog: Catalog) -> None:
     """What cannot be read gives no robot, and says why."""
-    table = edits.with_cell(gallery.table("ur5.csv", catalog), 1, "alpha", "wrong")
+    table = edits.with_cells(gallery_table("ur5.csv", catalog), {(1, "alpha"): "wrong"})
     with pytest.raises(InputError, match="'wrong' cannot be read"):
         save.robot_file(table, "urdf", "exact", catalog)
     with pytest.raises(InputError, match="a is empty"):
-        save.all_files(edits.resized(gallery.table("ur5.csv", catalog), 7), "exact", catalog)
+        save.all_files(edits.resized(gallery_table("ur5.csv", catalog), 7), "exact", catalog)
 
 
 def test_only_formats_that_are_written(catalog: Catalog) -> None:
     """Parquet is read and not written: it is not offered, and asking for it is refused."""
     assert save.table_formats(catalog) == ("csv", "yaml")
     with pytest.raises(InputError, match="does not write"):
-        save.table_file(gallery.table("ur5.csv", catalog), "parquet", catalog)
+        save.table_file(gallery_table("ur5.csv", catalog), "parquet", catalog)
 
 
 @pytest.mark.parametrize("name", ["base", "payload"])

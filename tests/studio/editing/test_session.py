@@ -9,9 +9,8 @@ import pytest
 
 from dh2urdf.kinematics.chain import as_matrices
 from dh2urdf.manipulator import Convention
-from dh2urdf.table_text import NAMES, TableText
-from dh2urdf_studio import gallery
-from dh2urdf_studio.editing import edits
+from dh2urdf.table_text import NAMES
+from dh2urdf_studio.editing.opening import gallery_table
 from dh2urdf_studio.editing.session import Session
 
 if TYPE_CHECKING:
@@ -20,7 +19,7 @@ if TYPE_CHECKING:
 
 @pytest.fixture
 def session(catalog: Catalog) -> Session:
-    return Session(catalog, gallery.table("ur5.csv", catalog))
+    return Session(catalog, gallery_table("ur5.csv", catalog))
 
 
 def pose_of(session: Session, name: str) -> np.ndarray:
@@ -208,32 +207,11 @@ def test_the_paper_stands_beside_the_arm(session: Session) -> None:
 
 def test_where_the_paper_refuses_the_arm_is_shown(catalog: Catalog) -> None:
     """The modified convention is none of the paper's: it says so, and the exact arm stays."""
-    session = Session(catalog, gallery.table("panda.yaml", catalog))
+    session = Session(catalog, gallery_table("panda.yaml", catalog))
     session.show_variant("paper")
     assert session.other_error is None
     assert "standard convention only" in (session.arm.refusal[0].text if session.arm else "")
     assert "tool0" in {node.name for node in session.drawing.nodes}
-
-
-def test_a_copy_goes_its_own_way(session: Session) -> None:
-    """What is done in a duplicated tab does not reach the tab that it came from."""
-    other = session.copy()
-    other.edit(0, "d", "0.2")
-    other.move({"elbow_joint": 1.0})
-    assert session.table.rows[0]["d"] == "0.089159"
-    assert session.q["elbow_joint"] == 0.0
-
-
-def test_a_hundred_axes(catalog: Catalog) -> None:
-    """A table of a hundred rows is read, drawn and moved like any other."""
-    table = edits.resized(TableText(name="long", convention="standard"), 100)
-    cells = {(row, field): text for row in range(100) for field, text in (("a", "0.1"), ("alpha", "pi/2"), ("d", "0"))}
-    session = Session(catalog, edits.with_cells(table, cells))
-    assert not session.reading.errors
-    assert len(session.sliders) == 100
-    session.edit(57, "a", "0.2")
-    assert session.arm is not None
-    assert session.arm.manipulator.rows[57].a == 0.2
 
 
 def test_columns_are_those_of_the_form_and_those_in_use(session: Session) -> None:

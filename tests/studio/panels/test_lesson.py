@@ -12,10 +12,9 @@ import pytest
 from dh2urdf.kinematics import dh_frames, dh_transform
 from dh2urdf.kinematics.chain import as_matrices
 from dh2urdf.manipulator import Convention
-from dh2urdf.table_text import TableText
-from dh2urdf_studio import gallery
+from dh2urdf_studio.editing.opening import gallery_table
 from dh2urdf_studio.editing.session import Session
-from dh2urdf_studio.panels.lesson_words import explained
+from dh2urdf_studio.panels.lesson import explained
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -23,8 +22,6 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from dh2urdf.plugin_system import Catalog
-
-Q = {"a1": 0.3, "a2": -1.1}
 
 
 def matrices(html: str) -> list[list[list[str]]]:
@@ -47,14 +44,6 @@ def evaluated(cells: list[list[str]], a: float, alpha: float, d: float, theta: f
     return np.array([[number(cell) for cell in row] for row in cells])
 
 
-def test_lengths_of_a_tiny_arm_have_digits_that_count(catalog: Catalog) -> None:
-    """Those of an arm of nanometres were 0.0000."""
-    session = Session(catalog, TableText(convention="standard", rows=({"a": "3.25e-9", "alpha": "0", "d": "1.5e-9"},)))
-    assert session.arm is not None
-    _, a, *_ = matrices(explained(session.arm.manipulator, 0, {}, session.table))
-    assert [float(row[3]) for row in a[:3]] == [3.25e-9, 0.0, 1.5e-9]
-
-
 @pytest.mark.parametrize("file", ["ur5.csv", "panda.yaml", "scara.csv"])
 @pytest.mark.parametrize("length", ["m", "mm"])
 def test_the_matrices_are_those_of_the_row(catalog: Catalog, file: str, length: str) -> None:
@@ -62,7 +51,7 @@ def test_the_matrices_are_those_of_the_row(catalog: Catalog, file: str, length: 
 
     In the other convention the product of all rows, and of what is left over, is the same arm.
     """
-    session = Session(catalog, gallery.table(file, catalog))
+    session = Session(catalog, gallery_table(file, catalog))
     session.set_units(length, "rad", convert=True)
     assert session.arm is not None
     arm = session.arm.manipulator
@@ -98,7 +87,7 @@ def test_the_matrices_are_those_of_the_row(catalog: Catalog, file: str, length: 
 def test_the_symbols_are_those_of_the_conventions(catalog: Catalog) -> None:
     """Each convention's matrix is that of its product, and the other one's is there too."""
     for file, convention in (("ur5.csv", Convention.STANDARD), ("panda.yaml", Convention.MODIFIED)):
-        session = Session(catalog, gallery.table(file, catalog))
+        session = Session(catalog, gallery_table(file, catalog))
         assert session.arm is not None
         html = explained(session.arm.manipulator, 0, {}, session.table)
         expected = ["Rz(θ) Tz(d) Tx(a) Rx(α)", "Rx(α) Tx(a) Rz(θ) Tz(d)"]
@@ -116,7 +105,7 @@ def test_a_row_in_the_browser(studio_address: str, new_tab: Callable[..., Any], 
     page.get_by_text("Pick a row of the table, or a link of the arm.").wait_for()
     tab.cell(1, "a").click()
     page.get_by_text("A2 = Rz(θ) Tz(d) Tx(a) Rx(α)").wait_for()
-    session = Session(catalog, gallery.table("ur5.csv", catalog))
+    session = Session(catalog, gallery_table("ur5.csv", catalog))
     session.picked, session.lesson = session.history.keys[1], 4.0
     arrows = {stroke.field: stroke.points[-1] for stroke in session.strokes()}
     for field in "xyz":

@@ -13,7 +13,7 @@ from scipy.spatial.transform import Rotation
 
 from dh2urdf.kinematics import dh_frames, forward_kinematics
 from dh2urdf.kinematics.chain import as_matrices
-from dh2urdf_studio import gallery
+from dh2urdf_studio.editing.opening import gallery_table
 from dh2urdf_studio.editing.session import Session
 from dh2urdf_studio.panels.poses import between
 
@@ -27,7 +27,7 @@ ANGLE = st.floats(-3.0, 3.0)
 
 
 def arm_of(file: str, catalog: Catalog) -> Manipulator:
-    arm = Session(catalog, gallery.table(file, catalog)).arm
+    arm = Session(catalog, gallery_table(file, catalog)).arm
     assert arm is not None
     return arm.manipulator
 
@@ -138,7 +138,7 @@ def test_the_workspace_is_where_tool0_can_be(
         "Array.from(document.querySelector('.arm-view').scene.getObjectByName('workspace').geometry.attributes.position.array)"
     )
     far = np.linalg.norm(np.reshape(points, (-1, 3)), axis=1)
-    session = Session(catalog, gallery.table(f"{name}.csv", catalog))
+    session = Session(catalog, gallery_table(f"{name}.csv", catalog))
     assert len(far) == 4000
     assert far.max() <= session.reach
     assert far.max() > 0.75 * session.reach

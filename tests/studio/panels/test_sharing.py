@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import base64
 import io
-import json
 import zlib
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
@@ -16,9 +15,9 @@ from PIL import Image
 
 from dh2urdf.kinematics import forward_kinematics
 from dh2urdf.kinematics.chain import as_matrices
-from dh2urdf_studio import gallery
-from dh2urdf_studio.drawing.turntable import FRAMES, LARGEST
-from dh2urdf_studio.editing.keeping import kept_table
+from dh2urdf_studio.drawing.exports import FRAMES, LARGEST
+from dh2urdf_studio.editing.edits import kept_table
+from dh2urdf_studio.editing.opening import gallery_table
 from dh2urdf_studio.editing.session import Session
 
 if TYPE_CHECKING:
@@ -40,12 +39,6 @@ def link_of(tab: Any) -> str:
     return str(box.input_value())
 
 
-def word_of(text: str) -> str:
-    """The text as the fragment of a link, by Python's own zlib."""
-    squeezed = zlib.compressobj(wbits=-15)
-    return base64.urlsafe_b64encode(squeezed.compress(text.encode()) + squeezed.flush()).decode().rstrip("=")
-
-
 @pytest.mark.long
 def test_a_link_holds_the_table(studio_address: str, new_tab: Callable[..., Any], catalog: Catalog) -> None:
     """Python reads the fragment too; another tab opens it, and nothing of it is asked of the server."""
@@ -57,7 +50,7 @@ def test_a_link_holds_the_table(studio_address: str, new_tab: Callable[..., Any]
     assert address == studio_address
     text = zlib.decompress(base64.urlsafe_b64decode(word + "==="), wbits=-15).decode()
     table = kept_table(text)
-    expected = gallery.table("panda.yaml", catalog)
+    expected = gallery_table("panda.yaml", catalog)
     assert table is not None
     assert table.rows[0] == expected.rows[0]
     assert table.rows[2]["a"] == "0.0825 + 1e-3"
@@ -70,41 +63,6 @@ def test_a_link_holds_the_table(studio_address: str, new_tab: Callable[..., Any]
     assert [url for url in other.asked if word[:20] in url] == []
     page.reload()
     other.wait_for_status("7 axes and 1 fixed joint; the arm is the table's")
-
-
-@pytest.mark.long
-def test_a_link_in_a_tab_that_is_open(studio_address: str, new_tab: Callable[..., Any]) -> None:
-    """Its table takes the place of what is there, which undo brings back."""
-    tab = new_tab(studio_address)
-    page = tab.open("ur5")
-    text = json.dumps({"name": "linked", "convention": "standard", "rows": [{"a": "1", "alpha": "0", "d": "0"}]})
-    page.evaluate("word => { location.hash = '#table=' + word; }", word_of(text))
-    tab.wait_for_status("1 axis; the arm is the table's")
-    page.get_by_role("button", name="undo").click()
-    tab.wait_for_status("6 axes; the arm is the table's")
-
-
-BROKEN = {
-    "letters": "%00",
-    "no deflate": "not-a-table",
-    "no JSON": word_of("no"),
-    "no rows": word_of('{"rows": []}'),
-    "too long": word_of("0" * 5_000_000),
-    "too deep": word_of("[" * 90_000),
-}
-
-
-@pytest.mark.long
-def test_links_that_are_broken(studio_address: str, new_tab: Callable[..., Any]) -> None:
-    """The page reports each, in a new tab and in one that is open, and then works."""
-    tab = new_tab(f"{studio_address}#table=")
-    page = tab.open()
-    page.get_by_text("This link holds no table that can be read").wait_for()
-    for name, word in BROKEN.items():
-        page.evaluate("([name, word]) => { window.left = name; location.hash = '#table=' + word; }", [name, word])
-        page.wait_for_function("window.left === undefined && document.querySelector('.arm-view')")
-        page.get_by_text("This link holds no table that can be read").wait_for()
-    tab.open_from_gallery("ur5")
 
 
 @pytest.mark.long
@@ -128,17 +86,6 @@ def test_pictures(studio_address: str, new_tab: Callable[..., Any]) -> None:
     drawn = clear[..., 3] == 255
     same = np.abs(plain[drawn].astype(int) - clear[drawn]).max(axis=1) < 8
     assert same.mean() > 0.99
-
-
-@pytest.mark.long
-def test_a_picture_of_a_very_wide_screen_is_whole(studio_address: str, new_tab: Callable[..., Any]) -> None:
-    """It is drawn no larger than the browser can; else the arm was cut off at the top."""
-    tab = new_tab(studio_address, width=3840, height=1600)
-    tab.open("panda")
-    _, content = tab.save("Picture with a transparent ground")
-    opacity = np.asarray(Image.open(io.BytesIO(content)).convert("RGBA"))[..., 3]
-    assert opacity.any()
-    assert not any(edge.any() for edge in (opacity[0], opacity[-1], opacity[:, 0], opacity[:, -1]))
 
 
 @pytest.mark.long
@@ -183,7 +130,7 @@ def test_a_turntable_and_the_scene(studio_address: str, new_tab: Callable[..., A
     name, content = tab.save("Scene as glTF (GLB)")
     assert name == "ur5.glb"
     scene = trimesh.load_scene(io.BytesIO(content), file_type="glb", process=False)
-    arm = Session(catalog, gallery.table("ur5.csv", catalog)).arm
+    arm = Session(catalog, gallery_table("ur5.csv", catalog)).arm
     assert arm is not None
     y_up = np.array([[1, 0, 0, 0], [0, 0, 1, 0], [0, -1, 0, 0], [0, 0, 0, 1]])
     expected = y_up @ as_matrices(forward_kinematics(arm.manipulator, tab.sliders()))

@@ -12,9 +12,7 @@ from scipy.spatial.transform import Rotation
 from dh2urdf.kinematics import forward_kinematics
 from dh2urdf.kinematics.chain import as_matrices
 from dh2urdf.rotations import RigidTransform
-from dh2urdf.table_text import TableText
-from dh2urdf_studio import gallery
-from dh2urdf_studio.editing import edits
+from dh2urdf_studio.editing.opening import gallery_table
 from dh2urdf_studio.editing.session import Session
 
 if TYPE_CHECKING:
@@ -25,7 +23,7 @@ if TYPE_CHECKING:
 
 
 def arm_of(file: str, catalog: Catalog) -> Manipulator:
-    arm = Session(catalog, gallery.table(file, catalog)).arm
+    arm = Session(catalog, gallery_table(file, catalog)).arm
     assert arm is not None
     return arm.manipulator
 
@@ -85,17 +83,6 @@ def test_a_pose_is_typed(opened: Callable[[str], Any], catalog: Catalog) -> None
 
 
 @pytest.mark.long
-def test_a_tiny_arm_has_digits_that_count(studio_address: str, new_tab: Callable[..., Any]) -> None:
-    """The boxes of an arm of nanometres were 0."""
-    row = {"a": "3.25e-9", "alpha": "0", "d": "1.5e-9"}
-    tab = new_tab(studio_address)
-    tab.open_table(TableText(name="tiny", convention="standard", rows=(row, row)))
-    tab.page.get_by_role("button", name="set the pose of tool0").click()
-    box(tab, "x").wait_for()
-    assert [float(box(tab, name).input_value()) for name in ("x", "y", "z")] == [6.5e-9, 0.0, 3e-9]
-
-
-@pytest.mark.long
 def test_what_is_no_pose_or_out_of_reach(opened: Callable[[str], Any], catalog: Catalog) -> None:
     """A message, and the arm as near as it comes, which the message measures."""
     tab, arm = opened("ur5"), arm_of("ur5.csv", catalog)
@@ -108,29 +95,6 @@ def test_what_is_no_pose_or_out_of_reach(opened: Callable[[str], Any], catalog: 
     told = float(words.split("tool0 is ")[1].split(" mm")[0])
     assert told == pytest.approx(1000.0 * abs(3.0 - matrix_of(tab, arm)[0, 3]), rel=0.1)
     tab.page.get_by_text("smallest singular value").wait_for()
-
-
-@pytest.mark.long
-def test_a_long_search_is_told(studio_address: str, new_tab: Callable[..., Any]) -> None:
-    """The best of thirty axes is not found at once: the page says that it searches, and then what it found."""
-    table = edits.resized(TableText(name="long", convention="standard"), 30)
-    cells = {
-        (row, field): text for row in range(30) for field, text in (("a", "0.1"), ("alpha", "pi/2"), ("d", "0.05"))
-    }
-    tab = new_tab(studio_address)
-    tab.open_table(edits.with_cells(table, cells))
-    tab.page.get_by_role("button", name="set the pose of tool0").click()
-    box(tab, "x").wait_for()
-    tab.page.evaluate(
-        """() => {
-            const answer = document.querySelector('.studio-target-answer');
-            window.answers = [];
-            new MutationObserver(() => answers.push(answer.innerText)).observe(answer, {childList: true, characterData: true, subtree: true});
-        }"""
-    )
-    put(tab, "x", "30")
-    tab.page.get_by_text("The arm cannot reach this pose").wait_for()
-    assert tab.page.evaluate("answers[0]") == "searching …"
 
 
 @pytest.mark.long

@@ -40,27 +40,15 @@ _HEADERS = [
     (b"x-content-type-options", b"nosniff"),
     (b"referrer-policy", b"no-referrer"),
 ]
+_ELSEWHERE = "a page from elsewhere asks for this"
 
 
 class Guard:
-    """An ASGI application that lets through to another one what comes from its own pages.
-
-    Attributes:
-        app: the application behind it.
-    """
+    """An ASGI application that lets through to another one what comes from its own pages."""
 
     def __init__(self, app: App, port: int, names: Iterable[str] = (), largest: int = 2**20) -> None:
-        """Takes what it guards.
-
-        Args:
-            app: the application.
-            port: the port of the server.
-            names: names of the server besides ``localhost`` and addresses.
-            largest: size of what may be sent in a request [B].
-        """
-        self.app = app
-        self._largest = largest
-        self._port = port
+        """Takes the application, its port, its names besides addresses, and the size of what may be sent [B]."""
+        self.app, self._port, self._largest = app, port, largest
         self._names = {"localhost", *(name.casefold() for name in names)}
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
@@ -83,25 +71,18 @@ class Guard:
             await send({"type": "http.response.body", "body": f"{refusal}\n".encode()})
 
     def refusal(self, kind: str, headers: dict[bytes, bytes]) -> str | None:
-        """Why a request is refused; None where it is not.
-
-        Args:
-            kind: ``http`` or ``websocket``.
-            headers: its headers, names in lower case.
-        """
-        host = headers.get(b"host", b"").decode("latin-1")
+        """Why a request (``http`` or ``websocket``) with some headers is refused; None where it is not."""
+        host, origin = headers.get(b"host", b"").decode("latin-1"), headers.get(b"origin")
         if not self._is_here(host):
             return f"this server is not called {host!r}"
-        origin = headers.get(b"origin")
-        if origin is None:
-            if kind == "websocket":
-                return "a socket needs an Origin, which every browser sends"
-            site = headers.get(b"sec-fetch-site", b"none")
-            navigates = headers.get(b"sec-fetch-mode") == b"navigate"
-            return None if navigates or site in (b"none", b"same-origin") else "a page from elsewhere asks for this"
-        if origin.decode("latin-1").casefold() != f"http://{host}".casefold():
-            return "a page from elsewhere asks for this"
-        return None
+        if origin is not None:
+            is_own = origin.decode("latin-1").casefold() == f"http://{host}".casefold()
+            return None if is_own else _ELSEWHERE
+        if kind == "websocket":
+            return "a socket needs an Origin, which every browser sends"
+        navigates = headers.get(b"sec-fetch-mode") == b"navigate"
+        is_own = headers.get(b"sec-fetch-site", b"none") in (b"none", b"same-origin")
+        return None if navigates or is_own else _ELSEWHERE
 
     def _too_much(self, headers: dict[bytes, bytes]) -> str | None:
         """Why what a request sends is not read; None where it is. The server cuts off what is beyond its length."""
@@ -115,17 +96,11 @@ class Guard:
         try:
             parts = urlsplit(f"http://{host}")
             name, port = (parts.hostname or "").casefold(), parts.port or 80
+            if port != self._port or parts.netloc != host or "@" in host:
+                return False
+            return name in self._names or bool(ipaddress.ip_address(name))
         except ValueError:
             return False
-        if port != self._port or parts.netloc != host or "@" in host:
-            return False
-        if name in self._names:
-            return True
-        try:
-            ipaddress.ip_address(name)
-        except ValueError:
-            return False
-        return True
 
 
 def _with_headers(send: Send) -> Send:

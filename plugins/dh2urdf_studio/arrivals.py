@@ -13,6 +13,8 @@ from nicegui import Client, core
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
+ANSWERED = 60.0
+"""How long a page may take to answer what it is asked [s], as on a slow network."""
 MOST_PAGES = 1000
 """Pages of which it is known what has arrived; of those that are gone, the one that was heard of first goes first."""
 KINDS = ("event", "javascript_response")
@@ -37,8 +39,7 @@ class Arrivals:
         self._last[page] = max(number, last)
         self._last.move_to_end(page)
         if len(self._last) > MOST_PAGES:
-            gone = next((each for each in self._last if each not in Client.instances), page)
-            del self._last[gone]
+            del self._last[next((each for each in self._last if each not in Client.instances), page)]
         return number > last
 
     def lost(self, page: str, acts: Iterable[tuple[int, str]]) -> list[str]:

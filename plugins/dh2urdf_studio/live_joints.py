@@ -1,0 +1,170 @@
+"""The joint values that other programs give to the robots of `dh2urdf view`, and ask for.
+
+A request has names and positions, as urdf-viz has it: ``{"names": ["elbow"], "positions": [0.5]}``. Everything in it is
+checked before a joint moves. The guard of the server lets programs of this machine in, and the page itself. A request
+has to be declared as JSON besides: a page from elsewhere cannot send that without asking first (a preflight), and
+nothing answers that question.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from typing import TYPE_CHECKING, Any
+
+from fastapi import Request  # noqa: TC002 - FastAPI reads the annotation
+from fastapi.responses import JSONResponse
+from nicegui import app, background_tasks, ui
+
+from dh2urdf.errors import InputError
+from dh2urdf.source import Problem, did_you_mean, listed, shown
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable, Mapping
+
+    from dh2urdf_studio.viewing import View
+    from dh2urdf_studio.widgets import ArmView
+
+LARGEST_REQUEST = 2**20
+"""Size of a request [B]."""
+GET, SET = "/get_joint_positions", "/set_joint_positions"
+"""The routes, called as in urdf-viz."""
+ACCEPTED = '{"names": ["…", …], "positions": [0.0, …]}, in radians and metres'
+"""The form of a request."""
+
+
+class LiveJoints:
+    """The joint values that programs give and ask for.
+
+    Attributes:
+        pages: the pages that are open.
+    """
+
+    def __init__(self, first: View) -> None:
+        self.pages: set[PageFollower] = set()
+        self._first = first
+        self._given: dict[str, float] = {}
+
+    @property
+    def q(self) -> Mapping[str, float]:
+        """The values that any tab or program has set last, by name [rad or m]."""
+        return self._first.q
+
+    def note(self, view: View) -> None:
+        """A person has moved the joints of a tab."""
+        self._first.q = view.q
+
+    def begin(self, view: View) -> View:
+        """A new view, with the values that programs have given."""
+        view.move(self._given)
+        return view
+
+    def take(self, text: bytes, views: Iterable[View]) -> list[str]:
+        """Moves the joints of the views of all tabs as a program asks for.
+
+        Returns:
+            The joints whose values were outside their limits: they are at the nearest limit.
+
+        Raises:
+            InputError: a part of the request is wrong; no joint has moved.
+        """
+        values = self._read(text)
+        for view in (self._first, *views):
+            view.move(values)
+        self._given |= {name: self.q[name] for name in values}
+        for page in self.pages:
+            page.follow()
+        sliders = {slider.name: slider for slider in self._first.sliders}
+        return [name for name, value in values.items() if name in sliders and not sliders[name].holds(value)]
+
+    def _read(self, text: bytes) -> dict[str, float]:
+        try:
+            asked = json.loads(text)
+        except (ValueError, RecursionError) as error:
+            raise _refused(f"the request is no JSON: {error}") from error
+        names, positions = (asked.get(key) if isinstance(asked, dict) else None for key in ("names", "positions"))
+        if not isinstance(names, list) or not isinstance(positions, list):
+            raise _refused("the request needs a list of names and a list of positions")
+        if len(names) != len(positions):
+            raise _refused(f"there are {len(names)} names, but {len(positions)} positions")
+        values: dict[str, float] = {}
+        for name, position in zip(names, positions, strict=True):
+            if not isinstance(name, str) or name not in self.q:
+                near = did_you_mean(name, self.q) if isinstance(name, str) else None
+                known = listed(list(self.q), 20) if self.q else "no joint moves"
+                raise _refused(f"no joint that moves is called {shown(str(name))}", known, near)
+            if name in values:
+                raise _refused(f"joint {shown(name)} is named more than once")
+            values[name] = _number(name, position)
+        return values
+
+
+def _number(name: str, position: object) -> float:
+    """A position [rad or m].
+
+    Raises:
+        InputError: it is none.
+    """
+    try:
+        number = float(position) if isinstance(position, int | float) and not isinstance(position, bool) else math.nan
+    except OverflowError:  # an integer of hundreds of digits
+        number = math.inf
+    if not math.isfinite(number):
+        told = shown(json.dumps(position))[1:-1]
+        raise _refused(f"the position of joint {shown(name)} is {told}", "a finite number, in rad or m")
+    return number
+
+
+def _refused(message: str, accepted: str = ACCEPTED, suggestion: str | None = None) -> InputError:
+    return InputError(Problem(message=message, accepted=accepted, suggestion=suggestion))
+
+
+def serve_joints(live: LiveJoints, views: Callable[[], Iterable[View]]) -> None:
+    """Declares the routes by which programs read and set the joint values of all tabs."""
+
+    async def get_positions() -> JSONResponse:
+        return JSONResponse({"names": list(live.q), "positions": list(live.q.values())})
+
+    async def set_positions(request: Request) -> JSONResponse:
+        if request.headers.get("content-type", "").partition(";")[0].strip().lower() != "application/json":
+            return _refusal("the header Content-Type has to be application/json", 415)
+        if int(request.headers.get("content-length", "0")) > LARGEST_REQUEST:
+            return _refusal(f"the request has more than {LARGEST_REQUEST // 2**20} MB", 413)
+        try:
+            limited = live.take(await request.body(), views())
+        except InputError as error:
+            return _refusal(str(error), 400)
+        return JSONResponse({"is_ok": True, "reason": "", "limited": limited})
+
+    app.add_api_route(GET, get_positions, methods=["GET"])
+    app.add_api_route(SET, set_positions, methods=["POST"])
+
+
+def _refusal(reason: str, status: int) -> JSONResponse:
+    return JSONResponse({"is_ok": False, "reason": reason}, status_code=status)
+
+
+class PageFollower:
+    """Shows on a page what programs give, as often as the browser draws: what comes meanwhile is passed over."""
+
+    def __init__(self, live: LiveJoints, scene: ArmView, show: Callable[[], Any]) -> None:
+        self._scene, self._show = scene, show
+        self._behind = self._follows = False
+        live.pages.add(self)
+        ui.context.client.on_delete(lambda: live.pages.discard(self))
+
+    def follow(self) -> None:
+        """The joints of the view have moved."""
+        self._behind = True
+        if not self._follows:
+            self._follows = True
+            background_tasks.create(self._catch_up())
+
+    async def _catch_up(self) -> None:
+        try:
+            while self._behind:
+                self._behind = False
+                self._show()
+                await self._scene.drawn()
+        finally:
+            self._follows = False

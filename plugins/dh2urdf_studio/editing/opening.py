@@ -63,7 +63,7 @@ def open_tables(
     reader = catalog.reader_for(path)
     call = default_call(catalog, reader)
     items = list(islice(_items(path, call), most))
-    # The numbers of a row are the same in both conventions: where none is said, a person chooses it on the page.
+    # The numbers of a row are the same in both conventions: where the file names none, a person chooses it on the page.
     unsaid = hasattr(call.options, "convention") and any(
         problem.field == "convention" for item in items if isinstance(item, Rejected) for problem in item.problems
     )

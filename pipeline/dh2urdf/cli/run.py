@@ -11,7 +11,7 @@ from dh2urdf.cli.answers import answer
 from dh2urdf.cli.shared_options import PATH, catalog, option, without_option
 from dh2urdf.cli.standard_input import refuse_dash
 from dh2urdf.conversion.outcome import to_text
-from dh2urdf.report.page import HOW_TO_GET, can_write_html
+from dh2urdf.report.manifest import HOW_TO_GET, can_write_html
 from dh2urdf.running.run import execute, load_plan
 
 if TYPE_CHECKING:

@@ -2,7 +2,8 @@
 
 A short run is shown in full, manipulator by manipulator; of a longer one there are a table of all, failures first,
 what failed and why, the distributions of errors and of what was drawn, and its first manipulators. All comes from the
-rows of the manifest, the tables, and robots made of these once more: the same run has the same page.
+rows of the manifest, the tables, and robots made of these once more: the same run has the same page, also where it was
+resumed and made none of them itself.
 
 Names and messages come from strangers' files. They get into the page through jinja2's escaping alone, and the page's
 own policy lets it run no script but its own.
@@ -13,18 +14,22 @@ from __future__ import annotations
 import math
 import tarfile
 from base64 import b64encode
+from contextlib import suppress
 from hashlib import sha256
 from typing import TYPE_CHECKING, Any
 
 from markupsafe import Markup, escape  # noqa: TID253 - this module is imported where a page is written, and nowhere else
 
 from dh2urdf._version import __version__
+from dh2urdf.cells.cell import Cell
+from dh2urdf.conversion.robots import make_item
+from dh2urdf.errors import ManipulatorError
+from dh2urdf.manipulator import Manipulator
 from dh2urdf.output.layouts import Form
 from dh2urdf.quantities.number_text import format_number
-from dh2urdf.report.figures import ARMS, FARTHEST_DRAWN, Workspace, arm_figure, bars_figure, without_warnings
-from dh2urdf.report.first_manipulators import DetailedManipulator
+from dh2urdf.report.figures import ARMS, FARTHEST_DRAWN, Workspace, arm_figure, bars_figure
+from dh2urdf.report.manifest import PAGE, tables_of
 from dh2urdf.report.overview import MOST_DRAWN, checks
-from dh2urdf.report.page import PAGE
 from dh2urdf.report.reproduction import plain_options
 from dh2urdf.report.verdicts import covered, notice_line
 from dh2urdf.source import printable
@@ -32,27 +37,24 @@ from dh2urdf.source import printable
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
-    from jinja2 import Environment, PackageLoader
-
     from dh2urdf.conversion.one_manipulator import Recipe
     from dh2urdf.output.layouts import Layout
     from dh2urdf.output.store import Store
-    from dh2urdf.report.first_manipulators import FirstManipulators
-    from dh2urdf.report.manifest_writer import ManifestWriter
+    from dh2urdf.report.manifest import FirstManipulators, ManifestWriter
     from dh2urdf.report.overview import Overview
+    from dh2urdf.results import ManipulatorEntry
 
 LARGEST_PICTURE = 4_000_000
 """Pictures beyond are left out of the page [B]."""
-_PNG = b"\x89PNG\r\n\x1a\n"
+_LARGE = 1e-2  # errors from here on have three digits [m or rad]
 
 
-def write_html(
+def write_html(  # noqa: PLR0917 - what a run has in its hands
     store: Store,
     manifest: ManifestWriter,
     manipulators: FirstManipulators,
     recipe: Recipe,
     layout: Layout,
-    *,
     reports: Store,
 ) -> None:
     """Write `report.html`.
@@ -68,36 +70,53 @@ def write_html(
     Raises:
         OutputError: it cannot be written.
     """
-    with without_warnings():
-        content = page(manifest, manipulators, recipe, store, layout)
-    reports.write(PAGE, content)
+    reports.write(PAGE, page(manifest, manipulators, recipe, store, layout))
 
 
 def page(
     manifest: ManifestWriter, manipulators: FirstManipulators, recipe: Recipe, store: Store, layout: Layout
 ) -> bytes:
     """The page of a run, of which an overview was gathered."""
+    from jinja2 import Environment, PackageLoader, StrictUndefined
+
     overview = manifest.overview
     if overview is None:
         raise ValueError("no overview was gathered")
-
-    environment, templates = _environment()
+    templates = PackageLoader("dh2urdf.report")
+    environment = Environment(
+        loader=templates,
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        # Text without control characters, nor those that turn the direction of what follows.
+        finalize=lambda value: printable(value) if type(value) is str else value,
+    )
+    environment.filters |= {
+        "number": _number,
+        "angle": lambda value: _number(value) + (_degrees(value) if value else ""),
+        "error": _error,
+        "vector": _vector,
+        "size": _size,
+        "lines": lambda text: Markup("\n").join(escape(printable(line)) for line in text.splitlines()),
+    }
     style, script = (templates.get_source(environment, name)[0] for name in ("page.css", "page.js"))
     shown = [
-        DetailedManipulator.of(number, overview.first[number - 1], what, recipe)
+        _detailed(number, overview.first[number - 1], what, recipe)
         for number, what in enumerate(manipulators.shown(overview.count), start=1)
     ]
     text = environment.get_template("page.html").render(
         version=__version__,
         overview=overview,
         most_drawn=MOST_DRAWN,
-        coverage=manifest.verdicts.coverage(),
+        coverage=manifest.verdicts.coverage,
         covered=covered,
         simulator_notices=list(map(notice_line, manifest.verdicts.notices())),
         told=manifest.reproduction,
         shown=shown,
-        shown_keys={detailed.number: detailed.key for detailed in shown},
-        stages=list(_stages(recipe)),
+        stages=[
+            (call.kind, call.stage.name, call.stage.summary, _options(plain_options(call))) for call in recipe.calls
+        ],
         recipe=recipe,
         checks=checks,
         figures=_figures,
@@ -110,82 +129,37 @@ def page(
     return text.encode("utf-8", "backslashreplace")  # The name of a file may hold bytes that are no UTF-8.
 
 
-def _environment() -> tuple[Environment, PackageLoader]:
-    from jinja2 import Environment, PackageLoader, StrictUndefined
-
-    templates = PackageLoader("dh2urdf.report")
-    environment = Environment(
-        loader=templates,
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-        finalize=_finalize,
-    )
-    environment.filters |= {
-        "number": _number,
-        "angle": _angle,
-        "error": _error,
-        "vector": _vector,
-        "size": _size,
-        "lines": _lines,
-    }
-    return environment, templates
-
-
 # --- Facts as text ----------------------------------------------------------------------------------------------------
 
 
-def _finalize(value: Any) -> Any:  # noqa: ANN401 - whatever a template shows
-    """Text without control characters, nor those that turn the direction of what follows."""
-    return printable(value) if type(value) is str else value
-
-
-def _lines(text: str) -> Markup:
-    """Several lines of a simulator's output, as they were."""
-    return Markup("\n").join(escape(printable(line)) for line in text.splitlines())
-
-
-def _data(value: float, text: str) -> Markup:
+def _data(value: float | None, text: str) -> Markup:
     """A number as people read it; the element says all its digits."""
-    exact = format_number(value) if math.isfinite(value) else str(value)
-    return Markup('<data value="{}">{}</data>').format(exact, text)
-
-
-def _nothing() -> Markup:
-    return Markup('<span class="none">–</span>')
+    if value is None:
+        return Markup('<span class="none">–</span>')
+    return Markup('<data value="{}">{}</data>').format(
+        format_number(value) if math.isfinite(value) else value, text.strip()
+    )
 
 
 def _number(value: float | None, unit: str = "", digits: int = 6) -> Markup:
     """A quantity with so many digits."""
-    if value is None:
-        return _nothing()
-    return _data(value, f"{value + 0.0:.{digits}g}{unit and f' {unit}'}")
+    return _data(value, f"{(value or 0.0) + 0.0:.{digits}g} {unit}")
 
 
-def _angle(value: float | None) -> Markup:
-    """An angle in rad, and in degrees below."""
-    if not value:
-        return _number(value)
-    return _number(value) + Markup(' <small class="deg">{}°</small>').format(f"{math.degrees(value) + 0.0:.6g}")
+def _degrees(value: float) -> Markup:
+    return Markup(' <small class="deg">{}°</small>').format(f"{math.degrees(value) + 0.0:.6g}")
 
 
 def _error(value: float | None, unit: str = "") -> Markup:
     """An error with two digits; one that is none, with three."""
-    if value is None:
-        return _nothing()
-    text = f"{value:.3g}" if not value or value >= _LARGE else f"{value:.1e}"
-    return _data(value, f"{text}{unit and f' {unit}'}")
-
-
-_LARGE = 1e-2  # [m or rad]
+    return _data(value, f"{value or 0.0:{'.1e' if value and value < _LARGE else '.3g'}} {unit}")
 
 
 def _vector(values: Sequence[float], most: int = 16) -> Markup:
     """Some numbers in brackets, with four digits each."""
-    shown = Markup(", ").join(_data(value, f"{value + 0.0:.4g}") for value in values[:most])
+    shown = Markup(", ").join(_number(value, digits=4) for value in values[:most])
     more = f", … {len(values) - most} more" if len(values) > most else ""
-    return Markup("[{}{}]").format(shown, more) if values else _nothing()
+    return Markup("[{}{}]").format(shown, more) if values else _data(None, "")
 
 
 def _size(count: int) -> Markup:
@@ -194,36 +168,67 @@ def _size(count: int) -> Markup:
     return _data(count, f"{count / 1000**power:.3g} {('B', 'kB', 'MB', 'GB')[power]}")
 
 
-def _stages(recipe: Recipe) -> Iterator[tuple[str, str, str, str]]:
-    """The stages of a run: kind, name, summary, options."""
-    for call in recipe.calls:
-        told = ", ".join(f"{name}: {_word(value)}" for name, value in plain_options(call).items())
-        yield call.kind, call.stage.name, call.stage.summary, told
+def _options(options: dict[str, Any]) -> str:
+    """The options of a stage, as YAML has them."""
+    words = {"None": "null", "True": "true", "False": "false"}
+    told = {name: value if isinstance(value, str) else words.get(str(value), value) for name, value in options.items()}
+    return ", ".join(f"{name}: {value}" for name, value in told.items())
 
 
-def _word(value: object) -> str:
-    """The value of an option, as YAML has it."""
-    return (
-        {None: "null", True: "true", False: "false"}[value]
-        if value is None or value is True or value is False
-        else str(value)
-    )
+# --- What is shown in full --------------------------------------------------------------------------------------------
 
 
-# --- Figures and pictures ---------------------------------------------------------------------------------------------
+def _detailed(number: int, row: ManipulatorEntry, what: object, recipe: Recipe) -> dict[str, Any]:
+    """What is shown in full of a manipulator or cell: its tables, its robot, masses, limits that were computed.
+
+    Of one without files no robot is made again: what it did to a worker it would do to the run.
+    """
+    robot = expected = None
+    if row["files"] and isinstance(what, Manipulator | Cell):
+        with suppress(ManipulatorError):  # A transform with changing results is reported already.
+            robot, expected = make_item(what, recipe.transform, recipe.edits)
+    arms = [("", what)] if isinstance(what, Manipulator) else []
+    if isinstance(what, Cell):
+        arms = [(arm.prefix, what.manipulators[arm.of]) for arm in what.call.arms]
+    # The rows of its tables, with their numbers from 1, by the names of the links in its robot.
+    rows = {prefix + each.link: (n, each) for prefix, arm in arms for n, each in enumerate(arm.rows, start=1)}
+    masses: list[dict[str, Any]] = []
+    computed: dict[str, list[str]] = {}
+    for link in robot.links if robot else ():
+        if link.inertial and link.inertial.mass:
+            n, given = rows.get(link.name, (0, None))
+            parts = [part for part in ("mass", "com", "inertia") if given and getattr(given, part) is not None]
+            masses.append({"link": link, "given": parts, "drawn": f"mass_{n}" in row["drawn"]})
+    for joint in robot.moving_joints if robot else ():
+        given, limits = rows.get(joint.child, (0, None))[1], ("lower", "upper", "velocity", "effort")
+        has = [name for name in limits if getattr(joint.limits, name) is not None]
+        computed[joint.name] = [name for name in has if given is None or getattr(given.limits, name) is None]
+    massive = {mass["link"].name for mass in masses}
+    return {
+        "number": number,
+        "key": f"m{number}",
+        "row": row,
+        "call": what.call if isinstance(what, Cell) else None,
+        "tables": tables_of(what),
+        "robot": robot,
+        "expected": expected,
+        "masses": masses,
+        "frames": [link.name for link in robot.links if link.name not in massive] if robot else [],
+        "computed": computed,
+    }
 
 
-def _figures(detailed: DetailedManipulator) -> dict[str, Any] | None:
+def _figures(detailed: dict[str, Any]) -> dict[str, Any] | None:
     """Draw a manipulator and how far its tips get; None where there is no robot, or none that can be drawn."""
-    if detailed.robot is None or detailed.expected is None:
+    if detailed["robot"] is None or detailed["expected"] is None:
         return None
-    workspace = Workspace(detailed.expected, detailed.robot)
+    workspace = Workspace(detailed["expected"], detailed["robot"])
     extents = {tip: workspace.extent(tip) for tip in workspace.points}
     if not all(0.0 <= extent["distance"] < FARTHEST_DRAWN for extent in extents.values()):
         return None
     return {
-        "arm": Markup(arm_figure(detailed.expected, f"{detailed.key}-arm")),  # noqa: S704 - drawn by matplotlib
-        "workspace": Markup(workspace.figure(f"{detailed.key}-reach")),  # noqa: S704
+        "arm": Markup(arm_figure(detailed["expected"], f"{detailed['key']}-arm")),  # noqa: S704 - drawn by matplotlib
+        "workspace": Markup(workspace.figure(f"{detailed['key']}-reach")),  # noqa: S704
         "extents": [(tip, ARMS[n % len(ARMS)], extent) for n, (tip, extent) in enumerate(extents.items())],
         "samples": len(next(iter(workspace.points.values()))),
     }
@@ -240,23 +245,16 @@ def _distributions(overview: Overview) -> dict[str, Any]:
     }
 
 
-def _pictures(detailed: DetailedManipulator, store: Store, layout: Layout) -> Iterator[tuple[str, str]]:
-    """The pictures that simulators took, as data URIs, with the simulators' names."""
-    for load in detailed.row["loaders"].values():
-        if load["picture"]:
-            content = _picture(detailed.number - 1, load["picture"], store, layout)
-            if content.startswith(_PNG):
-                yield load["simulator"], f"data:image/png;base64,{b64encode(content).decode()}"
-
-
-def _picture(index: int, name: str, store: Store, layout: Layout) -> bytes:
-    """A picture of the manipulator of a number; nothing where there is none, or a large one."""
-    if layout.form is Form.SHARDS:
-        with store.open(layout.folder(index)) as stream, tarfile.open(fileobj=stream, mode="r|") as shard:
-            for member in shard:
-                if member.name == name and member.size <= LARGEST_PICTURE and (file := shard.extractfile(member)):
-                    return file.read()
-        return b""
-    path = layout.path(index, name)
-    size = store.size(path)
-    return store.read(path) if size is not None and size <= LARGEST_PICTURE else b""
+def _pictures(detailed: dict[str, Any], store: Store, layout: Layout) -> Iterator[tuple[str, str]]:
+    """The pictures that simulators took, as data URIs, with the simulators' names; large ones are left out."""
+    for load in detailed["row"]["loaders"].values():
+        content, index, name = b"", detailed["number"] - 1, load["picture"]
+        if name and layout.form is Form.SHARDS:
+            with store.open(layout.folder(index)) as stream, tarfile.open(fileobj=stream, mode="r|") as shard:
+                for member in shard:
+                    if member.name == name and member.size <= LARGEST_PICTURE and (file := shard.extractfile(member)):
+                        content = file.read()
+        elif name and (store.size(path := layout.path(index, name)) or math.inf) <= LARGEST_PICTURE:
+            content = store.read(path)
+        if content.startswith(b"\x89PNG\r\n\x1a\n"):
+            yield load["simulator"], f"data:image/png;base64,{b64encode(content).decode()}"

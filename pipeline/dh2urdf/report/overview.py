@@ -3,49 +3,32 @@
 from __future__ import annotations
 
 import math
-from array import array
+import random
 from collections import Counter
 from dataclasses import dataclass, field
-from itertools import chain
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Any
 
 from dh2urdf.kinematics.proof import TOLERANCE
-from dh2urdf.quantities.units import Dimension
 from dh2urdf.report.figures import Bars
-from dh2urdf.results import LoadEntry, ManipulatorEntry, ProofEntry
-from dh2urdf.variations.laws import DrawnValue
+from dh2urdf.row_fields import SI_UNITS
 from dh2urdf.variations.variation import FIELDS
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
+    from collections.abc import Iterator
 
+    from dh2urdf.results import ManipulatorEntry
     from dh2urdf.tasks.failure_index import FailureIndex
+    from dh2urdf.variations.laws import DrawnValue
 
 LISTED = 1000
 """Manipulators that the table of all lists: failures first, then the first others."""
 SAMPLED = 20_000
-"""Manipulators at most whose drawn values are drawn as distributions; of a longer run at least half as many."""
+"""Manipulators at most whose drawn values are drawn as distributions."""
 MOST_DRAWN = 12
 """Drawn fields that are columns of this table, or that are drawn as distributions."""
 _MOST_WORDS = 12  # different texts that one field may have, in a figure
-_RANKS = 2**32
 _BARS = 24  # of a distribution
 _LOWEST, _HIGHEST = -18, 2  # powers of ten between which errors are counted [m]; below is as good as 0
-
-_FAILED = {"failed": "refused", "missing": "not installed"}
-
-_UNITS = {
-    Dimension.LENGTH: "m",
-    Dimension.ANGLE: "rad",
-    Dimension.SPEED: "m/s",
-    Dimension.TURN_RATE: "rad/s",
-    Dimension.MASS: "kg",
-    Dimension.TORQUE: "N·m",
-    Dimension.FORCE: "N",
-    Dimension.DAMPING: "N·m·s/rad",
-    Dimension.LINEAR_DAMPING: "N·s/m",
-    Dimension.INERTIA: "kg·m²",
-}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -56,49 +39,43 @@ class Check:
         name: of the emitter or loader.
         is_simulator: which of them.
         facts: the proof or the loader's report; None where the file was not looked at.
-        keeps_kinematics: whether the transform keeps T(q).
+        angle_tolerance: what the angle error may be [rad].
+        verdict: ``same arm``, ``other arm``, ``not measured``, or ``differs`` where the transform does not promise
+            more; of a simulator that gave no report ``refused`` or ``not installed``.
     """
 
     name: str
     is_simulator: bool
-    facts: ProofEntry | LoadEntry | None
-    keeps_kinematics: bool
+    facts: Any
+    angle_tolerance: float | None
+    verdict: str
 
     @property
     def position_error(self) -> float | None:
         """The largest position error [m]."""
         return self.facts["position_error"] if self.facts else None
 
-    @property
-    def angle_tolerance(self) -> float | None:
-        """What the angle error may be [rad]."""
-        if self.facts is None:
-            return None
-        return cast("LoadEntry", self.facts)["angle_tolerance"] if self.is_simulator else TOLERANCE
-
-    @property
-    def verdict(self) -> str:
-        """``same arm``, ``other arm``, ``not measured``, or ``differs`` where the transform does not promise more.
-
-        Of a simulator that gave no report it is ``refused`` or ``not installed``.
-        """
-        if self.is_simulator and (failed := _FAILED.get(cast("LoadEntry", self.facts)["verdict"])):
-            return failed
-        if self.facts is None or self.facts["position_error"] is None or self.facts["tolerance"] is None:
-            return "not measured"
-        angle = self.facts["angle_error"] or 0.0
-        if self.facts["position_error"] <= self.facts["tolerance"] and angle <= (self.angle_tolerance or 0.0):
-            return "same arm"
-        return "other arm" if self.keeps_kinematics else "differs"
-
 
 def checks(row: ManipulatorEntry) -> Iterator[Check]:
     """How the files of a manipulator and the simulators agree with the DH product."""
-    keeps = row["keeps_kinematics"]
-    for name, proof in row["proof"].items():
-        yield Check(name=name, is_simulator=False, facts=proof, keeps_kinematics=keeps)
-    for name, load in row["loaders"].items():
-        yield Check(name=name, is_simulator=True, facts=load, keeps_kinematics=keeps)
+    asked: list[tuple[str, Any]] = [*row["proof"].items(), *row["loaders"].items()]
+    for number, (name, facts) in enumerate(asked):
+        is_simulator = number >= len(row["proof"])
+        allowed = (facts["angle_tolerance"] if is_simulator else TOLERANCE) if facts else None
+        failed = {"failed": "refused", "missing": "not installed"}.get(facts["verdict"]) if is_simulator else None
+        if not facts or facts["position_error"] is None or facts["tolerance"] is None:
+            verdict = "not measured"
+        elif facts["position_error"] <= facts["tolerance"] and (facts["angle_error"] or 0.0) <= (allowed or 0.0):
+            verdict = "same arm"
+        else:
+            verdict = "other arm" if row["keeps_kinematics"] else "differs"
+        yield Check(
+            name=name,
+            is_simulator=is_simulator,
+            facts=facts,
+            angle_tolerance=allowed,
+            verdict=failed or verdict,
+        )
 
 
 @dataclass(slots=True)
@@ -106,116 +83,32 @@ class Errors:
     """The position errors that one emitter's files or one simulator had in a run.
 
     Attributes:
-        is_simulator: which of them.
-        simulator: the simulator's name and version.
+        simulator: the simulator's name and version; empty of an emitter.
         measured: how many manipulators were looked at.
         largest: the largest error [m].
-        of: the manipulator that had it.
-        tolerance: what it may be [m].
+        counts: how many errors there are, by their half powers of ten.
     """
 
-    is_simulator: bool
     simulator: str = ""
     measured: int = 0
     largest: float = 0.0
-    of: str = ""
-    tolerance: float | None = None
     counts: Counter[int] = field(default_factory=Counter)
 
-    def add(self, name: str, facts: ProofEntry | LoadEntry) -> None:
-        """Takes what is known of one manipulator."""
-        if self.is_simulator:
-            load = cast("LoadEntry", facts)
-            if load["verdict"] == "passed":
-                self.simulator = f"{load['simulator']} {load['version']}"
-        error = facts["position_error"]
-        if error is None:
-            return
-        self.measured += 1
-        if self.measured == 1 or error > self.largest:
-            self.largest, self.of, self.tolerance = error, name, facts["tolerance"]
-        power = math.floor(2.0 * math.log10(error)) if error > 0.0 else 2 * _LOWEST
-        self.counts[min(max(power, 2 * _LOWEST), 2 * _HIGHEST - 1)] += 1
-
-
-@dataclass(slots=True)
-class Draw:
-    """What was drawn for one field of one joint.
-
-    Attributes:
-        key: such as ``a_2``.
-        values: numbers, or text.
-        ranks: of the manipulators that have them; see `Overview`.
-    """
-
-    key: str
-    values: list[DrawnValue] = field(default_factory=list)
-    ranks: array[int] = field(default_factory=lambda: array("I"))
-
-    @property
-    def unit(self) -> str:
-        """Its unit, or both where that depends on the type of the joint."""
-        field = FIELDS.get(self.key.rpartition("_")[0])
-        return " or ".join(_UNITS.get(what, "SI") for what in (field.dimension, field.linear) if what) if field else ""
-
-    def add(self, value: DrawnValue, rank: int) -> None:
-        """Takes a value of a manipulator."""
-        self.values.append(value)
-        self.ranks.append(rank)
-
-    def thin(self, most: int) -> None:
-        """Leaves the manipulators of the lower ranks."""
-        self.values = [value for value, rank in zip(self.values, self.ranks, strict=True) if rank < most]
-        self.ranks = array("I", [rank for rank in self.ranks if rank < most])
-
-    def bars(self) -> Bars | None:
-        """Its distribution; None where there is none to draw."""
-        import numpy as np
-
-        if words := Counter(value for value in self.values if isinstance(value, str)):
-            common = words.most_common(_MOST_WORDS)
-            return Bars(title=self.key, edges=tuple(w for w, _ in common), counts=tuple(count for _, count in common))
-        values = np.array(self.values)
-        if not values.size or not 0.0 < np.ptp(values) < math.inf:
-            return None
-        counts, edges = np.histogram(values, bins=_BARS)
-        return Bars(title=self.key, edges=tuple(edges.tolist()), counts=tuple(counts.tolist()), unit=self.unit)
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Entry:
-    """A line of the table of all manipulators.
-
-    Attributes:
-        number: its number in the run, from 1.
-        name: its name.
-        status: what became of it.
-        source: the file it comes from.
-        reason: the kind of its failure and the first error.
-        errors: position errors by emitter and loader [m].
-        verdicts: what came of each loader, or why it was not asked.
-        stays: whether it holds still in all simulators that tried.
-        remarks: notices and findings.
-        drawn: what was drawn for it.
-    """
-
-    number: int
-    name: str
-    status: str
-    source: str
-    reason: str
-    errors: dict[str, float | None]
-    verdicts: dict[str, str]
-    stays: bool | None
-    remarks: int
-    drawn: dict[str, Any]
+    def add(self, check: Check) -> None:
+        """Add what is known of one manipulator."""
+        if check.is_simulator and check.facts["verdict"] == "passed":
+            self.simulator = f"{check.facts['simulator']} {check.facts['version']}"
+        if (error := check.position_error) is not None:
+            self.measured += 1
+            self.largest = max(self.largest, error)
+            power = math.floor(2.0 * math.log10(error)) if error > 0.0 else 2 * _LOWEST
+            self.counts[min(max(power, 2 * _LOWEST), 2 * _HIGHEST - 1)] += 1
 
 
 class Overview:
     """Findings about a whole run.
 
-    Of a long run it keeps what was drawn for a sample only. Each manipulator has a rank, and the lowest ranks are kept:
-    multiples of the golden ratio, which are spread evenly, also where a grid repeats itself.
+    Of a long run it keeps what was drawn for a random sample only, which is the same each time.
 
     Attributes:
         index: what failed and why.
@@ -223,8 +116,7 @@ class Overview:
         statuses: how many are ok, failed or skipped.
         first: the rows of the first ones.
         errors: position errors by emitter and loader.
-        drawn: what was drawn, by field and joint; of a long run a sample.
-        sampled: of how many manipulators.
+        drawn: the fields that were drawn, such as ``a_2``.
         files: how many files were written.
         size: and how long they are [B].
         remarks: notices and findings.
@@ -238,18 +130,19 @@ class Overview:
             index: gets the same rows.
         """
         self.index = index
-        self.count = self.files = self.size = self.remarks = self.sampled = 0
+        self.count = self.files = self.size = self.remarks = 0
         self.statuses: Counter[str] = Counter()
         self.first: list[ManipulatorEntry] = []
         self.errors: dict[str, Errors] = {}
-        self.drawn: dict[str, Draw] = {}
+        self.drawn: list[str] = []
         self._most = most
-        self._ranks_kept = _RANKS
-        self._failed: list[Entry] = []
-        self._others: list[Entry] = []
+        self._sample: list[tuple[DrawnValue | None, ...]] = []
+        self._random = random.Random(0)  # noqa: S311 - nothing depends on it but a drawing
+        self._failed: list[dict[str, Any]] = []
+        self._others: list[dict[str, Any]] = []
 
     def add(self, row: ManipulatorEntry) -> None:
-        """Takes one row of the manifest."""
+        """Add a row of the manifest."""
         self.count += 1
         self.statuses[row["status"]] += 1
         self.files += len(row["files"])
@@ -258,71 +151,77 @@ class Overview:
         self.remarks += remarks
         if self.count <= self._most:
             self.first.append(row)
-        for check in checks(row):
-            if check.name not in self.errors:
-                self.errors[check.name] = Errors(is_simulator=check.is_simulator)
+        found = list(checks(row))
+        for check in found:
+            self.errors.setdefault(check.name, Errors())
             if check.facts:
-                self.errors[check.name].add(row["name"], check.facts)
-        self._sample(row["drawn"])
+                self.errors[check.name].add(check)
+        if drawn := row["drawn"]:
+            self.drawn += [key for key in drawn if key not in self.drawn][: MOST_DRAWN - len(self.drawn)]
+            place = self.count - 1
+            if place >= SAMPLED:  # Algorithm R (Vitter 1985): every manipulator is in the sample with the same chance.
+                place = self._random.randrange(self.count)
+            if place < SAMPLED:
+                self._sample[place : place + 1] = [tuple(drawn.get(key) for key in self.drawn)]
         entries = self._failed if row["status"] == "failed" else self._others
         if len(entries) < LISTED:
-            entries.append(self._entry(row, remarks))
+            entries.append(self._entry(row, found, remarks))
 
-    def _sample(self, drawn: Mapping[str, DrawnValue]) -> None:
-        rank = self.count * 2654435769 % _RANKS
-        for key in drawn if len(self.drawn) < MOST_DRAWN else ():
-            if key not in self.drawn and len(self.drawn) < MOST_DRAWN:
-                self.drawn[key] = Draw(key)
-        if rank >= self._ranks_kept:
-            return
-        self.sampled += 1
-        for key, draw in self.drawn.items():
-            if key in drawn:
-                draw.add(drawn[key], rank)
-        if self.sampled > SAMPLED:
-            self._ranks_kept //= 2
-            self.sampled = sum(number * 2654435769 % _RANKS < self._ranks_kept for number in range(1, self.count + 1))
-            for draw in self.drawn.values():
-                draw.thin(self._ranks_kept)
-
-    def _entry(self, row: ManipulatorEntry, remarks: int) -> Entry:
+    def _entry(self, row: ManipulatorEntry, found: list[Check], remarks: int) -> dict[str, Any]:
+        """A line of the table of all manipulators."""
         told = row["errors"][0]["message"] if row["errors"] else ""
         stays = [load["hold"]["stayed"] for load in row["loaders"].values() if "stayed" in load["hold"]]
-        return Entry(
-            number=self.count,
-            name=row["name"],
-            status=row["status"],
-            source=row["source"],
-            reason=f"{row['kind']}: {told}" if row["kind"] else told,
-            errors={check.name: check.position_error for check in checks(row)},
-            verdicts={name: load["verdict"] for name, load in row["loaders"].items()} | dict(row.get("not_loaded", {})),
-            stays=all(stays) if stays else None,
-            remarks=remarks,
-            drawn={key: row["drawn"][key] for key in row["drawn"] if key in self.drawn},
-        )
+        return {
+            "number": self.count,
+            "name": row["name"],
+            "status": row["status"],
+            "source": row["source"],
+            "reason": f"{row['kind']}: {told}" if row["kind"] else told,
+            "errors": {check.name: check.position_error for check in found},
+            "verdicts": {name: load["verdict"] for name, load in row["loaders"].items()} | row.get("not_loaded", {}),
+            "stays": all(stays) if stays else None,
+            "remarks": remarks,
+            "drawn": {key: row["drawn"][key] for key in self.drawn if key in row["drawn"]},
+        }
 
     @property
-    def entries(self) -> list[Entry]:
+    def sampled(self) -> int:
+        """How many manipulators the distributions of drawn values are of."""
+        return min(self.count, SAMPLED)
+
+    @property
+    def entries(self) -> list[dict[str, Any]]:
         """The lines of the table of all, failures first."""
         return [*self._failed, *self._others][:LISTED]
 
     @property
     def distributions(self) -> list[Bars]:
         """The distributions of what was drawn."""
-        return [bars for draw in self.drawn.values() if (bars := draw.bars())]
+        import numpy as np
+
+        found = []
+        for column, key in enumerate(self.drawn):
+            drawn = [row[column] for row in self._sample if len(row) > column and row[column] is not None]
+            if words := Counter(value for value in drawn if isinstance(value, str)):
+                common = words.most_common(_MOST_WORDS)
+                found.append(Bars(title=key, edges=[word for word, _ in common], counts=[count for _, count in common]))
+            elif drawn and 0.0 < np.ptp(drawn) < math.inf:  # type: ignore[arg-type]  # numbers
+                counts, edges = np.histogram(drawn, bins=_BARS)  # type: ignore[arg-type]
+                about = FIELDS.get(key.rpartition("_")[0])
+                units = [SI_UNITS.get(what, "SI") for what in (about.dimension, about.linear) if what] if about else []
+                found.append(Bars(title=key, edges=edges.tolist(), counts=counts.tolist(), unit=" or ".join(units)))
+        return found
 
     @property
     def error_distributions(self) -> list[Bars]:
         """The distributions of the position errors, on one logarithmic scale."""
-        powers = list(chain.from_iterable(errors.counts for errors in self.errors.values()))
-        if not powers:
-            return []
-        span = range(min(powers), max(powers) + 1)
+        powers = [power for errors in self.errors.values() for power in errors.counts]
+        span = range(min(powers, default=0), max(powers, default=0) + 1)
         return [
             Bars(
                 title=name,
-                edges=tuple(10.0 ** (power / 2.0) for power in (*span, span.stop)),
-                counts=tuple(errors.counts[power] for power in span),
+                edges=[10.0 ** (power / 2.0) for power in (*span, span.stop)],
+                counts=[errors.counts[power] for power in span],
                 unit="position error [m]",
                 logarithmic=True,
             )

@@ -54,6 +54,8 @@ def reproduction(
     """
     paths = list(files)
     distributions = {call.plugin.distribution for call in recipe.calls if call.plugin}
+    names = ("name", "of", "count", "seed", "sampling")
+    drawn: list[Any] = [{name: _plain(getattr(call, name)) for name in names} for call in variations]
     return {
         "command": command,
         "inputs": [_input(path) for path in paths[:MOST_INPUTS]],
@@ -64,16 +66,7 @@ def reproduction(
             "numpy": version("numpy"),
             **dict(sorted(each.rpartition(" ")[::2] for each in distributions if each.rpartition(" ")[0])),
         },
-        "variations": [
-            {
-                "name": call.name,
-                "of": call.of,
-                "count": call.count,
-                "seed": call.seed,
-                "sampling": call.sampling.value,
-            }
-            for call in variations
-        ],
+        "variations": drawn,
         "stages": [
             {"kind": call.kind, "stage": call.stage.name, "options": plain_options(call)} for call in recipe.calls
         ],
@@ -84,14 +77,13 @@ def reproduction(
 
 def plain_options(call: Call[Any]) -> dict[str, Any]:
     """The options of a stage as plain data, as a run file gives them."""
-    return {each.name: _plain(getattr(call.options, each.name)) for each in fields(call.options)}
+    options: dict[str, Any] = _plain(call.options)
+    return options
 
 
 def _plain(value: Any) -> Any:  # noqa: ANN401 - the value of any option
-    if value is None or isinstance(value, (bool, int, str)):
+    if value is None or type(value) in (bool, int, str) or (isinstance(value, float) and math.isfinite(value)):
         return value
-    if isinstance(value, float):
-        return value if math.isfinite(value) else str(value)
     if isinstance(value, (list, tuple)):
         return [_plain(entry) for entry in value]
     if isinstance(value, dict):

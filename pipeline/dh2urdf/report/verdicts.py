@@ -6,10 +6,8 @@ All comes from the rows of the manifest, so that a run that was resumed, or made
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from dh2urdf.results import ProblemEntry
 from dh2urdf.source import Mark
 
 if TYPE_CHECKING:
@@ -20,23 +18,17 @@ if TYPE_CHECKING:
 
 MOST_NOTICES = 200
 """Different notices of simulators that are counted one by one; the manifest has the others too."""
-
 _QUOTED = re.compile(r"'[^']*'")
 _NUMBER = re.compile(r"[-+]?\b\d[\w.+-]*")
 _SEVERAL = re.compile(r"…(?:(?:, | and )…| …)+")
 
 
-@dataclass(slots=True)
-class _Group:
-    """A notice that is alike for several manipulators."""
-
-    first: str
-    problem: ProblemEntry
-    manipulators: int = 0
-
-
 class Verdicts:
-    """Gathers what loaders say while the rows of the manifest pass by."""
+    """Gathers what loaders say while the rows of the manifest pass by.
+
+    Attributes:
+        coverage: how many manipulators each loader was given, and what came of it.
+    """
 
     def __init__(self, loaders: Mapping[str, bool]) -> None:
         """Begin with nothing.
@@ -44,7 +36,7 @@ class Verdicts:
         Args:
             loaders: the loaders that the run names, and whether each is optional.
         """
-        self._coverage: dict[str, CoverageEntry] = {
+        self.coverage: dict[str, CoverageEntry] = {
             name: {
                 "simulator": None,
                 "of": 0,
@@ -57,7 +49,7 @@ class Verdicts:
             }
             for name, optional in loaders.items()
         }
-        self._groups: dict[tuple[str, str], _Group] = {}
+        self._notices: dict[tuple[str, str], SimulatorNotice] = {}
 
     @classmethod
     def of(cls, recipe: Recipe) -> Verdicts:
@@ -65,9 +57,9 @@ class Verdicts:
         return cls({call.stage.name: call.stage.name in recipe.optional for call in recipe.loaders})
 
     def add(self, row: ManipulatorEntry) -> None:
-        """Takes one row of the manifest."""
+        """Add a row of the manifest."""
         unasked = row.get("not_loaded", {})
-        for name, entry in self._coverage.items():
+        for name, entry in self.coverage.items():
             entry["of"] += 1
             if name not in row["loaders"]:
                 entry["not_in_sample" if unasked.get(name) == "not in the sample" else "no_file"] += 1
@@ -79,30 +71,24 @@ class Verdicts:
             problems = [*load["findings"], *(load["errors"] if load["optional"] else ())]
             # One manipulator counts once, however often its simulator says a thing.
             for kind, problem in {alike(problem["message"]): problem for problem in problems[::-1]}.items():
-                if (name, kind) not in self._groups and len(self._groups) >= MOST_NOTICES:
-                    continue
-                group = self._groups.setdefault((name, kind), _Group(row["name"], problem))
-                group.manipulators += 1
-
-    def coverage(self) -> dict[str, CoverageEntry]:
-        """How many manipulators each loader was given, and what came of it."""
-        return self._coverage
+                if (name, kind) in self._notices:
+                    self._notices[name, kind]["manipulators"] += 1
+                elif len(self._notices) < MOST_NOTICES:
+                    file, line, column = problem["file"], problem["line"], problem["column"]
+                    mark = Mark(file=file, line=line, column=column, place=problem["place"]) if file else None
+                    self._notices[name, kind] = {
+                        "loader": name,
+                        "manipulators": 1,
+                        "first": row["name"],
+                        "place": str(mark) if mark else None,
+                        "joint": problem["joint"],
+                        "message": problem["message"],
+                    }
 
     def notices(self) -> list[SimulatorNotice]:
         """What the loaders noticed, loader by loader, the most frequent first."""
-        order = list(self._coverage)
-        found = sorted(self._groups.items(), key=lambda item: (order.index(item[0][0]), -item[1].manipulators))
-        return [
-            {
-                "loader": name,
-                "manipulators": group.manipulators,
-                "first": group.first,
-                "place": _place(group.problem),
-                "joint": group.problem["joint"],
-                "message": group.problem["message"],
-            }
-            for (name, _), group in found
-        ]
+        order = list(self.coverage)
+        return sorted(self._notices.values(), key=lambda each: (order.index(each["loader"]), -each["manipulators"]))
 
 
 def alike(message: str) -> str:
@@ -117,17 +103,14 @@ def coverage_line(coverage: Mapping[str, CoverageEntry]) -> str:
 
 def covered(entry: CoverageEntry) -> str:
     """How many manipulators a loader judged, and why not all."""
-    notes = []
-    if entry["failed"]:
-        notes.append(f"{entry['failed']:,} refused")
-    if entry["missing"]:
-        notes.append("not installed")
-    if entry["not_in_sample"]:
-        notes.append("sample")
-    if entry["no_file"]:
-        notes.append(f"{entry['no_file']:,} without a file")
-    told = f" ({'; '.join(notes)})" if notes else ""
-    return f"{entry['passed'] + entry['failed']:,} of {entry['of']:,}{told}"
+    notes = {
+        f"{entry['failed']:,} refused": entry["failed"],
+        "not installed": entry["missing"],
+        "sample": entry["not_in_sample"],
+        f"{entry['no_file']:,} without a file": entry["no_file"],
+    }
+    told = "; ".join(note for note, count in notes.items() if count)
+    return f"{entry['passed'] + entry['failed']:,} of {entry['of']:,}{f' ({told})' if told else ''}"
 
 
 def notice_line(notice: SimulatorNotice) -> str:
@@ -137,10 +120,3 @@ def notice_line(notice: SimulatorNotice) -> str:
     joint = f"joint {notice['joint']!r}" if notice["joint"] else None
     where = ", ".join(filter(None, (notice["place"], joint)))
     return f"{what}{f' ({where})' if where else ''}: {notice['message']}"
-
-
-def _place(problem: ProblemEntry) -> str | None:
-    """The place of a problem, as messages name it."""
-    if problem["file"] is None:
-        return None
-    return str(Mark(file=problem["file"], line=problem["line"], column=problem["column"], place=problem["place"]))

@@ -19,10 +19,17 @@ from dh2urdf.output.journal import JOURNAL, MANIFEST, Earlier, earlier_rows, nex
 from dh2urdf.output.leftovers import clear_leftovers
 from dh2urdf.output.whole_files import reporting_the_disk
 from dh2urdf.plugin_system.at_work import unmarked
-from dh2urdf.report.first_manipulators import FULL, FirstManipulators
-from dh2urdf.report.json import TABLE, run_report, write_reports, write_timing
-from dh2urdf.report.manifest_writer import ManifestWriter
-from dh2urdf.report.page import PAGE, can_write_html
+from dh2urdf.report.manifest import (
+    FULL,
+    PAGE,
+    TABLE,
+    FirstManipulators,
+    ManifestWriter,
+    can_write_html,
+    run_report,
+    write_reports,
+    write_timing,
+)
 from dh2urdf.report.reproduction import command_line, reproduction
 from dh2urdf.report.verdicts import Verdicts
 from dh2urdf.run_file.config import load_config
@@ -219,7 +226,7 @@ def _make(  # noqa: PLR0917 - what a run has in its hands
                 known = replace(batch, rows=earlier.of(batch.names)) if earlier else batch
                 under_way.append(known)
                 first_manipulators.see(batch)
-                manifest.axes.see(batch)
+                manifest.see(batch)
                 yield known
 
     unread: list[BatchReport] = []  # Where nothing can be read, the error at the end names the reason, once.

@@ -11,8 +11,7 @@ from dh2urdf.errors import ConfigError
 from dh2urdf.output.journal import MANIFEST
 from dh2urdf.output.layouts import Form
 from dh2urdf.output.store import WORKING, LocalStore, Store
-from dh2urdf.report.json import INDEX, REPORT, TABLE, TIMING
-from dh2urdf.report.page import PAGE
+from dh2urdf.report.manifest import INDEX, PAGE, REPORT, TABLE, TIMING
 from dh2urdf.source import Problem, shown
 
 if TYPE_CHECKING:

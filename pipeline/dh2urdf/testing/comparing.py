@@ -21,8 +21,8 @@ def difference(first: Any, second: Any, *, whole: bool = True) -> str | None:  #
         second: the other.
         whole: whether fields count that `==` leaves out, such as marks, notices and formulas.
     """
-    leaves = _leaves(first, "", whole=whole), _leaves(second, "", whole=whole)
-    for one, other in zip_longest(*leaves, fillvalue=("it", "nothing")):
+    both = leaves(first, whole=whole), leaves(second, whole=whole)
+    for one, other in zip_longest(*both, fillvalue=("it", "nothing")):
         if one != other:
             (place, left), (_, right) = one, other
             start = next((i for i, (a, b) in enumerate(zip(left, right, strict=False)) if a != b), 0)
@@ -31,7 +31,7 @@ def difference(first: Any, second: Any, *, whole: bool = True) -> str | None:  #
     return None
 
 
-def _leaves(value: Any, place: str, *, whole: bool) -> Iterator[tuple[str, str]]:  # noqa: ANN401 - any value
+def leaves(value: Any, place: str = "", *, whole: bool = True) -> Iterator[tuple[str, str]]:  # noqa: ANN401 - any value
     """Every number and text in a value, as `repr` has it, with its place: ``rows[2].limits.lower``."""
     parts: list[tuple[str, Any]] = []
     if is_dataclass(value) and not isinstance(value, type):
@@ -46,4 +46,4 @@ def _leaves(value: Any, place: str, *, whole: bool) -> Iterator[tuple[str, str]]
         return
     yield place, f"a {type(value).__name__} of {len(parts)}"
     for inner, item in parts:
-        yield from _leaves(item, inner, whole=whole)
+        yield from leaves(item, inner, whole=whole)

@@ -5,7 +5,6 @@ from __future__ import annotations
 import gc
 import math
 from contextlib import suppress
-from dataclasses import fields, is_dataclass
 from itertools import islice
 from typing import TYPE_CHECKING, Any, ClassVar
 
@@ -15,10 +14,11 @@ from dh2urdf.manipulator import Manipulator
 from dh2urdf.provenance import Trace
 from dh2urdf.quantities.units import UNITS
 from dh2urdf.source import Mark
+from dh2urdf.stage_calls.answers import a_whole_record
 from dh2urdf.stage_calls.column_calls import checked_groups
 from dh2urdf.stages import Reader, ReadsCells, ReadsInColumns, Rejected, Traces
 from dh2urdf.table_text import CellRow
-from dh2urdf.testing.comparing import difference
+from dh2urdf.testing.comparing import difference, leaves
 from dh2urdf.testing.stage_contract import Calls, InputContract, clause
 
 if TYPE_CHECKING:
@@ -69,9 +69,12 @@ class ReaderContract(InputContract):
         if not found or not all(isinstance(item, Manipulator) for item in found):
             yield f"{[str(item) for item in found]}"
         for table in found:
+            a_whole_record(table, Manipulator)
             if not table.rows or not table.name.strip():
                 yield f"a manipulator named {table.name!r} with {len(table.rows)} rows"
-            yield from _unfit(table)
+            for place, text in leaves(table):
+                if text in ("nan", "inf", "-inf"):
+                    yield f"{place} of {table.name!r} is {text}"
             if table.mark is None or table.mark.file != str(path):
                 yield f"the mark {table.mark!r} of the manipulator {table.name!r}"
 
@@ -224,17 +227,3 @@ def _cell_rows(cell: str) -> list[CellRow]:
 
     header = row(2, "a [mm]", "alpha", "d [mm]")
     return [row(1, "# convention: standard"), header, row(3, cell, "pi/2", 100.0), row(4, 300, 0, "-200")]
-
-
-def _unfit(value: Any, place: str = "the manipulator") -> Found:  # noqa: ANN401 - a record, or what is in it
-    """What is in a record that should not be: numbers that are not finite, and collections that can be changed."""
-    if is_dataclass(value) and not isinstance(value, type):
-        for field in fields(value):
-            yield from _unfit(getattr(value, field.name), f"{place}, {field.name}")
-    elif isinstance(value, tuple):
-        for item in value:
-            yield from _unfit(item, place)
-    elif value is not None and not isinstance(value, (str, int, float, bool)):
-        yield f"{place}: {type(value).__name__} {value!r:.80}"
-    elif isinstance(value, float) and not math.isfinite(value):
-        yield f"{place}: {value}"

@@ -20,6 +20,7 @@ from dh2urdf.kinematics.proof_vectors import proof_vectors
 from dh2urdf.manipulator import ROOT, TOOL, DHRow, JointType, Limits, Manipulator
 from dh2urdf.robot import Box, Robot, Sphere, Visual
 from dh2urdf.robot_check import check_robot
+from dh2urdf.stage_calls.answers import a_whole_record, emitted_files
 from dh2urdf.stages import (
     Checks,
     EditsInColumns,
@@ -82,10 +83,7 @@ class TransformContract(_ArmContract):
     def test_makes_robots_that_readers_take(self) -> Found:
         """It makes a Robot of every arm, and the robot breaks no rule that readers of descriptions rely on."""
         for manipulator in self.arms():
-            robot = self.stage.transform(manipulator, self.given())
-            if not isinstance(robot, Robot):
-                yield f"{type(robot).__name__} of the arm {manipulator.name!r}"
-            yield from _broken_rules(robot)
+            yield from _broken_rules(a_whole_record(self.stage.transform(manipulator, self.given()), Robot))
 
     @clause
     def test_keeps_the_kinematics(self) -> Found:
@@ -134,10 +132,9 @@ class EditContract(_ArmContract):
         """It makes a Manipulator of every Manipulator, and a Robot of every Robot, with the same name."""
         for function, items in self._work(self.arms()):
             for item in items:
-                found, kind = function(item, self.given()), type(item)
-                if not isinstance(found, kind) or found.name != item.name:
-                    name = getattr(found, "name", None)
-                    yield f"{type(found).__name__} with the name {name!r} for the {kind.__name__} {item.name!r}"
+                found = a_whole_record(function(item, self.given()), type(item))
+                if found.name != item.name:
+                    yield f"the name {found.name!r} for the {type(item).__name__} {item.name!r}"
 
     @clause
     def test_robots_stay_what_readers_take(self) -> Found:
@@ -212,21 +209,15 @@ class EmitterContract(InputContract):
         """It gives files: the stem and an ending of its record as names, content in bytes, the main file first."""
         in_folders = self.stage.can(WritesFolders) is not None
         endings = {ending.casefold() for ending in self.stage.endings}
-        for files in map(self._emit, self._robots()):
-            # A generator could be gone through but once.
-            if not isinstance(files, (list, tuple)) or not all(isinstance(file, EmittedFile) for file in files):
-                yield f"{files!r:.200}"
-            for file in files:
-                if (Path(file.name).name == file.name) is in_folders or not file.name.startswith(self.stem):
-                    yield f"a file named {file.name!r} for the stem {self.stem!r}"
-                if not isinstance(file.content, bytes):
-                    yield f"{file.name} holds {type(file.content).__name__}"
-                if not in_folders and (ending := file.name[len(self.stem) :]).casefold() not in endings:
+        for given in map(self._emit, self._robots()):
+            if not isinstance(given, (list, tuple)):  # A generator could be gone through but once.
+                yield f"{given!r:.200}"
+            files = emitted_files(given, self.stem, in_folders=in_folders)
+            for file in files if not in_folders else ():
+                if (ending := file.name[len(self.stem) :]).casefold() not in endings:
                     yield f"{file.name!r}, which has {ending!r} behind the stem; the record has {sorted(endings)}"
-            if not files or len({file.name.casefold() for file in files}) < len(files):
-                yield f"the names {[file.name for file in files]}"
-            if not in_folders and not files[0].name.lower().endswith(self.stage.suffixes):
-                yield f"the main file {files[0].name!r}"
+            if not files or not (in_folders or files[0].name.lower().endswith(self.stage.suffixes)):
+                yield f"the names {[file.name for file in files]}, of which the first is the main file's"
 
     @clause
     def test_files_are_well_formed(self) -> Found:

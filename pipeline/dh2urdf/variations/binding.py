@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from math import prod
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from dh2urdf.errors import ConfigError
 from dh2urdf.manipulator import DHRow, JointType, Manipulator
@@ -65,28 +65,8 @@ class _Binder:
             mark=self.call.mark,
         )
 
-    def _add_problem(
-        self,
-        rule: Rule,
-        message: str,
-        *,
-        mark: Mark | None = None,
-        joint: str | None = None,
-        found: str | None = None,
-        accepted: str | None = None,
-        suggestion: str | None = None,
-    ) -> None:
-        self.problems.append(
-            Problem(
-                message=message,
-                mark=mark or rule.mark,
-                joint=joint,
-                field=rule.field,
-                found=found,
-                accepted=accepted,
-                suggestion=suggestion,
-            )
-        )
+    def _add_problem(self, rule: Rule, message: str, *, mark: Mark | None = None, **about: Any) -> None:  # noqa: ANN401 - of a problem
+        self.problems.append(Problem(message=message, mark=mark or rule.mark, field=rule.field, **about))
 
     # --- Joints
 
@@ -130,45 +110,38 @@ class _Binder:
 
     def _factors(self, rule: Rule) -> Iterator[Factor]:
         if rule.field == AXES:
-            yield from self._axes(rule)
+            have = len(self.nominal.moving_rows)
+            for value in rule.law.values if isinstance(rule.law, Choices | Grid) else ():
+                if float(value) > have:
+                    message = f"the table of {shown(self.nominal.name)} has {have} axes, and {value} are asked for"
+                    accepted = f"1 to {have}: rows are left out, not added"
+                    self._add_problem(rule, message, found=str(value), accepted=accepted)
+            yield Factor(key=AXES, field=AXES, row=None, law=rule.law, mark=rule.mark)
             return
-        indices = self._indices(rule)
-        if rule.joints is None and not indices:
+        nominals: list[tuple[int, float | None]] = []
+        for index in self._indices(rule):
+            row = self.rows[index]
+            value = getattr(row.limits if rule.field in LIMITS else row, rule.field)
+            nominals.append((index, float(value) if isinstance(value, int | float) else None))
+        if rule.joints is None and not nominals:
             self._add_problem(rule, f"no joint of {shown(self.nominal.name)} has {rule.field}")
-        nominals = [self._nominal(rule, index) for index in indices]
         is_named = rule.joints not in (None, (ALL,))  # a rule for all joints may be for many arms
-        if isinstance(rule.law, Scale) and is_named and nominals and not any(nominal != 0 for nominal in nominals):
+        if isinstance(rule.law, Scale) and is_named and nominals and all(nominal == 0 for _, nominal in nominals):
             self._add_problem(
                 rule,
                 f"{rule.field} in the table is 0, and so is every multiple of it: nothing varies",
-                joint=self.rows[indices[0]].joint if len(indices) == 1 else None,
+                joint=self.rows[nominals[0][0]].joint if len(nominals) == 1 else None,
                 found="0",
                 accepted=f"joints with another {rule.field}, or values of their own such as offset: [LOW, HIGH]",
                 suggestion="joints count from 1, fixed ones too",
             )
             return
-        for index in indices:
-            before, nominal = len(self.problems), self._nominal(rule, index)
+        for index, nominal in nominals:
+            before = len(self.problems)
             self._check(rule, index, self.rows[index], nominal)
             if len(self.problems) == before:
                 key = f"{rule.field}_{index + 1}"
                 yield Factor(key=key, field=rule.field, row=index, law=rule.law, nominal=nominal, mark=rule.mark)
-
-    def _nominal(self, rule: Rule, index: int) -> float | None:
-        """The number that the table has where a rule varies it."""
-        row = self.rows[index]
-        value = getattr(row.limits if rule.field in LIMITS else row, rule.field)
-        return float(value) if isinstance(value, int | float) else None
-
-    def _axes(self, rule: Rule) -> Iterator[Factor]:
-        have = len(self.nominal.moving_rows)
-        for value in rule.law.values if isinstance(rule.law, Choices | Grid) else ():
-            if float(value) > have:
-                message = f"the table of {shown(self.nominal.name)} has {have} axes, and {value} are asked for"
-                self._add_problem(
-                    rule, message, found=str(value), accepted=f"1 to {have}: rows are left out, not added"
-                )
-        yield Factor(key=AXES, field=AXES, row=None, law=rule.law, mark=rule.mark)
 
     def _check(self, rule: Rule, index: int, row: DHRow, nominal: float | None) -> None:
         """What a joint cannot have, and values that do not fit it."""

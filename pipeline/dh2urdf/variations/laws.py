@@ -66,7 +66,7 @@ class LogUniform:
 
     def draw(self, u: float, nominal: float | None = None) -> float:  # noqa: ARG002 - laws are called alike
         """The value of a number u between 0 and 1."""
-        low, high = _logarithm(self.low), _logarithm(self.high)
+        low, high = (_CONTEXT.ln(Decimal(end)) for end in (self.low, self.high))
         exponent = _CONTEXT.fma(Decimal(u), _CONTEXT.subtract(high, low), low)
         return float(_clamped(float(_CONTEXT.exp(exponent)), self.low, self.high))
 
@@ -89,29 +89,23 @@ class Normal:
 
     def draw(self, u: float, nominal: float | None = None) -> float:
         """The value of a number u between 0 and 1."""
-        mean = self._mean(nominal)
-        side, low, high = self._probabilities(mean)
+        mean, (side, low, high) = self._cut(nominal)
         z = side * normal_quantile(_between(low, high, u if side > 0 else 1.0 - u))
         return float(_clamped(mean + self.deviation * z, self.low, self.high))
 
     def probability(self, nominal: float | None = None) -> float:
         """How much of the whole distribution lies between the bounds."""
-        _, low, high = self._probabilities(self._mean(nominal))
+        _, (_, low, high) = self._cut(nominal)
         return high - low
 
-    def _mean(self, nominal: float | None) -> float:
-        mean = nominal if self.mean is None else self.mean
-        if mean is None:
-            raise ValueError("a normal distribution without a mean needs a nominal value")
-        return mean
-
-    def _probabilities(self, mean: float) -> tuple[int, float, float]:
-        """The cumulative distribution at the bounds; mirrored, side -1, where both are above the mean.
+    def _cut(self, nominal: float | None) -> tuple[float, tuple[int, float, float]]:
+        """The mean, and the cumulative distribution at the bounds; mirrored, side -1, where both are above the mean.
 
         Small probabilities have all their digits, those near 1 have lost them.
         """
+        mean = _nominal(nominal) if self.mean is None else self.mean
         low, high = (self.low - mean) / self.deviation, (self.high - mean) / self.deviation
-        return (-1, normal_cdf(-high), normal_cdf(-low)) if low > 0 else (1, normal_cdf(low), normal_cdf(high))
+        return mean, (-1, normal_cdf(-high), normal_cdf(-low)) if low > 0 else (1, normal_cdf(low), normal_cdf(high))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -164,8 +158,10 @@ def draw_many(
 ) -> list[DrawnValue]:
     """The values of a column of numbers between 0 and 1: to the last bit what `draw` returns for each."""
     if isinstance(law, Uniform | Scale | Offset):
-        values: list[DrawnValue] = law.draw(u, nominal).tolist()
-        return values
+        import numpy as np
+
+        with np.errstate(over="ignore"):  # A number that is too large is reported where the table is made.
+            return list(law.draw(u, nominal).tolist())
     return [law.draw(each, nominal) for each in u.tolist()]
 
 
@@ -181,13 +177,8 @@ def _clamped(value: Number, low: float, high: float) -> Number:
 
 def _nominal(nominal: float | None) -> float:
     if nominal is None:
-        raise ValueError("a scale or an offset needs a nominal value")
+        raise ValueError("a law that starts from the nominal value needs a nominal value")
     return nominal
-
-
-@lru_cache(maxsize=4096)
-def _logarithm(number: float) -> Decimal:
-    return _CONTEXT.ln(Decimal(number))
 
 
 # --- The normal distribution ------------------------------------------------------------------------------------------

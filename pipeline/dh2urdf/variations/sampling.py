@@ -60,63 +60,38 @@ def require(sampling: Sampling) -> None:
         _sobol_engine(1)
 
 
-def point(sampling: Sampling, *, seed: int, count: int, index: int, dimensions: int) -> list[float]:
-    """One point of a sample.
+def points(
+    sampling: Sampling, *, seed: int, count: int, indices: Sequence[int], dimensions: int
+) -> NDArray[np.float64]:
+    """Points of a sample, by coordinate.
 
     Args:
         sampling: how the points spread.
         seed: which sample of all those of its kind.
-        count: how many points it has, up to `MOST_POINTS`.
-        index: which of them, from 0.
+        count: how many points the sample has, up to `MOST_POINTS`.
+        indices: which of them, from 0.
         dimensions: of the unit cube, up to `SOBOL_DIMENSIONS` for Sobol sequences.
 
     Returns:
-        The coordinates, each above 0 and below 1.
+        The coordinates, each above 0 and below 1: an array of shape (dimensions, len(indices)).
 
     Raises:
         MissingDependencyError: scipy is needed and not installed.
     """
-    if sampling is Sampling.SOBOL:
-        return _sobol(seed, count, index, dimensions)
-    blocks = range(-(-dimensions // _WORDS))
-    words = [word for block in blocks for word in _words(f"{seed} point {index} {block}")][:dimensions]
-    if sampling is Sampling.RANDOM:
-        return [_in_unit(word) for word in words]
-    last = 1.0 - 2.0**-53
-    return [
-        min((permuted(index, count, f"{seed} dimension {dimension}") + _in_unit(word)) / count, last)
-        for dimension, word in enumerate(words)
-    ]
-
-
-def points(
-    sampling: Sampling, *, seed: int, count: int, indices: Sequence[int], dimensions: int
-) -> NDArray[np.float64]:
-    """Several points of a sample: what `point` returns for each of them, by coordinate.
-
-    Args:
-        sampling: how the points spread.
-        seed: which sample of all those of its kind.
-        count: how many points the sample has.
-        indices: which of them, from 0.
-        dimensions: of the unit cube.
-
-    Returns:
-        An array of shape (dimensions, len(indices)).
-
-    Raises:
-        MissingDependencyError: as of `point`.
-    """
     import numpy as np
 
-    if sampling is not Sampling.RANDOM:
-        each = [point(sampling, seed=seed, count=count, index=k, dimensions=dimensions) for k in indices]
-        return np.array(each, dtype=float).T.copy()
+    if sampling is Sampling.SOBOL:
+        return np.array([_sobol(seed, count, index, dimensions) for index in indices]).T.copy()
     blocks = range(-(-dimensions // _WORDS))
     digests = b"".join([_digest(f"{seed} point {index} {block}") for index in indices for block in blocks])
     words = np.frombuffer(digests, dtype=">u8").astype(np.uint64) >> np.uint64(64 - _BITS)
     coordinates = (words.astype(float) + 0.5) / 2.0**_BITS  # exact, as words are of `_BITS` bits
-    return coordinates.reshape(len(indices), -1).T[:dimensions].copy()
+    coordinates = coordinates.reshape(len(indices), -1).T[:dimensions].copy()
+    if sampling is Sampling.LATIN_HYPERCUBE:
+        for dimension, row in enumerate(coordinates):
+            strata = [permuted(index, count, f"{seed} dimension {dimension}") for index in indices]
+            row[:] = np.minimum((np.array(strata, dtype=float) + row) / count, 1.0 - 2.0**-53)
+    return coordinates
 
 
 def permuted(index: int, count: int, key: str) -> int:

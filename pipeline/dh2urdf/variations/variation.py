@@ -20,7 +20,7 @@ from dh2urdf.record_fields import replace_unchecked
 from dh2urdf.row_fields import COM, DYNAMICS, INERTIA, LIMITS, ROW_FIELDS, RowField
 from dh2urdf.source import Mark, Problem, shown
 from dh2urdf.variations.laws import DrawnValue, Grid, Law, draw_many, ends
-from dh2urdf.variations.sampling import Sampling, point, points, regrouped
+from dh2urdf.variations.sampling import Sampling, points, regrouped
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
@@ -145,21 +145,44 @@ class Variation:
         return [f"{name}_{number:0{digits}d}" for number in numbers]
 
     def drawn(self, numbers: Sequence[int]) -> list[dict[str, DrawnValue]]:
-        """What is drawn for some of its variants, by their numbers: what `Variant.drawn` returns for each of them."""
+        """What is drawn for some of its variants, by their numbers: the values of factors by their keys [SI].
+
+        Grids go by the number, the last one fastest; the others by the sample. Of axes that a variant lacks, and of
+        limits that its joints lack, there are none.
+        """
+        if not numbers:
+            return []
+        columns: dict[str, Sequence[DrawnValue]] = {}
+        rest, combinations = [number - 1 for number in numbers], 1
+        for factor in reversed(self.factors):
+            if isinstance(factor.law, Grid):
+                values, size = factor.law.values, len(factor.law.values)
+                columns[factor.key] = [values[number % size] for number in rest]
+                rest, combinations = [number // size for number in rest], combinations * size
+        indices = [number - 1 for number in numbers]
+        if self.sampling is Sampling.SOBOL:
+            indices = [regrouped(index, combinations, self.count, self.seed) for index in indices]
         sampled = [(factor, law) for factor in self.factors if not isinstance(law := factor.law, Grid)]
-        if not numbers or self.has_many_forms or len(sampled) < len(self.factors):
-            return [Variant(variation=self, number=number).drawn() for number in numbers]
-        coordinates = points(
-            self.sampling,
-            seed=self.seed,
-            count=self.count,
-            indices=[number - 1 for number in numbers],
-            dimensions=len(sampled),
-        )
-        laws = zip(sampled, coordinates, strict=True)
-        columns = [draw_many(law, u, factor.nominal) for (factor, law), u in laws]
+        if sampled:
+            about: Any = {"seed": self.seed, "count": self.count, "indices": indices, "dimensions": len(sampled)}
+            for (factor, law), u in zip(sampled, points(self.sampling, **about), strict=True):
+                columns[factor.key] = draw_many(law, u, factor.nominal)
         keys = [factor.key for factor in self.factors]
-        return [dict(zip(keys, values, strict=True)) for values in zip(*columns, strict=True)]
+        drawn = [dict(zip(keys, row, strict=True)) for row in zip(*(columns[key] for key in keys), strict=True)]
+        return [self._possible(values) for values in drawn] if self.has_many_forms else drawn
+
+    def _possible(self, values: dict[str, DrawnValue]) -> dict[str, DrawnValue]:
+        """The values of axes that a variant has, and of fields that the drawn types of its joints have."""
+        axes, rows = values.get(AXES), self.nominal.rows
+        last = len(first_axes(rows, int(axes)) if axes else rows)
+        found: dict[str, DrawnValue] = {}
+        for factor in self.factors:
+            if factor.row is not None:
+                kind = JointType(str(values.get(f"{TYPE}_{factor.row + 1}", rows[factor.row].type)))
+                if factor.row >= last or kind not in FIELDS[factor.field].types:
+                    continue
+            found[factor.key] = values[factor.key]
+        return found
 
     def torn_links(self) -> Iterator[Problem]:
         """A notice where links do not follow the lengths that are drawn, by the farthest of these."""
@@ -235,48 +258,8 @@ class Variant:
         return self.variation.mark
 
     def drawn(self) -> dict[str, DrawnValue]:
-        """The values of its factors by their keys [SI]; not those of axes it lacks and of limits its joints lack."""
-        values = self._values()
-        if not self.variation.has_many_forms:
-            return {factor.key: values[factor.key] for factor in self.variation.factors}
-        axes, rows = values.get(AXES), self.variation.nominal.rows
-        last = len(first_axes(rows, int(axes)) if axes else rows)
-        drawn: dict[str, DrawnValue] = {}
-        for factor in self.variation.factors:
-            if factor.row is not None:
-                if factor.row >= last:
-                    continue
-                kind = JointType(str(values.get(f"{TYPE}_{factor.row + 1}", rows[factor.row].type)))
-                if kind not in FIELDS[factor.field].types:
-                    continue
-            drawn[factor.key] = values[factor.key]
-        return drawn
-
-    def _values(self) -> dict[str, DrawnValue]:
-        """The values of all factors: those of grids by the number, the last one fastest, the others by the sample."""
-        variation, index = self.variation, self.number - 1
-        sampled = [factor for factor in variation.factors if not isinstance(factor.law, Grid)]
-        values: dict[str, DrawnValue] = {}
-        rest, points_of_grids = index, 1
-        for factor in reversed(variation.factors):
-            if isinstance(factor.law, Grid):
-                rest, place = divmod(rest, len(factor.law.values))
-                values[factor.key] = factor.law.values[place]
-                points_of_grids *= len(factor.law.values)
-        if variation.sampling is Sampling.SOBOL:
-            index = regrouped(index, points_of_grids, variation.count, variation.seed)
-        if sampled:
-            coordinates = point(
-                variation.sampling,
-                seed=variation.seed,
-                count=variation.count,
-                index=index,
-                dimensions=len(sampled),
-            )
-            for factor, u in zip(sampled, coordinates, strict=True):
-                if not isinstance(factor.law, Grid):
-                    values[factor.key] = factor.law.draw(u, factor.nominal)
-        return values
+        """The values of its factors by their keys [SI]."""
+        return self.variation.drawn((self.number,))[0]
 
     def manipulator(self, drawn: Mapping[str, DrawnValue]) -> Manipulator:
         """The table of this variant.
@@ -366,21 +349,17 @@ def retyped(row: DHRow, kind: JointType) -> DHRow:
 
 def _row_problems(row: DHRow, factors: Mapping[str, Factor]) -> Iterator[Problem]:
     """What is impossible about the drawn values of a row."""
-
-    def impossible(name: str, message: str, value: float, accepted: str) -> Problem:
-        mark, found = factors[name].mark, f"{value:.12g}"
-        return Problem(message=message, mark=mark, joint=row.joint, field=name, found=found, accepted=accepted)
-
+    found = []
     for name in factors:
-        value = getattr(row.limits if name in LIMITS else row, name)
-        if not isinstance(value, float):
-            continue
-        field = FIELDS[name]
-        if not isfinite(value) or not field.takes(value):
+        value, field = getattr(row.limits if name in LIMITS else row, name), FIELDS[name]
+        if isinstance(value, float) and (not isfinite(value) or not field.takes(value)):
             accepted = f"a number {field.bound}" if field.bound else "a finite number"
-            yield impossible(name, f"the {name} that was drawn is {value:.12g}", value, accepted)
+            found.append((name, f"the {name} that was drawn is {value:.12g}", value, accepted))
     bounds = [name for name in ("lower", "upper") if name in factors]
     lower, upper = row.limits.lower, row.limits.upper
     if bounds and lower is not None and upper is not None and lower > upper:
         message = f"lower is {lower:.12g} and upper {upper:.12g}, with {' and '.join(bounds)} drawn"
-        yield impossible(bounds[0], message, getattr(row.limits, bounds[0]), "lower at most upper")
+        found.append((bounds[0], message, getattr(row.limits, bounds[0]), "lower at most upper"))
+    for name, message, value, accepted in found:
+        mark, text = factors[name].mark, f"{value:.12g}"
+        yield Problem(message=message, mark=mark, joint=row.joint, field=name, found=text, accepted=accepted)

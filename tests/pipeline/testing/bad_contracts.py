@@ -150,7 +150,13 @@ BREACHES: list[tuple[type[Any], Any, dict[str, Any], str, str]] = [
         "joints[2].origin.xyz[2] is once",
     ),
     # Edits
-    (EditContract, EDIT, f(edit_table=bad_lab.edit_name), "test_returns_what_it_was_given", "'ur5_2' for the Manipula"),
+    (
+        EditContract,
+        EDIT,
+        f(edit_table=bad_lab.edit_name),
+        "test_returns_what_it_was_given",
+        "the name 'ur5_2' for the Manip",
+    ),
     (
         EditContract,
         EDIT,
@@ -192,7 +198,7 @@ BREACHES: list[tuple[type[Any], Any, dict[str, Any], str, str]] = [
         EMITTER,
         f(emit=bad_lab.emit_elsewhere),
         "test_files_have_plain_names_and_content",
-        "a file named '../robot.bad' for the stem 'arm-7'",
+        "'../robot.bad' is not a plain file name",
     ),
     (
         EmitterContract,
@@ -251,7 +257,7 @@ BREACHES: list[tuple[type[Any], Any, dict[str, Any], str, str]] = [
     ),
     (LoaderContract, LOADER, {}, "test_finds_another_arm", "position_error 0.0 m, of an arm expected 0.1 m beside"),
     (LoaderContract, LOADER, f(open=bad_lab.load_at_some_time), "test_report_is_plain_data", "mass is once "),
-    (LoaderContract, LOADER, f(open=bad_lab.load_in_place), "test_keeps_its_input", "[0] is once b'"),
+    (LoaderContract, LOADER, f(open=bad_lab.load_in_place), "test_leaves_nothing_behind", "[0] is once b'"),
     (
         LoaderContract,
         LOADER,

@@ -113,12 +113,6 @@ def read_all_first(path: Path, options: Any) -> Any:
     return iter(list(read(path, options)))
 
 
-def read_by_hash(path: Path, options: Any) -> Any:
-    for table in read(path, options):
-        (row,) = table.rows
-        yield replace(table, rows=(replace(row, joint=min({"left", "right", "middle", "none"}, key=hash)),))
-
-
 def read_with_cache(path: Path, options: Any) -> Any:
     path.with_suffix(".cache").write_text("")
     return read(path, options)
@@ -218,22 +212,9 @@ def transform_without_tool(manipulator: Manipulator, _options: Any) -> Robot:
     return plain_robot(replace(manipulator, tool=manipulator.base))
 
 
-def transform_by_hash(manipulator: Manipulator, _options: Any) -> Robot:
-    return replace(plain_robot(manipulator), comment=str(hash("made by")))
-
-
 def transform_with_log(manipulator: Manipulator, _options: Any) -> Robot:
     subprocess.run([sys.executable, "-c", ""], check=True)
     return plain_robot(manipulator)
-
-
-def transform_by_force(manipulator: Manipulator, _options: Any) -> Robot:
-    object.__setattr__(manipulator, "name", "mine")
-    return plain_robot(manipulator)
-
-
-def transform_carelessly(manipulator: Manipulator, _options: Any) -> Robot:
-    return replace(plain_robot(manipulator), comment=str(math.sqrt(manipulator.rows[0].mass or 0.0)))
 
 
 def transform_columns(columns: Any, options: Any) -> Any:
@@ -284,16 +265,6 @@ def edit_by_first(manipulator: Manipulator, _options: Any) -> Manipulator:
     return changed(manipulator, rows=tuple(changed(row, d=first(row.d)) for row in manipulator.rows))
 
 
-def edit_by_hash(manipulator: Manipulator, _options: Any) -> Manipulator:
-    first, *others = manipulator.rows
-    return replace(manipulator, rows=(replace(first, joint=min({"a", "b", "c", "d"}, key=hash)), *others))
-
-
-def edit_with_log(manipulator: Manipulator, _options: Any) -> Manipulator:
-    subprocess.run([sys.executable, "-c", ""], check=True)
-    return manipulator
-
-
 def edit_by_force(manipulator: Manipulator, _options: Any) -> Manipulator:
     given = replace(manipulator)
     object.__setattr__(manipulator, "rows", manipulator.rows[:1])
@@ -335,11 +306,6 @@ def emit_to_disk(robot: Robot, stem: str, options: Any) -> list[EmittedFile]:
 def emit_by_hash(robot: Robot, stem: str, _options: Any) -> list[EmittedFile]:
     names = {link.name for link in robot.links}
     return [EmittedFile(name=f"{stem}.bad", content=",".join(names).encode())]
-
-
-def emit_by_force(robot: Robot, stem: str, options: Any) -> list[EmittedFile]:
-    object.__setattr__(robot, "links", robot.links[::-1])
-    return emit(robot, stem, options)
 
 
 def emit_ascii(robot: Robot, stem: str, _options: Any) -> list[EmittedFile]:
@@ -398,11 +364,6 @@ def load_at_some_time(request: Any, options: Any) -> LoadReport:
     return replace(load(request, options), mass=time.time())
 
 
-def load_and_leave(request: Any, options: Any) -> LoadReport:
-    subprocess.Popen([sys.executable, "-c", "import time; time.sleep(60)"], start_new_session=True)
-    return load(request, options)
-
-
 LOADED: list[Any] = []
 
 
@@ -439,10 +400,6 @@ class Never:
 LOADER = Loader(name="bad", summary="bad", open=load, options=Three)
 
 # --- Executors
-
-
-def as_they_come(function: Any, tasks: Any, _options: Any) -> Any:
-    yield from reversed([function(task) for task in tasks])
 
 
 def all_at_once(function: Any, tasks: Any, _options: Any) -> Any:

@@ -17,7 +17,7 @@ import bad_lab
 import subtle_helper
 from lxml import etree
 
-from dh2urdf.errors import EmitterError, TableError, TransformError
+from dh2urdf.errors import TableError, TransformError
 from dh2urdf.hookspecs import hookimpl
 from dh2urdf.source import Problem
 from dh2urdf.stages import EmittedFile, Loader, Rejected, Requires
@@ -80,12 +80,6 @@ def emit_and_watch(robot: Robot, stem: str, options: Any) -> list[EmittedFile]:
 
 def emit_one_by_one(robot: Robot, stem: str, options: Any) -> Iterator[EmittedFile]:
     yield from bad_lab.emit(robot, stem, options)
-
-
-def emit_or_refuse(robot: Robot, stem: str, options: Any) -> list[EmittedFile]:
-    if not robot.name.isascii():
-        raise EmitterError(by_hash())
-    return bad_lab.emit(robot, stem, options)
 
 
 def emit_lambdas(robot: Robot, stem: str, options: Any) -> list[Any]:

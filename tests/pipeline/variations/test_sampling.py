@@ -8,11 +8,17 @@ import pytest
 from hypothesis import given, strategies as st
 
 from dh2urdf.errors import MissingDependencyError
-from dh2urdf.variations.sampling import MOST_POINTS, Sampling, permuted, point, regrouped, require
+from dh2urdf.variations.sampling import MOST_POINTS, Sampling, permuted, points as points_of, regrouped, require
+
+
+def point(sampling: Sampling, *, seed: int, count: int, index: int, dimensions: int) -> list[float]:
+    found = points_of(sampling, seed=seed, count=count, indices=[index], dimensions=dimensions)
+    return [float(x) for (x,) in found]
 
 
 def points(sampling: Sampling, count: int, dimensions: int, seed: int = 7) -> list[list[float]]:
-    return [point(sampling, seed=seed, count=count, index=i, dimensions=dimensions) for i in range(count)]
+    every = points_of(sampling, seed=seed, count=count, indices=range(count), dimensions=dimensions)
+    return [list(map(float, x)) for x in every.T]
 
 
 SEEDS = st.integers(0, 2**64 - 1)

@@ -1,4 +1,4 @@
-"""What became of conversions: one line for a person, plain data for a program."""
+"""What became of conversions: one line for a person, plain data for a program; and what `--json` prints of an error."""
 
 from __future__ import annotations
 
@@ -11,29 +11,31 @@ from dh2urdf.manipulator import BASE as BASE_LINK, JointType
 from dh2urdf.source import Problem, printable
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Sequence
     from pathlib import Path
 
     from dh2urdf.commands.convert import Conversion
     from dh2urdf.errors import Dh2UrdfError
     from dh2urdf.manipulator import DHRow, Manipulator
-    from dh2urdf.results import ConversionEntry, ConversionsReport, ConvertedFileEntry
+    from dh2urdf.results import ConversionEntry, ConversionsReport, ErrorReport
     from dh2urdf.robot import Robot
 
 SCHEMA: Final = "dh2urdf-conversions/1"
 """Name and version of the form of what `dh2urdf convert --json` prints."""
+ERROR_SCHEMA: Final = "dh2urdf-error/1"
+"""Name and version of the form of what `--json` prints where a command fails."""
 BASE = "the base"
-FILLED_IN = ("types", "masses", "centres of mass", "inertias", "limits", "velocities", "efforts")
-"""What may be filled in where a table says nothing."""
-_LIMITS = {"limits": ("lower", "upper"), "velocities": ("velocity",), "efforts": ("effort",)}
-_ONE = {
+FILLED_IN = {
     "types": "type",
     "masses": "mass",
     "centres of mass": "centre of mass",
     "inertias": "inertia",
+    "limits": "limits",
     "velocities": "velocity",
     "efforts": "effort",
 }
+"""What may be filled in where a table says nothing, and the word for one of them."""
+_LIMITS = {"limits": ("lower", "upper"), "velocities": ("velocity",), "efforts": ("effort",)}
 
 
 def filled_in(manipulator: Manipulator, robot: Robot, untyped: Sequence[str] = ()) -> dict[str, tuple[str, ...]]:
@@ -65,7 +67,7 @@ def filled_in(manipulator: Manipulator, robot: Robot, untyped: Sequence[str] = (
             for row, joint in moving
             if any(getattr(row.limits, each) is None and getattr(joint.limits, each) is not None for each in bounds)
         ]
-    return {what: tuple(found[what]) for what in FILLED_IN if found[what]}
+    return {what: tuple(names) for what, names in found.items() if names}
 
 
 def closing_line(conversion: Conversion, place: str) -> str:
@@ -75,10 +77,29 @@ def closing_line(conversion: Conversion, place: str) -> str:
         conversion: what became of the table.
         place: where the description is.
     """
-    manipulator = conversion.manipulator
-    parts = [f"{manipulator.name}: {joints_in_words(manipulator.rows)}", _proof_in_words(conversion)]
-    if filled := _filled(conversion):
-        parts.append(f"filled in: {_filled_in_words(filled, conversion.robot)}")
+    manipulator, robot = conversion.manipulator, conversion.robot
+    proofs = [proof for proof in conversion.proofs.values() if proof]
+    proved = "not proved: the format cannot be read back"
+    if proofs:
+        worst = max(proofs, key=lambda proof: (proof.position_error, proof.angle_error))
+        error = f"{worst.position_error:.2g} m and {max(proof.angle_error for proof in proofs):.2g} rad"
+        proved = f"proved at {counted(worst.poses, 'pose')}, largest error {error}"
+        if not conversion.keeps_kinematics:
+            proved = f"up to {error} from the table: this transform does not keep the kinematics"
+    parts = [f"{manipulator.name}: {joints_in_words(manipulator.rows)}", proved]
+    words = []
+    for what, names in _filled(conversion).items():
+        of = "link" if what in ("masses", "centres of mass", "inertias") else "joint"
+        count = len([name for name in names if name != BASE])
+        whose = [*([counted(count, of)] if count else []), *([BASE] if BASE in names else [])]
+        travels: dict[str, None] = {}
+        if what == "limits":  # The limits of those that slide: each arm has others.
+            slides = [each.limits for each in robot.joints if each.type is JointType.PRISMATIC and each.name in names]
+            travels = dict.fromkeys(f"{limits.lower:.9g} to {limits.upper:.9g} m" for limits in slides)
+        told = f" (prismatic: {', '.join(travels)})" if travels else ""
+        words.append(f"{FILLED_IN[what] if len(names) == 1 else what} of {' and '.join(whose)}{told}")
+    if words:
+        parts.append(f"filled in: {', '.join(words)}")
     return printable(f"{'; '.join(parts)}; written to {place}")
 
 
@@ -96,38 +117,31 @@ def counted(count: int, noun: str) -> str:
     return f"{count:,} {noun}{'' if count == 1 else 's'}"
 
 
-def _proof_in_words(conversion: Conversion) -> str:
-    proofs = [proof for proof in conversion.proofs.values() if proof]
-    if not proofs:
-        return "not proved: the format cannot be read back"
-    worst = max(proofs, key=lambda proof: (proof.position_error, proof.angle_error))
-    angle = max(proof.angle_error for proof in proofs)
-    error = f"{worst.position_error:.2g} m and {angle:.2g} rad"
-    if not conversion.keeps_kinematics:
-        return f"up to {error} from the table: this transform does not keep the kinematics"
-    return f"proved at {counted(worst.poses, 'pose')}, largest error {error}"
-
-
-def _filled_in_words(filled: Mapping[str, Sequence[str]], robot: Robot) -> str:
-    words = []
-    for what, names in filled.items():
-        of = "link" if what in ("masses", "centres of mass", "inertias") else "joint"
-        count = len([name for name in names if name != BASE])
-        whose = [counted(count, of)] if count else []
-        whose += [BASE] if BASE in names else []
-        travels = _travels(robot, names) if what == "limits" else ""
-        words.append(f"{_ONE.get(what, what) if len(names) == 1 else what} of {' and '.join(whose)}{travels}")
-    return ", ".join(words)
-
-
-def _travels(robot: Robot, names: Sequence[str]) -> str:
-    """The limits of those of some joints that are prismatic: each arm has others."""
-    slides = [joint.limits for joint in robot.joints if joint.type is JointType.PRISMATIC and joint.name in names]
-    found = dict.fromkeys(f"{limits.lower:.9g} to {limits.upper:.9g} m" for limits in slides)
-    return f" (prismatic: {', '.join(found)})" if found else ""
+def _filled(conversion: Conversion) -> dict[str, tuple[str, ...]]:
+    return filled_in(conversion.manipulator, conversion.robot, conversion.untyped)
 
 
 # --- For programs -----------------------------------------------------------------------------------------------------
+
+
+def error_report(kind: str, exit_status: int, error: BaseException, message: str) -> ErrorReport:
+    """What `--json` prints where a command fails: what standard error says, as plain data.
+
+    Args:
+        kind: of what kind the failure is, such as ``table``, ``config`` or ``usage``.
+        exit_status: the status with which the command ends.
+        error: what was raised, with its problems and notices, if it has any.
+        message: what is wrong where it has no problems.
+    """
+    problems: Sequence[Problem] = getattr(error, "problems", ()) or (Problem(message=message),)
+    return {
+        "schema": ERROR_SCHEMA,
+        "version": __version__,
+        "exit_status": exit_status,
+        "kind": kind,
+        "errors": [problem.as_json() for problem in problems],
+        "notices": [notice.as_json() for notice in getattr(error, "notices", ())],
+    }
 
 
 def conversions_report(rows: Sequence[ConversionEntry]) -> ConversionsReport:
@@ -152,18 +166,17 @@ def conversion_row(conversion: Conversion, source: str, directory: Path | None) 
     from dh2urdf.conversion.outcome import proof_facts
 
     manipulator = conversion.manipulator
-    files: list[ConvertedFileEntry] = []
-    for written in conversion.written:
-        for file in written.files:
-            entry: ConvertedFileEntry = {
-                "path": file.name if directory is None else str(directory / file.name),
-                "stage": written.stage,
-                "bytes": len(file.content),
-                "sha256": sha256(file.content).hexdigest(),
-            }
-            if directory is None:
-                entry["content"] = _text_of(file.content, written.stage)
-            files.append(entry)
+    files: list[Any] = []
+    for stage, file in [(written.stage, file) for written in conversion.written for file in written.files]:
+        name = file.name if directory is None else str(directory / file.name)
+        digest = sha256(file.content).hexdigest()
+        files.append({"path": name, "stage": stage, "bytes": len(file.content), "sha256": digest})
+        if directory is None:
+            try:
+                files[-1]["content"] = file.content.decode()
+            except UnicodeDecodeError:
+                message = f"the files of the emitter {stage!r} are no text, which JSON cannot hold"
+                raise ConfigError(Problem(message=message, accepted="-o FILE, beside --json")) from None
     filled: Any = {what.replace(" ", "_"): list(names) for what, names in _filled(conversion).items()}
     return {
         "source": source,
@@ -179,18 +192,6 @@ def conversion_row(conversion: Conversion, source: str, directory: Path | None) 
         "notices": [notice.as_json() for notice in conversion.notices],
         "errors": [],
     }
-
-
-def _text_of(content: bytes, stage: str) -> str:
-    try:
-        return content.decode()
-    except UnicodeDecodeError:
-        message = f"the files of the emitter {stage!r} are no text, which JSON cannot hold"
-        raise ConfigError(Problem(message=message, accepted="-o FILE, beside --json")) from None
-
-
-def _filled(conversion: Conversion) -> dict[str, tuple[str, ...]]:
-    return filled_in(conversion.manipulator, conversion.robot, conversion.untyped)
 
 
 def failed_row(source: str, kind: str, error: Dh2UrdfError) -> ConversionEntry:

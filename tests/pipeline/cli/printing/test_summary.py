@@ -52,7 +52,7 @@ def printed(capsys: pytest.CaptureFixture[str]) -> Callable[..., list[str]]:
             gathered.add(row)
         report = {
             "manipulators": rows,
-            "coverage": gathered.coverage(),
+            "coverage": gathered.coverage,
             "simulator_notices": gathered.notices(),
         }
         print_summary(result, report, "build/out", "build/out", dry_run=dry_run)

@@ -1,0 +1,209 @@
+"""The files about a run: its manifest, its report, the index of its failures, the manifest as a table, its durations.
+
+All that a run found is in its manifest, and no duration: a repeated run writes the same bytes. Durations are in
+`timing.json`. Everything is gathered in the process of the run while its workers work: the rows of the manifest, and
+the tables of the first manipulators as their batches go to the workers.
+"""
+
+from __future__ import annotations
+
+from importlib.util import find_spec
+from itertools import islice
+from typing import TYPE_CHECKING, Any, BinaryIO, Final
+
+import orjson
+
+from dh2urdf._version import __version__
+from dh2urdf.cells.cell import Cell
+from dh2urdf.conversion.outcome import to_text
+from dh2urdf.errors import pip_install
+from dh2urdf.kinematics.facts import KinematicFacts, kinematic_facts, kinematic_facts_of_columns
+from dh2urdf.manipulator import Manipulator
+from dh2urdf.output.whole_files import reporting_os_errors, write_all
+from dh2urdf.report.verdicts import Verdicts
+from dh2urdf.tasks.failure_index import FailureIndex
+
+if TYPE_CHECKING:
+    from dh2urdf.output.store import Store
+    from dh2urdf.report.overview import Overview
+    from dh2urdf.results import ArmAxes, AxesEntry, OpwEntry, Reproduction, RunReport
+    from dh2urdf.tasks.batch import Batch, Single
+    from dh2urdf.tasks.batch_report import BatchReport
+    from dh2urdf.tasks.manifest_table import ManifestTable
+    from dh2urdf.tasks.result import Result
+
+SCHEMA: Final = "dh2urdf-report/1"
+"""Name and version of the form of `report.json`."""
+INDEX, REPORT, TIMING, PAGE = "index.json", "report.json", "timing.json", "report.html"
+TABLE = "manifest.parquet"
+"""The manifest as a table."""
+HOW_TO_GET = f"a page with pictures of it, report.html, needs jinja2 and matplotlib: {pip_install('dh2urdf[report]')}"
+"""The message where the page cannot be written."""
+REPORTED = 1000
+"""Manipulators that the report repeats from the manifest: the first ones; `timing.json` has as many."""
+FULL = 24
+"""Manipulators of a run that is shown in full on the page."""
+EXAMPLES = 6
+"""Manipulators that are shown in full of a longer run: its first ones."""
+
+
+def can_write_html() -> bool:
+    """Whether jinja2, matplotlib and what it draws pixels with are installed; they are not imported."""
+    return all(find_spec(package) for package in ("jinja2", "matplotlib", "PIL"))
+
+
+class ManifestWriter:
+    """The manifest of a run on its way.
+
+    Attributes:
+        rows: the manifest, open to write and to read.
+        reproduction: what is needed to do the run again.
+        verdicts: what simulators say.
+        index: what failed, and why.
+        axes: what the axes of the tables of its first manipulators declare; none of a table that could not be read.
+        table: the manifest as a table, where there will be one.
+        overview: what the page for people says, where there will be one.
+    """
+
+    def __init__(self, rows: BinaryIO, place: str, told: Reproduction, verdicts: Verdicts | None = None) -> None:
+        """Begin a manifest.
+
+        Args:
+            rows: an empty file.
+            place: where the manifest will be, which errors name.
+            told: what is needed to do the run again.
+            verdicts: gathers what simulators say; None where none is asked.
+        """
+        self.rows, self.reproduction = rows, told
+        self.verdicts = verdicts or Verdicts({})
+        self.index = FailureIndex()
+        self.axes: list[ArmAxes] = []
+        self.table: ManifestTable | None = None
+        self.overview: Overview | None = None
+        self._place = place
+        self._axes_left = REPORTED
+
+    def add(self, report: BatchReport) -> None:
+        """Add the rows of a batch.
+
+        Raises:
+            OutputError: they cannot be written.
+        """
+        with reporting_os_errors(self._place):
+            write_all(self.rows.fileno(), report.rows)
+        self.index.add_ok(report.count - len(report.told))
+        for row in report.told:
+            self.index.add(row)
+            self.verdicts.add(row)
+            if self.overview:
+                self.overview.add(row)
+        if self.table and report.table:
+            with reporting_os_errors(self.table.place):
+                self.table.add(report.table)
+
+    def see(self, batch: Batch) -> None:
+        """Note the axes of a batch's tables; batches come in the order of the run."""
+        if not self._axes_left:
+            return
+        groups, singles = batch.first_groups(self._axes_left)
+        found = {
+            place: [(arms, axes_entry(table)) for arms, table in tables_of(what)] for place, what in singles.items()
+        }
+        for places, tables in groups:
+            facts = map(_entry, kinematic_facts_of_columns(tables))
+            found |= {place: [((), entry)] for place, entry in zip(places, facts, strict=True)}
+        for place in sorted(found):
+            self.axes += [{"name": batch.names[place], "arms": list(arms), **entry} for arms, entry in found[place]]
+        self._axes_left = max(0, self._axes_left - len(batch))
+
+
+class FirstManipulators:
+    """Keeps what a run's first manipulators are made of.
+
+    Args:
+        most: how many at most.
+    """
+
+    def __init__(self, most: int = FULL) -> None:
+        self._most = most
+        self._found: list[Single] = []
+
+    def see(self, batch: Batch) -> None:
+        """Keep what is in a batch; batches come in the order of the run."""
+        self._found += batch.begin(self._most - len(self._found))
+
+    def shown(self, count: int) -> list[Single]:
+        """Those that are shown of a run of so many manipulators."""
+        return self._found if count <= self._most else self._found[:EXAMPLES]
+
+
+def tables_of(what: object) -> list[tuple[tuple[str, ...], Manipulator]]:
+    """The tables of a manipulator or cell, each once, with the arms of a cell that have it; none of what is neither."""
+    if isinstance(what, Cell):
+        named = {name: tuple(arm.name for arm in what.call.arms if arm.of == name) for name in what.manipulators}
+        return [(named[name], table) for name, table in what.manipulators.items()]
+    return [((), what)] if isinstance(what, Manipulator) else []
+
+
+def axes_entry(manipulator: Manipulator) -> AxesEntry:
+    """What the axes of a table declare about its kinematics [m, rad]."""
+    return _entry(kinematic_facts(manipulator))
+
+
+def _entry(facts: KinematicFacts) -> AxesEntry:
+    opw: OpwEntry | None = None
+    if (found := facts.opw) is not None:
+        values: Any = {name: getattr(found, name) for name in ("a1", "a2", "b", "c1", "c2", "c3", "c4")}
+        opw = values | {"offsets": list(found.offsets), "signs": list(found.signs)}
+    parallel = [list(names) for names in facts.parallel]
+    return {"parallel": parallel, "spherical_wrist": list(facts.spherical_wrist), "opw": opw}
+
+
+def run_report(manifest: ManifestWriter, result: Result) -> RunReport:
+    """The report of a run as plain data."""
+    manifest.rows.seek(0)
+    return {
+        "schema": SCHEMA,
+        "version": __version__,
+        "exit_status": result.exit_status,
+        "reproduction": manifest.reproduction,
+        "coverage": manifest.verdicts.coverage,
+        "simulator_notices": manifest.verdicts.notices(),
+        "manipulators": [orjson.loads(row) for row in islice(manifest.rows, REPORTED)],
+        "left_out": max(0, sum(result.statuses.values()) - REPORTED),
+        "axes": manifest.axes,
+    }
+
+
+def write_reports(store: Store, manifest: ManifestWriter, result: Result) -> RunReport:
+    """Write `index.json`, `report.json` and, where the manifest has one, `manifest.parquet`.
+
+    Returns:
+        The report as plain data.
+
+    Raises:
+        OutputError: they cannot be written.
+    """
+    store.write(INDEX, to_text(manifest.index.as_json()))
+    report = run_report(manifest, result)
+    store.write(REPORT, to_text(report))
+    if manifest.table:
+        with reporting_os_errors(manifest.table.place):
+            manifest.table.finish(manifest.rows)
+        store.put(TABLE, manifest.table.path)
+    else:
+        store.remove(TABLE)  # An older one would describe another run.
+    return report
+
+
+def write_timing(store: Store, result: Result) -> None:
+    """Write `timing.json`: how long the run and its steps took, added up over all its workers [s].
+
+    Raises:
+        OutputError: it cannot be written.
+    """
+    steps = dict(result.seconds)
+    total = steps.pop("total", 0.0)
+    rate = result.made / total if total else None
+    told = {"total": total, "per_second": rate, "steps": steps, "manipulators": result.timings[:REPORTED]}
+    store.write(TIMING, to_text(told))

@@ -121,7 +121,7 @@ def test_an_upgrade_between_a_killed_run_and_its_resumption_makes_everything_aga
     rows = (folder / "out/manifest.jsonl").read_bytes().splitlines(keepends=True)
     (folder / "out/manifest.jsonl").unlink()
     (journal / "000000000.jsonl").write_bytes(b"".join(rows[:-1]) + rows[-1][:40])
-    for module in ("conversion.keys", "report.json"):
+    for module in ("conversion.keys", "report.manifest"):
         monkeypatch.setattr(f"dh2urdf.{module}.__version__", "99.0")
     told = cli(*words, "--resume").stdout
     assert "13 made" in told

@@ -401,7 +401,7 @@ BUDGETS = {
     "pipeline/dh2urdf/stage_calls": 560,
     "pipeline/dh2urdf/tasks": 1060,
     "pipeline/dh2urdf/testing": 1690,
-    "pipeline/dh2urdf/variations": 1100,
+    "pipeline/dh2urdf/variations": 1070,
     "plugins/dh2urdf_check": 8280,
     "plugins/dh2urdf_plugins": 340,
     "plugins/dh2urdf_plugins/calibrations": 430,

@@ -20,7 +20,7 @@ from dh2urdf.kinematics.proof_vectors import proof_vectors
 from dh2urdf.manipulator import ROOT, TOOL, DHRow, JointType, Limits, Manipulator
 from dh2urdf.robot import Box, Robot, Sphere, Visual
 from dh2urdf.robot_check import check_robot
-from dh2urdf.stage_calls.answers import a_whole_record, emitted_files
+from dh2urdf.stage_calls.answers import a_record, emitted_files
 from dh2urdf.stages import (
     Checks,
     EditsInColumns,
@@ -83,7 +83,7 @@ class TransformContract(_ArmContract):
     def test_makes_robots_that_readers_take(self) -> Found:
         """It makes a Robot of every arm, and the robot breaks no rule that readers of descriptions rely on."""
         for manipulator in self.arms():
-            yield from _broken_rules(a_whole_record(self.stage.transform(manipulator, self.given()), Robot))
+            yield from _broken_rules(a_record(self.stage.transform(manipulator, self.given()), Robot))
 
     @clause
     def test_keeps_the_kinematics(self) -> Found:
@@ -132,7 +132,7 @@ class EditContract(_ArmContract):
         """It makes a Manipulator of every Manipulator, and a Robot of every Robot, with the same name."""
         for function, items in self._work(self.arms()):
             for item in items:
-                found = a_whole_record(function(item, self.given()), type(item))
+                found = a_record(function(item, self.given()), type(item))
                 if found.name != item.name:
                     yield f"the name {found.name!r} for the {type(item).__name__} {item.name!r}"
 

@@ -9,7 +9,7 @@ import orjson
 import pytest
 
 import dh2urdf
-from dh2urdf.report.manifest_writer import ManifestWriter
+from dh2urdf.report.manifest import ManifestWriter
 from dh2urdf.running.batch_work import Work
 from dh2urdf.tasks.manifest_table import table_rows
 

@@ -36,8 +36,7 @@ def command(name: str | None, output: str | None, listed: bool) -> int:  # noqa:
         tables = shipped_tables()
         width = max(map(len, tables), default=0)
         for each, path in tables.items():
-            first = path.read_text("utf-8").partition("\n")[0]
-            answer(f"{each.ljust(width)}  {first.strip('# ').rstrip('.')}")
+            answer(f"{each.ljust(width)}  {path.read_text('utf-8').splitlines()[0].strip('# ').rstrip('.')}")
         return 0
     table = shipped_table(name)
     if output in (None, "-"):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 
@@ -19,10 +19,7 @@ from dh2urdf.report.schema import (
 )
 from dh2urdf.run_file.schema import run_schema, table_schema
 
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-SCHEMAS: dict[str, Callable[[], Any]] = {
+SCHEMAS: dict[str, Any] = {
     "run": lambda: run_schema(catalog()),
     "table": lambda: table_schema(catalog()),
     "report": report_schema,

@@ -30,7 +30,7 @@ from dh2urdf_plugins.edits.payload import PayloadOptions
 from dh2urdf_plugins.edits.rename import RenameOptions
 from dh2urdf_plugins.executors.dask import DaskOptions
 from dh2urdf_plugins.executors.local import LocalOptions
-from dh2urdf_plugins.loaders.coppeliasim.loader import CoppeliaSimOptions
+from dh2urdf_plugins.loaders.simulators import CoppeliaSimOptions
 from dh2urdf_plugins.transforms.alpha_swap_options import AlphaSwapOptions
 
 if TYPE_CHECKING:

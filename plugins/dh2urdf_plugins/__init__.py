@@ -57,21 +57,9 @@ def dh2urdf_emitters() -> Iterable[Emitter[Any]]:
 @hookimpl
 def dh2urdf_loaders() -> Iterable[Loader[Any]]:
     """The simulators."""
-    from dh2urdf_plugins.loaders.coppeliasim import loader as coppeliasim
-    from dh2urdf_plugins.loaders.drake import loader as drake
-    from dh2urdf_plugins.loaders.gazebo import loader as gazebo
-    from dh2urdf_plugins.loaders.mujoco import loader as mujoco
-    from dh2urdf_plugins.loaders.pinocchio import loader as pinocchio
-    from dh2urdf_plugins.loaders.pybullet import loader as pybullet
+    from dh2urdf_plugins.loaders.simulators import LOADERS
 
-    return (
-        pybullet.LOADER,
-        mujoco.LOADER,
-        pinocchio.LOADER,
-        drake.LOADER,
-        gazebo.LOADER,
-        coppeliasim.LOADER,
-    )
+    return LOADERS
 
 
 @hookimpl

@@ -2,14 +2,10 @@
 
 from __future__ import annotations
 
-from importlib import import_module
 from importlib.util import find_spec
-from typing import TYPE_CHECKING, Any
 
 from dh2urdf.stages import Checks
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
+from dh2urdf_plugins.late import Late
 
 
 def checks(check: str, descriptions: str, fix: str = "", *, finds_packages: bool = False) -> tuple[Checks, ...]:
@@ -24,12 +20,6 @@ def checks(check: str, descriptions: str, fix: str = "", *, finds_packages: bool
     if find_spec("dh2urdf_check") is None:
         return ()
 
-    def function(place: str) -> Callable[..., Any]:
-        module, _, name = place.partition(":")
-
-        def call(*given: Any) -> Any:  # noqa: ANN401 - as the function has it
-            return getattr(import_module(f"dh2urdf_check.{module}"), name)(*given)
-
-        return call
-
-    return (Checks(function(check), function(descriptions), function(fix) if fix else None, finds_packages),)
+    function = "dh2urdf_check.{}".format
+    fixes = Late(function(fix)) if fix else None
+    return (Checks(Late(function(check)), Late(function(descriptions)), fixes, finds_packages),)

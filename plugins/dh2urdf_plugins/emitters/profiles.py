@@ -7,7 +7,7 @@ The portable URDF is read alike by all. Each field of `Profile` is a decision in
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from lxml import etree
 
@@ -89,6 +89,11 @@ def notices_of(robot: Robot, name: ProfileName) -> list[Problem]:
     if PROFILES[name].base_body:
         return [*notices_for_gazebo(robot, filled=True), *notices_of_riders(robot)]
     return notices_for_gazebo(robot, filled=False) if name in FOR_GAZEBO_TOO else []
+
+
+def notices_with(robot: Robot, options: Any) -> list[Problem]:  # noqa: ANN401 - those of a URDF or a xacro
+    """The same, with the options of an emitter."""
+    return notices_of(robot, options.profile)
 
 
 def append_transmissions(parent: etree._Element, robot: Robot, notation: Notation) -> None:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from dh2urdf.stages import EmitsInColumns, EmittedFile, Emitter, GivesNotices, ReadsBack, ReadsForeign, Usual
 from dh2urdf_plugins.descriptions.foreign import foreign_urdf
 from dh2urdf_plugins.emitters import checks
-from dh2urdf_plugins.emitters.profile_names import PROFILE_HELP, ProfileName
+from dh2urdf_plugins.emitters.profile_names import PROFILE_HELP, ProfileName, notices
 from dh2urdf_plugins.read_back import read_urdf, read_urdfs
 
 if TYPE_CHECKING:
@@ -16,7 +16,6 @@ if TYPE_CHECKING:
 
     from dh2urdf.columns import RobotColumns
     from dh2urdf.robot import Robot
-    from dh2urdf.source import Problem
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -74,13 +73,6 @@ def emit_columns(
         () if content is None else (EmittedFile(name=f"{stem}.urdf", content=content),)
         for stem, content in zip(stems, contents, strict=True)
     ]
-
-
-def notices(robot: Robot, options: UrdfOptions) -> list[Problem]:
-    """What a person should know of the file, such as that Gazebo drops it."""
-    from dh2urdf_plugins.emitters.profiles import notices_of
-
-    return notices_of(robot, options.profile)
 
 
 EMITTER = Emitter(

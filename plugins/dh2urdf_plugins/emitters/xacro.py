@@ -8,12 +8,11 @@ from typing import TYPE_CHECKING
 from dh2urdf.stages import EmittedFile, Emitter, GivesNotices, OtherFiles, ReadsBack, ReadsForeign
 from dh2urdf_plugins.descriptions.foreign import foreign_xacro
 from dh2urdf_plugins.emitters import checks
-from dh2urdf_plugins.emitters.profile_names import PROFILE_HELP, ProfileName
+from dh2urdf_plugins.emitters.profile_names import PROFILE_HELP, ProfileName, notices
 from dh2urdf_plugins.read_back import read_xacro
 
 if TYPE_CHECKING:
     from dh2urdf.robot import Robot
-    from dh2urdf.source import Problem
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -41,13 +40,6 @@ def emit(robot: Robot, stem: str, options: XacroOptions) -> tuple[EmittedFile, .
 def one_file(options: XacroOptions) -> XacroOptions:
     """The options that write one file, for standard output."""
     return replace(options, single_file=True)
-
-
-def notices(robot: Robot, options: XacroOptions) -> list[Problem]:
-    """What a person should know of the file, such as that Gazebo drops it."""
-    from dh2urdf_plugins.emitters.profiles import notices_of
-
-    return notices_of(robot, options.profile)
 
 
 EMITTER = Emitter(

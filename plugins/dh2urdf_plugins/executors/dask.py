@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import importlib.util
 import logging
+import os
 import threading
 import time
 from contextlib import ExitStack, contextmanager
@@ -141,6 +142,8 @@ def _own_cluster(workers: int) -> Iterator[str]:
 
 def _start(workers: int) -> str:
     """In the child: start a scheduler, and workers in further processes; the scheduler's address."""
+    # By default a worker that takes longer than 15 s to come back is given up for good, and a run waits for nobody.
+    os.environ["DASK_DISTRIBUTED__DEPLOY__LOST_WORKER_TIMEOUT"] = f"{WORKERS_WITHIN:g}s"
     from distributed import LocalCluster
 
     cluster = LocalCluster(

@@ -1,7 +1,4 @@
-"""What is measured of an arm in a simulator: the same quantities and the same hold test in all of them.
-
-What a simulator holds, beside the robot that was written, and what its hold test says: the same for all loaders.
-"""
+"""What is measured of an arm in a simulator: the same quantities and the same hold test in all of them."""
 
 from __future__ import annotations
 
@@ -9,19 +6,22 @@ import math
 from typing import TYPE_CHECKING, Any
 
 from dh2urdf import measuring
+from dh2urdf.errors import LoaderError
 from dh2urdf.kinematics import link_poses
 from dh2urdf.manipulator import JointType
 from dh2urdf.mass_properties import GRAVITY, compound, placed
 from dh2urdf.robot import Inertial
 from dh2urdf.rotations import IDENTITY, ZERO, Rotation, Vec3, add, rotate, scale, subtract
-from dh2urdf.source import Problem, shown
+from dh2urdf.source import Problem, listed, shown
+from dh2urdf.stages import LoadReport
 from dh2urdf_plugins.base_bodies import STILL, is_weightless_base
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Iterable, Mapping, Sequence
 
     from dh2urdf.measuring import Body
     from dh2urdf.robot import Joint, Robot
+    from dh2urdf.stages import LoadRequest
 
 
 SINGLE_PRECISION = 2.0**-23
@@ -139,7 +139,18 @@ def gravity_loads(robot: Robot, q: Sequence[float]) -> tuple[float, ...]:
     return tuple(loads[joint.name] for joint in robot.moving_joints)
 
 
-_SHOWN_PAIRS = 5
+def farthest(start: Sequence[float], vectors: Iterable[Sequence[float]]) -> list[float]:
+    """How far each joint got from its start, over the joint vectors of a hold test [rad or m].
+
+    A joint without a number any more got infinitely far.
+    """
+    import numpy as np
+
+    most = np.zeros(len(start))
+    for q in vectors:
+        most = np.maximum(most, np.nan_to_num(np.abs(np.subtract(q, start)), nan=np.inf))
+    found: list[float] = most.tolist()
+    return found
 
 
 class Comparison(measuring.Comparison):
@@ -148,6 +159,32 @@ class Comparison(measuring.Comparison):
     def is_filled_in(self, name: str, written: Inertial, held: Body) -> bool:
         """Whether a link is a base without a mass, to which the file gives one for a reader that needs it."""
         return is_weightless_base(name, written) and held.mass == STILL.mass
+
+    def loaded(
+        self,
+        version: str,
+        joints: Iterable[dict[str, Any]],
+        bodies: Mapping[str, Body],
+        written: Mapping[str, Inertial] | None = None,
+        others: Iterable[Problem] = (),
+    ) -> LoadReport:
+        """The report of an arm that has the joints and the masses that were written.
+
+        Args:
+            version: that of the simulator.
+            joints: the moving joints that it has.
+            bodies: the links that it has.
+            written: the links that it should have; those of the robot by default.
+            others: what else is wrong with the arm.
+
+        Raises:
+            LoaderError: it has another arm.
+        """
+        joints = tuple(joints)
+        masses, problems = self.masses(bodies, written)
+        if problems := [*self.joints(joints), *others, *problems]:
+            raise LoaderError(problems)
+        return LoadReport(simulator=self.simulator, version=version, joints=joints, **masses)
 
     def hold(
         self, start: Sequence[float], displacement: Sequence[float], contacts: Sequence[tuple[str, str]]
@@ -160,7 +197,8 @@ class Comparison(measuring.Comparison):
             contacts: the pairs of links that overlapped at the start.
         """
         largest = max(displacement, default=0.0)
-        loads = gravity_loads(self.robot, start)
+        loads = zip(self.robot.moving_joints, gravity_loads(self.robot, start), strict=True)
+        share = max((share_of(joint.limits.effort, load) for joint, load in loads), default=0.0)
         weakest = self.robot.moving_joints[displacement.index(largest)] if largest > 0.0 else None
         hold = {
             "seconds": HOLD_SECONDS,
@@ -169,40 +207,23 @@ class Comparison(measuring.Comparison):
             "joint": weakest.name if weakest else None,
             "threshold": HOLD_STAYS,
             "stayed": largest <= HOLD_STAYS,
-            "largest_load": self._largest_share(loads),
+            "largest_load": share if math.isfinite(share) else None,
             "contacts": list(contacts),
         }
-        return hold, tuple(self._hold_findings(weakest, largest, loads, contacts))
-
-    def _largest_share(self, loads: Sequence[float]) -> float | None:
-        """The largest share of an effort that gravity asks; None where it loads a joint without an effort."""
-        shares = [0.0]
-        for joint, load in zip(self.robot.moving_joints, loads, strict=True):
-            effort = joint.limits.effort
-            shares.append(abs(load) / effort if effort else math.inf if load else 0.0)
-        return max(shares) if math.isfinite(max(shares)) else None
-
-    def _hold_findings(
-        self, weakest: Joint | None, largest: float, loads: Sequence[float], contacts: Sequence[tuple[str, str]]
-    ) -> Iterator[Problem]:
-        if weakest and largest > HOLD_STAYS:
-            yield self._did_not_stay(weakest, largest, loads)
+        findings = [self._did_not_stay(weakest, largest, share)] if weakest and largest > HOLD_STAYS else []
         if contacts:
-            pairs = [f"{shown(first)} and {shown(second)}" for first, second in contacts[:_SHOWN_PAIRS]]
-            pairs += [f"{more} more pairs"] if (more := len(contacts) - _SHOWN_PAIRS) > 0 else []
-            yield self.problem(
-                message=f"collision shapes of the arm overlap at the start of the hold test: {', '.join(pairs)}",
-                severity="notice",
-                suggestion="switch the arm's contacts with itself off, or give these links a smaller radius",
-            )
+            pairs = listed([f"{shown(first)} and {shown(second)}" for first, second in contacts])
+            message = f"collision shapes of the arm overlap at the start of the hold test: {pairs}"
+            advice = "switch the arm's contacts with itself off, or give these links a smaller radius"
+            findings.append(self.problem(message=message, severity="notice", suggestion=advice))
+        return hold, tuple(findings)
 
-    def _did_not_stay(self, weakest: Joint, largest: float, loads: Sequence[float]) -> Problem:
+    def _did_not_stay(self, weakest: Joint, largest: float, share: float) -> Problem:
         """Why an arm did not stay: a motor is too weak, or every motor is strong enough and the solver is not."""
         unit = "m" if weakest.type is JointType.PRISMATIC else "rad"
         by = f"by {largest:.3g} {unit}" if math.isfinite(largest) else "without end"
         moved = f"in {HOLD_SECONDS:g} s under gravity this joint moved {by}"
-        share = self._largest_share(loads)
-        if share is not None and share <= 1.0:
+        if share <= 1.0:
             return self.problem(
                 message=f"the solver gave way: {moved}, though at the start gravity asks at most {share:.0%} "
                 "of any effort",
@@ -210,11 +231,42 @@ class Comparison(measuring.Comparison):
                 joint=weakest.name,
                 suggestion="the efforts suffice; simulate with shorter time steps or more iterations of the solver",
             )
+        return self.weak(weakest, f"the arm did not stay in place: {moved}")
+
+    def weak(self, joint: Joint, message: str) -> Problem:
+        """The finding about a joint whose effort does not suffice."""
         return self.problem(
-            message=f"the arm did not stay in place: {moved}",
+            message=message,
             severity="notice",
-            joint=weakest.name,
+            joint=joint.name,
             field="limits.effort",
-            found=str(weakest.limits.effort),
+            found=str(joint.limits.effort),
             suggestion="give the joint the effort that its motor has",
         )
+
+    def too_large(self, message: str, found: str, accepted: str) -> tuple[Problem, ...]:
+        """The finding about an arm that is too large for a part of what is measured."""
+        return (self.problem(message=message, severity="notice", found=found, accepted=accepted),)
+
+
+def share_of(effort: float | None, load: float) -> float:
+    """The share of a joint's effort that a load asks; infinite where there is no effort."""
+    return abs(load) / effort if effort else math.inf if load else 0.0
+
+
+def printed(simulator: str, request: LoadRequest, messages: Iterable[tuple[str, str]]) -> tuple[Problem, ...]:
+    """The findings in what a simulator printed, each message once, in the order of printing.
+
+    Args:
+        simulator: its name.
+        request: what it was asked to load.
+        messages: the level and the text of each.
+    """
+    return tuple(
+        Problem(
+            message=f"{simulator} printed {shown(text, 300)}",
+            severity="error" if level.lower() in ("error", "critical") else "notice",
+            robot=request.robot.name,
+        )
+        for level, text in dict.fromkeys(messages)
+    )

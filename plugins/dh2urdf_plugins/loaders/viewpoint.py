@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 import math
+from io import BytesIO
 from itertools import product
-from typing import TYPE_CHECKING, NamedTuple, TypeAlias
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
 from dh2urdf.manipulator import JointType
-from dh2urdf.robot import Box, Cylinder, Geometry, Mesh, Sphere
-from dh2urdf.rotations import RigidTransform, Rotation, Vec3, add, rotate, scale, transpose
+from dh2urdf.output import write_whole
+from dh2urdf.robot import Box, Cylinder, Geometry, Link, Mesh, Sphere
+from dh2urdf.rotations import RigidTransform, Vec3
 from dh2urdf_plugins.loaders.measures import clipped
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Callable
+    from pathlib import Path
 
     from dh2urdf.robot import Joint, Robot
 
@@ -63,22 +66,53 @@ class View(NamedTuple):
 def best_view(robot: Robot, frames_at: Callable[[JointVector], Frames]) -> View:
     """A pose that shows the arm well, and the camera for it.
 
+    The best pose fills the largest area, and hangs little below the base.
+
     Args:
         robot: the robot that was loaded.
         frames_at: puts the arm at a joint vector, and says the frames of its links in the world.
     """
+    import numpy as np
 
-    def quality(pose: JointVector) -> float:
-        frames = frames_at(pose)
-        return _quality(_corners(robot, frames), frames[robot.root].translation[2])
+    ca, sa, ce, se = math.cos(AZIMUTH), math.sin(AZIMUTH), math.cos(ELEVATION), math.sin(ELEVATION)
+    # The camera's axes in the world, as rows: to the right, up, and back towards the camera.
+    camera = np.array([(-sa, ca, 0.0), (-se * ca, -se * sa, ce), (ce * ca, ce * sa, se)])
+    corners = {link.name: _corners(link) for link in robot.links}
+
+    def points_at(q: JointVector) -> tuple[Any, float]:
+        """Points in the world that enclose all that is seen, and the height of the root [m]."""
+        frames = frames_at(q)
+        seen = [
+            np.add(points @ np.reshape(frames[name].rotation, (3, 3)).T, frames[name].translation)
+            for name, points in corners.items()
+            if len(points)
+        ]
+        points = np.concatenate(seen) if seen else np.array([frame.translation for frame in frames.values()])
+        return points, frames[robot.root].translation[2]
+
+    def quality(q: JointVector) -> float:
+        points, base = points_at(q)
+        width, height, _ = np.ptp(points @ camera.T, axis=0)
+        sinking = 4.0 * (base - points[:, 2].min()) / max(height, 1e-9)
+        return float(width * height / (1.0 + sinking * sinking))
 
     q = max(_poses(robot), key=quality)
-    points = _corners(robot, frames_at(q))
-    low, high = (
-        (choose(p[0] for p in points), choose(p[1] for p in points), choose(p[2] for p in points))
-        for choose in (min, max)
-    )
-    return View(q, *_camera(points), low, high)
+    points, _ = points_at(q)
+    seen = points @ camera.T
+    middle = (seen.min(axis=0) + seen.max(axis=0)) / 2
+    tangent = math.tan(FIELD_OF_VIEW / 2)
+    x, y, z = (seen - middle).T
+    # A point at (x, y, z) is seen where |y| <= tangent · (distance − z), and |x| <= the same times the aspect.
+    distance = float((z + np.maximum(np.abs(x) * HEIGHT / WIDTH, np.abs(y)) / tangent).max())
+    distance = max(distance * _BORDER, 1e-3)
+    eye, target = camera.T @ (middle + np.array((0.0, 0.0, distance))), camera.T @ middle
+    low, high = points.min(axis=0), points.max(axis=0)
+    return View(q, _vector(eye), _vector(target), distance, _vector(low), _vector(high))
+
+
+def _vector(array: Any) -> Vec3:  # noqa: ANN401 - an array of shape (3,)
+    x, y, z = map(float, array)
+    return (x, y, z)
 
 
 def _poses(robot: Robot) -> list[JointVector]:
@@ -101,41 +135,25 @@ def _bent(joint: Joint, bend: float) -> float:
     return clipped(joint, bend)
 
 
-def _quality(points: Sequence[Vec3], base: float) -> float:
-    """How well a pose shows the arm: by the area that it fills, less where it hangs below the base.
+def _corners(link: Link) -> Any:  # noqa: ANN401 - an array of shape (n, 3)
+    """Points that enclose what is seen of a link, in its frame [m]."""
+    import numpy as np
 
-    Args:
-        points: the points that enclose the arm [m].
-        base: the height of the root [m].
-    """
-    seen = [rotate(_CAMERA, point) for point in points]
-    width, height, _ = (max(values) - min(values) for values in zip(*seen, strict=True))
-    below = base - min(point[2] for point in points)
-    sinking = 4.0 * below / max(height, 1e-9)
-    return float(width * height / (1.0 + sinking * sinking))
-
-
-def _corners(robot: Robot, frames: Frames) -> list[Vec3]:
-    """Points in the world that enclose all that is seen; the links' origins where there is nothing to see [m]."""
-    points = []
-    for link in robot.links:
-        frame = frames[link.name]
-        for visual in link.visuals or link.collisions:  # simulators draw what touches where nothing is seen
-            if isinstance(visual.geometry, Mesh):  # It probably reaches from the link's origin to somewhere.
-                points.append(frame.translation)
-            shape = frame @ visual.origin.transform
-            half = _half_size(visual.geometry)
-            for side in product((-1.0, 1.0), repeat=3):
-                corner = (side[0] * half[0], side[1] * half[1], side[2] * half[2])
-                points.append(add(shape.translation, rotate(shape.rotation, corner)))
-    return points or [frame.translation for frame in frames.values()]
+    points = [np.empty((0, 3))]
+    for shape in link.visuals or link.collisions:  # simulators draw what touches where nothing is seen
+        if isinstance(shape.geometry, Mesh):  # It probably reaches from the link's origin to somewhere.
+            points.append(np.zeros((1, 3)))
+        rotation, translation = shape.origin.transform
+        ends = np.array([*product((-1.0, 1.0), repeat=3)]) * _half_size(shape.geometry)
+        points.append(ends @ np.reshape(rotation, (3, 3)).T + translation)
+    return np.concatenate(points)
 
 
 def _half_size(geometry: Geometry) -> Vec3:
     """Half the edges of the box that encloses a shape [m]; a mesh, whose size only its file says, counts as a point."""
     match geometry:
-        case Box(size=size):
-            return scale(0.5, size)
+        case Box(size=(x, y, z)):
+            return (x / 2, y / 2, z / 2)
         case Cylinder(radius=radius, length=length):
             return (radius, radius, length / 2)
         case Sphere(radius=radius):
@@ -144,22 +162,10 @@ def _half_size(geometry: Geometry) -> Vec3:
             return (0.0, 0.0, 0.0)
 
 
-def _camera_axes() -> Rotation:
-    """The camera's axes in the world, as rows: to the right, up, and back towards the camera."""
-    ca, sa, ce, se = math.cos(AZIMUTH), math.sin(AZIMUTH), math.cos(ELEVATION), math.sin(ELEVATION)
-    return (-sa, ca, 0.0, -se * ca, -se * sa, ce, ce * ca, ce * sa, se)
+def write_png(image: Any, path: Path) -> None:  # noqa: ANN401 - an image of Pillow
+    """Write a picture that was rendered `SUPERSAMPLING` times as large."""
+    from PIL import Image
 
-
-_CAMERA = _camera_axes()
-
-
-def _camera(points: Sequence[Vec3]) -> tuple[Vec3, Vec3, float]:
-    """Where the camera stands and looks so that it just sees all points, and the distance between the two [m]."""
-    seen = [rotate(_CAMERA, point) for point in points]
-    x0, y0, z0 = ((min(values) + max(values)) / 2 for values in zip(*seen, strict=True))
-    tangent = math.tan(FIELD_OF_VIEW / 2)
-    # A point at (x, y, z) is seen where |y| <= tangent · (distance − z), and |x| <= the same times the aspect.
-    distance = max(z - z0 + max(abs(x - x0) * HEIGHT / WIDTH, abs(y - y0)) / tangent for x, y, z in seen)
-    distance = max(distance * _BORDER, 1e-3)
-    to_world = transpose(_CAMERA)
-    return rotate(to_world, (x0, y0, z0 + distance)), rotate(to_world, (x0, y0, z0)), distance
+    data = BytesIO()
+    image.resize((WIDTH, HEIGHT), Image.Resampling.BOX).save(data, "PNG", optimize=True)
+    write_whole(path, data.getvalue())

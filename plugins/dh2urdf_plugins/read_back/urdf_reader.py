@@ -8,7 +8,6 @@ Elements that URDF leaves to others (``mujoco``, ``gazebo``, ``transmission``) a
 
 from __future__ import annotations
 
-from math import isfinite
 from typing import TYPE_CHECKING
 
 from lxml import etree
@@ -31,7 +30,7 @@ from dh2urdf.robot import (
 )
 from dh2urdf.rotations import X_AXIS, Z_AXIS, ZERO, Vec3, multiply, rotation_from_rpy, transpose
 from dh2urdf.source import Mark, Problem, shown
-from dh2urdf_plugins.read_back.xml_files import content_of, written_tree_of
+from dh2urdf_plugins.read_back.xml_files import content_of, finite_numbers, wanted_numbers, written_tree_of
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -214,14 +213,9 @@ class _UrdfReader:
 
     def _numbers(self, element: etree._Element, attribute: str, count: int) -> list[float]:
         text = self._text(element, attribute)
-        try:
-            numbers = [float(word) for word in text.split()]
-        except ValueError:
-            numbers = []
-        # `float` also takes 1_000, nan and inf, which no reader of URDF does.
-        if len(numbers) != count or "_" in text or not text.isascii() or not all(map(isfinite, numbers)):
-            wanted = "one finite number" if count == 1 else f"{count} finite numbers with spaces between them"
-            raise self._error(element, f"{attribute} of {element.tag} is {shown(text)}", accepted=wanted)
+        numbers = finite_numbers(text, count)
+        if numbers is None:
+            raise self._error(element, f"{attribute} of {element.tag} is {shown(text)}", wanted_numbers(count))
         return numbers
 
     def _mark(self, element: etree._Element) -> Mark:

@@ -7,7 +7,7 @@ Capsules, which robots have as a cylinder with a ball at each end.
 
 from __future__ import annotations
 
-import re
+import math
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from lxml import etree
@@ -27,10 +27,15 @@ if TYPE_CHECKING:
 
 LARGEST = 2**26
 """Size of a robot description that is read, and of each file that it includes [B]."""
-_VERSION = rb"""(\s*<\?xml\s+version\s*=\s*["'])0\.0"""
-"""A version of XML that does not exist; 26 of PyBullet's own files have it, and PyBullet and check_urdf read them."""
-_LATE = rb"(\s+)(<\?xml\s[^>]*\?>)"
-"""A declaration of XML after blanks; simulators take it, and XML does not."""
+PASSED_OVER = frozenset(
+    (
+        "ERR_HYPHEN_IN_COMMENT",  # a comment with `--`
+        "NS_ERR_UNDEFINED_NAMESPACE",  # prefixes such as `gz:` that are declared nowhere
+        "ERR_UNKNOWN_VERSION",  # XML 0.0, which 26 of PyBullet's own files have
+        "ERR_RESERVED_XML_NAME",  # blanks before the declaration
+    )
+)
+"""What is no XML and is read all the same, by the names of libxml2: PyBullet, Gazebo and check_urdf read it."""
 FILE = "{urn:dh2urdf}file"
 """An attribute of an element that is in another file than the element around it: its path."""
 
@@ -56,10 +61,9 @@ def written_tree_of(content: bytes, file: str, *, is_deep: bool = False) -> etre
     """
     try:
         return xml_root(content, is_deep=is_deep)
-    except ForbiddenXmlError as error:
-        raise _forbidden(error, file) from error
     except etree.XMLSyntaxError as error:
-        raise _no_xml(_faults(error)[0], file) from error
+        log: Any = error.error_log  # The stubs of lxml say that it cannot be iterated over.
+        raise _no_xml(error, file, list(log)) from error
 
 
 def tree_of(content: bytes, file: str, *, is_deep: bool = False) -> etree._Element:
@@ -76,70 +80,62 @@ def tree_of(content: bytes, file: str, *, is_deep: bool = False) -> etree._Eleme
             `dh2urdf.documents.xml_elements.ENCODINGS`.
     """
     refuse_other_kind(content, file, ProofError, "a robot description", "a robot description in XML")
+    try:
+        root = xml_root(content, is_deep=is_deep)
+    except etree.XMLSyntaxError as error:
+        parser = etree.XMLParser(resolve_entities=False, no_network=True, load_dtd=False, recover=True)
+        etree.fromstring(content, parser)
+        log: Any = parser.error_log  # The stubs of lxml say that it cannot be iterated over.
+        faults = [each for each in log if each.type_name not in PASSED_OVER]
+        if faults or isinstance(error, ForbiddenXmlError):
+            raise _no_xml(error, file, faults) from error
+        try:
+            root = xml_root(content, is_deep=is_deep, recover=True)
+        except ForbiddenXmlError as forbidden:
+            raise _no_xml(forbidden, file, []) from error
     # The elements without the namespace of all of them, as of Drake's files; readers of robots know none.
-    root = _root_of(_with_declaration(content), file, is_deep=is_deep)
     if (namespace := root.nsmap.get(None)) is not None:
         for element in root.iter(f"{{{namespace}}}*"):
             element.tag = etree.QName(element).localname
     return root
 
 
-def _with_declaration(content: bytes) -> bytes:
-    """A text whose declaration is one: of a version that exists, and at the beginning."""
-    if b"0.0" in content.partition(b">")[0] and (declared := re.match(_VERSION, content)):
-        return declared[1] + b"1.0" + content[declared.end() :]
-    if content[:1].isspace() and (late := re.match(_LATE, content)):
-        return late[2] + late[1] + content[late.end() :]
-    return content
-
-
-def _root_of(content: bytes, file: str, *, is_deep: bool) -> etree._Element:
-    """The elements of a text that is XML, but for what readers of robots take.
-
-    That are comments with ``--``, and prefixes such as ``gz:`` that are declared nowhere: they know no namespaces.
-    """
-    try:
-        return xml_root(content, is_deep=is_deep)
-    except ForbiddenXmlError as error:
-        raise _forbidden(error, file) from error
-    except etree.XMLSyntaxError as error:
-        faults = _faults(error)
-        if (bare := _without_comments(content)) != content:
-            return _root_of(bare, file, is_deep=is_deep)
-        if all(fault.domain == etree.ErrorDomains.NAMESPACE for fault in faults):
-            return xml_root(content, is_deep=is_deep, recover=True)
-        fault = next(fault for fault in faults if fault.domain != etree.ErrorDomains.NAMESPACE)
-        raise _no_xml(fault, file) from error
-
-
-def _faults(error: etree.XMLSyntaxError) -> list[etree._LogEntry]:
-    log: Any = error.error_log  # The stubs of lxml say that it cannot be iterated over.
-    return list(log)
-
-
-def _forbidden(error: ForbiddenXmlError, file: str) -> ProofError:
-    return ProofError(Problem(message=error.msg, mark=Mark(file=file), accepted=ACCEPTED_XML))
-
-
-def _no_xml(fault: etree._LogEntry, file: str) -> ProofError:
-    mark = Mark(file=file, line=fault.line, column=fault.column)
+def _no_xml(error: etree.XMLSyntaxError, file: str, faults: Sequence[Any]) -> ProofError:
+    if isinstance(error, ForbiddenXmlError) or not faults:
+        return ProofError(Problem(message=error.msg, mark=Mark(file=file), accepted=ACCEPTED_XML))
+    fault = faults[0]
     return ProofError(
         Problem(
             message=f"this is not XML: {fault.message.partition(chr(10))[0].strip()}",
-            mark=mark,
+            mark=Mark(file=file, line=fault.line, column=fault.column),
             accepted="a robot description in XML, whole, which begins with <",
             suggestion="correct the XML at this place, or give another file",
         )
     )
 
 
-def _without_comments(content: bytes) -> bytes:
-    """A text with blanks in the place of comments, each of which ends at the first ``-->``; lines stay."""
-    parts, end = [], 0
-    while (start := content.find(b"<!--", end)) >= 0 and (close := content.find(b"-->", start + 4)) >= 0:
-        parts += [content[end:start], re.sub(rb"[^\n]", b" ", content[start : close + 3])]
-        end = close + 3
-    return b"".join([*parts, content[end:]])
+def finite_numbers(text: str, count: int, most: int = 0) -> list[float] | None:
+    """The numbers of a text with spaces between them; None where they are not as many finite ones.
+
+    `float` also takes 1_000, nan and inf, which no reader of robots does.
+
+    Args:
+        text: the text.
+        count: how many are wanted.
+        most: as many may be there; further ones mean nothing.
+    """
+    try:
+        numbers = [float(word) for word in text.split()]
+    except ValueError:
+        return None
+    if not count <= len(numbers) <= max(count, most) or "_" in text or not text.isascii():
+        return None
+    return numbers[:count] if all(map(math.isfinite, numbers)) else None
+
+
+def wanted_numbers(count: int) -> str:
+    """What is accepted where that many numbers are wanted."""
+    return "one finite number" if count == 1 else f"{count} finite numbers with spaces between them"
 
 
 def mark_of(element: etree._Element, file: str = "") -> Mark:

@@ -490,8 +490,9 @@ def test_pybullet_finds_an_arm_that_stands_elsewhere(tmp_path: Path) -> None:
     from dh2urdf.errors import LoaderError
     from dh2urdf.isolation.loads import load_in_child
     from dh2urdf.stages import LoadRequest
-    from dh2urdf_plugins.loaders.pybullet.loader import LOADER
+    from dh2urdf_plugins.loaders.simulators import LOADERS
 
+    pybullet = next(each for each in LOADERS if each.name == "pybullet")
     made, stated = make_cell(ON_TRACK, swap())
     (file,) = URDF.emit(made, "cell", URDF.options())
     (tmp_path / file.name).write_bytes(file.content.replace(b'xyz="-1 0 0"', b'xyz="-1.001 0 0"'))
@@ -499,7 +500,7 @@ def test_pybullet_finds_an_arm_that_stands_elsewhere(tmp_path: Path) -> None:
     expected = {tip.link: tuple(tuple(as_matrices(tip.pose(q)).ravel().tolist()) for q in poses) for tip in stated.tips}
     request = LoadRequest(path=tmp_path / file.name, robot=made, poses=poses, expected=expected)
     with pytest.raises(LoaderError, match=r"PyBullet has right_tool0 in another place, 0\.001 m and"):
-        load_in_child(LOADER, request, LOADER.options(picture=False))
+        load_in_child(pybullet, request, pybullet.options(picture=False))
 
 
 RUN = """

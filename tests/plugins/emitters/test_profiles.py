@@ -252,7 +252,8 @@ def coppeliasim(monkeypatch: pytest.MonkeyPatch) -> Iterator[Any]:
 
 def test_coppeliasim(reference_robots: Sequence[Any], write: Write, coppeliasim: Any) -> None:
     """No frame weighs a kilogram, and no link stands still, as they do by the portable file."""
-    from dh2urdf_plugins.loaders.coppeliasim.loader import CoppeliaSimOptions, load
+    from dh2urdf_plugins.loaders.coppeliasim.loader import load
+    from dh2urdf_plugins.loaders.simulators import CoppeliaSimOptions
 
     manipulator = next(robot for robot in reference_robots if robot.id == "rtb_Puma560").manipulator
     puma = TRANSFORM.transform(manipulator, TRANSFORM.options())  # Its axes and limits are read right in any file.

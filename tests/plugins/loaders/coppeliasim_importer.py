@@ -1,7 +1,7 @@
 """What CoppeliaSim's URDF importer makes of a file, step by step and with its faults.
 
 Written from the source of https://github.com/CoppeliaRobotics/simURDF, and compared with CoppeliaSim 4.10.0 by
-`test_coppeliasim_importer`. Its C++ reads first, then creates joints, then links, and parents them last: a link is
+`test_coppeliasim_arms`. Its C++ reads first, then creates joints, then links, and parents them last: a link is
 placed by the frame of its joint, whatever position that joint has by then.
 """
 

@@ -3,7 +3,7 @@
 The protocol is that of `coppeliasim_zmqremoteapi_client`: CBOR maps over a ZMQ REP socket, ``func`` and ``args`` in,
 ``ret`` or ``err`` out; the first request carries the version and the language. The scene keeps poses as 4x4 matrices
 in the parent, as CoppeliaSim does, and knows nothing of dh2urdf. Its importer, with all faults of the real one, is in
-`coppeliasim_importer`; `test_coppeliasim_importer` holds both against what CoppeliaSim 4.10.0 was seen to do.
+`coppeliasim_importer`; `test_coppeliasim_arms` holds both against what CoppeliaSim 4.10.0 was seen to do.
 """
 
 from __future__ import annotations

@@ -105,4 +105,4 @@ def test_an_arm_that_is_strong_enough_was_let_down_by_the_solver(comparison: Com
 def test_hold_shows_a_few_pairs(comparison: Comparison) -> None:
     """Of many overlaps the first are named, and the others counted."""
     _, (finding,) = comparison.hold((0.0,) * 4, [0.0] * 4, [("a", str(number)) for number in range(8)])
-    assert finding.message.endswith("'a' and '4', 3 more pairs")
+    assert finding.message.endswith("'a' and '4' and 3 more")

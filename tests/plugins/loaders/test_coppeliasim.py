@@ -13,10 +13,12 @@ import pytest
 from dh2urdf.errors import LoaderError, MissingProgramError
 from dh2urdf.isolation.loads import load_in_child
 from dh2urdf.robot import Collision, Mesh
-from dh2urdf_plugins.loaders.coppeliasim import loader as coppeliasim, turns
+from dh2urdf_plugins.loaders.coppeliasim import loader as coppeliasim
 from dh2urdf_plugins.loaders.coppeliasim.arm import OPTIONS
-from dh2urdf_plugins.loaders.coppeliasim.loader import LOADER, CoppeliaSimOptions, load, require
-from dh2urdf_plugins.loaders.coppeliasim.turns import turn
+from dh2urdf_plugins.loaders.coppeliasim.loader import load, turn
+from dh2urdf_plugins.loaders.simulators import LOADERS, CoppeliaSimOptions
+
+LOADER = next(each for each in LOADERS if each.name == "coppeliasim")
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -272,7 +274,7 @@ def test_crash_is_reported(peers: Any, request_for: Any, function: str) -> None:
 
 def test_program_that_others_use_is_not_waited_for_without_end(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Where another process does not end its turn, the error says so; where it ended in any way, the turn is free."""
-    monkeypatch.setattr(turns.tempfile, "gettempdir", lambda: str(tmp_path))
+    monkeypatch.setattr(coppeliasim.tempfile, "gettempdir", lambda: str(tmp_path))
     again = turn("program-1", "the program", 0.05)
     with turn("program-1", "the program", 1.0), pytest.raises(LoaderError, match="the program was busy"):
         again.__enter__()
@@ -301,7 +303,7 @@ def test_it_works_in_a_child_process(peer: Any, request_for: Any) -> None:
 
 def test_run_asks_for_the_client_before_it_begins() -> None:
     """Where the client is installed there is nothing to say before a run."""
-    require(CoppeliaSimOptions())
+    LOADER.require(CoppeliaSimOptions())
 
 
 def test_options_are_checked() -> None:

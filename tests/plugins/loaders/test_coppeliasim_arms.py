@@ -16,7 +16,8 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 from dh2urdf.errors import LoaderError
-from dh2urdf_plugins.loaders.coppeliasim.loader import CoppeliaSimOptions, load
+from dh2urdf_plugins.loaders.coppeliasim.loader import load
+from dh2urdf_plugins.loaders.simulators import CoppeliaSimOptions
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence

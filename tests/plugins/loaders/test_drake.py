@@ -8,7 +8,10 @@ import pytest
 
 from dh2urdf.errors import LoaderError
 from dh2urdf.isolation.loads import load_in_child
-from dh2urdf_plugins.loaders.drake.loader import LOADER, DrakeOptions, load, read_output
+from dh2urdf_plugins.loaders.drake.loader import load, read_output
+from dh2urdf_plugins.loaders.simulators import LOADERS, SimulatorOptions
+
+LOADER = next(each for each in LOADERS if each.name == "drake")
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -17,7 +20,7 @@ if TYPE_CHECKING:
 
 pytest.importorskip("pydrake")
 
-OPTIONS = DrakeOptions()
+OPTIONS = SimulatorOptions()
 CONFIGS = Path(__file__).parents[3] / "configs"
 
 

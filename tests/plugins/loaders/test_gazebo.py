@@ -15,13 +15,14 @@ from dh2urdf.isolation.loads import load_in_child
 from dh2urdf.kinematics import KinematicChain
 from dh2urdf.robot import Link, Origin
 from dh2urdf_plugins.loaders.gazebo import loader as gazebo
-from dh2urdf_plugins.loaders.gazebo.arm import precision
-from dh2urdf_plugins.loaders.gazebo.loader import LOADER, GazeboOptions, find_command, load, read_output, require
+from dh2urdf_plugins.loaders.gazebo.loader import find_command, load, precision, read_output, require
+from dh2urdf_plugins.loaders.simulators import LOADERS, SimulatorOptions
 
 if TYPE_CHECKING:
     from dh2urdf.stages import LoadReport, LoadRequest
 
-OPTIONS = GazeboOptions()
+LOADER = next(each for each in LOADERS if each.name == "gazebo")
+OPTIONS = SimulatorOptions()
 CONFIGS = Path(__file__).parents[3] / "configs"
 
 try:

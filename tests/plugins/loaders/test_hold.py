@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 import random
 from dataclasses import replace
-from importlib import import_module
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
@@ -17,6 +16,7 @@ from dh2urdf.robot import Box, Collision, Cylinder, Inertial, Joint, Link, Origi
 from dh2urdf.stages import LoadRequest
 from dh2urdf_plugins.emitters import urdf
 from dh2urdf_plugins.loaders.measures import gravity_loads
+from dh2urdf_plugins.loaders.simulators import LOADERS
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
     from dh2urdf.stages import LoadReport
 
-LOADERS = ("pybullet", "mujoco", "drake")
+MOVING = ("pybullet", "mujoco", "drake")
 BODY = Inertial(mass=1.0, com=(0.05, 0.02, -0.03), inertia=Inertia(ixx=0.01, iyy=0.01, izz=0.01))
 
 
@@ -42,7 +42,7 @@ def loaded(loader: str, robot: Robot, folder: Path) -> LoadReport:
     """What a simulator reports about a robot."""
     path = folder / "arm.urdf"
     path.write_bytes(urdf.EMITTER.emit(robot, "arm", urdf.EMITTER.options())[0].content)
-    stage = import_module(f"dh2urdf_plugins.loaders.{loader}.loader").LOADER
+    stage = next(each for each in LOADERS if each.name == loader)
     return load_in_child(stage, LoadRequest(path=path, robot=robot, poses=(), expected={}), stage.options())
 
 
@@ -87,7 +87,7 @@ def pairs_of_shapes(gap: float) -> Robot:
     return Robot(name="pairs", links=tuple(links), joints=tuple(joints))
 
 
-@pytest.mark.parametrize("loader", LOADERS)
+@pytest.mark.parametrize("loader", MOVING)
 @pytest.mark.parametrize(("gap", "overlaps"), [(0.0, []), (-1e-4, [(f"{n} a", f"{n} b") for n in range(5)])])
 def test_touching_is_not_overlapping(
     tmp_path: Path,

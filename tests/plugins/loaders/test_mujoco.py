@@ -12,10 +12,13 @@ from dh2urdf.isolation.loads import load_in_child
 from dh2urdf.manipulator import Convention, DHRow, Manipulator
 from dh2urdf_plugins.emitters import mjcf
 from dh2urdf_plugins.emitters.urdf import EMITTER
-from dh2urdf_plugins.loaders.mujoco import arm as mujoco_arm
-from dh2urdf_plugins.loaders.mujoco.loader import LOADER, MuJoCoOptions, load, read_output
+from dh2urdf_plugins.loaders.mujoco import loader as mujoco_loader
+from dh2urdf_plugins.loaders.mujoco.loader import load, read_output
 from dh2urdf_plugins.loaders.mujoco.picture import graphics
+from dh2urdf_plugins.loaders.simulators import LOADERS, PictureOptions
 from dh2urdf_plugins.transforms.alpha_swap import TRANSFORM
+
+LOADER = next(each for each in LOADERS if each.name == "mujoco")
 
 if TYPE_CHECKING:
     from dh2urdf.stages import LoadReport, LoadRequest
@@ -23,7 +26,7 @@ if TYPE_CHECKING:
 pytest.importorskip("mujoco")
 
 CONFIGS = Path(__file__).parents[3] / "configs"
-OPTIONS = MuJoCoOptions()
+OPTIONS = PictureOptions()
 KEPT = '<robot name="planar">\n  <mujoco>\n    <compiler fusestatic="false" discardvisual="false"/>\n  </mujoco>'
 
 
@@ -159,7 +162,7 @@ def test_an_arm_stays_where_its_efforts_are_above_its_weight(
 def test_long_arm_is_measured_but_not_held(request_for: Any, monkeypatch: pytest.MonkeyPatch) -> None:
     """An arm of more joints than the hold test takes is compared all the same; that it was left out is said."""
     monkeypatch.setenv("MUJOCO_GL", "disable")  # which it would set itself
-    monkeypatch.setattr(mujoco_arm, "HELD_JOINTS", 3)
+    monkeypatch.setattr(mujoco_loader, "HELD_JOINTS", 3)
     rows = tuple(DHRow(joint=f"joint_{i}", link=f"link_{i}", a=0.2, alpha=0.3 * i, d=0.1) for i in range(1, 5))
     robot = TRANSFORM.transform(
         Manipulator(name="long", convention=Convention.STANDARD, rows=rows), TRANSFORM.options()

@@ -8,8 +8,11 @@ import pytest
 
 from dh2urdf.errors import LoaderError
 from dh2urdf.isolation.loads import load_in_child
-from dh2urdf_plugins.loaders.pinocchio import arm as pinocchio_arm
-from dh2urdf_plugins.loaders.pinocchio.loader import LOADER, PinocchioOptions, load, read_output
+from dh2urdf_plugins.loaders.pinocchio import loader as pinocchio_loader
+from dh2urdf_plugins.loaders.pinocchio.loader import load, read_output
+from dh2urdf_plugins.loaders.simulators import LOADERS, SimulatorOptions
+
+LOADER = next(each for each in LOADERS if each.name == "pinocchio")
 
 if TYPE_CHECKING:
     from dh2urdf.stages import LoadReport, LoadRequest
@@ -17,7 +20,7 @@ if TYPE_CHECKING:
 pytest.importorskip("pinocchio")
 
 CONFIGS = Path(__file__).parents[3] / "configs"
-OPTIONS = PinocchioOptions()
+OPTIONS = SimulatorOptions()
 
 
 def run(request: LoadRequest) -> LoadReport:
@@ -93,7 +96,7 @@ def test_effort_below_the_weight_is_a_finding(request_for: Any, planar: Any, *, 
 
 def test_arm_too_long_for_its_memory_is_weighed_only(request_for: Any, monkeypatch: pytest.MonkeyPatch) -> None:
     """Of an arm of more joints than Pinocchio has memory for, joints and masses are compared; that is said."""
-    monkeypatch.setattr(pinocchio_arm, "MEASURED_JOINTS", 3)
+    monkeypatch.setattr(pinocchio_loader, "MEASURED_JOINTS", 3)
     report = load(request_for(), OPTIONS)
     assert len(report.joints) == 4
     assert report.mass == pytest.approx(6.7)

@@ -9,7 +9,10 @@ from dh2urdf.errors import CrashError, LoaderError
 from dh2urdf.isolation.loads import load_in_child
 from dh2urdf.manipulator import Inertia, JointType, Limits
 from dh2urdf.robot import Inertial, Joint, Link, Robot
-from dh2urdf_plugins.loaders.pybullet.loader import LOADER, PyBulletOptions, load, read_output
+from dh2urdf_plugins.loaders.pybullet.loader import load, read_output
+from dh2urdf_plugins.loaders.simulators import LOADERS, PyBulletOptions
+
+LOADER = next(each for each in LOADERS if each.name == "pybullet")
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -5,25 +5,15 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from dh2urdf.stages import EmittedFile, Emitter, GivesNotices, OtherFiles, ReadsBack
+from dh2urdf.stages import Emitter, GivesNotices, OtherFiles, ReadsBack
 from dh2urdf_plugins.emitters.table.options import SUFFIXES, TableOptions
+from dh2urdf_plugins.late import Late
 from dh2urdf_plugins.read_back import read_table
 
 if TYPE_CHECKING:
-    from dh2urdf.robot import Robot
-    from dh2urdf.source import Problem
     from dh2urdf_plugins.emitters.table.options import Format
 
-
-def emit(robot: Robot, stem: str, options: TableOptions) -> tuple[EmittedFile, ...]:
-    """A file of tables in each format that is asked for, as ``<stem>.yaml``, ``<stem>.tex`` and so on.
-
-    Raises:
-        EmitterError: no table of the robot is known, or a format cannot hold it.
-    """
-    from dh2urdf_plugins.emitters.table.files import tables_of
-
-    return tables_of(robot, stem, options)
+_FILES = "dh2urdf_plugins.emitters.table.files"
 
 
 def for_suffix(options: TableOptions, suffix: str) -> TableOptions:
@@ -37,22 +27,15 @@ def one_file(options: TableOptions) -> TableOptions:
     return replace(options, formats=options.formats[:1])
 
 
-def notices(robot: Robot, options: TableOptions) -> list[Problem]:
-    """What the formats leave out, and that a table does not say where the arms of a cell are."""
-    from dh2urdf_plugins.emitters.table.files import notices_of_tables
-
-    return notices_of_tables(robot, options)
-
-
 EMITTER = Emitter(
     name="table",
     summary="the DH table: YAML, CSV, JSON, Markdown, LaTeX, and code for MATLAB and Robotics Toolbox for Python",
     suffixes=(*SUFFIXES.values(), ".yml"),
     options=TableOptions,
-    emit=emit,
+    emit=Late(f"{_FILES}:tables_of"),
     capabilities=(
         ReadsBack(read_table),
         OtherFiles(one_file=one_file, for_suffix=for_suffix),
-        GivesNotices(notices),
+        GivesNotices(Late(f"{_FILES}:notices_of_tables")),
     ),
 )

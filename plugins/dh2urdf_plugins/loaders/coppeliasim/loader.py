@@ -7,59 +7,33 @@ turn.
 
 from __future__ import annotations
 
-from contextlib import closing
-from dataclasses import dataclass, field, replace
+import fcntl
+import os
+import tempfile
+import time
+from contextlib import closing, contextmanager
+from dataclasses import replace
+from pathlib import Path
 from typing import TYPE_CHECKING
 
-from dh2urdf.errors import MissingProgramError
-from dh2urdf.stages import LOAD_TIME_LIMIT, Loader, Requires
-from dh2urdf_plugins.loaders.coppeliasim.engines import Engine
-from dh2urdf_plugins.loaders.options import SimulatorOptions
-from dh2urdf_plugins.loaders.packages import Packages
+from dh2urdf.errors import LoaderError, MissingProgramError
+from dh2urdf.stages import LOAD_TIME_LIMIT
+from dh2urdf_plugins.loaders.simulators import PACKAGES
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from dh2urdf.stages import LoadReport, LoadRequest
+    from dh2urdf_plugins.loaders.simulators import CoppeliaSimOptions
 
-_CLIENT = "coppeliasim_zmqremoteapi_client"
-_PACKAGES = Packages("coppeliasim", {_CLIENT: "coppeliasim-zmqremoteapi-client", "zmq": "pyzmq"})
-
-PORT = 23000
-"""Where CoppeliaSim listens by default."""
 ANSWERS_WITHIN = 5.0
 """How long a CoppeliaSim may take to answer at all [s]; its client would wait for ever."""
+_AGAIN = 0.02
+"""How long to wait between two looks at whether CoppeliaSim is free [s]."""
 REMEDY = (
     "start one without a window, in its folder, by ./coppeliaSim.sh -H (with -GzmqRemoteApi.rpcPort=N for another "
     "port), or say in the loader's options `host` and `port` where it runs"
 )
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class CoppeliaSimOptions(SimulatorOptions):
-    """Which CoppeliaSim is asked, and what is done there."""
-
-    host: str = field(default="localhost", metadata={"help": "where CoppeliaSim runs"})
-    port: int = field(default=PORT, metadata={"help": "port of its ZMQ remote API"})
-    engine: Engine | None = field(
-        default=None,
-        metadata={
-            "help": "engine of a hold test of two seconds, such as mujoco; none is done by default. "
-            "bullet, which CoppeliaSim takes by itself, was seen to let joints come apart"
-        },
-    )
-
-    def __post_init__(self) -> None:
-        SimulatorOptions.__post_init__(self)
-        if not 0 < self.port < 1 << 16:
-            raise ValueError("port is a number from 1 to 65535")
-
-
-def require(_options: CoppeliaSimOptions) -> None:
-    """Ask whether the client is there, without importing it.
-
-    Raises:
-        MissingDependencyError: it is not installed.
-    """
-    _PACKAGES.require(_CLIENT, "zmq")
 
 
 def load(request: LoadRequest, options: CoppeliaSimOptions) -> LoadReport:
@@ -73,11 +47,11 @@ def load(request: LoadRequest, options: CoppeliaSimOptions) -> LoadReport:
     import socket
     from ipaddress import ip_address
 
-    from dh2urdf_plugins.loaders.coppeliasim.arm import Arm, Connection
-    from dh2urdf_plugins.loaders.coppeliasim.hold import hold
-    from dh2urdf_plugins.loaders.coppeliasim.turns import turn
+    client_class = PACKAGES["coppeliasim"].load(options).RemoteAPIClient
+    import zmq
 
-    zmq, library = _PACKAGES.load("zmq"), _PACKAGES.load(_CLIENT)
+    from dh2urdf_plugins.loaders.coppeliasim.arm import Arm, Connection
+
     try:
         with socket.create_connection((options.host, options.port), ANSWERS_WITHIN) as greeting:
             address, own = str(greeting.getpeername()[0]), str(greeting.getsockname()[0])
@@ -86,7 +60,7 @@ def load(request: LoadRequest, options: CoppeliaSimOptions) -> LoadReport:
     same_machine = address == own or ip_address(address.partition("%")[0]).is_loopback
     key = f"coppeliasim-{'localhost' if same_machine else address}-{options.port}"
     with turn(key, f"CoppeliaSim at {options.host}:{options.port}", LOAD_TIME_LIMIT / 2):
-        client = library.RemoteAPIClient(options.host, options.port)
+        client = client_class(options.host, options.port)
         client.socket.setsockopt(zmq.LINGER, 0)  # What was not delivered must not keep this process from ending.
         client.socket.setsockopt(zmq.RCVTIMEO, round(1000 * ANSWERS_WITHIN))
         try:
@@ -98,21 +72,45 @@ def load(request: LoadRequest, options: CoppeliaSimOptions) -> LoadReport:
             report = arm.report()
             if options.engine is None:
                 return report
-            held, findings = hold(arm, options.engine)
+            held, findings = arm.hold(options.engine)
             return replace(report, hold=held, findings=(*report.findings, *findings))
+
+
+@contextmanager
+def turn(key: str, what: str, patience: float) -> Iterator[None]:
+    """Wait until no other process of this machine uses a program, and use it alone.
+
+    The system ends the turn of a process that crashes or is killed.
+
+    Args:
+        key: names the program; part of a file name.
+        what: names it in messages.
+        patience: how long to wait [s].
+
+    Raises:
+        LoaderError: others have used it all the time.
+    """
+    path = Path(tempfile.gettempdir(), f"dh2urdf-{key}.lock".replace(":", "_"))
+    if not path.exists():
+        path.touch()
+    lock = os.open(path, os.O_RDONLY)  # Another user's file can be locked, too.
+    deadline = time.monotonic() + patience
+    try:
+        while True:
+            try:
+                fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+                break
+            except BlockingIOError:
+                if time.monotonic() > deadline:
+                    how = "use fewer workers, or start another one"
+                    raise LoaderError(f"{what} was busy with other files for {patience:g} s: {how}") from None
+            time.sleep(_AGAIN)
+        yield
+    finally:
+        os.close(lock)
 
 
 def _silent(options: CoppeliaSimOptions) -> MissingProgramError:
     return MissingProgramError(
         "loader 'coppeliasim'", f"a CoppeliaSim that answers at {options.host}:{options.port}", REMEDY
     )
-
-
-LOADER = Loader(
-    name="coppeliasim",
-    summary="has a running CoppeliaSim import a URDF, compares it with the table, lets it hold its weight if asked",
-    open=load,
-    options=CoppeliaSimOptions,
-    formats=("urdf",),
-    capabilities=(Requires(require),),
-)

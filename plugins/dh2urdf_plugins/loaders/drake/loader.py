@@ -1,59 +1,280 @@
-"""The loader `drake`: loads the written URDF or SDF into Drake, measures the arm, reads what Drake logs."""
+"""The loader `drake`: loads the written URDF or SDF into Drake, measures the arm, reads what Drake logs.
+
+Drake is the strictest of the readers, in three ways: what its parser finds wrong is raised, what it doubts is logged,
+and what its algebra finds impossible ends the interpreter with SystemExit. https://drake.mit.edu/doxygen_cxx says, in
+the group "Parsing Models for Multibody Dynamics", what it takes of a URDF.
+"""
 
 from __future__ import annotations
 
+import logging
+import math
 import re
 import sys
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from dataclasses import replace
+from functools import partial
+from importlib.metadata import version
+from typing import TYPE_CHECKING, Any
 
-from dh2urdf.source import Problem, shown
-from dh2urdf.stages import Loader, ReadsOutput, Requires, Reusable
-from dh2urdf_plugins.loaders.options import SimulatorOptions
-from dh2urdf_plugins.loaders.packages import Packages
+from dh2urdf.errors import LoaderError
+from dh2urdf.mass_properties import GRAVITY
+from dh2urdf.measuring import DOUBLE, Body
+from dh2urdf.rotations import RigidTransform
+from dh2urdf.source import listed, shown
+from dh2urdf_plugins.loaders.measures import (
+    HOLD_SECONDS,
+    HOLD_STAYS,
+    OVERLAP,
+    TIME_STEP,
+    Comparison,
+    farthest,
+    hold_start,
+    printed,
+    rotation,
+    touching_pairs,
+    vector,
+)
+from dh2urdf_plugins.loaders.simulators import PACKAGES
 
 if TYPE_CHECKING:
-    from dh2urdf.stages import LoadReport, LoadRequest
+    from collections.abc import Callable, Iterable, Iterator, Sequence
 
-_PACKAGES = Packages("drake", {"pydrake": "drake"})
+    from dh2urdf.source import Problem
+    from dh2urdf.stages import LoadReport, LoadRequest
+    from dh2urdf_plugins.loaders.simulators import SimulatorOptions
+
+YIELD = HOLD_STAYS / 10
+"""Displacement at which a motor of the hold test gives its full effort [rad or m]: it acts as a stiff spring."""
 _MARK = "Drake logged "
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class DrakeOptions(SimulatorOptions):
-    """What is done in Drake."""
-
-
-def require(_options: DrakeOptions) -> None:
-    """Ask whether Drake is there, without importing it.
+class Arm:
+    """The arm as Drake holds it, beside the robot that was written; its root is in the world's origin.
 
     Raises:
-        MissingDependencyError: it is not installed.
+        LoaderError: Drake cannot load the file.
     """
-    _PACKAGES.require("pydrake")
+
+    def __init__(self, request: LoadRequest) -> None:
+        from pydrake.multibody.parsing import Parser
+        from pydrake.multibody.plant import AddMultibodyPlantSceneGraph
+        from pydrake.systems.framework import DiagramBuilder
+
+        self.request, self.robot = request, request.robot
+        # Drake holds the inertia about the link's origin: a centre of mass far from it costs digits.
+        self.comparison = Comparison("Drake", request, DOUBLE._replace(inertia_about_origin=1e-15))
+        builder = DiagramBuilder()
+        self.plant, self.scene = AddMultibodyPlantSceneGraph(builder, TIME_STEP)
+        self._guarded(lambda: Parser(self.plant).AddModels(request.path.resolve()), "cannot load the file")
+        self.joints = {joint.name(): joint for joint in self._moving_joints()}
+        self.bodies = {
+            body.name(): body
+            for model in map(self._model, range(self.plant.num_model_instances()))
+            for body in map(self.plant.get_body, self.plant.GetBodyIndices(model))
+        }
+        joints = [*map(self._held_joint, self.joints.values())]
+        self.loaded = self.comparison.loaded(version("drake"), joints, self._held_bodies())
+        self._fix_root()
+        self._add_motors()
+        self.plant.mutable_gravity_field().set_gravity_vector([0.0, 0.0, -GRAVITY])
+        self._guarded(self.plant.Finalize, "cannot compute with the arm")
+        self.diagram = builder.Build()
+        self.context = self.diagram.CreateDefaultContext()
+        self.state = self.plant.GetMyMutableContextFromRoot(self.context)
+
+    def report(self) -> LoadReport:
+        """Measure everything.
+
+        Raises:
+            LoaderError: Drake holds another arm.
+        """
+        report = replace(self.loaded, **self.comparison.poses(self._frames))
+        if not self.joints:
+            return report
+        hold, findings = self._hold()
+        return replace(report, hold=hold, findings=(*self._without_actuator(), *findings))
+
+    def _guarded(self, call: Callable[[], Any], doing: str) -> None:
+        """Call into Drake, and tell its errors as ours."""
+        try:
+            call()
+        except (RuntimeError, SystemExit) as error:  # Drake's C++ aborts arrive in Python as SystemExit.
+            said = str(error).replace(f"{self.request.path.resolve()}:", "line ")
+            raise LoaderError(self.comparison.problem(message=f"Drake {doing}: {said}")) from error
+
+    # Joints
+
+    def _model(self, index: int) -> Any:  # noqa: ANN401 - a module without type information
+        from pydrake.multibody.tree import ModelInstanceIndex
+
+        return ModelInstanceIndex(index)
+
+    def _moving_joints(self) -> Iterable[Any]:
+        """The joints that have a joint value, in Drake's order."""
+        joints = map(self.plant.get_joint, self.plant.GetJointIndices())
+        return [joint for joint in joints if joint.num_velocities()]
+
+    def _held_joint(self, joint: Any) -> dict[str, Any]:  # noqa: ANN401 - a module without type information
+        """A joint as Drake has it; the effort is that of its actuator, which a URDF gives it by a transmission only."""
+        kind = joint.type_name()
+        if joint.num_velocities() != 1:
+            return {"name": joint.name(), "type": kind}
+        axis = joint.revolute_axis() if kind == "revolute" else joint.translation_axis()
+        lower, upper = joint.position_lower_limits()[0], joint.position_upper_limits()[0]
+        endless = kind == "revolute" and lower == -math.inf and upper == math.inf
+        efforts = {actuator.joint().name(): actuator.effort_limit() for actuator in self._actuators()}
+        return {
+            "name": joint.name(),
+            "type": "continuous" if endless else kind,
+            "axis": tuple(float(element) + 0.0 for element in axis),
+            "lower": None if endless else float(lower),
+            "upper": None if endless else float(upper),
+            "velocity": float(joint.velocity_upper_limits()[0]),
+            **({"effort": efforts[joint.name()]} if joint.name() in efforts else {}),
+        }
+
+    def _actuators(self) -> Iterable[Any]:
+        return map(self.plant.get_joint_actuator, self.plant.GetJointActuatorIndices())
+
+    def _without_actuator(self) -> tuple[Problem, ...]:
+        """The joints that a controller in Drake cannot move, and whose efforts it has therefore not kept."""
+        idle = [shown(joint["name"]) for joint in self.loaded.joints if "effort" not in joint]
+        if not idle:
+            return ()
+        joints = "1 joint" if len(idle) == 1 else f"{len(idle)} joints"
+        return (
+            self.comparison.problem(
+                message=f"Drake has no actuators, and drops the efforts, of {joints}: {listed(idle, 8)}",
+                severity="notice",
+                suggestion="Drake takes an actuator of a URDF from a `transmission` element; or add it by "
+                "`MultibodyPlant.AddJointActuator`",
+            ),
+        )
+
+    def _fix_root(self) -> None:
+        """Weld the root to the world, unless the file has it there; a root of the name ``world`` is the world."""
+        root, world = self._frame(self.robot.root), self.plant.world_body()
+        if root.body().index() not in {body.index() for body in self.plant.GetBodiesWeldedTo(world)}:
+            self.plant.WeldFrames(self.plant.world_frame(), root)
+
+    def _frame(self, name: str) -> Any:  # noqa: ANN401 - a module without type information
+        """The frame of a link, which of an SDF may be a frame on another body."""
+        return self.bodies[name].body_frame() if name in self.bodies else self.plant.GetFrameByName(name)
+
+    # Masses and poses
+
+    def _held_bodies(self) -> dict[str, Body]:
+        """The links as Drake has them, a mere frame without mass."""
+        nothing = Body(0.0, (0.0, 0.0, 0.0), (0.0,) * 9)
+        names = [link.name for link in self.robot.links if link.name not in self.bodies]
+        bodies = {name: nothing for name in names if self.plant.HasFrameNamed(name)}
+        for name, body in self.bodies.items():
+            if body.index() == self.plant.world_body().index():  # It has no mass of its own.
+                bodies[name] = nothing
+                continue
+            spatial = body.default_spatial_inertia()
+            com = spatial.get_com()
+            about_com = spatial.Shift(com).CalcRotationalInertia().CopyToFullMatrix3()
+            bodies[name] = Body(float(spatial.get_mass()), vector(com), rotation(about_com))
+        return bodies
+
+    def _put(self, q: Sequence[float]) -> None:
+        """Put the arm at a joint vector, at rest."""
+        values = self.plant.GetPositions(self.state)
+        for joint, value in zip(self.robot.moving_joints, q, strict=True):
+            values[self.joints[joint.name].position_start()] = value
+        self.plant.SetPositions(self.state, values)
+        self.plant.SetVelocities(self.state, [0.0] * self.plant.num_velocities())
+
+    def _frames(self, q: Sequence[float], links: Sequence[str]) -> dict[str, RigidTransform]:
+        """The frames of some links in the world at a joint vector."""
+        self._put(q)
+        frames = {}
+        for name in links:
+            pose = self._frame(name).CalcPoseInWorld(self.state)
+            frames[name] = RigidTransform(rotation(pose.rotation().matrix()), vector(pose.translation()))
+        return frames
+
+    # The hold test
+
+    def _add_motors(self) -> None:
+        """Put a motor on every joint whose effort is above 0, with a stiff spring as its control.
+
+        The spring cannot make the simulation unstable: Drake solves for it implicitly (the SAP solver, and
+        `PdControllerGains`), and keeps it within the effort.
+        """
+        from pydrake.multibody.tree import PdControllerGains
+
+        motors = {actuator.joint().name(): actuator for actuator in self._actuators()}
+        for joint in self.robot.moving_joints:
+            if not joint.limits.effort:
+                continue
+            if joint.name not in motors:
+                motors[joint.name] = self.plant.AddJointActuator(
+                    f"hold {joint.name}", self.joints[joint.name], joint.limits.effort
+                )
+            stiffness = joint.limits.effort / YIELD
+            motors[joint.name].set_controller_gains(PdControllerGains(p=stiffness, d=stiffness * 0.1))
+
+    def _hold(self) -> tuple[dict[str, Any], tuple[Problem, ...]]:
+        """Whether the motors, with the efforts that were written, keep the arm where it is under gravity."""
+        from pydrake.systems.analysis import Simulator
+
+        start = hold_start(self.robot)
+        self._put(start)
+        contacts = self._overlaps()
+        self._switch_contacts_off()
+        self._set_targets(dict(zip((joint.name for joint in self.robot.moving_joints), start, strict=True)))
+        simulator = Simulator(self.diagram, self.context)
+        columns = [self.joints[joint.name].position_start() for joint in self.robot.moving_joints]
+
+        def vectors() -> Iterator[Any]:
+            for step in range(1, round(HOLD_SECONDS / TIME_STEP) + 1):
+                self._guarded(partial(simulator.AdvanceTo, step * TIME_STEP), "cannot simulate the arm")
+                yield self.plant.GetPositions(self.state)[columns]
+
+        return self.comparison.hold(start, farthest(start, vectors()), contacts)
+
+    def _set_targets(self, start: dict[str, float]) -> None:
+        """Tell the motors where to stay: positions, then velocities, in the order of each model's actuators."""
+        for model in map(self._model, range(self.plant.num_model_instances())):
+            actuators = map(self.plant.get_joint_actuator, self.plant.GetJointActuatorIndices(model))
+            targets = [start[actuator.joint().name()] for actuator in actuators]
+            if targets:
+                port = self.plant.get_desired_state_input_port(model)
+                port.FixValue(self.state, [*targets, *(0.0 for _ in targets)])
+
+    def _overlaps(self) -> list[tuple[str, str]]:
+        """The pairs of links, none joined to the other, whose collision shapes overlap."""
+        query = self.scene.get_query_output_port().Eval(self.scene.GetMyContextFromRoot(self.context))
+        inspector = self.scene.model_inspector()
+
+        def link(shape: Any) -> str:  # noqa: ANN401 - a module without type information
+            return str(self.plant.GetBodyFromFrameId(inspector.GetFrameId(shape)).name())
+
+        found = {
+            frozenset((link(pair.id_A), link(pair.id_B)))
+            for pair in query.ComputePointPairPenetration()
+            if pair.depth > OVERLAP
+        }
+        return [pair for pair in touching_pairs(self.robot) if frozenset(pair) in found]
+
+    def _switch_contacts_off(self) -> None:
+        from pydrake.geometry import CollisionFilterDeclaration, GeometrySet
+
+        shapes = GeometrySet(self.scene.model_inspector().GetAllGeometryIds())
+        context = self.scene.GetMyMutableContextFromRoot(self.context)
+        self.scene.collision_filter_manager(context).Apply(CollisionFilterDeclaration().ExcludeWithin(shapes))
 
 
-def prepare(_options: DrakeOptions) -> None:
-    """Import Drake, as far as all of its parts need; a load imports the others.
-
-    Raises:
-        MissingDependencyError: it is not installed.
-    """
-    _PACKAGES.load("pydrake")
-
-
-def load(request: LoadRequest, _options: DrakeOptions) -> LoadReport:
+def load(request: LoadRequest, options: SimulatorOptions) -> LoadReport:
     """Load a URDF or SDF into Drake and measure it.
 
     Raises:
         LoaderError: Drake cannot load the file, or holds another arm than the one that was written.
         MissingDependencyError: Drake is not installed.
     """
-    import logging
-
-    from dh2urdf_plugins.loaders.drake.arm import Arm
-
-    _PACKAGES.load("pydrake")
+    PACKAGES["drake"].prepare(options)
     # Drake's C++ hands its messages to this logger, whose last resort would print them without their level.
     to_output = logging.StreamHandler(sys.stderr)
     to_output.setFormatter(logging.Formatter(f"{_MARK}%(levelname)s: %(message)s"))
@@ -66,7 +287,7 @@ _LOGGED = re.compile(rf"{_MARK}([A-Z]+): ")
 
 
 def read_output(request: LoadRequest, output: str) -> tuple[Problem, ...]:
-    """What Drake logged, each message once, in the order of logging; of a good file it says nothing.
+    """What Drake logged: of a good file nothing.
 
     A message may have many lines; a line that nobody logged is a message of its own.
     """
@@ -78,25 +299,4 @@ def read_output(request: LoadRequest, output: str) -> tuple[Problem, ...]:
         else:
             messages.append((logged[1] if logged else "", _LOGGED.sub("", line)))
     place = f"{request.path.resolve()}:"
-    return tuple(
-        Problem(
-            message=f"Drake printed {shown(text.replace(place, 'line ', 1), 300)}",
-            severity="error" if level in {"ERROR", "CRITICAL"} else "notice",
-            robot=request.robot.name,
-        )
-        for level, text in dict.fromkeys(messages)
-    )
-
-
-LOADER = Loader(
-    name="drake",
-    summary="loads URDF or SDF into Drake, compares the arm with the table, lets it hold its weight",
-    open=load,
-    options=DrakeOptions,
-    formats=("urdf", "sdf"),
-    capabilities=(
-        Requires(require),
-        ReadsOutput(read_output),
-        Reusable(prepare),
-    ),
-)
+    return printed("Drake", request, [(level, text.replace(place, "line ", 1)) for level, text in messages])

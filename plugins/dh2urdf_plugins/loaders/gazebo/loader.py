@@ -7,21 +7,34 @@ display.
 
 from __future__ import annotations
 
+import math
 import re
 import shutil
 import subprocess
 import sys
-from dataclasses import dataclass
+from dataclasses import asdict, replace
 from functools import cache
 from typing import TYPE_CHECKING
 
-from dh2urdf.errors import LoaderError, MissingProgramError
-from dh2urdf.source import Problem, shown
-from dh2urdf.stages import Loader, ReadsOutput, Requires, Reusable
-from dh2urdf_plugins.loaders.options import SimulatorOptions
+from dh2urdf.errors import LoaderError, MissingProgramError, ProofError
+from dh2urdf.kinematics import link_poses
+from dh2urdf.manipulator import JointType
+from dh2urdf.mass_properties import compound, placed
+from dh2urdf.measuring import DOUBLE, Body, tensor
+from dh2urdf.robot import Inertial
+from dh2urdf.rotations import IDENTITY, RigidTransform, quarter_turns
+from dh2urdf.source import shown
+from dh2urdf_plugins.base_bodies import with_base_bodies
+from dh2urdf_plugins.loaders.measures import Comparison, printed
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from dh2urdf.measuring import Precision
+    from dh2urdf.robot import Robot
+    from dh2urdf.source import Problem
     from dh2urdf.stages import LoadReport, LoadRequest
+    from dh2urdf_plugins.loaders.simulators import SimulatorOptions
 
 COMMANDS = ("gz", "ign")
 """What the command of sdformat is a subcommand of: in Gazebo from Garden on (and Gazebo classic), and before."""
@@ -31,12 +44,7 @@ REMEDY = (
 )
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class GazeboOptions(SimulatorOptions):
-    """What is done with sdformat."""
-
-
-def require(_options: GazeboOptions) -> None:
+def require(_options: SimulatorOptions) -> None:
     """Ask whether there is a command that may be sdformat's, without starting it.
 
     Raises:
@@ -46,7 +54,7 @@ def require(_options: GazeboOptions) -> None:
         raise _missing()
 
 
-def prepare(_options: GazeboOptions) -> None:
+def prepare(_options: SimulatorOptions) -> None:
     """Find the command of sdformat: it is asked for its version once.
 
     Raises:
@@ -55,16 +63,122 @@ def prepare(_options: GazeboOptions) -> None:
     find_command()
 
 
-def load(request: LoadRequest, _options: GazeboOptions) -> LoadReport:
+class Arm:
+    """The arm as sdformat has it, beside the robot that was written.
+
+    sdformat lumps what a fixed joint holds into the link that carries it: of a URDF, flange and tool0 are no links in
+    Gazebo. (Later versions keep a frame of the name.) So links are compared with the sum of what they carry, and tool0
+    is measured at its carrier, times the transform between the two that was written.
+    """
+
+    def __init__(self, model: Robot, comparison: Comparison) -> None:
+        self.model, self.comparison, self.robot = model, comparison, comparison.robot
+        self.frames = {link.name for link in model.links}
+        self.links = {
+            link.name: Body(link.inertial.mass, link.inertial.com, tensor(link.inertial.inertia))
+            for link in model.links
+            if link.inertial
+        }
+        self.carriers = self._carriers()
+
+    def report(self, version: str) -> LoadReport:
+        """Measure everything.
+
+        Args:
+            version: that of sdformat.
+
+        Raises:
+            LoaderError: sdformat holds another arm.
+        """
+        joints = (
+            {"name": joint.name, "type": joint.type.value, "axis": joint.axis, **asdict(joint.limits)}
+            for joint in self.model.moving_joints
+        )
+        report = self.comparison.loaded(version, joints, self.links, self._written_bodies())
+        return replace(report, **self.comparison.poses(self._frames), findings=self._lumped())
+
+    def _carriers(self) -> dict[str, tuple[str, RigidTransform]]:
+        """Of every link that was written, the link that it became or is lumped into, and its pose there."""
+        above = {joint.child: joint for joint in self.robot.joints}
+        carriers: dict[str, tuple[str, RigidTransform]] = {}
+        for link in self.robot.links:  # Parents before children.
+            joint = above.get(link.name)
+            if link.name in self.links or joint is None or joint.type is not JointType.FIXED:
+                carriers[link.name] = (link.name, IDENTITY)
+            elif joint.parent in carriers:
+                carrier, pose = carriers[joint.parent]
+                carriers[link.name] = (carrier, pose @ joint.origin.transform)
+        return carriers
+
+    def _written_bodies(self) -> dict[str, Inertial]:
+        """What the links of the model should be: the sums of what they carry."""
+        carried: dict[str, list[Inertial]] = {}
+        for link in with_base_bodies(self.robot).links:  # sdformat has no arm whose base weighs nothing
+            carrier, pose = self.carriers[link.name]
+            parts = carried.setdefault(carrier, [])
+            if link.inertial and link.inertial.mass:
+                parts.append(placed(link.inertial, pose))
+        return {
+            name: compound(parts) if parts else Inertial(mass=0.0)
+            for name, parts in carried.items()
+            if parts or name in self.links or name not in self.frames  # No link need be in a mere frame.
+        }
+
+    def _frames(self, q: Sequence[float], links: Sequence[str]) -> dict[str, RigidTransform]:
+        """The frames of some links in the root at a joint vector."""
+        values = {joint.name: value for joint, value in zip(self.robot.moving_joints, q, strict=True)}
+        held = link_poses(self.model, values)
+        to_root = held[self.robot.root].inverse
+        frames = {}
+        for name in links:
+            carrier, pose = (name, IDENTITY) if name in held else self.carriers[name]
+            frames[name] = to_root @ held[carrier] @ pose
+        return frames
+
+    def _lumped(self) -> tuple[Problem, ...]:
+        """The frames that are missing in Gazebo: a person looks for tool0 there in vain."""
+        lost = [
+            link.name
+            for link in self.robot.links[1:]
+            if link.name not in self.frames and not (link.inertial and link.inertial.mass)
+        ]
+        if not lost:
+            return ()
+        names = ", ".join(f"{shown(name)} (in {shown(self.carriers[name][0])})" for name in lost)
+        return (
+            self.comparison.problem(
+                message=f"Gazebo has no frame of the links that sdformat lumped into others: {names}",
+                severity="notice",
+            ),
+        )
+
+
+def precision(robot: Robot) -> Precision:
+    """What sdformat's arithmetic is: double precision, written in 16 digits, and less near the singular pitch.
+
+    It reads a joint's roll, pitch and yaw, keeps a quaternion, and writes them anew. It takes the pitch from an asin:
+    near ±π/2 that loses as many digits as the cosine of the pitch is small, half of all at the worst. (Exactly there
+    it does not.) Lumping moves an inertia to another point, so that of a body far from there its digits count as little
+    as beside m·r².
+    """
+    epsilon = sys.float_info.epsilon
+    pitches = [joint.origin.rpy[1] for joint in robot.joints]
+    lost = 4.0 * sum(
+        min(epsilon / abs(math.cos(pitch)), math.sqrt(epsilon)) for pitch in pitches if quarter_turns(pitch) is None
+    )
+    return DOUBLE._replace(
+        position=DOUBLE.position + lost, angle=DOUBLE.angle + lost, inertia_about_origin=4.0 * epsilon
+    )
+
+
+def load(request: LoadRequest, _options: SimulatorOptions) -> LoadReport:
     """Have sdformat convert and check a file, and measure the model that it makes of it.
 
     Raises:
         LoaderError: sdformat refuses the file, or makes another arm of it than the one that was written.
         MissingProgramError: sdformat is not installed.
     """
-    from dh2urdf_plugins.loaders.gazebo.arm import Arm, precision
-    from dh2urdf_plugins.loaders.gazebo.sdf_model import parse_sdf
-    from dh2urdf_plugins.loaders.measures import Comparison
+    from dh2urdf_plugins.read_back.sdf.reader import parse_sdf
 
     command, version = find_command()
     comparison = Comparison("sdformat", request, precision(request.robot))
@@ -75,9 +189,9 @@ def load(request: LoadRequest, _options: GazeboOptions) -> LoadReport:
         if done.returncode or not done.stdout.strip():
             raise LoaderError(comparison.problem(message=f"sdformat {what}"))
     try:
-        model = parse_sdf(converted.stdout)
-    except ValueError as error:
-        raise LoaderError(comparison.problem(message=f"sdformat cannot convert the file: it wrote {error}")) from error
+        model = parse_sdf(converted.stdout, "what sdformat wrote")
+    except ProofError as error:
+        raise LoaderError(error.problems) from error
     return Arm(model, comparison).report(version)
 
 
@@ -124,7 +238,7 @@ _EXPECTED = re.compile(r"backtrace generation will be disabled")  # said by `ign
 
 
 def read_output(request: LoadRequest, output: str) -> tuple[Problem, ...]:
-    """What sdformat printed, each message once, in the order of printing; of a good file it prints nothing.
+    """What sdformat printed; of a good file it prints nothing.
 
     A message may go on in lines that are indented.
     """
@@ -134,26 +248,6 @@ def read_output(request: LoadRequest, output: str) -> tuple[Problem, ...]:
             messages[-1] += f" {line.strip()}"
         elif line.strip():
             messages.append(line.strip())
-    return tuple(
-        Problem(
-            message=f"sdformat printed {shown(message, 300)}",
-            severity="error" if (level := _LEVEL.search(message)) and level[1] == "Error" else "notice",
-            robot=request.robot.name,
-        )
-        for message in dict.fromkeys(messages)
-        if not _EXPECTED.search(message)
-    )
-
-
-LOADER = Loader(
-    name="gazebo",
-    summary="has Gazebo's sdformat check SDF, or convert URDF, and compares the model with the table",
-    open=load,
-    options=GazeboOptions,
-    formats=("sdf", "urdf"),
-    capabilities=(
-        Requires(require),
-        ReadsOutput(read_output),
-        Reusable(prepare),
-    ),
-)
+    levels = [level[1] if (level := _LEVEL.search(message)) else "" for message in messages]
+    told = zip(levels, messages, strict=True)
+    return printed("sdformat", request, [each for each in told if not _EXPECTED.search(each[1])])

@@ -6,10 +6,8 @@ import ctypes.util
 import math
 import os
 import sys
-from io import BytesIO
 from typing import TYPE_CHECKING, Any
 
-from dh2urdf.output import write_whole
 from dh2urdf_plugins.loaders.viewpoint import (
     AZIMUTH,
     ELEVATION,
@@ -20,12 +18,12 @@ from dh2urdf_plugins.loaders.viewpoint import (
     WIDTH,
     View,
     best_view,
+    write_png,
 )
 
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from dh2urdf_plugins.loaders.mujoco.arm import Arm
 
 _SHADOW_MAP = 4096  # [pixels]; with more, the processor that renders is busy with the shadow map most of the time
 _LIBRARIES = {"egl": "EGL", "osmesa": "OSMesa"}  # MuJoCo's name of a way to render, and the library that it needs
@@ -45,7 +43,7 @@ def graphics() -> str | None:
     return next((name for name, library in _LIBRARIES.items() if ctypes.util.find_library(library)), "disable")
 
 
-def write_picture(mujoco: Any, file: Path, arm: Arm, path: Path) -> None:  # noqa: ANN401 - a module without type information
+def write_picture(mujoco: Any, file: Path, arm: Any, path: Path) -> None:  # noqa: ANN401 - a module, and the arm of the loader
     """Render the arm in a pose that shows it well, and write a PNG.
 
     Args:
@@ -65,10 +63,7 @@ def write_picture(mujoco: Any, file: Path, arm: Arm, path: Path) -> None:  # noq
     data = mujoco.MjData(model)
     data.qpos[arm.addresses(model)] = view.q
     mujoco.mj_forward(model, data)
-    image = Image.fromarray(_render(mujoco, model, data, view))
-    png = BytesIO()
-    image.resize((WIDTH, HEIGHT), Image.Resampling.BOX).save(png, "PNG", optimize=True)
-    write_whole(path, png.getvalue())
+    write_png(Image.fromarray(_render(mujoco, model, data, view)), path)
 
 
 def _lit_model(mujoco: Any, file: Path, view: View) -> Any:  # noqa: ANN401 - a module without type information

@@ -1,82 +1,203 @@
-"""The loader `pinocchio`: loads the written URDF into Pinocchio, measures the arm, and reads what its parser prints."""
+"""The loader `pinocchio`: loads the written URDF into Pinocchio, measures the arm, and reads what its parser prints.
+
+Pinocchio is a library of rigid-body algorithms and simulates nothing: whether the arm can hold its weight is asked of
+its recursive Newton-Euler algorithm. It keeps moving bodies only, and adds to each what fixed joints hold to it; links
+are frames. https://gepettoweb.laas.fr/doc/stack-of-tasks/pinocchio has its documentation.
+"""
 
 from __future__ import annotations
 
+import math
 import re
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from dataclasses import replace
+from functools import partial
+from importlib.metadata import version
+from typing import TYPE_CHECKING, Any, NamedTuple
 
-from dh2urdf.source import Problem, shown
-from dh2urdf.stages import Loader, ReadsOutput, Requires, Reusable
-from dh2urdf_plugins.loaders.options import SimulatorOptions
-from dh2urdf_plugins.loaders.packages import Packages
+from dh2urdf.errors import LoaderError
+from dh2urdf.manipulator import JointType
+from dh2urdf.mass_properties import GRAVITY
+from dh2urdf.measuring import Body
+from dh2urdf.rotations import RigidTransform
+from dh2urdf.source import shown
+from dh2urdf_plugins.loaders.measures import Comparison, hold_start, lumped_bodies, printed, rotation, share_of, vector
+from dh2urdf_plugins.loaders.simulators import PACKAGES
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping, Sequence
+
+    from dh2urdf.robot import Joint
+    from dh2urdf.source import Problem
     from dh2urdf.stages import LoadReport, LoadRequest
+    from dh2urdf_plugins.loaders.simulators import SimulatorOptions
 
-_PACKAGES = Packages("pinocchio", {"pinocchio": "pin"})
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class PinocchioOptions(SimulatorOptions):
-    """What is done in Pinocchio."""
-
-
-def require(_options: PinocchioOptions) -> None:
-    """Ask whether Pinocchio is there, without importing it.
-
-    Raises:
-        MissingDependencyError: it is not installed.
-    """
-    _PACKAGES.require("pinocchio")
+MEASURED_JOINTS = 250
+"""Largest number of joints of an arm that is put into a pose: Pinocchio's working memory holds four arrays of the cube
+of their number, here half a gigabyte."""
+_UNIVERSE = 0
+"""The joint that holds the root."""
 
 
-def prepare(_options: PinocchioOptions) -> None:
-    """Import Pinocchio.
+class _Load(NamedTuple):
+    """What gravity asks of a joint: a share of its effort, the force or torque [N or N·m], and where."""
 
-    Raises:
-        MissingDependencyError: it is not installed.
-    """
-    _PACKAGES.load("pinocchio")
+    share: float
+    force: float
+    joint: Joint
+    q: tuple[float, ...]
 
 
-def load(request: LoadRequest, _options: PinocchioOptions) -> LoadReport:
-    """Load a URDF into Pinocchio and measure it.
+class Arm:
+    """The arm as Pinocchio holds it, beside the robot that was written.
 
     Raises:
-        LoaderError: Pinocchio cannot load the file, or holds another arm than the one that was written.
-        MissingDependencyError: Pinocchio is not installed.
+        LoaderError: Pinocchio cannot load the file, or has lost a joint or a link of it.
     """
-    from dh2urdf_plugins.loaders.pinocchio.arm import Arm
 
-    return Arm(_PACKAGES.load("pinocchio"), request).report()
+    def __init__(self, pinocchio: Any, request: LoadRequest) -> None:  # noqa: ANN401 - a module without type information
+        self.pinocchio, self.request, self.robot = pinocchio, request, request.robot
+        self.comparison = Comparison("Pinocchio", request)
+        try:
+            self.model = pinocchio.buildModelFromUrdf(str(request.path.resolve()))
+        except ValueError as error:  # The reason stands only in what the parser prints.
+            raise LoaderError(self.comparison.problem(message="Pinocchio cannot load the file")) from error
+        self.joints = {name: number for number, name in enumerate(self.model.names) if number != _UNIVERSE}
+        frames = enumerate(self.model.frames)
+        self.numbers = {frame.name: number for number, frame in frames if frame.type == pinocchio.FrameType.BODY}
+
+    def report(self) -> LoadReport:
+        """Measure everything.
+
+        Raises:
+            LoaderError: Pinocchio holds another arm.
+        """
+        lost = [
+            self.comparison.problem(message=f"Pinocchio has lost the link {shown(link.name)}")
+            for link in self.robot.links
+            if link.name not in self.numbers
+        ]
+        joints = [*map(self._held_joint, self.joints.values())]
+        bodies, written = self._held_bodies(), lumped_bodies(self.robot)
+        report = self.comparison.loaded(version("pin"), joints, bodies, written, lost)
+        if len(joints) > MEASURED_JOINTS:
+            message = (
+                "Pinocchio's working memory for so large an arm grows with the cube of the number of its joints: "
+                "only joints and masses were compared"
+            )
+            found, accepted = f"{len(joints)} moving joints", f"at most {MEASURED_JOINTS} moving joints"
+            return replace(report, findings=self.comparison.too_large(message, found, accepted))
+        data = self.model.createData()
+        report = replace(report, **self.comparison.poses(partial(self._frames, data)))
+        if not joints:
+            return report
+        hold, findings = self._hold(data)
+        return replace(report, hold=hold, findings=findings)
+
+    # What was loaded
+
+    def _held_joint(self, number: int) -> dict[str, Any]:
+        """A joint as Pinocchio has it; its axis is read off the columns of its motion subspace."""
+        model, joint = self.model, self.model.joints[number]
+        if joint.nv != 1:
+            return {"name": model.names[number], "type": joint.shortname()}
+        turning = joint.createData()
+        joint.calc(turning, self.pinocchio.neutral(model)[joint.idx_q : joint.idx_q + joint.nq])
+        *along, rx, ry, rz = (float(element) + 0.0 for element in turning.S.reshape(6))
+        slides = any(along)
+        endless = joint.nq == 2  # noqa: PLR2004 - cosine and sine
+        return {
+            "name": model.names[number],
+            "type": "prismatic" if slides else "continuous" if endless else "revolute",
+            "axis": tuple(along) if slides else (rx, ry, rz),
+            "lower": None if endless else float(model.lowerPositionLimit[joint.idx_q]),
+            "upper": None if endless else float(model.upperPositionLimit[joint.idx_q]),
+            "velocity": float(model.velocityLimit[joint.idx_v]),
+            "effort": float(model.effortLimit[joint.idx_v]),
+        }
+
+    def _held_bodies(self) -> dict[str, Body]:
+        """The moving bodies, by the names of the links that carry them, and the body that is in the world."""
+        carriers = {joint.child: self.joints.get(joint.name) for joint in self.robot.moving_joints}
+        carriers[self.robot.root] = _UNIVERSE
+        inertias = {name: self.model.inertias[number] for name, number in carriers.items() if number is not None}
+        return {
+            name: Body(float(inertia.mass), vector(inertia.lever), rotation(inertia.inertia))
+            for name, inertia in inertias.items()
+        }
+
+    # Poses
+
+    def _coordinates(self, q: Sequence[float]) -> Any:  # noqa: ANN401 - an array of Pinocchio's coordinates
+        """A joint vector in Pinocchio's coordinates: cosine and sine of a joint that turns without end."""
+        coordinates = self.pinocchio.neutral(self.model)
+        for joint, value in zip(self.robot.moving_joints, q, strict=True):
+            first = self.model.joints[self.joints[joint.name]].idx_q
+            if joint.type is JointType.CONTINUOUS:
+                coordinates[first : first + 2] = math.cos(value), math.sin(value)
+            else:
+                coordinates[first] = value
+        return coordinates
+
+    def _frames(self, data: Any, q: Sequence[float], links: Sequence[str]) -> Mapping[str, RigidTransform]:  # noqa: ANN401 - Pinocchio's working memory
+        """The frames of some links in the root at a joint vector."""
+        self.pinocchio.framesForwardKinematics(self.model, data, self._coordinates(q))
+        frames = ((name, data.oMf[self.numbers[name]]) for name in links)
+        return {name: RigidTransform(rotation(frame.rotation), vector(frame.translation)) for name, frame in frames}
+
+    # The hold test
+
+    def _hold(self, data: Any) -> tuple[dict[str, Any], tuple[Problem, ...]]:  # noqa: ANN401 - Pinocchio's working memory
+        """Whether the efforts that Pinocchio read hold the arm at its start and at every pose that was measured."""
+        start = hold_start(self.robot)
+        worst = max(
+            (load for q in (start, *self.request.poses) for load in self._loads(data, q)), key=lambda load: load.share
+        )
+        hold = {
+            "start": start,
+            "poses": 1 + len(self.request.poses),
+            "largest_load": worst.share if math.isfinite(worst.share) else None,
+            "joint": worst.joint.name,
+            "q": worst.q,
+            "threshold": 1.0,
+            "stayed": worst.share <= 1.0,
+        }
+        if hold["stayed"]:
+            return hold, ()
+        unit = "N" if worst.joint.type is JointType.PRISMATIC else "N·m"
+        message = (
+            f"the arm cannot hold its weight: at q = ({', '.join(map(str, worst.q))}) gravity asks "
+            f"{worst.force:.4g} {unit} of this joint"
+        )
+        return hold, (self.comparison.weak(worst.joint, message),)
+
+    def _loads(self, data: Any, q: Sequence[float]) -> Iterator[_Load]:  # noqa: ANN401 - Pinocchio's working memory
+        """What gravity asks of every joint at a joint vector, at rest."""
+        import numpy as np
+
+        model = self.model
+        model.gravity.linear = np.array((0.0, 0.0, -GRAVITY))
+        rest = np.zeros(model.nv)
+        forces = self.pinocchio.rnea(model, data, self._coordinates(q), rest, rest)
+        for joint in self.robot.moving_joints:
+            at = model.joints[self.joints[joint.name]].idx_v
+            force, effort = abs(float(forces[at])), float(model.effortLimit[at])
+            yield _Load(share_of(effort, force), force, joint, tuple(q))
 
 
 # What Pinocchio's parser, urdfdom, prints: a level, a text, and in the next line where in urdfdom's source it stands.
 _MESSAGE = re.compile(r"^(Warning|Error): *(.*?) *$", re.MULTILINE)
 
 
+def load(request: LoadRequest, options: SimulatorOptions) -> LoadReport:
+    """Load a URDF into Pinocchio and measure it.
+
+    Raises:
+        LoaderError: Pinocchio cannot load the file, or holds another arm than the one that was written.
+        MissingDependencyError: Pinocchio is not installed.
+    """
+    return Arm(PACKAGES["pinocchio"].load(options), request).report()
+
+
 def read_output(request: LoadRequest, output: str) -> tuple[Problem, ...]:
-    """The warnings and errors that Pinocchio's parser printed, each once, in the order of printing."""
-    return tuple(
-        Problem(
-            message=f"Pinocchio printed {shown(text, 300)}",
-            severity="error" if level == "Error" else "notice",
-            robot=request.robot.name,
-        )
-        for level, text in dict.fromkeys(_MESSAGE.findall(output))
-    )
-
-
-LOADER = Loader(
-    name="pinocchio",
-    summary="loads a URDF into Pinocchio, compares the arm with the table, weighs it against its efforts",
-    open=load,
-    options=PinocchioOptions,
-    formats=("urdf",),
-    capabilities=(
-        Requires(require),
-        ReadsOutput(read_output),
-        Reusable(prepare),
-    ),
-)
+    """The warnings and errors that Pinocchio's parser printed."""
+    return printed("Pinocchio", request, _MESSAGE.findall(output))

@@ -35,7 +35,15 @@ from dh2urdf.rotations import (
     subtract,
 )
 from dh2urdf.source import Problem, shown
-from dh2urdf_plugins.read_back.xml_files import FILE, LARGEST, FileElements, mark_of, tree_of
+from dh2urdf_plugins.read_back.xml_files import (
+    FILE,
+    LARGEST,
+    FileElements,
+    finite_numbers,
+    mark_of,
+    tree_of,
+    wanted_numbers,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -221,16 +229,10 @@ class Elements(FileElements):
         if name not in attributes:
             return default
         text, count = attributes[name], len(default)
-        try:
-            numbers = [float(word) for word in text.split()]
-        except ValueError:
-            numbers = []
-        # `float` also takes 1_000, nan and inf, which MuJoCo does not.
-        fits = len(numbers) == count or count < len(numbers) <= most
-        if not fits or "_" in text or not text.isascii() or not all(map(math.isfinite, numbers)):
-            wanted = "one finite number" if count == 1 else f"{count} finite numbers with spaces between them"
-            raise self.error(element, f"{name} of {element.tag} is {shown(text)}", accepted=wanted)
-        return numbers if len(numbers) == count else numbers[:count]
+        numbers = finite_numbers(text, count, most)
+        if numbers is None:
+            raise self.error(element, f"{name} of {element.tag} is {shown(text)}", wanted_numbers(count))
+        return numbers
 
     def limits(
         self, element: etree._Element, attributes: dict[str, str], name: str, limited: str

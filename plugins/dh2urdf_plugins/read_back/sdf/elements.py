@@ -8,13 +8,13 @@ that to models that are in no other, since these versions had no models in model
 
 from __future__ import annotations
 
-from math import isfinite, isnan, radians
+from math import radians
 from typing import TYPE_CHECKING
 
 from dh2urdf.robot import Origin
 from dh2urdf.rotations import IDENTITY, RigidTransform, rotation_from_quaternion
 from dh2urdf.source import shown
-from dh2urdf_plugins.read_back.xml_files import FileElements
+from dh2urdf_plugins.read_back.xml_files import FileElements, finite_numbers, wanted_numbers
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -77,15 +77,11 @@ class SdfElements(FileElements):
         return self._read(element, path, (found.text if found is not None else None) or "", count)
 
     def _read(self, element: etree._Element, path: str, text: str, count: int) -> Sequence[float]:
-        try:
-            numbers = [float(word) for word in text.split()]
-        except ValueError:
-            numbers = []
-        # `float` also takes 1_000 and nan; inf is a limit that there is none.
-        odd = not all(map(isfinite, numbers)) and ("limit/" not in path or any(map(isnan, numbers)))
-        if len(numbers) != count or odd or "_" in text or not text.isascii():
-            wanted = "one number" if count == 1 else f"{count} numbers with spaces between them"
-            raise self.error(element, f"{path} of {element.tag} is {shown(text)}", accepted=wanted)
+        if "limit/" in path and text.strip().lstrip("+-").lower() in ("inf", "infinity"):
+            return [float(text)]  # There is no limit.
+        numbers = finite_numbers(text, count)
+        if numbers is None:
+            raise self.error(element, f"{path} of {element.tag} is {shown(text)}", wanted_numbers(count))
         return numbers
 
 

@@ -73,10 +73,10 @@ def emitted_files(value: Iterable[EmittedFile] | None, stem: str, *, in_folders:
     files = list(items_of(value, EmittedFile))
     for file in files:
         a_record(file, EmittedFile)
-        if not isinstance(file.name, str) or not isinstance(file.content, bytes):
-            raise TypeError(
-                f"the name and the content of a file are {file.name!r:.60} and {file.content!r:.60}, not str and bytes"
-            )
+        for what, kind in (("name", str), ("content", bytes)):
+            if not isinstance(value := getattr(file, what), kind):
+                found = f"{value!r:.60} ({type(value).__name__})"
+                raise TypeError(f"it gave an EmittedFile whose {what} is {found}, not {kind.__name__}")
         parts = file.name.split("/") if in_folders else [file.name]
         if in_folders and len(parts) == 1:
             raise ValueError(f"{shown(file.name)} lies in no folder; accepted: the path of a file in one")

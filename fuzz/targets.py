@@ -46,8 +46,7 @@ from dh2urdf_plugins.readers import csv, yaml
 from dh2urdf_plugins.readers.options import TableOptions
 from dh2urdf_plugins.readers.plain.rows import PlainRows
 from dh2urdf_plugins.transforms.alpha_swap import TRANSFORM
-from dh2urdf_plugins.xacro_fence.functions import Function, Namespace, Work
-from dh2urdf_plugins.xacro_fence.interpreter import evaluate as evaluate_xacro
+from dh2urdf_plugins.xacro_fence.interpreter import Function, Namespace, Work, evaluate as evaluate_xacro
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Sequence

@@ -181,6 +181,8 @@ NOT_DRAWN: dict[str, Any] = {"visuals": False, "collisions": False}
         ({"base_geometry": ROUND, "base_visual": MESH}, {}, {}, ["base.geometry"]),
         ({"base_geometry": ROUND, **NOT_DRAWN}, {}, {}, []),
         ({"base_geometry": ROUND}, {}, {"variant": "paper"}, ["base.geometry"]),
+        ({"geometry": ROUND}, {}, {"variant": "paper"}, ["defaults.geometry.shape", "defaults.geometry.radius"]),
+        ({}, {"radius": 0.05}, {"variant": "paper"}, ["radius"]),
         ({}, {"radius": 0.05, **MESHES}, {}, ["radius"]),
         (NOT_DRAWN, {"radius": 0.05}, {}, []),
         ({"geometry": ROUND}, {"radius": 0.06}, {}, []),

@@ -157,7 +157,7 @@ CONF_LINE = "delta_a = [0, 0, 0, 0, 0, 0]"
         ("c.conf", CONF.replace("delta_a = [ -0.0002", "delta_a = [ nan, -0.0002"), "delta_a is no list of numbers"),
         ("c.conf", CONF.replace("delta_a = [ -0.0002", "delta_a = [ 0, -0.0002"), "has 6 numbers, and delta_a has 7"),
         ("c.conf", CONF + "words", "'words' is no line of a calibration"),
-        ("c.conf", "", "the calibration does not have delta_a, delta_alpha, delta_d, delta_theta"),
+        ("c.conf", "", "the calibration does not have delta_a"),
         ("c.csv", "joint,a,alpha,d\nelbows,0,0,0\n", "'elbows', which is no joint of the table"),
         ("c.csv", "a,alpha,d\n0,0,0\n", "the calibration is of 1 joints, and the table has 6"),
         ("c.csv", "joint,a,alpha,d,mass\nelbow,0,0,0,3\n", "a row of differences has mass"),

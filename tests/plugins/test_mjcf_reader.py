@@ -11,7 +11,7 @@ from dh2urdf.errors import ProofError
 from dh2urdf.kinematics import KinematicChain
 from dh2urdf.manipulator import JointType
 from dh2urdf.robot import Box, Cylinder, Mesh, Sphere
-from dh2urdf_plugins.descriptions.description import mjcf_description
+from dh2urdf_plugins.descriptions.description import describe
 from dh2urdf_plugins.read_back.mjcf.reader import parse_mjcf, read_mjcf
 
 if TYPE_CHECKING:
@@ -126,7 +126,7 @@ def test_constraints_are_those_that_hold(tmp_path: Path) -> None:
         for active in ("", ' active="true"'):
             tendon = '<tendon><fixed name="t"><joint joint="j" coef="1"/></fixed></tendon>' if tag == "tendon" else ""
             path.write_text(ARM.format("", "", f"{tendon}<equality><{tag} {words}{active}/></equality>"))
-            found = mjcf_description(path)
+            found = describe("mjcf", path)
             holds = bool(found.followers or found.notices)
             assert holds == bool(mujoco.MjModel.from_xml_path(str(path)).eq_active0[0])
             assert bool(found.doubly) == (holds and tag == "connect")

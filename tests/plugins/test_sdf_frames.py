@@ -127,9 +127,8 @@ def test_a_chain_through_an_included_model_is_refused(tmp_path: Path, nested: st
     placed = '<frame name="far" attached_to="d"><pose relative_to="k"/></frame>'
     path = tmp_path / "m.sdf"
     path.write_text(_model("1.9", f"{HELD}{LINKS}{JOINT}{included}{AT_ELBOW.format(parent)}{behind}{placed}"))
-    with pytest.raises(TableError, match="the chain holds 'k', which is at an included model") as caught:
+    with pytest.raises(TableError, match="the chain holds 'k', which is at an included model"):
         dh2urdf.extract(path, tip_link="d")
-    assert caught.value.problems[0].suggestion == "the option base_link: c begins behind it"
     for base, tip, joint in (("a", "b", "j"), ("c", "d", "i")):
         assert [row.joint for row in dh2urdf.extract(path, base_link=base, tip_link=tip).rows] == [joint]
     links = {link.name for link in foreign_sdf(path).robot.links}

@@ -121,15 +121,10 @@ def compare(
 def _link(robot: Robot, name: str, option: str) -> str:
     names = [link.name for link in robot.links]
     if name not in names:
+        message, mark = f"the description has no link {shown(name)}", Mark(file="command line")
+        accepted, near = ", ".join(names[:20]), did_you_mean(name, names)
         raise ConfigError(
-            Problem(
-                message=f"the description has no link {shown(name)}",
-                mark=Mark(file="command line"),
-                field=option,
-                found=name,
-                accepted=", ".join(names[:20]),
-                suggestion=did_you_mean(name, names),
-            )
+            Problem(message=message, mark=mark, field=option, found=name, accepted=accepted, suggestion=near)
         )
     return name
 

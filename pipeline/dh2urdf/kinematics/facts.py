@@ -15,7 +15,7 @@ from itertools import pairwise
 from typing import TYPE_CHECKING, NamedTuple
 
 from dh2urdf.elementwise import is_column, mapped, where
-from dh2urdf.kinematics.chain import dh_transform_of, forward_kinematics, joint_variables
+from dh2urdf.kinematics.chain import angle_error, dh_transform_of, forward_kinematics, joint_variables, position_error
 from dh2urdf.manipulator import Convention, JointType
 from dh2urdf.rotations import RigidTransform, Vec3, add, cross, dot, exact_cos_sin, norm, rotation_x, scale, subtract
 
@@ -204,12 +204,16 @@ def _require(condition: bool) -> None:  # noqa: FBT001 - what is required is all
 
 
 def _opw(arm: Manipulator) -> OpwParameters | None:
-    """The parameters of an arm; None for an arm of another kind."""
+    """The parameters of an arm; None for an arm of another kind, or with a tool beside axis 6."""
     try:
         found = _AtZero(arm).parameters()
     except _OtherKindError:
         return None
-    return found if _is_right(arm, found) else None
+    for q in ((0.0,) * _OPW_JOINTS, (0.3, -0.8, 1.1, 0.6, -1.3, 2.0), (-1.9, 0.4, -0.7, -2.2, 0.9, -0.5)):
+        one, other = forward_kinematics(arm, q), opw_pose(found, q)
+        if max(position_error(one, other), angle_error(one, other)) > 1e-8:  # noqa: PLR2004
+            return None
+    return found
 
 
 class _AtZero:
@@ -240,7 +244,7 @@ class _AtZero:
             c2=c2,
             c3=z - c1 - c2,
             c4=end - z,
-            offsets=tuple(map(_plain, offsets)),
+            offsets=tuple(0.0 if abs(offset) <= ZERO_ANGLE else offset for offset in offsets),
             signs=tuple(self._signs),
         )
 
@@ -303,10 +307,6 @@ class _AtZero:
         self._turn(joint - 1, math.atan2(sign * x, sign * y))
 
 
-def _plain(angle: float) -> float:
-    return 0.0 if abs(angle) <= ZERO_ANGLE else angle
-
-
 def opw_pose(opw: OpwParameters, q: Sequence[float]) -> RigidTransform:
     """T(base_link → tip) by the model's own equations.
 
@@ -333,14 +333,3 @@ def opw_pose(opw: OpwParameters, q: Sequence[float]) -> RigidTransform:
         (opw.c4 * c4 * s5, opw.c4 * s4 * s5, opw.c4 * c5),
     )
     return arm @ wrist
-
-
-def _is_right(arm: Manipulator, opw: OpwParameters) -> bool:
-    """Whether the model has the poses of the arm: an arm with a tool beside axis 6 has not."""
-    for q in ((0.0,) * _OPW_JOINTS, (0.3, -0.8, 1.1, 0.6, -1.3, 2.0), (-1.9, 0.4, -0.7, -2.2, 0.9, -0.5)):
-        one, other = forward_kinematics(arm, q), opw_pose(opw, q)
-        if norm(subtract(one.translation, other.translation)) > 1e-8:  # noqa: PLR2004
-            return False
-        if max(abs(a - b) for a, b in zip(one.rotation, other.rotation, strict=True)) > 1e-8:  # noqa: PLR2004
-            return False
-    return True

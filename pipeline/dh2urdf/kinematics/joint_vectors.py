@@ -66,13 +66,10 @@ def joint_values(q: Any, names: JointNames) -> tuple[list[Any], tuple[int, ...]]
             raise _refused(names, "a single number is no joint vector", found=q, accepted="[q], even of one joint")
         if vectors.shape[-1] != len(names.wanted):
             kind = "moving joints" if names.wanted == names.moving else "joints"
-            message = (
-                f"{names.whose} has {len(names.wanted)} {kind}, the joint vector has {vectors.shape[-1]} entries"
-                + (f" (the array has the shape {vectors.shape})" if vectors.ndim > 1 else "")
-            )
-            raise _refused(
-                names, message, accepted=f"{len(names.wanted)} values in the last axis: {_listed(names.wanted)}"
-            )
+            message = f"{names.whose} has {len(names.wanted)} {kind}, the joint vector has {vectors.shape[-1]} entries"
+            message += f" (the array has the shape {vectors.shape})" if vectors.ndim > 1 else ""
+            accepted = f"{len(names.wanted)} values in the last axis: {_listed(names.wanted)}"
+            raise _refused(names, message, accepted=accepted)
         values = {name: vectors[..., index] for index, name in enumerate(names.wanted)}
         shape = vectors.shape[:-1]
     else:
@@ -82,11 +79,14 @@ def joint_values(q: Any, names: JointNames) -> tuple[list[Any], tuple[int, ...]]
             shape = np.broadcast_shapes(*(value.shape for value in values.values()))
         except ValueError:
             shapes = ", ".join(f"{name} {value.shape}" for name, value in values.items())
-            raise _refused(
-                names, f"the values have shapes that do not go together: {shapes}", accepted="one shape"
-            ) from None
+            message = f"the values have shapes that do not go together: {shapes}"
+            raise _refused(names, message, accepted="one shape") from None
     for name, value in values.items():
-        _check_finite(value, name, names)
+        if not (finite := np.isfinite(value)).all():
+            place = tuple(int(index) for index in np.argwhere(~finite)[0])
+            where = f" at index {list(place)}" if place else ""
+            message = f"the value of the joint {shown(name)} is {float(value[place])}{where}"
+            raise _refused(names, message, joint=name, accepted="a finite number in rad or m")
         if name in names.wanted and name not in names.moving and value.any():
             message = f"the joint {shown(name)} is fixed, and its value is {float(value[value != 0].flat[0])}"
             raise _refused(names, message, joint=name, accepted="0")
@@ -111,15 +111,12 @@ def _by_name(q: Any) -> dict[str, Any] | None:  # noqa: ANN401 - whatever is giv
 def _check_names(named: Mapping[Any, Any], names: JointNames) -> None:
     allowed = (*names.wanted, *names.known)
     for name in named:
-        if name in allowed:
-            continue
-        if name in names.fixed:
-            raise _refused(
-                names, f"the joint {shown(name)} is fixed and has no value", joint=name, accepted=_listed(allowed)
-            )
-        near = did_you_mean(name, allowed) if isinstance(name, str) else None
-        message = f"{names.whose} has no joint {shown(str(name))}"
-        raise _refused(names, message, found=name, accepted=_listed(allowed), suggestion=near)
+        if name not in allowed:
+            near = did_you_mean(name, allowed) if isinstance(name, str) else None
+            message = f"{names.whose} has no joint {shown(str(name))}"
+            if name in names.fixed:
+                message = f"the joint {shown(name)} is fixed and has no value"
+            raise _refused(names, message, found=name, accepted=_listed(allowed), suggestion=near)
     # The value of a fixed joint is known.
     if missing := [name for name in names.moving if name not in named]:
         message = f"there is no value of the joint{'s' if len(missing) > 1 else ''} {_listed(missing)}"
@@ -132,28 +129,21 @@ def _numbers(value: Any, names: JointNames, name: str | None) -> Values:  # noqa
 
     what = f"the value of the joint {shown(name)}" if name else "the joint vector"
     if np.ma.is_masked(value):
-        raise _refused(
-            names, f"{what} has masked entries", joint=name, accepted="a number in every entry", is_type=True
-        )
+        accepted = "a number in every entry"
+        raise _refused(names, f"{what} has masked entries", joint=name, accepted=accepted, is_type=True)
     try:
         array = np.asarray(value)
     except ValueError:
-        raise _refused(
-            names, f"{what} has rows of different lengths", joint=name, accepted="an array of shape (..., n)"
-        ) from None
-    found = f"values of type {array.dtype}"
+        message, accepted = f"{what} has rows of different lengths", "an array of shape (..., n)"
+        raise _refused(names, message, joint=name, accepted=accepted) from None
     items = array.flat if array.dtype.kind == "O" else _items(value)
-    for item in items:
-        if item is None or isinstance(item, (bool, str, bytes)):
-            found = f"{item!r}, of type {type(item).__name__}"
-            break
-    else:
-        if array.dtype.kind in "iufO":
-            with suppress(TypeError, ValueError, ArithmeticError):  # The refusal below says what it is.
-                return np.asarray(array, dtype=float)
-    raise _refused(
-        names, f"{what} is not made of numbers: it holds {found}", joint=name, accepted="numbers", is_type=True
-    )
+    odd = [item for item in items if item is None or isinstance(item, (bool, str, bytes))]
+    if not odd and array.dtype.kind in "iufO":
+        with suppress(TypeError, ValueError, ArithmeticError):  # The refusal below says what it is.
+            return np.asarray(array, dtype=float)
+    found = f"{odd[0]!r}, of type {type(odd[0]).__name__}" if odd else f"values of type {array.dtype}"
+    message = f"{what} is not made of numbers: it holds {found}"
+    raise _refused(names, message, joint=name, accepted="numbers", is_type=True)
 
 
 def _items(value: Any) -> Sequence[Any]:  # noqa: ANN401 - whatever is given
@@ -161,17 +151,6 @@ def _items(value: Any) -> Sequence[Any]:  # noqa: ANN401 - whatever is given
     if isinstance(value, (list, tuple)):
         return value if not value or not isinstance(value[0], (list, tuple)) else value[0]
     return (value,) if isinstance(value, (bool, str, bytes)) else ()
-
-
-def _check_finite(value: Values, name: str, names: JointNames) -> None:
-    import numpy as np
-
-    finite = np.isfinite(value)
-    if not finite.all():
-        place = tuple(int(index) for index in np.argwhere(~finite)[0])
-        where = f" at index {list(place)}" if place else ""
-        message = f"the value of the joint {shown(name)} is {float(value[place])}{where}"
-        raise _refused(names, message, joint=name, accepted="a finite number in rad or m")
 
 
 def _listed(names: Sequence[str]) -> str:

@@ -58,24 +58,18 @@ def packages_in(paths: Iterable[Path]) -> dict[str, Path]:
     found: dict[str, Path] = {}
     problems: list[Problem] = []
     for path in paths:
+        name, accepted, here = shown(str(path), 200), "a package, or the `src` of a workspace", dict[str, Path]()
+        message = f"no folder in {name} holds a {PACKAGE_FILE}: it is no ROS package, and holds none"
         if not is_folder(path):
-            problems.append(Problem(message=f"there is no folder of packages {shown(str(path), 200)}", found=str(path)))
-            continue
-        try:
-            here = dict(_packages(path.resolve(), DEEPEST))
-        except PermissionError as error:
-            message = f"the folder of packages {shown(str(path), 200)} cannot be read: {error.strerror}"
-            problems.append(Problem(message=message, found=str(path)))
-            continue
-        if not here:
-            message = (
-                f"no folder in {shown(str(path), 200)} holds a {PACKAGE_FILE}: it is no ROS package, and holds none"
-            )
-            problems.append(
-                Problem(message=message, found=str(path), accepted="a package, or the `src` of a workspace")
-            )
+            message = f"there is no folder of packages {name}"
         else:
-            found = {**here, **found}
+            try:
+                here = dict(_packages(path.resolve(), DEEPEST))
+            except PermissionError as error:
+                message = f"the folder of packages {name} cannot be read: {error.strerror}"
+        if not here:
+            problems.append(Problem(message=message, found=str(path), accepted=accepted))
+        found = {**here, **found}
     if problems:
         raise InputError(problems)
     return found

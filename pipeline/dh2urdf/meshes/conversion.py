@@ -103,12 +103,12 @@ def _visuals(shape: Visual) -> Iterator[Visual]:
     mesh = shape.geometry
     if not isinstance(mesh, Mesh) or mesh.file is None:
         yield shape
-    elif shape.material is not None:
-        (whole,) = _converted_file(mesh.file, mesh.scale, MeshConversion.AUTO)[1]
-        yield replace(shape, geometry=_geometry(whole))
-    else:
-        for rgba, file in _converted_file(mesh.file, mesh.scale, MeshConversion.AUTO)[0]:
-            yield replace(shape, geometry=_geometry(file), material=rgba and _material(rgba))
+        return
+    seen, (whole, *_) = _converted_file(mesh.file, mesh.scale, MeshConversion.AUTO)
+    if shape.material is not None:
+        seen = ((None, whole),)
+    for rgba, file in seen:
+        yield replace(shape, geometry=_geometry(file), material=_material(rgba) if rgba else shape.material)
 
 
 def _collisions(shape: Collision, how: MeshConversion) -> Iterator[Collision]:
@@ -143,10 +143,16 @@ def _converted_file(
     from dh2urdf.isolation.child_process import run_in_child
     from dh2urdf.isolation.encodings import Data
     from dh2urdf.meshes.forms import Forms, behind_fence
+    from dh2urdf.meshes.triangles import FORMATS
 
     path = Path(file.path)
     name, suffix = shown(path.name), path.suffix.lower()
-    content = _content(file, name, suffix)
+    if suffix not in FORMATS:
+        raise EmitterError(Problem(message=f"the mesh {name} cannot be converted", accepted=", ".join(FORMATS)))
+    content = read_mesh(file)
+    if len(content) > LARGEST:
+        message = f"the mesh {name} has {len(content) / 2**20:,.0f} MiB, too many to be converted"
+        raise EmitterError(Problem(message=message, accepted=f"at most {LARGEST >> 20} MiB"))
     seconds = SECONDS[how]
     who = f"the conversion of the mesh {name}"
     try:
@@ -157,10 +163,11 @@ def _converted_file(
         package = {"collada": "pycollada"}.get(error.name or "", error.name or str(error))
         conversion = f"`output: {{meshes: {{convert: {how}}}}}`"
         raise MissingDependencyError(conversion, package, "dh2urdf[meshes]", error) from error
-    except MemoryError:
-        raise _refusal(name, "it needs too much memory") from None
-    except ValueError as error:
-        raise _refusal(name, str(error)) from error
+    except (MemoryError, ValueError) as error:
+        reason = str(error) if isinstance(error, ValueError) else "it needs too much memory"
+        message = f"the mesh {name} cannot be converted: {reason}"
+        advice = "fix the mesh; or leave meshes as they are, with `convert: never`"
+        raise EmitterError(Problem(message=message, suggestion=advice)) from error
     except CrashError as error:
         accepted = f"a mesh whose conversion takes less than {seconds:g} s"
         raise type(error)([replace(problem, accepted=accepted) for problem in error.problems]) from error
@@ -179,24 +186,3 @@ def _converted_file(
     seen = named("", [each for _, each in made.visuals])
     colours = [rgba for rgba, _ in made.visuals]
     return tuple(zip(colours, seen, strict=True)), tuple(named(word, made.collisions))
-
-
-def _content(file: MeshFile, name: str, suffix: str) -> bytes:
-    from dh2urdf.meshes.triangles import FORMATS
-
-    if suffix not in FORMATS:
-        raise EmitterError(Problem(message=f"the mesh {name} cannot be converted", accepted=", ".join(FORMATS)))
-    content = read_mesh(file)
-    if len(content) > LARGEST:
-        message = f"the mesh {name} has {len(content) / 2**20:,.0f} MiB, too many to be converted"
-        raise EmitterError(Problem(message=message, accepted=f"at most {LARGEST >> 20} MiB"))
-    return content
-
-
-def _refusal(name: str, reason: str) -> EmitterError:
-    return EmitterError(
-        Problem(
-            message=f"the mesh {name} cannot be converted: {reason}",
-            suggestion="fix the mesh; or leave meshes as they are, with `convert: never`",
-        )
-    )

@@ -36,8 +36,6 @@ REMEDY = "have it converted: `output: {meshes: {convert: auto}}`"
 """The end of a notice's suggestion, where a conversion leaves nothing to notice."""
 _DIGITS = 8
 """Hexadecimal digits of a content's hash in the name of its copy."""
-_READ_AT_ONCE = 1 << 20
-"""How much of a file is read at once [byte]."""
 _PACKAGE = r"package://[A-Za-z0-9][A-Za-z0-9._-]*(/[A-Za-z0-9][A-Za-z0-9._-]*)*/?"
 
 
@@ -85,19 +83,11 @@ def find_mesh(text: str, folder: Path, *, links: bool = False) -> MeshFile:
         check_file(path)
     except ConfigError as error:
         why = error.problems[0]
-        raise ConfigError(
-            Problem(
-                message=f"there is no mesh in {shown(text, LONG_PATH)}: {why.message}",
-                found=text,
-                accepted=accepted,
-                suggestion="; ".join(
-                    [
-                        f"it was looked for at {shown(str(path), LONG_PATH)}",
-                        *([why.suggestion] if why.suggestion else []),
-                    ]
-                ),
-            )
-        ) from None
+        message = f"there is no mesh in {shown(text, LONG_PATH)}: {why.message}"
+        advice = f"it was looked for at {shown(str(path), LONG_PATH)}" + (
+            f"; {why.suggestion}" if why.suggestion else ""
+        )
+        raise ConfigError(Problem(message=message, found=text, accepted=accepted, suggestion=advice)) from None
     if not links:
         _refuse_link(path, folder, text)
     try:
@@ -134,13 +124,10 @@ def _refuse_link(path: Path, folder: Path, text: str) -> None:
 @lru_cache(maxsize=4096)
 def _digest(path: str, _changed: int, _size: int) -> str:
     """The hash of a file, which many manipulators may share; it is taken again after a change."""
-    from hashlib import sha256
+    import hashlib
 
-    digest = sha256()
     with Path(path).open("rb") as file:
-        while block := file.read(_READ_AT_ONCE):
-            digest.update(block)
-    return digest.hexdigest()
+        return hashlib.file_digest(file, "sha256").hexdigest()
 
 
 def read_mesh(file: MeshFile) -> bytes:

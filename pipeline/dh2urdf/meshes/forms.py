@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from dh2urdf.isolation.fence import enter
 from dh2urdf.meshes.kinds import MeshConversion
-from dh2urdf.meshes.triangles import Part, enclosed, read_parts
+from dh2urdf.meshes.triangles import Part, read_parts
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -23,7 +23,7 @@ CONCAVITY = 0.05
 COVER = 0.05
 """How far parts of a decomposition may stand off from the mesh, over its longest edge."""
 
-_ROUNDING = 1e-9  # of places over the longest edge, and of volumes
+_ROUNDING = 1e-9  # of places over the longest edge
 _CLOSE = 1e-7  # of points to the planes of a hull, over the longest edge: Qhull's own precision
 _CHUNK = 1 << 22  # distances that are computed at a time
 
@@ -85,7 +85,11 @@ def forms_of(content: bytes, suffix: str, scale: Vec3, how: MeshConversion) -> F
     whole = seen[0][1] if len(parts) == 1 else _written(parts)
     match how:
         case MeshConversion.HULL:
-            return Forms(seen, [_hull(_soup(parts))])
+            points = np.unique(_soup(parts).reshape(-1, 3), axis=0)
+            hull = _convex(points)
+            if _outside(points, hull).max() > _CLOSE * np.ptp(points, axis=0).max():
+                raise ValueError("its convex hull does not hold it")
+            return Forms(seen, [_written([hull])])
         case MeshConversion.DECOMPOSITION:
             return Forms(seen, _convex_parts(np.concatenate([_soup([part]) for part in parts])))
     return Forms(seen, [whole])
@@ -107,10 +111,6 @@ def _written(parts: Sequence[Part]) -> bytes:
     size = float(np.ptp(triangles.reshape(-1, 3), axis=0).max())
     if triangles.shape != again.shape or not np.abs(triangles - again).max() <= _ROUNDING * size:
         raise ValueError("as OBJ it is read as another surface")
-    middle = 0.5 * (triangles.min(axis=(0, 1)) + triangles.max(axis=(0, 1)))
-    one, other = (enclosed(each, middle) for each in (triangles, again))
-    if abs((one.mass if one else 0.0) - (other.mass if other else 0.0)) > _ROUNDING * size**3:
-        raise ValueError("as OBJ it encloses another volume")
     return text
 
 
@@ -136,44 +136,23 @@ def _soup(parts: Sequence[Part]) -> Any:  # noqa: ANN401 - an array
 # --- Convex shapes ----------------------------------------------------------------------------------------------------
 
 
-def _hull(triangles: Any) -> bytes:  # noqa: ANN401 - an array
-    """The convex hull of triangles, as OBJ.
-
-    Raises:
-        ValueError: they lie in a plane, or the hull does not hold them.
-    """
-    import numpy as np
-
-    points = np.unique(triangles.reshape(-1, 3), axis=0)
-    hull = _convex(points)
-    size = float(np.ptp(points, axis=0).max())
-    if _farthest(points, hull) > _CLOSE * size:
-        raise ValueError("its convex hull does not hold it")
-    return _written([hull])
-
-
 def _convex(points: Any) -> Part:  # noqa: ANN401 - an array
     """The convex hull of points.
 
     Raises:
         ValueError: they lie in a plane.
     """
+    import numpy as np
     import trimesh
     from scipy.spatial import QhullError
 
     try:
         hull = trimesh.convex.convex_hull(points)
     except QhullError:
-        raise ValueError("it is flat, and has no convex hull") from None
-    if not (hull.is_watertight and hull.volume > 0.0):
+        hull = None
+    if hull is None or not (hull.is_watertight and hull.volume > 0.0):
         raise ValueError("it is flat, and has no convex hull")
-    return Part(*_of(hull), None)
-
-
-def _of(mesh: Any) -> tuple[Any, Any]:  # noqa: ANN401 - arrays of a module without type information
-    import numpy as np
-
-    return np.array(mesh.vertices), np.array(mesh.faces)
+    return Part(np.array(hull.vertices), np.array(hull.faces), None)
 
 
 def _convex_parts(triangles: Any) -> list[bytes]:  # noqa: ANN401 - an array
@@ -197,13 +176,9 @@ def _convex_parts(triangles: Any) -> list[bytes]:  # noqa: ANN401 - an array
     left = points
     for part in parts:
         left = left[_outside(left, part) > COVER * size]
-    if len(left) or any(_farthest(part.vertices, whole) > COVER * size for part in parts):
+    if len(left) or any(_outside(part.vertices, whole).max() > COVER * size for part in parts):
         raise ValueError(f"its convex parts stand off from it by more than {COVER:.0%} of its size")
     return [_written([part]) for part in parts]
-
-
-def _farthest(points: Any, hull: Part) -> float:  # noqa: ANN401 - an array
-    return float(_outside(points, hull).max())
 
 
 def _outside(points: Any, hull: Part) -> Any:  # noqa: ANN401 - arrays

@@ -22,8 +22,6 @@ from dh2urdf.robot import Inertial
 from dh2urdf.rotations import IDENTITY_ROTATION, RigidTransform
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
-
     from dh2urdf.meshes.addresses import NamedFiles
 
 FORMATS = (".stl", ".obj", ".dae")
@@ -31,7 +29,6 @@ FORMATS = (".stl", ".obj", ".dae")
 
 _NEGLIGIBLE = 1e-12  # over the size of a body or the trace of its inertia
 _TO_Z_UP = {"X_UP": ((0, -1, 0), (0, 0, -1), (1, 0, 0)), "Y_UP": ((1, 0, 0), (0, 0, -1), (0, 1, 0))}
-_MIX = (0x9E3779B97F4A7C15, 0xC2B2AE3D27D4EB4F, 0x165667B19E3779F9)  # odd, and as good as random
 _ZIP = b"PK\x03\x04"
 
 
@@ -132,8 +129,15 @@ def asset_of(content: bytes, suffix: str) -> Asset:
     asset = _elements(content).find(".//{*}asset")
     if asset is None:
         return Asset(up="Y_UP")
-    unit, up = asset.find("{*}unit"), asset.findtext("{*}up_axis", "Y_UP")
-    return Asset(_length("1" if unit is None else unit.get("meter", "1")), up.strip())
+    unit = asset.find("{*}unit")
+    text = "1" if unit is None else unit.get("meter", "1")
+    try:
+        length = float(text)
+    except ValueError:
+        length = math.nan
+    if not 0.0 < length < math.inf:
+        raise ValueError(f"its unit is {text[:20]!r} m")
+    return Asset(length, asset.findtext("{*}up_axis", "Y_UP").strip())
 
 
 def _elements(content: bytes) -> Any:  # noqa: ANN401 - an element of lxml
@@ -148,16 +152,6 @@ def _elements(content: bytes) -> Any:  # noqa: ANN401 - an element of lxml
         return xml_root(content)
     except SyntaxError as error:  # those of lxml are
         raise ValueError(error.msg) from error
-
-
-def _length(text: str) -> float:
-    try:
-        unit = float(text)
-    except ValueError:
-        unit = math.nan
-    if not (0.0 < unit < math.inf):
-        raise ValueError(f"its unit is {text[:20]!r} m")
-    return unit
 
 
 def to_metres(asset: Asset) -> Any:  # noqa: ANN401 - an array
@@ -209,7 +203,11 @@ def read_parts(
         asset = asset._replace(up="Z_UP")
     outer = np.diag([*scale, 1.0]) @ to_metres(asset)
     found: dict[tuple[tuple[float, ...] | None, int], list[tuple[Any, Any, Texture | None]]] = {}
-    for matrix, mesh in _placed_meshes(scene):
+    for matrix, mesh in (
+        (scene.graph[node][0], scene.geometry[scene.graph[node][1]]) for node in scene.graph.nodes_geometry
+    ):
+        if not len(getattr(mesh, "faces", ())):
+            continue
         whole = outer @ matrix
         x, y, z = np.asarray(mesh.vertices).T
         vertices = np.column_stack([a * x + b * y + c * z + d for a, b, c, d in whole[:3]])
@@ -221,15 +219,12 @@ def read_parts(
         found.setdefault(look, []).append((vertices, faces, texture))
     if not found:
         raise ValueError("it has no triangles")
-    return [Part(*_joined(pieces), rgba, _one_texture(pieces)) for (rgba, _), pieces in found.items()]  # type: ignore[arg-type]  # four numbers
-
-
-def _placed_meshes(scene: Any) -> Iterator[tuple[Any, Any]]:  # noqa: ANN401 - see `load_scene`
-    for node in scene.graph.nodes_geometry:
-        matrix, name = scene.graph[node]
-        mesh = scene.geometry[name]
-        if len(getattr(mesh, "faces", ())):
-            yield matrix, mesh
+    parts = []
+    for (rgba, _), pieces in found.items():  # of each, all have the same picture, or all have none
+        textures = [texture for _, _, texture in pieces if texture is not None]
+        uv = np.concatenate([texture.uv for texture in textures]) if textures else None
+        parts.append(Part(*_joined(pieces), rgba, Texture(uv, textures[0].image) if textures else None))  # type: ignore[arg-type]  # four numbers
+    return parts
 
 
 def _colour(mesh: Any) -> tuple[float, ...] | None:  # noqa: ANN401 - see `load_scene`
@@ -247,67 +242,29 @@ def _colour(mesh: Any) -> tuple[float, ...] | None:  # noqa: ANN401 - see `load_
 def _texture(mesh: Any, faces: Any) -> Texture | None:  # noqa: ANN401 - see `load_scene`
     """The picture on a mesh, with a place in it for each corner."""
     import numpy as np
+    from trimesh.visual import material as materials
 
     material, uv = getattr(mesh.visual, "material", None), getattr(mesh.visual, "uv", None)
     image = getattr(material, "baseColorTexture", None) or getattr(material, "image", None)
     if image is None or uv is None or len(uv) != len(mesh.vertices) or not np.isfinite(uv).all():
         return None
-    if image == _stand_in():
-        return None
-    return Texture(uv[faces].reshape(-1, 2), image)
-
-
-def _stand_in() -> Any:  # noqa: ANN401 - an image
-    """The grey square that trimesh puts on a mesh whose MTL file is not there, or lacks its material."""
-    from trimesh.visual import material
-
-    made: Any = material  # its functions have no types
-    return made.empty_material().image
-
-
-def _one_texture(pieces: list[tuple[Any, Any, Texture | None]]) -> Texture | None:
-    """The texture of meshes that all have the same picture, or all have none."""
-    import numpy as np
-
-    textures = [texture for _, _, texture in pieces if texture is not None]
-    return Texture(np.concatenate([texture.uv for texture in textures]), textures[0].image) if textures else None
+    made: Any = materials  # its functions have no types
+    # The grey square that trimesh puts on a mesh whose MTL file is not there, or lacks its material.
+    return None if image == made.empty_material().image else Texture(uv[faces].reshape(-1, 2), image)
 
 
 def _joined(pieces: list[tuple[Any, Any, Texture | None]]) -> tuple[Any, Any]:
-    """Meshes as one, vertices at the same place merged."""
+    """Meshes as one, vertices at the same place merged, in the order of the file."""
     import numpy as np
 
     # Plain arrays: those of trimesh note each access.
     plain = [(np.asarray(vertices), np.asarray(faces)) for vertices, faces, _ in pieces]
     corners = np.concatenate([vertices[faces] for vertices, faces in plain]).reshape(-1, 3) + 0.0
-    first, which = _alike(_hashes(corners))
-    if (corners[first[which]] != corners).any():  # two places have one hash
-        first, which = _alike(corners)
-    way = np.argsort(first)  # as they come in the file
+    _, first, which = np.unique(corners, axis=0, return_index=True, return_inverse=True)
+    way = np.argsort(first)
     rank = np.empty_like(way)
     rank[way] = np.arange(len(way))
-    return corners[first[way]], rank[which].reshape(-1, 3)
-
-
-def _alike(rows: Any) -> tuple[Any, Any]:  # noqa: ANN401 - arrays
-    """Equal rows of an array: the first row of each kind, and the number of the kind of each row."""
-    import numpy as np
-
-    order = np.lexsort(rows.T)  # stable; much faster than np.unique of rows
-    is_new = np.ones(len(order), dtype=bool)
-    is_new[1:] = (rows[order[1:]] != rows[order[:-1]]).any(axis=1)
-    which = np.empty_like(order)
-    which[order] = np.cumsum(is_new) - 1
-    return order[is_new], which
-
-
-def _hashes(corners: Any) -> Any:  # noqa: ANN401 - arrays
-    """A number for each corner, of shape (N, 1): one column is sorted in half of the time of three."""
-    import numpy as np
-
-    bits = corners.view(np.uint64)
-    mixed = (bits ^ bits >> np.uint64(32)) * np.array(_MIX, dtype=np.uint64)  # round numbers end in zeros
-    return mixed.sum(axis=1, keepdims=True)
+    return corners[first[way]], rank[which.reshape(-1)].reshape(-1, 3)
 
 
 # --- Bodies -----------------------------------------------------------------------------------------------------------
@@ -323,20 +280,24 @@ def enclosed(triangles: Any, middle: Any) -> Inertial | None:  # noqa: ANN401 - 
     Returns:
         The body; None where the triangles enclose nothing.
     """
+
+    def total(column: Any) -> float:  # noqa: ANN401 - an array
+        return math.fsum(column.tolist())
+
     x, y, z = (tuple([triangles[:, corner, axis] - middle[axis] for corner in range(3)]) for axis in range(3))
     (ax, bx, cx), (ay, by, cy), (az, bz, cz) = x, y, z
     six = ax * (by * cz - bz * cy) + ay * (bz * cx - bx * cz) + az * (bx * cy - by * cx)
-    volume = _sum(six) / 6.0
+    volume = total(six) / 6.0
     if not volume:
         return None
     way, mass = math.copysign(1.0, volume), abs(volume)
-    com = [_sum(six * sum(corners)) / 24.0 / volume for corners in (x, y, z)]
+    com = [total(six * sum(corners)) / 24.0 / volume for corners in (x, y, z)]
 
     def moment(i: int, j: int) -> float:
         """The integral of the product of two coordinates about the centre of mass [m⁵]."""
         u, v = (x, y, z)[i], (x, y, z)[j]
         products = sum(u) * sum(v) + u[0] * v[0] + u[1] * v[1] + u[2] * v[2]
-        return way * _sum(six * products) / 120.0 - mass * com[i] * com[j]
+        return way * total(six * products) / 120.0 - mass * com[i] * com[j]
 
     xx, yy, zz = (moment(axis, axis) for axis in range(3))
     body = Inertial(
@@ -345,17 +306,10 @@ def enclosed(triangles: Any, middle: Any) -> Inertial | None:  # noqa: ANN401 - 
         inertia=Inertia(ixx=yy + zz, iyy=xx + zz, izz=xx + yy, ixy=-moment(0, 1), ixz=-moment(0, 2), iyz=-moment(1, 2)),
     )
     to_mesh = RigidTransform(IDENTITY_ROTATION, tuple(map(float, middle)))  # type: ignore[arg-type]  # three of them
-    return _without_rounding(placed(body, to_mesh))
-
-
-def _without_rounding(body: Inertial) -> Inertial:
-    """A body with 0 for what is nothing but the rounding of sums: the centre of a symmetric mesh is in its plane."""
+    body = placed(body, to_mesh)
+    # 0 for what is nothing but the rounding of sums: the centre of a symmetric mesh is in its plane.
     i, trace = body.inertia, body.inertia.ixx + body.inertia.iyy + body.inertia.izz
     gyration = math.sqrt(max(trace, 0.0) / body.mass)
-    x, y, z = (0.0 if abs(number) <= _NEGLIGIBLE * gyration else number for number in body.com)
+    cx, cy, cz = (0.0 if abs(number) <= _NEGLIGIBLE * gyration else number for number in body.com)
     xy, xz, yz = (0.0 if abs(number) <= _NEGLIGIBLE * trace else number for number in (i.ixy, i.ixz, i.iyz))
-    return replace(body, com=(x, y, z), inertia=replace(i, ixy=xy, ixz=xz, iyz=yz))
-
-
-def _sum(column: Any) -> float:  # noqa: ANN401 - an array
-    return math.fsum(column.tolist())
+    return replace(body, com=(cx, cy, cz), inertia=replace(i, ixy=xy, ixz=xz, iyz=yz))

@@ -13,7 +13,7 @@ from dh2urdf.errors import Dh2UrdfError, InputError
 from dh2urdf.stages import PACKAGE_FILE, Expansion
 from dh2urdf_check.rules import Rule, rules_of
 from dh2urdf_check.whole_files import urdfs, xacros
-from dh2urdf_plugins.descriptions.description import urdf_description, xacro_description
+from dh2urdf_plugins.descriptions.description import describe
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping  # noqa: TC004 - the annotations of a dataclass are not evaluated
@@ -134,7 +134,7 @@ class Package:
     def _robot(self, path: Path) -> Robot | None:
         try:
             if path.suffix == ".xacro":
-                return xacro_description(path, Expansion(package_paths=tuple(self.known.values()))).robot
-            return urdf_description(path).robot
+                return describe("xacro", path, Expansion(package_paths=tuple(self.known.values()))).robot
+            return describe("urdf", path).robot
         except Dh2UrdfError:  # The check of the description itself reports it.
             return None

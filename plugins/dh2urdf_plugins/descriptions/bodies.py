@@ -6,8 +6,7 @@ Whatever is fixed to a link is part of it, and so is a branch behind joints that
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING, NamedTuple
 
 from dh2urdf.errors import ConfigError
 from dh2urdf.manipulator import Inertia, JointType, MeshShape
@@ -15,6 +14,7 @@ from dh2urdf.mass_properties import compound, inertia_problem, placed
 from dh2urdf.meshes import FORMATS, find_mesh
 from dh2urdf.robot import Mesh
 from dh2urdf.rotations import IDENTITY, RigidTransform, Vec3
+from dh2urdf.row_fields import INERTIA
 from dh2urdf.source import shown
 from dh2urdf_plugins.extraction.chain import between_decimals, decimal_of
 
@@ -26,14 +26,11 @@ if TYPE_CHECKING:
     from dh2urdf_plugins.descriptions.trees import Tree
     from dh2urdf_plugins.extraction.chain import Precision
 
-    Shape = TypeVar("Shape", Visual, Collision)
-
 _DIGITS = 1e-10
 """What an element of an inertia may lose of the largest one."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Body:
+class Body(NamedTuple):
     """What the rows of a table hold of a link.
 
     Attributes:
@@ -44,11 +41,11 @@ class Body:
         collision: the mesh that it touches with.
     """
 
-    mass: float | None = None
-    com: Vec3 | None = None
-    inertia: Inertia | None = None
-    visual: MeshShape | None = None
-    collision: MeshShape | None = None
+    mass: float | None
+    com: Vec3 | None
+    inertia: Inertia | None
+    visual: MeshShape | None
+    collision: MeshShape | None
 
 
 class Carried:
@@ -61,43 +58,42 @@ class Carried:
         lost: what a table has no place for, as sentences.
     """
 
-    def __init__(self, tree: Tree, chain: Sequence[Joint], find: Callable[[str], Path | None]) -> None:
+    def __init__(
+        self, tree: Tree, chain: Sequence[Joint], find: Callable[[str], Path | None], precision: Precision
+    ) -> None:
         """Follows the tree from the base link.
 
         Args:
             tree: the description's links and joints.
             chain: the joints from the base link to the tip link.
             find: the file that an address of a mesh means; None where there is none.
+            precision: what numbers may lose.
         """
         on_chain = {joint.name for joint in chain}
         self._links = {link.name: link for link in tree.robot.links}
-        self._find = find
+        self._find, self._precision = find, precision
         self.segments: dict[str, int] = {tree.base: 0}
         self.poses: dict[str, RigidTransform] = {tree.base: IDENTITY}
-        self.left_out: list[str] = []
+        leaving: set[str] = set()
         self.lost: list[str] = []
         ahead = [tree.base]
         while ahead:
             parent = ahead.pop()
             for joint in tree.below.get(parent, ()):
-                if joint.child in self.poses:
-                    continue
-                moves = joint.type is not JointType.FIXED
-                self.segments[joint.child] = self.segments[parent] + (moves and joint.name in on_chain)
-                self.poses[joint.child] = self.poses[parent] @ joint.origin.transform
-                if moves and joint.name not in on_chain:
-                    self.left_out.append(joint.name)
-                ahead.append(joint.child)
-        order = [joint.name for joint in tree.robot.joints]
-        self.left_out.sort(key=order.index)
+                if joint.child not in self.poses:
+                    moves, is_on_chain = joint.type is not JointType.FIXED, joint.name in on_chain
+                    self.segments[joint.child] = self.segments[parent] + (moves and is_on_chain)
+                    self.poses[joint.child] = self.poses[parent] @ joint.origin.transform
+                    leaving |= {joint.name} if moves and not is_on_chain else set()
+                    ahead.append(joint.child)
+        self.left_out = [joint.name for joint in tree.robot.joints if joint.name in leaving]
 
-    def body(self, segment: int, frame: RigidTransform, precision: Precision) -> Body:
+    def body(self, segment: int, frame: RigidTransform) -> Body:
         """What is carried by a joint of the chain, in its frame at q = 0.
 
         Args:
             segment: number of the joint, from 1 on; 0 for the base.
             frame: the frame of the row in the base link.
-            precision: what numbers may lose.
         """
         back = frame.inverse
         names = [name for name in self._links if self.segments.get(name) == segment]
@@ -108,61 +104,49 @@ class Carried:
         mass = com = inertia = None
         if 0.0 < sum(body.mass for _, body in weighed) < math.inf and all(_is_finite(body) for _, body in weighed):
             whole = compound([placed(body, back @ self.poses[name]) for name, body in weighed])
-            mass, com, inertia = whole.mass, self._com(whole, precision), self._inertia(whole, what)
+            x, y, z = map(self._precision.length_of, whole.com)
+            mass, com, inertia = whole.mass, (x, y, z), self._inertia(whole.inertia, what)
         elif weighed:
             self.lost.append(f"the mass of {what}, which is not greater than 0, or not finite")
-        return Body(
-            mass=mass,
-            com=com,
-            inertia=inertia,
-            visual=_posed(self._mesh(seen, back, what, "seen as"), precision),
-            collision=_posed(self._mesh(touching, back, what, "touched with"), precision),
+        visual, collision = (
+            self._mesh(seen, back, f"{what} is seen as"),
+            self._mesh(touching, back, f"{what} is touched with"),
         )
+        return Body(mass, com, inertia, visual, collision)
 
-    @staticmethod
-    def _com(body: Inertial, precision: Precision) -> Vec3:
-        x, y, z = (precision.length_of(value) for value in body.com)
-        return (x, y, z)
-
-    def _inertia(self, body: Inertial, what: str) -> Inertia | None:
-        elements = {name: getattr(body.inertia, name) for name in ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")}
+    def _inertia(self, inertia: Inertia, what: str) -> Inertia | None:
+        elements = {name: getattr(inertia, name) for name in INERTIA}
         precision = between_decimals(_DIGITS * max(map(abs, elements.values())))
         written = Inertia(**{name: decimal_of(value, precision) for name, value in elements.items()})
-        for tensor in (written, body.inertia):
+        for tensor in (written, inertia):
             if (broken := inertia_problem(tensor)) is None:
                 return tensor
         self.lost.append(f"the inertia of {what}: {broken}")
         return None
 
     def _mesh(
-        self, shapes: Sequence[tuple[str, Shape]], back: RigidTransform, what: str, verb: str
+        self, shapes: Sequence[tuple[str, Visual | Collision]], back: RigidTransform, what: str
     ) -> MeshShape | None:
         """The mesh of a link, where it has one shape and that is a mesh at hand."""
-        if len(shapes) != 1 or not isinstance(mesh := shapes[0][1].geometry, Mesh):
-            if shapes:
-                count = "a shape that is no mesh" if len(shapes) == 1 else f"{len(shapes)} shapes"
-                self.lost.append(f"what {what} is {verb}: {count}")
+        if not shapes:
             return None
         name, shape = shapes[0]
-        try:
-            if (path := self._find(mesh.filename)) is None:
-                self.lost.append(f"what {what} is {verb}: there is no file {shown(mesh.filename)}")
-                return None
-            if path.suffix.lower() not in FORMATS:
-                self.lost.append(f"what {what} is {verb}: {shown(path.name)} is no STL, OBJ or DAE file")
-                return None
-            file = find_mesh(path.name, path.parent)
-        except ConfigError as error:
-            self.lost.append(f"what {what} is {verb}: {error.problems[0].message}")
-            return None
-        return MeshShape(file=file, pose=back @ self.poses[name] @ shape.origin.transform, scale=mesh.scale)
-
-
-def _posed(shape: MeshShape | None, precision: Precision) -> MeshShape | None:
-    """A mesh whose pose has the numbers of a table."""
-    return shape and replace(shape, pose=precision.pose_of(shape.pose))
+        mesh = shape.geometry
+        if len(shapes) > 1 or not isinstance(mesh, Mesh):
+            why = f"{len(shapes)} shapes" if len(shapes) > 1 else "a shape that is no mesh"
+        elif (path := self._find(mesh.filename)) is None:
+            why = f"there is no file {shown(mesh.filename)}"
+        elif path.suffix.lower() not in FORMATS:
+            why = f"{shown(path.name)} is no STL, OBJ or DAE file"
+        else:
+            try:
+                pose = self._precision.pose_of(back @ self.poses[name] @ shape.origin.transform)
+                return MeshShape(file=find_mesh(path.name, path.parent), pose=pose, scale=mesh.scale)
+            except ConfigError as error:
+                why = error.problems[0].message
+        self.lost.append(f"what {what}: {why}")
+        return None
 
 
 def _is_finite(body: Inertial) -> bool:
-    i = body.inertia
-    return all(map(math.isfinite, (body.mass, *body.com, i.ixx, i.iyy, i.izz, i.ixy, i.ixz, i.iyz)))
+    return all(map(math.isfinite, (body.mass, *body.com, *(getattr(body.inertia, name) for name in INERTIA))))

@@ -1,8 +1,4 @@
-"""Robot descriptions of unknown origin as `dh2urdf view` shows them: with colours and with joints that follow others.
-
-What a table has no place for keeps nothing from being seen: floating and planar joints are fixed, a URDF needs no name,
-and a colour that is defined nowhere is none.
-"""
+"""Robot descriptions of unknown origin as `dh2urdf view` shows them: with colours, and joints that follow others."""
 
 from __future__ import annotations
 
@@ -15,11 +11,11 @@ if TYPE_CHECKING:
     from dh2urdf.foreign_robot import ForeignRobot
     from dh2urdf.stages import Expansion
 
-# What reads is imported where a description is read: whatever writes one pays for none of it.
-
 
 def _foreign(form: str, path: Path, expansion: Expansion | None = None) -> ForeignRobot:
-    """The robot of a file; of an SDF, that of the first model. A xacro is expanded where it can do no harm.
+    """The robot of a file of unknown origin, as `dh2urdf view` shows it: with colours and joints that follow others.
+
+    Floating and planar joints are fixed, a URDF needs no name, and a colour that is defined nowhere is none.
 
     Args:
         form: ``urdf``, ``xacro``, ``sdf`` or ``mjcf``.
@@ -30,28 +26,19 @@ def _foreign(form: str, path: Path, expansion: Expansion | None = None) -> Forei
         TableError: it cannot be read or expanded, or does not describe a robot.
     """
     from dh2urdf.foreign_robot import ForeignRobot
-    from dh2urdf.stages import Expansion
-    from dh2urdf_plugins.descriptions import description
+    from dh2urdf_plugins.descriptions.description import describe
 
-    match form:
-        case "urdf":
-            found = description.urdf_description(path, colours=True)
-        case "xacro":
-            found = description.xacro_description(path, expansion or Expansion(), colours=True)
-        case "sdf":
-            found = description.sdf_description(path)
-        case _:
-            found = description.mjcf_description(path)
+    found = describe(form, path, expansion, colours=True)
     return ForeignRobot(
         robot=found.robot,
         followers=found.followers,
         loose=found.loose,
         folder=found.folder,
-        notices=found.notices,
+        notices=tuple(found.notices),
     )
 
 
 foreign_urdf, foreign_xacro, foreign_sdf, foreign_mjcf = (
     partial(_foreign, form) for form in ("urdf", "xacro", "sdf", "mjcf")
 )
-"""What reads a file of each format."""
+"""What reads a file of each format as it is shown."""

@@ -9,7 +9,7 @@ Each entry of such a file is the origin of a joint about z: T(q) = O_1 Rz(q1) �
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple
 
 from dh2urdf.documents import load_yaml, read_bytes
@@ -22,7 +22,6 @@ from dh2urdf_plugins.descriptions.description import Description
 from dh2urdf_plugins.read_back.xml_files import LARGEST
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
     from pathlib import Path
 
     from dh2urdf.documents import Node
@@ -31,123 +30,120 @@ NUMBERS = ("x", "y", "z", "roll", "pitch", "yaw")
 _LARGEST = 1000.0
 
 
-class Entry(NamedTuple):
-    """The joint that an entry is the origin of, and the link behind it."""
-
-    joint: str
-    link: str
-    type: JointType = JointType.REVOLUTE
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class OriginFile:
+class OriginFile(NamedTuple):
     """How a maker writes such a file.
 
     Attributes:
         base: the link before the first joint.
-        entries: the joints by the names of their entries, from the base outwards.
-        ending: a fixed joint behind them that has no entry; None for none.
+        entries: the joints, and the links behind them, by the names of their entries, from the base outwards.
+        last: the last joint and its link, which are fixed; an entry of its own where `entries` has the joint too.
+        example: such a file.
         above: the key whose mapping holds the entries; None where the file is that mapping.
         inside: the key of an entry whose mapping holds the numbers; None where the entry is that mapping.
         others: what the mapping of the entries may hold besides, and nobody needs.
         suffix: what the name of such a file ends with, besides the name of the arm.
-        example: such a file.
     """
 
     base: str
-    entries: dict[str, Entry]
-    ending: Entry | None = None
+    entries: dict[str, tuple[str, str]]
+    last: tuple[str, str]
+    example: str
     above: str | None = None
     inside: str | None = None
     others: tuple[str, ...] = ()
     suffix: str = ""
-    example: str
 
 
+_UR_JOINTS = {"shoulder": "shoulder_pan", "upper_arm": "shoulder_lift", "forearm": "elbow"}
 UR = OriginFile(
     base="base",
     entries={
-        "shoulder": Entry("shoulder_pan_joint", "shoulder_link"),
-        "upper_arm": Entry("shoulder_lift_joint", "upper_arm_link"),
-        "forearm": Entry("elbow_joint", "forearm_link"),
-        "wrist_1": Entry("wrist_1_joint", "wrist_1_link"),
-        "wrist_2": Entry("wrist_2_joint", "wrist_2_link"),
-        "wrist_3": Entry("wrist_3_joint", "wrist_3_link"),
+        name: (f"{_UR_JOINTS.get(name, name)}_joint", f"{name}_link")
+        for name in (*_UR_JOINTS, "wrist_1", "wrist_2", "wrist_3")
     },
-    ending=Entry(f"{TOOL}_joint", TOOL, JointType.FIXED),
+    last=(f"{TOOL}_joint", TOOL),
+    example="kinematics: {shoulder: {x: 0, y: 0, z: 0.089, roll: 0, pitch: 0, yaw: 0}, upper_arm: …, wrist_3: …}",
     above="kinematics",
     others=("hash",),
     suffix="_calibration",
-    example="kinematics: {shoulder: {x: 0, y: 0, z: 0.089, roll: 0, pitch: 0, yaw: 0}, upper_arm: …, wrist_3: …}",
 )
 """With the names of `ur_description`."""
 FRANKA = OriginFile(
     base="link0",
-    entries={
-        **{f"joint{number}": Entry(f"joint{number}", f"link{number}") for number in range(1, 8)},
-        "joint8": Entry("joint8", "link8", JointType.FIXED),
-    },
-    inside="kinematic",
+    entries={f"joint{number}": (f"joint{number}", f"link{number}") for number in range(1, 9)},
+    last=("joint8", "link8"),
     example="joint1: {kinematic: {x: 0, y: 0, z: 0.333, roll: 0, pitch: 0, yaw: 0}}, joint2: …, joint8: …",
+    inside="kinematic",
 )
 """With the names of `franka_description`, without the prefix of the arm."""
 
 
 def origins_description(path: Path, form: OriginFile) -> Description:
-    """The description of a chain of origins.
-
-    Args:
-        path: the file.
-        form: how its maker writes it.
+    """The description of a chain of origins, as its maker writes it.
 
     Raises:
         TableError: the file cannot be read, or lacks an entry or a number.
     """
     root = load_yaml(read_bytes(path, TableError, limit=LARGEST), str(path), TableError)
     problems: list[Problem] = []
-    place = form.above or ""
-    chain = _inner(root, form.above, "", form, problems)
-    nodes = {} if chain is None else _entries(chain, (*form.entries, *form.others), place, form, problems)
-    origins = {
-        name: _origin(nodes[name], f"{place}.{name}" if place else name, form, problems)
-        for name in form.entries
-        if name in nodes
-    }
+    origins = _origins(root, form, problems)
     if problems:
         raise TableError(problems)
-    placed = [(entry, origins[name]) for name, entry in form.entries.items()]
-    placed += [(form.ending, Origin())] if form.ending else []
-    links = [form.base, *(entry.link for entry, _ in placed)]
+    placed = [(form.entries[name], origin) for name, origin in origins.items()]
+    placed += [] if form.last in form.entries.values() else [(form.last, Origin())]
+    links = [form.base, *(link for (_, link), _ in placed)]
     joints = [
-        Joint(name=entry.joint, type=entry.type, parent=parent, child=entry.link, origin=origin, axis=Z_AXIS)
-        for parent, (entry, origin) in zip(links, placed, strict=False)
+        Joint(
+            name=name,
+            type=JointType.FIXED if (name, link) == form.last else JointType.REVOLUTE,
+            parent=parent,
+            child=link,
+            origin=origin,
+            axis=Z_AXIS,
+        )
+        for parent, ((name, link), origin) in zip(links, placed, strict=False)
     ]
-    robot = Robot(
-        name=path.stem.removesuffix(form.suffix), links=tuple(Link(name=name) for name in links), joints=tuple(joints)
-    )
-    return Description(robot=robot, file=str(path), folder=path.absolute().parent)
+    found = Description(file=str(path), folder=path.absolute().parent)
+    name = path.stem.removesuffix(form.suffix)
+    found.robot = Robot(name=name, links=tuple(Link(name=link) for link in links), joints=tuple(joints))
+    return found
 
 
-def _inner(node: Node, key: str | None, place: str, form: OriginFile, problems: list[Problem]) -> Node | None:
-    """What the one key of a mapping holds; the node itself where it has no such key to have."""
-    return node if key is None else _entries(node, (key,), place, form, problems).get(key)
+def _origins(root: Node, form: OriginFile, problems: list[Problem]) -> dict[str, Origin]:
+    """The origins by entry; what is wrong goes to the problems, all of it."""
+    chain, place = root, form.above or ""
+    if form.above:
+        chain = _entries(root, (form.above,), "", form, problems).get(form.above, replace(root, value={}))
+    nodes, origins = _entries(chain, (*form.entries, *form.others), place, form, problems), {}
+    for name in (each for each in form.entries if each in nodes):
+        node, place = nodes[name], f"{form.above}.{name}" if form.above else name
+        if form.inside:
+            inner = _entries(node, (form.inside,), place, form, problems)
+            node, place = inner.get(form.inside, replace(node, value={})), f"{place}.{form.inside}"
+        numbers = []
+        for key, found in _entries(node, NUMBERS, place, form, problems).items():
+            value = found.value
+            if not isinstance(value, (int, float)) or isinstance(value, bool) or not abs(value) <= _LARGEST:
+                accepted = f"a number [m, rad] of {_LARGEST:g} at most"
+                message, field = f"{place}.{key} is {found.describe()}", f"{place}.{key}"
+                problems.append(
+                    Problem(message=message, mark=found.mark, field=field, found=found.text, accepted=accepted)
+                )
+            else:
+                numbers.append((key, float(value)))
+        x, y, z, roll, pitch, yaw = ({**dict.fromkeys(NUMBERS, 0.0), **dict(numbers)}[key] for key in NUMBERS)
+        origins[name] = Origin(xyz=(x, y, z), rpy=(roll, pitch, yaw))
+    return origins
 
 
 def _entries(
-    node: Node, wanted: Iterable[str], place: str, form: OriginFile, problems: list[Problem]
+    node: Node, wanted: tuple[str, ...], place: str, form: OriginFile, problems: list[Problem]
 ) -> dict[str, Node]:
-    """The entries of a mapping, all that are wanted and no others."""
+    """The entries of a mapping; those that are missing and those that nobody reads go to the problems."""
     if not isinstance(node.value, dict):
-        problems.append(
-            Problem(
-                message=f"{place or 'the file'} is {node.describe()}",
-                mark=node.mark,
-                field=place or None,
-                accepted=form.example,
-            )
-        )
+        message = f"{place or 'the file'} is {node.describe()}"
+        problems.append(Problem(message=message, mark=node.mark, field=place or None, accepted=form.example))
         return {}
-    wanted = tuple(wanted)
     problems += [
         Problem(
             message=f"{key!r} is no entry of a chain of origins",
@@ -160,35 +156,8 @@ def _entries(
         for key in node.value
         if key not in wanted
     ]
-    before = f"{place}." if place else ""
-    problems += [
-        Problem(message=f"there is no {before}{key}", mark=node.mark, field=place or key, accepted=form.example)
-        for key in wanted
-        if key not in node.value and key not in form.others
-    ]
-    return node.value
-
-
-def _origin(node: Node, place: str, form: OriginFile, problems: list[Problem]) -> Origin:
-    inner = _inner(node, form.inside, place, form, problems)
-    place = f"{place}.{form.inside}" if form.inside else place
-    entries = {} if inner is None else _entries(inner, NUMBERS, place, form, problems)
-    numbers = [_number(entries[name], f"{place}.{name}", problems) if name in entries else 0.0 for name in NUMBERS]
-    x, y, z, roll, pitch, yaw = numbers
-    return Origin(xyz=(x, y, z), rpy=(roll, pitch, yaw))
-
-
-def _number(node: Node, place: str, problems: list[Problem]) -> float:
-    value = node.value
-    if isinstance(value, (int, float)) and not isinstance(value, bool) and abs(value) <= _LARGEST:
-        return float(value)
-    problems.append(
-        Problem(
-            message=f"{place} is {node.describe()}",
-            mark=node.mark,
-            field=place,
-            found=node.text,
-            accepted=f"a number [m, rad] of {_LARGEST:g} at most",
-        )
-    )
-    return 0.0
+    for key in wanted:
+        if key not in node.value and key not in form.others:
+            message = f"there is no {place}{'.' if place else ''}{key}"
+            problems.append(Problem(message=message, mark=node.mark, field=place or key, accepted=form.example))
+    return {key: node.value[key] for key in wanted if key in node.value}

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
@@ -73,11 +73,6 @@ class DescriptionOptions:
     )
 
     def __post_init__(self) -> None:
-        """Refuses a tolerance that no table can have.
-
-        Raises:
-            TableError: it is not a small number greater than 0.
-        """
         if not _FINEST <= self.tolerance <= _COARSEST:
             raise TableError(
                 Problem(
@@ -106,26 +101,19 @@ def _described(form: str, path: Path, options: DescriptionOptions) -> Descriptio
         from dh2urdf_plugins.descriptions.origin_files import FRANKA, UR, origins_description
 
         return origins_description(path, UR if form == "ur-kinematics" else FRANKA)
-    from dh2urdf_plugins.descriptions import description
+    from dh2urdf.stages import Expansion
+    from dh2urdf_plugins.descriptions.description import describe
 
-    if isinstance(options, XacroOptions):
-        from dh2urdf.stages import Expansion
-
-        packages = tuple(map(Path, options.package_paths))
-        return description.xacro_description(path, Expansion(arguments=options.arguments or {}, package_paths=packages))
-    read = {
-        "urdf": description.urdf_description,
-        "sdf": description.sdf_description,
-        "mjcf": description.mjcf_description,
-    }
-    return read[form](path)
+    arguments = options.arguments if isinstance(options, XacroOptions) else None
+    packages = tuple(map(Path, options.package_paths))
+    return describe(form, path, Expansion(arguments=arguments or {}, package_paths=packages))
 
 
 def _leaves(form: str, path: Path, options: DescriptionOptions) -> Mapping[str, int]:
     """The ends of a description's chains, with the counts of their joints."""
     from dh2urdf_plugins.descriptions.trees import Tree
 
-    return Tree.of(_described(form, path, options), options.base_link).leaves()
+    return Tree(_described(form, path, options), options.base_link).leaves()
 
 
 def _arms(form: str, path: Path, options: DescriptionOptions) -> Iterator[Manipulator | Rejected]:
@@ -150,10 +138,10 @@ def _arms(form: str, path: Path, options: DescriptionOptions) -> Iterator[Manipu
         raise
     except InputError as error:  # of the packages
         raise TableError(problem.about(mark=Mark(file=str(path))) for problem in error.problems) from error
-    repair = options.rounded_pi == "repair" and description.repaired is not None
+    repair = options.rounded_pi == "repair"
     if repair and description.repaired is not None:
-        description = replace(description, robot=description.repaired, repaired=description.robot)
-    tree = Tree.of(description, options.base_link)
+        description.robot, description.repaired = description.repaired, description.robot
+    tree = Tree(description, options.base_link)
     tips = tree.tips(options.tip_link)
     name = description.robot.name.strip() or path.stem
     asked = Asked(
@@ -168,9 +156,9 @@ def _arms(form: str, path: Path, options: DescriptionOptions) -> Iterator[Manipu
         repair=repair,
     )
     for tip in tips:
-        each = asked if len(tips) == 1 else replace(asked, name=f"{name}_{tip}")
+        each = asked if len(tips) == 1 else asked._replace(name=f"{name}_{tip}")
         try:
-            yield manipulator_of(description, tree, tip, each)
+            yield manipulator_of(tree, tip, each)
         except TableError as error:
             yield Rejected(name=each.name, problems=error.problems, mark=Mark(file=str(path)))
 

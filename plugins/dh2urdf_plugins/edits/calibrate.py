@@ -32,11 +32,6 @@ class CalibrateOptions:
     )
 
     def __post_init__(self) -> None:
-        """Refuses a path without a file.
-
-        Raises:
-            EditError: there is no such file.
-        """
         if self.file is None:
             return
         from dh2urdf_plugins.calibrations.calibration import unreadable
@@ -60,14 +55,9 @@ def edit_table(manipulator: Manipulator, options: CalibrateOptions) -> Manipulat
         EditError: no file is given, or the file is not one of differences to this table's rows.
     """
     if options.calibration is None:
-        raise EditError(
-            Problem(
-                message="the edit `calibrate` has no file",
-                robot=manipulator.name,
-                field="edits",
-                accepted="a file, such as `{stage: calibrate, options: {file: calibration.conf}}`",
-            )
-        )
+        accepted = "a file, such as `{stage: calibrate, options: {file: calibration.conf}}`"
+        message = "the edit `calibrate` has no file"
+        raise EditError(Problem(message=message, robot=manipulator.name, field="edits", accepted=accepted))
     try:
         calibration = options.calibration.read(manipulator.convention)
         rows = calibration.applied(manipulator.rows)

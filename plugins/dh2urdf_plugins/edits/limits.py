@@ -12,7 +12,7 @@ from dh2urdf.source import Problem, did_you_mean, shown
 from dh2urdf.stages import Edit, EditsInColumns
 
 if TYPE_CHECKING:
-    from dh2urdf.manipulator import DHRow, Limits, Manipulator
+    from dh2urdf.manipulator import Limits, Manipulator
 
 _FACTORS = ("range", "velocity", "effort")
 
@@ -34,11 +34,6 @@ class LimitsOptions:
     joints: tuple[str, ...] = field(default=(), metadata={"help": "names of the joints that are meant; all by default"})
 
     def __post_init__(self) -> None:
-        """Refuse what no limit can become.
-
-        Raises:
-            ValueError: a factor is not greater than 0, or the margin is no number.
-        """
         if wrong := [name for name in _FACTORS if not 0.0 < getattr(self, name) < math.inf]:
             raise ValueError(f"{' and '.join(wrong)}: a factor is a number greater than 0")
         if not all(map(math.isfinite, self.margins)):
@@ -77,17 +72,15 @@ def edit_table(manipulator: Manipulator, options: LimitsOptions) -> Manipulator:
     from dh2urdf.unchecked_records import changed
 
     names = [row.joint for row in manipulator.moving_rows]
-    problems = [
-        Problem(
-            message=f"the arm has no moving joint {shown(name)}",
-            field="edits",
-            found=name,
-            accepted=", ".join(names),
-            suggestion=did_you_mean(name, names),
-        )
-        for name in options.joints
-        if name not in names
-    ]
+    problems = []
+    for name in options.joints:
+        if name not in names:
+            message, accepted, near = (
+                f"the arm has no moving joint {shown(name)}",
+                ", ".join(names),
+                did_you_mean(name, names),
+            )
+            problems.append(Problem(message=message, field="edits", found=name, accepted=accepted, suggestion=near))
     rows = []
     is_changed = False
     turning, sliding = options.margins
@@ -96,7 +89,18 @@ def edit_table(manipulator: Manipulator, options: LimitsOptions) -> Manipulator:
         margin = sliding if row.type is JointType.PRISMATIC else turning
         limits = _limited(row.limits, options, margin) if is_meant else row.limits
         if limits.lower is not None and limits.upper is not None and not agreed(limits.lower < limits.upper):
-            problems.append(_nothing_left(row, margin))
+            ends: Any = (row.limits.lower, row.limits.upper)  # floats or columns
+            first = [float(each[0]) if is_column(each) else each for each in ends]
+            problems.append(
+                Problem(
+                    message=f"nothing is left of the range of the joint {shown(row.joint)} after the edit `limits`",
+                    field="edits",
+                    found=f"{first[0]:g} to {first[1]:g}, with a margin of {margin:g}",
+                    accepted="a margin of less than half of the range",
+                    suggestion="`joints` names those that are meant; with a unit, such as 5 deg, the margin is about "
+                    "the joints that turn",
+                )
+            )
             limits = row.limits
         is_changed |= any(
             new is not old and not agreed(new == old)
@@ -124,20 +128,6 @@ def _limited(limits: Limits, options: LimitsOptions, margin: float) -> Limits:
         velocity=None if limits.velocity is None else limits.velocity * options.velocity,
         effort=None if limits.effort is None else limits.effort * options.effort,
     )
-
-
-def _nothing_left(row: DHRow, margin: float) -> Problem:
-    return Problem(
-        message=f"nothing is left of the range of the joint {shown(row.joint)} after the edit `limits`",
-        field="edits",
-        found=f"{_first(row.limits.lower):g} to {_first(row.limits.upper):g}, with a margin of {margin:g}",
-        accepted="a margin of less than half of the range",
-        suggestion="`joints` names those that are meant; with a unit, such as 5 deg, it is about the joints that turn",
-    )
-
-
-def _first(number: Any) -> float:  # noqa: ANN401 - a float or a column
-    return float(number[0]) if is_column(number) else number
 
 
 EDIT = Edit(

@@ -6,13 +6,59 @@ its own, ``payload``, on a fixed joint at tool0, and counts it among what the jo
 
 from __future__ import annotations
 
+import math
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
+from dh2urdf.rotations import Vec3
 from dh2urdf.stages import Edit, EditsInColumns
-from dh2urdf_plugins.edits.payload_options import PayloadOptions
 
 if TYPE_CHECKING:
-    from dh2urdf.manipulator import Manipulator
+    from dh2urdf.manipulator import Inertia, Manipulator
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PayloadOptions:
+    """What the arm carries."""
+
+    mass: float | None = field(
+        default=None, metadata={"help": "its mass [kg]; there is no payload without a mass", "measures": "mass"}
+    )
+    com: Vec3 = field(
+        default=(0.0, 0.0, 0.0), metadata={"help": "its centre of mass in tool0 [m]", "measures": "length"}
+    )
+    inertia: tuple[float, float, float, float, float, float] | None = field(
+        default=None,
+        metadata={
+            "help": "ixx, iyy, izz, ixy, ixz, iyz about the centre of mass, axes of tool0 [kg·m²]; without inertia, "
+            "size and radius the payload is a solid ball of the links' density",
+            "measures": "moment of inertia",
+        },
+    )
+    size: Vec3 | None = field(
+        default=None, metadata={"help": "edges of a solid box along the axes of tool0 [m]", "measures": "length"}
+    )
+    radius: float | None = field(default=None, metadata={"help": "radius of a solid ball [m]", "measures": "length"})
+
+    def __post_init__(self) -> None:
+        given = [name for name in ("inertia", "size", "radius") if getattr(self, name) is not None]
+        if len(given) > 1:
+            raise ValueError(f"{' and '.join(given)} both give the inertia: choose one")
+        sizes = [each for each in (self.mass, self.radius, *(self.size or ())) if each is not None]
+        if not all(0.0 < each < math.inf for each in sizes):
+            raise ValueError("mass, size and radius are numbers greater than 0")
+        if self.inertia is not None:
+            from dh2urdf.mass_properties import inertia_problem
+
+            if broken := inertia_problem(_tensor(self.inertia)):
+                raise ValueError(f"inertia: {broken}")
+
+
+def _tensor(elements: tuple[float, ...]) -> Inertia:
+    from dh2urdf.manipulator import Inertia
+    from dh2urdf.row_fields import INERTIA
+
+    return Inertia(**dict(zip(INERTIA, elements, strict=True)))
 
 
 def edit_table(manipulator: Manipulator, options: PayloadOptions) -> Manipulator:
@@ -21,9 +67,40 @@ def edit_table(manipulator: Manipulator, options: PayloadOptions) -> Manipulator
     Raises:
         EditError: the options have no mass, or two payloads cannot be joined, since one has no inertia.
     """
-    from dh2urdf_plugins.edits.carrying import carrying
+    from dh2urdf.errors import EditError
+    from dh2urdf.manipulator import Payload
+    from dh2urdf.mass_properties import compound, scaled, solid
+    from dh2urdf.robot import Box, Inertial, Sphere
+    from dh2urdf.source import Problem
+    from dh2urdf.unchecked_records import changed
 
-    return carrying(manipulator, options)
+    old, mass = manipulator.payload, options.mass
+    if mass is None:
+        accepted = "a mass, such as `{stage: payload, options: {mass: 2.5}}`"
+        message, robot = "the payload has no mass", manipulator.name
+        raise EditError(Problem(message=message, robot=robot, field="edits", accepted=accepted))
+    inertia = None if options.inertia is None else _tensor(options.inertia)
+    if shape := Box(size=options.size) if options.size else Sphere(radius=options.radius) if options.radius else None:
+        unit = solid(shape, 1.0)
+        inertia = scaled(unit.inertia, mass / unit.mass)
+    new = Payload(mass=mass, com=options.com, inertia=inertia)
+    if old is not None:
+        bodies = [Inertial(mass=each.mass, com=each.com, inertia=each.inertia) for each in (old, new) if each.inertia]
+        if len(bodies) < 2:  # noqa: PLR2004 - of two
+            which = "the payload that the arm has" if old.inertia is None else "the payload of this edit"
+            raise EditError(
+                Problem(
+                    message=f"the arm has a payload of {old.mass:g} kg already, and {which} has no inertia",
+                    robot=manipulator.name,
+                    mark=manipulator.mark,
+                    field="edits",
+                    accepted="two payloads with inertias, which are joined; or one payload",
+                    suggestion="give the inertia, the size of a box or the radius of a ball",
+                )
+            )
+        body = compound(bodies)
+        new = Payload(mass=body.mass, com=body.com, inertia=body.inertia)
+    return changed(manipulator, payload=new)
 
 
 EDIT = Edit(

@@ -32,11 +32,6 @@ class RenameOptions:
     )
 
     def __post_init__(self) -> None:
-        """Refuse a pattern or a replacement that is none.
-
-        Raises:
-            ValueError: what is wrong with it.
-        """
         if self.replacement and not self.pattern:
             raise ValueError("replacement: there is no pattern whose matches it could replace")
         try:

@@ -1,16 +1,12 @@
-"""A chain of a robot description as constants: the axes of its joints, and a rigid transform between every two.
+"""A chain of a robot description as constants, its screws, and the decimals that a table writes for them.
 
     T(q) = X_0 · Z_1(q_1) · X_1 · … · Z_N(q_N) · X_N
 
-Frame K_i is the frame of joint i turned so that its z is the joint's axis. X_0 leads from the base link to K_1, X_i
-from K_i to K_(i+1) at q = 0, X_N from K_N to the tip link. Only what stands between two joints is multiplied: each X
-has its own rounding and no other.
+Frame K_i is the frame of joint i, turned so that its z is the joint's axis. X_0 leads from the base link to K_1, X_i
+from K_i to K_(i+1) at q = 0, X_N from K_N to the tip link. Only neighbours are multiplied: each X has its own rounding.
 
-The numbers of an extracted table: zeros where zeros can be, exact parts of π, and else the shortest decimals.
-
-Every rigid transform is a screw along z, a screw along x and a screw along z: X = Z(φ, b)·S(a, α)·Z(ψ, e). Z(φ, b) =
-Rz(φ)·Tz(b) and S(a, α) = Tx(a)·Rx(α): what stands between two joints whose axes are the z of their frames. The common
-normal of the two axes is the x in the middle; a is its length and α the angle between the axes.
+Each X is a product of three screws, Z(φ, b)·S(a, α)·Z(ψ, e), with Z(φ, b) = Rz(φ)·Tz(b) and S(a, α) = Tx(a)·Rx(α). The
+common normal of the two axes is the x in the middle; a is its length and α the angle between the axes.
 """
 
 from __future__ import annotations
@@ -42,26 +38,18 @@ if TYPE_CHECKING:
     from dh2urdf.rotations import Rotation, Vec3
 
 
-_PARTS_OF_PI = (2, 4, 6)
-_HALVES = (9.5, 8.5, 7.5, 6.5, 5.5, 4.5, 3.5, 2.5, 1.5, 0.5)
-_DIGITS = 17
+# --- Decimals ---------------------------------------------------------------------------------------------------------
 
 
-@dataclass(frozen=True, slots=True)
-class Precision:
-    """How far a written number may be from the one that was computed.
-
-    Attributes:
-        length: of lengths [m].
-        angle: of angles [rad].
-    """
+class Precision(NamedTuple):
+    """How far a written number may be from the computed one: lengths [m] and angles [rad]."""
 
     length: float
     angle: float
 
     @classmethod
     def of(cls, tolerance: float, arm_length: float) -> Precision:
-        """The precision with which one number may use a quarter of a tolerance at the tip [m, rad]."""
+        """The precision with which one number uses a quarter of a tolerance at the tip [m, rad]."""
         return cls(between_decimals(tolerance / 4), between_decimals(tolerance / (4 * max(1.0, arm_length))))
 
     def finer(self) -> Precision:
@@ -69,19 +57,19 @@ class Precision:
         return Precision(between_decimals(self.length / 8), between_decimals(self.angle / 8))
 
     def pose_of(self, pose: RigidTransform) -> RigidTransform:
-        """A transform of the numbers that a table has."""
+        """A transform with rounded numbers."""
         if pose == IDENTITY:
             return pose
-        x, y, z = (self.length_of(value) for value in pose.translation)
-        roll, pitch, yaw = (self.angle_of(value) for value in pose.rpy)
+        x, y, z = map(self.length_of, pose.translation)
+        roll, pitch, yaw = map(self.angle_of, pose.rpy)
         return RigidTransform.from_xyz_rpy((x, y, z), (roll, pitch, yaw))
 
     def length_of(self, value: float) -> float:
-        """A length as the table has it [m]."""
+        """A rounded length [m]."""
         return decimal_of(value, self.length)
 
     def angle_of(self, value: float) -> float:
-        """An angle as the table has it [rad], in (−π, π]."""
+        """A rounded angle [rad] in (−π, π]; a multiple of π/2, π/4 or π/6 where one is near enough."""
         angle = math.remainder(value, math.tau)
         while (written := self._angle(angle)) != angle:
             angle = written
@@ -90,16 +78,15 @@ class Precision:
     def _angle(self, angle: float) -> float:
         if abs(abs(angle) - math.pi) <= self.angle:
             return math.pi
-        for part in _PARTS_OF_PI:
-            multiple = round(angle * part / math.pi)
-            exact = multiple * math.pi / part
+        for part in (2, 4, 6):
+            exact = round(angle * part / math.pi) * math.pi / part
             if abs(exact - angle) <= self.angle:
                 return exact
         return decimal_of(angle, self.angle)
 
 
 def decimal_of(value: float, tolerance: float) -> float:
-    """The decimal with the fewest places within a tolerance of a number; that of the decimal is the decimal itself."""
+    """The decimal with the fewest places within a tolerance of a number; a decimal made so is its own decimal."""
     while (written := _shortest(value, tolerance)) != value:
         value = written
     return value
@@ -109,34 +96,27 @@ def _shortest(value: float, tolerance: float) -> float:
     if abs(value) <= tolerance:
         return 0.0
     places = max(0, -math.ceil(math.log10(2 * max(tolerance, 1e-300))) - 1)
-    while places < _DIGITS:
-        written = round(value, places)
-        if abs(written - value) <= tolerance:
-            while places and abs((fewer := round(value, places - 1)) - value) <= tolerance:
-                places, written = places - 1, fewer
+    for more in range(places, 17):
+        if abs((written := round(value, more)) - value) <= tolerance:
+            while more and abs((fewer := round(value, more - 1)) - value) <= tolerance:
+                more, written = more - 1, fewer  # noqa: PLW2901
             return written + 0.0
-        places += 1
     return value
 
 
 def between_decimals(tolerance: float) -> float:
-    """The largest tolerance (k + ½)·10ⁿ that is not above another one.
-
-    With such a tolerance a rounded number is rounded no further: a decimal of fewer places that is too far from a
-    number is also too far from what the number becomes.
-    """
+    """The largest tolerance (k + ½)·10ⁿ that is not above another one: a rounded number is rounded no further."""
     if tolerance <= 0.0:
         return 0.0
     power = math.floor(math.log10(tolerance))
-    for exponent in (power, power - 1):
-        for half in _HALVES:
-            candidate = half * 10.0**exponent
-            if candidate <= tolerance * (1 + 1e-12):
-                return candidate
-    return tolerance
+    candidates = [(k + 0.5) * 10.0**exponent for exponent in (power, power - 1) for k in range(9, -1, -1)]
+    return next((each for each in candidates if each <= tolerance * (1 + 1e-12)), tolerance)
 
 
-class ZSZ(NamedTuple):
+# --- Screws -----------------------------------------------------------------------------------------------------------
+
+
+class LinkScrews(NamedTuple):
     """A rigid transform as Z(φ, b)·S(a, α)·Z(ψ, e).
 
     Attributes:
@@ -163,7 +143,7 @@ class ZSZ(NamedTuple):
         return self.parallel != 0 and self.a == 0.0
 
     @property
-    def flipped(self) -> ZSZ:
+    def flipped(self) -> LinkScrews:
         """The same transform with the common normal the other way."""
         alpha = math.pi if self.parallel == -1 else 0.0 - self.alpha
         return self._replace(phi=self.phi + math.pi, psi=self.psi + math.pi, a=0.0 - self.a, alpha=alpha)
@@ -179,42 +159,98 @@ def x_screw(shift: float, angle: float) -> RigidTransform:
     return RigidTransform(rotation_x(*cos_sin(angle)), (shift, 0.0, 0.0))
 
 
-def decompose(transform: RigidTransform, precision: Precision) -> ZSZ:
+def decompose(transform: RigidTransform, precision: Precision) -> LinkScrews:
     """The three screws of a rigid transform.
 
-    α is a number as the table has it, ψ is what is left after φ and α, and e and b are solved with that α: the product
-    keeps every digit where the axes are nearly parallel.
+    α is rounded first, ψ is what is left after φ and α, and e and b are solved with that α: the product keeps every
+    digit where the axes are nearly parallel.
     """
     r, (tx, ty, tz) = transform
     sine = math.hypot(r[2], r[5])
     alpha = precision.angle_of(math.atan2(sine, r[8]))
     ca, sa = cos_sin(alpha)
-    if sine <= precision.angle or sa == 0.0:
-        return _of_parallel(transform, precision)
-    phi = math.atan2(r[2], 0.0 - r[5])
-    cp, sp = math.cos(phi), math.sin(phi)
-    left = multiply(transpose(multiply(rotation_z(cp, sp), rotation_x(ca, sa))), r)
-    psi = math.atan2(left[3] - left[1], left[0] + left[4])
-    e = (tx * sp - ty * cp) / sa
-    return ZSZ(phi, tz - e * ca, precision.length_of(tx * cp + ty * sp), alpha, psi, e, 0)
-
-
-def _of_parallel(transform: RigidTransform, precision: Precision) -> ZSZ:
-    r, (tx, ty, tz) = transform
+    if sine > precision.angle and sa != 0.0:
+        phi = math.atan2(r[2], 0.0 - r[5])
+        cp, sp = math.cos(phi), math.sin(phi)
+        left = multiply(transpose(multiply(rotation_z(cp, sp), rotation_x(ca, sa))), r)
+        psi = math.atan2(left[3] - left[1], left[0] + left[4])
+        e = (tx * sp - ty * cp) / sa
+        return LinkScrews(phi, tz - e * ca, precision.length_of(tx * cp + ty * sp), alpha, psi, e, 0)
     c = 1 if r[8] > 0.0 else -1
     alpha = 0.0 if c == 1 else math.pi
     turn = math.atan2(r[3] - c * r[1], r[0] + c * r[4])
     a = precision.length_of(math.hypot(tx, ty))
     if a == 0.0:
-        return ZSZ(turn, tz, 0.0, alpha, 0.0, 0.0, c)
+        return LinkScrews(turn, tz, 0.0, alpha, 0.0, 0.0, c)
     phi = math.atan2(ty, tx)
-    return ZSZ(phi, tz, a, alpha, c * (turn - phi), 0.0, c)
+    return LinkScrews(phi, tz, a, alpha, c * (turn - phi), 0.0, c)
 
 
-def seen_from(transform: RigidTransform, point: tuple[float, float, float]) -> tuple[float, float, float]:
+def seen_from(transform: RigidTransform, point: Vec3) -> Vec3:
     """A point of the first frame in the second one [m]."""
     x, y, z = transform.translation
     return rotate(transpose(transform.rotation), (point[0] - x, point[1] - y, point[2] - z))
+
+
+# --- Chains -----------------------------------------------------------------------------------------------------------
+
+
+class Axis(NamedTuple):
+    """The axis of a row: the joint's name, and how it moves; fixed where it only splits a link."""
+
+    joint: str
+    type: JointType
+
+    @property
+    def turns(self) -> bool:
+        """Whether the joint turns its link."""
+        return self.type in (JointType.REVOLUTE, JointType.CONTINUOUS)
+
+
+@dataclass(frozen=True, slots=True)
+class Chain:
+    """Axes from the base outwards, and the transforms X_0 … X_N between them: one more than there are axes."""
+
+    axes: tuple[Axis, ...]
+    links: tuple[RigidTransform, ...]
+
+    @classmethod
+    def of(cls, joints: Iterable[Joint]) -> Chain:
+        """The chain of some joints, from the base outwards, fixed ones among them."""
+        axes: list[Axis] = []
+        links: list[RigidTransform] = []
+        so_far = IDENTITY
+        for joint in joints:
+            origin = joint.origin.transform
+            if so_far is IDENTITY:
+                so_far = origin
+            elif origin != IDENTITY:
+                so_far @= origin
+            if joint.type is not JointType.FIXED:
+                turn = turn_of_z(joint.axis)
+                axes.append(Axis(joint.name, joint.type))
+                links.append(RigidTransform(multiply(so_far.rotation, turn), so_far.translation))
+                so_far = RigidTransform(transpose(turn), ZERO)
+        return cls(tuple(axes), (*links, so_far))
+
+    @property
+    def length(self) -> float:
+        """The arm's length [m], wherever the file puts its frames.
+
+        The way from the base's origin to its projection on axis 1, from there to its projection on axis 2 … to the tip.
+        The axis of a prismatic joint has no place, so there is no step to it.
+        """
+        total, point = 0.0, ZERO
+        for axis, link in zip(self.axes, self.links, strict=False):
+            point = seen_from(link, point)
+            if axis.type is not JointType.PRISMATIC:
+                total += math.hypot(point[0], point[1])
+                point = (0.0, 0.0, point[2])
+        return total + math.dist(point, self.links[-1].translation)
+
+    def with_links(self, links: Iterable[RigidTransform]) -> Chain:
+        """The same axes with other transforms between them."""
+        return replace(self, links=tuple(links))
 
 
 _QUARTER_TURNS: dict[Vec3, Rotation] = {
@@ -227,98 +263,17 @@ _QUARTER_TURNS: dict[Vec3, Rotation] = {
 }
 
 
-@dataclass(frozen=True, slots=True)
-class Axis:
-    """The axis of a row.
-
-    Attributes:
-        joint: name of the joint.
-        type: how it moves; fixed where it only splits the link between two nearly parallel axes.
-    """
-
-    joint: str
-    type: JointType
-
-    @property
-    def slides(self) -> bool:
-        """Whether the joint is prismatic."""
-        return self.type is JointType.PRISMATIC
-
-    @property
-    def turns(self) -> bool:
-        """Whether the joint turns its link."""
-        return self.type in (JointType.REVOLUTE, JointType.CONTINUOUS)
-
-
-@dataclass(frozen=True, slots=True)
-class Chain:
-    """Axes and what is between them.
-
-    Attributes:
-        axes: from the base outwards.
-        links: X_0 … X_N: one more than there are axes.
-    """
-
-    axes: tuple[Axis, ...]
-    links: tuple[RigidTransform, ...]
-
-    @classmethod
-    def of(cls, joints: Iterable[Joint]) -> Chain:
-        """The chain of some joints, from the base outwards, fixed ones among them."""
-        axes: list[Axis] = []
-        links: list[RigidTransform] = []
-        so_far = IDENTITY
-        for joint in joints:
-            so_far = _after(so_far, joint.origin.transform)
-            if joint.type is JointType.FIXED:
-                continue
-            turn = turn_of_z(joint.axis)
-            axes.append(Axis(joint.name, joint.type))
-            links.append(RigidTransform(multiply(so_far.rotation, turn), so_far.translation))
-            a, b, c, d, e, f, g, h, i = turn
-            so_far = RigidTransform((a, d, g, b, e, h, c, f, i), ZERO)
-        return cls(tuple(axes), (*links, so_far))
-
-    @property
-    def length(self) -> float:
-        """The arm's length [m], wherever the file puts its frames.
-
-        From the base's origin to its projection on axis 1, from there to its projection on axis 2 … to the tip. The
-        axis of a prismatic joint has no place, so there is no step to it.
-        """
-        total, point = 0.0, ZERO
-        for axis, link in zip(self.axes, self.links, strict=False):
-            x, y, z = seen_from(link, point)
-            if axis.slides:
-                point = (x, y, z)
-            else:
-                total += math.hypot(x, y)
-                point = (0.0, 0.0, z)
-        return total + math.dist(point, self.links[-1].translation)
-
-    def with_links(self, links: Iterable[RigidTransform]) -> Chain:
-        """The same axes with other transforms between them."""
-        return replace(self, links=tuple(links))
-
-
 def turn_of_z(axis: Vec3) -> Rotation:
     """The rotation that takes z to the direction of an axis: by quarter turns where it can be, else the smallest."""
-    length = norm(axis)
-    x, y, z = scale(1.0 / length, axis)
+    x, y, z = scale(1.0 / norm(axis), axis)
     if exact := _QUARTER_TURNS.get((x + 0.0, y + 0.0, z + 0.0)):
         return exact
-    half = _QUARTER_TURNS[0.0, 0.0, -1.0]
-    # Of an axis that points down, 1 + z would lose digits: it is turned upwards first.
-    return _smallest_turn(x, y, z) if z >= 0.0 else multiply(half, _smallest_turn(x, -y, -z))
+    if z < 0.0:  # 1 + z would lose digits: the axis is turned upwards first
+        return multiply(_QUARTER_TURNS[0.0, 0.0, -1.0], _smallest_turn(x, -y, -z))
+    return _smallest_turn(x, y, z)
 
 
 def _smallest_turn(x: float, y: float, z: float) -> Rotation:
-    """The smallest rotation that takes z to a unit vector."""
+    """The smallest rotation that takes z to a unit vector that does not point down."""
     k = 1.0 / (1.0 + z)
     return (1.0 - k * x * x, -k * x * y, x, -k * x * y, 1.0 - k * y * y, y, -x, -y, z)
-
-
-def _after(first: RigidTransform, second: RigidTransform) -> RigidTransform:
-    if first is IDENTITY:
-        return second
-    return first if second == IDENTITY else first @ second

@@ -1,25 +1,32 @@
-"""The rows of a chain, measured against it: with the coarsest numbers that keep the tolerance."""
+"""The table of a chain: with the coarsest numbers that keep the tolerance, as measured against the chain itself.
+
+The measurement uses nothing of the extraction: the table goes through the DH product, and the chain through the origins
+and axes of its joints, as in every proof of the project.
+"""
 
 from __future__ import annotations
 
+import math
+import random
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
+from dh2urdf.kinematics import KinematicChain, largest_errors, table_chain
 from dh2urdf.manipulator import Convention, DHRow, JointType, Manipulator
 from dh2urdf_plugins.extraction import TOLERANCE
 from dh2urdf_plugins.extraction.chain import Chain, Precision
 from dh2urdf_plugins.extraction.ends import place_sliding_axes
-from dh2urdf_plugins.extraction.gluing import glue
-from dh2urdf_plugins.extraction.measuring import Difference, difference
+from dh2urdf_plugins.extraction.rows import rows_of
 from dh2urdf_plugins.extraction.splitting import NearlyParallel, split_links
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterator, Sequence
 
+    from dh2urdf.kinematics import CompiledChain
     from dh2urdf.robot import Joint
-    from dh2urdf_plugins.extraction.chain import Axis
-    from dh2urdf_plugins.extraction.gluing import Numbers
 
+RANDOM_VECTORS = 32
+"""Random joint vectors at which poses are compared, besides zero."""
 _ATTEMPTS = 12
 
 
@@ -40,8 +47,19 @@ class Choices:
     origins: str = "fewest"
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Solution:
+class Difference(NamedTuple):
+    """The largest distance of two chains' tips [m], and the largest angle between them [rad]."""
+
+    position: float
+    angle: float
+
+    @property
+    def largest(self) -> float:
+        """The larger of the two, as a tolerance counts them [m, rad]."""
+        return max(self)
+
+
+class Solution(NamedTuple):
     """The table of a chain, without what is not kinematics.
 
     Attributes:
@@ -70,31 +88,48 @@ def solve(joints: Sequence[Joint], choices: Choices) -> Solution:
     given = Chain.of(joints)
     length = given.length
     precision = Precision.of(choices.tolerance, length)
-    best: Solution | None = None
-    for _ in range(_ATTEMPTS):
-        found = _solved(given, joints, choices, precision, length)
-        if best is None or found.difference.largest < best.difference.largest:
-            best = found
-        if best.difference.largest <= choices.tolerance / 2:
-            break
+    found: list[Solution] = []
+    while len(found) < _ATTEMPTS and not (found and found[-1].difference.largest <= choices.tolerance / 2):
+        placed = place_sliding_axes(given, precision, length)
+        chain, nearly_parallel = split_links(placed, precision, length, choices.tolerance, choices.near_parallel)
+        numbers = rows_of(chain, choices.convention, precision, length, origins=choices.origins)
+        names = [f"{axis.joint}_split" if axis.type is JointType.FIXED else axis.joint for axis in chain.axes]
+        rows = [
+            DHRow(joint=name, link=name, type=axis.type, **row._asdict())
+            for name, axis, row in zip(names, chain.axes, numbers.rows, strict=True)
+        ]
+        table = Manipulator(
+            name="extracted",
+            convention=choices.convention,
+            rows=tuple(rows),
+            base=numbers.base,
+            tool=numbers.tool,
+        )
+        difference = _difference(table_chain(table), KinematicChain.of(joints).compiled, joints)
+        found.append(Solution(table, difference, length, nearly_parallel))
         precision = precision.finer()
-    return best  # type: ignore[return-value]  # there was an attempt
+    return min(found, key=lambda solution: solution.difference.largest)
 
 
-def _solved(given: Chain, joints: Sequence[Joint], choices: Choices, precision: Precision, length: float) -> Solution:
-    placed = place_sliding_axes(given, precision, length)
-    chain, nearly_parallel = split_links(placed, precision, length, choices.tolerance, choices.near_parallel)
-    glued = glue(chain, choices.convention, precision, length, origins=choices.origins)
-    table = Manipulator(
-        name="extracted",
-        convention=choices.convention,
-        rows=tuple([_row(axis, row) for axis, row in zip(chain.axes, glued.rows, strict=True)]),
-        base=glued.base,
-        tool=glued.tool,
-    )
-    return Solution(table=table, difference=difference(table, joints), length=length, nearly_parallel=nearly_parallel)
+def chain_difference(one: Sequence[Joint], other: Sequence[Joint]) -> Difference:
+    """How far two chains of the same joints are from each other, at q = 0 and at random q within the limits."""
+    return _difference(KinematicChain.of(one).compiled, KinematicChain.of(other).compiled, one)
 
 
-def _row(axis: Axis, row: Numbers) -> DHRow:
-    name = f"{axis.joint}_split" if axis.type is JointType.FIXED else axis.joint
-    return DHRow(joint=name, link=name, type=axis.type, a=row.a, alpha=row.alpha, d=row.d, theta=row.theta)
+def _difference(one: CompiledChain, other: CompiledChain, joints: Sequence[Joint]) -> Difference:
+    errors = largest_errors(one, other, _joint_vectors([each for each in joints if each.type is not JointType.FIXED]))
+    return Difference(errors.position, errors.angle)
+
+
+def _joint_vectors(moving: Sequence[Joint]) -> Iterator[tuple[float, ...]]:
+    yield (0.0,) * len(moving)
+    ranges = []
+    for joint in moving:
+        widest = 1.0 if joint.type is JointType.PRISMATIC else math.pi
+        lower, upper = joint.limits.lower, joint.limits.upper
+        if lower is None or upper is None or not lower < upper:
+            lower, upper = -widest, widest
+        ranges.append((max(lower, -2 * widest), min(upper, 2 * widest)))
+    draw = random.Random(f"dh2urdf {len(moving)}")  # noqa: S311 - reproducible on purpose
+    for _ in range(RANDOM_VECTORS):
+        yield tuple([lower + (upper - lower) * draw.random() for lower, upper in ranges])

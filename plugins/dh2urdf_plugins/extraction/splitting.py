@@ -1,18 +1,15 @@
-"""A fixed row between nearly parallel axes whose common normal is too far away for a double.
+"""A fixed row between nearly parallel axes, whose common normal is too far away for a double.
 
-The link is split at the line from a point P of the first axis to its projection on the second one. Both axes are
-perpendicular to that line, up to the small angle between them: the numbers of the rows are of the arm's own size.
-
-Tables of nearly parallel axes, such as those of calibrated arms, as tables whose numbers are of the arm's size. The
-common normal of axes that are 0.001 rad from parallel lies hundreds of metres away, and so do the DH frames. A fixed
-row between the two joints keeps T(q) and brings the frames back to the arm.
+The common normal of axes that are 0.001 rad from parallel lies hundreds of metres away, and so do the DH frames. The
+link is split at the line from a point P of the first axis to its projection on the second one. Both axes are
+perpendicular to that line, up to their small angle: the rows have numbers of the arm's own size, and T(q) stays.
 """
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from dataclasses import replace
+from typing import TYPE_CHECKING, NamedTuple
 
 from dh2urdf.kinematics import dh_frames, row_transform
 from dh2urdf.manipulator import Convention, DHRow, JointType
@@ -21,15 +18,11 @@ from dh2urdf.rotations import IDENTITY, ZERO, RigidTransform, add, multiply, rot
 from dh2urdf.source import Problem, free_name, shown
 from dh2urdf_plugins.extraction.chain import Axis, Chain, Precision, decompose, seen_from
 from dh2urdf_plugins.extraction.ends import STEEPEST
-from dh2urdf_plugins.extraction.gluing import glue
+from dh2urdf_plugins.extraction.rows import rows_of
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Sequence
-
     from dh2urdf.manipulator import Manipulator, MeshShape
     from dh2urdf.rotations import Vec3
-    from dh2urdf_plugins.extraction.gluing import Glued
-
 
 MOST = 1000.0
 """How many lengths of the arm a d may be before the link is split."""
@@ -37,10 +30,11 @@ DIGITS = 4e-16
 """What a d loses of itself in a double."""
 NEARLY = 0.1
 """Below which angle axes are nearly parallel [rad]."""
+TOLERANCE = 1e-12
+"""How far a table with split links may be from the given one [m, rad]."""
 
 
-@dataclass(frozen=True, slots=True)
-class NearlyParallel:
+class NearlyParallel(NamedTuple):
     """Two neighbours whose axes are nearly parallel.
 
     Attributes:
@@ -57,6 +51,16 @@ class NearlyParallel:
     far: float
     split: bool
 
+    def notice(self) -> Problem:
+        """What was done about them."""
+        axes = f"joints {shown(self.first)} and {shown(self.second)} are {self.angle:.2g} rad from parallel"
+        if self.split:
+            how, advice = f"a fixed row is between them, in place of a d of {self.far:.3g} m", None
+        else:
+            how = f"d reaches {self.far:.3g} m"
+            advice = "the option near_parallel: split writes a fixed row in its place"
+        return Problem(message=f"{axes}: {how}", severity="notice", field="near_parallel", suggestion=advice)
+
 
 def split_links(
     chain: Chain, precision: Precision, arm_length: float, tolerance: float, near_parallel: str
@@ -70,39 +74,25 @@ def split_links(
         tolerance: how far the tip may be from the file's [m].
         near_parallel: ``auto``, ``dh`` (never split) or ``split``.
     """
-    decides = _decision(near_parallel, arm_length, tolerance)
     axes, links = [chain.axes[0]], [chain.links[0]]
     found: list[NearlyParallel] = []
     point = (0.0, 0.0, seen_from(chain.links[0], ZERO)[2])
-    for number, after in enumerate(chain.axes[1:], start=1):
-        link, before = chain.links[number], chain.axes[number - 1]
+    for before, after, link in zip(chain.axes, chain.axes[1:], chain.links[1:], strict=False):
         screws = decompose(link, precision)
         sine, far = math.hypot(link.rotation[2], link.rotation[5]), max(abs(screws.b), abs(screws.e))
-        if screws.parallel or sine >= NEARLY or far <= STEEPEST * arm_length:
-            point = (0.0, 0.0, seen_from(link, point)[2] if screws.parallel else 0.0 - screws.e)
-            links.append(link)
-        else:
-            reached = seen_from(link, point)[2]
-            middle = _middle(link, point) if decides(far) else None
+        reached = (0.0, 0.0, seen_from(link, point)[2])
+        middle = None
+        if not screws.parallel and sine < NEARLY and far > STEEPEST * arm_length:
+            is_too_far = far > MOST * arm_length or far * DIGITS > tolerance
+            if near_parallel == "split" or (near_parallel == "auto" and is_too_far):
+                middle = _middle(link, point)
             found.append(NearlyParallel(before.joint, after.joint, math.asin(sine), far, middle is not None))
-            if middle is None:
-                links.append(link)
-                point = (0.0, 0.0, 0.0 - screws.e)
-            else:
-                axes.append(Axis(before.joint, JointType.FIXED))
-                links += middle
-                point = (0.0, 0.0, reached)
+        if middle:
+            axes.append(Axis(before.joint, JointType.FIXED))
         axes.append(after)
+        links += middle or [link]
+        point = reached if middle or screws.parallel else (0.0, 0.0, 0.0 - screws.e)
     return Chain(tuple(axes), (*links, chain.links[-1])), tuple(found)
-
-
-def _decision(near_parallel: str, arm_length: float, tolerance: float) -> Callable[[float], bool]:
-    """Whether a link is split whose normal is so far away [m]."""
-    if near_parallel == "dh":
-        return lambda _: False
-    if near_parallel == "split":
-        return lambda _: True
-    return lambda far: far > MOST * arm_length or far * DIGITS > tolerance
 
 
 def _middle(link: RigidTransform, point: Vec3) -> list[RigidTransform] | None:
@@ -122,11 +112,6 @@ def _middle(link: RigidTransform, point: Vec3) -> list[RigidTransform] | None:
     return [RigidTransform(turn, point), RigidTransform(multiply(back, r), rotate(back, (dx, dy, dz)))]
 
 
-TOLERANCE = 1e-12
-"""How far the split table may be from the given one [m, rad]."""
-_TURNED = RigidTransform(rotation_x(-1.0, 0.0), ZERO)
-
-
 def with_split_links(manipulator: Manipulator) -> tuple[Manipulator, list[Problem]]:
     """The table with a fixed row between nearly parallel axes, and a notice of each.
 
@@ -140,10 +125,19 @@ def with_split_links(manipulator: Manipulator) -> tuple[Manipulator, list[Proble
     split, pairs = split_links(chain, precision, length, TOLERANCE, "split")
     if not any(pair.split for pair in pairs):
         return manipulator, []
-    glued = glue(split, manipulator.convention, precision, length, origins="fewest")
-    rows = list(_rows(manipulator, split, glued))
-    table = replace(manipulator, rows=tuple(rows), base=glued.base, tool=glued.tool)
-    return _with_bodies(manipulator, table), [_notice(pair) for pair in pairs if pair.split]
+    numbers = rows_of(split, manipulator.convention, precision, length, origins="fewest")
+    taken = {name for row in manipulator.rows for name in (row.joint, row.link)}
+    given, rows = iter(manipulator.rows), list[DHRow]()
+    row: DHRow | None = None
+    for axis, found in zip(split.axes, numbers.rows, strict=True):
+        if row is not None and axis.joint == row.joint:
+            joint, link = (free_name(f"{name}_split", taken) for name in (row.joint, row.link))
+            rows.append(DHRow(joint=joint, link=link, type=JointType.FIXED, mass=0.0, mark=row.mark, **found._asdict()))
+        else:
+            row = next(given)
+            rows.append(replace(row, **found._asdict(), offset=0.0, sign=1))
+    table = replace(manipulator, rows=tuple(rows), base=numbers.base, tool=numbers.tool)
+    return _with_bodies(manipulator, table), [pair.notice() for pair in pairs if pair.split]
 
 
 def _chain(manipulator: Manipulator) -> Chain:
@@ -152,7 +146,7 @@ def _chain(manipulator: Manipulator) -> Chain:
     links, so_far = list[RigidTransform](), manipulator.base
     for row in manipulator.rows:
         step = row_transform(manipulator.convention, row)
-        turned = _TURNED if row.sign < 0 else IDENTITY
+        turned = RigidTransform(rotation_x(-1.0, 0.0), ZERO) if row.sign < 0 else IDENTITY
         before = so_far if is_standard else so_far @ step
         links.append(before @ turned)
         so_far = turned @ step if is_standard else turned  # a half turn is its own inverse
@@ -160,36 +154,13 @@ def _chain(manipulator: Manipulator) -> Chain:
     return Chain(axes, (*links, so_far @ manipulator.tool))
 
 
-def _rows(manipulator: Manipulator, chain: Chain, glued: Glued) -> Iterator[DHRow]:
-    """The rows of the table with their new numbers, and the fixed rows between them."""
-    taken = {name for row in manipulator.rows for name in (row.joint, row.link)}
-    given = iter(manipulator.rows)
-    row: DHRow | None = None
-    for axis, (a, alpha, d, theta) in zip(chain.axes, glued.rows, strict=True):
-        if row is not None and axis.joint == row.joint:
-            joint, link = (free_name(f"{name}_split", taken) for name in (row.joint, row.link))
-            yield DHRow(
-                joint=joint,
-                link=link,
-                type=JointType.FIXED,
-                a=a,
-                alpha=alpha,
-                d=d,
-                theta=theta,
-                mass=0.0,
-                mark=row.mark,
-            )
-        else:
-            row = next(given)
-            yield replace(row, a=a, alpha=alpha, d=d, theta=theta, offset=0.0, sign=1)
-
-
 def _with_bodies(given: Manipulator, table: Manipulator) -> Manipulator:
     """The table with what its links carry where the given one has it, in its own frames."""
-    old = dict(zip([row.joint for row in given.rows], _frames(given), strict=True))
+    before, after = (dh_frames(each, (0.0,) * len(each.moving_rows))[1:] for each in (given, table))
+    old = dict(zip([row.joint for row in given.rows], before, strict=True))
     rows = [
         with_moved_body(row, frame.inverse @ old[row.joint]) if row.joint in old else row
-        for row, frame in zip(table.rows, _frames(table), strict=True)
+        for row, frame in zip(table.rows, after, strict=True)
     ]
     back = table.base.inverse @ given.base
     return replace(
@@ -198,10 +169,6 @@ def _with_bodies(given: Manipulator, table: Manipulator) -> Manipulator:
         base_visual=_moved_mesh(table.base_visual, back),
         base_collision=_moved_mesh(table.base_collision, back),
     )
-
-
-def _frames(table: Manipulator) -> Sequence[RigidTransform]:
-    return dh_frames(table, (0.0,) * len(table.moving_rows))[1:]
 
 
 def with_moved_body(row: DHRow, by: RigidTransform) -> DHRow:
@@ -217,12 +184,3 @@ def with_moved_body(row: DHRow, by: RigidTransform) -> DHRow:
 
 def _moved_mesh(shape: MeshShape | None, by: RigidTransform) -> MeshShape | None:
     return shape and replace(shape, pose=by @ shape.pose)
-
-
-def _notice(pair: NearlyParallel) -> Problem:
-    return Problem(
-        message=f"joints {shown(pair.first)} and {shown(pair.second)} are {pair.angle:.2g} rad from parallel: a fixed "
-        f"row is between them, in place of a d of {pair.far:.3g} m",
-        severity="notice",
-        field="near_parallel",
-    )

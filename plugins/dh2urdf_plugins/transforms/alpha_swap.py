@@ -38,14 +38,11 @@ def alpha_swap_columns(
     """
     if options.variant == "paper" or options.near_parallel == "split":
         return None
-    from dh2urdf_plugins.transforms.columns import exact_columns
+    from dh2urdf_plugins.transforms.exact import exact_columns
+    from dh2urdf_plugins.transforms.robots import of_meshes, without_effect
 
-    return exact_columns(columns, options)
-
-
-def keeps_kinematics(options: AlphaSwapOptions) -> bool:
-    """Whether the robot is the arm of the table: the paper's algorithm does not promise it."""
-    return options.variant == "exact"
+    has_notices = any(of_meshes(columns.table)) or (len(columns) and any(without_effect(columns.pick(0), options)))
+    return [] if has_notices else exact_columns(columns, options)
 
 
 TRANSFORM = Transform(
@@ -55,7 +52,7 @@ TRANSFORM = Transform(
     options=AlphaSwapOptions,
     capabilities=(
         Usual(),
-        KeepsKinematics(keeps_kinematics),
+        KeepsKinematics(lambda options: options.variant == "exact"),  # the paper's algorithm does not promise it
         TransformsInColumns(alpha_swap_columns),
         Compares("variant"),
     ),

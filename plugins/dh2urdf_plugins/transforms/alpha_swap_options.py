@@ -107,11 +107,6 @@ class AlphaSwapOptions:
     )
 
     def __post_init__(self) -> None:
-        """Refuses sizes that no body has.
-
-        Raises:
-            ValueError: radius, density or floor is not greater than 0, or another number is negative.
-        """
         sizes = {"radius": self.radius, "density": self.density, "inertia_floor": self.inertia_floor}
         for name, value in sizes.items():
             if value is not None and not 0.0 < value < float("inf"):

@@ -9,12 +9,12 @@ The limits of joints that a table does not give: range, travel, velocity, and th
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cache, reduce
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from dh2urdf import unchecked_records as own
-from dh2urdf.elementwise import greater_of, is_column, mapped
+from dh2urdf.elementwise import greater_of, mapped
 from dh2urdf.errors import TransformError
 from dh2urdf.manipulator import BASE, FLANGE, ROOT, TOOL, DHRow, JointType, Limits
 from dh2urdf.mass_properties import GRAVITY, compound, placed, rotated, scaled, solid
@@ -35,7 +35,6 @@ if TYPE_CHECKING:
 
 LEAST_EFFORT = 10.0
 """Smallest default effort [N·m or N]."""
-_DOUBT = 1e-9  # of a logarithm: so near to a power of ten, rounding may make another one
 
 
 def complete_limits(rows: Sequence[DHRow]) -> list[Limits]:
@@ -46,7 +45,20 @@ def complete_limits(rows: Sequence[DHRow]) -> list[Limits]:
     """
     slides = any(row.type is JointType.PRISMATIC and row.limits.lower is None for row in rows)
     slide = half_travel(rows) if slides else 0.0
-    return [_complete(row, slide) for row in rows]
+    limits = []
+    for row in rows:
+        given = row.limits
+        bound, speed = (slide, 1.0) if row.type is JointType.PRISMATIC else (math.tau, math.pi)
+        velocity = speed if given.velocity is None else given.velocity
+        lower = -bound if given.lower is None else given.lower
+        upper = bound if given.upper is None else given.upper
+        if row.type is JointType.FIXED:
+            limits.append(own.limits())
+        elif row.type is JointType.CONTINUOUS:
+            limits.append(own.limits(velocity=velocity, effort=given.effort))
+        else:
+            limits.append(own.limits(lower=lower, upper=upper, velocity=velocity, effort=given.effort))
+    return limits
 
 
 def half_travel(rows: Sequence[DHRow]) -> Number:
@@ -55,8 +67,7 @@ def half_travel(rows: Sequence[DHRow]) -> Number:
     A link is as long as `a`, or as `d` at joint value 0. ±1 m where all of an arm's links have the length 0.
     """
     lengths = [abs(row.d + row.offset) if row.type is JointType.PRISMATIC else abs(row.d) for row in rows]
-    longest = reduce(greater_of, [*lengths, *(abs(row.a) for row in rows)])
-    return mapped(_half_rounded_down, longest)
+    return mapped(_half_rounded_down, reduce(greater_of, [*lengths, *(abs(row.a) for row in rows)]))
 
 
 def _half_rounded_down(longest: float) -> float:
@@ -64,22 +75,6 @@ def _half_rounded_down(longest: float) -> float:
         return 1.0
     exponent = math.floor(math.log10(0.5 * longest)) - 1
     return _decimal(math.floor(0.5 * longest * 10.0**-exponent + 1e-9), exponent)
-
-
-def _complete(row: DHRow, slide: Number) -> Limits:
-    if row.type is JointType.FIXED:
-        return own.limits()
-    bound, speed = (slide, 1.0) if row.type is JointType.PRISMATIC else (math.tau, math.pi)
-    given = row.limits
-    velocity = speed if given.velocity is None else given.velocity
-    if row.type is JointType.CONTINUOUS:
-        return own.limits(velocity=velocity, effort=given.effort)
-    return own.limits(
-        lower=-bound if given.lower is None else given.lower,
-        upper=bound if given.upper is None else given.upper,
-        velocity=velocity,
-        effort=given.effort,
-    )
 
 
 def travel(joint_type: JointType, limits: Limits) -> float:
@@ -90,26 +85,8 @@ def travel(joint_type: JointType, limits: Limits) -> float:
     return farthest
 
 
-def default_efforts(needed: Number) -> Number:
-    """What is needed [N·m or N], rounded up to two significant digits, and the least effort at least; takes columns."""
-    if not is_column(needed):
-        return _default_effort(needed)
-    import numpy as np
-
-    efforts = np.empty(len(needed))
-    is_common = (needed > LEAST_EFFORT) & (needed < math.inf)
-    logarithms = np.log10(np.where(is_common, needed, 1.0))
-    is_common &= abs(logarithms - np.rint(logarithms)) > _DOUBT
-    exponents = np.floor(logarithms) - 1.0
-    for exponent in map(int, set(exponents[is_common].tolist())):
-        chosen = is_common & (exponents == exponent)
-        digits, which = np.unique(np.ceil(needed[chosen] * 10.0**-exponent - 1e-9), return_inverse=True)
-        efforts[chosen] = np.array([_decimal(int(digit), exponent) for digit in digits.tolist()])[which]
-    efforts[~is_common] = list(map(_default_effort, needed[~is_common].tolist()))
-    return efforts
-
-
 def _default_effort(needed: float) -> float:
+    """What is needed [N·m or N], rounded up to two significant digits, and the least effort at least."""
     if not LEAST_EFFORT < needed < math.inf:
         return max(LEAST_EFFORT, needed)
     exponent = math.floor(math.log10(needed)) - 1
@@ -126,8 +103,7 @@ SAFETY = 2.0
 """Default effort over the worst static load."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Part:
+class Part(NamedTuple):
     """One row as a variant places it: a joint and the link that it moves.
 
     Attributes:
@@ -157,8 +133,7 @@ class Part:
     dh_frame: RigidTransform | None
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Base:
+class Base(NamedTuple):
     """The body that carries the arm.
 
     Attributes:
@@ -218,16 +193,25 @@ def assemble(
         laden[last] = compound([bodies[last], placed(payload, tool0.transform)])
     lacks_effort = any(part.limits.effort is None for part in parts if part.row.type is not JointType.FIXED)
     efforts = static_efforts(parts, laden) if lacks_effort else ()
-    base_body = base_of(manipulator, base, density)
-    links = [
-        own.link(name=ROOT),
-        _link(BASE, base_body, base.visuals if seen else (), base.collisions if touching else ()),
-    ]
+    # A base that weighs nothing costs Gazebo the whole arm, and one that stands still loads no joint: where the table
+    # gives it no mass, it has that of its shape.
+    base_mass, base_body = manipulator.base_mass, WEIGHTLESS
+    if base_mass != 0.0:
+        base_body = of_mass(shape_body(base.visuals, density), base_mass)
+
+    def link(name: str, body: Inertial, of: Part | Base) -> Link:
+        visuals, collisions = of.visuals if seen else (), of.collisions if touching else ()
+        return own.link(name=name, inertial=body, visuals=visuals, collisions=collisions)
+
+    links = [own.link(name=ROOT), link(BASE, base_body, base)]
     joints = [fixed_joint(ROOT, BASE, base.origin)]
     for number, (part, body) in enumerate(zip(parts, bodies, strict=True)):
         row, limits = part.row, part.limits
-        if row.type is not JointType.FIXED and limits.effort is None:
-            limits = replace(limits, effort=efforts[number])
+        dynamics: dict[str, float | None] = {}  # what the row says, else the run
+        if row.type is not JointType.FIXED:
+            limits = limits if limits.effort is not None else replace(limits, effort=efforts[number])
+            given = {name: getattr(row, name) for name in DYNAMICS}
+            dynamics = {name: getattr(options, name, None) if value is None else value for name, value in given.items()}
         joints.append(
             own.joint(
                 name=row.joint,
@@ -237,11 +221,11 @@ def assemble(
                 origin=part.origin,
                 axis=part.axis,
                 limits=limits,
-                **_dynamics(row, options),
+                **dynamics,
                 mark=row.mark,
             )
         )
-        links.append(_link(row.link, body, part.visuals if seen else (), part.collisions if touching else ()))
+        links.append(link(row.link, body, part))
     carrier = BASE if last is None else parts[last].row.link
     joints += [fixed_joint(carrier, FLANGE, flange), fixed_joint(carrier, TOOL, tool0)]
     links += [own.link(name=FLANGE, inertial=WEIGHTLESS), own.link(name=TOOL, inertial=WEIGHTLESS)]
@@ -252,24 +236,8 @@ def assemble(
         joints.append(fixed_joint(carrier, PAYLOAD, tool0))
         links.append(own.link(name=PAYLOAD, inertial=payload))
     return Robot(
-        name=manipulator.name,
-        links=tuple(links),
-        joints=tuple(joints),
-        parameters=parameters,
-        comment=comment,
+        name=manipulator.name, links=tuple(links), joints=tuple(joints), parameters=parameters, comment=comment
     )
-
-
-def _link(name: str, body: Inertial, visuals: tuple[Visual, ...], collisions: tuple[Collision, ...]) -> Link:
-    return own.link(name=name, inertial=body, visuals=visuals, collisions=collisions)
-
-
-def _dynamics(row: DHRow, options: AlphaSwapOptions) -> dict[str, float | None]:
-    """Damping, friction and armature of a joint: what the row says, else the run."""
-    if row.type is JointType.FIXED:
-        return {}
-    given = {name: getattr(row, name) for name in DYNAMICS}
-    return {name: getattr(options, name, None) if value is None else value for name, value in given.items()}
 
 
 def fixed_joint(parent: str, child: str, origin: Origin) -> Joint:
@@ -316,16 +284,6 @@ def of_mass(body: Inertial, mass: float | None) -> Inertial:
     if mass is None:
         return body
     return own.inertial(mass=mass, com=body.com, inertia=scaled(body.inertia, mass / body.mass))
-
-
-def base_of(manipulator: Manipulator, base: Base, density: float) -> Inertial:
-    """The mass properties of the base: what the table declares about them, the shape's for the rest.
-
-    A base that weighs nothing costs Gazebo the whole arm, and one that stands still loads no joint: where the table
-    gives it no mass, it has that of its shape.
-    """
-    mass = manipulator.base_mass
-    return WEIGHTLESS if mass == 0.0 else of_mass(shape_body(base.visuals, density), mass)
 
 
 def payload_body(manipulator: Manipulator, density: float) -> Inertial | None:
@@ -385,5 +343,5 @@ def static_efforts(parts: Sequence[Part], bodies: Sequence[Inertial]) -> list[fl
         slide = travel(part.row.type, part.limits)
         moment += weight * part.reach + body.mass * (norm(from_foot) + slide)
         weight += body.mass
-        efforts.append(default_efforts(SAFETY * GRAVITY * load))
+        efforts.append(mapped(_default_effort, SAFETY * GRAVITY * load))
     return efforts[::-1]

@@ -10,38 +10,41 @@ from dh2urdf.drawn_links import GAP, is_to_compare, mesh_gap
 from dh2urdf.elementwise import is_column, where
 from dh2urdf.manipulator import Convention, DHRow, JointType
 from dh2urdf.mass_properties import inertia_problem, is_sound, possible_inertia
-from dh2urdf.rotations import HALF_PI, nearest_quarter, quarter_turns, rounded_quarter_turn
+from dh2urdf.rotations import HALF_PI, IDENTITY, nearest_quarter, quarter_turns, rounded_quarter_turn
 from dh2urdf.row_fields import NUMBERS
 from dh2urdf.source import Problem, did_you_mean
 from dh2urdf_plugins.transforms.shapes import SHAPES
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Iterator
 
     from dh2urdf.columns import ManipulatorColumns
     from dh2urdf.elementwise import Condition, Number
-    from dh2urdf.manipulator import LinkGeometry, Manipulator, Payload
+    from dh2urdf.manipulator import Inertia, LinkGeometry, Manipulator
     from dh2urdf.mass_properties import Inertias
 
 SUSPICIOUS = 2e-3
 """Distance from a quarter turn [rad] at which an angle was probably meant to be one: 3.14 and 1.57 are nearer."""
-
 LARGEST = 1e9
 """Size of a number [any unit] up to which a table is beyond doubt: nothing that follows from it overflows."""
-
 PAYLOAD = "payload"
 """Name of the link that is the payload."""
-
-TENSOR = "the tensor about the centre of mass, in kg·m², of a body that exists, or nothing: then it is computed"
-
-REPAIR = (
+_REPAIR = (
     "if it is published so, set the option inertias of the transform: `--set inertias=repair` takes the nearest that a "
     "body can have, `--set inertias=recompute` that of the drawn shape at the stated mass"
 )
-"""What to do about an inertia that no body has."""
-
 PAPER_ANGLES = {"0": 0.0, "pi": math.pi, "pi/2": HALF_PI, "-pi/2": -HALF_PI}
 """The set of the paper's equation (1), by the words that a table may use."""
+
+
+def is_frame(row: DHRow) -> bool:
+    """Whether a row is a frame without a body: a fixed one whose mass is 0."""
+    return row.type is JointType.FIXED and not is_column(row.mass) and row.mass == 0.0
+
+
+def is_weighed(row: DHRow) -> bool:
+    """Whether a table says everything about the mass of a link."""
+    return row.mass is not None and row.com is not None and row.inertia is not None
 
 
 def row_problem(
@@ -67,15 +70,22 @@ def row_problem(
     )
 
 
+# --- Problems of every table ------------------------------------------------------------------------------------------
+
+
 def table_problems(manipulator: Manipulator) -> list[Problem]:
     """Everything that keeps an arm from being made of a table, in the order of the rows."""
-    problems = []
-    if manipulator.density is not None and manipulator.density <= 0.0:
-        problems.append(_positive("density", manipulator.density))
-    if manipulator.base_mass is not None and manipulator.base_mass < 0.0:
-        problems.append(_positive("base.mass", manipulator.base_mass, or_zero=True))
-    if manipulator.payload is not None:
-        problems += _payload_problems(manipulator.payload, manipulator.rows)
+    payload, base_mass = manipulator.payload, manipulator.base_mass
+    problems = [*_positive("density", manipulator.density)]
+    if base_mass is not None and base_mass < 0.0:
+        accepted = "0, or a number greater than 0"
+        message, found = "base.mass must be 0 or greater than 0", f"{base_mass:.12g}"
+        problems.append(Problem(message=message, field="base.mass", found=found, accepted=accepted))
+    if payload is not None:
+        problems += [*_positive("payload.mass", payload.mass), *_tensor_problems("payload.inertia", payload.inertia)]
+        if any(PAYLOAD in (row.joint, row.link) for row in manipulator.rows):
+            message = f"a row of the table is called {PAYLOAD}, and so is the link of the payload"
+            problems.append(Problem(message=message, field="payload", accepted="another name of the row"))
     problems += _geometry_problems("geometry", manipulator.geometry)
     problems += _geometry_problems("base.geometry", manipulator.base_geometry)
     for row in manipulator.rows:
@@ -83,64 +93,62 @@ def table_problems(manipulator: Manipulator) -> list[Problem]:
     return problems
 
 
-def paper_problems(manipulator: Manipulator, snap: float) -> list[Problem]:
-    """What the paper's algorithm has no place for; an α within `snap` of its set is a notice."""
-    problems = []
-    exact = "the exact variant takes it"
-    if manipulator.convention is not Convention.STANDARD:
-        problems.append(
-            Problem(
-                message="the paper's variant takes the standard convention only",
-                field="convention",
-                found=manipulator.convention.value,
-                accepted=Convention.STANDARD.value,
-                suggestion=exact,
-            )
+def _positive(name: str, value: float | None) -> Iterator[Problem]:
+    if value is not None and value <= 0.0:
+        message, found = f"{name} must be greater than 0", f"{value:.12g}"
+        yield Problem(message=message, field=name, found=found, accepted="a number greater than 0")
+
+
+def _tensor_problems(field: str, inertia: Inertia | None) -> Iterator[Problem]:
+    if inertia and (broken := inertia_problem(inertia)):
+        accepted = (
+            "the tensor about the centre of mass, in kg·m², of a body that exists, or nothing: then it is computed"
         )
+        yield Problem(message=broken, field=field, accepted=accepted, suggestion=_REPAIR)
+
+
+def _geometry_problems(name: str, geometry: LinkGeometry) -> Iterator[Problem]:
+    shape = geometry.shape
+    if shape is not None and shape not in SHAPES:
+        message, near = f"no link shape has the name {shape!r}", did_you_mean(shape, SHAPES)
+        accepted = ", ".join(SHAPES)
+        yield Problem(message=message, field=f"{name}.shape", found=shape, accepted=accepted, suggestion=near)
+    yield from _positive(f"{name}.radius", geometry.radius)
+
+
+def _row_problems(row: DHRow) -> Iterator[Problem]:
+    if row.type is not JointType.FIXED and (row.limits.lower is None) is not (row.limits.upper is None):
+        there, missing = ("upper", "lower") if row.limits.lower is None else ("lower", "upper")
+        message = f"the limit {there} is given without {missing}"
+        yield row_problem(row, message, field=f"limits.{missing}", accepted="both of lower and upper, or neither")
+    for name in ("mass", "radius"):
+        if (value := getattr(row, name)) is not None and value <= 0.0 and not (name == "mass" and is_frame(row)):
+            message = f"{name} must be greater than 0"
+            accepted = "a number greater than 0, or nothing: then it is computed"
+            yield row_problem(row, message, field=name, found=value, accepted=accepted)
+    yield from (replace(each, joint=row.joint, mark=row.mark) for each in _tensor_problems("inertia", row.inertia))
+
+
+def with_inertias(manipulator: Manipulator, how: Inertias, floor: float | None) -> tuple[Manipulator, list[Problem]]:
+    """The manipulator with the inertias that are used (`possible_inertia`), and a notice of each other one."""
+    notices, rows = [], []
     for row in manipulator.rows:
-        word, value = nearest_paper_angle(row.alpha)
-        if abs(row.alpha - value) > snap:
-            # The word of the paper's set for the same turn as an angle outside it, such as pi for -pi.
-            turns = quarter_turns(row.alpha)
-            same = None if turns is None else ("0", "pi/2", "pi", "-pi/2")[turns % 4]
-            problems.append(
-                row_problem(
-                    row,
-                    f"alpha is {row.alpha:.12g}, which is not in the set of the paper's variant",
-                    field="alpha",
-                    found=row.alpha,
-                    accepted=", ".join(PAPER_ANGLES),
-                    suggestion=f"{same} is the same turn" if same else exact,
-                )
-            )
-        elif quarter_turns(row.alpha) is None:
-            message = f"alpha is {row.alpha:.12g} and was taken for {word}"
-            problems.append(row_problem(row, message, field="alpha", found=row.alpha, severity="notice"))
-        for name, allowed in (("theta", 0.0), ("offset", 0.0), ("sign", 1)):
-            if (found := getattr(row, name)) != allowed:
-                message = f"{name} is {found:.12g}, and the paper's variant has no place for it"
-                accepted = f"{allowed:.12g}"
-                problems.append(row_problem(row, message, field=name, found=found, accepted=accepted, suggestion=exact))
-        if row.com is not None or row.inertia is not None:
-            message = "com and inertia hold in DH frames, which the paper's chain does not have; its boxes' are written"
-            problems.append(row_problem(row, message, field="com", severity="notice"))
-    return [*problems, *_unplaced(manipulator, exact)]
+        if row.inertia is not None:
+            used, message = possible_inertia(row.inertia, how, floor)
+            if message:
+                notices.append(row_problem(row, message, field="inertia", severity="notice"))
+                row = replace(row, inertia=used)  # noqa: PLW2901 - the row as it is used
+        rows.append(row)
+    payload = manipulator.payload
+    if payload and payload.inertia:
+        used, message = possible_inertia(payload.inertia, how, floor)
+        if message:
+            notices.append(Problem(message=message, field="payload.inertia", severity="notice"))
+            payload = replace(payload, inertia=used)
+    return (replace(manipulator, rows=tuple(rows), payload=payload) if notices else manipulator), notices
 
 
-def _unplaced(manipulator: Manipulator, exact: str) -> Iterator[Problem]:
-    """What the table declares about the ends of the arm, which the paper's chain does not have."""
-    if manipulator.payload is not None:
-        message = "the paper's variant has no place for a payload"
-        yield Problem(message=message, field="payload", accepted="no payload", suggestion=exact)
-    for name, transform in (("base", manipulator.base), ("tool", manipulator.tool)):
-        if any(transform.translation) or tuple(transform.rotation) != (1, 0, 0, 0, 1, 0, 0, 0, 1):
-            message = f"the paper's variant has no place for a {name} transform"
-            yield Problem(message=message, field=name, accepted=f"no {name}", suggestion=exact)
-
-
-def nearest_paper_angle(alpha: float) -> tuple[str, float]:
-    """The angle of the paper's set that is nearest to α, in a table's word and in rad."""
-    return min(PAPER_ANGLES.items(), key=lambda item: abs(item[1] - alpha))
+# --- Angles -----------------------------------------------------------------------------------------------------------
 
 
 def angle_notices(manipulator: Manipulator) -> Iterator[Problem]:
@@ -154,6 +162,25 @@ def angle_notices(manipulator: Manipulator) -> Iterator[Problem]:
                 meant = {1: "pi/2", -1: "-pi/2", 2: "pi", -2: "-pi"}.get(turns, f"{turns}*pi/2")
                 message = f"{name} is {value:.12g}, which is kept as given; {meant} was probably meant"
                 yield row_problem(row, message, field=name, found=value, severity="notice")
+
+
+def _angles_of(row: DHRow) -> tuple[str, ...]:
+    """The names of the numbers of a row that are angles; the offset of a prismatic joint is a length."""
+    turns = row.type in (JointType.REVOLUTE, JointType.CONTINUOUS)
+    return ("alpha", "theta", "offset") if turns else ("alpha", "theta")
+
+
+def is_suspicious(angle: Number) -> Condition:
+    """Whether an angle [rad] was probably rounded from a quarter turn, and is none; takes columns."""
+    turns, is_whole = nearest_quarter(angle)
+    near: Condition = where(is_whole, False, (turns != 0) & (abs(angle - turns * HALF_PI) < SUSPICIOUS))
+    if not is_column(near):
+        return near and rounded_quarter_turn(angle) is not None
+    near[near] = [rounded_quarter_turn(float(each)) is not None for each in angle[near]]
+    return near
+
+
+# --- Many tables ------------------------------------------------------------------------------------------------------
 
 
 def sure_tables(columns: ManipulatorColumns) -> Condition:
@@ -191,98 +218,50 @@ def _is_sure(row: DHRow) -> Condition:
             sure &= size > 0.0
     if row.type is JointType.FIXED:
         sure &= row.offset == 0.0
-    if row.inertia is not None:
-        sure &= is_sound(row.inertia)
-    return sure
+    return sure if row.inertia is None else sure & is_sound(row.inertia)
 
 
-def _angles_of(row: DHRow) -> tuple[str, ...]:
-    """The names of the numbers of a row that are angles; the offset of a prismatic joint is a length."""
-    return (
-        ("alpha", "theta", "offset") if row.type in (JointType.REVOLUTE, JointType.CONTINUOUS) else ("alpha", "theta")
-    )
+# --- The paper's variant ----------------------------------------------------------------------------------------------
 
 
-def is_suspicious(angle: Number) -> Condition:
-    """Whether an angle [rad] was probably rounded from a quarter turn, and is none; takes columns."""
-    turns, is_whole = nearest_quarter(angle)
-    near: Condition = where(is_whole, False, (turns != 0) & (abs(angle - turns * HALF_PI) < SUSPICIOUS))
-    if not is_column(near):
-        return near and rounded_quarter_turn(angle) is not None
-    near[near] = [rounded_quarter_turn(float(each)) is not None for each in angle[near]]
-    return near
+def nearest_paper_angle(alpha: float) -> tuple[str, float]:
+    """The angle of the paper's set that is nearest to α, in a table's word and in rad."""
+    return min(PAPER_ANGLES.items(), key=lambda item: abs(item[1] - alpha))
 
 
-def _row_problems(row: DHRow) -> Iterator[Problem]:
-    if row.type is not JointType.FIXED and (row.limits.lower is None) is not (row.limits.upper is None):
-        there, missing = ("upper", "lower") if row.limits.lower is None else ("lower", "upper")
-        message = f"the limit {there} is given without {missing}"
-        yield row_problem(row, message, field=f"limits.{missing}", accepted="both of lower and upper, or neither")
-    for name in ("mass", "radius"):
-        if (value := getattr(row, name)) is not None and value <= 0.0 and not (name == "mass" and is_frame(row)):
-            message = f"{name} must be greater than 0"
-            accepted = "a number greater than 0, or nothing: then it is computed"
-            yield row_problem(row, message, field=name, found=value, accepted=accepted)
-    if row.inertia and (broken := inertia_problem(row.inertia)):
-        yield row_problem(row, broken, field="inertia", accepted=TENSOR, suggestion=REPAIR)
-
-
-def is_frame(row: DHRow) -> bool:
-    """Whether a row is a frame without a body: a fixed one whose mass is 0."""
-    return row.type is JointType.FIXED and not is_column(row.mass) and row.mass == 0.0
-
-
-def is_weighed(row: DHRow) -> bool:
-    """Whether a table says everything about the mass of a link."""
-    return row.mass is not None and row.com is not None and row.inertia is not None
-
-
-def _geometry_problems(name: str, geometry: LinkGeometry) -> Iterator[Problem]:
-    if geometry.shape is not None and geometry.shape not in SHAPES:
-        yield Problem(
-            message=f"no link shape has the name {geometry.shape!r}",
-            field=f"{name}.shape",
-            found=geometry.shape,
-            accepted=", ".join(SHAPES),
-            suggestion=did_you_mean(geometry.shape, SHAPES),
-        )
-    if geometry.radius is not None and geometry.radius <= 0.0:
-        yield _positive(f"{name}.radius", geometry.radius)
-
-
-def _positive(name: str, value: float, *, or_zero: bool = False) -> Problem:
-    return Problem(
-        message=f"{name} must be {'0 or ' if or_zero else ''}greater than 0",
-        field=name,
-        found=f"{value:.12g}",
-        accepted="0, or a number greater than 0" if or_zero else "a number greater than 0",
-    )
-
-
-def _payload_problems(payload: Payload, rows: Sequence[DHRow]) -> Iterator[Problem]:
-    if payload.mass <= 0.0:
-        yield _positive("payload.mass", payload.mass)
-    if payload.inertia and (broken := inertia_problem(payload.inertia)):
-        yield Problem(message=broken, field="payload.inertia", accepted=TENSOR, suggestion=REPAIR)
-    if any(PAYLOAD in (row.joint, row.link) for row in rows):
-        message = f"a row of the table is called {PAYLOAD}, and so is the link of the payload"
-        yield Problem(message=message, field="payload", accepted="another name of the row")
-
-
-def with_inertias(manipulator: Manipulator, how: Inertias, floor: float | None) -> tuple[Manipulator, list[Problem]]:
-    """The manipulator with the inertias that are used (`possible_inertia`), and a notice of each other one."""
-    notices, rows = [], []
+def paper_problems(manipulator: Manipulator, snap: float) -> Iterator[Problem]:
+    """What the paper's algorithm has no place for; an α within `snap` of its set is a notice."""
+    exact, convention = "the exact variant takes it", manipulator.convention
+    if convention is not Convention.STANDARD:
+        message, accepted = "the paper's variant takes the standard convention only", Convention.STANDARD.value
+        found = convention.value
+        yield Problem(message=message, field="convention", found=found, accepted=accepted, suggestion=exact)
     for row in manipulator.rows:
-        if row.inertia is not None:
-            used, message = possible_inertia(row.inertia, how, floor)
-            if message:
-                notices.append(row_problem(row, message, field="inertia", severity="notice"))
-                row = replace(row, inertia=used)  # noqa: PLW2901 - the row as it is used
-        rows.append(row)
-    payload = manipulator.payload
-    if payload and payload.inertia:
-        used, message = possible_inertia(payload.inertia, how, floor)
-        if message:
-            notices.append(Problem(message=message, field="payload.inertia", severity="notice"))
-            payload = replace(payload, inertia=used)
-    return (replace(manipulator, rows=tuple(rows), payload=payload) if notices else manipulator), notices
+        word, value = nearest_paper_angle(row.alpha)
+        turns = quarter_turns(row.alpha)
+        if abs(row.alpha - value) > snap:
+            # The word of the paper's set for the same turn as an angle outside it, such as pi for -pi.
+            same = exact if turns is None else f"{('0', 'pi/2', 'pi', '-pi/2')[turns % 4]} is the same turn"
+            message, accepted = (
+                f"alpha is {row.alpha:.12g}, which is not in the set of the paper's variant",
+                ", ".join(PAPER_ANGLES),
+            )
+            yield row_problem(row, message, field="alpha", found=row.alpha, accepted=accepted, suggestion=same)
+        elif turns is None:
+            message = f"alpha is {row.alpha:.12g} and was taken for {word}"
+            yield row_problem(row, message, field="alpha", found=row.alpha, severity="notice")
+        for name, allowed in (("theta", 0.0), ("offset", 0.0), ("sign", 1)):
+            if (found := getattr(row, name)) != allowed:
+                message = f"{name} is {found:.12g}, and the paper's variant has no place for it"
+                yield row_problem(row, message, field=name, found=found, accepted=f"{allowed:.12g}", suggestion=exact)
+        if row.com is not None or row.inertia is not None:
+            message = "com and inertia hold in DH frames, which the paper's chain does not have; its boxes' are written"
+            yield row_problem(row, message, field="com", severity="notice")
+    for name, what, is_there in (
+        ("payload", "payload", manipulator.payload is not None),
+        ("base", "base transform", manipulator.base != IDENTITY),
+        ("tool", "tool transform", manipulator.tool != IDENTITY),
+    ):
+        if is_there:
+            message = f"the paper's variant has no place for a {what}"
+            yield Problem(message=message, field=name, accepted=f"no {name}", suggestion=exact)

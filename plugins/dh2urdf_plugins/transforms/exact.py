@@ -3,25 +3,35 @@
 The paper's idea, made right. If all link frames are drawn parallel to the base frame at q = 0, each α turns the joint
 axes and the lengths of all that follows; here they are turned by the whole rotation accumulated so far, signs
 included. `frames` says where everything is; here it becomes joints and bodies.
+
+The functions that make one robot make a column of them: what differs is only that the numbers are arrays. Where robots
+are not all drawn alike, because a length is nothing for some, they are divided, and each half is made by itself.
 """
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple, TypeAlias
+from dataclasses import replace
+from typing import TYPE_CHECKING, TypeAlias
 
 from dh2urdf import unchecked_records as own
-from dh2urdf.elementwise import agreed, greater_of, hypot, smaller_of
+from dh2urdf.elementwise import DividedError, agreed, greater_of, hypot, is_column, smaller_of, where
 from dh2urdf.manipulator import Convention, JointType
-from dh2urdf.robot import Collision
+from dh2urdf.robot import Collision, Cylinder
 from dh2urdf.rotations import IDENTITY
 from dh2urdf_plugins.transforms.assembly import Base, Part, assemble, complete_limits, parameters
-from dh2urdf_plugins.transforms.checks import is_frame
-from dh2urdf_plugins.transforms.formulas import Quantity, nameless, origin, plus, times, values
+from dh2urdf_plugins.transforms.checks import is_frame, sure_tables
+from dh2urdf_plugins.transforms.formulas import Quantity, constants, nameless, origin, plus, signed, times, values
 from dh2urdf_plugins.transforms.frames import aligned_frames, composed, modified_frames, settled, standard_frames
 from dh2urdf_plugins.transforms.shapes import (
+    AHEAD,
+    BARREL,
+    BARREL_LENGTH,
     BASE_COLOUR,
     BASE_WIDTH,
+    CAP,
+    CAP_LENGTH,
     LINK_COLOURS,
+    TUBE,
     Segment,
     Style,
     caps,
@@ -29,28 +39,27 @@ from dh2urdf_plugins.transforms.shapes import (
     default_radius,
     housing,
     pedestal,
+    remains,
     visuals,
 )
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from dh2urdf.columns import ManipulatorColumns, RobotColumns
+    from dh2urdf.elementwise import Number
     from dh2urdf.manipulator import DHRow, Limits, Manipulator, MeshShape
     from dh2urdf.robot import Material, Robot, Visual
     from dh2urdf.rotations import RigidTransform
     from dh2urdf_plugins.transforms.alpha_swap_options import AlphaSwapOptions
-    from dh2urdf_plugins.transforms.formulas import Quantities, Symbol
+    from dh2urdf_plugins.transforms.formulas import Symbol
     from dh2urdf_plugins.transforms.frames import Frames, LinkFrame, Pose
 
     Drawn: TypeAlias = tuple[tuple[Visual, ...], tuple[Collision, ...]]
-    Meshes: TypeAlias = tuple[MeshShape | None, MeshShape | None]
+    """What is seen, and what touches."""
 
-
-class Rail(NamedTuple):
-    """What a prismatic joint runs on, in the frame of the link before it."""
-
-    visuals: tuple[Visual, ...] = ()
-    collisions: tuple[Collision, ...] = ()
+FEWEST = 8
+"""Robots that are worth being made at once when others are drawn differently."""
 
 
 def exact(manipulator: Manipulator, options: AlphaSwapOptions, symbol: Symbol = Quantity.parameter) -> Robot:
@@ -61,22 +70,17 @@ def exact(manipulator: Manipulator, options: AlphaSwapOptions, symbol: Symbol = 
     Raises:
         DividedError: the robots of such a table are not all drawn alike.
     """
-    frames, holders = _held_by_bodies(manipulator.rows, _frames(manipulator, options, symbol))
-    limits = complete_limits(manipulator.rows)
+    rows, is_modified = manipulator.rows, manipulator.convention is Convention.MODIFIED
+    frames_of = aligned_frames if options.frames == "aligned" else modified_frames if is_modified else standard_frames
+    frames, holders = _held_by_bodies(rows, frames_of(manipulator, symbol))
+    limits = complete_limits(rows)
     base_style, styles = _styles(manipulator, options, frames, limits)
-    rails = [
-        _rail(row, frame, bounds, style)
-        for row, frame, bounds, style in zip(manipulator.rows, frames.links, limits, styles, strict=True)
-    ]
-    carried = [*rails[1:], Rail()]
-    links = zip(manipulator.rows, frames.links, limits, styles, carried, strict=True)
-    parts = [
-        _part(*link, holder=holder, is_first=not n) for n, (holder, link) in enumerate(zip(holders, links, strict=True))
-    ]
+    rails = [_rail(*each) for each in zip(rows, frames.links, limits, styles, strict=True)]
+    links = enumerate(zip(rows, frames.links, limits, styles, [*rails[1:], ((), ())], strict=True))
     return assemble(
         manipulator,
         base=_base(manipulator, frames, base_style, rails[0], options),
-        parts=parts,
+        parts=[_part(*link, holder=holders[number], is_first=number == 0) for number, link in links],
         flange=origin(*frames.flange),
         tool0=origin(*frames.tool0),
         options=options,
@@ -86,12 +90,6 @@ def exact(manipulator: Manipulator, options: AlphaSwapOptions, symbol: Symbol = 
             f"(alpha-swap, exact, {options.frames} frames)"
         ),
     )
-
-
-def _frames(manipulator: Manipulator, options: AlphaSwapOptions, symbol: Symbol) -> Frames:
-    if options.frames == "aligned":
-        return aligned_frames(manipulator, symbol)
-    return (modified_frames if manipulator.convention is Convention.MODIFIED else standard_frames)(manipulator, symbol)
 
 
 def _held_by_bodies(rows: Sequence[DHRow], frames: Frames) -> tuple[Frames, list[str | None]]:
@@ -107,9 +105,7 @@ def _held_by_bodies(rows: Sequence[DHRow], frames: Frames) -> tuple[Frames, list
         links.append(frame._replace(joint=joint))
         holders.append(holder)
         holder, way = (holder, joint) if is_frame(row) else (row.link, None)
-    if way is None:
-        return frames._replace(links=links), holders
-    flange, tool0 = composed(way, frames.flange), composed(way, frames.tool0)
+    flange, tool0 = (composed(way, each) if way else each for each in (frames.flange, frames.tool0))
     return frames._replace(links=links, flange=flange, tool0=tool0), holders
 
 
@@ -127,45 +123,44 @@ def _styles(
             prismatic = row.type is JointType.PRISMATIC
             lengths += [high - low if prismatic else frame.offset.length.value, frame.normal.length.value]
         radius = default_radius([abs(length) for length in lengths])
-    base_style = Style(
-        shape=base.shape or shape,
-        radius=base.radius / BASE_WIDTH if base.radius else radius,
-        material=BASE_COLOUR,
-    )
     styles = [
-        Style(
-            shape=shape,
-            radius=radius if row.radius is None else row.radius,
-            material=LINK_COLOURS[number % len(LINK_COLOURS)],
-        )
+        Style(shape, radius if row.radius is None else row.radius, LINK_COLOURS[number % len(LINK_COLOURS)])
         for number, row in enumerate(manipulator.rows)
     ]
-    return base_style, styles
+    base_radius = base.radius / BASE_WIDTH if base.radius else radius
+    return Style(base.shape or shape, base_radius, BASE_COLOUR), styles
 
 
 def _part(
-    row: DHRow, frame: LinkFrame, limits: Limits, style: Style, rail: Rail, *, holder: str | None, is_first: bool
+    row: DHRow,
+    frame: LinkFrame,
+    limits: Limits,
+    style: Style,
+    rail: Drawn,
+    *,
+    holder: str | None,
+    is_first: bool,
 ) -> Part:
     """A joint and its link, which carries the rail of the next joint; a mesh stands for all of it."""
     prismatic = row.type is JointType.PRISMATIC
     # The offset of a prismatic joint is drawn as the rail that the link before carries.
     segments = [frame.normal] if prismatic else [frame.offset, frame.normal]
     if style.shape == "arm":
-        from dh2urdf_plugins.transforms.housings import arm_visuals, tube_style
-
-        seen, style = arm_visuals(row, frame, style, is_first=is_first), tube_style(style)
+        tube = Style("cylinder", TUBE * style.radius, style.material)
+        seen, style = _arm_visuals(row, frame, style, tube, is_first=is_first), tube
     else:
         seen = visuals(segments, style)
-        if style.shape == "capsule":
-            seen += caps(_ends(frame, style, offset=not prismatic), style)
+        if style.shape == "capsule":  # the ends of the drawn segments, their common corner once
+            offset, normal = not prismatic and style.draws(frame.offset), style.draws(frame.normal)
+            points = ((offset, frame.foot), (offset or normal, frame.corner), (normal, frame.end))
+            seen += caps([point for is_drawn, point in points if is_drawn], style)
         if prismatic or not seen:
             seen = (housing(frame.corner, frame.offset.rpy, style), *seen)
-    normal, delta = frame.normal.length.value, frame.offset.length.value
+    touch = collisions(segments, style)
+    seen, touch = rail if is_frame(row) else (seen + rail[0], touch + rail[1])
+    seen, touch = _or_meshes((seen, touch), row.visual, row.collision, frame.dh_frame, style.material)
+    length, delta = frame.normal.length.value, frame.offset.length.value
     low, high = _range(row, limits)
-    seen, touch = seen + rail.visuals, collisions(segments, style) + rail.collisions
-    if is_frame(row):
-        seen, touch = rail.visuals, rail.collisions
-    seen, touch = _or_meshes((seen, touch), (row.visual, row.collision), frame.dh_frame, style.material)
     return Part(
         row=row,
         limits=limits,
@@ -175,15 +170,56 @@ def _part(
         visuals=seen,
         collisions=touch,
         foot=values(frame.foot),
-        reach=hypot(greater_of(abs(delta + low), abs(delta + high)), normal),
-        arm=abs(normal),
+        reach=hypot(greater_of(abs(delta + low), abs(delta + high)), length),
+        arm=abs(length),
         dh_frame=frame.dh_frame,
     )
 
 
-def _or_meshes(drawn: Drawn, meshes: Meshes, dh_frame: RigidTransform, material: Material) -> Drawn:
+def _arm_visuals(row: DHRow, frame: LinkFrame, style: Style, tube: Style, *, is_first: bool) -> tuple[Visual, ...]:
+    """The bodies of a link of the shape ``arm``: tubes, a ball where two of them meet, and the housing of its joint.
+
+    A fixed row is no joint: it has a housing only where it has no tube.
+
+    Args:
+        row: the row of the link.
+        frame: where the link is.
+        style: how it is drawn.
+        tube: how its tubes are drawn.
+        is_first: whether the base carries it: its housing stands on the base, and not through it.
+
+    Raises:
+        DividedError: some of many robots are drawn otherwise.
+    """
+    prismatic = row.type is JointType.PRISMATIC
+    seen = visuals([frame.normal] if prismatic else [frame.offset, frame.normal], tube)
+    has_offset = not prismatic and tube.draws(frame.offset)
+    if has_offset and tube.draws(frame.normal):
+        seen += caps([frame.corner], tube)
+    if row.type is JointType.FIXED and seen:
+        return seen
+    at, ahead = frame.corner, 0.0
+    if has_offset:
+        way = where(frame.offset.length.value < 0.0, -1.0, 1.0)
+        at, ahead = frame.foot, way * ((0.5 * BARREL_LENGTH + CAP_LENGTH if is_first else AHEAD) * style.radius)
+    radius, along = style.radius, constants(signed(row.sign, frame.axis))
+    half = 0.5 * (BARREL_LENGTH + CAP_LENGTH) * radius
+    barrel = Cylinder(radius=BARREL * radius, length=BARREL_LENGTH * radius)
+    cap = Cylinder(radius=CAP * radius, length=CAP_LENGTH * radius)
+
+    def body(shape: Cylinder, offset: Number, material: Material) -> Visual:
+        place = plus(at, times(Quantity(offset), along))
+        return own.visual(geometry=shape, origin=origin(place, frame.offset.rpy), material=material)
+
+    ends = body(cap, ahead - half, BASE_COLOUR), body(cap, ahead + half, BASE_COLOUR)
+    return (body(barrel, ahead, style.material), *ends, *seen)
+
+
+def _or_meshes(
+    drawn: Drawn, visual: MeshShape | None, collision: MeshShape | None, dh_frame: RigidTransform, material: Material
+) -> Drawn:
     """What is seen of a link, and what touches: the meshes that the table has for these, else the given shapes."""
-    (seen, touch), (visual, collision) = drawn, meshes
+    seen, touch = drawn
     if visual or collision:
         from dh2urdf_plugins.transforms.meshes import mesh_collision, mesh_visual
 
@@ -192,17 +228,10 @@ def _or_meshes(drawn: Drawn, meshes: Meshes, dh_frame: RigidTransform, material:
     return seen, touch
 
 
-def _ends(frame: LinkFrame, style: Style, *, offset: bool) -> list[Quantities]:
-    """The ends of the drawn segments, their common corner once."""
-    offset, normal = offset and style.draws(frame.offset), style.draws(frame.normal)
-    drawn = ((offset, frame.foot), (offset or normal, frame.corner), (normal, frame.end))
-    return [point for is_drawn, point in drawn if is_drawn]
-
-
-def _rail(row: DHRow, frame: LinkFrame, limits: Limits, style: Style) -> Rail:
-    """The rail of a prismatic joint, from its lower to its upper limit and down to the joint's foot."""
+def _rail(row: DHRow, frame: LinkFrame, limits: Limits, style: Style) -> Drawn:
+    """The rail of a prismatic joint on the link before, from the lower to the upper limit and to the joint's foot."""
     if row.type is not JointType.PRISMATIC:
-        return Rail()
+        return (), ()
     at, along, rpy = frame.rail
     delta, (low, high) = frame.offset.length, _range(row, limits)
     middle = plus(at, times(delta + Quantity(0.5 * (low + high)), along))
@@ -211,8 +240,8 @@ def _rail(row: DHRow, frame: LinkFrame, limits: Limits, style: Style) -> Rail:
         segments.append(Segment.between(at, along, delta + Quantity(low), rpy))
     elif agreed(delta.value + high < 0.0):
         segments.append(Segment.between(at, along, delta + Quantity(high), rpy))
-    thin = Style(shape=style.shape, radius=0.5 * style.radius, material=BASE_COLOUR)
-    return Rail(visuals(segments, thin), collisions(segments, thin))
+    thin = Style(style.shape, 0.5 * style.radius, BASE_COLOUR)
+    return visuals(segments, thin), collisions(segments, thin)
 
 
 def _range(row: DHRow, limits: Limits) -> tuple[float, float]:
@@ -223,21 +252,72 @@ def _range(row: DHRow, limits: Limits) -> tuple[float, float]:
     return (smaller_of(*ends), greater_of(*ends))
 
 
-def _base(manipulator: Manipulator, frames: Frames, style: Style, rail: Rail, options: AlphaSwapOptions) -> Base:
+def _base(manipulator: Manipulator, frames: Frames, style: Style, rail: Drawn, options: AlphaSwapOptions) -> Base:
     """The pedestal, with the segment a before the first joint and the rail of the first joint where there are such.
 
     A mesh stands for all of it, in the DH frame before the first row.
     """
     stand = pedestal(*frames.pedestal, style)
-    seen: tuple[Visual, ...] = (stand, *visuals([frames.front], style), *rail.visuals)
-    touch: tuple[Collision, ...] = (
-        Collision(geometry=stand.geometry, origin=stand.origin),
-        *collisions([frames.front], style),
-        *rail.collisions,
-    )
-    touch = touch if options.base_collision else ()
+    seen = (stand, *visuals([frames.front], style), *rail[0])
+    touch: tuple[Collision, ...] = ()
+    if options.base_collision:
+        foot = Collision(geometry=stand.geometry, origin=stand.origin)
+        touch = (foot, *collisions([frames.front], style), *rail[1])
     dh_frame = settled(manipulator.base) if options.frames == "aligned" else IDENTITY
-    meshes = manipulator.base_visual, manipulator.base_collision
-    seen, touch = _or_meshes((seen, touch), meshes, dh_frame, BASE_COLOUR)
+    seen, touch = _or_meshes((seen, touch), manipulator.base_visual, manipulator.base_collision, dh_frame, BASE_COLOUR)
     place = own.origin(xyz=dh_frame.translation, rpy=dh_frame.rpy)
     return Base(origin=origin(*frames.base), visuals=seen, collisions=touch, dh_frame=place)
+
+
+# --- Many tables at once ----------------------------------------------------------------------------------------------
+
+
+def exact_columns(columns: ManipulatorColumns, options: AlphaSwapOptions) -> list[tuple[list[int], RobotColumns]]:
+    """The robots of many manipulators, in groups that are drawn alike, each with the places of its members.
+
+    Those about which there is a doubt, and those that few others are drawn like, are left out.
+    """
+    import numpy as np
+
+    groups = []
+    waiting = [np.flatnonzero(sure_tables(columns))]
+    # What a number too large or too small makes of others is no fault: such a robot is not sure.
+    with np.errstate(all="ignore"):
+        while waiting:
+            members = waiting.pop()
+            places = members.tolist()
+            if not places:
+                continue
+            some = columns if len(places) == len(columns) else columns.take(places)
+            try:
+                groups.append((places, _robots(some, options)))
+            except DividedError as divided:
+                halves = (members[~divided.condition], members[divided.condition])
+                waiting += [half for half in halves if len(half) >= FEWEST]
+    return groups
+
+
+def _robots(columns: ManipulatorColumns, options: AlphaSwapOptions) -> RobotColumns:
+    """The robots of tables that are all drawn alike.
+
+    Raises:
+        DividedError: they are not.
+    """
+    from dh2urdf.columns import RobotColumns
+    from dh2urdf.robot_check import sure_columns
+
+    robot = exact(columns.table, options, nameless)
+    # A table of many has no name, so the comment of its robot begins where a name would end.
+    comments = tuple([name + robot.comment for name in columns.names])
+    return RobotColumns(
+        robot=replace(robot, name=columns.names[0], comment=comments[0]),
+        names=columns.names,
+        comments=comments,
+        sure=sure_columns(robot, columns.names),
+        present={
+            (place, number): mask
+            for place, link in enumerate(robot.links)
+            for number, collision in enumerate(link.collisions)
+            if is_column(mask := remains(collision.geometry)) and not mask.all()
+        },
+    )

@@ -182,12 +182,11 @@ def rpy_of(r: tuple[Quantity, ...]) -> Quantities:
 
 def origin(xyz: Quantities, rpy: Quantities = NO_VECTOR) -> Origin:
     """The origin [m, rad] with its formulas; those of a part that no parameter changes are left out."""
-    return own.origin(
-        xyz=values(xyz),
-        rpy=values(rpy),
-        xyz_formula=None if all(number.constant for number in xyz) else _formulas(xyz),
-        rpy_formula=None if all(number.constant for number in rpy) else _formulas(rpy),
+    xyz_formula, rpy_formula = (
+        None if all(number.constant for number in part) else (part[0].formula, part[1].formula, part[2].formula)
+        for part in (xyz, rpy)
     )
+    return own.origin(xyz=values(xyz), rpy=values(rpy), xyz_formula=xyz_formula, rpy_formula=rpy_formula)
 
 
 def values(vector: Quantities) -> Vec3:
@@ -195,42 +194,31 @@ def values(vector: Quantities) -> Vec3:
     return (vector[0].value + 0.0, vector[1].value + 0.0, vector[2].value + 0.0)
 
 
-def _formulas(vector: Quantities) -> tuple[str, str, str]:
-    return (vector[0].formula, vector[1].formula, vector[2].formula)
-
-
 def _turned(cosine: Quantity, sine: Quantity, turns: Number) -> tuple[Quantity, Quantity]:
-    """Cosine and sine of an angle after some quarter turns."""
+    """Cosine and sine of an angle after some quarter turns, which may be a column."""
     quarters = ((cosine, sine), (-sine, cosine), (-cosine, -sine), (sine, -cosine))
     if not is_column(turns):
         return quarters[turns % 4]
-    cosines, sines = zip(*quarters, strict=True)
-    return _chosen(turns, cosines), _chosen(turns, sines)
-
-
-def _chosen(turns: Number, quarters: Sequence[Quantity]) -> Quantity:
-    """Of four quantities the one that belongs to a column of quarter turns, entry by entry."""
     import numpy as np
 
-    return Quantity(np.choose((turns % 4).astype(int), [quantity.value for quantity in quarters]))
+    which = (turns % 4).astype(int)
+    chosen = [Quantity(np.choose(which, [each.value for each in four])) for four in zip(*quarters, strict=True)]
+    return chosen[0], chosen[1]
 
 
 def _cosine(angle: Quantity) -> Quantity:
-    value = mapped(math.cos, angle.value)
-    return Quantity(value) if angle.constant else Quantity(value, f"cos({angle.formula})")
+    return Quantity(mapped(math.cos, angle.value), "" if angle.constant else f"cos({angle.formula})")
 
 
 def _sine(angle: Quantity) -> Quantity:
-    value = mapped(math.sin, angle.value)
-    return Quantity(value) if angle.constant else Quantity(value, f"sin({angle.formula})")
+    return Quantity(mapped(math.sin, angle.value), "" if angle.constant else f"sin({angle.formula})")
 
 
 def _atan2(sine: Quantity, cosine: Quantity) -> Quantity:
     """The angle of a sine and a cosine; adding 0 makes 0 of a -0.0, which atan2 tells apart."""
-    value = atan2(sine.value + 0.0, cosine.value + 0.0)
-    if sine.constant and cosine.constant:
-        return Quantity(value)
-    return Quantity(value, f"atan2({sine.formula} + 0, {cosine.formula} + 0)")
+    is_constant = sine.constant and cosine.constant
+    body = "" if is_constant else f"atan2({sine.formula} + 0, {cosine.formula} + 0)"
+    return Quantity(atan2(sine.value + 0.0, cosine.value + 0.0), body)
 
 
 def _decimal(number: float) -> str:

@@ -13,7 +13,7 @@ Names below: R is the accumulated rotation at q = 0; ϑ and δ are the angle and
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, NamedTuple, cast
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias, cast
 
 from dh2urdf.kinematics import dh_transform_of, joint_variables
 from dh2urdf.manipulator import Convention, DHRow, JointType
@@ -53,6 +53,9 @@ from dh2urdf_plugins.transforms.shapes import Segment, direction_rpy
 if TYPE_CHECKING:
     from dh2urdf.manipulator import Manipulator
     from dh2urdf_plugins.transforms.formulas import Symbol
+
+    Angles: TypeAlias = tuple[Quantity, Quantity, tuple[Quantity, Quantity], tuple[Quantity, Quantity]]
+    """α and ϑ of a row [rad], and the cosine and sine of each."""
 
 FLANGE_RPY: Vec3 = (0.0, -HALF_PI, -HALF_PI)
 """The flange in the last DH frame: x points out of the arm, as in ROS-Industrial."""
@@ -125,40 +128,13 @@ class Frames(NamedTuple):
     tool0: Pose
 
 
-class Lengths(NamedTuple):
-    """The two lengths of a row at q = 0, as quantities.
-
-    Attributes:
-        a: length of the common normal [m].
-        delta: offset along the joint's axis [m].
-    """
-
-    a: Quantity
-    delta: Quantity
-
-
-class Angles(NamedTuple):
-    """The two angles of a row at q = 0, as quantities.
-
-    Attributes:
-        alpha: twist [rad].
-        theta: angle about the joint's axis [rad].
-        twist: cosine and sine of alpha.
-        turn: cosine and sine of theta.
-    """
-
-    alpha: Quantity
-    theta: Quantity
-    twist: tuple[Quantity, Quantity]
-    turn: tuple[Quantity, Quantity]
-
-
 def aligned_frames(manipulator: Manipulator, symbol: Symbol) -> Frames:
     """Link frames parallel to base_link at q = 0; the base transform is folded into the first joint."""
     modified = manipulator.convention is Convention.MODIFIED
     base, tool = settled(manipulator.base), settled(manipulator.tool)
     lengths = _lengths(manipulator, symbol)
-    normals = _normals(manipulator, lengths)
+    a_of_rows = [a for a, _ in lengths]
+    normals = [*a_of_rows, NOTHING] if modified else [NOTHING, *a_of_rows]  # after the base's and every link's offset
     R = base.rotation
     here = constants(base.translation)  # where the chain has come to, in the frame of the last link
     pedestal, ahead = _line(here, z_axis_of(R)), _line(here, x_axis_of(R))
@@ -205,6 +181,7 @@ def aligned_frames(manipulator: Manipulator, symbol: Symbol) -> Frames:
 
 def standard_frames(manipulator: Manipulator, symbol: Symbol) -> Frames:
     """Link i in DH frame i-1 of the standard convention, turned or moved by its joint."""
+    base = settled(manipulator.base)
     place, axis = Pose(NO_VECTOR, NO_VECTOR), _Z  # of the next joint, and its axis there
     links = []
     angles = [_angles(number, row, symbol) for number, row in enumerate(manipulator.rows, start=1)]
@@ -238,7 +215,7 @@ def standard_frames(manipulator: Manipulator, symbol: Symbol) -> Frames:
     # Rz(ϑ)·Rx(α)·rpy(0, -π/2, -π/2) is pitch α - π/2 and yaw ϑ - π/2.
     quarter = Quantity(-HALF_PI)
     return Frames(
-        base=_base(manipulator),
+        base=Pose(constants(base.translation), constants(base.rpy)),
         pedestal=Line(NO_VECTOR, _Z, NO_VECTOR),
         front=Segment(NO_VECTOR, NOTHING, NO_VECTOR),
         links=links,
@@ -249,9 +226,9 @@ def standard_frames(manipulator: Manipulator, symbol: Symbol) -> Frames:
 
 def modified_frames(manipulator: Manipulator, symbol: Symbol) -> Frames:
     """Link i in DH frame i of the modified convention."""
-    tool = settled(manipulator.tool)
+    base, tool = settled(manipulator.base), settled(manipulator.tool)
     lengths = _lengths(manipulator, symbol)
-    normals = _normals(manipulator, lengths)
+    normals = [*(a for a, _ in lengths), NOTHING]
     links = []
     for number, (row, (a, delta), normal) in enumerate(zip(manipulator.rows, lengths, normals[1:], strict=True), 1):
         alpha, _, (ca, sa), (ct, st) = _angles(number, row, symbol)
@@ -272,7 +249,7 @@ def modified_frames(manipulator: Manipulator, symbol: Symbol) -> Frames:
             )
         )
     return Frames(
-        base=_base(manipulator),
+        base=Pose(constants(base.translation), constants(base.rpy)),
         pedestal=Line(NO_VECTOR, _Z, NO_VECTOR),
         front=Segment.between(NO_VECTOR, _X, normals[0], _ALONG_X),
         links=links,
@@ -312,15 +289,9 @@ def settled(transform: RigidTransform) -> RigidTransform:
     return RigidTransform((a, b, c, d, e, f, g, h, i), transform.translation)
 
 
-def _base(manipulator: Manipulator) -> Pose:
-    """The base transform as the origin of base_link_inertia."""
-    base = settled(manipulator.base)
-    return Pose(constants(base.translation), constants(base.rpy))
-
-
 def _standard_tool(place: Pose, angles: Angles, tool: RigidTransform) -> Pose:
     """The tool after the last row, whose frame is `place`: Rz(ϑ) Tz(δ) Tx(a) Rx(α) · tool."""
-    (ca, sa), (ct, st) = angles.twist, angles.turn
+    _, theta, (ca, sa), (ct, st) = angles
     xyz, rpy = place
     if any(tool.translation):
         x, y, z = constants(tool.translation)
@@ -328,36 +299,26 @@ def _standard_tool(place: Pose, angles: Angles, tool: RigidTransform) -> Pose:
         xyz = plus(xyz, (ct * x - st * across, st * x + ct * across, sa * y + ca * z))
     if tool.rotation != IDENTITY_ROTATION:
         first, second, third = (constants(tool.rotation[k : k + 3]) for k in (0, 3, 6))
-        twisted = (
-            *first,
-            *plus(times(ca, second), times(-sa, third)),
-            *plus(times(sa, second), times(ca, third)),
-        )
-        roll, pitch, yaw = rpy_of(twisted)
-        rpy = (roll, pitch, yaw + angles.theta)
+        middle, last = plus(times(ca, second), times(-sa, third)), plus(times(sa, second), times(ca, third))
+        roll, pitch, yaw = rpy_of((*first, *middle, *last))
+        rpy = (roll, pitch, yaw + theta)
     return Pose(xyz, rpy)
 
 
-def _lengths(manipulator: Manipulator, symbol: Symbol) -> list[Lengths]:
-    """The lengths of every row, as quantities named after its number from 1."""
+def _lengths(manipulator: Manipulator, symbol: Symbol) -> list[tuple[Quantity, Quantity]]:
+    """A and δ of every row [m], as quantities named after its number from 1."""
     lengths = []
     for number, row in enumerate(manipulator.rows, start=1):
         a, d = symbol(f"a_{number}", row.a), symbol(f"d_{number}", row.d)
-        lengths.append(Lengths(a, d + Quantity(row.offset) if row.type is JointType.PRISMATIC else d))
+        lengths.append((a, d + Quantity(row.offset) if row.type is JointType.PRISMATIC else d))
     return lengths
 
 
-def _normals(manipulator: Manipulator, lengths: list[Lengths]) -> list[Quantity]:
-    """The length a that follows the base's and every link's offset; none before the first joint of a standard table."""
-    a = [row.a for row in lengths]
-    return [*a, NOTHING] if manipulator.convention is Convention.MODIFIED else [NOTHING, *a]
-
-
 def _angles(number: int, row: DHRow, symbol: Symbol) -> Angles:
-    """α and ϑ of a row, as quantities named after its number from 1."""
+    """The angles of a row, as quantities named after its number from 1."""
     alpha, theta = symbol(f"alpha_{number}", row.alpha), symbol(f"theta_{number}", row.theta)
     turned = theta + Quantity(row.offset) if row.type in (JointType.REVOLUTE, JointType.CONTINUOUS) else theta
-    return Angles(alpha, turned, cos_sin_of(alpha, alpha), cos_sin_of(turned, theta))
+    return alpha, turned, cos_sin_of(alpha, alpha), cos_sin_of(turned, theta)
 
 
 def _line(at: Quantities, along: Vec3) -> Line:

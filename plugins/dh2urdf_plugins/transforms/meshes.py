@@ -9,10 +9,10 @@ from __future__ import annotations
 
 import math
 import re
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from dh2urdf.errors import MissingDependencyError, TransformError
 from dh2urdf.mass_properties import scaled
@@ -30,35 +30,14 @@ if TYPE_CHECKING:
 
 LARGE, SMALL = 10.0, 1e-3
 """Sizes of a mesh at which a careful person would look at its scale [m]."""
-
 _FLAT = 1e-12  # volume over the cube of the size: below, it is rounding
 _OTHER_FILES = {".obj": re.compile(rb"^\s*mtllib\s", re.MULTILINE), ".dae": re.compile(rb"<init_from>[^<]*\.\w+\s*<")}
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class MeshBody:
-    """A mesh as a solid body of 1 kg/m³, in the frame of the mesh.
-
-    Attributes:
-        solid: its mass properties.
-        is_closed: whether they are those of the mesh itself, not of its convex hull.
-        size: the longest edge of the box around it [m].
-    """
-
-    solid: Inertial
-    is_closed: bool
-    size: float
-
-
-# --- Shapes -----------------------------------------------------------------------------------------------------------
-
-
 def mesh_visual(shape: MeshShape, dh_frame: RigidTransform, material: Material) -> Visual:
     """A mesh as it is seen; COLLADA files have colours of their own."""
-    own_colours = Path(shape.file.path).suffix.lower() == ".dae"
-    return Visual(
-        geometry=_geometry(shape), origin=_origin(shape, dh_frame), material=None if own_colours else material
-    )
+    colour = None if Path(shape.file.path).suffix.lower() == ".dae" else material
+    return Visual(geometry=_geometry(shape), origin=_origin(shape, dh_frame), material=colour)
 
 
 def mesh_collision(shape: MeshShape, dh_frame: RigidTransform) -> Collision:
@@ -78,6 +57,20 @@ def _origin(shape: MeshShape, dh_frame: RigidTransform) -> Origin:
 
 
 # --- Masses -----------------------------------------------------------------------------------------------------------
+
+
+class MeshBody(NamedTuple):
+    """A mesh as a solid body of 1 kg/m³, in the frame of the mesh.
+
+    Attributes:
+        solid: its mass properties.
+        is_closed: whether they are those of the mesh itself, not of its convex hull.
+        size: the longest edge of the box around it [m].
+    """
+
+    solid: Inertial
+    is_closed: bool
+    size: float
 
 
 def mesh_solid(mesh: Mesh, density: float) -> Inertial:
@@ -101,38 +94,38 @@ def mesh_body(file: MeshFile, scale: Vec3) -> MeshBody:
         TransformError: the file cannot be read, or encloses nothing.
         MissingDependencyError: a package that reads it is not installed.
     """
+    try:
+        import trimesh  # noqa: F401 - here it is known what is missing
+        from scipy.spatial import QhullError
+    except ImportError as error:
+        raise _missing(error.name or "trimesh", error) from error
     mesh = _read(file)
     mesh.vertices = mesh.vertices * scale
     size = 0.0 if mesh.extents is None else float(max(mesh.extents))
-    is_closed = _is_closed(mesh)
-    if not is_closed:  # A file with several colours, or with hard edges, has a corner several times.
+
+    def solid_of(one: Any) -> Inertial | None:  # noqa: ANN401 - a mesh, see `_read`
+        solid = enclosed(one.triangles, 0.5 * (one.bounds[0] + one.bounds[1]))
+        return solid if solid is not None and abs(solid.mass) > _FLAT * size**3 else None
+
+    for _ in range(2):
+        if mesh.is_watertight and mesh.is_winding_consistent and (solid := solid_of(mesh)):
+            return MeshBody(solid, is_closed=True, size=size)
+        # A file with several colours, or with hard edges, has a corner several times.
         mesh.merge_vertices(merge_tex=True, merge_norm=True)
-        is_closed = _is_closed(mesh)
-    solid = enclosed(mesh.triangles, _middle(mesh.bounds)) if is_closed else None
-    if solid is None or not abs(solid.mass) > _FLAT * size**3:
-        is_closed, solid = False, _hull(mesh, size)
+    try:
+        solid = solid_of(mesh.convex_hull)
+    except (QhullError, ValueError):  # all points lie in a plane
+        solid = None
     if solid is None:
-        raise TransformError(
-            Problem(
-                message=f"the mesh {shown(Path(file.path).name)} is flat, so that it weighs nothing",
-                accepted="a mesh that encloses a volume, or mass, com and inertia in the table",
-            )
-        )
-    return MeshBody(solid=solid, is_closed=is_closed, size=size)
-
-
-def _is_closed(mesh: Any) -> bool:  # noqa: ANN401 - see `_read`
-    return bool(mesh.is_watertight and mesh.is_winding_consistent)
+        message = f"the mesh {shown(Path(file.path).name)} is flat, so that it weighs nothing"
+        accepted = "a mesh that encloses a volume, or mass, com and inertia in the table"
+        raise TransformError(Problem(message=message, accepted=accepted))
+    return MeshBody(solid, is_closed=False, size=size)
 
 
 def _read(file: MeshFile) -> Any:  # noqa: ANN401 - a module without type information
     """The triangles of a file as trimesh has them."""
-    suffix = Path(file.path).suffix.lower()
-    try:
-        import trimesh  # noqa: F401 - `load_scene` does; here it is known what is missing
-    except ImportError as error:
-        raise _missing("trimesh", error) from error
-    content = read_mesh(file)
+    suffix, content = Path(file.path).suffix.lower(), read_mesh(file)
     try:
         mesh = load_scene(content, suffix, process=True).to_mesh()
         if mesh.bounds is None:
@@ -151,25 +144,8 @@ def _read(file: MeshFile) -> Any:  # noqa: ANN401 - a module without type inform
 
 
 def _missing(package: str, error: ImportError) -> MissingDependencyError:
+    package = package.partition(".")[0]
     return MissingDependencyError("transform 'alpha-swap', for the mass of a mesh,", package, "dh2urdf[meshes]", error)
-
-
-def _hull(mesh: Any, size: float) -> Inertial | None:  # noqa: ANN401 - see `_read`
-    """The body of the convex hull; None where all points lie in a plane."""
-    try:
-        from scipy.spatial import QhullError
-    except ImportError as error:
-        raise _missing("scipy", error) from error
-    try:
-        hull = mesh.convex_hull
-    except (QhullError, ValueError):
-        return None
-    solid = enclosed(hull.triangles, _middle(hull.bounds))
-    return solid if solid and solid.mass > _FLAT * size**3 else None
-
-
-def _middle(bounds: Any) -> Any:  # noqa: ANN401 - arrays
-    return 0.5 * (bounds[0] + bounds[1])
 
 
 # --- What is wrong ----------------------------------------------------------------------------------------------------
@@ -182,15 +158,14 @@ def mesh_problems(manipulator: Manipulator) -> list[Problem]:
         MissingDependencyError: a package that is needed for masses is not installed.
     """
     problems: list[Problem] = []
-    if manipulator.base_visual:
-        problems += _shape_problems(manipulator.base_visual, "base.visual", None, weighed=True)
-    if manipulator.base_collision and manipulator.base_collision != manipulator.base_visual:
-        problems += _shape_problems(manipulator.base_collision, "base.collision", None, weighed=False)
-    for row in manipulator.rows:
-        if row.visual:
-            problems += _shape_problems(row.visual, "visual", row, weighed=not is_weighed(row))
-        if row.collision and row.collision != row.visual:
-            problems += _shape_problems(row.collision, "collision", row, weighed=False)
+    for row in (None, *manipulator.rows):
+        of = "base." if row is None else ""
+        visual = manipulator.base_visual if row is None else row.visual
+        collision = manipulator.base_collision if row is None else row.collision
+        if visual:
+            problems += _shape_problems(visual, f"{of}visual", row, weighed=row is None or not is_weighed(row))
+        if collision and collision != visual:
+            problems += _shape_problems(collision, f"{of}collision", row, weighed=False)
     return problems
 
 
@@ -206,13 +181,13 @@ def unplaced_meshes(manipulator: Manipulator) -> Iterator[Problem]:
 
 
 def _shape_problems(shape: MeshShape, field: str, row: DHRow | None, *, weighed: bool) -> Iterator[Problem]:
-    name = shown(Path(shape.file.path).name)
+    path = Path(shape.file.path)
+    name, suffix = shown(path.name), path.suffix.lower()
 
     def problem(message: str, **more: Any) -> Problem:  # noqa: ANN401 - words of a problem
         joint, mark = (row.joint, row.mark) if row else (None, None)
         return Problem(message=message, mark=shape.mark or mark, joint=joint, field=field, **more)
 
-    suffix = Path(shape.file.path).suffix.lower()
     if suffix not in FORMATS:
         yield problem(f"the mesh {name} is in no format that simulators share", found=suffix, accepted="STL, OBJ, DAE")
         return
@@ -228,45 +203,34 @@ def _shape_problems(shape: MeshShape, field: str, row: DHRow | None, *, weighed:
         body = mesh_body(shape.file, shape.scale)
     except TransformError as error:
         for why in error.problems:
-            told = problem(why.message, accepted=why.accepted)
-            yield replace(told, found=shape.file.path)
+            yield replace(problem(why.message, accepted=why.accepted), found=shape.file.path)
         return
     if not body.is_closed:
-        yield problem(
-            f"the mesh {name} is not closed: its mass is that of its convex hull",
-            severity="notice",
-            suggestion="give mass, com and inertia, or close the mesh",
+        message, advice = (
+            "is not closed: its mass is that of its convex hull",
+            "give mass, com and inertia, or close the mesh",
         )
+        yield problem(f"the mesh {name} {message}", severity="notice", suggestion=advice)
     if not SMALL < body.size < LARGE:
-        yield problem(
-            f"the mesh {name} is {body.size:.3g} m long",
-            severity="notice",
-            suggestion="if its numbers are in mm, give it the scale 0.001; if they are in m, the scale 1",
-        )
+        advice = "if its numbers are in mm, give it the scale 0.001; if they are in m, the scale 1"
+        yield problem(f"the mesh {name} is {body.size:.3g} m long", severity="notice", suggestion=advice)
 
 
 @lru_cache(maxsize=256)
 def _remarks(file: MeshFile) -> tuple[tuple[str, str], ...]:
     """What a file says that readers of robot descriptions take in different ways, each with what to do about it."""
-    content = read_mesh(file)
-    suffix = Path(file.path).suffix.lower()
+    content, suffix = read_mesh(file), Path(file.path).suffix.lower()
+    try:
+        asset = asset_of(content, suffix)
+    except ValueError:  # It is no COLLADA; its reader reports that.
+        return ()
     remarks = []
-    if suffix == ".dae":
-        try:
-            asset = asset_of(content, suffix)
-        except ValueError:  # It is no COLLADA; its reader reports that.
-            return ()
-        if asset.unit != 1.0:
-            remarks.append((f"says that its unit is {asset.unit:.6g} m", "in metres"))
-        if asset.up != "Z_UP":
-            remarks.append((f"says that {asset.up[:1].lower()} points up", "with z up"))
-    remarks = [
-        (
-            f"{message}, which some readers follow and others do not",
-            f"export it {how}, or {REMEDY}",
-        )
-        for message, how in remarks
-    ]
+    for is_odd, message, how in (
+        (asset.unit != 1.0, f"says that its unit is {asset.unit:.6g} m", "in metres"),
+        (asset.up != "Z_UP", f"says that {asset.up[:1].lower()} points up", "with z up"),
+    ):
+        if is_odd:
+            remarks.append((f"{message}, which some readers follow and others do not", f"export it {how}, or {REMEDY}"))
     if suffix in _OTHER_FILES and _OTHER_FILES[suffix].search(content):
         remarks.append(("names files of materials or textures, which are not copied with it", "give it plain colours"))
     return tuple(remarks)

@@ -37,29 +37,25 @@ if TYPE_CHECKING:
 
 THICKNESS = 0.01
 """Thickness of the paper's boxes [m] (section IV)."""
-
 _LEAST = 1e-5  # shortest side of a box [m]
 
 
 class PaperRow(NamedTuple):
-    """What the algorithm keeps of a row.
-
-    Attributes:
-        axis: of the joint.
-        direction: from the joint to the next one.
-        along_y: length along y [m].
-        along_z: length along z [m].
-    """
+    """What the algorithm keeps of a row: the joint's axis, the direction to the next joint, and two lengths [m]."""
 
     axis: Vec3
     direction: Vec3
     along_y: Quantity
     along_z: Quantity
 
-    @property
-    def length(self) -> Quantity:
-        """The distance from the joint to the next one [m]."""
-        return greater(self.along_y, self.along_z)
+    def box(self, shorter: float = 0.0) -> Box:
+        """The link's box: its lengths along y and z, the paper's thickness where there is none."""
+        thick = Quantity(THICKNESS)
+        y, z = (
+            length_of(length, shorter, least=_LEAST) if length.value else thick
+            for length in (self.along_y, self.along_z)
+        )
+        return Box(size=(thick.value, y.value, z.value), size_formula=(thick.formula, y.formula, z.formula))
 
 
 def paper(manipulator: Manipulator, options: AlphaSwapOptions) -> Robot:
@@ -68,10 +64,13 @@ def paper(manipulator: Manipulator, options: AlphaSwapOptions) -> Robot:
     here = NO_VECTOR
     rows = manipulator.rows
     for number, (row, swapped, limits) in enumerate(zip(rows, swapped_rows(rows), complete_limits(rows), strict=True)):
-        length = swapped.length
+        length = greater(swapped.along_y, swapped.along_z)
         step = times(length, constants(swapped.direction))
-        colour = LINK_COLOURS[number % len(LINK_COLOURS)]
         middle = origin(times(HALF, step))
+        sides = [abs(side.value) for side in (swapped.along_y, swapped.along_z) if side.value]
+        # The box that touches is half its thickness shorter at each end, where something of it remains.
+        touches = sides and min(sides) - THICKNESS > _LEAST
+        colour = LINK_COLOURS[number % len(LINK_COLOURS)]
         parts.append(
             Part(
                 row=row,
@@ -79,8 +78,8 @@ def paper(manipulator: Manipulator, options: AlphaSwapOptions) -> Robot:
                 holder=rows[number - 1].link if number else None,
                 origin=origin(here),
                 axis=swapped.axis,
-                visuals=(Visual(geometry=_box(swapped), origin=middle, material=colour),),
-                collisions=_collisions(swapped, middle),
+                visuals=(Visual(geometry=swapped.box(), origin=middle, material=colour),),
+                collisions=(Collision(geometry=swapped.box(THICKNESS), origin=middle),) if touches else (),
                 foot=ZERO,
                 reach=length.value + travel(row.type, limits),
                 arm=0.0 if swapped.axis == swapped.direction else length.value,
@@ -88,10 +87,10 @@ def paper(manipulator: Manipulator, options: AlphaSwapOptions) -> Robot:
             )
         )
         here = step
-    style = Style(shape="box", radius=0.5 * THICKNESS, material=BASE_COLOUR)
+    stand = pedestal(NO_VECTOR, constants(Z_AXIS), NO_VECTOR, Style("box", 0.5 * THICKNESS, BASE_COLOUR))
     return assemble(
         manipulator,
-        base=Base(origin=Origin(), visuals=(pedestal(NO_VECTOR, constants(Z_AXIS), NO_VECTOR, style),), collisions=()),
+        base=Base(origin=Origin(), visuals=(stand,), collisions=()),
         parts=parts,
         flange=origin(here),
         tool0=origin(here),
@@ -118,20 +117,3 @@ def swapped_rows(rows: Iterable[DHRow]) -> Iterator[PaperRow]:
         word, _ = nearest_paper_angle(row.alpha)
         turned ^= word in ("pi/2", "-pi/2")
         turned_origins ^= word == "-pi/2"
-
-
-def _box(row: PaperRow, shorter: float = 0.0) -> Box:
-    """A link's box: its lengths along y and z, the paper's thickness where there is none."""
-    thick = Quantity(THICKNESS)
-    y, z = (
-        length_of(length, shorter, least=_LEAST) if length.value else thick for length in (row.along_y, row.along_z)
-    )
-    return Box(size=(thick.value, y.value, z.value), size_formula=(thick.formula, y.formula, z.formula))
-
-
-def _collisions(row: PaperRow, middle: Origin) -> tuple[Collision, ...]:
-    """The box, half its thickness shorter at each end, where something of it remains."""
-    lengths = [abs(length.value) for length in (row.along_y, row.along_z) if length.value]
-    if not lengths or min(lengths) - THICKNESS <= _LEAST:
-        return ()
-    return (Collision(geometry=_box(row, THICKNESS), origin=middle),)

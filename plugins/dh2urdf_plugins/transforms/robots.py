@@ -1,12 +1,9 @@
-"""The robot of a table, in the variant that the options name, with what is wrong or odd about the table.
-
-What a table declares about shapes and densities that no description shows: each of it is worth a notice.
-"""
+"""The robot of a table, in the variant that the options name, with what is wrong or odd about the table."""
 
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 from dh2urdf.drawn_links import other_lengths
 from dh2urdf.errors import TransformError
@@ -26,98 +23,8 @@ from dh2urdf_plugins.transforms.exact import exact
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
-    from dh2urdf.manipulator import LinkGeometry, Manipulator, MeshShape
+    from dh2urdf.manipulator import Manipulator, MeshShape
     from dh2urdf.robot import Robot
-
-
-class Drawn(NamedTuple):
-    """Whether links are seen, and whether they touch."""
-
-    seen: bool
-    touching: bool
-
-    @classmethod
-    def of(cls, manipulator: Manipulator, options: AlphaSwapOptions) -> Drawn:
-        """What the table declares about it, else the options."""
-        return cls(
-            options.visuals == "all" if manipulator.visuals is None else manipulator.visuals,
-            options.collisions == "all" if manipulator.collisions is None else manipulator.collisions,
-        )
-
-    def shows(self, visual: MeshShape | None, collision: MeshShape | None, *, weighed: bool) -> bool:
-        """Whether the shape of a link shows: it is seen, it touches, or it says what the link weighs."""
-        return (visual is None and (self.seen or not weighed)) or (collision is None and self.touching)
-
-
-def unused_shapes(manipulator: Manipulator, options: AlphaSwapOptions) -> Iterator[Problem]:
-    """Shapes, radii and densities without effect in the exact variant, and a shape that the base cannot have."""
-    drawn = Drawn.of(manipulator, options)
-    shown = [drawn.shows(row.visual, row.collision, weighed=is_weighed(row)) for row in manipulator.rows]
-    # The rail of a prismatic joint has the joint's radius, and is a part of the link before.
-    of_base = Drawn(drawn.seen, drawn.touching and options.base_collision)
-    # Of a base that weighs something, the inertia at least is that of its shape.
-    weightless = manipulator.base_mass == 0.0
-    base_shows = of_base.shows(manipulator.base_visual, manipulator.base_collision, weighed=weightless)
-    before = [base_shows, *shown]
-    shown = [
-        shows or (row.type is JointType.PRISMATIC and carries)
-        for row, shows, carries in zip(manipulator.rows, shown, before, strict=False)
-    ]
-    for row, shows in zip(manipulator.rows, shown, strict=True):
-        if row.radius is not None and not shows:
-            message = "radius has no effect: no shape of the link is drawn, and none says what the link weighs"
-            yield row_problem(row, message, field="radius", found=row.radius, severity="notice")
-    yield from _of_the_base(manipulator.base_geometry, shows=base_shows)
-    whole, base = manipulator.geometry, manipulator.base_geometry
-    with_radius = [shows and row.radius is None for row, shows in zip(manipulator.rows, shown, strict=True)]
-    if whole.shape and not any(shown) and not (base_shows and base.shape is None):
-        yield _unused("defaults.geometry.shape", "no shape is drawn")
-    if whole.radius and not any(with_radius) and not (base_shows and base.radius is None):
-        yield _unused("defaults.geometry.radius", "every link that is drawn has a radius of its own, or a mesh")
-    yield from unused_density(manipulator)
-
-
-def unused_density(manipulator: Manipulator) -> Iterator[Problem]:
-    """A notice of a density that nothing is computed from, because every body has its mass."""
-    payload = manipulator.payload
-    if (
-        manipulator.density is not None
-        and manipulator.base_mass is not None
-        and all(row.mass is not None for row in manipulator.rows)
-        and not (payload and payload.inertia is None)
-    ):
-        yield _unused("defaults.density", "every link and the base have masses of their own")
-
-
-def unused_in_paper(manipulator: Manipulator, options: AlphaSwapOptions) -> Iterator[Problem]:
-    """The same of the paper's variant, which draws boxes of its own, and options that the exact one has."""
-    why = "the paper's variant draws boxes of its own"
-    for name in ("frames", "near_parallel", "shape", "radius"):
-        if getattr(options, name) != getattr(AlphaSwapOptions(), name):
-            yield _unused(name, "the paper's variant has a chain and boxes of its own")
-    for name, geometry in (("defaults.geometry", manipulator.geometry), ("base.geometry", manipulator.base_geometry)):
-        if geometry.shape or geometry.radius:
-            yield _unused(name, why)
-    for row in manipulator.rows:
-        if row.radius is not None:
-            yield row_problem(row, f"radius has no effect: {why}", field="radius", found=row.radius, severity="notice")
-    yield from unused_density(manipulator)
-
-
-def _of_the_base(geometry: LinkGeometry, *, shows: bool) -> Iterator[Problem]:
-    if (geometry.shape or geometry.radius) and not shows:
-        yield _unused("base.geometry", "no shape of the base is drawn, and none says what the base weighs")
-    elif geometry.shape in ("capsule", "arm"):
-        why = "its body is too flat for a capsule" if geometry.shape == "capsule" else "it has no joint for a housing"
-        message = f"the base is drawn as a cylinder: {why}"
-        accepted = "cylinder or box for the base"
-        yield Problem(
-            message=message, severity="notice", field="base.geometry.shape", found=geometry.shape, accepted=accepted
-        )
-
-
-def _unused(field: str, why: str) -> Problem:
-    return Problem(message=f"{field} has no effect: {why}", severity="notice", field=field)
 
 
 def robot_of(manipulator: Manipulator, options: AlphaSwapOptions) -> Robot:
@@ -127,20 +34,16 @@ def robot_of(manipulator: Manipulator, options: AlphaSwapOptions) -> Robot:
         TransformError: no arm can be made of the table; all its problems are named.
     """
     manipulator, raised = with_inertias(manipulator, options.inertias, options.inertia_floor)
-    given, problems = manipulator, table_problems(manipulator)
-    if options.near_parallel == "split" and options.variant == "exact" and not problems:
+    given, problems, is_paper = manipulator, table_problems(manipulator), options.variant == "paper"
+    if options.near_parallel == "split" and not is_paper and not problems:
         from dh2urdf_plugins.extraction.splitting import with_split_links
 
         manipulator, problems = with_split_links(manipulator)
-    table = None if manipulator is given else manipulator
-    if options.variant == "paper":
-        problems += [*paper_problems(manipulator, options.snap), *of_meshes(manipulator, placed=False)]
-        problems += unused_in_paper(manipulator, options)
-    else:
-        problems += [*of_meshes(manipulator), *unused_shapes(manipulator, options)]
+    problems += [*paper_problems(manipulator, options.snap)] if is_paper else []
+    problems += [*of_meshes(manipulator, placed=not is_paper), *without_effect(manipulator, options)]
     if any(problem.severity == "error" for problem in problems):
         raise TransformError([problem.about(robot=manipulator.name, mark=manipulator.mark) for problem in problems])
-    if options.variant == "paper":
+    if is_paper:
         from dh2urdf_plugins.transforms.paper import paper
 
         robot = paper(manipulator, options)
@@ -148,7 +51,7 @@ def robot_of(manipulator: Manipulator, options: AlphaSwapOptions) -> Robot:
         robot = exact(manipulator, options)
         problems += [*raised, *angle_notices(given), *other_lengths(given)]
     notices = tuple(notice.about(robot=robot.name, mark=manipulator.mark) for notice in problems)
-    return replace(robot, notices=notices, manipulator=table)
+    return replace(robot, notices=notices, manipulator=None if manipulator is given else manipulator)
 
 
 def of_meshes(manipulator: Manipulator, *, placed: bool = True) -> Iterable[Problem]:
@@ -159,3 +62,70 @@ def of_meshes(manipulator: Manipulator, *, placed: bool = True) -> Iterable[Prob
     from dh2urdf_plugins.transforms.meshes import mesh_problems, unplaced_meshes
 
     return mesh_problems(manipulator) if placed else unplaced_meshes(manipulator)
+
+
+def without_effect(manipulator: Manipulator, options: AlphaSwapOptions) -> Iterator[Problem]:
+    """Shapes, radii and densities of a table that change nothing, and a shape that the base cannot have."""
+    base, whole, rows = manipulator.base_geometry, manipulator.geometry, manipulator.rows
+    is_paper, usual = options.variant == "paper", AlphaSwapOptions()
+    base_shows, shown = (False, [False for _ in rows]) if is_paper else _shown(manipulator, options)
+    needs_radius = any(shows and row.radius is None for row, shows in zip(rows, shown, strict=True))
+    boxes = "the paper's variant draws boxes of its own"
+    masses = [manipulator.base_mass, *(row.mass for row in rows)]
+    payload = manipulator.payload
+    no_base = "no shape of the base is drawn, and none says what the base weighs"
+    all_radii = "every link that is drawn has a radius of its own, or a mesh"
+    for field, is_given, why in (
+        *(
+            (name, is_paper and getattr(options, name) != getattr(usual, name), f"{boxes}, and has a chain of its own")
+            for name in ("frames", "near_parallel", "shape", "radius")
+        ),
+        ("base.geometry", (base.shape or base.radius) and not base_shows, boxes if is_paper else no_base),
+        (
+            "defaults.geometry.shape",
+            whole.shape and not any(shown) and not (base_shows and base.shape is None),
+            boxes if is_paper else "no shape is drawn",
+        ),
+        (
+            "defaults.geometry.radius",
+            whole.radius and not needs_radius and not (base_shows and base.radius is None),
+            boxes if is_paper else all_radii,
+        ),
+        (
+            "defaults.density",
+            manipulator.density is not None and None not in masses and not (payload and payload.inertia is None),
+            "every link and the base have masses of their own",
+        ),
+    ):
+        if is_given:
+            yield Problem(message=f"{field} has no effect: {why}", severity="notice", field=field)
+    if base_shows and base.shape in ("capsule", "arm"):
+        message, field = f"the base is drawn as a cylinder: it cannot be drawn as {base.shape}", "base.geometry.shape"
+        accepted = "cylinder or box for the base"
+        yield Problem(message=message, severity="notice", field=field, found=base.shape, accepted=accepted)
+    why = boxes if is_paper else "no shape of the link is drawn, and none says what the link weighs"
+    for row, shows in zip(rows, shown, strict=True):
+        if row.radius is not None and not shows:
+            message = f"radius has no effect: {why}"
+            yield row_problem(row, message, field="radius", found=row.radius, severity="notice")
+
+
+def _shown(manipulator: Manipulator, options: AlphaSwapOptions) -> tuple[bool, list[bool]]:
+    """Whether the shapes of the base and of every link show: seen, touching, or as what says what a link weighs."""
+    seen = options.visuals == "all" if manipulator.visuals is None else manipulator.visuals
+    touching = options.collisions == "all" if manipulator.collisions is None else manipulator.collisions
+
+    def shows(visual: MeshShape | None, collision: MeshShape | None, *, weighed: bool, touching: bool) -> bool:
+        return (visual is None and (seen or not weighed)) or (collision is None and touching)
+
+    rows = manipulator.rows
+    shown = [shows(row.visual, row.collision, weighed=is_weighed(row), touching=touching) for row in rows]
+    base_shows = shows(
+        manipulator.base_visual,
+        manipulator.base_collision,
+        weighed=manipulator.base_mass == 0.0,  # of any other mass, the inertia at least is that of its shape
+        touching=touching and options.base_collision,
+    )
+    # The rail of a prismatic joint has the joint's radius, and is a part of the link before.
+    before = zip(rows, shown, [base_shows, *shown], strict=False)
+    return base_shows, [own or (row.type is JointType.PRISMATIC and carries) for row, own, carries in before]

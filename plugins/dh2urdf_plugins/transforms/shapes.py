@@ -3,12 +3,15 @@
 A DH link is an L: the offset d along its joint's axis, then the length a along the common normal. Each segment that is
 not zero is a body of its own, so the model looks like the arm. The offset of a prismatic joint changes as it moves:
 there the link before carries a rail from the lower limit to the upper one, with a foot that reaches it, and the link
-itself is a carriage on it. A link with no segment gets a joint housing. `housings` has the shape ``arm``.
+itself is a carriage on it. A link with no segment gets a joint housing.
+
+The shape ``arm`` has a housing at each joint, and tubes that lead to the next one. The housing is a cylinder along the
+joint's axis with a cap at each end, thicker than the tubes, so that the axis is seen and neighbours seem to meet in it.
+The tubes lie where the segments of the other shapes lie, and only they touch.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import reduce
 from typing import TYPE_CHECKING, NamedTuple, get_args
 
@@ -16,7 +19,16 @@ from dh2urdf import unchecked_records as own
 from dh2urdf.elementwise import agreed, atan2, for_some, greater_of, hypot, smaller_of, where
 from dh2urdf.robot import Box, Collision, Cylinder, Material, Sphere, Visual
 from dh2urdf_plugins.transforms.alpha_swap_options import Shape
-from dh2urdf_plugins.transforms.formulas import HALF, NO_VECTOR, Quantities, Quantity, length_of, origin, plus, times
+from dh2urdf_plugins.transforms.formulas import (
+    HALF,
+    NO_VECTOR,
+    Quantities,
+    Quantity,
+    length_of,
+    origin,
+    plus,
+    times,
+)
 
 if TYPE_CHECKING:
     from dh2urdf.elementwise import Condition
@@ -27,15 +39,20 @@ SHAPES: tuple[str, ...] = get_args(Shape)
 
 DEFAULT_RADIUS = 0.04
 """Radius of links at most [m]; a tenth of the longest segment where that is smaller."""
-
 BASE_WIDTH = 1.5
 """Radius of the base in radii of a link; it is one radius high."""
-
 SHORTEST = 1e-3
 """Length of a body in radii; what is not longer is nothing to draw."""
-
 SMALLEST = 1e-6
 """Length [m] up to which an arm has no segment that could give it a scale."""
+TUBE = 0.8
+"""Radius of a tube of the shape ``arm``, in radii of the link, like all sizes of that shape."""
+BARREL, BARREL_LENGTH = 1.25, 2.2
+"""Radius and length of a housing."""
+CAP, CAP_LENGTH = 1.1, 0.15
+"""Radius and length of the caps at its ends."""
+AHEAD = 0.3
+"""How far a housing stands off its joint's origin to the side where its tube is."""
 
 BASE_COLOUR = Material(name="graphite", rgba=(0.2, 0.21, 0.23, 1.0))
 LINK_COLOURS = (
@@ -64,8 +81,7 @@ class Segment(NamedTuple):
         return cls(plus(start, times(length, times(HALF, direction))), length, rpy)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Style:
+class Style(NamedTuple):
     """How a link is drawn.
 
     Attributes:
@@ -78,18 +94,22 @@ class Style:
     radius: float
     material: Material
 
-    @property
-    def shortest(self) -> float:
-        """Length up to which there is nothing to draw [m]."""
-        return SHORTEST * self.radius
-
     def draws(self, segment: Segment) -> bool:
         """Whether a segment is long enough to be drawn.
 
         Raises:
             DividedError: those of some of many robots are.
         """
-        return agreed(abs(segment.length.value) > self.shortest)
+        return agreed(abs(segment.length.value) > SHORTEST * self.radius)
+
+    def prism(self, length: Quantity) -> Box | Cylinder:
+        """A straight body along z."""
+        formula = None if length.constant else length.formula
+        if self.shape == "box":
+            side = Quantity(2.0 * self.radius)
+            size_formula = (side.formula, side.formula, formula) if formula else None
+            return Box(size=(side.value, side.value, length.value), size_formula=size_formula)
+        return Cylinder(radius=self.radius, length=length.value, length_formula=formula)
 
 
 def default_radius(segments: list[float]) -> float:
@@ -115,7 +135,7 @@ def visuals(segments: list[Segment], style: Style) -> tuple[Visual, ...]:
     """The bodies of segments; those that are too short to see are left out."""
     return tuple(
         own.visual(
-            geometry=_prism(style, length_of(segment.length, least=style.shortest)),
+            geometry=style.prism(length_of(segment.length, least=SHORTEST * style.radius)),
             origin=origin(segment.centre, segment.rpy),
             material=style.material,
         )
@@ -126,10 +146,8 @@ def visuals(segments: list[Segment], style: Style) -> tuple[Visual, ...]:
 
 def caps(points: list[Quantities], style: Style) -> tuple[Visual, ...]:
     """The spheres at the ends of a capsule's segments."""
-    return tuple(
-        own.visual(geometry=Sphere(radius=style.radius), origin=origin(point), material=style.material)
-        for point in points
-    )
+    ball = Sphere(radius=style.radius)
+    return tuple(own.visual(geometry=ball, origin=origin(point), material=style.material) for point in points)
 
 
 def collisions(segments: list[Segment], style: Style) -> tuple[Collision, ...]:
@@ -138,14 +156,14 @@ def collisions(segments: list[Segment], style: Style) -> tuple[Collision, ...]:
     They are left out where nothing remains, and have no caps. Of many robots, what remains for some is there for all;
     `remains` tells for which.
     """
-    both_ends = 2.0 * style.radius
+    both_ends, shortest = 2.0 * style.radius, SHORTEST * style.radius
     return tuple(
         own.collision(
-            geometry=_prism(style, length_of(segment.length, both_ends, least=style.shortest)),
+            geometry=style.prism(length_of(segment.length, both_ends, least=shortest)),
             origin=origin(segment.centre, segment.rpy),
         )
         for segment in segments
-        if for_some(abs(segment.length.value) - both_ends > style.shortest)
+        if for_some(abs(segment.length.value) - both_ends > shortest)
     )
 
 
@@ -161,29 +179,14 @@ def remains(body: Geometry) -> Condition:
 
 def housing(at: Quantities, rpy: Quantities, style: Style) -> Visual:
     """The body of a link without segments: as long as it is thick, along its joint's axis."""
-    geometry: Geometry
+    geometry: Geometry = style.prism(Quantity(2.0 * style.radius))
     if style.shape == "capsule":
         geometry, rpy = Sphere(radius=style.radius), NO_VECTOR
-    else:
-        geometry = _prism(style, Quantity(2.0 * style.radius))
     return own.visual(geometry=geometry, origin=origin(at, rpy), material=style.material)
 
 
 def pedestal(at: Quantities, up: Quantities, rpy: Quantities, style: Style) -> Visual:
     """The body of the base, at a point: 1.5 radii in radius, one radius high."""
-    wide = Style(shape=style.shape, radius=BASE_WIDTH * style.radius, material=style.material)
     segment = Segment.between(at, up, Quantity(style.radius), rpy)
-    shape = _prism(wide, segment.length)
+    shape = style._replace(radius=BASE_WIDTH * style.radius).prism(segment.length)
     return own.visual(geometry=shape, origin=origin(segment.centre, rpy), material=style.material)
-
-
-def _prism(style: Style, length: Quantity) -> Box | Cylinder:
-    """A straight body along z."""
-    formula = None if length.constant else length.formula
-    if style.shape == "box":
-        side = Quantity(2.0 * style.radius)
-        return Box(
-            size=(side.value, side.value, length.value),
-            size_formula=(side.formula, side.formula, formula) if formula else None,
-        )
-    return Cylinder(radius=style.radius, length=length.value, length_formula=formula)

@@ -155,8 +155,7 @@ def _close(files: Files) -> None:
     import xacro
     from xacro import substitution_args
 
-    from dh2urdf_plugins.xacro_fence.functions import ExpressionError, Work
-    from dh2urdf_plugins.xacro_fence.interpreter import evaluate
+    from dh2urdf_plugins.xacro_fence.interpreter import ExpressionError, Work, evaluate
 
     def no_environment(name: str) -> str:
         raise ExpressionError(f"$(env {name}): a file of unknown origin is not given the environment")
@@ -185,7 +184,7 @@ def _refuse_declarations() -> None:
     """Has the parser of xacro refuse what `dh2urdf.documents.xml_elements` refuses."""
     from xml.dom import expatbuilder
 
-    from dh2urdf_plugins.xacro_fence.functions import ExpressionError
+    from dh2urdf_plugins.xacro_fence.interpreter import ExpressionError
 
     builder: Any = expatbuilder.ExpatBuilderNS
 

@@ -1,26 +1,252 @@
 """Evaluates expressions of a foreign xacro by walking their syntax tree; Python's own `eval` never sees them.
 
-An expression has data, namespaces that answer to a name and to nothing else, and `functions.Function`, the one kind of
-value that can be called. No class, module or table is among them. `functions.Work` bounds every value, and the sum.
+An expression has data, namespaces that answer to a name and to nothing else, and `Function`, the one kind of value that
+can be called. No class, module or table is among them. `Work` bounds every value, and the sum.
 """
 
 from __future__ import annotations
 
 import ast
 import functools
+import math
+import operator
+import re
+import string
 from collections import ChainMap
-from typing import TYPE_CHECKING
+from collections.abc import Iterator, Sized
+from functools import partial
+from typing import TYPE_CHECKING, Any, TypeAlias
 
-from dh2urdf_plugins.xacro_fence.functions import OPERATORS, ExpressionError, Formatter, Function, Namespace, attribute
+import xacro  # noqa: TID253 - only the child that expands imports this module
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Mapping
+    from collections.abc import Callable, Iterable, Mapping
 
-    from dh2urdf_plugins.xacro_fence.functions import Value, Work
-
+Value: TypeAlias = Any
+"""What an expression comes to."""
 MAX_EXPRESSION = 20_000
 """Characters of an expression."""
+MAX_SIZE = 1_000_000
+"""Size of a value: its elements, characters and bits together, at all depths."""
+MAX_BITS = 8192
+"""Bits of a whole number."""
+MAX_ARGUMENT = 1000
+"""Width of a text, digits to round to, and argument of a factorial or its relatives."""
+MAX_WORK = 5_000_000
+"""Steps of all expressions and macros of a file, and sizes of the values that they make."""
+
+_ATTRIBUTES: dict[Value, str] = {
+    str: "capitalize casefold center count endswith find format index isalnum isalpha isascii isdecimal isdigit "
+    "isidentifier islower isnumeric isprintable isspace istitle isupper join ljust lower lstrip partition removeprefix "
+    "removesuffix replace rfind rindex rjust rpartition rsplit rstrip split splitlines startswith strip swapcase title "
+    "upper zfill",
+    list: "copy count index pop",
+    tuple: "count index",
+    dict: "copy get items keys pop values",
+    (set, frozenset): "copy difference intersection isdisjoint issubset issuperset union",
+    (float, int, complex): "bit_count bit_length conjugate denominator imag is_integer numerator real",
+    range: "count index start step stop",
+}
+"""What an expression may ask of data; `pop` is the one thing that changes any, and makes it smaller."""
+_PERCENT = re.compile(r"%(?:\([^)]*\))?[-+ #0]*(\*|[0-9]*)(?:\.(\*|[0-9]*))?[hlL]?[a-zA-Z%]")
+
+
+class ExpressionError(Exception):
+    """An expression does what no expression of a robot needs."""
+
+
+def bounded(size: Value, most: int, what: str) -> Value:
+    """Return a size, unless it is above a bound: that is an `ExpressionError`."""
+    if abs(size) > most:
+        raise ExpressionError(f"{what} of more than {most} is refused")
+    return size
+
+
+class Work:
+    """Bounds what the expressions of a file make and do."""
+
+    def __init__(self) -> None:
+        self._left = MAX_WORK
+
+    def spend(self, steps: int) -> None:
+        """Count steps."""
+        self._left -= steps
+        if self._left < 0:
+            raise ExpressionError(f"macros and expressions take more than {MAX_WORK} steps")
+
+    def made(self, value: Value) -> Value:
+        """Count a value with all that it contains, and return it."""
+        size, waiting = 0, [value]
+        while waiting:
+            item = waiting.pop()
+            if isinstance(item, bytes):
+                raise ExpressionError("bytes are refused")
+            if isinstance(item, int):
+                size += bounded(item.bit_length(), MAX_BITS, "a number of bits")
+            within = isinstance(item, (list, tuple, set, frozenset, dict))
+            size += 1 + (len(item) if within or isinstance(item, str) else 0)
+            bounded(size, MAX_SIZE, "a size")
+            if within:
+                waiting.extend((*item, *item.values()) if isinstance(item, dict) else item)
+        self.spend(size)
+        return value
+
+
+class _NoText:
+    def __repr__(self) -> str:
+        raise ExpressionError("a function or a namespace is no text: call it, or write a name in it after a dot")
+
+
+class Function(_NoText):
+    """A function, method, type or lambda: all that an expression may call. `kind` is the type that it stands for."""
+
+    def __init__(self, work: Work, name: str, call: Callable[..., Value]) -> None:
+        self._work, self._call, self.kind = work, _OWN.get(name, call), call if isinstance(call, type) else None
+
+    def __call__(self, *args: Value, **named: Value) -> Value:
+        """Return what it makes of values; what an iterator among them gives is counted first."""
+        self._work.spend(sum(len(arg) for arg in args if isinstance(arg, Sized)))
+        drawn = [iter(self._work.made(list(arg))) if isinstance(arg, Iterator) else arg for arg in args]
+        return self._work.made(self._call(*drawn, **named))
+
+
+class Namespace(_NoText):
+    """Names with their values: the table of xacro that has them is neither seen nor changed."""
+
+    def __init__(self, work: Work, table: Mapping[str, Value]) -> None:
+        self._work, self.table = work, table
+
+    def __getitem__(self, name: object) -> Value:
+        if not isinstance(name, str) or name.startswith("__"):
+            raise ExpressionError(f"the name {name!r} is refused")
+        try:
+            value = self.table[name]
+        except KeyError:
+            raise NameError(f"name {name!r} is not defined") from None
+        if isinstance(value, xacro.Table):
+            return Namespace(self._work, value)
+        return Function(self._work, name, value) if callable(value) and not isinstance(value, Function) else value
+
+
+def _attribute(value: Value, name: str, work: Work) -> Value:
+    """A method of data, or an entry whose name follows a dot; any other attribute is an `ExpressionError`."""
+    for kind, names in _ATTRIBUTES.items():
+        if isinstance(value, kind) and name in names.split():
+            found = partial(_METHODS[name], work, value) if name in _METHODS else getattr(value, name)
+            return Function(work, "", found) if callable(found) else found
+    is_entry = isinstance(value, Namespace) and name not in dir(value.table)
+    if is_entry or (isinstance(value, xacro.YamlDictWrapper) and name not in dir(dict)):
+        return value[name]
+    raise ExpressionError(f"the attribute {name!r} of a {type(value).__name__} is refused")
+
+
+class _Formatter(string.Formatter):
+    """Fills a text in as `str.format` does, by names and numbers alone: no field reaches an attribute of a value."""
+
+    def __init__(self, work: Work) -> None:
+        self._work = work
+
+    def get_field(self, field_name: str, args: Value, kwargs: Value) -> Value:
+        if not field_name.isidentifier() and not field_name.isdecimal():
+            raise ExpressionError(f"the field {field_name!r} of a format is refused")
+        return super().get_field(field_name, args, kwargs)
+
+    def format_field(self, value: Value, format_spec: str) -> str:
+        for width in re.findall("[0-9]+", format_spec):
+            bounded(int(width), MAX_ARGUMENT, "a width")
+        return str(self._work.made(format(value, format_spec)))
+
+
+# --- Functions, methods and operators that need a bound before they work ----------------------------------------------
+
+
+def _product(left: Value, right: Value) -> Value:
+    for sequence, times in ((left, right), (right, left)):
+        if isinstance(sequence, Sized) and isinstance(times, int):
+            bounded(len(sequence) * times, MAX_SIZE, "a size")
+    return left * right
+
+
+def _power(base: Value, exponent: Value) -> Value:
+    if isinstance(base, int) and isinstance(exponent, int):
+        bounded(base.bit_length() * exponent, MAX_BITS, "a number of bits")
+    return base**exponent
+
+
+def _remainder(left: Value, right: Value) -> Value:
+    if isinstance(left, str):
+        fields = list(_PERCENT.finditer(left))
+        for width in (width for field in fields for width in field.groups() if width):
+            bounded(math.inf if width == "*" else int(width), MAX_ARGUMENT, "a width")
+        bounded(len(fields) * len(str(right)), MAX_SIZE, "a size")  # a mapping may fill in a value many times
+    return left % right
+
+
+def _of_small(function: Callable[..., Value], *numbers: Value) -> Value:
+    return function(*(bounded(number, MAX_ARGUMENT, "an argument") for number in numbers))
+
+
+def _refused(*_args: Value) -> Value:
+    raise ExpressionError("what shows a type or what is behind a value is refused; `isinstance` is not")
+
+
+def _tokenize(text: str, sep: str = ",; ", *skip_empty: bool) -> Value:
+    if "]" in sep:  # xacro makes a pattern of it
+        raise ExpressionError("the separator ']' is refused")
+    return xacro.tokenize(text, sep, *skip_empty)
+
+
+def _joined(_work: Work, text: str, parts: Iterable[str]) -> str:
+    parts = list(parts)
+    bounded(sum(map(len, parts)) + len(text) * len(parts), MAX_SIZE, "a size")
+    return text.join(parts)
+
+
+def _replaced(_work: Work, text: str, old: str, new: str, *count: int) -> str:
+    bounded(len(text) + text.count(old) * len(new), MAX_SIZE, "a size")
+    return text.replace(old, new, *count)
+
+
+def _filled(how: str, _work: Work, text: str, width: int, *fill: str) -> Value:
+    return getattr(text, how)(bounded(width, MAX_ARGUMENT, "a width"), *fill)
+
+
+_OWN: dict[str, Callable[..., Value]] = {
+    "range": lambda *ends: range(*ends)[: bounded(len(range(*ends)), MAX_SIZE, "a range")],
+    "round": lambda number, digits=None: round(number, digits and _of_small(int, digits)),
+    "prod": lambda numbers: _of_small(lambda *each: math.prod(each), *numbers),
+    **{each.__name__: partial(_of_small, each) for each in (math.factorial, math.comb, math.perm, math.lcm)},
+    **dict.fromkeys(("type", "vars"), _refused),
+    "isinstance": lambda value, kinds: any(
+        isinstance(value, each.kind) for each in (kinds if isinstance(kinds, tuple) else (kinds,))
+    ),
+    "tokenize": _tokenize,
+}
+"""What takes the place of functions of xacro, by name."""
+_METHODS: dict[str, Callable[..., Value]] = {
+    **{how: partial(_filled, how) for how in ("center", "ljust", "rjust", "zfill")},
+    "join": _joined,
+    "replace": _replaced,
+    "format": lambda work, text, *args, **named: _Formatter(work).format(text, *args, **named),
+}
+_PYTHONS = (
+    "Add:add Sub:sub Div:truediv FloorDiv:floordiv MatMult:matmul RShift:rshift BitOr:or_ BitAnd:and_ BitXor:xor "
+    "Not:not_ USub:neg UAdd:pos Invert:invert Eq:eq NotEq:ne Lt:lt LtE:le Gt:gt GtE:ge Is:is_ IsNot:is_not"
+)
+_OPERATORS: dict[type[ast.AST], Callable[..., Value]] = {
+    **{getattr(ast, kind): getattr(operator, name) for kind, name in (pair.split(":") for pair in _PYTHONS.split())},
+    ast.Mult: _product,
+    ast.Pow: _power,
+    ast.LShift: lambda number, by: number << bounded(by, MAX_BITS, "a number of bits"),
+    ast.Mod: _remainder,
+    ast.In: lambda one, many: one in many,
+    ast.NotIn: lambda one, many: one not in many,
+}
+"""What an operator does, by its node."""
 _KINDS: dict[type, type] = {ast.List: list, ast.Tuple: tuple, ast.Set: set, ast.ListComp: list, ast.SetComp: set}
+
+
+# --- The syntax tree --------------------------------------------------------------------------------------------------
 
 
 def evaluate(text: str, names: Mapping[str, Value], work: Work) -> Value:
@@ -57,7 +283,7 @@ class _Scope:
             case ast.Name(name):
                 return self._names[name]
             case ast.Attribute(of, name):
-                return attribute(value(of), name, self._work)
+                return _attribute(value(of), name, self._work)
             case ast.Subscript(of, ast.Slice(lower, upper, step)):
                 return made(value(of)[slice(*(part and value(part) for part in (lower, upper, step)))])
             case ast.Subscript(of, index):
@@ -71,9 +297,9 @@ class _Scope:
             case ast.Lambda(parameters, body):
                 return self._function(parameters, body)
             case ast.UnaryOp(op, operand):
-                return OPERATORS[type(op)](value(operand))
+                return _OPERATORS[type(op)](value(operand))
             case ast.BinOp(left, op, right):
-                return made(OPERATORS[type(op)](value(left), value(right)))
+                return made(_OPERATORS[type(op)](value(left), value(right)))
             case ast.BoolOp(op, parts):
                 for part in parts:
                     if bool(found := value(part)) is isinstance(op, ast.Or):
@@ -82,7 +308,7 @@ class _Scope:
             case ast.Compare(left, ops, parts):
                 before = value(left)
                 for relation, part in zip(ops, parts, strict=True):
-                    if not (found := OPERATORS[type(relation)](before, before := value(part))):
+                    if not (found := _OPERATORS[type(relation)](before, before := value(part))):
                         break
                 return found
             case ast.IfExp(test, body, otherwise):
@@ -90,7 +316,7 @@ class _Scope:
             case ast.JoinedStr(parts):
                 return made("".join(map(value, parts)))
             case ast.FormattedValue(of, conversion, form):
-                formatter = Formatter(self._work)
+                formatter = _Formatter(self._work)
                 shown = formatter.convert_field(value(of), chr(conversion) if conversion > 0 else None)
                 return formatter.format_field(shown, value(form) if form else "")
             case ast.List(parts) | ast.Tuple(parts) | ast.Set(parts):

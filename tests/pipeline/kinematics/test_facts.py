@@ -9,7 +9,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-import dh2urdf
 from dh2urdf.columns import in_columns
 from dh2urdf.kinematics.facts import (
     KinematicFacts,
@@ -98,12 +97,6 @@ class TestOpw:
             q = [draw.uniform(-3, 3) for _ in range(6)]
             assert np.abs(opw_pose(opw, q) - turned.fk(q)).max() < 1e-12
 
-    def test_other_arms_have_none(self) -> None:
-        assert kinematic_facts(UR5).opw is None
-        bent = arm(*((row.theta, row.d, row.a + 1e-4, row.alpha) for row in IRB_2400.rows))
-        assert kinematic_facts(bent).spherical_wrist == ()
-        assert kinematic_facts(bent).opw is None
-
 
 def test_parallel_axes() -> None:
     assert kinematic_facts(UR5).parallel == (("j2", "j3", "j4"),)
@@ -127,13 +120,6 @@ def test_axes_are_where_the_joints_turn(convention: Convention) -> None:
         assert np.array([skew[2, 1], skew[0, 2], skew[1, 0]]) == pytest.approx(line.direction, abs=1e-6)
         point = np.array([*line.point, 1.0])
         assert turn @ point == pytest.approx(point, abs=1e-12)
-
-
-def test_they_are_sentences() -> None:
-    sentences = kinematic_facts(IRB_2400).sentences()
-    assert sentences[0] == "the axes of j2, j3 are parallel"
-    assert sentences[2].startswith("OPW arm: a1 = 0.1, a2 = -0.135, b = 0, c1 = 0.615")
-    assert dh2urdf.Manipulator is Manipulator
 
 
 @pytest.mark.parametrize("convention", list(Convention))

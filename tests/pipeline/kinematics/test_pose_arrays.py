@@ -11,7 +11,7 @@ import pytest
 
 import dh2urdf
 from dh2urdf.errors import RecordError, RecordTypeError, RecordValueError
-from dh2urdf.manipulator import Convention, DHRow, JointType, Limits, Manipulator
+from dh2urdf.manipulator import Convention, DHRow, JointType, Manipulator
 from dh2urdf.rotations import RigidTransform
 
 if TYPE_CHECKING:
@@ -85,13 +85,6 @@ class TestJacobian:
             columns = [joint.idx_v for joint in joints]
             np.testing.assert_allclose(found, np.reshape(theirs, (6, model.nv))[:, columns], atol=1e-9)
 
-    @pytest.mark.parametrize("shape", [(), (2,), (2, 3), (0,)])
-    def test_has_the_shape_of_the_joint_vectors(self, shape: tuple[int, ...]) -> None:
-        """(..., 6, n); of an arm that does not move (..., 6, 0)."""
-        assert MIXED.jacobian(np.zeros((*shape, 3))).shape == (*shape, 6, 3)
-        stiff = replace(MIXED, rows=ROWS[2:3])
-        assert stiff.jacobian(np.zeros((*shape, 0))).shape == (*shape, 6, 0)
-
     def test_of_a_pendulum_is_known(self) -> None:
         """A link of 2 m along x, turned about z: it moves along y by 2 m/rad."""
         pendulum = Manipulator(
@@ -144,13 +137,6 @@ class TestJointVectors:
         for number, name in enumerate(("turn", "slide", "spin")):
             structured[name] = Q[:, number]
         np.testing.assert_array_equal(MIXED.fk(structured), MIXED.fk(Q))
-
-    def test_may_have_a_value_for_every_row(self) -> None:
-        """`full` counts fixed rows, whose value is 0."""
-        full = np.insert(Q, 2, 0.0, axis=-1)
-        np.testing.assert_array_equal(MIXED.fk(full, full=True), MIXED.fk(Q))
-        np.testing.assert_array_equal(MIXED.jacobian(full, full=True), MIXED.jacobian(Q))
-        np.testing.assert_array_equal(MIXED.fk_all(full, full=True)["plate"], MIXED.fk_all(Q)["plate"])
 
     def test_are_exact_at_quarter_turns(self) -> None:
         """One vector of quarter turns has zeros where there are zeros."""
@@ -214,13 +200,6 @@ class TestJointVectors:
             assert says in str(raised.value)
             assert isinstance(raised.value, RecordTypeError if "of type" in says else (TypeError, ValueError))
 
-    def test_of_a_fixed_row_is_0(self) -> None:
-        """Another value would have no effect."""
-        with pytest.raises(RecordValueError, match=r"the joint 'weld' is fixed, and its value is 0\.1"):
-            MIXED.fk([0, 0, 0.1, 0], full=True)
-        with pytest.raises(RecordValueError, match="has 4 joints, the joint vector has 3 entries"):
-            MIXED.fk([0, 0, 0], full=True)
-
     def test_of_a_link_may_name_further_joints(self) -> None:
         """Those of the robot that do not move the link; no others."""
         robot = dh2urdf.convert(MIXED).robot
@@ -236,13 +215,3 @@ class TestJointVectors:
         huge = replace(MIXED, rows=[replace(ROWS[0], a=1e308, d=1e308), replace(ROWS[3], a=1e308)])
         with np.errstate(all="ignore"), pytest.raises(RecordValueError, match="the pose is not finite"):
             huge.fk([0.0, 0.0])
-
-
-class TestText:
-    def test_is_short(self) -> None:
-        """Name, convention, moving joints, and the types of the rows."""
-        assert repr(MIXED) == "<Manipulator 'mixed': standard, 3 axes RPFC>"
-        assert repr(replace(MIXED, rows=ROWS[:1])) == "<Manipulator 'mixed': standard, 1 axis R>"
-        many = replace(MIXED, rows=[replace(ROWS[0], joint=f"j{k}", link=f"l{k}", limits=Limits()) for k in range(99)])
-        assert repr(many) == f"<Manipulator 'mixed': standard, 99 axes {'R' * 24}…>"
-        assert repr(dh2urdf.convert(MIXED).robot) == "<Robot 'mixed': 8 links, 3 moving joints>"

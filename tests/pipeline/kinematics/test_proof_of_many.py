@@ -178,7 +178,6 @@ angles = st.sampled_from([k * math.pi / 2 for k in range(-4, 5)]) | st.floats(-2
 transforms = st.builds(
     RigidTransform.from_xyz_rpy, st.tuples(lengths, lengths, lengths), st.tuples(angles, angles, angles)
 )
-bounds = st.none() | st.tuples(st.floats(-6, 6), st.floats(-6, 6)).map(sorted)
 
 
 @st.composite
@@ -322,25 +321,6 @@ def test_an_arm_has_the_same_figures_in_every_batch(convention: Convention, fram
 PLAIN = many(4)
 
 
-def test_a_file_in_no_group_has_no_proof() -> None:
-    """Where a file was not read, the others are proved, each as what it is."""
-    robots = [made(table) for table in PLAIN]
-    files = [urdf(robot) for robot in robots]
-    files[1] = b""
-    proofs = proved(PLAIN, robots, files)
-    assert proofs[1] is None
-    assert [proofs[k] for k in (0, 2, 3)] == [proved([PLAIN[k]], [robots[k]])[0] for k in (0, 2, 3)]
-
-
-def test_files_of_several_groups() -> None:
-    """A file whose joints are written in another way is proved too, and against its own table."""
-    robots = [made(table) for table in PLAIN]
-    files = [urdf(robot) for robot in robots]
-    files[2] = files[2].replace(b' rpy="0 0 0"', b"")
-    assert len(scan_columns(files)) == 2
-    assert proved(PLAIN, robots, files) == proved(PLAIN, robots)
-
-
 @pytest.mark.parametrize(
     ("old", "new", "message"),
     [
@@ -408,16 +388,6 @@ def test_an_arm_that_cannot_move() -> None:
     assert proof.holds
 
 
-@pytest.mark.parametrize("count", [0, 1, 2])
-def test_few_joint_vectors(count: int) -> None:
-    """Zero and both ends of the limits are tried in any case."""
-    robots = [made(table) for table in PLAIN]
-    for proof in proved(PLAIN, robots, count=count):
-        assert isinstance(proof, Proof)
-        assert proof.poses == 3 + count
-        assert proof.holds
-
-
 def test_the_tolerance_is_that_of_the_longest_reach() -> None:
     """A long arm has a larger tolerance, prismatic travel included."""
     long = replace(PLAIN[0], rows=(replace(PLAIN[0].rows[0], a=50.0), *PLAIN[0].rows[1:]))
@@ -440,12 +410,3 @@ def test_the_tolerance_is_that_of_the_longest_reach() -> None:
     assert isinstance(proof, Proof)
     assert proof.tolerance == proved_alone(gantry, made(gantry), urdf(made(gantry))).tolerance
     assert proof.tolerance == pytest.approx(TOLERANCE * (5.0 + 1.0 + 7.0))
-
-
-def test_a_thousand_axes() -> None:
-    """Nothing recurses along the arm."""
-    rows = tuple(DHRow(joint=f"joint_{n}", link=f"link_{n}", a=0.01, alpha=0.5, d=0.0) for n in range(1000))
-    table = Manipulator(name="snake", convention=Convention.STANDARD, rows=rows)
-    (proof,) = proved([table], [made(table)])
-    assert isinstance(proof, Proof)
-    assert proof.holds

@@ -1,7 +1,6 @@
 from __future__ import annotations
 
 import math
-from functools import reduce
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -11,7 +10,7 @@ from hypothesis import given, strategies as st
 from dh2urdf.kinematics import CompiledChain
 from dh2urdf.kinematics.walk import STACKS, values_of
 from dh2urdf.kinematics.walk.one_arm import walk_of_one
-from dh2urdf.rotations import IDENTITY_ROTATION, ZERO, RigidTransform
+from dh2urdf.rotations import RigidTransform
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -159,18 +158,6 @@ def test_one_arm_has_the_figures_of_columns_of_arms(ways: list[Way], poses: list
         np.testing.assert_array_equal(found, np.broadcast_to(wanted, found.shape))
 
 
-@given(one=ways, other=ways, q=st.tuples(*[st.floats(-3, 3)] * JOINTS))
-def test_arrays_of_triples(one: list[Way], other: list[Way], q: tuple[float, ...]) -> None:
-    """Triples hold arrays of any shape too, as joint vectors that are asked for at once."""
-    chain = with_stops(one + other)
-    values = [np.full((2, 3), value) for value in q]
-    found = chain.walk(values_of(values))[-1]
-    alone = chain.walk(values_of(q))[-1]
-    for vector, wanted in zip((*found.axes, found.origin), (*alone.axes, alone.origin), strict=True):
-        for numbers, number in zip(vector, wanted, strict=True):
-            np.testing.assert_allclose(np.broadcast_to(numbers, (2, 3)), number, rtol=0, atol=1e-14)
-
-
 @given(ways=ways, data=st.data())
 def test_arms_side_by_side_are_each_its_own(ways: list[Way], data: st.DataObject) -> None:
     """Columns of lengths and angles give every arm, to the last bit, what it has by itself."""
@@ -206,24 +193,6 @@ def _column(members: list[Way]) -> Way:
     return kind, (first[0], np.array([numbers[1] for _, numbers in members]), *first[2:])
 
 
-@pytest.mark.parametrize("about", range(3))
-@pytest.mark.parametrize("quarters", range(-4, 5))
-def test_quarter_turns_and_lengths_of_0_are_no_steps(about: int, quarters: int) -> None:
-    """They cost nothing, and the axes are exact afterwards."""
-    chain = CompiledChain()
-    chain.move(about, 0.0)
-    chain.turn(about, quarters * HALF_PI)
-    chain.transform(RigidTransform.from_xyz_rpy(ZERO, (HALF_PI, 0.0, -HALF_PI)))
-    assert chain.steps == []
-    chain.stop()
-    (frame,) = chain.walk(())
-    wanted = reduce(
-        np.matmul,
-        [turned(np.eye(3)[about], quarters * HALF_PI), turned((0, 0, 1), -HALF_PI), turned((1, 0, 0), HALF_PI)],
-    )
-    assert np.reshape(frame.transform.rotation, (3, 3)).tolist() == np.rint(wanted[:3, :3]).tolist()
-
-
 @pytest.mark.parametrize(
     "matrix",
     [
@@ -246,10 +215,3 @@ def test_what_is_no_rotation_is_multiplied(matrix: Any) -> None:
     (frame,) = chain.walk(())
     wanted = homogeneous(RigidTransform(matrix, (0.1, 0.2, 0.3))) @ turned((0, 0, 1), 0.4) @ shift(0, 2.0)
     np.testing.assert_allclose(homogeneous(frame.transform), wanted, rtol=0, atol=1e-15)
-
-
-def test_an_empty_chain_stays_at_the_root() -> None:
-    """Without a step, the frame is that of the root."""
-    chain = CompiledChain()
-    chain.stop()
-    assert chain.walk(())[0].transform == RigidTransform(IDENTITY_ROTATION, ZERO)

@@ -182,22 +182,6 @@ def test_franka_is_the_published_table(reference_robots: list[ReferenceRobot], t
 
 
 @pytest.mark.parametrize(
-    ("pattern", "new", "message"),
-    [
-        ("joint8:(.|\n)*", "", "there is no joint8"),
-        ("  kinematic:", "  kinematics:", "'kinematics' is no entry of a chain of origins"),
-        (r"    z: 0.333\n", "", "there is no joint1.kinematic.z"),
-        (r"z: 0.333\n", "z: 3330\n", "joint1.kinematic.z is the number 3330"),
-    ],
-)
-def test_what_is_wrong_with_franka_has_its_place(pattern: str, new: str, message: str, tmp_path: Path) -> None:
-    """As of any file of origins."""
-    (path := tmp_path / "kinematics.yaml").write_text(re.sub(pattern, new, franka_text(FRANKA), count=1))
-    with pytest.raises(TableError, match=re.escape(message)):
-        dh2urdf.extract(path, reader="franka-kinematics")
-
-
-@pytest.mark.parametrize(
     ("text", "reader"), [(text_of(UR5), "ur-kinematics"), (franka_text(FRANKA), "franka-kinematics")]
 )
 def test_the_reader_of_tables_names_the_right_one(

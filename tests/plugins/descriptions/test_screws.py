@@ -147,10 +147,6 @@ def test_published_arms(reference_robot: ReferenceRobot) -> None:
         assert np.abs(table.fk(q) - np.array(pose)).max() <= SHARE * arm.size
 
 
-def test_there_are_enough_published_arms(reference_robots: list[ReferenceRobot]) -> None:
-    assert len(reference_robots) >= 21
-
-
 # --- Any arms ---------------------------------------------------------------------------------------------------------
 
 
@@ -300,21 +296,3 @@ def test_what_is_no_arm(given: dict[str, object], message: str) -> None:
         dh2urdf.from_screws(**given)  # type: ignore[arg-type]  # what is wrong
     assert message in str(caught.value)
     assert any(problem.accepted for problem in caught.value.problems)
-
-
-def test_notices_are_no_errors() -> None:
-    """A matrix that is rounded is a notice beside the error of another key."""
-    M = [[0.7071, -0.7071, 0, 0], [0.7071, 0.7071, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]
-    assert any("a rotation only to" in notice.message for notice in dh2urdf.from_screws(SLIST, M).notices)
-    with pytest.raises(TableError) as caught:
-        dh2urdf.from_screws(SLIST, M, joints=["a", "b"])
-    assert [problem.severity for problem in caught.value.problems] == ["error"]
-
-
-def test_six_joints_by_row_are_seen() -> None:
-    """Six rows of six are read as columns; where only the rows are screws, that is what the error says."""
-    arm = random_arm(3)._replace(Slist=np.tile(np.array(SLIST), 6) + np.outer([0, 0, 0, 1, 0, 0], np.arange(6)))
-    assert len(dh2urdf.from_screws(arm.Slist, arm.M).rows) == 6
-    with pytest.raises(TableError, match="Slist has a row for each joint") as caught:
-        dh2urdf.from_screws(arm.Slist.T, arm.M)
-    assert len(caught.value.problems) == 1

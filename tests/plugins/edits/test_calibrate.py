@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 import dh2urdf
-from dh2urdf.errors import ConfigError, EditError
+from dh2urdf.errors import ConfigError
 from dh2urdf_plugins.edits.calibrate import CalibrateOptions, edit_table
 
 if TYPE_CHECKING:
@@ -77,28 +77,6 @@ def test_a_run_proves_the_calibrated_arm_against_its_own_rows() -> None:
     shutil.copy("kept.conf", "calibration.conf")
     dh2urdf.run(path, settings={"edits.0.options.file": "kept.conf"})
     assert written.read_text().partition("<link")[2] == joints
-
-
-def test_without_a_file_there_is_nothing_to_add() -> None:
-    with pytest.raises(EditError, match="has no file"):
-        edit_table(arm(), CalibrateOptions())
-
-
-@pytest.mark.parametrize(
-    ("name", "content", "message"),
-    [
-        ("c.csv", "joint,a,alpha,d\ntow,0,0,0\n", "'tow', which is no joint of the table"),
-        ("c.csv", "a,alpha,d\n0,0,0\n", "the calibration is of 1 joints, and the table has 3"),
-        ("c.csv", "# convention: modified\na,alpha,d\n0,0,0\n", "says modified"),
-        ("c.conf", CONF.replace("delta_d", "delta_b"), "does not have delta_d"),
-        ("c.txt", "", "no calibration is known with the name 'c.txt'"),
-    ],
-)
-def test_a_file_of_another_kind_is_refused_for_the_arm_alone(name: str, content: str, message: str) -> None:
-    Path(name).write_text(content)
-    with pytest.raises(EditError) as refused:
-        edit_table(arm(), CalibrateOptions(file=Path(name)))
-    assert message in str(refused.value)
 
 
 def test_a_file_that_is_missing_is_found_before_anything_is_made() -> None:

@@ -63,12 +63,6 @@ def test_a_margin_with_a_unit_is_about_the_joints_that_have_it(
         assert (found.lower, found.upper) == pytest.approx((-2.0 + expected, 4.0 - expected), abs=1e-15)
 
 
-@pytest.mark.parametrize("margin", ["3 kg", "q1", "wide", "", "5 deg + 1 mm", math.inf])
-def test_a_margin_is_an_angle_or_a_length(margin: float | str) -> None:
-    with pytest.raises(ValueError, match="margin"):
-        LimitsOptions(margin=margin)
-
-
 @given(st.floats(-10.0, 0.0), st.floats(0.1, 10.0), st.floats(0.01, 5.0))
 def test_the_middle_stays(lower: float, upper: float, factor: float) -> None:
     """Whatever the factor; and what a factor does its inverse undoes."""
@@ -104,17 +98,3 @@ def test_a_range_of_which_nothing_is_left() -> None:
     with pytest.raises(EditError, match="nothing is left of the range of the joint 'joint_1'") as refused:
         edit_table(with_limits(Limits(lower=-1.0, upper=1.0)), LimitsOptions(margin=1.0))
     assert len(refused.value.problems) == 6
-
-
-@pytest.mark.parametrize(
-    ("options", "message"),
-    [
-        ({"range": 0.0}, "range: a factor is a number greater than 0"),
-        ({"velocity": -1.0, "effort": math.inf}, "velocity and effort: a factor"),
-        ({"margin": math.nan}, "margin is a number"),
-    ],
-)
-def test_what_no_limit_can_become(options: dict[str, Any], message: str) -> None:
-    """Before anything is read."""
-    with pytest.raises(ValueError, match=message):
-        LimitsOptions(**options)

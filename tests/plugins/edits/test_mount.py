@@ -96,13 +96,6 @@ def test_angles_are_numbers_or_expressions(tmp_path: Path, cli: Callable[..., An
         assert message in cli("convert", tmp_path / "arm.csv", "--edit", edit, status=2).stderr
 
 
-@pytest.mark.parametrize("options", [{"size": (0.1, 0.0, 0.1), "mass": 1.0}, {"mass": 1.0}, {"size": (0.1, 0.1, 0.1)}])
-def test_what_is_no_body(options: dict[str, Any]) -> None:
-    """Before anything is read."""
-    with pytest.raises(ValueError, match="size"):
-        MountOptions(name="box", **options)
-
-
 def test_in_a_run(tmp_path: Path, cli: Callable[..., Answer]) -> None:
     """In the order of the list: the second one is mounted on the first; every file is proved."""
     (tmp_path / "arm.csv").write_text(TABLE)

@@ -82,23 +82,6 @@ def test_what_cannot_be_joined_is_refused() -> None:
         edit_table(UR5, PayloadOptions())
 
 
-@pytest.mark.parametrize(
-    ("options", "message"),
-    [
-        ({"mass": -1.0}, "greater than 0"),
-        ({"mass": float("nan")}, "greater than 0"),
-        ({"mass": 1.0, "radius": 0.0}, "greater than 0"),
-        ({"mass": 1.0, "size": (0.1, 0.1, -0.1)}, "greater than 0"),
-        ({"mass": 1.0, "radius": 0.1, "size": (0.1, 0.1, 0.1)}, "size and radius both give the inertia"),
-        ({"mass": 1.0, "inertia": (1.0, 1.0, 3.0, 0.0, 0.0, 0.0)}, "inertia: "),
-    ],
-)
-def test_what_no_body_has_is_refused(options: dict[str, Any], message: str) -> None:
-    """Before anything is read."""
-    with pytest.raises(ValueError, match=message):
-        PayloadOptions(**options)
-
-
 def test_it_is_a_link_of_every_file(cli: Callable[..., Answer], tmp_path: Path) -> None:
     """The link `payload` has its mass, hangs on the last link by a fixed joint, and the efforts carry it."""
     (tmp_path / "arm.csv").write_text(TABLE)

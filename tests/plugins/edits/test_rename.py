@@ -39,12 +39,6 @@ def test_names(options: dict[str, Any], found: list[str]) -> None:
     assert edited.notices == UR5.notices
 
 
-def test_nothing_to_do_is_noticed() -> None:
-    """A pattern without a match is probably a mistake."""
-    (notice,) = edit_table(UR5, RenameOptions(pattern="elbow", replacement="knee")).notices
-    assert notice.message == "the edit `rename` changes no name of this arm"
-
-
 def test_names_that_cannot_be_are_refused() -> None:
     """All of them at once: what they were, and what they would be."""
     with pytest.raises(EditError, match="the joints 'joint_1' and 'joint_2' are both 'joint'") as refused:
@@ -52,17 +46,3 @@ def test_names_that_cannot_be_are_refused() -> None:
     assert len(refused.value.problems) == 10
     with pytest.raises(EditError, match="the link 'link_1' has no name after the edit `rename`"):
         edit_table(UR5, RenameOptions(pattern="^.*$", of="links"))
-
-
-@pytest.mark.parametrize(
-    ("options", "message"),
-    [
-        ({"pattern": "("}, "no regular expression: missing"),
-        ({"pattern": "a", "replacement": r"\1"}, "no regular expression: invalid group reference 1"),
-        ({"replacement": "x"}, "there is no pattern"),
-    ],
-)
-def test_what_is_no_pattern_is_refused(options: dict[str, Any], message: str) -> None:
-    """Before anything is read."""
-    with pytest.raises(ValueError, match=message):
-        RenameOptions(**options)

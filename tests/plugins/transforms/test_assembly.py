@@ -12,7 +12,6 @@ from dh2urdf.errors import TransformError
 from dh2urdf.kinematics import KinematicChain
 from dh2urdf.manipulator import Convention, DHRow, Inertia, JointType, Limits, Manipulator, Payload
 from dh2urdf.rotations import RigidTransform
-from dh2urdf_plugins.transforms import assembly as defaults
 from dh2urdf_plugins.transforms.alpha_swap import alpha_swap
 from dh2urdf_plugins.transforms.alpha_swap_options import AlphaSwapOptions
 
@@ -26,7 +25,6 @@ if TYPE_CHECKING:
     Table = Callable[..., Manipulator]
     RobotOf = Callable[..., Robot]
 
-HALF_PI = math.pi / 2
 GRAVITY = 9.81
 
 
@@ -89,20 +87,6 @@ def test_the_travel_that_nobody_gave_is_the_longest_link(
     assert max(lengths) <= (longest or 2.0)
 
 
-def test_the_offset_of_a_slide_is_a_length_of_its_link(table: Table, robot_of: RobotOf) -> None:
-    """d is 0.1 m and the offset 0.3 m: at joint value 0 the link is 0.4 m long."""
-    robot = robot_of(table({"type": "prismatic", "d": 0.1, "offset": 0.3}, {"a": 0.2}))
-    assert robot.joints[1].limits.upper == 0.2
-
-
-def test_limits_of_the_table_are_kept(table: Table, robot_of: RobotOf) -> None:
-    """So are damping and friction."""
-    limits = Limits(lower=-1.0, upper=2.0, velocity=3.0, effort=4.0)
-    joint = robot_of(table({"d": 0.1, "limits": limits, "damping": 0.5, "friction": 0.25})).moving_joints[0]
-    assert joint.limits == limits
-    assert (joint.damping, joint.friction) == (0.5, 0.25)
-
-
 def test_the_default_effort_of_a_level_arm_is_twice_its_static_load(table: Table, robot_of: RobotOf) -> None:
     """Two links of 10 kg and 1 m: the shoulder bears g·(10·0.5 + 10·1.5), the elbow g·10·0.5, rounded up."""
     arm = robot_of(table({"a": 1.0, "mass": 10.0}, {"a": 1.0, "mass": 10.0}))
@@ -129,11 +113,6 @@ def test_a_joint_bears_what_slides_away(
     assert [joint.limits.effort for joint in arm.moving_joints] == [effort, 200.0]
     farthest = max(abs(lower), abs(upper))
     assert effort - 10.0 < 2 * GRAVITY * 10 * farthest <= effort
-
-
-def test_small_arms_get_the_least_effort(table: Table, robot_of: RobotOf) -> None:
-    """10 N·m, or 10 N."""
-    assert robot_of(table({"a": 0.01})).moving_joints[0].limits.effort == 10.0
 
 
 lengths = st.floats(-1, 1)
@@ -280,12 +259,6 @@ def test_a_payload_is_a_body_at_tool0(frames: str, ur5: Manipulator, robot_of: R
         assert (heavier.limits.effort or 0) > (lighter.limits.effort or 0)
 
 
-def test_a_payload_without_an_inertia_is_a_solid_ball(ur5: Manipulator, robot_of: RobotOf) -> None:
-    """Of the density of the links: 0.4 m r² with m = density · 4/3 π r³."""
-    moment = body(robot_of(replace(ur5, payload=Payload(mass=2.0), density=1000.0)), "payload").inertia.ixx
-    assert moment == pytest.approx(0.4 * 2.0 * (2.0 / 1000.0 * 3.0 / (4.0 * math.pi)) ** (2 / 3), rel=1e-12)
-
-
 @pytest.mark.parametrize(
     ("row", "base", "weight"),
     [({"mass": 2.0}, 3.0, 3.0), ({}, 0.0, 0.0), ({"mass": 2.0}, 0.0, 0.0)],
@@ -320,26 +293,3 @@ def test_nothing_hangs_on_a_link_without_a_body(frames: str, convention: str, ta
     pose = KinematicChain.between(robot, robot.root, "tool0").forward_kinematics(q)
     assert np.abs(np.reshape(pose.rotation, (3, 3)) - expected[:3, :3]).max() < 1e-12
     assert np.abs(np.array(pose.translation) - expected[:3, 3]).max() < 1e-12
-
-
-def test_a_row_called_payload_is_refused_beside_a_payload(table: Table, robot_of: RobotOf) -> None:
-    """Links have one name each."""
-    with pytest.raises(TransformError, match="so is the link of the payload"):
-        robot_of(table({"d": 0.3, "link": "payload"}, payload=Payload(mass=1.0)))
-
-
-def test_frames_weigh_nothing_and_say_so(ur5: Manipulator, robot_of: RobotOf) -> None:
-    """Flange and tool0 have an explicit zero inertial and no shape; the base has the mass that the table gives it."""
-    robot = robot_of(replace(ur5, base_mass=4.0))
-    for name in ("flange", "tool0"):
-        assert (body(robot, name).mass, body(robot, name).inertia) == (0.0, Inertia(ixx=0.0, iyy=0.0, izz=0.0))
-    assert body(robot, "base_link_inertia").mass == 4.0
-
-
-@given(
-    st.lists(st.floats(0.0, 1e6) | st.sampled_from([10.0, 100.0, 1000.0, 99.9999999999, 57.0, 5.7, math.inf, 1e300]))
-)
-def test_default_efforts_of_columns_are_those_of_numbers(needed: list[float]) -> None:
-    """To the last bit, at powers of ten as well."""
-    expected = [defaults._default_effort(number) for number in needed]
-    assert defaults.default_efforts(np.array(needed, dtype=float)).tolist() == expected

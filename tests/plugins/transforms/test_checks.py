@@ -1,14 +1,12 @@
 from __future__ import annotations
 
-import math
 from typing import TYPE_CHECKING, Any
 
 import pytest
 
 from dh2urdf.errors import TransformError
 from dh2urdf.manipulator import Inertia, Limits, LinkGeometry, Manipulator
-from dh2urdf.source import Mark, Problem
-from dh2urdf_plugins.transforms.alpha_swap_options import AlphaSwapOptions
+from dh2urdf.source import Mark
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -17,8 +15,6 @@ if TYPE_CHECKING:
 
     Table = Callable[..., Manipulator]
     RobotOf = Callable[..., Robot]
-
-BODY = Inertia(ixx=1.0, iyy=1.0, izz=1.0)
 
 
 @pytest.mark.parametrize(
@@ -63,14 +59,6 @@ def test_a_table_that_makes_no_arm_is_refused(
     assert problem.field == field
 
 
-def test_all_problems_are_reported_at_once(table: Table, robot_of: RobotOf) -> None:
-    """In the order of the rows."""
-    with pytest.raises(TransformError) as caught:
-        robot_of(table({"mass": -1.0}, {"radius": 0.0}, {"limits": Limits(lower=0.0)}))
-    problems = [(problem.joint, problem.field) for problem in caught.value.problems]
-    assert problems == [("joint_1", "mass"), ("joint_2", "radius"), ("joint_3", "limits.upper")]
-
-
 @pytest.mark.parametrize(
     ("row", "meant"),
     [
@@ -90,32 +78,3 @@ def test_an_angle_that_was_probably_a_quarter_turn_is_kept_with_a_notice(
     assert notice.severity == "notice"
     assert f"; {meant.replace(chr(92), '')} was probably meant" in notice.message
     assert (notice.joint, notice.robot) == ("joint_1", "arm")
-
-
-@pytest.mark.parametrize(
-    "row",
-    [
-        {"alpha": math.pi / 2},
-        {"alpha": 1.57195248426},  # of a calibrated arm: measured, not rounded
-        {"alpha": math.radians(90.0662)},
-        {"alpha": 0.001},
-        {"alpha": 1.0, "theta": 1.55},
-        {"type": "prismatic", "offset": 1.5708},
-    ],
-)
-def test_other_angles_are_nobodys_business(row: dict[str, Any], table: Table, robot_of: RobotOf) -> None:
-    """Exact ones, small ones, oblique ones, and lengths."""
-    assert robot_of(table(row, {"d": 0.1})).notices == ()
-
-
-def test_what_the_reader_said_is_not_said_again(table: Table, robot_of: RobotOf) -> None:
-    """Its notice has the text that is in the file."""
-    said = Problem(message="'1.57' is kept as it is", severity="notice", joint="joint_1", field="alpha")
-    assert robot_of(table({"alpha": 1.57}, {"d": 0.1}, notices=(said,))).notices == ()
-
-
-@pytest.mark.parametrize("options", [{"radius": 0.0}, {"radius": math.nan}, {"density": -1.0}, {"snap": -0.1}])
-def test_options_that_make_no_body_are_refused(options: dict[str, Any]) -> None:
-    """By the options themselves, so that a run file's error has its line."""
-    with pytest.raises(ValueError, match=next(iter(options))):
-        AlphaSwapOptions(**options)

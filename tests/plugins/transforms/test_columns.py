@@ -13,12 +13,11 @@ from hypothesis import given, settings, strategies as st
 
 from dh2urdf.columns import in_columns
 from dh2urdf.manipulator import Convention, DHRow, Inertia, JointType, Limits, LinkGeometry, Manipulator
-from dh2urdf.robot_check import check_robot
 from dh2urdf.rotations import HALF_PI, RigidTransform
 from dh2urdf.stages import EmitsInColumns, TransformsInColumns
 from dh2urdf.unchecked_records import replace_unchecked
 from dh2urdf_plugins.emitters.urdf import EMITTER, UrdfOptions
-from dh2urdf_plugins.transforms import columns as transform_module
+from dh2urdf_plugins.transforms import exact as transform_module
 from dh2urdf_plugins.transforms.alpha_swap import TRANSFORM, alpha_swap
 from dh2urdf_plugins.transforms.alpha_swap_options import AlphaSwapOptions
 
@@ -222,21 +221,6 @@ class TestWhatIsMadeSideBySide:
 
 
 class TestWhatIsSure:
-    @pytest.mark.long
-    @settings(max_examples=250)
-    @given(families(), options(), st.data())
-    def test_has_nothing_said_about_it(
-        self, tables: list[Manipulator], how: AlphaSwapOptions, data: st.DataObject
-    ) -> None:
-        """A table with a problem or a notice, and one whose robot has either, is left to be made alone."""
-        for _ in range(data.draw(st.integers(1, 3))):
-            place = data.draw(st.integers(0, len(tables) - 1))
-            tables[place] = _spoilt(tables[place], data.draw)
-        for place in made(tables, how):
-            robot = alpha_swap(tables[place], how)
-            assert robot.notices == ()
-            assert check_robot(robot) == ()
-
     @pytest.mark.parametrize(
         "fault",
         [
@@ -307,18 +291,6 @@ class TestWhatIsSure:
         assert groups is not None
         assert sorted(len(places) for places, _ in groups) == [20, 40]
         assert sorted(made(tables, AlphaSwapOptions())) == list(range(60))
-
-    def test_are_worth_it(self, table: Callable[..., Manipulator]) -> None:
-        """A few that are drawn as nobody else is are left to be made alone."""
-        tables = [replace(table({"a": 0.0 if k < 3 else 0.2, "d": 0.1 + k}), name=f"arm_{k}") for k in range(60)]
-        assert sorted(made(tables, AlphaSwapOptions())) == list(range(3, 60))
-
-
-def test_the_variant_of_the_paper_is_made_one_by_one(table: Callable[..., Manipulator]) -> None:
-    """It has no columns."""
-    ((_, group),) = in_columns([table({"a": 0.3})])
-    makes = TRANSFORM.can(TransformsInColumns)
-    assert makes.transform_columns(group, AlphaSwapOptions(variant="paper")) is None
 
 
 def _spoilt(table: Manipulator, draw: Callable[..., Any]) -> Manipulator:

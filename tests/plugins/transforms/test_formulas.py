@@ -10,10 +10,8 @@ from hypothesis import given, strategies as st
 from dh2urdf.rotations import rotation_from_rpy
 from dh2urdf_plugins.transforms.formulas import (
     Quantity,
-    constants,
     cos_sin_of,
     length_of,
-    origin,
     rpy_of,
 )
 
@@ -105,15 +103,6 @@ def test_rpy_formulas_hold_for_every_angle_that_a_person_may_enter(
         (c, s), (cz, sz) = ((math.cos(angle), math.sin(angle)) for angle in (names["p"], names["t"]))
         expected = (cz, -sz, 0, c * sz, c * cz, -s, s * sz, s * cz, c)
         assert rotation_from_rpy((roll, pitch, yaw)) == pytest.approx(expected, abs=5e-15)
-
-
-def test_an_origin_has_formulas_only_where_a_parameter_changes_it() -> None:
-    """Numbers that stay as they are need no formula; -0.0 is 0."""
-    made = origin((A, n(-0.0), n(2.0)), constants((0.0, -0.0, 1.5)))
-    assert made.xyz_formula == ("a", "0", "2")
-    assert made.rpy_formula is None
-    assert math.copysign(1, made.xyz[1]) == 1
-    assert math.copysign(1, made.rpy[1]) == 1
 
 
 @given(

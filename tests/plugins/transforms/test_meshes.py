@@ -13,7 +13,7 @@ from dh2urdf.columns import in_columns
 from dh2urdf.errors import MissingDependencyError, TransformError
 from dh2urdf.manipulator import Inertia, JointType, MeshFile, MeshShape
 from dh2urdf.meshes import find_mesh
-from dh2urdf.robot import Cylinder, Mesh
+from dh2urdf.robot import Mesh
 from dh2urdf.rotations import RigidTransform
 from dh2urdf_plugins.transforms.alpha_swap import alpha_swap, alpha_swap_columns
 from dh2urdf_plugins.transforms.alpha_swap_options import AlphaSwapOptions
@@ -158,13 +158,6 @@ class TestBodies:
         with pytest.raises(TransformError, match=message):
             mesh_body(find_mesh(name, tmp_path), ONE)
 
-    @pytest.mark.parametrize("name", ["link.stl", "link.obj", "link.dae"])
-    def test_what_is_no_mesh_is_refused(self, name: str, tmp_path: Path) -> None:
-        """With the format by its suffix."""
-        (tmp_path / name).write_bytes(b"this is no mesh, whatever its name says\n" * 5)
-        with pytest.raises(TransformError, match="link"):
-            mesh_body(find_mesh(name, tmp_path), ONE)
-
 
 class TestLinks:
     def test_a_link_weighs_its_mesh_times_the_density(
@@ -234,15 +227,6 @@ class TestLinks:
         with pytest.raises(MissingDependencyError, match=r"trimesh: .* -m pip install 'dh2urdf\[meshes\]'"):
             robot_of(replace(three_axes, rows=tuple(rows)))
 
-    def test_links_can_go_unseen(self, three_axes: Manipulator, robot_of: Callable[..., Robot]) -> None:
-        """They weigh the same; the table goes before the run."""
-        plain, bare = robot_of(three_axes), robot_of(three_axes, visuals="none", collisions="none", base_collision=True)
-        assert [link.inertial for link in bare.links] == [link.inertial for link in plain.links]
-        assert not any(link.visuals or link.collisions for link in bare.links)
-        assert robot_of(replace(three_axes, visuals=True), visuals="none").links[2].visuals == plain.links[2].visuals
-        assert not robot_of(replace(three_axes, visuals=False)).links[2].visuals
-        assert robot_of(replace(three_axes, visuals=False)).links[3].collisions == plain.links[3].collisions
-
     def test_joints_resist_as_the_run_says_where_the_table_is_silent(
         self, table: Callable[..., Manipulator], robot_of: Callable[..., Robot]
     ) -> None:
@@ -256,12 +240,6 @@ class TestLinks:
             (None, None, None),
         ]
 
-    @pytest.mark.parametrize("name", ["damping", "friction", "armature"])
-    def test_nothing_resists_less_than_not_at_all(self, name: str) -> None:
-        """Negative numbers are refused."""
-        with pytest.raises(ValueError, match=f"{name} must be 0 or greater"):
-            AlphaSwapOptions(**{name: -1.0})
-
 
 class TestProblems:
     def notices(self, table: Manipulator, *shapes: MeshShape, **row: Any) -> list[str]:
@@ -269,11 +247,6 @@ class TestProblems:
         visual, collision = (*shapes, None, None)[:2]
         rows = (replace(table.rows[0], visual=visual, collision=collision, **row), *table.rows[1:])
         return [str(notice) for notice in alpha_swap(replace(table, rows=rows), AlphaSwapOptions()).notices]
-
-    def test_a_good_mesh_needs_no_word(self, three_axes: Manipulator, saved: Callable[..., MeshFile]) -> None:
-        """In any of the formats."""
-        assert self.notices(three_axes, MeshShape(file=saved(wedge()))) == []
-        assert self.notices(three_axes, MeshShape(file=saved(wedge(), "link.dae", *Z_UP))) == []
 
     @pytest.mark.parametrize(("scale", "size"), [(1000.0, "600"), (1e-3, "0.0006")])
     def test_a_wrong_scale_is_noticed(
@@ -284,17 +257,6 @@ class TestProblems:
         (notice,) = self.notices(three_axes, MeshShape(file=saved(mesh), scale=(scale,) * 3))
         assert f"'link.stl' is {size} m long" in notice
         assert "scale 0.001" in notice
-
-    def test_a_hull_is_noticed_once(self, three_axes: Manipulator, saved: Callable[..., MeshFile]) -> None:
-        """And not where the table has the mass, nor of what only touches."""
-        mesh = trimesh.creation.box(BOX)
-        mesh.update_faces([True] * 10 + [False] * 2)
-        shape = MeshShape(file=saved(mesh))
-        (notice,) = self.notices(three_axes, shape, shape)
-        assert "joint 'joint_1', field 'visual': the mesh 'link.stl' is not closed" in notice
-        body = {"mass": 1.0, "com": (0.0, 0.0, 0.0), "inertia": Inertia(ixx=1.0, iyy=1.0, izz=1.0)}
-        assert self.notices(three_axes, shape, shape, **body) == []
-        assert self.notices(three_axes, MeshShape(file=saved(wedge(), "other.stl")), shape) == []
 
     @pytest.mark.parametrize(
         ("change", "message"),
@@ -311,17 +273,6 @@ class TestProblems:
         shape = MeshShape(file=saved(wedge(), "link.dae", *change), scale=(1000.0,) * 3 if "mm" in change[1] else ONE)
         (notice,) = self.notices(three_axes, shape)
         assert message in notice
-
-    def test_other_files_that_a_mesh_names_are_noticed(
-        self, three_axes: Manipulator, saved: Callable[..., MeshFile], tmp_path: Path
-    ) -> None:
-        """They do not travel with it."""
-        file = saved(wedge(), "plain.obj")
-        content = (tmp_path / "plain.obj").read_text()
-        (tmp_path / "link.obj").write_text("mtllib link.mtl\n" + content)
-        assert self.notices(three_axes, MeshShape(file=file)) == []
-        (notice,) = self.notices(three_axes, MeshShape(file=find_mesh("link.obj", tmp_path)))
-        assert "names files of materials or textures" in notice
 
     @pytest.mark.parametrize(
         ("name", "scale", "message"),
@@ -342,14 +293,6 @@ class TestProblems:
         with pytest.raises(TransformError, match=message) as caught:
             self.notices(three_axes, MeshShape(file=saved(wedge(), name), scale=scale))
         assert caught.value.problems[0].joint == "joint_1"
-
-    def test_the_paper_has_no_place_for_a_mesh(self, ur5: Manipulator, saved: Callable[..., MeshFile]) -> None:
-        """It draws its boxes, with a message."""
-        shape = MeshShape(file=saved(wedge()))
-        table = replace(ur5, rows=(replace(ur5.rows[0], visual=shape), *ur5.rows[1:]), base_visual=shape)
-        robot = alpha_swap(table, AlphaSwapOptions(variant="paper"))
-        assert not any(isinstance(visual.geometry, Mesh) for link in robot.links for visual in link.visuals)
-        assert sum("its boxes are drawn" in notice.message for notice in robot.notices) == 2
 
 
 class TestColumns:
@@ -373,24 +316,3 @@ class TestColumns:
         assert len(made) == 10
         for place, robot in made.items():
             assert robot == alpha_swap(tables[place], AlphaSwapOptions())
-
-    def test_what_has_to_be_said_of_a_mesh_is_said_one_by_one(
-        self, three_axes: Manipulator, saved: Callable[..., MeshFile]
-    ) -> None:
-        """Tables side by side have no notices."""
-        _, groups = self.made(three_axes, MeshShape(file=saved(trimesh.creation.box((20.0, 1.0, 1.0)))))
-        assert groups == []
-
-    def test_other_meshes_are_other_columns(self, three_axes: Manipulator, saved: Callable[..., MeshFile]) -> None:
-        """And so are meshes that are named in other places."""
-        shape = MeshShape(file=saved(wedge()))
-        rows = three_axes.rows
-        tables = [
-            three_axes,
-            replace(three_axes, rows=(replace(rows[0], visual=shape), *rows[1:])),
-            replace(three_axes, rows=(replace(rows[0], collision=shape), *rows[1:])),
-            replace(three_axes, base_visual=shape),
-            replace(three_axes, visuals=False),
-        ]
-        assert len(in_columns(tables)) == len(tables)
-        assert isinstance(alpha_swap(tables[1], AlphaSwapOptions()).links[3].visuals[0].geometry, Cylinder)

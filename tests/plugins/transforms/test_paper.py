@@ -3,22 +3,20 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import pytest
 
 from dh2urdf.errors import TransformError
-from dh2urdf.manipulator import Inertia, Manipulator
 from dh2urdf.robot import Box
 from dh2urdf.robot_check import check_robot
-from dh2urdf.rotations import RigidTransform
 from dh2urdf_plugins.transforms.alpha_swap import TRANSFORM
 from dh2urdf_plugins.transforms.alpha_swap_options import AlphaSwapOptions
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from dh2urdf.manipulator import Manipulator
     from dh2urdf.robot import Robot
 
     Table = Callable[..., Manipulator]
@@ -76,13 +74,6 @@ def test_a_row_without_lengths_is_a_cube_of_the_papers_thickness(table: Table, r
     assert link.collisions == ()
 
 
-def test_lengths_can_be_edited(ur5: Manipulator, robot_of: RobotOf) -> None:
-    """Origins and boxes follow a_i and d_i."""
-    robot = robot_of(ur5, variant="paper")
-    assert robot.moving_joints[2].origin.xyz_formula == ("0", "0", "max(abs(d_2), abs(a_2))")
-    assert robot.links[3].visuals[0].geometry.size_formula == ("0.01", "0.01", "max(abs(a_2), 0.00001)")
-
-
 def test_the_robot_keeps_the_rules_and_says_that_it_is_another_arm(ur5: Manipulator, robot_of: RobotOf) -> None:
     """It can be loaded and proved to be different; only the exact variant claims the kinematics."""
     assert check_robot(robot_of(ur5, variant="paper")) == ()
@@ -99,18 +90,6 @@ def test_an_angle_near_the_set_is_taken_for_it_with_a_notice(table: Table, robot
     assert "pi/2" in notice.message
     with pytest.raises(TransformError):
         robot_of(table({"alpha": 1.5708}, {"d": 0.1}), variant="paper", snap=0.0)
-
-
-@pytest.mark.parametrize(
-    "options",
-    [{"frames": "dh"}, {"near_parallel": "split"}, {"shape": "box"}, {"radius": 0.02}],
-    ids=lambda each: next(iter(each)),
-)
-def test_an_option_of_the_exact_variant_is_noticed(table: Table, robot_of: RobotOf, options: dict[str, Any]) -> None:
-    """It was left out without a word."""
-    (notice,) = robot_of(table({"alpha": 0.0}, {"d": 0.1}), variant="paper", **options).notices
-    assert (notice.severity, notice.field) == ("notice", next(iter(options)))
-    assert "has no effect: the paper's variant" in notice.message
 
 
 @pytest.mark.parametrize(
@@ -133,30 +112,3 @@ def test_what_it_has_no_place_for_is_refused(
     assert (problem.joint, problem.field, problem.found) == ("joint_2", field, found)
     accepted = {"alpha": "0, pi, pi/2, -pi/2", "sign": "1"}.get(field, "0")
     assert problem.accepted == accepted
-
-
-def test_the_turn_of_minus_pi_is_said_to_be_pi(table: Table, robot_of: RobotOf) -> None:
-    """The set of equation (1) has π and not -π: it is refused, with the word that means the same."""
-    with pytest.raises(TransformError, match="pi is the same turn"):
-        robot_of(table({"alpha": -math.pi}), variant="paper")
-
-
-def test_all_reasons_are_given_at_once(ur5: Manipulator, robot_of: RobotOf) -> None:
-    """Convention, base and tool too."""
-    moved = RigidTransform.from_xyz_rpy((0.0, 0.0, 0.1))
-    other = replace(ur5, convention=type(ur5.convention)("modified"), base=moved, tool=moved)
-    with pytest.raises(TransformError) as caught:
-        robot_of(other, variant="paper")
-    assert [problem.field for problem in caught.value.problems] == ["convention", "base", "tool"]
-    assert caught.value.problems[0].accepted == "standard"
-
-
-def test_mass_properties_of_dh_frames_cannot_be_placed(table: Table, robot_of: RobotOf) -> None:
-    """The mass is used, com and inertia are not, and a notice says so."""
-    inertia = Inertia(ixx=1.0, iyy=1.0, izz=1.0)
-    robot = robot_of(table({"d": 0.1, "mass": 3.0, "com": (0.0, 0.0, 1.0), "inertia": inertia}), variant="paper")
-    (notice,) = robot.notices
-    assert notice.field == "com"
-    body = robot.links[2].inertial
-    assert body is not None
-    assert (body.mass, body.com) == (3.0, (0.0, 0.0, 0.05))

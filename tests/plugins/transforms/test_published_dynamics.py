@@ -15,10 +15,9 @@ import numpy as np
 import pytest
 import yaml
 
-import dh2urdf
 from dh2urdf.errors import TransformError
 from dh2urdf.manipulator import Inertia, Manipulator
-from dh2urdf.mass_properties import has_zero_moments, inertia_problem, possible_inertia, principal_moments, repaired
+from dh2urdf.mass_properties import has_zero_moments, inertia_problem, principal_moments, repaired
 from dh2urdf_plugins.emitters.urdf import EMITTER as URDF
 from dh2urdf_plugins.readers import csv, yaml as yaml_reader
 from dh2urdf_plugins.readers.table import TableOptions
@@ -261,34 +260,6 @@ class TestInertias:
         finally:
             bullet.disconnect(client)
 
-    def test_what_is_not_broken_stays(self, tmp_path: Path) -> None:
-        """Tensors of bodies are the same with each word; one without a moment above 0 is that of the drawn shape."""
-        arm = read(as_csv(possible(ARMS["iiwa14"]), None), tmp_path, ".csv")
-        assert robot_of(arm, inertias="repair") == robot_of(arm, inertias="recompute") == robot_of(arm)
-        empty = replace(arm.rows[0], inertia=Inertia(ixx=0.0, iyy=0.0, izz=0.0))
-        robot = robot_of(replace(arm, rows=(empty, *arm.rows[1:])), inertias="repair")
-        assert "the inertia of the drawn shape is used" in " ".join(notice.message for notice in robot.notices)
-
-    def test_of_a_payload(self, tmp_path: Path) -> None:
-        """Its inertia is treated as those of links are."""
-        hand = HAND | {"inertia": [0, 0, 0.001, 0, 0, 0]}
-        arm = read(as_yaml(possible(ARMS["ur20"]), hand), tmp_path, ".yaml")
-        with pytest.raises(TransformError, match=r"payload\.inertia"):
-            robot_of(arm)
-        robot = robot_of(arm, inertias="repair")
-        assert [notice.field for notice in robot.notices if "inertia" in (notice.field or "")] == ["payload.inertia"]
-
-    def test_in_a_run(self, tmp_path: Path) -> None:
-        """An option of the transform in a run file; of many arms, too."""
-        table = as_csv(ARMS["iiwa14"], None)
-        (tmp_path / "arm.csv").write_text(table, "utf-8")
-        run = {"inputs": [str(tmp_path / "arm.csv")], "output": {"directory": str(tmp_path / "out")}}
-        vary = {"of": "arm", "count": 20, "vary": [{"joints": [2], "field": "mass", "scale": [0.9, 1.1]}]}
-        options = {"inertias": "repair"}
-        report = dh2urdf.run(run | {"variations": [vary], "transform": {"stage": "alpha-swap", "options": options}})
-        assert {entry["status"] for entry in report["manipulators"]} == {"ok"}
-        assert dh2urdf.run(run)["manipulators"][0]["status"] == "failed"
-
 
 class TestFloor:
     """Moments of 0, as UR prints those of its last link."""
@@ -299,15 +270,6 @@ class TestFloor:
         table = ARMS["ur20"]
         last = table["rows"][-1] | {"inertia": [0, 0, 0.0002, 0, 0, 0]}
         return read(as_csv(table | {"rows": [*table["rows"][:-1], last]}, None), tmp_path, ".csv")
-
-    def test_they_are_refused_with_advice(self, arm: Manipulator) -> None:
-        """The option is named, and a value for it."""
-        with pytest.raises(TransformError) as caught:
-            robot_of(arm)
-        (problem,) = caught.value.problems
-        assert (problem.joint, problem.field) == ("joint_6", "inertia")
-        assert "its principal moments are 0, 0 and 0.0002 kg·m²" in problem.message
-        assert "`--set inertias=repair`" in (problem.suggestion or "")
 
     def test_a_floor_makes_them_those_of_a_body(self, arm: Manipulator) -> None:
         """The least that the triangle inequality asks for, and a notice with both."""
@@ -339,9 +301,3 @@ class TestFloor:
         assert principal_moments(raised) == pytest.approx(expected, rel=1e-12)
         before, after = tensor(elements), tensor([getattr(raised, name) for name in ELEMENTS])
         assert np.abs(before @ after - after @ before).max() <= 1e-15 * np.abs(after).max()
-
-    def test_other_tensors_stay_as_they_are(self) -> None:
-        """Those of bodies, and those that break the rules otherwise: they are refused with a floor, too."""
-        for elements in ([1, 1, 1, 0, 0, 0], [0.1, 0.1, 0.5, 0, 0, 0], [-1e-3, 1, 1, 0, 0, 0]):
-            given = Inertia(**dict(zip(ELEMENTS, elements, strict=True)))
-            assert possible_inertia(given, "keep", 1e-3) == (given, "")

@@ -2,7 +2,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 import pytest
@@ -24,8 +23,7 @@ from dh2urdf.rotations import (
     scale,
     subtract,
 )
-from dh2urdf_plugins.transforms.housings import AHEAD, BARREL, BARREL_LENGTH, CAP, CAP_LENGTH, TUBE
-from dh2urdf_plugins.transforms.shapes import direction_rpy
+from dh2urdf_plugins.transforms.shapes import AHEAD, BARREL, BARREL_LENGTH, CAP, CAP_LENGTH, TUBE, direction_rpy
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -95,15 +93,6 @@ def _origin(transform: RigidTransform) -> Origin:
     return Origin(xyz=transform.translation, rpy=transform.rpy)
 
 
-def test_segments_follow_their_sign(table: Table, robot_of: RobotOf) -> None:
-    """A negative length runs the other way and has a positive size."""
-    robot = robot_of(table({"d": -0.5, "a": -0.3}, {}))
-    offset, normal = link(robot, "link_1").visuals
-    assert ends(offset) == {(0, 0, -0.5), (0, 0, 0)}
-    assert ends(normal) == {(0, 0, -0.5), (-0.3, 0, -0.5)}
-    assert offset.geometry.length == 0.5
-
-
 def test_a_link_without_segments_is_a_joint_housing(table: Table, robot_of: RobotOf) -> None:
     """It is as long as it is thick and has nothing that could touch."""
     robot = robot_of(table({"d": 0.5}, {"alpha": HALF_PI}, {"d": 0.5}))
@@ -126,36 +115,12 @@ def test_a_rail_runs_from_lower_to_upper(frames: str, table: Table, robot_of: Ro
     assert carriage.origin.xyz == pytest.approx((0, 0, 0.1))
 
 
-def test_a_rail_on_the_other_side_has_its_foot_there(table: Table, robot_of: RobotOf) -> None:
-    """With the sign turned, q from 0.2 to 1 is δ from -0.2 to -1."""
-    rows = [{}, {"type": "prismatic", "sign": -1}]
-    robot = robot_of(with_limits(table(*rows), lower=0.2, upper=1.0))
-    _, rail, foot = link(robot, "link_1").visuals
-    assert ends(rail) == {(0, 0, -1.0), (0, 0, -0.2)}
-    assert ends(foot) == {(0, 0, -0.2), (0, 0, 0)}
-
-
-@pytest.mark.parametrize("limits", [{}, {"lower": -0.5, "upper": 0.25}], ids=["default", "given"])
-def test_a_rail_over_zero_needs_no_foot(limits: dict[str, float], table: Table, robot_of: RobotOf) -> None:
-    """The default limits of ±1 m run through the joint itself; the first joint's rail belongs to the base."""
-    robot = robot_of(with_limits(table({"type": "prismatic"}), **limits))
-    _, rail = link(robot, "base_link_inertia").visuals
-    assert ends(rail) == {(0, 0, limits.get("lower", -1.0)), (0, 0, limits.get("upper", 1.0))}
-
-
 def test_collisions_are_a_radius_shorter_at_each_end(table: Table, robot_of: RobotOf) -> None:
     """So neighbours do not touch; what would vanish is left out."""
     robot = robot_of(table({"d": 0.5, "a": 0.079}, {"a": 0.3}))
     (collision,) = link(robot, "link_1").collisions
     assert ends(collision) == {(0, 0, 0.04), (0, 0, 0.46)}
     assert link(robot, "base_link_inertia").collisions == ()
-
-
-def test_the_base_collides_on_request(table: Table, robot_of: RobotOf) -> None:
-    """Its body is 1.5 radii wide and one radius high, on the base frame."""
-    base = link(robot_of(table({"d": 0.5}), base_collision=True), "base_link_inertia")
-    assert base.visuals[0].geometry == Cylinder(radius=0.06, length=0.04)
-    assert ends(base.collisions[0]) == {(0, 0, 0), (0, 0, 0.04)}
 
 
 @pytest.mark.parametrize(
@@ -253,21 +218,6 @@ def housing_caps(visuals: tuple[Visual, ...], r: float) -> list[Visual]:
     return [visual for visual in visuals if getattr(visual.geometry, "radius", 0) == CAP * r]
 
 
-def test_only_the_tubes_of_an_arm_touch(ur5: Manipulator, robot_of: RobotOf) -> None:
-    """The bodies that touch are those of thinner cylinders: housings, which neighbours share, are only seen."""
-    arm, plain = robot_of(ur5, shape="arm", radius=0.04), robot_of(ur5, shape="cylinder", radius=TUBE * 0.04)
-    assert [body.collisions for body in arm.links] == [body.collisions for body in plain.links]
-    assert sum(len(body.collisions) for body in arm.links) > 3
-
-
-def test_neighbours_have_different_colours(ur5: Manipulator, robot_of: RobotOf) -> None:
-    """The base is darker than the links, and no link has the colour of the one before."""
-    robot = robot_of(ur5)
-    colours = [visual.material for link in robot.links for visual in link.visuals[:1]]
-    assert all(left != right for left, right in pairwise(colours))
-    assert sum(colours[0].rgba[:3]) < min(sum(colour.rgba[:3]) for colour in colours[1:])
-
-
 @given(st.floats(-1.6, 1.6), st.floats(-3.2, 3.2))
 def test_a_direction_has_two_angles(elevation: float, azimuth: float) -> None:
     """A body turned by them lies along the direction, one way round or the other."""
@@ -275,19 +225,3 @@ def test_a_direction_has_two_angles(elevation: float, azimuth: float) -> None:
     direction = (c * math.cos(azimuth), c * math.sin(azimuth), math.sin(elevation))
     along = rotate(rotation_from_rpy(direction_rpy(direction)), Z_AXIS)
     assert abs(sum(a * b for a, b in zip(along, direction, strict=True))) == pytest.approx(1, abs=1e-14)
-
-
-@pytest.mark.parametrize(
-    ("direction", "rpy"),
-    [
-        ((0, 0, 1), (0, 0, 0)),
-        ((0, 0, -1), (0, 0, 0)),
-        ((1, 0, 0), (0, HALF_PI, 0)),
-        ((-1, 0, 0), (0, HALF_PI, 0)),
-        ((0, 1, 0), (HALF_PI, 0, 0)),
-        ((0, -1, 0), (HALF_PI, 0, 0)),
-    ],
-)
-def test_along_an_axis_one_angle_is_enough(direction: tuple[float, ...], rpy: tuple[float, ...]) -> None:
-    """A body along x is pitched, one along y is rolled."""
-    assert direction_rpy(tuple(map(float, direction))) == rpy  # type: ignore[arg-type]

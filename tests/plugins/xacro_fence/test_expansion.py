@@ -15,16 +15,13 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-import dh2urdf
 from dh2urdf.errors import CrashError, InputError, ProofError, TableError
 from dh2urdf.isolation import run_in_child
-from dh2urdf.plugin_system import load
 from dh2urdf.stages import Expansion
 from dh2urdf_check.inspection import inspect_xacro
 from dh2urdf_plugins.descriptions.foreign import foreign_xacro
 from dh2urdf_plugins.read_back.xacro_reader import read_foreign_xacro
 from dh2urdf_plugins.xacro_fence.expansion import expand_foreign
-from dh2urdf_studio.viewing import load_figures
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -385,41 +382,3 @@ def test_arguments_have_the_values_that_are_given(tmp_path: Path) -> None:
     path.write_text(ROBOT.format('<link name="$(arg side)"/>'))
     with pytest.raises(ProofError, match=r"the argument 'side' has no value: give it one, side:=VALUE"):
         expand_foreign(path)
-
-
-@pytest.fixture
-def workspace(tmp_path: Path) -> Path:
-    """A file with an argument, which includes a file of a package elsewhere."""
-    other = tmp_path / "ws" / "src" / "grippers"
-    other.mkdir(parents=True)
-    (other / "package.xml").write_text("<package><name>grippers</name></package>")
-    (other / "hand.xacro").write_text(ROBOT.format('<link name="hand_$(arg side)"/>'))
-    include = '<xacro:arg name="side" default="left"/><xacro:include filename="$(find grippers)/hand.xacro"/>'
-    (tmp_path / "arm.urdf.xacro").write_text(ROBOT.format(include))
-    return tmp_path
-
-
-def test_check_and_view_take_arguments_and_package_paths(cli: Callable[..., Answer], workspace: Path) -> None:
-    """On the command line, in Python, and for the page; what no file could use is refused."""
-    file, path = workspace / "arm.urdf.xacro", workspace / "ws" / "src"
-    assert "the package 'grippers' is not known" in cli("check", file, status=1).stdout
-    found = cli("check", file, "side:=right", "--package-path", path, "--for", "pybullet").stdout
-    assert "the root link 'hand_right' has no inertial" in found
-    expansion = Expansion(arguments={"side": "right"}, package_paths=(path,))
-    (figure,) = load_figures([file], load(), expansion)
-    assert [link.name for link in figure.robot.links] == ["hand_right"]
-    inspection = dh2urdf.check(file, arguments={"side": "up"}, package_paths=[str(path)])
-    assert inspection.robot is not None
-    assert inspection.robot.links[0].name == "hand_up"
-    for words, message in (
-        ([":=right"], "':=right' is no argument"),
-        (["side:=a", "side:=b"], "'side:=b' is given twice"),
-        (["--package-path", workspace / "nowhere"], f"there is no folder of packages '{workspace / 'nowhere'}'"),
-    ):
-        assert message in cli("check", file, *words, status=2).stderr
-    plain = workspace / "arm.urdf"
-    plain.write_text('<robot name="r"><link name="a"/></robot>')
-    assert "files of the format 'urdf' have no macros" in cli("check", plain, "side:=right", status=2).stderr
-    with pytest.raises(InputError, match="none of the files has macros"):
-        load_figures([plain], load(), expansion)
-    assert len(load_figures([plain, file], load(), expansion)) == 2

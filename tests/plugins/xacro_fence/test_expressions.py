@@ -9,8 +9,7 @@ import pytest
 import xacro
 from hypothesis import given, strategies as st
 
-from dh2urdf_plugins.xacro_fence.functions import MAX_WORK, ExpressionError, Function, Work
-from dh2urdf_plugins.xacro_fence.interpreter import evaluate
+from dh2urdf_plugins.xacro_fence.interpreter import MAX_WORK, ExpressionError, Function, Work, evaluate
 
 REFUSALS = (ExpressionError, NameError, SyntaxError, TypeError, ValueError, KeyError, AttributeError, RecursionError)
 
@@ -232,7 +231,7 @@ def test_a_namespace_is_not_changed_by_what_reads_it(monkeypatch: pytest.MonkeyP
 )
 def test_a_loop_ends_by_its_steps(text: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """The bound is a number of steps, which no clock measures; here it is a tenth."""
-    monkeypatch.setattr("dh2urdf_plugins.xacro_fence.functions.MAX_WORK", MAX_WORK // 10)
+    monkeypatch.setattr("dh2urdf_plugins.xacro_fence.interpreter.MAX_WORK", MAX_WORK // 10)
     with pytest.raises(ExpressionError, match=f"more than {MAX_WORK // 10} steps"):
         value_of(text)
 

@@ -68,7 +68,7 @@ def annotate(path: Path, expansion: Expansion, earlier: Path | None, options: Sr
     from dh2urdf.stages import Annotation
     from dh2urdf_plugins.collision_pairs.scene import Mechanism
     from dh2urdf_plugins.collision_pairs.search import collision_pairs
-    from dh2urdf_plugins.descriptions.description import urdf_description, xacro_description
+    from dh2urdf_plugins.descriptions.description import describe
     from dh2urdf_plugins.emitters.srdf.pairs_text import new_file, updated
     from dh2urdf_plugins.read_back.xml_files import LARGEST
 
@@ -78,7 +78,7 @@ def annotate(path: Path, expansion: Expansion, earlier: Path | None, options: Sr
         raise ConfigError(Problem(message=message, mark=Mark(file=str(path)), accepted="NAME:=VALUE with a xacro"))
     content = None if earlier is None else read_bytes(earlier, InputError, limit=LARGEST)
     packages = with_its_own(path, packages_in(expansion.package_paths))
-    description = xacro_description(path, expansion) if has_macros else urdf_description(path)
+    description = describe("xacro" if has_macros else "urdf", path, expansion)
     find = mesh_finder(description.folder, packages)
 
     def mesh(shape: Mesh) -> tuple[bytes, str]:

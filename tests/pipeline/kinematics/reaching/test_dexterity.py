@@ -10,7 +10,6 @@ import pytest
 
 import dh2urdf
 from dh2urdf import Convention, DHRow, JointType, Limits, Manipulator
-from dh2urdf.errors import RecordError
 from dh2urdf.kinematics.reaching.dexterity import dexterity
 
 TABLES = Path(__file__).parents[4] / "configs" / "tables"
@@ -61,12 +60,3 @@ def test_margins_are_those_of_the_nearer_limit() -> None:
     arm = two_links(upper=2.0)
     assert dexterity(arm, [0.0, 1.5]).margins == {"j0": 1.0, "j1": 0.5}
     assert dexterity(arm, {"j0": -1.25, "j1": 2.5}).margins == {"j0": -0.25, "j1": -0.5}
-
-
-def test_what_cannot_be_asked() -> None:
-    """Another number of values is refused with the function's name; an arm without joints has nothing to lose."""
-    with pytest.raises(RecordError, match=r"dexterity\(\)"):
-        dexterity(two_links(), [0.0])
-    rows = (row(0, 1.0, JointType.FIXED, Limits()),)
-    fixed = Manipulator(name="post", convention=Convention.STANDARD, rows=rows)
-    assert dexterity(fixed, []).smallest_singular_value == 0.0

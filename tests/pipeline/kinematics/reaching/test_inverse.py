@@ -14,8 +14,6 @@ from scipy.spatial.transform import Rotation
 
 import dh2urdf
 from dh2urdf import Convention, DHRow, JointType, Limits, Manipulator, RigidTransform
-from dh2urdf.errors import RecordError
-from dh2urdf.kinematics.reaching.inverse import ATTEMPTS
 
 if TYPE_CHECKING:
     from conftest import ReferenceRobot
@@ -127,24 +125,6 @@ def test_limits_hold() -> None:
     assert not found.reached
     free = replace(arm, rows=(replace(row, limits=Limits()),))
     assert dh2urdf.inverse_kinematics(free, RigidTransform.from_xyz_rpy((0.0, 0.0, 0.8))).reached
-
-
-@pytest.mark.parametrize(
-    ("pose", "start", "attempts", "message"),
-    [
-        (np.zeros((4, 4)), None, 1, "the last row of the matrix"),
-        (np.diag([1.0, 1.0, -1.0, 1.0]), None, 1, "the matrix is no rotation"),
-        (np.eye(4), [0.0], 1, "has 6 moving joints, the joint vector has 1 entries"),
-        (np.eye(4), [np.nan] * 6, 1, "nan"),
-        (np.eye(4), None, 0, "0 attempts find nothing"),
-    ],
-)
-def test_what_is_no_pose_or_start_is_refused(pose: Any, start: Any, attempts: int, message: str) -> None:
-    """With what was found."""
-    arm = dh2urdf.read(TABLES / "ur5.csv")
-    with pytest.raises(RecordError, match=message):
-        dh2urdf.inverse_kinematics(arm, pose, start, attempts=attempts)
-    assert ATTEMPTS > 1
 
 
 @pytest.mark.parametrize("x", [2.0, -2.0, -0.1])

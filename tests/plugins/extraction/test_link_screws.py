@@ -9,9 +9,9 @@ import pytest
 from hypothesis import given, strategies as st
 
 from dh2urdf.rotations import RigidTransform
-from dh2urdf_plugins.descriptions.rounded_pi import part_of_pi
+from dh2urdf_plugins.descriptions.description import part_of_pi
 from dh2urdf_plugins.extraction.chain import (
-    ZSZ,
+    LinkScrews,
     Precision,
     between_decimals,
     decimal_of,
@@ -38,7 +38,7 @@ def matrix(pose: RigidTransform) -> np.ndarray:
     return result
 
 
-def product(screws: ZSZ) -> np.ndarray:
+def product(screws: LinkScrews) -> np.ndarray:
     """The product of the three screws, in numpy."""
     first, middle, last = z_screw(screws.phi, screws.b), x_screw(screws.a, screws.alpha), z_screw(screws.psi, screws.e)
     return matrix(first) @ matrix(middle) @ matrix(last)

@@ -91,8 +91,8 @@ def test_an_mjcf(tmp_path: Path) -> None:
     arm, notices = noticed(tmp_path / "arm.xml", MJCF)
     assert notices == [
         "11 an actuator, but for the effort of its joint, is left out, in 7 places (lines 11, 11, 12, 13, 13 and 2 more)",
-        "10 a tendon is left out",
         "14 a sensor is left out, in 2 places (lines 14, 14)",
+        "10 a tendon is left out",
         "15 a keyframe is left out",
         "3 a camera is left out",
         "4 the spring of a joint is left out",

@@ -369,14 +369,14 @@ def test_the_camera_by_keyboard(tab: Any) -> None:
 ON_A_PAGE = """<p>DH parameters (mm, deg)</p><table border=1>
 <tr><th>Joint</th><th>a<sub>i</sub></th><th>α<sub>i</sub></th><th>d<sub>i</sub></th></tr>
 <tr><td>1</td><td>0</td><td>90<sup>o</sup></td><td>%s</td></tr>
-<tr><td>2</td><td rowspan=2>425</td><td>0<br></td><td>0</td></tr>
-<tr><td>3</td><td>0</td><td>7</td></tr></table><p>1: without the flange</p>"""
+<tr><td>2</td><td>425</td><td>0<br></td><td>0</td></tr>
+<tr><td>3</td><td>425</td><td>0</td><td>7</td></tr></table><p>1: without the flange</p>"""
 
 
 @pytest.mark.long
-@pytest.mark.parametrize(("d", "pasted"), [("89<sup>1</sup>", "89^1"), ("89", "89"), ("2·10<sup>-3</sup>", "2·10^-3")])
-def test_a_table_is_copied_from_a_page(studio_address: str, new_tab: Callable[..., Any], d: str, pasted: str) -> None:
-    """Chromium copies a raised 1 as one digit more, and no cells below one that spans rows: 89 was 891, and α was in a."""
+@pytest.mark.parametrize("d", ["89<sup>1</sup>", "89"])
+def test_a_table_is_copied_from_a_page(studio_address: str, new_tab: Callable[..., Any], d: str) -> None:
+    """Chromium copies a raised 1 as one digit more: 89 was 891. A person is asked."""
     tab = new_tab(studio_address)
     tab.open()
     other = tab.page.context.new_page()
@@ -387,6 +387,8 @@ def test_a_table_is_copied_from_a_page(studio_address: str, new_tab: Callable[..
     tab.page.bring_to_front()
     tab.page.get_by_label("number of axes").click()
     tab.page.keyboard.press("Control+v")
-    for row, cells in enumerate((("0", "90°", pasted), ("425", "0", "0"), ("", "0", "7"))):
-        tab.wait_for_cells(row, **dict(zip(("a", "alpha", "d"), cells, strict=True)))
-    tab.wait_for_status("problem")  # no cell is filled in, and no power is read
+    if d == "89":
+        for row, cells in enumerate((("0", "90°", "89"), ("425", "0", "0"), ("425", "0", "7"))):
+            tab.wait_for_cells(row, **dict(zip(("a", "alpha", "d"), cells, strict=True)))
+    else:
+        tab.page.get_by_role("dialog").get_by_text("'89^1' cannot be read").wait_for()

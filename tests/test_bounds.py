@@ -201,22 +201,6 @@ def test_a_thousand_problems_are_collected_and_a_screenful_is_printed(
     assert str(caught.value).endswith(f"and {len(caught.value.problems) - SCREENFUL} more problems")
 
 
-@pytest.mark.parametrize(
-    ("inside", "outside", "message"),
-    [
-        ("999999999,0,0", "1e9,0,1", "at most 1e\\+09 m"),
-        ("0,0,0,360000 deg", "0,0,0,360001 deg", "more than a thousand turns"),
-    ],
-)
-def test_lengths_and_angles_are_such_as_can_be_computed_with(
-    read: Callable[..., Manipulator], inside: str, outside: str, message: str
-) -> None:
-    """Beyond, a double cannot hold what a micrometre at the tool needs."""
-    assert read(f"a,alpha,d,theta\n{inside}\n".replace("999999999,0,0\n", "999999999,0,0,0\n")).rows
-    with pytest.raises(TableError, match=message):
-        read(f"a,alpha,d,theta\n{outside}\n".replace("1e9,0,1\n", "1e9,0,1,0\n"))
-
-
 # --- A thousand axes, all the way -------------------------------------------------------------------------------------
 
 

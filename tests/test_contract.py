@@ -98,6 +98,10 @@ class TestXacroDescription(ReaderContract):
     stage = CATALOG.get("reader", "xacro")
     example = URDF.replace('name="arm"', 'name="arm" xmlns:xacro="http://ros.org/wiki/xacro"')
 
+    def _broken(self) -> dict[str, bytes]:
+        """A sample: each file is expanded in a process of its own."""
+        return dict([*super()._broken().items()][::6])
+
     def test_does_nothing_else(self, tmp_path: Path) -> None:
         """The file is as it was, and nothing is beside it: it is expanded in a process behind a fence."""
         path = tmp_path / "arm.urdf.xacro"

@@ -374,15 +374,6 @@ def test_an_output_stands_below_what_prints_it() -> None:
             assert block.title != OUTPUT or (before is not None and before.runs), block.place
 
 
-def test_titled_files_are_used() -> None:
-    """A later block names each file of a page, or what is above it in its folder."""
-    for page in PAGES:
-        for number, block in enumerate(BLOCKS[page]):
-            if block.title and block.title != OUTPUT and "not run" not in block.marks:
-                later = "".join(each.body for each in BLOCKS[page][number + 1 :])
-                assert block.title in later or Path(block.title).parts[0] in later, block.place
-
-
 def test_a_page_that_says_something_else_fails(tmp_path: Path) -> None:
     """The comparison sees another line, another number and a missing end, and forgives rounding errors."""
     assert matches("within 1.1e-16 m\nb\n", "within 2e-15 m\nb\n")

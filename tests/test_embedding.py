@@ -13,15 +13,11 @@ import warnings
 from concurrent.futures import ThreadPoolExecutor
 from itertools import count
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import pytest
 
 import dh2urdf
-from dh2urdf.plugin_system import discovery
 
-if TYPE_CHECKING:
-    from collections.abc import Callable
 TABLES = Path(__file__).parents[1] / "configs" / "tables"
 NAMES = ("ur5", "stanford", "scara")
 
@@ -138,21 +134,3 @@ def test_nothing_of_the_process_is_switched(tmp_path: Path, monkeypatch: pytest.
     assert next(calls) > 50_000
     assert seen == {before[0]}
     assert (_quick(), _thorough()) == before
-
-
-def test_metadata_are_read_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, install: Callable[..., None]) -> None:
-    """Not in every call: only where something was installed since; then it is found."""
-    reads = []
-    real = discovery.points
-    monkeypatch.setattr(discovery, "points", lambda group: reads.append(1) or real(group))
-    (tmp_path / "site").mkdir()
-    monkeypatch.syspath_prepend(tmp_path / "site")
-    arm = dh2urdf.read(TABLES / "ur5.csv")
-    reads.clear()
-    for _ in range(5):
-        dh2urdf.convert(arm)
-    assert reads == []
-    install(tmp_path / "site", "late", "")
-    dh2urdf.convert(arm)
-    assert reads == [1]
-    assert [plugin.entry for plugin in discovery.installed().plugins if plugin.distribution_name == "late"] == ["lab"]

@@ -316,22 +316,12 @@ def test_where_many_are_made_at_once(cli: Cli, lab: Callable[[str], Path], what:
         assert "; it was made by itself" in notice
 
 
-@pytest.mark.parametrize(
-    ("what", "words"),
-    [
-        ("loader.open.fail", "run run.yaml"),
-    ],
-)
 def test_debug_shows_where(
-    lab: Callable[[str], Path],
-    monkeypatch: pytest.MonkeyPatch,
-    capfd: pytest.CaptureFixture[str],
-    what: str,
-    words: str,
+    lab: Callable[[str], Path], monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
 ) -> None:
     """The line of the plugin that raised it, also where that was in a child process."""
-    monkeypatch.chdir(lab(what))
-    assert exit_status_of(["--debug", *words.split()]) in {1, 3}
+    monkeypatch.chdir(lab("loader.open.fail"))
+    assert exit_status_of(["--debug", "run", "run.yaml"]) == 1
     told = capfd.readouterr().err
     assert "Traceback (most recent call last):" in told
     assert 'raise ZeroDivisionError("at work")' in told
@@ -417,9 +407,8 @@ def test_options_that_cannot_be_described(
     assert entry["reason"] == "`options` of the emitter 'odd' failed: RuntimeError: not shown"
 
 
-@pytest.mark.parametrize("words", [("plugins", "--json")])
 def test_what_a_plugin_prints_is_no_answer(
-    tmp_path: Path, install: Callable[..., None], dh2urdf: Callable[..., CompletedProcess[str]], words: tuple[str, ...]
+    tmp_path: Path, install: Callable[..., None], dh2urdf: Callable[..., CompletedProcess[str]]
 ) -> None:
     """Standard output has what was asked for alone; what a plugin prints, from programs too, is on standard error."""
     source = (
@@ -428,10 +417,9 @@ def test_what_a_plugin_prints_is_no_answer(
         "@hookimpl\ndef dh2urdf_emitters():\n    os.system('echo licensed')\n    yield replace(EMITTER, name='noisy')\n"
     )
     install(tmp_path / "site", "noisy", source)
-    answer = dh2urdf(*words, path=[tmp_path / "site"])
+    answer = dh2urdf("plugins", "--json", path=[tmp_path / "site"])
     assert json.loads(answer.stdout)
-    if words[0] == "plugins":
-        assert {"welcome", "licensed"} <= set(answer.stderr.split())
+    assert {"welcome", "licensed"} <= set(answer.stderr.split())
 
 
 def test_what_an_emitter_prints_is_not_in_its_file(
@@ -452,30 +440,18 @@ def test_what_an_emitter_prints_is_not_in_its_file(
     assert answer.stderr == "emitter 'noisy' of noisy 1.0 prints: at work\n" + quiet.stderr
 
 
-@pytest.mark.parametrize(
-    ("ending", "status", "said"),
-    [
-        ("ctypes.string_at(0)", -signal.SIGSEGV, 'rude_lab.py", line 7 in emit'),
-    ],
-)
-def test_what_ends_the_command_itself_is_named(
-    *,
-    tmp_path: Path,
-    install: Callable[..., None],
-    dh2urdf: Callable[..., CompletedProcess[str]],
-    ending: str,
-    status: int,
-    said: str,
+def test_what_crashes_the_command_itself_is_named(
+    tmp_path: Path, install: Callable[..., None], dh2urdf: Callable[..., CompletedProcess[str]]
 ) -> None:
-    """`convert` calls stages in its own process: one that ends it, or crashes it, is known all the same."""
+    """`convert` calls stages in its own process: one that crashes it is known all the same."""
     source = (
         "import ctypes, os\nfrom dataclasses import replace\nfrom dh2urdf.hookspecs import hookimpl\n"
         "from dh2urdf_plugins.emitters.urdf import EMITTER\n\ndef emit(robot, stem, options):\n"
-        f"    {ending}\n"
+        "    ctypes.string_at(0)\n"
         "@hookimpl\ndef dh2urdf_emitters():\n    yield replace(EMITTER, name='bad', emit=emit, suffixes=('.bad',))\n"
     )
     install(tmp_path / "site", "rude", source)
     (tmp_path / "arm.csv").write_text("# convention: standard\na, alpha, d\n0.4, 0, 0.1\n")
-    answer = dh2urdf("convert", "arm.csv", "-o", "arm.bad", path=[tmp_path / "site"], status=status)
-    assert said in answer.stderr
+    answer = dh2urdf("convert", "arm.csv", "-o", "arm.bad", path=[tmp_path / "site"], status=-signal.SIGSEGV)
+    assert 'rude_lab.py", line 7 in emit' in answer.stderr
     assert not (tmp_path / "arm.bad").exists()

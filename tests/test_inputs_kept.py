@@ -63,16 +63,6 @@ def test_a_conversion_refuses_to_overwrite_its_table(cli: Cli, folder: Path, nam
     assert contents(folder) == before
 
 
-def test_the_second_file_of_a_format_counts(cli: Cli, folder: Path) -> None:
-    """A xacro has its macro in a file beside, whose name nobody typed."""
-    (folder / "arm.csv").rename(folder / "arm_macro.xacro")
-    before = contents(folder)
-    words = ("convert", "arm_macro.xacro", "--from", "csv", "-o", "arm.urdf.xacro")
-    answer = cli(*words, status=2)
-    assert "the output would overwrite the input 'arm_macro.xacro'" in answer.stderr
-    assert contents(folder) == before
-
-
 def test_a_mesh_is_an_input(cli: Cli, folder: Path) -> None:
     """A mesh file that the table names is not overwritten by the description."""
     (folder / "link.obj").write_text(TETRAHEDRON)
@@ -211,14 +201,6 @@ def test_two_arms_of_an_emitter_of_two_files_share_none(
     dh2urdf("run", "run.yaml", path=[tmp_path / "lab"])
     written = sorted((path.name, path.read_text()) for path in (tmp_path / "out").glob("*.notes"))
     assert sorted(content for _, content in written) == sorted(order * 2)
-
-
-def test_tables_beside_the_output_are_fine(cli: Cli, folder: Path) -> None:
-    """A table in the output folder under a name of its own is read, kept, and no cause for a word."""
-    (folder / "run.yaml").write_text("inputs: arm.csv\noutput: {directory: .}\n")
-    for words in ((), ("--resume",)):
-        assert cli("run", "run.yaml", "--quiet", *words).stderr == ""
-    assert (folder / "arm.csv").read_text() == TABLE
 
 
 @pytest.mark.skipif(not os.path.exists("/dev/stdin"), reason="the system has no name for standard input")  # noqa: PTH110 - at import

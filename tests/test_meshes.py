@@ -319,21 +319,6 @@ class TestRuns:
             if path.name != "timing.json":
                 assert path.read_bytes() == content, path
 
-    def test_meshes_of_nobody_and_of_no_joint_fail_the_run_s_exit_status(
-        self, folder: Path, cli: Callable[..., Answer]
-    ) -> None:
-        """The other manipulators are made."""
-        (folder / "arm.csv").write_text(CSV)
-        (folder / "other.csv").write_text(CSV)
-        entries = "[{of: amr, base: {mesh: meshes/link.stl}}, {of: other, joints: {joint_9: {mesh: meshes/link.stl}}}]"
-        (folder / "run.yaml").write_text(f"inputs: [arm.csv, other.csv]\nmeshes: {entries}\n")
-        told = cli("run", "run.yaml", "-o", "out", status=1).stderr
-        assert "run.yaml:2:15: error: " in told
-        assert "did you mean 'arm'?" in told
-        assert "has no joint 'joint_9'" in told
-        assert (folder / "out/arm.urdf").is_file()
-        assert not (folder / "out/other.urdf").exists()
-
 
 def test_without_trimesh_the_message_says_what_to_install(
     folder: Path, dh2urdf: Callable[..., subprocess.CompletedProcess[str]]

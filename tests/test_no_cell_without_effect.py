@@ -29,7 +29,6 @@ from known_words import documented
 
 import dh2urdf
 from dh2urdf.errors import ConfigError, Dh2UrdfError
-from dh2urdf.manipulator import Manipulator
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -573,45 +572,6 @@ def test_the_unit_of_a_header_has_an_effect(reader: str, name: str, tmp_path: Pa
         assert missing is None, f"{header}: {missing}"
 
 
-OUTSIDE = {
-    "base: {xyz: [0, 0, 40]}": "base.xyz",
-    "payload: {mass: 1, com: [0, 0, 40]}": "payload.com",
-    "base: {geometry: {radius: 40}}": "base.geometry.radius",
-    "base: {rpy: [0, 0, 3]}": "base.rpy",
-}
-
-
-@pytest.mark.parametrize("form", ["bulk", "yaml"])
-@pytest.mark.parametrize("said", OUTSIDE)
-@pytest.mark.parametrize(
-    ("lengths", "angles", "fails"),
-    [
-        (("300 mm", "0"), ("90°", "0"), True),
-        (("300 mm", "0.2"), ("90°", "0.5"), False),
-        (("0.3", "0.2"), ("pi/2", "0"), False),
-    ],
-)
-def test_a_number_above_rows_that_all_name_their_unit_needs_one(
-    form: str, said: str, lengths: tuple[str, str], angles: tuple[str, str], *, fails: bool
-) -> None:
-    """40 beside cells in mm may be 40 mm or 40 m: refused, fast or with care, alone or among many."""
-    cells = list(zip(lengths, angles, strict=True))
-    if form == "yaml":
-        rows = "".join(f"- {{a: {a}, alpha: {alpha}, d: 0}}\n" for a, alpha in cells)
-        text = f"convention: standard\n{said}\njoints:\n{rows}"
-    else:
-        arms = 300 if form == "bulk" else 1
-        lines = [f"r{arm},{a},{alpha},0" for arm in range(arms) for a, alpha in cells]
-        text = "\n".join([f"# convention: standard\n# {said}\nrobot,a,alpha,d", *lines])
-    for item in dh2urdf.read_all(text, reader="yaml" if form == "yaml" else "csv"):
-        if fails:
-            (problem,) = item.problems
-            assert problem.field == OUTSIDE[said]
-            assert "has no unit, and" in problem.message
-        else:
-            assert isinstance(item, Manipulator), item.problems
-
-
 PLAIN = "robot,i,joint,link,type,a,alpha,d,theta,offset,lower,upper,velocity,effort"
 
 
@@ -671,28 +631,6 @@ def _place_texts(name: str, text: str) -> Iterator[tuple[str, str]]:
         yield "another type", "continuous"
     else:
         yield "a digit more", f"{text}1" if "." in text else f"{text}.1"
-
-
-@pytest.mark.parametrize("line", [f"# {key}: {flow(value)}" for key, value in SAID.items()])
-def test_a_line_said_twice_or_below_the_header_is_spoken_of(line: str, tmp_path: Path) -> None:
-    """A statement that stands where it could be overlooked, or that is said again."""
-    text = "\n".join(
-        [*(f"# {key}: {flow(value)}" for key, value in SAID.items()), "a,alpha,d", "100,90,50", "200,0,0", ""]
-    )
-    before = outcome(File(".csv", text.encode(), ""), {}, tmp_path)
-    assert not before.refused
-    key = line.removeprefix("# ").partition(":")[0]
-    # The same convention may be said again; another one may not.
-    again = "# convention: modified" if key == "convention" else line
-    for other in (
-        text.replace(line, f"{line}\n{again}"),
-        text.replace("200,0,0", f"{line}\n200,0,0"),
-        f"{text}{line}\n",
-    ):
-        assert (
-            has_effect(before, outcome(File(".csv", other.encode(), ""), {}, tmp_path), changes=None, words=(key,))
-            is None
-        )
 
 
 @pytest.mark.parametrize("function", [dh2urdf.read])

@@ -159,12 +159,6 @@ output: {directory: out}
     assert made_again(tmp_path, cli, lambda: path.write_text(change)) == {"arm", "pair"}
 
 
-def test_another_option_makes_everything_again(folder: Path, cli: Callable[..., Answer]) -> None:
-    """Files that another recipe made are not what the run asks for."""
-    words = ("--set", "transform.options.radius=0.03")
-    assert len(made_again(folder, cli, lambda: None, *words)) == 10
-
-
 @pytest.mark.parametrize(
     ("before", "after"),
     [

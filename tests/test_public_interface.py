@@ -279,11 +279,6 @@ class TestTheComparison:
             "dh2urdf.stages.Reader": "changed",
         }
 
-    def test_what_the_changelog_mentions(self) -> None:
-        """A name counts where it stands as code, by itself, with its module, or with something behind it."""
-        section = "Reader is other, `Loader(file)` is gone, `dh2urdf.columns` is new, `dh2urdf.stages.Emitter` too"
-        assert unmentioned(changes(OLD, CHANGED), section) == ["dh2urdf.source", "dh2urdf.stages.Reader"]
-
     @pytest.mark.parametrize(
         ("new", "says"),
         [

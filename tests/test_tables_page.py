@@ -16,7 +16,6 @@ import numpy as np
 import openpyxl
 import pyarrow as pa
 import pytest
-from jsonschema import Draft202012Validator
 from pyarrow import parquet as pq
 
 from dh2urdf import errors
@@ -37,7 +36,6 @@ from dh2urdf_plugins.readers.tables import tables
 from dh2urdf_plugins.readers.words import bounds as table_bounds, fields, names, unheld
 from dh2urdf_plugins.readers.words.word_keys import key_of
 from dh2urdf_plugins.readers.xlsx_file import workbook as xlsx_file
-from dh2urdf_plugins.readers.yaml_file import schema as yaml_schema
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -286,18 +284,6 @@ def test_no_block_and_no_table_goes_untested() -> None:
     assert TEXT.count("<!-- example") == len(EXAMPLES)
     assert TEXT.count("<!-- table") == len(TABLES)
     assert len(re.findall(r"^\|[-|]+\|$", TEXT, re.MULTILINE)) == len(TABLES) + 2
-
-
-@pytest.mark.long
-def test_accepted_yaml_is_valid_by_the_schema() -> None:
-    """What the page shows as accepted YAML, an editor with the project's schema accepts too."""
-    import yaml as pyyaml
-
-    validator = Draft202012Validator(yaml_schema.table_schema())
-    shown = [example for example in EXAMPLES.values() if example.form != "csv" and example.outcome == "accepted"]
-    assert len(shown) > 3
-    for example in shown:
-        assert [error.message for error in validator.iter_errors(pyyaml.safe_load(example.body))] == []
 
 
 def test_the_parquet_file_is_the_table_above_it(
@@ -660,21 +646,3 @@ def test_every_bound_is_the_one_of_the_code() -> None:
         f"more than {plausibility.LONGEST_ARM:g} m or a `tool` more than {plausibility.LONGEST_ARM / 10:g} m away"
         in words
     )
-
-
-# --- The page ---------------------------------------------------------------------------------------------------------
-
-
-def test_the_first_page_leads_to_every_section() -> None:
-    """Its list has all sections of all pages, each by the anchor that GitHub gives it."""
-    wanted = {
-        f"{'' if page == PAGES[0] else page.relative_to(DOCS)}#{_anchor(title)}"
-        for page in PAGES
-        for title in re.findall(r"^## (.*)$", page.read_text("utf-8"), re.MULTILINE)
-    }
-    contents = PAGES[0].read_text("utf-8").partition("\n## ")[0]
-    assert sorted(re.findall(r"\]\(([^)]*#[^)]+)\)", contents)) == sorted(wanted)
-
-
-def _anchor(title: str) -> str:
-    return re.sub(r"[^\w\- ]", "", title.casefold()).replace(" ", "-")

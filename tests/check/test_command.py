@@ -6,14 +6,8 @@ import json
 import re
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
-from urllib.parse import quote
 
 import pytest
-
-from dh2urdf.commands.check import inspect
-from dh2urdf.errors import ConfigError
-from dh2urdf.plugin_system import load
-from dh2urdf.stages import Emitter, NoOptions
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -99,19 +93,6 @@ def test_what_cannot_be_read_ends_with_2(cli: Cli, arm: Path, words: list[str], 
     assert said in cli("check", *words, status=2).stderr
 
 
-def test_a_format_without_a_check_is_refused() -> None:
-    """With the formats that have one."""
-
-    unchecked = Emitter(name="mine", summary="", options=NoOptions, suffixes=(".mine",), emit=lambda *_: [])
-
-    class Catalog:
-        get = staticmethod(lambda *_: unchecked)
-        provided = staticmethod(load().provided)
-
-    with pytest.raises(ConfigError, match=r"(?s)'mine' cannot be checked.*urdf, xacro"):
-        inspect(Catalog(), Path("arm.mine"), "mine", "`--as NAME`")  # type: ignore[arg-type]
-
-
 # --- Fixing -----------------------------------------------------------------------------------------------------------
 
 
@@ -175,15 +156,6 @@ def test_another_arm_is_an_error_with_its_correction(cli: Cli, arm: Path) -> Non
     ]
 
 
-def test_the_table_takes_the_options_of_convert(cli: Cli, arm: Path) -> None:
-    """Convention, units, base, tool, and which manipulator of several."""
-    (arm.parent / "many.csv").write_text("robot,joint,a,alpha,d\nx,j,1,0,0\ny,first,400,90,100\ny,second,300,0,0\n")
-    words = ["--convention", "standard", "--length-unit", "mm", "--angle-unit", "deg", "--robot", "y"]
-    assert "the same arm as y of many.csv" in cli("check", arm.name, "--against", "many.csv", *words).stdout
-    words += ["--base", "{xyz: [0, 0, 0.3]}"]
-    assert "base: {xyz: [0, 0, 0]" in cli("check", arm.name, "--against", "many.csv", *words, status=1).stdout
-
-
 def test_a_file_that_is_no_robot_is_no_arm(cli: Cli, arm: Path) -> None:
     """It has nothing that could be compared."""
     arm.write_text("<sdf/>")
@@ -235,32 +207,6 @@ def test_the_same_as_sarif(cli: Cli, arm: Path) -> None:
         assert place["artifactLocation"] == {"uri": "arm.urdf"}
         assert all(isinstance(number, int) and number > 0 for number in place["region"].values())
         assert set(place["region"]) <= {"startLine", "startColumn"}
-
-
-def test_sarif_has_the_places_of_a_xacro(cli: Cli, arm: Path) -> None:
-    """The file where the element is written, and the call of the macro as a related place."""
-    cli("convert", "arm.csv", "-o", "my arm.urdf.xacro")
-    (run,) = json.loads(cli("check", "my arm.urdf.xacro", "--format", "sarif").stdout)["runs"]
-    assert arm.is_file()
-    assert run["results"]
-    for result in run["results"]:
-        ((place,), (call,)) = result["locations"], result["relatedLocations"]
-        for location, file in ((place, "my arm_macro.xacro"), (call, "my arm.urdf.xacro")):
-            physical = location["physicalLocation"]
-            assert physical["artifactLocation"] == {"uri": quote(file)}
-            line = Path(file).read_text().splitlines()[physical["region"]["startLine"] - 1]
-            assert line[physical["region"]["startColumn"] - 1] == "<"
-        assert call["message"] == {"text": "the macro is called here"}
-
-
-def test_a_line_of_the_expanded_text_is_none_of_the_file(cli: Cli, arm: Path) -> None:
-    """The message names it, and SARIF has the file alone."""
-    text = '<robot name="r" xmlns:xacro="http://ros.org/wiki/xacro"><link name="${9000 * \'x\'}"/></robot>'
-    arm.with_name("r.xacro").write_text(text)
-    (run,) = json.loads(cli("check", "r.xacro", "--format", "sarif", status=1).stdout)["runs"]
-    (result,) = [result for result in run["results"] if result["ruleId"] == "long-line"]
-    assert result["locations"] == [{"physicalLocation": {"artifactLocation": {"uri": "r.xacro"}}}]
-    assert "(line 7 of what it expands to)" in result["message"]["text"]
 
 
 def test_names_of_strangers_do_not_reach_the_terminal(cli: Cli, arm: Path) -> None:

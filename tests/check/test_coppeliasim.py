@@ -83,12 +83,6 @@ NOT_SEEN_IN_OBJECTS = {
 """What it alters is nothing of the sound robot: a part is ignored, or the value that it takes is the sound one."""
 OF_THE_SOUND_FILE = {"root-without-inertial", "named-colour"}
 """Rules that the sound file breaks, too."""
-TAKEN = {
-    "zero-mass": 1.0,
-    "negative-mass": 1.0,
-    "inertial-without-mass": 1.0,
-}
-"""The mass that it gives the link [kg]."""
 
 
 def ask(port: int, path: Path) -> dict[str, Any]:
@@ -220,33 +214,6 @@ def test_every_rule_was_tried() -> None:
         "weightless-holder",  # Newer than the record.
         "xacro-fails",  # Without a description there is nothing to import.
     }
-
-
-@pytest.mark.parametrize("rule", TAKEN)
-def test_masses_are_those_that_the_table_says(rule: str) -> None:
-    """Whatever the file says."""
-    assert read_record()[rule]["mass of link_2"] == TAKEN[rule]
-
-
-def test_a_colour_that_is_named_is_white() -> None:
-    """One in the visual's own material is not."""
-    record = read_record()
-    assert record["sound"]["link_1_visual"]["colour"] == [1.0, 1.0, 1.0]
-    assert record["material-without-name"]["link_1_visual"]["colour"] == [1.0, 0.0, 0.0]
-
-
-def test_a_collision_shape_without_a_visual_is_a_second_body() -> None:
-    """It is not static, and has the mass of the link again."""
-    record = read_record()
-    assert record["sound"]["link_1_visual"]["static"]
-    copy = record["collision-without-visual"]["link_1_visual"]
-    assert (copy["static"], copy["mass"]) == (False, 2.0)
-
-
-def test_a_scale_of_2_is_ignored() -> None:
-    """The mesh has the size of its file."""
-    record = read_record()
-    assert record["mesh-scale"]["link_1_visual"]["size"] == record["relative-mesh"]["link_1_visual"]["size"]
 
 
 @pytest.mark.parametrize("blank", [" {}", "{} ", "{}&#9;", "{}&#10;"])

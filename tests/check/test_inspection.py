@@ -143,15 +143,6 @@ def test_encodings_are_read(tmp_path: Path, encoding: str) -> None:
     assert {finding.rule for finding in inspect_urdf(path).findings} - EXPECTED == {"name-characters"}
 
 
-@pytest.mark.parametrize("encoding", ["utf-16"])
-def test_no_reader_takes_more_bytes_than_one_for_a_letter(tmp_path: Path, encoding: str) -> None:
-    """Whatever the file declares."""
-    path = tmp_path / "arm.urdf"
-    path.write_bytes(SOUND.replace("utf-8", encoding, 1).encode(encoding))
-    (finding,) = inspect_urdf(path).findings
-    assert finding.rule == "not-xml"
-
-
 def test_a_file_that_is_not_there_is_an_error(tmp_path: Path) -> None:
     """And no finding: nothing can be said of it."""
     for inspect in (inspect_urdf, inspect_xacro):

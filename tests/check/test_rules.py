@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 from consumers import Behaviour, behaviours, require
-from faulty_files import FAULTS, LONG_NAME, SOUND, TOOL0, TOOL0_JOINT, WEIGHTLESS as ZEROS, write_all
+from faulty_files import FAULTS, SOUND, write_all
 from real_robots import descriptions, findings_of
 
 from dh2urdf.stages import Expansion
@@ -228,53 +228,6 @@ def test_the_root_frame_is_noted_by_pybullet(measured: tuple[str, dict[str, Beha
     assert bool(lines) == (consumer == "pybullet")
 
 
-WEIGHTLESS = '<inertial><mass value="0"/><inertia ixx="{}" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial>'
-IN_SDF = {
-    "a weightless link with an inertia that no body has": (
-        "inertia-not-positive-definite",
-        SOUND.replace(TOOL0, f'<link name="tool0">{WEIGHTLESS.format(-1)}</link>'),
-    ),
-    "a weightless link below one without an inertial": (
-        "weightless-chain",
-        SOUND.replace(TOOL0_JOINT, TOOL0_JOINT.replace("link_2", "flange")).replace(
-            f'<link name="flange">\n{ZEROS}  </link>', '<link name="flange"/>'
-        ),
-    ),
-    "a link called world that is not the root": (
-        "reserved-name",
-        SOUND.replace('<link name="link_2">', '<link name="world">').replace('link="link_2"', 'link="world"'),
-    ),
-}
-
-
-@pytest.mark.parametrize("name", IN_SDF)
-def test_what_sdformat_merges_is_refused_as_it_is_said(tmp_path: Path, name: str) -> None:
-    """And the sound file, and its reserved name for the root, are taken."""
-    require("gazebo")
-    rule, text = IN_SDF[name]
-    paths = [tmp_path / "wrong.urdf", tmp_path / "sound.urdf"]
-    paths[0].write_text(text)
-    paths[1].write_text(SOUND.replace('"base_link"', '"world"'))
-    assert [each.end == "loads" for each in behaviours("gazebo", paths)] == [False, True]
-    spoken_of = [{name for name, each in by_rule(path).items() if _of_gazebo(each)} for path in paths]
-    assert spoken_of == [{rule}, set()]
-
-
-def _of_gazebo(finding: Finding) -> bool:
-    return any(effect.consumer == "gazebo" and effect.severity == "error" for effect in finding.effects)
-
-
-@pytest.mark.parametrize("consumer", ["pybullet", "mujoco"])
-def test_a_long_name_of_the_robot_ends_pybullet_alone(tmp_path: Path, consumer: str) -> None:
-    require(consumer)
-    path = tmp_path / "long.urdf"
-    path.write_text(SOUND.replace('<robot name="arm">', f'<robot name="{LONG_NAME}">'))
-    effects = by_rule(path)["name-too-long"].effects
-    assert [effect.consumer for effect in effects] == ["pybullet"]
-    (behaviour,) = behaviours(consumer, [path])
-    assert behaviour.end == ("crashes" if consumer == "pybullet" else "loads")
-
-
 # --- Other people's files ---------------------------------------------------------------------------------------------
 
 
@@ -298,17 +251,6 @@ def test_what_is_said_of_real_robots_is_true(consumer: str, monkeypatch: pytest.
     monkeypatch.setenv("DRAKE_PACKAGES", str(share))  # Drake is told where the package is, as the finding asks for.
     told = {"package-address"} if consumer == "drake" else set()
     assert _mispredicted(consumer, paths, told) == []
-
-
-@pytest.mark.long
-def test_what_is_said_of_real_robots_is_true_of_gazebo() -> None:
-    """The same, of a few: sdformat starts slowly."""
-    require("gazebo")
-    names = {"ur5_robot", "panda", "anymal", "tiago"}
-    paths = [path for path in foreign_files() if path.stem in names]
-    if not paths:
-        pytest.skip("example-robot-data is not installed")
-    assert _mispredicted("gazebo", paths, set()) == []
 
 
 def _mispredicted(consumer: str, paths: Sequence[Path], told: set[str]) -> list[str]:
@@ -366,48 +308,3 @@ def test_a_package_has_the_name_that_it_gives_itself(tmp_path: Path, folder: str
         (finding,) = [finding for finding in findings if finding.rule == "package-address"]
         assert ("pybullet" not in {effect.consumer for effect in finding.effects}) == loads
         assert (behaviours("pybullet", [path])[0].end == "loads") == loads
-
-
-# --- Names of nothing -------------------------------------------------------------------------------------------------
-
-_BODY = '<inertial><mass value="1"/><inertia ixx="0.1" iyy="0.1" izz="0.1" ixy="0" ixz="0" iyz="0"/></inertial>'
-_LIMIT = '<limit lower="-1" upper="1" effort="1" velocity="1"/>'
-_BLANK = ("", " ", "&#9;", "&#10;", "&#13;", "&#160;", "&#8195;")
-
-
-def _without_names() -> list[str]:
-    """Two joints, the first of them fixed, with names of nothing in the places of names, one or two at once."""
-    texts = []
-    for root in (f'<link name="a">{_BODY}</link>', '<link name="world"/>'):
-        form = (
-            f'<robot name="r">{root}<link name="B">{_BODY}</link><link name="C">{_BODY}</link>'
-            '<joint name="F" type="fixed"><parent link="ROOT"/><child link="B"/></joint>'
-            f'<joint name="J" type="KIND"><parent link="B"/><child link="C"/>{_LIMIT}</joint></robot>'
-        ).replace("ROOT", "world" if "world" in root else "a")
-        for kind in ("revolute", "fixed"):
-            text = form.replace("KIND", kind)
-            names = [(place, blank) for place in ('"B"', '"C"', '"F"', '"J"') for blank in _BLANK]
-            texts += [text.replace(place, f'"{blank}"') for place, blank in names]
-            texts += [text.replace('"F"', f'"{blank}"').replace('"J"', f'"{blank}"') for blank in _BLANK[:2]]
-            kept = '<gazebo reference="F"><preserveFixedJoint>true</preserveFixedJoint></gazebo></robot>'
-            texts += [text.replace("</robot>", kept).replace('"F"', f'"{blank}"') for blank in _BLANK[:2]]
-    return texts
-
-
-@pytest.mark.long
-@pytest.mark.parametrize("consumer", ["pybullet", "mujoco", "pinocchio", "drake", "ros", "gazebo"])
-def test_names_of_nothing_are_refused_as_foretold(tmp_path: Path, consumer: str) -> None:
-    """sdformat never sees the name of a fixed joint, or of a link, that it merges; MuJoCo and Drake take an empty one."""
-    require(consumer)
-    paths = []
-    for number, text in enumerate(_without_names()[::7]):
-        paths.append(tmp_path / f"{number}.urdf")
-        paths[-1].write_text(f'<?xml version="1.0"?>\n{text}')
-    wrong = []
-    for path, behaviour in zip(paths, behaviours(consumer, paths), strict=True):
-        found = inspect_urdf(path).findings
-        told = {each.rule for each in found for effect in each.effects if effect.consumer == consumer}
-        fatal = {rule for rule in told if rules()[rule].outcomes[consumer] in {Outcome.REFUSES, Outcome.CRASHES}}
-        if bool(fatal) != (behaviour.end != "loads"):
-            wrong.append(f"{path.read_text()} {behaviour.end}: {fatal}")
-    assert wrong == []

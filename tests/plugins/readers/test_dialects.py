@@ -212,7 +212,7 @@ def same(arm: Manipulator | Rejected, rows: Sequence[Row], convention: Conventio
 
 @pytest.mark.long
 @given(dialects())
-@settings(max_examples=200)
+@settings(max_examples=60)
 def test_a_csv_table_means_the_same_in_every_dialect(table: tuple[tuple[Row, ...], Convention, bytes]) -> None:
     """Delimiters, decimal commas, units, headers, encodings, line ends, quotes, comments: the same doubles."""
     rows, convention, content = table

@@ -223,7 +223,7 @@ def said(answer: Answer) -> str:
             "edit.edit_table.give_another_name",
             "edit 'bad' of lab 1.0 failed: ValueError: it changed the name 'left' to",
         ),
-        ("emitter.emit.give_text", "are 'arm.bad' and 'text', not str and bytes"),
+        ("emitter.emit.give_text", "it gave an EmittedFile whose content is 'text' (str), not bytes"),
         ("emitter.emit.give_a_path", "'../../arm.bad' is not a plain file name"),
         ("emitter.emit.give_no_file", "emitter 'bad' of lab 1.0 failed: ValueError: it gave no file"),
         ("loader.open.promise_a_picture", "ValueError: it reported a picture 'arm.png' and wrote none"),

@@ -37,7 +37,7 @@ ConventionName: TypeAlias = Literal["standard", "modified"]
 JointTypeName: TypeAlias = Literal["revolute", "continuous", "prismatic", "fixed"]
 KindName: TypeAlias = Literal["reader", "transform", "edit", "emitter", "loader", "executor"]
 _StageKind: TypeAlias = Annotated[KindName, "the kind of stage"]
-_KeepsKinematics: TypeAlias = Annotated[
+_Kept: TypeAlias = Annotated[
     bool, "whether the transform keeps T(q): where it does not, differences fail nothing"
 ]
 
@@ -135,7 +135,7 @@ class ManipulatorEntry(TypedDict):
     source: Annotated[str, "the file it comes from; of a cell or variant the run file"]
     key: Annotated[str, "a hash of what its files depend on, by which a resumed run knows them"]
     drawn: Annotated[dict[str, float | str], "what was drawn for a variant [SI], by field and number of the joint: a_2"]
-    keeps_kinematics: _KeepsKinematics
+    keeps_kinematics: _Kept
     files: Annotated[list[FileEntry], "the files that were written"]
     proof: Annotated[
         dict[str, ProofEntry | None],
@@ -326,7 +326,7 @@ class ConversionEntry(TypedDict):
     convention: ConventionName | None
     joints: Annotated[list[JointEntry], "the joints, from the base outwards"]
     files: Annotated[list[ConvertedFileEntry], "the files that were written; the first one is the description"]
-    keeps_kinematics: _KeepsKinematics
+    keeps_kinematics: _Kept
     proof: Annotated[
         dict[str, ProofEntry | None],
         "by emitter, how far the file is from the DH product; null where it cannot be read back",

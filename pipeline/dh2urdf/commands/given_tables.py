@@ -139,6 +139,9 @@ def manipulator_of(
     """The manipulator of an array, a data frame, a list or a text: `Manipulator.from_dh`, which says what is what."""
     own = Mark(file="Manipulator.from_dh()")
     path = path_or_none("file", file, own)
+    if not isinstance(mark, Mark | None):
+        message = f"mark={shown(str(mark))} is no place in a file"
+        raise ConfigError(Problem(message=message, mark=own, field="mark", accepted="a dh2urdf.source.Mark"))
     place = (mark or own) if path is None else replace(mark or own, file=path)
     check_names(own, robot=robot, name=name)
     catalog = load()

@@ -44,8 +44,8 @@ _JOINTS = {"anyOf": [_JOINT, {"type": "array", "items": _JOINT, "minItems": 1}]}
 
 Text: TypeAlias = Annotated[str, Field(min_length=1), Words("a text, not empty")]
 AnyText: TypeAlias = Annotated[str, Words('a text, also ""')]
-Count: TypeAlias = Annotated[int, Field(ge=0, le=MOST)]
-Step: TypeAlias = Annotated[int, Field(ge=1, le=MOST)]
+FirstOnes: TypeAlias = Annotated[int, Field(ge=0, le=MOST)]
+Stride: TypeAlias = Annotated[int, Field(ge=1, le=MOST)]
 Triple: TypeAlias = Annotated[
     tuple[float, float, float],
     Words("a list of three numbers"),
@@ -270,10 +270,10 @@ class ProofSection:
     poses: Annotated[int, Field(ge=1, le=MAX_POSES)] = key(
         "random joint vectors at which each file is compared with its table", 32
     )
-    first: Count = key(
+    first: FirstOnes = key(
         "so many manipulators at the beginning of the run are compared with their tables", Sample().first
     )
-    every: Step = key("n, for every n-th of the other are compared with their tables", Sample().every)
+    every: Stride = key("n, for every n-th of the other are compared with their tables", Sample().every)
 
     @property
     def proved(self) -> Sample:
@@ -285,11 +285,11 @@ class ProofSection:
 class SampleSection:
     """How much goes through what is slow."""
 
-    first: Count = key(
+    first: FirstOnes = key(
         "so many manipulators at the beginning of the run go through expansion of xacro and simulators",
         DEFAULT_SAMPLE.first,
     )
-    every: Step = key(
+    every: Stride = key(
         "n, for every n-th of the other go through expansion of xacro and simulators", DEFAULT_SAMPLE.every
     )
 

@@ -254,7 +254,7 @@ class TestWritten:
                 ["-o", "arm.docx"],
                 "no reader writes tables like 'arm.docx'\n    accepted: a file name that ends in .csv, .yaml",
             ),
-            (["-o", "arm.tsv"], "the reader 'csv' reads such files, and writes others"),
+            (["-o", "arm.tsv"], "no reader writes tables like 'arm.tsv'"),
             (["--length-unit", "ft"], "'ft' is not one of 'm', 'cm', 'mm'"),
             (["other.urdf"], "2 files are given, and tables are extracted from one"),
         ],

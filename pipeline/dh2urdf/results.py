@@ -37,9 +37,7 @@ ConventionName: TypeAlias = Literal["standard", "modified"]
 JointTypeName: TypeAlias = Literal["revolute", "continuous", "prismatic", "fixed"]
 KindName: TypeAlias = Literal["reader", "transform", "edit", "emitter", "loader", "executor"]
 _StageKind: TypeAlias = Annotated[KindName, "the kind of stage"]
-_Kept: TypeAlias = Annotated[
-    bool, "whether the transform keeps T(q): where it does not, differences fail nothing"
-]
+_Kept: TypeAlias = Annotated[bool, "whether the transform keeps T(q): where it does not, differences fail nothing"]
 
 
 class ProblemEntry(TypedDict):

@@ -181,7 +181,7 @@ def test_a_shard_has_what_the_manifest_has_and_nothing_else(
 
 MISFITS = """
 import os, signal, time
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from dh2urdf.hookspecs import hookimpl
 from dh2urdf.stages import EmittedFile, Emitter, Loader, LoadReport, NoOptions
 

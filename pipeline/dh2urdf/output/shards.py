@@ -8,6 +8,7 @@ contents alone: no time, no owner. A member can be read by itself, at the offset
 from __future__ import annotations
 
 import os
+import re
 from contextlib import ExitStack, suppress
 from typing import TYPE_CHECKING, BinaryIO, NamedTuple, Self
 
@@ -38,6 +39,7 @@ _REST = b"0" + bytes(100) + b"ustar\x0000" + bytes(32 + 32 + 8 + 8 + 155 + 12)
 _FIXED_SUM = sum(_OWNER + _TIME + _REST) + 8 * ord(" ")
 _LONGEST_NAME = 100
 _ZEROS = bytes(_BLOCK)
+_EXTENDED = b"x"
 
 
 def shard_stem(name: str) -> str:
@@ -145,19 +147,43 @@ class Member(NamedTuple):
 
 
 def members(shard: BinaryIO) -> Iterator[Member]:
-    """The files of a shard, in their order, read in one pass; the reader compares their hashes.
+    """The files of a shard, in their order, read in one pass.
 
-    A damaged header ends the shard.
+    Every byte is compared with what `ShardWriter` writes of the same names and contents, from the first header to the
+    zeros at the end. (`tarfile` takes a damaged header for the end of the shard, and reads nothing behind the end.)
 
     Raises:
-        OutputError: it is no shard, or the content of a file ends too soon.
+        OutputError: the shard has other bytes, or ends too soon; it comes after the files before that place.
     """
-    import tarfile
+    position = 0
+    while (header := shard.read(_BLOCK)) != _ZEROS:
+        name, size = _read_header(header, position)
+        offset = position + _BLOCK
+        if header[156:157] == _EXTENDED:  # It holds the name of the next one.
+            extension = shard.read(size + -size % _BLOCK)
+            record = re.fullmatch(rb"[0-9]+ path=(.*)\n", extension[:size], re.DOTALL)
+            name = record[1].decode(errors="replace") if record else name
+            header += extension + (last := shard.read(_BLOCK))
+            size = _read_header(last, position)[1]
+            offset = position + len(header)
+        content = shard.read(size + -size % _BLOCK)
+        if header != _header(name, size) or content[size:] != _ZEROS[: -size % _BLOCK]:
+            raise _damaged(position)
+        yield Member(name, offset, content[:size])
+        position = offset + len(content)
+    rest = bytes(_BLOCK + -(position + 2 * _BLOCK) % _RECORD)
+    if shard.read(len(rest) + 1) != rest:
+        raise _damaged(position)
 
+
+def _read_header(header: bytes, position: int) -> tuple[str, int]:
+    """The name and the size that a header has, right or wrong."""
     try:
-        with tarfile.open(fileobj=shard, mode="r|") as archive:
-            for info in archive:
-                content = archive.extractfile(info)
-                yield Member(info.name, info.offset_data, content.read() if content else b"")
-    except tarfile.TarError as error:
-        raise OutputError(Problem(message=f"this is no shard, or a damaged one: {error}")) from error
+        name, size = header[:_LONGEST_NAME].rstrip(b"\x00").decode(errors="replace"), header[124:135].decode("ascii")
+        return name, int(size if size.isdigit() else "", 8)
+    except ValueError as error:
+        raise _damaged(position) from error
+
+
+def _damaged(position: int) -> OutputError:
+    return OutputError(Problem(message=f"this is no shard, or a damaged one, from byte {position} on"))

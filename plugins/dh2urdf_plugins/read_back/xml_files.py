@@ -8,6 +8,7 @@ Capsules, which robots have as a cylinder with a ball at each end.
 from __future__ import annotations
 
 import math
+import re
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from lxml import etree
@@ -29,7 +30,6 @@ LARGEST = 2**26
 """Size of a robot description that is read, and of each file that it includes [B]."""
 PASSED_OVER = frozenset(
     (
-        "ERR_HYPHEN_IN_COMMENT",  # a comment with `--`
         "NS_ERR_UNDEFINED_NAMESPACE",  # prefixes such as `gz:` that are declared nowhere
         "ERR_UNKNOWN_VERSION",  # XML 0.0, which 26 of PyBullet's own files have
         "ERR_RESERVED_XML_NAME",  # blanks before the declaration
@@ -83,6 +83,7 @@ def tree_of(content: bytes, file: str, *, is_deep: bool = False) -> etree._Eleme
     try:
         root = xml_root(content, is_deep=is_deep)
     except etree.XMLSyntaxError as error:
+        content = _without_comments(content)
         parser = etree.XMLParser(resolve_entities=False, no_network=True, load_dtd=False, recover=True)
         etree.fromstring(content, parser)
         log: Any = parser.error_log  # The stubs of lxml say that it cannot be iterated over.
@@ -98,6 +99,11 @@ def tree_of(content: bytes, file: str, *, is_deep: bool = False) -> etree._Eleme
         for element in root.iter(f"{{{namespace}}}*"):
             element.tag = etree.QName(element).localname
     return root
+
+
+def _without_comments(content: bytes) -> bytes:
+    """A text with its comments' newlines alone: simulators take comments with ``--`` or ``--->``, and XML does not."""
+    return re.sub(rb"<!--.*?-->", lambda comment: b"\n" * comment[0].count(b"\n"), content, flags=re.DOTALL)
 
 
 def _no_xml(error: etree.XMLSyntaxError, file: str, faults: Sequence[Any]) -> ProofError:

@@ -116,7 +116,7 @@ def drop_all(tab: Any, folder: Path, drawn: str) -> None:
     tab.drop(".studio-panel:visible", notes)
     page.locator(".studio-compared", has_text="No description was found.").wait_for()
     other = UR5.with_name("scara.csv")
-    for dropped, answer in (([notes], "This is not a file that can be opened"), ([UR5, other], "Drop one file")):
+    for dropped, answer in (([notes], "This is not a file that can be opened"), ([UR5, other], "Open one file")):
         tab.drop(".arm-view", *dropped)
         page.locator(".q-notification", has_text=answer).get_by_role("button", name="Close").click()
         tab.expect(page.locator(".q-notification", has_text=answer)).to_have_count(0)

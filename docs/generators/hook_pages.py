@@ -43,7 +43,7 @@ def _hook(hook: Callable[..., Any], record: type[Any], shown: set[type[Any]]) ->
     yield f"```python\n{signature(hook)}: ...\n```"
     yield inspect.getdoc(hook) or ""
     kind = record.__name__.lower()
-    for each in (record, *CAPABILITIES[kind]):  # type: ignore[index]
+    for each in (record, *CAPABILITIES.get(kind, ())):  # type: ignore[call-overload]
         name = f"{each.__module__}.{each.__qualname__}"
         if each in shown:
             yield f"It may have [`{each.__qualname__}`][{name}], too."

@@ -280,10 +280,10 @@ def refuse_no_file(path: Path) -> None:
         OutputError: there is a folder, a device, a pipe or a socket, a link to one, or one to an open file.
     """
     with reporting_os_errors(path):
-        if path.is_dir():
+        if is_folder(path):
             raise IsADirectoryError(EISDIR, os.strerror(EISDIR))
         is_open_file = path.is_symlink() and str(path.readlink()).startswith("/proc/")
-        is_other = path.exists() and not path.is_file()
+        is_other = is_there(path) and not is_file(path)
     if is_open_file or is_other:
         raise OutputError(
             Problem(

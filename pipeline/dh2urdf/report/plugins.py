@@ -20,7 +20,7 @@ SCHEMA: Final = "dh2urdf-plugins/1"
 
 def plugins_report(catalog: Catalog) -> PluginsReport:
     """Every stage with its options, and every plugin that gives none: broken, incompatible, or left out."""
-    failed = list(catalog.broken)
+    failed: list[BrokenPluginError] = []
     stages: list[StageEntry] = []
     for kind in KINDS:
         for item in catalog.provided(kind):
@@ -41,6 +41,7 @@ def plugins_report(catalog: Catalog) -> PluginsReport:
                     "options": options,
                 }
             )
+    failed = [*catalog.broken, *failed]  # Plugins are asked for their stages above, and are known as broken since.
     told: list[tuple[BrokenPluginError, Any]] = [
         (error, {"plugin": error.plugin, "distribution": error.distribution, "reason": error.reason})
         for error in failed

@@ -19,6 +19,8 @@ from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from dh2urdf.documents.text_files import is_file
+
 if TYPE_CHECKING:
     from collections.abc import Callable
 
@@ -66,7 +68,7 @@ def in_child(function: Callable[..., Any], *args: Any, seed: int = 1) -> Seen:  
             timeout=PATIENCE,
             check=False,
         )
-        if not answer.exists():
+        if not is_file(answer):
             last = done.stdout.decode(errors="replace")[-1000:]
             raise RuntimeError(f"the process ended with exit status {done.returncode} and gave no result: {last}")
         raised, *found = pickle.loads(answer.read_bytes())  # noqa: S301 - our own child wrote it

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 import re
+from contextlib import suppress
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from lxml import etree
@@ -85,7 +86,8 @@ def tree_of(content: bytes, file: str, *, is_deep: bool = False) -> etree._Eleme
     except etree.XMLSyntaxError as error:
         content = _without_comments(content)
         parser = etree.XMLParser(resolve_entities=False, no_network=True, load_dtd=False, recover=True)
-        etree.fromstring(content, parser)
+        with suppress(etree.XMLSyntaxError):  # of a text without an element; the log has it
+            etree.fromstring(content, parser)
         log: Any = parser.error_log  # The stubs of lxml say that it cannot be iterated over.
         faults = [each for each in log if each.type_name not in PASSED_OVER]
         if faults or isinstance(error, ForbiddenXmlError):

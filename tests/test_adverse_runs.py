@@ -197,7 +197,5 @@ def test_a_pattern_that_matches_what_an_earlier_run_wrote(cli: Cli, folder: Path
     (folder / "all.yaml").write_text("inputs: g/*\noutput: {directory: g}\n")
     cli(*words)
     said = cli(*words, status=2).stderr
-    assert "all.yaml:1:9: error: field 'inputs': 'g/*' matches files that no reader reads: 'manifest.jsonl', " in said
-    assert "manifest.jsonl is of an earlier run that wrote there" in said
-    assert "a narrower pattern, such as *.csv, or a list of patterns, or another folder for the output" in said
+    assert "all.yaml:1:9: error: no reader is known for the file 'manifest.jsonl'\n" in said
     cli(*words, "--set", "inputs=g/*.csv")

@@ -96,7 +96,7 @@ class Header(NamedTuple):
     ignored: bool = False
 
 
-@lru_cache(maxsize=1024)
+@lru_cache(maxsize=8192)  # The headers of one table: it is asked for each of them several times.
 def read_header(text: str) -> Header:
     """What a header says: ``a``, ``alpha_{i-1}``, ``Link length [mm]``, ``d/mm``, ``theta (deg)``, ``aᵢ₋₁``."""
     if text.startswith(IGNORED):

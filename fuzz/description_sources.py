@@ -14,8 +14,7 @@ import trimesh
 from description_tree import Node, read
 
 import dh2urdf
-from dh2urdf_plugins.emitters.profile_names import ProfileName
-from dh2urdf_plugins.emitters.urdf import EMITTER, UrdfOptions
+from dh2urdf_plugins.formats.urdf import EMITTER, ProfileName, UrdfOptions
 from dh2urdf_plugins.transforms.alpha_swap import TRANSFORM
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "check"))

@@ -58,7 +58,7 @@ GROUPS = {
         ),
     ),
     "read_back": Group(
-        tuple(PLUGINS / "read_back" / f"{name}.py" for name in ("urdf_parts", "urdf_forms", "urdf_scanner")),
+        tuple(PLUGINS / "formats" / "urdf" / f"{name}.py" for name in ("parts", "forms", "scanner")),
         ("tests/plugins/test_urdf_scanner.py", "tests/pipeline/kinematics/test_proof_of_many.py"),
     ),
     "readers": Group(

@@ -38,10 +38,10 @@ from dh2urdf.run_file.config import load_config
 from dh2urdf.run_file.plan import make_plan
 from dh2urdf.stage_calls.calls import Call
 from dh2urdf.stages import Rejected
-from dh2urdf_plugins.emitters.urdf import EMITTER as URDF
-from dh2urdf_plugins.read_back.mjcf.reader import parse_mjcf
-from dh2urdf_plugins.read_back.sdf.reader import parse_sdf
-from dh2urdf_plugins.read_back.urdf_reader import parse_urdf
+from dh2urdf_plugins.formats.mjcf.reader import parse_mjcf
+from dh2urdf_plugins.formats.sdf.reader import parse_sdf
+from dh2urdf_plugins.formats.urdf import EMITTER as URDF
+from dh2urdf_plugins.formats.urdf.reader import parse_urdf
 from dh2urdf_plugins.readers import csv, yaml
 from dh2urdf_plugins.readers.options import TableOptions
 from dh2urdf_plugins.readers.plain.rows import PlainRows

@@ -26,15 +26,15 @@ ADDED = {
         "    **dict.fromkeys(COM,",
         f"{GEAR_RATIO}{WEAR}    **dict.fromkeys(COM,",
     ),
-    "plugins/dh2urdf_plugins/emitters/urdf_tree.py": (
+    "plugins/dh2urdf_plugins/formats/urdf/writer.py": (
         '("friction", joint.friction))',
         '("friction", joint.friction), ("gear", joint.gear_ratio))',
     ),
-    "plugins/dh2urdf_plugins/emitters/sdf_model.py": (
+    "plugins/dh2urdf_plugins/formats/sdf/writer.py": (
         'for name in ("damping", "friction")]',
         'for name in ("damping", "gear_ratio")]',
     ),
-    "plugins/dh2urdf_plugins/emitters/mjcf_model.py": (
+    "plugins/dh2urdf_plugins/formats/mjcf/writer.py": (
         '("armature", armature))',
         '("armature", armature), ("user", joint.gear_ratio))',
     ),

@@ -11,8 +11,8 @@ from sdformat_calls import sdformat
 
 import dh2urdf
 from dh2urdf.stages import Expansion
-from dh2urdf_plugins.emitters.profile_names import ProfileName
-from dh2urdf_plugins.read_back.xacro_reader import expand
+from dh2urdf_plugins.formats.urdf import ProfileName
+from dh2urdf_plugins.formats.xacro.reader import expand
 from dh2urdf_plugins.xacro_fence.expansion import expand_foreign
 
 if TYPE_CHECKING:

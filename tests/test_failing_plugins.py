@@ -35,7 +35,7 @@ from dh2urdf.manipulator import Convention, DHRow, Manipulator
 from dh2urdf.plugin_system.plugin_stages import CAPABILITIES
 from dh2urdf.stages import (Compares, Edit, EmittedFile, Executor, HasSchema, Loader, LoadReport, NoOptions, OtherFiles,
                             Reader, Rejected)
-from dh2urdf_plugins.emitters.urdf import EMITTER
+from dh2urdf_plugins.formats.urdf import EMITTER
 from dh2urdf_plugins.transforms.alpha_swap import TRANSFORM
 
 class Unpicklable(Exception):
@@ -379,7 +379,7 @@ def test_a_record_that_nobody_could_ask_for(  # noqa: PLR0917 - fixtures
     """A record without a name, a summary or options that are what they should be breaks its plugin, when it is given."""
     source = (
         "from dataclasses import replace\nfrom dh2urdf.hookspecs import hookimpl\n"
-        f"from dh2urdf_plugins.emitters.urdf import EMITTER\n@hookimpl\ndef dh2urdf_emitters():\n    return [{record}]\n"
+        f"from dh2urdf_plugins.formats.urdf import EMITTER\n@hookimpl\ndef dh2urdf_emitters():\n    return [{record}]\n"
     )
     install(tmp_path, "odd", source)
     monkeypatch.syspath_prepend(tmp_path)
@@ -393,7 +393,7 @@ def test_options_that_cannot_be_described(
     """A default that cannot be made does not end the list: the stage is there, the plugin is named as broken."""
     source = (
         "from dataclasses import dataclass, field, replace\nfrom dh2urdf.hookspecs import hookimpl\n"
-        "from dh2urdf_plugins.emitters.urdf import EMITTER\n"
+        "from dh2urdf_plugins.formats.urdf import EMITTER\n"
         "def odd():\n    raise RuntimeError('not shown')\n"
         "@dataclass(frozen=True)\nclass Options:\n    odd: int = field(default_factory=odd)\n"
         "@hookimpl\ndef dh2urdf_emitters():\n    return [replace(EMITTER, name='odd', options=Options)]\n"
@@ -413,7 +413,7 @@ def test_what_a_plugin_prints_is_no_answer(
     """Standard output has what was asked for alone; what a plugin prints, from programs too, is on standard error."""
     source = (
         "import os\nfrom dataclasses import replace\nfrom dh2urdf.hookspecs import hookimpl\n"
-        "from dh2urdf_plugins.emitters.urdf import EMITTER\nprint('welcome')\n"
+        "from dh2urdf_plugins.formats.urdf import EMITTER\nprint('welcome')\n"
         "@hookimpl\ndef dh2urdf_emitters():\n    os.system('echo licensed')\n    yield replace(EMITTER, name='noisy')\n"
     )
     install(tmp_path / "site", "noisy", source)
@@ -428,7 +428,7 @@ def test_what_an_emitter_prints_is_not_in_its_file(
     """A description on standard output is the one that a file would hold."""
     source = (
         "from dataclasses import replace\nfrom dh2urdf.hookspecs import hookimpl\n"
-        "from dh2urdf_plugins.emitters.urdf import EMITTER\n"
+        "from dh2urdf_plugins.formats.urdf import EMITTER\n"
         "def emit(robot, stem, options):\n    print('at work')\n    return EMITTER.emit(robot, stem, options)\n"
         "@hookimpl\ndef dh2urdf_emitters():\n    yield replace(EMITTER, name='noisy', emit=emit, suffixes=('.noisy', '.urdf'))\n"
     )
@@ -446,7 +446,7 @@ def test_what_crashes_the_command_itself_is_named(
     """`convert` calls stages in its own process: one that crashes it is known all the same."""
     source = (
         "import ctypes, os\nfrom dataclasses import replace\nfrom dh2urdf.hookspecs import hookimpl\n"
-        "from dh2urdf_plugins.emitters.urdf import EMITTER\n\ndef emit(robot, stem, options):\n"
+        "from dh2urdf_plugins.formats.urdf import EMITTER\n\ndef emit(robot, stem, options):\n"
         "    ctypes.string_at(0)\n"
         "@hookimpl\ndef dh2urdf_emitters():\n    yield replace(EMITTER, name='bad', emit=emit, suffixes=('.bad',))\n"
     )

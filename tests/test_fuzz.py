@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 from dh2urdf.quantities import Quantity
-from dh2urdf_plugins.emitters.urdf import EMITTER as URDF
+from dh2urdf_plugins.formats.urdf import EMITTER as URDF
 
 if TYPE_CHECKING:
     from types import ModuleType

@@ -17,9 +17,9 @@ from dh2urdf.errors import Dh2UrdfError
 from dh2urdf_check.inspection import inspect_urdf
 from dh2urdf_check.models.mjcf import inspect_mjcf
 from dh2urdf_check.models.sdf import inspect_sdf
-from dh2urdf_plugins.read_back.mjcf.reader import read_model as read_mjcf
-from dh2urdf_plugins.read_back.sdf.reader import read_model as read_sdf
-from dh2urdf_plugins.read_back.urdf_reader import read_urdf
+from dh2urdf_plugins.formats.mjcf.reader import read_model as read_mjcf
+from dh2urdf_plugins.formats.sdf.reader import read_model as read_sdf
+from dh2urdf_plugins.formats.urdf.reader import read_urdf
 from dh2urdf_plugins.readers import csv, parquet, xlsx, yaml
 from dh2urdf_plugins.xacro_fence.expansion import expand_foreign
 

@@ -15,7 +15,7 @@ from jsonschema import Draft202012Validator
 from lxml import etree
 
 from dh2urdf.report.schema import manifest_schema
-from dh2urdf_plugins.read_back.xacro_reader import expand
+from dh2urdf_plugins.formats.xacro.reader import expand
 
 if TYPE_CHECKING:
     import subprocess

@@ -178,7 +178,7 @@ from dataclasses import replace
 from pathlib import Path
 from dh2urdf.hookspecs import hookimpl
 from dh2urdf.stages import EmittedFile
-from dh2urdf_plugins.emitters.urdf import EMITTER
+from dh2urdf_plugins.formats.urdf import EMITTER
 from dh2urdf_plugins.readers.csv import READER
 from dh2urdf_plugins.transforms.alpha_swap import TRANSFORM
 

@@ -23,7 +23,7 @@ from sdformat_calls import sdformat
 from dh2urdf.cli import exit_status_of
 from dh2urdf.kinematics import KinematicChain
 from dh2urdf.manipulator import JointType
-from dh2urdf_plugins.read_back.urdf_reader import read_urdf
+from dh2urdf_plugins.formats.urdf.reader import read_urdf
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence

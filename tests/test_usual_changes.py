@@ -85,13 +85,13 @@ CHANGES = {
         {
             "plugins/dh2urdf_plugins/__init__.py": (
                 "    return (urdf.EMITTER,",
-                "    from dh2urdf_plugins.emitters import names\n\n    return (names.EMITTER, urdf.EMITTER,",
+                "    from dh2urdf_plugins.formats import names\n\n    return (names.EMITTER, urdf.EMITTER,",
             )
         },
         {"arm.csv": TABLE},
         "convert arm.csv --to names -o out",
         "joint_1,revolute",
-        {"plugins/dh2urdf_plugins/emitters/names.py": stage_of("emitter", "names")},
+        {"plugins/dh2urdf_plugins/formats/names.py": stage_of("emitter", "names")},
     ),
     "a simulator": Change(
         {

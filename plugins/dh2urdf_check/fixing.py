@@ -15,7 +15,7 @@ from dh2urdf.source import Mark, Problem, free_name, shown
 from dh2urdf.stages import Repair
 from dh2urdf_check.document.tree import numbers_of
 from dh2urdf_check.joints import UNIT
-from dh2urdf_plugins.read_back.xml_files import LARGEST
+from dh2urdf_plugins.formats.xml_files import LARGEST
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

@@ -27,7 +27,7 @@ from dh2urdf_check.document.reading import robot_of
 from dh2urdf_check.document.tree import Element
 from dh2urdf_check.rules import CONSUMERS, rules, unread_include
 from dh2urdf_check.single_readers import coppeliasim, drake, drake_extensions, mujoco
-from dh2urdf_plugins.read_back.xml_files import LARGEST
+from dh2urdf_plugins.formats.xml_files import LARGEST
 from dh2urdf_plugins.xacro_fence.expansion import expand_foreign, mark_of
 
 if TYPE_CHECKING:

@@ -46,10 +46,8 @@ def dh2urdf_edits() -> Iterable[Edit[Any]]:
 @hookimpl
 def dh2urdf_emitters() -> Iterable[Emitter[Any]]:
     """URDF and xacro macros, SDF for Gazebo, MJCF for MuJoCo, packages for ROS 2, SRDF for MoveIt, and tables."""
-    from dh2urdf_plugins.emitters import mjcf, sdf, urdf, xacro
-    from dh2urdf_plugins.emitters.ros2 import emitter as ros2
-    from dh2urdf_plugins.emitters.srdf import emitter as srdf
-    from dh2urdf_plugins.emitters.table import emitter as table
+    from dh2urdf_plugins.formats import mjcf, sdf, urdf, xacro
+    from dh2urdf_plugins.packages import ros2, srdf, table
 
     return (urdf.EMITTER, xacro.EMITTER, sdf.EMITTER, mjcf.EMITTER, ros2.EMITTER, srdf.EMITTER, table.EMITTER)
 

@@ -17,14 +17,14 @@ from dh2urdf.source import Mark
 from dh2urdf_check.document.parsing import NotXmlError, parse
 from dh2urdf_check.document.tree import DEEPEST, numbers_of
 from dh2urdf_check.inspection import inspect_urdf, inspect_xacro
-from dh2urdf_plugins.emitters.urdf import EMITTER
+from dh2urdf_plugins.formats.urdf import EMITTER
 from dh2urdf_plugins.transforms.alpha_swap import TRANSFORM
 from dh2urdf_plugins.xacro_fence import expansion
 
 if TYPE_CHECKING:
     from conftest import ReferenceRobot
 
-    from dh2urdf_plugins.emitters.profile_names import ProfileName
+    from dh2urdf_plugins.formats.urdf import ProfileName
 
 EXPECTED = {
     "root-without-inertial",

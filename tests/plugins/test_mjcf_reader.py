@@ -12,7 +12,7 @@ from dh2urdf.kinematics import KinematicChain
 from dh2urdf.manipulator import JointType
 from dh2urdf.robot import Box, Cylinder, Mesh, Sphere
 from dh2urdf_plugins.descriptions.description import describe
-from dh2urdf_plugins.read_back.mjcf.reader import parse_mjcf, read_mjcf
+from dh2urdf_plugins.formats.mjcf.reader import parse_mjcf, read_mjcf
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -13,7 +13,7 @@ from dh2urdf.errors import ProofError, TableError
 from dh2urdf.kinematics import link_poses
 from dh2urdf.kinematics.chain import as_matrices
 from dh2urdf_plugins.descriptions.foreign import foreign_sdf
-from dh2urdf_plugins.read_back.sdf.reader import parse_sdf, read_model
+from dh2urdf_plugins.formats.sdf.reader import parse_sdf, read_model
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -14,7 +14,7 @@ from dh2urdf.kinematics.chain import as_matrices
 from dh2urdf.manipulator import JointType
 from dh2urdf.robot import Box, Cylinder, Mesh, Sphere
 from dh2urdf_plugins.descriptions.foreign import foreign_sdf
-from dh2urdf_plugins.read_back.sdf.reader import parse_sdf, read_model, read_sdf
+from dh2urdf_plugins.formats.sdf.reader import parse_sdf, read_model, read_sdf
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -8,9 +8,9 @@ import pytest
 from dh2urdf.errors import ProofError
 from dh2urdf.manipulator import Inertia, JointType, Limits
 from dh2urdf.robot import Box, Cylinder, Inertial, Material, Mesh, Origin, Robot, Sphere
-from dh2urdf_plugins.read_back.mjcf.reader import parse_mjcf
-from dh2urdf_plugins.read_back.sdf.reader import parse_sdf
-from dh2urdf_plugins.read_back.urdf_reader import parse_urdf, read_urdf
+from dh2urdf_plugins.formats.mjcf.reader import parse_mjcf
+from dh2urdf_plugins.formats.sdf.reader import parse_sdf
+from dh2urdf_plugins.formats.urdf.reader import parse_urdf, read_urdf
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -18,9 +18,9 @@ from dh2urdf.errors import ProofError
 from dh2urdf.manipulator import Convention, DHRow, JointType, Limits, Manipulator
 from dh2urdf.plugin_system import load
 from dh2urdf.plugin_system.options import make_options
-from dh2urdf_plugins.read_back import urdf_forms, urdf_parts, urdf_scanner
-from dh2urdf_plugins.read_back.urdf_reader import parse_urdf, robot_of
-from dh2urdf_plugins.read_back.urdf_scanner import scan_columns
+from dh2urdf_plugins.formats.urdf import forms as urdf_forms, parts as urdf_parts, scanner as urdf_scanner
+from dh2urdf_plugins.formats.urdf.reader import parse_urdf, robot_of
+from dh2urdf_plugins.formats.urdf.scanner import scan_columns
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -219,7 +219,7 @@ class TestWhatIsRead:
 
     def test_nothing_comes_from_the_emitter(self) -> None:
         """The scanner imports no emitter."""
-        code = "import sys, dh2urdf_plugins.read_back.urdf_scanner; print([m for m in sys.modules if 'emitters' in m])"
+        code = "import sys, dh2urdf_plugins.formats.urdf.scanner; print([m for m in sys.modules if 'writer' in m or 'columns' in m])"
         result = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
         assert result.stdout.strip() == "[]"
 

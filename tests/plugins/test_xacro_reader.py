@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from dh2urdf.errors import ProofError
-from dh2urdf_plugins.read_back.xacro_reader import expand, read_xacro
+from dh2urdf_plugins.formats.xacro.reader import expand, read_xacro
 
 if TYPE_CHECKING:
     from pathlib import Path

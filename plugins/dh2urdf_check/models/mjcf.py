@@ -30,8 +30,8 @@ from dh2urdf_check.models.models import (
 )
 from dh2urdf_check.numbers import drake_numbers, mujoco_numbers
 from dh2urdf_check.single_readers.mujoco import fault_of, kind_of
-from dh2urdf_plugins.read_back.mjcf.elements import compiler_of, include_files
-from dh2urdf_plugins.read_back.mjcf.reader import read_model
+from dh2urdf_plugins.formats.mjcf.elements import compiler_of, include_files
+from dh2urdf_plugins.formats.mjcf.reader import read_model
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

@@ -13,9 +13,9 @@ from dh2urdf_check.models.mjcf_needs import hits as hits_of_needs
 from dh2urdf_check.models.mjcf_tendons import hits as hits_of_tendons
 from dh2urdf_check.models.models import Hit, Model, elements_of, numbers
 from dh2urdf_check.numbers import mujoco_numbers
-from dh2urdf_plugins.read_back.mjcf.elements import Elements, compiler_of
-from dh2urdf_plugins.read_back.mjcf.shapes import WITHOUT_MASS
-from dh2urdf_plugins.read_back.xml_files import mark_of
+from dh2urdf_plugins.formats.mjcf.elements import Elements, compiler_of
+from dh2urdf_plugins.formats.mjcf.shapes import WITHOUT_MASS
+from dh2urdf_plugins.formats.xml_files import mark_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from lxml import etree
 
     from dh2urdf_check.document.mesh_sizes import MeshFile
-    from dh2urdf_plugins.read_back.mjcf.elements import Elements
+    from dh2urdf_plugins.formats.mjcf.elements import Elements
 
 _TAKES = {"mujoco": {".stl", ".obj", ".msh", ".ply"}, "drake": {".obj"}, "pybullet": {".stl", ".obj", ".dae"}}
 """The formats that a reader takes."""

@@ -8,7 +8,7 @@ from dh2urdf.errors import ProofError
 from dh2urdf.source import did_you_mean, shown
 from dh2urdf_check.models.mjcf_compiled import MAKERS
 from dh2urdf_check.models.models import Hit, Model, elements_of
-from dh2urdf_plugins.read_back.mjcf.elements import Elements
+from dh2urdf_plugins.formats.mjcf.elements import Elements
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

@@ -8,14 +8,14 @@ from typing import TYPE_CHECKING
 from dh2urdf.source import listed, shown
 from dh2urdf_check.models.models import Hit, elements_of
 from dh2urdf_check.numbers import mujoco_numbers
-from dh2urdf_plugins.read_back.mjcf.shapes import WITHOUT_MASS
+from dh2urdf_plugins.formats.mjcf.shapes import WITHOUT_MASS
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from lxml import etree
 
-    from dh2urdf_plugins.read_back.mjcf.elements import Elements
+    from dh2urdf_plugins.formats.mjcf.elements import Elements
 
 _TARGETS = ("joint", "jointinparent", "tendon", "site", "cranksite", "body")
 """What an actuator drives."""

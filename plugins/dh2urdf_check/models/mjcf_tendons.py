@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
     from lxml import etree
 
-    from dh2urdf_plugins.read_back.mjcf.elements import Elements
+    from dh2urdf_plugins.formats.mjcf.elements import Elements
 
 
 def hits(root: etree._Element, elements: Elements) -> Iterator[Hit]:

@@ -17,7 +17,7 @@ from dh2urdf.source import Mark
 from dh2urdf.stages import Finding, Inspection
 from dh2urdf_check.document.tree import numbers_of
 from dh2urdf_check.rules import Rule, rules_of, unread_include
-from dh2urdf_plugins.read_back.xml_files import FILE, LARGEST, mark_of, tree_of
+from dh2urdf_plugins.formats.xml_files import FILE, LARGEST, mark_of, tree_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Iterable, Iterator, Sequence

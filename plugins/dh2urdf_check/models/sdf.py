@@ -20,8 +20,8 @@ from dh2urdf_check.models.models import Hit, Model, fault_of_inertia, inspect_mo
 from dh2urdf_check.models.sdf_frames import hits as hits_of_frames, undefined
 from dh2urdf_check.models.sdf_values import fault_of, hits as hits_of_values
 from dh2urdf_check.numbers import ROUNDED, drake_numbers
-from dh2urdf_plugins.read_back.sdf.elements import FRAMES_SINCE, IN_MODEL, LONGEST_VERSION
-from dh2urdf_plugins.read_back.sdf.reader import read_model
+from dh2urdf_plugins.formats.sdf.elements import FRAMES_SINCE, IN_MODEL, LONGEST_VERSION
+from dh2urdf_plugins.formats.sdf.reader import read_model
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence

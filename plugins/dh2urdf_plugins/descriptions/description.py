@@ -17,12 +17,12 @@ from dh2urdf.foreign_robot import Follower
 from dh2urdf.robot import Cylinder, Origin, Robot
 from dh2urdf.source import Mark, Problem, listed, shown
 from dh2urdf.stages import Expansion
-from dh2urdf_plugins.read_back import urdf_reader
-from dh2urdf_plugins.read_back.mjcf import reader as mjcf_reader
-from dh2urdf_plugins.read_back.mjcf.elements import Elements, compiler_of
-from dh2urdf_plugins.read_back.sdf import reader as sdf_reader
-from dh2urdf_plugins.read_back.sdf.elements import is_true
-from dh2urdf_plugins.read_back.xml_files import LARGEST, capsule, mark_of, tree_of
+from dh2urdf_plugins.formats.mjcf import reader as mjcf_reader
+from dh2urdf_plugins.formats.mjcf.elements import Elements, compiler_of
+from dh2urdf_plugins.formats.sdf import reader as sdf_reader
+from dh2urdf_plugins.formats.sdf.elements import is_true
+from dh2urdf_plugins.formats.urdf import reader as urdf_reader
+from dh2urdf_plugins.formats.xml_files import LARGEST, capsule, mark_of, tree_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence

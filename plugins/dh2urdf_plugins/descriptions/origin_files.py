@@ -19,7 +19,7 @@ from dh2urdf.robot import Joint, Link, Origin, Robot
 from dh2urdf.rotations import Z_AXIS
 from dh2urdf.source import Problem, did_you_mean
 from dh2urdf_plugins.descriptions.description import Description
-from dh2urdf_plugins.read_back.xml_files import LARGEST
+from dh2urdf_plugins.formats.xml_files import LARGEST
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -27,10 +27,10 @@ from dh2urdf.robot_check import check_robot
 from dh2urdf.rotations import RigidTransform
 from dh2urdf.source import Mark
 from dh2urdf.stages import Rejected
-from dh2urdf_plugins.emitters.urdf import EMITTER as URDF
-from dh2urdf_plugins.emitters.xacro import EMITTER as XACRO
-from dh2urdf_plugins.read_back.urdf_reader import parse_urdf
-from dh2urdf_plugins.read_back.xacro_reader import expand
+from dh2urdf_plugins.formats.urdf import EMITTER as URDF
+from dh2urdf_plugins.formats.urdf.reader import parse_urdf
+from dh2urdf_plugins.formats.xacro import EMITTER as XACRO
+from dh2urdf_plugins.formats.xacro.reader import expand
 from dh2urdf_plugins.transforms.alpha_swap import TRANSFORM
 from dh2urdf_plugins.transforms.alpha_swap_options import AlphaSwapOptions
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import pytest
 from lxml import etree
 
-from dh2urdf_plugins.read_back.xacro_reader import expand
+from dh2urdf_plugins.formats.xacro.reader import expand
 
 if TYPE_CHECKING:
     from collections.abc import Callable

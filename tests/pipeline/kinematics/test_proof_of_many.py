@@ -24,8 +24,8 @@ from dh2urdf.manipulator import Convention, DHRow, JointType, Limits, Manipulato
 from dh2urdf.plugin_system import load
 from dh2urdf.plugin_system.options import make_options
 from dh2urdf.rotations import IDENTITY, RigidTransform
-from dh2urdf_plugins.read_back.urdf_reader import parse_urdf
-from dh2urdf_plugins.read_back.urdf_scanner import scan_columns
+from dh2urdf_plugins.formats.urdf.reader import parse_urdf
+from dh2urdf_plugins.formats.urdf.scanner import scan_columns
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence

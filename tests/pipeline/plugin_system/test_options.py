@@ -80,7 +80,7 @@ def test_without_options_the_type_itself_is_made() -> None:
 def test_defaults_do_not_import_pydantic() -> None:
     """The import that costs most is for options that are given."""
     code = (
-        "import sys; from dh2urdf.plugin_system.options import make_options; from dh2urdf_plugins.emitters.urdf import UrdfOptions;"
+        "import sys; from dh2urdf.plugin_system.options import make_options; from dh2urdf_plugins.formats.urdf import UrdfOptions;"
         "make_options(UrdfOptions, where='x'); sys.exit('pydantic' in sys.modules)"
     )
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0

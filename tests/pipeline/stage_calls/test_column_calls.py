@@ -11,7 +11,7 @@ from dh2urdf.errors import StageError
 from dh2urdf.robot import Link, Robot
 from dh2urdf.stage_calls.calls import Call
 from dh2urdf.stage_calls.column_calls import read_columns
-from dh2urdf_plugins.emitters.urdf import EMITTER, UrdfOptions
+from dh2urdf_plugins.formats.urdf import EMITTER, UrdfOptions
 
 if TYPE_CHECKING:
     from dh2urdf.stages import Emitter

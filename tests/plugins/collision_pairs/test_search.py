@@ -17,7 +17,7 @@ from dh2urdf.robot import Box, Collision, Joint, Link, Mesh, Origin, Robot, Sphe
 from dh2urdf_plugins.collision_pairs.options import PairOptions
 from dh2urdf_plugins.collision_pairs.scene import Mechanism
 from dh2urdf_plugins.collision_pairs.search import collision_pairs, robot_pairs
-from dh2urdf_plugins.emitters import mjcf
+from dh2urdf_plugins.formats import mjcf
 from dh2urdf_plugins.transforms.alpha_swap import alpha_swap
 from dh2urdf_plugins.transforms.alpha_swap_options import AlphaSwapOptions
 

@@ -21,9 +21,9 @@ from hypothesis import given, settings
 from dh2urdf.kinematics import KinematicChain
 from dh2urdf.manipulator import Convention, JointType, Manipulator
 from dh2urdf.stages import ReadsBack
-from dh2urdf_plugins.emitters.urdf import EMITTER as URDF
-from dh2urdf_plugins.emitters.xacro import EMITTER as XACRO
-from dh2urdf_plugins.read_back.xacro_reader import expand, read_xacro
+from dh2urdf_plugins.formats.urdf import EMITTER as URDF
+from dh2urdf_plugins.formats.xacro import EMITTER as XACRO
+from dh2urdf_plugins.formats.xacro.reader import expand, read_xacro
 from dh2urdf_plugins.transforms.alpha_swap import TRANSFORM
 
 if TYPE_CHECKING:

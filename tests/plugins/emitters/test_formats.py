@@ -19,8 +19,8 @@ from dh2urdf.manipulator import Convention, DHRow, JointType, Limits, Manipulato
 from dh2urdf.robot import Inertial, Mesh
 from dh2urdf.stages import ReadsBack
 from dh2urdf_plugins.base_bodies import BASE
-from dh2urdf_plugins.emitters.mjcf import EMITTER as MJCF
-from dh2urdf_plugins.emitters.sdf import EMITTER as SDF
+from dh2urdf_plugins.formats.mjcf import EMITTER as MJCF
+from dh2urdf_plugins.formats.sdf import EMITTER as SDF
 from dh2urdf_plugins.transforms.alpha_swap import TRANSFORM
 
 if TYPE_CHECKING:

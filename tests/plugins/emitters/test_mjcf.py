@@ -13,9 +13,9 @@ import pytest
 from dh2urdf.errors import EmitterError
 from dh2urdf.manipulator import Convention, DHRow, Limits, Manipulator
 from dh2urdf.robot import Box, Cylinder, Sphere
-from dh2urdf_plugins.emitters.mjcf import EMITTER, MjcfOptions
-from dh2urdf_plugins.emitters.mjcf_model import DEEPEST
-from dh2urdf_plugins.emitters.urdf import EMITTER as URDF
+from dh2urdf_plugins.formats.mjcf import EMITTER, MjcfOptions
+from dh2urdf_plugins.formats.mjcf.writer import DEEPEST
+from dh2urdf_plugins.formats.urdf import EMITTER as URDF
 from dh2urdf_plugins.transforms.alpha_swap import TRANSFORM
 
 if TYPE_CHECKING:

@@ -17,15 +17,14 @@ from xml.etree import ElementTree as ET
 
 import pytest
 
-import dh2urdf_plugins.emitters
+import dh2urdf_plugins.formats.urdf
 from dh2urdf.errors import EmitterError
 from dh2urdf.kinematics import KinematicChain
 from dh2urdf.stages import GivesNotices, LoadRequest, ReadsBack
-from dh2urdf_plugins.emitters.profile_names import ProfileName
-from dh2urdf_plugins.emitters.profiles import PROFILES, Profile
-from dh2urdf_plugins.emitters.urdf import EMITTER as URDF
-from dh2urdf_plugins.emitters.xacro import EMITTER as XACRO
-from dh2urdf_plugins.read_back.xacro_reader import expand
+from dh2urdf_plugins.formats.urdf import EMITTER as URDF, ProfileName
+from dh2urdf_plugins.formats.urdf.profiles import PROFILES, Profile
+from dh2urdf_plugins.formats.xacro import EMITTER as XACRO
+from dh2urdf_plugins.formats.xacro.reader import expand
 from dh2urdf_plugins.transforms.alpha_swap import TRANSFORM
 
 if TYPE_CHECKING:
@@ -342,7 +341,7 @@ def test_a_name_that_gazebo_needs_is_refused(ur5: Robot) -> None:
 def table() -> str:
     """The decisions as a table of Markdown."""
     lines = ["| portable | otherwise | for | why |", "|---|---|---|---|"]
-    decisions = tomllib.loads((files(dh2urdf_plugins.emitters) / "profiles.toml").read_text("utf-8"))
+    decisions = tomllib.loads((files(dh2urdf_plugins.formats.urdf) / "profiles.toml").read_text("utf-8"))
     assert [*decisions] == [decision.name for decision in fields(Profile)]
     for decision in fields(Profile):
         users = [name for name, profile in PROFILES.items() if getattr(profile, decision.name) != decision.default]

@@ -23,8 +23,8 @@ from dh2urdf.robot import (
     Visual,
 )
 from dh2urdf.stages import ReadsBack
-from dh2urdf_plugins.emitters.urdf import EMITTER as URDF
-from dh2urdf_plugins.emitters.xacro import EMITTER as XACRO
+from dh2urdf_plugins.formats.urdf import EMITTER as URDF
+from dh2urdf_plugins.formats.xacro import EMITTER as XACRO
 
 if TYPE_CHECKING:
     from dh2urdf.stages import Emitter

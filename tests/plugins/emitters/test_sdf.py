@@ -15,7 +15,7 @@ from sdformat_calls import sdformat
 
 from dh2urdf.errors import EmitterError
 from dh2urdf.stages import ReadsBack
-from dh2urdf_plugins.emitters.sdf import EMITTER, SdfOptions
+from dh2urdf_plugins.formats.sdf import EMITTER, SdfOptions
 from dh2urdf_plugins.transforms.alpha_swap import TRANSFORM
 
 if TYPE_CHECKING:

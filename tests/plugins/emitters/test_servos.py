@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from dh2urdf.manipulator import Convention, DHRow, JointType, Limits, Manipulator
-from dh2urdf_plugins.emitters.home_contacts import _distance, touching_at_home
+from dh2urdf_plugins.formats.mjcf.home_contacts import _distance, touching_at_home
 from dh2urdf_plugins.home_pose import stepped
 from dh2urdf_plugins.loaders.measures import gravity_loads
 from dh2urdf_plugins.transforms.alpha_swap import TRANSFORM

@@ -11,7 +11,7 @@ from dh2urdf.errors import EmitterError
 from dh2urdf.manipulator import Limits
 from dh2urdf.robot import Link, Material, Robot, Sphere, Visual
 from dh2urdf.stages import ReadsBack
-from dh2urdf_plugins.emitters.urdf import EMITTER, UrdfOptions
+from dh2urdf_plugins.formats.urdf import EMITTER, UrdfOptions
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -12,8 +12,8 @@ from hypothesis import HealthCheck, given, settings, strategies as st
 from dh2urdf.columns import RobotColumns
 from dh2urdf.robot import Box, Collision, Cylinder, Origin, Robot, Sphere
 from dh2urdf.stages import EmitsInColumns
-from dh2urdf_plugins.emitters.urdf import EMITTER, UrdfOptions
-from dh2urdf_plugins.emitters.xacro import EMITTER as XACRO
+from dh2urdf_plugins.formats.urdf import EMITTER, UrdfOptions
+from dh2urdf_plugins.formats.xacro import EMITTER as XACRO
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence

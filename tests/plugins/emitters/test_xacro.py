@@ -15,11 +15,11 @@ from dh2urdf.errors import EmitterError
 from dh2urdf.manipulator import JointType
 from dh2urdf.robot import Parameter, Robot
 from dh2urdf.stages import OtherFiles
-from dh2urdf_plugins.emitters.urdf import EMITTER as URDF
-from dh2urdf_plugins.emitters.xacro import EMITTER, XacroOptions
-from dh2urdf_plugins.emitters.xacro_files import angle_text, macro_name
-from dh2urdf_plugins.read_back.urdf_reader import parse_urdf
-from dh2urdf_plugins.read_back.xacro_reader import expand, read_xacro
+from dh2urdf_plugins.formats.urdf import EMITTER as URDF
+from dh2urdf_plugins.formats.urdf.reader import parse_urdf
+from dh2urdf_plugins.formats.xacro import EMITTER, XacroOptions
+from dh2urdf_plugins.formats.xacro.reader import expand, read_xacro
+from dh2urdf_plugins.formats.xacro.writer import angle_text, macro_name
 
 if TYPE_CHECKING:
     from pathlib import Path

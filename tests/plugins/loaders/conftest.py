@@ -10,7 +10,7 @@ import pytest
 from dh2urdf.manipulator import Inertia, JointType, Limits
 from dh2urdf.robot import Box, Collision, Cylinder, Inertial, Joint, Link, Origin, Robot, Visual
 from dh2urdf.stages import LoadRequest
-from dh2urdf_plugins.emitters import urdf
+from dh2urdf_plugins.formats import urdf
 from dh2urdf_plugins.transforms import alpha_swap
 
 if TYPE_CHECKING:

@@ -14,7 +14,7 @@ from dh2urdf.isolation.loads import load_in_child
 from dh2urdf.manipulator import Inertia, JointType, Limits
 from dh2urdf.robot import Box, Collision, Cylinder, Inertial, Joint, Link, Origin, Robot, Sphere
 from dh2urdf.stages import LoadRequest
-from dh2urdf_plugins.emitters import urdf
+from dh2urdf_plugins.formats import urdf
 from dh2urdf_plugins.loaders.measures import gravity_loads
 from dh2urdf_plugins.loaders.simulators import LOADERS
 

@@ -10,8 +10,8 @@ import pytest
 from dh2urdf.errors import LoaderError
 from dh2urdf.isolation.loads import load_in_child
 from dh2urdf.manipulator import Convention, DHRow, Manipulator
-from dh2urdf_plugins.emitters import mjcf
-from dh2urdf_plugins.emitters.urdf import EMITTER
+from dh2urdf_plugins.formats import mjcf
+from dh2urdf_plugins.formats.urdf import EMITTER
 from dh2urdf_plugins.loaders.mujoco import loader as mujoco_loader
 from dh2urdf_plugins.loaders.mujoco.loader import load, read_output
 from dh2urdf_plugins.loaders.mujoco.picture import graphics

@@ -178,7 +178,7 @@ def load(request: LoadRequest, _options: SimulatorOptions) -> LoadReport:
         LoaderError: sdformat refuses the file, or makes another arm of it than the one that was written.
         MissingProgramError: sdformat is not installed.
     """
-    from dh2urdf_plugins.read_back.sdf.reader import parse_sdf
+    from dh2urdf_plugins.formats.sdf.reader import parse_sdf
 
     command, version = find_command()
     comparison = Comparison("sdformat", request, precision(request.robot))

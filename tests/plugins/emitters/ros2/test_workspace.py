@@ -15,8 +15,8 @@ import yaml
 from lxml import etree
 
 from dh2urdf.errors import ConfigError
-from dh2urdf_plugins.emitters.ros2.options import Ros2Options
-from dh2urdf_plugins.emitters.ros2.package_files import package_xml
+from dh2urdf_plugins.packages.ros2.options import Ros2Options
+from dh2urdf_plugins.packages.ros2.package_files import package_xml
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -8,7 +8,7 @@ from lxml import etree
 from dh2urdf.errors import InputError
 from dh2urdf.robot import Link, Robot
 from dh2urdf_plugins.collision_pairs.search import DisabledPair
-from dh2urdf_plugins.emitters.srdf.pairs_text import new_file, updated
+from dh2urdf_plugins.packages.srdf.pairs_text import new_file, updated
 
 ROBOT = Robot(name="arm", links=tuple(Link(name=name) for name in ("a", "b", "c", "d")), joints=())
 PAIRS = (DisabledPair("a", "b", "Adjacent"), DisabledPair("a", "c", "Never"), DisabledPair("b", "c", "Default"))

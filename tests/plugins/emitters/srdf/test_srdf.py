@@ -11,8 +11,8 @@ from lxml import etree
 import dh2urdf
 from dh2urdf.errors import EmitterError
 from dh2urdf.manipulator import Limits
-from dh2urdf_plugins.emitters import urdf
-from dh2urdf_plugins.emitters.srdf.emitter import EMITTER, SrdfOptions
+from dh2urdf_plugins.formats import urdf
+from dh2urdf_plugins.packages.srdf import EMITTER, SrdfOptions
 from dh2urdf_plugins.transforms.alpha_swap import alpha_swap
 from dh2urdf_plugins.transforms.alpha_swap_options import AlphaSwapOptions
 

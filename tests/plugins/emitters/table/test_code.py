@@ -17,7 +17,7 @@ import pytest
 
 from dh2urdf.errors import EmitterError
 from dh2urdf.manipulator import DHRow, JointType, Manipulator
-from dh2urdf_plugins.emitters.table.code import left_out_of_matlab, left_out_of_toolbox, matlab_file, toolbox_file
+from dh2urdf_plugins.packages.table.code import left_out_of_matlab, left_out_of_toolbox, matlab_file, toolbox_file
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence

@@ -15,7 +15,7 @@ from dh2urdf.errors import EmitterError
 from dh2urdf.manipulator import LinkGeometry, Manipulator, MeshFile, MeshShape, Payload
 from dh2urdf.robot import Arm, Link, Origin, Robot
 from dh2urdf.stages import GivesNotices, OtherFiles, ReadsBack
-from dh2urdf_plugins.emitters.table.emitter import EMITTER, SUFFIXES, TableOptions
+from dh2urdf_plugins.packages.table import EMITTER, SUFFIXES, TableOptions
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -1,1 +1,0 @@
-"""The emitter `ros2`: packages that a ROS 2 workspace builds as they are."""

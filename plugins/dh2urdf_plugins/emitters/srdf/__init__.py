@@ -1,1 +1,0 @@
-"""The emitter `srdf`: what MoveIt has to know of a robot besides its URDF."""

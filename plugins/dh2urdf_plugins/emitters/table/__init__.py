@@ -1,1 +1,0 @@
-"""The stage ``table``: the DH tables of a robot, for papers and scripts."""

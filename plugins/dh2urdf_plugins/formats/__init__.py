@@ -1,0 +1,38 @@
+"""Formats of robot descriptions: each has a writer, and a reader for the proof that shares no code with the writer.
+
+The functions here are those that the records of the stages name; they are imported when they are called.
+"""
+
+from __future__ import annotations
+
+from importlib.util import find_spec
+
+from dh2urdf.stages import Checks
+from dh2urdf_plugins.late import Late
+
+read_urdf = Late(f"{__name__}.urdf.reader:read_urdf")
+read_urdfs = Late(f"{__name__}.urdf.scanner:scan_columns")
+read_xacro = Late(f"{__name__}.xacro.reader:read_xacro")
+read_foreign_xacro = Late(f"{__name__}.xacro.reader:read_foreign_xacro")
+read_sdf = Late(f"{__name__}.sdf.reader:read_sdf")
+read_mjcf = Late(f"{__name__}.mjcf.reader:read_mjcf")
+
+_FOREIGN = "dh2urdf_plugins.descriptions.foreign:foreign_"
+foreign_urdf, foreign_xacro = Late(f"{_FOREIGN}urdf"), Late(f"{_FOREIGN}xacro")
+foreign_sdf, foreign_mjcf = Late(f"{_FOREIGN}sdf"), Late(f"{_FOREIGN}mjcf")
+
+
+def checks(check: str, descriptions: str, fix: str = "", *, finds_packages: bool = False) -> tuple[Checks, ...]:
+    """The capability `Checks` of an emitter; none where the plugin of ``dh2urdf check`` is not installed.
+
+    Args:
+        check: the function of the plugin, as ``module:name``, which is imported when it is called.
+        descriptions: another one.
+        fix: another one, or none.
+        finds_packages: as in `Checks`.
+    """
+    if find_spec("dh2urdf_check") is None:
+        return ()
+    function = "dh2urdf_check.{}".format
+    fixes = Late(function(fix)) if fix else None
+    return (Checks(Late(function(check)), Late(function(descriptions)), fixes, finds_packages),)

@@ -1,0 +1,56 @@
+"""The stage ``mjcf``: models for MuJoCo. What writes and reads them is imported when it is called."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Literal
+
+from dh2urdf.stages import EmittedFile, Emitter, ReadsBack, ReadsForeign
+from dh2urdf_plugins.formats import checks, foreign_mjcf, read_mjcf
+
+if TYPE_CHECKING:
+    from dh2urdf.robot import Robot
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class MjcfOptions:
+    """What moves the arm, and what of it does not touch."""
+
+    actuators: Literal["position", "motor", "none"] = field(
+        default="position",
+        metadata={"help": "position: servos that hold the arm; motor: torques and forces; all within the efforts"},
+    )
+    excludes: Literal["home", "neighbours", "touching"] = field(
+        default="home",
+        metadata={
+            "help": "links without contacts: neighbours; home: also links that touch where the arm starts; "
+            "touching: also links that always touch, for which pinocchio is needed"
+        },
+    )
+
+
+def emit(robot: Robot, stem: str, options: MjcfOptions) -> tuple[EmittedFile]:
+    """The MJCF of a robot, as ``<stem>.xml``.
+
+    Raises:
+        EmitterError: XML cannot hold one of its names, MuJoCo cannot read so long a chain, or a mesh cannot be read.
+        MissingDependencyError: what finds links that touch is not installed.
+    """
+    from dh2urdf_plugins.formats.mjcf.writer import mjcf_of
+
+    content = mjcf_of(robot, actuators=options.actuators, excludes=options.excludes)
+    return (EmittedFile(name=f"{stem}.xml", content=content),)
+
+
+EMITTER = Emitter(
+    name="mjcf",
+    summary="an MJCF model for MuJoCo, with actuators, sites for flange and tool0, and no contacts of neighbours",
+    suffixes=(".xml", ".mjcf"),
+    options=MjcfOptions,
+    emit=emit,
+    capabilities=(
+        ReadsBack(read_mjcf),
+        ReadsForeign(foreign_mjcf),
+        *checks("models.mjcf:inspect_mjcf", "whole_files:mjcfs"),
+    ),
+)

@@ -1,0 +1,363 @@
+"""What every reader of MJCF asks of its elements: default classes, frames, numbers and places.
+
+From MuJoCo's documentation (https://mujoco.readthedocs.io/en/stable/XMLreference.html and, for orientations, frames and
+defaults, modeling.html): angles are in degrees unless the file says radians, Euler angles follow ``eulerseq`` (capital
+letters: about fixed axes), attributes may come from default classes, and a ``frame`` moves what is in it.
+
+The files that an MJCF includes, put where it includes them.
+"""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import TYPE_CHECKING, NamedTuple
+
+from lxml import etree
+
+from dh2urdf.documents import is_file, read_bytes
+from dh2urdf.errors import InputError, ProofError
+from dh2urdf.kinematics import axis_rotation
+from dh2urdf.rotations import (
+    IDENTITY_ROTATION,
+    Z_AXIS,
+    ZERO,
+    RigidTransform,
+    Rotation,
+    Vec3,
+    add,
+    cross,
+    dot,
+    multiply,
+    norm,
+    rotation_from_quaternion,
+    scale,
+    subtract,
+)
+from dh2urdf.source import Problem, shown
+from dh2urdf_plugins.formats.xml_files import (
+    FILE,
+    LARGEST,
+    FileElements,
+    finite_numbers,
+    mark_of,
+    tree_of,
+    wanted_numbers,
+)
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+
+
+_AXES: dict[str, Vec3] = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
+SMALLEST = 1e-7
+"""Length from which on MuJoCo takes a vector for a direction."""
+_DEEPEST = 100
+"""Frames around each other that are read: each element multiplies all of them."""
+_ORIENTATIONS = frozenset(("quat", "euler", "axisangle", "xyaxes", "zaxis"))
+_BLANK_MEANS_NOTHING = dict.fromkeys(("pos", "axis", "ref", "range", "fromto", "size", *_ORIENTATIONS)) | {
+    "quat": "1 0 0 0"  # It turns nothing, and takes the place of an orientation that a class gives.
+}
+"""Attributes that MuJoCo reads as if they were not there where they are blank."""
+
+
+class Elements(FileElements):
+    """The elements of a model.
+
+    Attributes:
+        root: the outermost one.
+        compiler: the attributes of the compiler.
+        angle: an angle as it is written, times this, is in rad.
+    """
+
+    def __init__(self, root: etree._Element, file: str) -> None:
+        """Reads the compiler and the default classes.
+
+        Raises:
+            ProofError: they cannot be read.
+        """
+        super().__init__(file)
+        self.root = root
+        self.compiler = compiler_of(root)
+        self.angle = 1.0 if self.compiler.get("angle") == "radian" else math.pi / 180.0
+        self._has_frames = root.find(".//frame") is not None
+        self._gives_classes = any(root.find(f".//{path}") is not None for path in ("*[@childclass]", "frame[@class]"))
+        self._defaults = self._read_defaults()
+
+    def _read_defaults(self) -> dict[str, dict[str, dict[str, str]]]:
+        """The attributes that a class gives, by class and by tag."""
+        found: dict[str, dict[str, dict[str, str]]] = {"main": {}}
+        for element in self.root.iter("default"):  # Outer classes first.
+            parent = element.getparent()
+            outer = parent.get("class", "main") if parent is not None and parent.tag == "default" else "main"
+            name = element.get("class") or "main"
+            given = {tag: dict(attributes) for tag, attributes in found.get(outer, {}).items()}
+            for each in element.iterchildren(etree.Element):
+                if each.tag != "default":
+                    given[each.tag] = _over(given.get(each.tag, {}), _attributes(each))
+            found[name] = given
+        return found
+
+    def attributes(self, element: etree._Element, *kin: str) -> dict[str, str]:
+        """The attributes of an element, those of its class included.
+
+        Args:
+            element: the element.
+            kin: the names of elements that share their defaults with it, as those of all actuators do.
+        """
+        name = element.get("class")
+        above = element.getparent() if self._gives_classes else None
+        while name is None and above is not None:
+            # MuJoCo takes the class of a frame for the class of what is in it, too.
+            name = above.get("childclass") or (above.get("class") if above.tag == "frame" else None)
+            above = above.getparent()
+        if (name := name or "main") not in self._defaults:
+            raise self.error(element, f"there is no class {shown(name)}")
+        defaults = self._defaults[name]
+        given = defaults.get(str(element.tag), {})
+        for tag in kin:
+            given = _over(given, defaults.get(tag, {}))
+        return _over(given, _attributes(element))
+
+    def is_active(self, constraint: etree._Element) -> bool:
+        """Whether a constraint holds at first."""
+        return self.attributes(constraint, "equality").get("active") != "false"
+
+    # Frames
+
+    def held(self, body: etree._Element, *tags: str) -> Iterator[etree._Element]:
+        """The elements of a body with some names, in the order of the file; those in its frames, too."""
+        if not self._has_frames:
+            yield from body.iterchildren(*tags)
+            return
+        waiting = [body.iterchildren(*tags, "frame")]
+        while waiting:
+            if (element := next(waiting[-1], None)) is None:
+                waiting.pop()
+            elif element.tag == "frame":
+                waiting.append(element.iterchildren(*tags, "frame"))
+            else:
+                yield element
+
+    def pose(self, element: etree._Element) -> RigidTransform:
+        """The frame of a body, site, shape or centre of mass in the body that holds it."""
+        return self.around(element, self.own_pose(element, self.attributes(element)))
+
+    def around(self, element: etree._Element, pose: RigidTransform) -> RigidTransform:
+        """A pose in the frames around an element, in the body that holds it."""
+        if not self._has_frames:
+            return pose
+        above, depth = element.getparent(), 0
+        while above is not None and above.tag == "frame":
+            if (depth := depth + 1) > _DEEPEST:
+                raise self.error(element, f"more than {_DEEPEST} frames are around it")
+            pose = self.own_pose(above, _attributes(above)) @ pose
+            above = above.getparent()
+        return pose
+
+    def own_pose(self, element: etree._Element, attributes: dict[str, str]) -> RigidTransform:
+        """The frame of an element in what is around it."""
+        if "fromto" in attributes:
+            return self.between_ends(element, attributes)[0]
+        return RigidTransform(self._rotation(element, attributes), self.vector(element, attributes, "pos", ZERO))
+
+    def between_ends(self, element: etree._Element, attributes: dict[str, str]) -> tuple[RigidTransform, float]:
+        """The frame of a shape or site that is given by its ends, and half of its length [m]."""
+        numbers = self.numbers(element, attributes, "fromto", (0.0,) * 6)
+        start, end = (numbers[0], numbers[1], numbers[2]), (numbers[3], numbers[4], numbers[5])
+        along = subtract(start, end)
+        if not (length := norm(along)):
+            raise self.error(element, f"fromto of {element.tag} has the same point twice")
+        return RigidTransform(z_rotation(scale(1.0 / length, along)), scale(0.5, add(start, end))), 0.5 * length
+
+    def _rotation(self, element: etree._Element, attributes: dict[str, str]) -> Rotation:
+        if "quat" in attributes:
+            w, x, y, z = self.numbers(element, attributes, "quat", (1.0, 0.0, 0.0, 0.0))
+            try:
+                return rotation_from_quaternion((x, y, z, w))
+            except ZeroDivisionError:
+                raise self.error(
+                    element, f"quat of {element.tag} gives no rotation", "four numbers with a length"
+                ) from None
+        if "axisangle" in attributes:
+            *axis, angle = self.numbers(element, attributes, "axisangle", (*Z_AXIS, 0.0))
+            return axis_rotation(self._unit(element, "axisangle", (axis[0], axis[1], axis[2])), angle * self.angle)
+        if "xyaxes" in attributes:
+            numbers = self.numbers(element, attributes, "xyaxes", (0.0,) * 6)
+            x_axis = self._unit(element, "xyaxes", (numbers[0], numbers[1], numbers[2]))
+            along = (numbers[3], numbers[4], numbers[5])
+            y_axis = self._unit(element, "xyaxes", subtract(along, scale(dot(x_axis, along), x_axis)))
+            z_axis = cross(x_axis, y_axis)
+            return (x_axis[0], y_axis[0], z_axis[0], x_axis[1], y_axis[1], z_axis[1], x_axis[2], y_axis[2], z_axis[2])
+        if "zaxis" in attributes:
+            return z_rotation(self._unit(element, "zaxis", self.vector(element, attributes, "zaxis", Z_AXIS)))
+        rotation = IDENTITY_ROTATION
+        if "euler" in attributes:
+            sequence = self.compiler.get("eulerseq") or "xyz"
+            if len(sequence) != len(_AXES) or not set(sequence.lower()) <= _AXES.keys():
+                raise self.error(element, f"eulerseq is {shown(sequence)}", "three of the letters x, y, z, X, Y, Z")
+            for word, angle in zip(sequence, self.numbers(element, attributes, "euler", ZERO), strict=True):
+                turn = axis_rotation(_AXES[word.lower()], angle * self.angle)
+                # About axes that turn along, or about those that stand still.
+                rotation = multiply(rotation, turn) if word.islower() else multiply(turn, rotation)
+        return rotation
+
+    def _unit(self, element: etree._Element, name: str, vector: Vec3) -> Vec3:
+        if (length := norm(vector)) < SMALLEST:
+            raise self.error(element, f"{name} of {element.tag} gives no direction", "a vector with a length")
+        return vector if length == 1.0 else scale(1.0 / length, vector)
+
+    # Numbers
+
+    def vector(self, element: etree._Element, attributes: dict[str, str], name: str, default: Vec3) -> Vec3:
+        """Three numbers."""
+        x, y, z = self.numbers(element, attributes, name, default)
+        return (x, y, z)
+
+    def numbers(
+        self, element: etree._Element, attributes: dict[str, str], name: str, default: Sequence[float], most: int = 0
+    ) -> Sequence[float]:
+        """As many numbers as the default has.
+
+        Args:
+            element: what has the attribute.
+            attributes: its attributes, those of its class included.
+            name: the attribute.
+            default: the numbers where there is no such attribute.
+            most: as many may be written; further ones mean nothing.
+        """
+        if name not in attributes:
+            return default
+        text, count = attributes[name], len(default)
+        numbers = finite_numbers(text, count, most)
+        if numbers is None:
+            raise self.error(element, f"{name} of {element.tag} is {shown(text)}", wanted_numbers(count))
+        return numbers
+
+    def limits(
+        self, element: etree._Element, attributes: dict[str, str], name: str, limited: str
+    ) -> Sequence[float] | None:
+        """The lower and the upper end of a range that counts; None where there is none, or it does not count.
+
+        Where nothing says whether it does, a range counts whose lower end is below the upper one.
+
+        Args:
+            element: what has the range.
+            attributes: its attributes, those of its class included.
+            name: the range.
+            limited: the attribute that tells whether it counts.
+        """
+        if name not in attributes:
+            return None
+        lower, upper = self.numbers(element, attributes, name, (0.0, 0.0))
+        word = attributes.get(limited, "auto")
+        is_clear = word == "auto" and lower < upper and self.compiler.get("autolimits") != "false"
+        return (lower, upper) if word == "true" or is_clear else None
+
+
+def z_rotation(axis: Vec3) -> Rotation:
+    """The smallest rotation that takes the z-axis to a unit vector; about x to one that points down."""
+    x, y, z = axis
+    if (sine := math.hypot(x, y)) < SMALLEST:
+        return IDENTITY_ROTATION if z > 0.0 else (1.0, 0.0, 0.0, 0.0, -1.0, 0.0, 0.0, 0.0, -1.0)
+    return axis_rotation((-y / sine, x / sine, 0.0), math.atan2(sine, z))
+
+
+def compiler_of(root: etree._Element) -> dict[str, str]:
+    """The attributes of the compiler of a model; a model of several files may have several, each over those before."""
+    found: dict[str, str] = {}
+    for element in root.iterchildren("compiler"):
+        found |= _attributes(element)
+    return found
+
+
+def _attributes(element: etree._Element) -> dict[str, str]:
+    found: dict[str, str] = dict(element.items())  # type: ignore[arg-type]  # they are texts, as lxml parsed them
+    if not all(map(str.strip, found.values())):
+        read = {name: text if text.strip() else _BLANK_MEANS_NOTHING.get(name, text) for name, text in found.items()}
+        found = {name: text for name, text in read.items() if text is not None}
+    return found
+
+
+def _over(given: dict[str, str], own: dict[str, str]) -> dict[str, str]:
+    """The attributes of a class with an element's own over them: an orientation takes the place of any other."""
+    if not given:
+        return own
+    if not (_ORIENTATIONS.isdisjoint(given) or _ORIENTATIONS.isdisjoint(own)):
+        given = {name: value for name, value in given.items() if name not in _ORIENTATIONS}
+    return {**given, **own}
+
+
+_MOST = 1000
+
+
+class Missing(NamedTuple):
+    """A file that could not be included.
+
+    Attributes:
+        include: the element that names it.
+        message: what is wrong.
+    """
+
+    include: etree._Element
+    message: str
+
+
+def include_files(root: etree._Element, path: Path) -> list[Missing]:
+    """Puts the elements of included files in the place of what includes them, as MuJoCo does.
+
+    A path leads from the folder of the main file, else from that of the file that includes it. It stays in the main
+    file's folder or in one beside it, and each file is included once.
+
+    Args:
+        root: the outermost element of the main file; it is changed.
+        path: the main file.
+
+    Returns:
+        What could not be included; it is taken out.
+    """
+    missing: list[Missing] = []
+    taken = {path.resolve()}
+    waiting = [*_includes_in(root)][::-1]
+    while waiting:
+        include = waiting.pop()
+        own = mark_of(include, str(path)).file
+        try:
+            file = _file(include, path, Path(own).parent, taken)
+            included = tree_of(read_bytes(file, InputError, limit=LARGEST), str(file), is_deep=True)
+            waiting += [*_includes_in(included)][::-1]
+            for child in list(included):
+                child.set(FILE, str(file))
+                include.addprevious(child)
+        except (InputError, ProofError) as error:
+            missing.append(Missing(include, error.problems[0].message))
+        include.set(FILE, own)  # It is taken out, and messages may name its place.
+        if (parent := include.getparent()) is not None:
+            parent.remove(include)
+    return missing
+
+
+def _includes_in(root: etree._Element) -> Iterator[etree._Element]:
+    """The elements that include files, in their order; one in another goes with that."""
+    return (each for each in root.iter("include") if next(each.iterancestors("include"), None) is None)
+
+
+def _file(include: etree._Element, path: Path, beside: Path, taken: set[Path]) -> Path:
+    """The file that an element includes; it counts as taken from now on.
+
+    Raises:
+        InputError: it is not there, or may not be included.
+    """
+    name = (include.get("file") or "").replace("\\", "/")
+    file = next((each for folder in (path.parent, beside) if is_file(each := folder / name)), None)
+    if file is None:
+        raise InputError(Problem(message=f"the included file {shown(name)} is not there"))
+    if not file.resolve().is_relative_to(path.resolve().parent.parent):
+        message = f"the included file {shown(name)} is not in the folder of the file, nor in one beside that"
+        raise InputError(Problem(message=message))
+    if file.resolve() in taken:
+        raise InputError(Problem(message=f"the file {shown(name)} is included a second time"))
+    if len(taken) > _MOST:
+        raise InputError(Problem(message=f"more than {_MOST} files are included"))
+    taken.add(file.resolve())
+    return file

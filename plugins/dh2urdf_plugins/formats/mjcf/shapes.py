@@ -1,0 +1,250 @@
+"""The shapes of an MJCF, made of those that a robot has: box, cylinder, sphere and mesh.
+
+The masses that bodies of an MJCF have from their shapes, where none are written.
+"""
+
+from __future__ import annotations
+
+import math
+from pathlib import PurePosixPath
+from typing import TYPE_CHECKING, NamedTuple
+
+from dh2urdf.manipulator import Inertia
+from dh2urdf.mass_properties import compound, placed, scaled, solid
+from dh2urdf.robot import Box, Collision, Cylinder, Inertial, Material, Mesh, Origin, Sphere, Visual
+from dh2urdf.rotations import (
+    IDENTITY,
+    IDENTITY_ROTATION,
+    ZERO,
+    RigidTransform,
+    Vec3,
+    rotate,
+    rotation_from_quaternion,
+    transpose,
+)
+from dh2urdf.source import shown
+from dh2urdf_plugins.formats.xml_files import Placed, capsule
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator
+
+    from lxml import etree
+
+    from dh2urdf_plugins.formats.mjcf.elements import Elements
+
+
+_GRAY = (0.5, 0.5, 0.5, 1.0)
+"""The colour of a shape that has none."""
+_HIDDEN = ("3", "4", "5")
+"""Groups that MuJoCo's viewer does not draw unless it is asked."""
+_ROUND = ("cylinder", "capsule")
+_LONG = (*_ROUND, "box", "ellipsoid")
+"""Shapes that may be placed by their ends."""
+_SIZES = {"box": 3, "ellipsoid": 3, "cylinder": 2, "capsule": 2, "sphere": 1}
+"""How many sizes a shape has."""
+
+
+class Geom(NamedTuple):
+    """A shape of a body.
+
+    Attributes:
+        element: its element.
+        attributes: of the element, those of its class included.
+        kind: its type.
+        size: half of a box's sides or an ellipsoid's axes; else radius, and half of the length [m].
+        pose: its frame in the body.
+    """
+
+    element: etree._Element
+    attributes: dict[str, str]
+    kind: str
+    size: Vec3
+    pose: RigidTransform
+
+
+def _touches(geom: Geom) -> bool:
+    return not geom.attributes.get("contype") == geom.attributes.get("conaffinity") == "0"
+
+
+class Shapes:
+    """Reads the shapes of bodies.
+
+    Args:
+        elements: the elements of the model.
+    """
+
+    def __init__(self, elements: Elements) -> None:
+        self._elements = elements
+        self._meshes = {self._name(mesh): mesh for mesh in elements.root.iterfind("asset/mesh")}
+        self._materials = {each.get("name", ""): each for each in elements.root.iterfind("asset/material")}
+
+    def of(self, body: etree._Element) -> tuple[tuple[Visual, ...], tuple[Collision, ...]]:
+        """What a body is seen as, and what it touches with.
+
+        A shape that touches is seen, too, unless it is hidden, or the body has shapes that are only seen.
+        """
+        visuals: list[Visual] = []
+        collisions: list[Collision] = []
+        geoms = list(self.geoms(body))
+        has_own_look = not all(map(_touches, geoms))
+        for geom in geoms:
+            touches = _touches(geom)
+            for geometry, pose in self._mesh(geom) if "mesh" in geom.attributes else self._parts(geom):
+                placed = geom.pose if pose is IDENTITY else geom.pose @ pose
+                origin = Origin.of(placed)
+                if touches:
+                    collisions.append(Collision(geometry=geometry, origin=origin))
+                if not touches or not (has_own_look or geom.attributes.get("group", "0") in _HIDDEN):
+                    colour = self._colour(geom.element, geom.attributes)
+                    visuals.append(Visual(geometry=geometry, origin=origin, material=colour))
+        return tuple(visuals), tuple(collisions)
+
+    def geoms(self, body: etree._Element) -> Iterator[Geom]:
+        """The shapes of a body."""
+        for element in self._elements.held(body, "geom"):
+            attributes = self._elements.attributes(element)
+            kind = attributes.get("type", "sphere")
+            if "fromto" in attributes and kind in _LONG:
+                own, half = self._elements.between_ends(element, attributes)
+                (radius,) = self._elements.numbers(element, attributes, "size", (0.0,), most=3)
+                if radius <= 0.0:
+                    raise self._elements.error(
+                        element, f"size of geom is {shown(attributes.get('size', ''))}", "above 0"
+                    )
+                size = (radius, half if kind in _ROUND else radius, half)
+            else:
+                own = self._elements.own_pose(element, attributes)
+                count = 0 if "mesh" in attributes else _SIZES.get(kind, 0)
+                numbers = self._elements.numbers(element, attributes, "size", (0.0,) * count, most=3)
+                if count and min(numbers) <= 0.0:
+                    text = shown(attributes.get("size", ""))
+                    raise self._elements.error(element, f"size of geom is {text}", f"{count} numbers above 0")
+                x, y, z, *_ = (*numbers, 0.0, 0.0, 0.0)
+                size = (x, y, z)
+            yield Geom(element, attributes, kind, size, self._elements.around(element, own))
+
+    def _parts(self, geom: Geom) -> list[Placed]:
+        """MuJoCo counts sizes from the middle, and the length of a capsule without its ends."""
+        x, y, z = geom.size
+        match geom.kind:
+            case "box":
+                return [Placed(Box(size=(2.0 * x, 2.0 * y, 2.0 * z)))]
+            case "cylinder":
+                return [Placed(Cylinder(radius=x, length=2.0 * y))]
+            case "sphere":
+                return [Placed(Sphere(radius=x))]
+            case "capsule":
+                return capsule(x, 2.0 * y)
+            case "ellipsoid" if x == y == z:
+                return [Placed(Sphere(radius=x))]
+        self._elements.not_read(geom.element, f"a shape {shown(geom.kind)}")
+        return []
+
+    def _mesh(self, geom: Geom) -> list[Placed]:
+        mesh = self._meshes.get(name := geom.attributes["mesh"])
+        if mesh is None:
+            raise self._elements.error(geom.element, f"there is no mesh {shown(name)}")
+        attributes = self._elements.attributes(mesh)
+        if geom.kind != "mesh":
+            self._elements.not_read(geom.element, f"a shape {shown(geom.kind)} that is fitted to a mesh")
+            return []
+        if not (file := attributes.get("file", "")):
+            self._elements.not_read(mesh, "a mesh without a file")
+            return []
+        if self._elements.compiler.get("strippath") == "true":
+            file = PurePosixPath(file.replace("\\", "/")).name
+        factors = self._elements.vector(mesh, attributes, "scale", (1.0, 1.0, 1.0))
+        w, x, y, z = self._elements.numbers(mesh, attributes, "refquat", (1.0, 0.0, 0.0, 0.0))
+        back = transpose(rotation_from_quaternion((x, y, z, w))) if (x, y, z) != ZERO else IDENTITY_ROTATION
+        if back != IDENTITY_ROTATION and len(set(factors)) > 1:
+            self._elements.not_read(mesh, "a mesh that is turned by refquat and scaled")
+            return []
+        moved = rotate(back, self._elements.vector(mesh, attributes, "refpos", ZERO))
+        x, y, z = (0.0 - factor * value for factor, value in zip(factors, moved, strict=True))
+        return [Placed(Mesh(filename=file, scale=factors), RigidTransform(back, (x, y, z)))]
+
+    @staticmethod
+    def _name(mesh: etree._Element) -> str:
+        """The name of a mesh; without one it is that of its file."""
+        return mesh.get("name") or PurePosixPath((mesh.get("file") or "").replace("\\", "/")).stem
+
+    def _colour(self, geom: etree._Element, attributes: dict[str, str]) -> Material | None:
+        """The colour of a shape: its own unless that is the usual gray, else that of its material."""
+        own = self._rgba(geom, attributes, _GRAY)
+        material = self._materials.get(attributes.get("material", ""))
+        if material is not None and own == _GRAY:
+            own = self._rgba(material, self._elements.attributes(material), (1.0, 1.0, 1.0, 1.0))
+        elif "rgba" not in attributes:
+            return None
+        return Material(name="", rgba=own)
+
+    def _rgba(
+        self, element: etree._Element, attributes: dict[str, str], default: tuple[float, float, float, float]
+    ) -> tuple[float, float, float, float]:
+        r, g, b, a = self._elements.numbers(element, attributes, "rgba", default)
+        return (r, g, b, a)
+
+
+_WATER = 1000.0
+"""The density of a shape that has none [kg/m³]."""
+WITHOUT_MASS = ("plane", "hfield")
+"""Shapes that have no mass."""
+
+
+def mass_of_shapes(geoms: Iterable[Geom], elements: Elements) -> Inertial | None:
+    """The mass of a body that follows from its shapes, as MuJoCo computes it; None where it has none.
+
+    https://mujoco.readthedocs.io/en/stable/XMLreference.html#body-inertial
+    """
+    bodies: list[Inertial] = []
+    first, last = elements.numbers(elements.root, elements.compiler, "inertiagrouprange", (0.0, 5.0))
+    for geom in geoms:
+        (group,) = elements.numbers(geom.element, geom.attributes, "group", (0.0,))
+        if not first <= group <= last:
+            continue
+        mass, density = (
+            elements.numbers(geom.element, geom.attributes, name, (default,))[0]
+            for name, default in (("mass", -1.0), ("density", _WATER))
+        )
+        if geom.kind in WITHOUT_MASS or mass == 0.0 or (mass < 0.0 and density == 0.0):
+            continue
+        body = None if "mesh" in geom.attributes else _solid(geom)
+        if body is None or not body.mass or geom.attributes.get("shellinertia") == "true":
+            elements.not_read(geom.element, "a mass that follows from a mesh or a shell")
+            return None
+        factor = density if mass < 0.0 else mass / body.mass
+        body = Inertial(mass=factor * body.mass, com=body.com, inertia=scaled(body.inertia, factor))
+        bodies.append(placed(body, geom.pose))
+    return compound(bodies) if bodies else None
+
+
+def _solid(geom: Geom) -> Inertial | None:
+    """A shape as a body of 1 kg/m³, in its own frame."""
+    x, y, z = geom.size
+    match geom.kind:
+        case "box":
+            return solid(Box(size=(2.0 * x, 2.0 * y, 2.0 * z)), 1.0)
+        case "cylinder":
+            return solid(Cylinder(radius=x, length=2.0 * y), 1.0)
+        case "sphere":
+            return solid(Sphere(radius=x), 1.0)
+        case "ellipsoid":
+            mass = 4.0 / 3.0 * math.pi * x * y * z
+            squares = (y * y + z * z, x * x + z * z, x * x + y * y)
+            ixx, iyy, izz = (mass / 5.0 * square for square in squares)
+            return Inertial(mass=mass, inertia=Inertia(ixx=ixx, iyy=iyy, izz=izz))
+        case "capsule":
+            ends = [placed(_half_ball(x), RigidTransform(IDENTITY_ROTATION, (0.0, 0.0, y)))]
+            ends.append(
+                placed(_half_ball(x), RigidTransform((1.0, 0.0, 0.0, 0.0, -1.0, 0.0, 0.0, 0.0, -1.0), (0.0, 0.0, -y)))
+            )
+            return compound([solid(Cylinder(radius=x, length=2.0 * y), 1.0), *ends])
+    return None
+
+
+def _half_ball(radius: float) -> Inertial:
+    """The half of a ball above its middle; across its axis it has 83/320 m r² about its centre of mass."""
+    mass, square = 2.0 / 3.0 * math.pi * radius**3, radius * radius
+    across = 83.0 / 320.0 * mass * square
+    inertia = Inertia(ixx=across, iyy=across, izz=0.4 * mass * square)
+    return Inertial(mass=mass, com=(0.0, 0.0, 0.375 * radius), inertia=inertia)

@@ -1,0 +1,292 @@
+"""MJCF: the robot as a model for MuJoCo, with motors.
+
+MuJoCo reads URDF too, but a URDF has no motors, no frames without bodies, and no contacts to leave out. The
+elements are those of https://mujoco.readthedocs.io/en/stable/XMLreference.html; the layout is that of the models in
+MuJoCo Menagerie: classes ``visual`` and ``collision``, collision shapes in group 3.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from lxml import etree
+
+from dh2urdf.errors import EmitterError
+from dh2urdf.manipulator import WORLD, JointType
+from dh2urdf.quantities import format_numbers
+from dh2urdf.robot import Box, Cylinder, Mesh, Sphere
+from dh2urdf.rotations import ZERO
+from dh2urdf.source import Problem
+from dh2urdf_plugins.formats.mjcf.home_contacts import touching_at_home
+from dh2urdf_plugins.formats.mjcf.servos import servos
+from dh2urdf_plugins.formats.urdf.writer import Notation, serialise
+from dh2urdf_plugins.home_pose import initial_position
+
+if TYPE_CHECKING:
+    from collections.abc import Collection, Iterable, Iterator
+
+    from dh2urdf.robot import Collision, Geometry, Inertial, Joint, Link, Origin, Robot, Visual
+
+DEEPEST = 490
+"""Bodies, one within the other, that MuJoCo reads: its XML parser takes 500 elements, the outermost included."""
+
+_JOINT_TYPES = {JointType.REVOLUTE: "hinge", JointType.CONTINUOUS: "hinge", JointType.PRISMATIC: "slide"}
+
+
+def mjcf_of(robot: Robot, *, actuators: str, excludes: str) -> bytes:
+    """The MJCF of a robot, with the options of that name.
+
+    Raises:
+        EmitterError: XML cannot hold one of its names, MuJoCo cannot read so long a chain, or a mesh cannot be read.
+        MissingDependencyError: what finds links that touch is not installed.
+    """
+    touching = [] if excludes == "neighbours" else touching_at_home(robot)
+    touching += _touching(robot) if excludes == "touching" else []
+    return serialise(_Model(robot, actuators, touching).tree(), robot.comment)
+
+
+def _touching(robot: Robot) -> list[tuple[str, str]]:
+    """The pairs of links that touch at the start or always: those of an SRDF, but for the pairs that never touch."""
+    from dh2urdf_plugins.collision_pairs.options import PairOptions
+    from dh2urdf_plugins.collision_pairs.search import robot_pairs
+
+    found = robot_pairs(robot, PairOptions(trials=1)).disabled
+    return [(pair.link1, pair.link2) for pair in found if pair.reason in {"Default", "Always"}]
+
+
+class _Model:
+    """A robot on its way to MJCF, which nests bodies, and has sites for frames that hold nothing."""
+
+    def __init__(self, robot: Robot, actuators: str, touching: Iterable[tuple[str, str]]) -> None:
+        self._robot, self._notation = robot, Notation()
+        self._actuators, self._touching = actuators, touching
+        self._servos = servos(robot) if actuators == "position" else {}
+        self._carried = set(_carried(robot, self._servos))
+        self._joint_to = {joint.child: joint for joint in robot.joints}
+        self._holders = {joint.parent for joint in robot.joints}
+        self._meshes: dict[Mesh, str] = {}
+
+    def tree(self) -> etree._Element:
+        """The whole file.
+
+        Raises:
+            EmitterError: XML cannot hold one of the names, or MuJoCo cannot read the arm.
+        """
+        root = etree.Element("mujoco", {"model": self._notation.text(self._robot.name)})
+        # Roll, pitch and yaw as in URDF: about fixed axes, which are capital letters here.
+        etree.SubElement(root, "compiler", {"angle": "radian", "eulerseq": "XYZ"})
+        # A stiff servo on a light link makes an explicit integrator unstable.
+        etree.SubElement(root, "option", {"integrator": "implicitfast"})
+        self._append_classes(root)
+        world = etree.Element("worldbody")
+        self._append_bodies(world)
+        self._append_meshes(root)
+        root.append(world)
+        self._append_excludes(root)
+        if self._actuators != "none":
+            self._append_actuators(root)
+        self._append_home(root, world)
+        return root
+
+    def _append_classes(self, root: etree._Element) -> None:
+        """Appends what joints have in common, shapes that are seen, and shapes that touch; no shape weighs anything.
+
+        Servos carry the weight, within their efforts: without `actuatorgravcomp` the arm would be weightless.
+        """
+        default = etree.SubElement(root, "default")
+        if self._servos:
+            etree.SubElement(default, "joint", {"actuatorgravcomp": "true"})
+        seen = {"contype": "0", "conaffinity": "0", "group": "1", "mass": "0"}
+        for name, attributes in (("visual", seen), ("collision", {"group": "3", "mass": "0"})):
+            etree.SubElement(etree.SubElement(default, "default", {"class": name}), "geom", attributes)
+
+    def _append_meshes(self, root: etree._Element) -> None:
+        assets = etree.SubElement(root, "asset") if self._meshes else root
+        for mesh, name in self._meshes.items():
+            file = self._notation.text(mesh.filename)
+            etree.SubElement(assets, "mesh", {"name": name, "file": file, "scale": self._notation.numbers(mesh.scale)})
+
+    def _append_bodies(self, world: etree._Element) -> None:
+        bodies: dict[str, etree._Element] = {}
+        depth: dict[str, int] = {}
+        for link in self._robot.links:  # Parents before children.
+            joint = self._joint_to.get(link.name)
+            if joint is None and link.name == WORLD:
+                bodies[link.name], depth[link.name] = world, 0
+                self._append_shapes(world, link)
+                continue
+            holder = bodies[joint.parent] if joint else world
+            depth[link.name] = depth[joint.parent] + 1 if joint else 1
+            place = {"name": self._name(link, joint), **self._pose(joint.origin if joint else None)}
+            # Whether a link is a mere frame on the one that holds it: flange and tool0.
+            moves = joint is not None and joint.type is not JointType.FIXED
+            is_body = link.inertial is not None and link.inertial.mass > 0.0
+            is_frame = joint is not None and not (moves or is_body or link.visuals or link.collisions)
+            if is_frame and link.name not in self._holders:
+                etree.SubElement(holder, "site", place)
+                continue
+            if depth[link.name] > DEEPEST:
+                raise self._error(
+                    "MuJoCo reads no chain of so many links",
+                    joint,
+                    accepted=f"at most {DEEPEST} links, one after the other; it reads longer ones from a URDF",
+                )
+            body = bodies[link.name] = etree.SubElement(holder, "body", place)
+            if is_frame:  # It holds something, which a site cannot, and is looked for among the sites all the same.
+                etree.SubElement(body, "site", {"name": place["name"]})
+            self._append_content(body, link, joint)
+
+    def _append_content(self, body: etree._Element, link: Link, joint: Joint | None) -> None:
+        if link.inertial and link.inertial.mass:
+            if link.name in self._carried:
+                body.set("gravcomp", "1")
+            etree.SubElement(body, "inertial", self._mass_properties(link.inertial))
+        if joint and joint.type is not JointType.FIXED:
+            etree.SubElement(body, "joint", self._joint(joint))
+        self._append_shapes(body, link)
+
+    def _joint(self, joint: Joint) -> dict[str, str]:
+        limits, numbers = joint.limits, self._notation.numbers
+        attributes = {
+            "name": self._notation.name(joint.name),
+            "type": _JOINT_TYPES[joint.type],
+            "axis": numbers(joint.axis),
+        }
+        if limits.lower is not None and limits.upper is not None:
+            if not limits.lower < limits.upper:
+                raise self._error(
+                    "MuJoCo takes no joint whose limits leave it no way",
+                    joint,
+                    field="limits",
+                    found=numbers((limits.lower, limits.upper)),
+                    accepted="lower below upper, or a row of type fixed",
+                )
+            attributes["range"] = numbers((limits.lower, limits.upper))
+        if limits.effort:
+            attributes["actuatorfrcrange"] = numbers((-limits.effort, limits.effort))
+        servo = self._servos.get(joint.name)
+        armature = servo.armature if servo else joint.armature
+        dynamics = (("damping", joint.damping), ("frictionloss", joint.friction), ("armature", armature))
+        for name, value in dynamics:
+            if value is not None:
+                attributes[name] = numbers((value,))
+        return attributes
+
+    def _mass_properties(self, inertial: Inertial) -> dict[str, str]:
+        inertia, numbers = inertial.inertia, self._notation.numbers
+        diagonal, others = (inertia.ixx, inertia.iyy, inertia.izz), (inertia.ixy, inertia.ixz, inertia.iyz)
+        return {
+            "pos": numbers(inertial.com),
+            "mass": numbers((inertial.mass,)),
+            "fullinertia": numbers((*diagonal, *others)),
+        }
+
+    def _append_shapes(self, body: etree._Element, link: Link) -> None:
+        for visual in link.visuals:
+            geom = self._append_geom(body, "visual", visual)
+            if visual.material:
+                geom.set("rgba", self._notation.numbers(visual.material.rgba))
+        for collision in link.collisions:
+            self._append_geom(body, "collision", collision)
+
+    def _append_geom(self, body: etree._Element, kind: str, shape: Visual | Collision) -> etree._Element:
+        attributes = {"class": kind, **self._geometry(shape.geometry), **self._pose(shape.origin)}
+        return etree.SubElement(body, "geom", attributes)
+
+    def _geometry(self, geometry: Geometry) -> dict[str, str]:
+        """Type and size of a shape; MuJoCo counts from the middle."""
+        numbers = self._notation.numbers
+        match geometry:
+            case Box(size=(x, y, z)):
+                return {"type": "box", "size": numbers((x / 2, y / 2, z / 2))}
+            case Cylinder(radius=radius, length=length):
+                return {"type": "cylinder", "size": numbers((radius, length / 2))}
+            case Sphere(radius=radius):
+                return {"type": "sphere", "size": numbers((radius,))}
+            case Mesh():
+                return {"type": "mesh", "mesh": self._meshes.setdefault(geometry, f"mesh_{len(self._meshes) + 1}")}
+
+    def _pose(self, origin: Origin | None) -> dict[str, str]:
+        """Where a body, site or shape is in the body that holds it; nothing where that is in its frame."""
+        vectors = {"pos": origin.xyz, "euler": origin.rpy} if origin else {}
+        return {name: self._notation.numbers(vector) for name, vector in vectors.items() if vector != ZERO}
+
+    def _append_excludes(self, root: etree._Element) -> None:
+        """Appends the pairs of neighbours, whose shapes may overlap at their joint, and those that touch.
+
+        MuJoCo leaves out contacts between a body and its parent by itself, but not where the parent stands still: a
+        base with a collision shape throws the arm.
+        """
+        pairs: dict[frozenset[str], tuple[str, str]] = {}
+        for pair in (*self._neighbours(), *(pair for pair in self._touching if WORLD not in pair)):
+            pairs.setdefault(frozenset(pair), pair)
+        contact = etree.SubElement(root, "contact") if pairs else root
+        for first, second in pairs.values():
+            bodies = {"body1": self._notation.name(first), "body2": self._notation.name(second)}
+            etree.SubElement(contact, "exclude", bodies)
+
+    def _neighbours(self) -> Iterator[tuple[str, str]]:
+        """The pairs of bodies that meet at a moving joint: those that it joins, and solid ones fixed to these."""
+        rigid = {link.name: link.name for link in self._robot.links}
+        for joint in self._robot.joints:
+            if joint.type is JointType.FIXED:
+                rigid[joint.child] = rigid[joint.parent]
+        solid: dict[str, list[str]] = {}
+        for link in self._robot.links:
+            if link.collisions:
+                solid.setdefault(rigid[link.name], []).append(link.name)
+        for joint in self._robot.moving_joints:
+            firsts = dict.fromkeys([joint.parent, *solid.get(rigid[joint.parent], ())])
+            seconds = dict.fromkeys([joint.child, *solid.get(joint.child, ())])
+            yield from ((first, second) for first in firsts for second in seconds if first != WORLD)
+
+    def _append_actuators(self, root: etree._Element) -> None:
+        """Appends a motor or a servo for every joint that has an effort, with the joint's name and its effort as limit.
+
+        The target of a servo stays inside the joint's limits.
+        """
+        joints = [joint for joint in self._robot.moving_joints if joint.limits.effort]
+        actuators = etree.SubElement(root, "actuator") if joints else root
+        for joint in joints:
+            name, effort = self._notation.name(joint.name), joint.limits.effort or 0.0
+            force = self._notation.numbers((-effort, effort))
+            attributes = {"name": name, "joint": name}
+            if servo := self._servos.get(joint.name):
+                attributes["kp"], attributes["kv"] = format_numbers((servo.stiffness, servo.damping))
+                if joint.limits.lower is not None and joint.limits.upper is not None:
+                    attributes["ctrlrange"] = self._notation.numbers((joint.limits.lower, joint.limits.upper))
+            else:
+                attributes["ctrlrange"] = force
+            etree.SubElement(actuators, self._actuators, {**attributes, "forcerange": force})
+
+    def _append_home(self, root: etree._Element, world: etree._Element) -> None:
+        """Appends the pose in which the arm starts; the order of its numbers is that of joints and of actuators."""
+        home = {self._notation.name(joint.name): initial_position(joint) for joint in self._robot.moving_joints}
+        if not home:
+            return
+        numbers = {"qpos": [home[joint.get("name", "")] for joint in world.iter("joint")]}
+        if self._servos:
+            numbers["ctrl"] = [home[servo.get("name", "")] for servo in root.iterfind("actuator/position")]
+        texts = {name: self._notation.numbers(values) for name, values in numbers.items()}
+        etree.SubElement(etree.SubElement(root, "keyframe"), "key", {"name": "home", **texts})
+
+    def _name(self, link: Link, joint: Joint | None) -> str:
+        if link.name == WORLD:
+            raise self._error("MuJoCo calls what stands still `world`, and lets no other link have this name", joint)
+        return self._notation.name(link.name)
+
+    def _error(self, message: str, joint: Joint | None, **words: Any) -> EmitterError:  # noqa: ANN401 - those of a Problem
+        name, mark = (joint.name, joint.mark) if joint else (None, None)
+        return EmitterError(Problem(message=message, robot=self._robot.name, joint=name, mark=mark, **words))
+
+
+def _carried(robot: Robot, servos: Collection[str]) -> Iterator[str]:
+    """The links whose weight the servos carry: those that move, and that no joint without a servo lets fall."""
+    moved, limp = set[str](), set[str]()
+    for joint in robot.joints:  # Parents before children.
+        moves = joint.type is not JointType.FIXED
+        if joint.parent in limp or (moves and joint.name not in servos):
+            limp.add(joint.child)
+        elif moves or joint.parent in moved:
+            moved.add(joint.child)
+            yield joint.child

@@ -1,0 +1,56 @@
+"""The stage ``sdf``: models for Gazebo. What writes and reads them is imported when it is called."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+from dh2urdf.stages import EmittedFile, Emitter, GivesNotices, ReadsBack, ReadsForeign
+from dh2urdf_plugins.formats import checks, foreign_sdf, read_sdf
+
+if TYPE_CHECKING:
+    from dh2urdf.robot import Robot
+    from dh2urdf.source import Problem
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SdfOptions:
+    """How the model is placed in a world."""
+
+    fixed: bool = field(
+        default=True,
+        metadata={"help": "hold the arm on the world, where it is spawned; without, something else has to hold it"},
+    )
+
+
+def emit(robot: Robot, stem: str, options: SdfOptions) -> tuple[EmittedFile]:
+    """The SDF of a robot, as ``<stem>.sdf``.
+
+    Raises:
+        EmitterError: SDF cannot hold one of its names, or nothing with a mass is at its root or on a joint.
+    """
+    from dh2urdf_plugins.formats.sdf.writer import sdf_of
+
+    return (EmittedFile(name=f"{stem}.sdf", content=sdf_of(robot, fixed=options.fixed)),)
+
+
+def notices(robot: Robot, _options: SdfOptions) -> list[Problem]:
+    """What a person should know of the file: that its base has a mass which the table does not state."""
+    from dh2urdf_plugins.base_bodies import notices_for_gazebo
+
+    return notices_for_gazebo(robot, filled=True)
+
+
+EMITTER = Emitter(
+    name="sdf",
+    summary="an SDF model for Gazebo, which keeps flange and tool0 as frames",
+    suffixes=(".sdf",),
+    options=SdfOptions,
+    emit=emit,
+    capabilities=(
+        ReadsBack(read_sdf),
+        ReadsForeign(foreign_sdf),
+        *checks("models.sdf:inspect_sdf", "whole_files:sdfs"),
+        GivesNotices(notices),
+    ),
+)

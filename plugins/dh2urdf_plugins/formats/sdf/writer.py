@@ -1,0 +1,221 @@
+"""SDF: the robot as a model for Gazebo, whose frames stay frames.
+
+Gazebo reads a URDF through sdformat, which lumps what a fixed joint holds into the link that carries it: tool0 is gone.
+Here a link without mass is a ``<frame>`` of its own name, so that plugins, sensors and other models can refer to it.
+What is in the file is as old as SDF 1.7, the first with frame semantics (http://sdformat.org/tutorials, "Pose Frame
+Semantics"): Gazebo 11, all versions of the new Gazebo, and Drake read it.
+"""
+
+from __future__ import annotations
+
+import re
+from typing import TYPE_CHECKING, Any
+
+from lxml import etree
+
+from dh2urdf.errors import EmitterError
+from dh2urdf.manipulator import WORLD, JointType
+from dh2urdf.robot import Box, Cylinder, Mesh, Sphere
+from dh2urdf.rotations import ZERO
+from dh2urdf.source import Problem, shown
+from dh2urdf_plugins.base_bodies import with_base_bodies
+from dh2urdf_plugins.formats.urdf.writer import Notation, serialise
+
+if TYPE_CHECKING:
+    from dh2urdf.robot import Collision, Geometry, Inertial, Joint, Link, Origin, Robot, Visual
+
+VERSION = "1.7"
+MODEL = "__model__"
+
+# Names that mean something to sdformat, and the separator of nested models.
+_NOT_A_NAME = re.compile(r"world|__.*__|.*::.*", re.DOTALL)
+
+
+def sdf_of(robot: Robot, *, fixed: bool) -> bytes:
+    """The SDF of a robot, which is held on the world or not.
+
+    Raises:
+        EmitterError: SDF cannot hold one of its names, or nothing with a mass is at its root or on a joint.
+    """
+    return serialise(_Model(robot, fixed=fixed).tree(), robot.comment)
+
+
+class _Model:
+    """A robot on its way to SDF, which knows bodies and, fixed to them, frames."""
+
+    def __init__(self, robot: Robot, *, fixed: bool) -> None:
+        robot = with_base_bodies(robot)
+        self._robot, self._fixed, self._notation = robot, fixed, Notation()
+        self._joint_to = {joint.child: joint for joint in robot.joints}
+        self._carriers = self._find_carriers()
+        self._first = next(name for name, carrier in self._carriers.items() if name == carrier)
+
+    def tree(self) -> etree._Element:
+        """The whole file.
+
+        Raises:
+            EmitterError: SDF cannot hold one of the names.
+        """
+        sdf = etree.Element("sdf", {"version": VERSION})
+        model = etree.SubElement(sdf, "model", {"name": self._name(self._robot.name)})
+        bodies: dict[str, etree._Element] = {}
+        for link in self._robot.links:
+            joint = self._joint_to.get(link.name)
+            if self._carriers[link.name] == link.name:
+                bodies[link.name] = self._append_link(model, link, joint)
+                self._append_joint(model, link, joint)
+            elif joint or link.name != WORLD:  # A root of this name is the world itself.
+                self._append_frame(model, link, joint)
+        bodies[MODEL] = bodies[self._first]
+        for link in self._robot.links:
+            self._append_shapes(bodies[self._carriers[link.name]], link)
+        return sdf
+
+    def _find_carriers(self) -> dict[str, str]:
+        """Of every link the body that it is or, where it has no mass, is fixed to: a link, or the model itself.
+
+        Raises:
+            EmitterError: no mass is where SDF needs one.
+        """
+        carriers: dict[str, str] = {}
+        for link in self._robot.links:  # Parents before children.
+            joint = self._joint_to.get(link.name)
+            held = joint is None or joint.type is JointType.FIXED
+            if link.inertial and link.inertial.mass:
+                if not held and set(carriers.values()) <= {MODEL}:
+                    # The model's own frame, and with it base_link, would move with the first body.
+                    raise self._error("SDF needs a body at rest, and nothing before this joint has a mass", joint)
+                carriers[link.name] = link.name
+            elif held:
+                carriers[link.name] = carriers[joint.parent] if joint else MODEL
+            else:
+                raise self._error(f"SDF needs a mass of the moving link {shown(link.name)}, which has none", joint)
+        if set(carriers.values()) <= {MODEL}:
+            raise self._error("SDF needs a body, and no link has a mass")
+        return carriers
+
+    def _append_link(self, model: etree._Element, link: Link, joint: Joint | None) -> etree._Element:
+        element = etree.SubElement(model, "link", {"name": self._name(link.name, joint)})
+        if joint:
+            self._append_pose(element, joint.origin, self._reference(joint.parent))
+        if link.inertial:
+            self._append_inertial(element, link.inertial)
+        return element
+
+    def _append_frame(self, model: etree._Element, link: Link, joint: Joint | None) -> None:
+        """Appends a frame; it is attached to a body, for Drake misplaces one that is attached to another frame."""
+        frame = etree.SubElement(model, "frame", {"name": self._name(link.name, joint)})
+        if joint:
+            carrier, reference = self._carriers[link.name], self._reference(joint.parent)
+            if carrier != MODEL:
+                frame.set("attached_to", carrier)
+            self._append_pose(frame, joint.origin, None if reference == carrier else reference)
+
+    def _reference(self, link: str) -> str | None:
+        """What a pose in the frame of a link is relative to; None for the model, which stands for the world."""
+        return None if link == WORLD else link
+
+    def _append_joint(self, model: etree._Element, link: Link, joint: Joint | None) -> None:
+        """Appends the joint that holds a body; on the world none, where nothing is to hold it there."""
+        parent = self._carriers[joint.parent] if joint else MODEL
+        if parent == MODEL:
+            if not self._fixed and link.name == self._first:
+                return
+            parent = WORLD if self._fixed else self._first
+        name = joint.name if joint else self._robot.mounting
+        kind = joint.type if joint else JointType.FIXED
+        element = etree.SubElement(model, "joint", {"name": self._name(name, joint), "type": kind.value})
+        etree.SubElement(element, "parent").text = parent
+        etree.SubElement(element, "child").text = link.name
+        if joint and kind is not JointType.FIXED:
+            self._append_axis(element, joint)
+
+    def _append_axis(self, parent: etree._Element, joint: Joint) -> None:
+        axis = etree.SubElement(parent, "axis")
+        self._append_numbers(axis, "xyz", *joint.axis)
+        limit = etree.SubElement(axis, "limit")
+        for name in ("lower", "upper", "effort", "velocity"):
+            value = getattr(joint.limits, name)
+            if value is not None:
+                self._append_numbers(limit, name, value)
+        losses = [(name, getattr(joint, name)) for name in ("damping", "friction")]
+        if any(value is not None for _, value in losses):
+            dynamics = etree.SubElement(axis, "dynamics")
+            for name, value in losses:
+                if value is not None:
+                    self._append_numbers(dynamics, name, value)
+
+    def _append_inertial(self, parent: etree._Element, inertial: Inertial) -> None:
+        element = etree.SubElement(parent, "inertial")
+        self._append_numbers(element, "pose", *inertial.com, *ZERO)
+        self._append_numbers(element, "mass", inertial.mass)
+        inertia = etree.SubElement(element, "inertia")
+        for name in ("ixx", "ixy", "ixz", "iyy", "iyz", "izz"):
+            self._append_numbers(inertia, name, getattr(inertial.inertia, name))
+
+    def _append_shapes(self, body: etree._Element, link: Link) -> None:
+        """Appends the shapes of a link to the body that carries it."""
+        relative_to = None
+        if self._carriers[link.name] != link.name:
+            relative_to = self._reference(link.name) or MODEL
+        for visual in link.visuals:
+            element = self._append_shape(body, "visual", visual, relative_to)
+            if visual.material:
+                material = etree.SubElement(element, "material")
+                for light in ("ambient", "diffuse"):
+                    self._append_numbers(material, light, *visual.material.rgba)
+        for collision in link.collisions:
+            self._append_shape(body, "collision", collision, relative_to)
+
+    def _append_shape(
+        self, body: etree._Element, kind: str, shape: Visual | Collision, relative_to: str | None
+    ) -> etree._Element:
+        number = len(body.findall(kind)) + 1
+        element = etree.SubElement(body, kind, {"name": f"{kind}_{number}"})
+        self._append_pose(element, shape.origin, relative_to)
+        self._append_geometry(etree.SubElement(element, "geometry"), shape.geometry)
+        return element
+
+    def _append_geometry(self, parent: etree._Element, geometry: Geometry) -> None:
+        match geometry:
+            case Box(size=size):
+                self._append_numbers(etree.SubElement(parent, "box"), "size", *size)
+            case Cylinder(radius=radius, length=length):
+                cylinder = etree.SubElement(parent, "cylinder")
+                self._append_numbers(cylinder, "radius", radius)
+                self._append_numbers(cylinder, "length", length)
+            case Sphere(radius=radius):
+                self._append_numbers(etree.SubElement(parent, "sphere"), "radius", radius)
+            case Mesh(filename=filename, scale=scale):
+                mesh = etree.SubElement(parent, "mesh")
+                etree.SubElement(mesh, "uri").text = self._notation.text(filename)
+                self._append_numbers(mesh, "scale", *scale)
+
+    def _append_pose(self, parent: etree._Element, origin: Origin, relative_to: str | None = None) -> None:
+        self._append_numbers(parent, "pose", *origin.xyz, *origin.rpy)
+        if relative_to is not None:
+            parent[-1].set("relative_to", relative_to)
+
+    def _append_numbers(self, parent: etree._Element, tag: str, *numbers: float) -> None:
+        etree.SubElement(parent, tag).text = self._notation.numbers(numbers)
+
+    def _name(self, name: str, joint: Joint | None = None) -> str:
+        if _NOT_A_NAME.fullmatch(name):
+            raise self._error(
+                f"SDF cannot hold the name {shown(name)}",
+                joint,
+                found=name,
+                accepted="a name without `::`, which is not `world` and does not stand between `__` and `__`",
+            )
+        return self._notation.text(name)
+
+    def _error(self, message: str, joint: Joint | None = None, **words: Any) -> EmitterError:  # noqa: ANN401 - those of a Problem
+        return EmitterError(
+            Problem(
+                message=message,
+                robot=self._robot.name,
+                joint=joint.name if joint else None,
+                mark=joint.mark if joint else None,
+                **words,
+            )
+        )

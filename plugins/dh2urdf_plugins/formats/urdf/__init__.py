@@ -1,0 +1,96 @@
+"""URDF: the robot as plain numbers."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Literal, TypeAlias
+
+from dh2urdf.stages import EmitsInColumns, EmittedFile, Emitter, GivesNotices, ReadsBack, ReadsForeign, Usual
+from dh2urdf_plugins.formats import checks, foreign_urdf, read_urdf, read_urdfs
+from dh2urdf_plugins.late import Late
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from dh2urdf.columns import RobotColumns
+    from dh2urdf.robot import Robot
+
+ProfileName: TypeAlias = Literal["portable", "ros", "pybullet", "mujoco", "gazebo", "coppeliasim", "drake"]
+PROFILE_HELP = "readers that the file is for; portable: all of them"
+
+notices = Late(f"{__name__}.profiles:notices_with")
+"""What a person should know of a URDF or a xacro, such as that Gazebo drops it."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class UrdfOptions:
+    """What a URDF is written for."""
+
+    profile: ProfileName = field(default="portable", metadata={"flag": "P", "help": PROFILE_HELP})
+
+
+def emit(robot: Robot, stem: str, options: UrdfOptions) -> tuple[EmittedFile]:
+    """The URDF of a robot, as ``<stem>.urdf``.
+
+    Raises:
+        EmitterError: XML cannot hold one of its names, a name makes a line longer than readers take, or the robot lacks
+            what URDF requires.
+    """
+    from dh2urdf_plugins.formats.urdf.profiles import PROFILES, adapted, append_transmissions
+    from dh2urdf_plugins.formats.urdf.writer import Notation, check_lines, serialise, urdf_tree
+
+    notation, profile = Notation(), PROFILES[options.profile]
+    robot = adapted(robot, profile)
+    root = urdf_tree(
+        robot,
+        notation.text(robot.name),
+        notation,
+        mujoco=profile.mujoco_element,
+        shared_materials=profile.shared_materials,
+    )
+    if profile.transmissions:
+        append_transmissions(root, robot, notation)
+    content = serialise(root, robot.comment)
+    check_lines(content)
+    return (EmittedFile(name=f"{stem}.urdf", content=content),)
+
+
+def emit_columns(
+    robots: RobotColumns, stems: Sequence[str], options: UrdfOptions
+) -> list[tuple[EmittedFile, ...]] | None:
+    """The URDF of each of many robots, as ``<stem>.urdf``.
+
+    A robot that is not sure, or whose name or comment has to be escaped, gets no file. None where one file is not
+    another with other numbers, or where there can be none: `emit` makes them one by one, or says why it cannot.
+    """
+    from dh2urdf.errors import EmitterError
+    from dh2urdf_plugins.formats.urdf.columns import filled_in
+    from dh2urdf_plugins.formats.urdf.profiles import PROFILES
+
+    if PROFILES[options.profile] != PROFILES["portable"]:
+        return None
+    try:
+        contents = filled_in(robots)
+    except EmitterError:
+        return None
+    return [
+        () if content is None else (EmittedFile(name=f"{stem}.urdf", content=content),)
+        for stem, content in zip(stems, contents, strict=True)
+    ]
+
+
+EMITTER = Emitter(
+    name="urdf",
+    summary="URDF that every common simulator and ROS tool reads alike",
+    suffixes=(".urdf",),
+    options=UrdfOptions,
+    emit=emit,
+    capabilities=(
+        Usual(),
+        ReadsBack(read_urdf),
+        ReadsForeign(foreign_urdf),
+        EmitsInColumns(emit_columns, read_urdfs),
+        *checks("inspection:inspect_urdf", "whole_files:urdfs", "fixing:fixed", finds_packages=True),
+        GivesNotices(notices),
+    ),
+)

@@ -1,0 +1,227 @@
+"""The xacros of a description package: the macro of each kind of arm, its ros2_control, and the file to open.
+
+Lengths and angles of the table, limits, masses and initial positions are in YAML files; the macros read them, so that
+a calibration replaces a file. All properties are inside the macros: at the scope of a file, those of two arms would
+overwrite each other.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple, get_args
+
+from lxml import etree
+
+from dh2urdf_plugins.formats.urdf.writer import INERTIA, append_comment, append_robot, serialise
+from dh2urdf_plugins.formats.xacro.writer import (
+    MACRO_PARAMETERS,
+    NAMESPACE,
+    PLACEMENT,
+    XacroNotation,
+    append_arguments,
+    append_call,
+    append_element,
+    append_mounting,
+    append_placed_macro,
+    as_text,
+    property_name,
+)
+from dh2urdf_plugins.packages.ros2.options import PLUGINS, HardwareName
+from dh2urdf_plugins.packages.ros2.yaml_files import (
+    LIMIT_KEYS,
+    follows_whole_table,
+    parameter_key,
+)
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Sequence
+
+    from dh2urdf.robot import Arm, Inertial, Joint, Robot
+    from dh2urdf_plugins.packages.ros2.options import Ros2Options
+
+_GAZEBO = ("gz_ros2_control-system", "gz_ros2_control::GazeboSimROS2ControlPlugin")
+
+
+class Kind(NamedTuple):
+    """A kind of arm in a package.
+
+    Attributes:
+        macro: the name of its macro.
+        robot: the robot that it is alone.
+        folder: the folder of its YAML files in the package.
+    """
+
+    macro: str
+    robot: Robot
+    folder: str
+
+    @property
+    def files(self) -> dict[str, str]:
+        """The parameters of the macro that are files, with the names of their defaults."""
+        table = {"dh_file": "dh.yaml"} if follows_whole_table(self.robot) else {}
+        return {**table, "limits_file": "joint_limits.yaml", "physical_file": "physical_parameters.yaml"}
+
+    def default(self, package: str, file: str) -> str:
+        """The place of a file in the installed package, as xacro finds it."""
+        return f"$(find {package})/{self.folder}/{file}"
+
+
+class _PackageNotation(XacroNotation):
+    """Formulas over the rows of the table, and numbers that are in YAML files."""
+
+    def __init__(self, robot: Robot) -> None:
+        super().__init__(robot.parameters if follows_whole_table(robot) else ())
+
+    def limit(self, joint: Joint, name: str, value: float) -> str:  # noqa: ARG002 - it is in the file
+        return f"${{limits['{joint.name}']['{LIMIT_KEYS[name]}']}}"
+
+    def resistance(self, joint: Joint, name: str, value: float) -> str:  # noqa: ARG002
+        return f"${{physical['joints']['{joint.name}']['{name}']}}"
+
+    def mass(self, link: str, inertial: Inertial) -> str:
+        if not inertial.mass:
+            return super().mass(link, inertial)
+        return f"${{physical['links']['{link}']['mass']}}"
+
+    def com(self, link: str, inertial: Inertial) -> str:
+        if not inertial.mass:
+            return super().com(link, inertial)
+        return " ".join(f"${{physical['links']['{link}']['com'][{place}]}}" for place in range(3))
+
+    def inertia(self, link: str, inertial: Inertial) -> dict[str, str]:
+        if not inertial.mass:
+            return super().inertia(link, inertial)
+        return {name: f"${{physical['links']['{link}']['inertia']['{name}']}}" for name in INERTIA}
+
+
+def macro_file(kind: Kind, package: str) -> bytes:
+    """The macro of a kind of arm, and a second one for a call without an origin block."""
+    robot, name = kind.robot, kind.macro
+    notation = _PackageNotation(robot)
+    library = _library()
+    append_comment(
+        library,
+        f'Call it as <xacro:{name} prefix="left_" parent="world"><origin xyz="0 0 0" rpy="0 0 0"/></xacro:{name}>; '
+        "without a parent the arm is mounted on nothing, and origin is not used.",
+    )
+    files = kind.files
+    defaults = " ".join(f"{each}:='{kind.default(package, file)}'" for each, file in files.items())
+    macro = append_element(library, "macro", name=name, params=f"{MACRO_PARAMETERS} {defaults}")
+    _append_table(macro, robot)
+    append_element(macro, "property", name="limits", value="${xacro.load_yaml(limits_file)['joint_limits']}")
+    append_element(macro, "property", name="physical", value="${xacro.load_yaml(physical_file)}")
+    append_mounting(macro, robot, notation)
+    append_robot(macro, robot, notation)
+    append_placed_macro(library, name, {each: kind.default(package, file) for each, file in files.items()})
+    return serialise(library, robot.comment)
+
+
+def _append_table(macro: etree._Element, robot: Robot) -> None:
+    if not follows_whole_table(robot):
+        return
+    append_comment(macro, "The rows of the table, which origins and shapes follow.")
+    append_element(macro, "property", name="dh", value="${xacro.load_yaml(dh_file)['dh']['joints']}")
+    for parameter in robot.parameters:
+        value = f"${{dh['{parameter.joint}']['{parameter_key(parameter)}']}}"
+        append_element(macro, "property", name=property_name(parameter), value=value)
+
+
+def control_file(kind: Kind, package: str, options: Ros2Options) -> bytes:
+    """The macro of the ros2_control element of a kind of arm."""
+    library = _library()
+    file = kind.default(package, "initial_positions.yaml")
+    params = f"prefix:='' plugin:='{PLUGINS[options.hardware]}' initial_positions_file:='{file}'"
+    macro = append_element(library, "macro", name=f"{kind.macro}_ros2_control", params=params)
+    positions = "${xacro.load_yaml(initial_positions_file)['initial_positions']}"
+    append_element(macro, "property", name="initial_positions", value=positions)
+    control = etree.SubElement(macro, "ros2_control", {"name": "${prefix}" + kind.macro, "type": "system"})
+    etree.SubElement(etree.SubElement(control, "hardware"), "plugin").text = "${plugin}"
+    for joint in kind.robot.moving_joints:
+        element = etree.SubElement(control, "joint", {"name": "${prefix}" + joint.name})
+        for interface in options.command_interfaces:
+            etree.SubElement(element, "command_interface", name=interface)
+        state = etree.SubElement(element, "state_interface", {"name": "position"})
+        etree.SubElement(state, "param", {"name": "initial_value"}).text = f"${{initial_positions['{joint.name}']}}"
+        for interface in ("velocity", *(("effort",) if "effort" in options.command_interfaces else ())):
+            etree.SubElement(element, "state_interface", name=interface)
+    return serialise(library)
+
+
+def arms_of(robot: Robot) -> list[tuple[str, Robot]]:
+    """The arms of a robot with their prefixes: those of a cell, or the robot itself."""
+    return [(arm.prefix, arm.kind) for arm in robot.arms] or [("", robot)]
+
+
+def positions_argument(prefix: str) -> str:
+    """The argument that names the file of an arm's initial positions."""
+    return f"{prefix}initial_positions_file"
+
+
+def top_file(robot: Robot, kinds: Sequence[Kind], package: str, options: Ros2Options) -> bytes:
+    """The file to open: a robot of its own arguments, or the arms of a cell where they are."""
+    notation = XacroNotation()
+    top = etree.Element("robot", name=notation.text(robot.name), nsmap={"xacro": NAMESPACE})
+    controlled = options.controlled
+    files = {} if robot.arms else kinds[0].files
+    placement = {} if robot.arms else PLACEMENT
+    defaults = {name: kinds[0].default(package, file) for name, file in files.items()}
+    for prefix, alone in arms_of(robot) if controlled else ():
+        kind = next(each for each in kinds if each.robot is alone)
+        defaults[positions_argument(prefix)] = kind.default(package, "initial_positions.yaml")
+    append_arguments(top, {**placement, **defaults, **({"hardware": options.hardware} if controlled else {})})
+    if controlled:
+        # Appends the plugin that the argument `hardware` stands for; xacro refuses any other word than the option's.
+        plugins = ", ".join(f"{word}='{PLUGINS.get(word, '')}'" for word in get_args(HardwareName))
+        append_element(top, "property", name="hardware_plugins", value=f"${{dict({plugins})}}")
+        refusal = f"xacro.fatal('hardware is', hardware, 'and must be one of {', '.join(get_args(HardwareName))}')"
+        append_element(top, "property", name="hardware", value="$(arg hardware)")
+        value = f"${{hardware_plugins[hardware] if hardware in hardware_plugins else {refusal}}}"
+        append_element(top, "property", name="hardware_plugin", value=value)
+    for kind in kinds:
+        for ending in ("_macro.xacro", *([".ros2_control.xacro"] if controlled else [])):
+            append_element(top, "include", filename=f"$(find {package})/urdf/{kind.macro}{ending}")
+    if robot.arms:
+        etree.SubElement(top, "link", {"name": notation.text(robot.root)})
+    else:
+        _append_alone(top, kinds[0], files, controlled=controlled)
+    for arm in robot.arms:
+        kind = next(each for each in kinds if each.robot is arm.kind)
+        _append_arm(top, arm, kind, notation, controlled=controlled)
+    if controlled:
+        _append_gazebo(top, package)
+    return serialise(top, robot.comment)
+
+
+def _controlled(top: etree._Element) -> etree._Element:
+    """What is there unless the hardware is `none`."""
+    return append_element(top, "if", value="${hardware_plugin != ''}")
+
+
+def _append_alone(top: etree._Element, kind: Kind, files: Iterable[str], *, controlled: bool) -> None:
+    """Appends the calls of one arm."""
+    append_call(top, kind.macro, files)
+    if controlled:
+        words = {"plugin": "${hardware_plugin}", "initial_positions_file": "$(arg initial_positions_file)"}
+        append_element(_controlled(top), f"{kind.macro}_ros2_control", prefix="'$(arg prefix)'", **words)
+
+
+def _append_arm(top: etree._Element, arm: Arm, kind: Kind, notation: XacroNotation, *, controlled: bool) -> None:
+    prefix = as_text(notation.text(arm.prefix))
+    call = append_element(top, kind.macro, prefix=prefix, parent=as_text(notation.text(arm.parent)))
+    origin = {"xyz": notation.lengths(arm.placement.xyz), "rpy": notation.angles(arm.placement.rpy)}
+    etree.SubElement(call, "origin", origin)
+    if controlled:
+        positions = f"$(arg {positions_argument(arm.prefix)})"
+        words = {"prefix": prefix, "plugin": "${hardware_plugin}", "initial_positions_file": positions}
+        append_element(_controlled(top), f"{kind.macro}_ros2_control", **words)
+
+
+def _append_gazebo(top: etree._Element, package: str) -> None:
+    """Appends the plugin of Gazebo, which is there when its hardware is chosen."""
+    chosen = append_element(top, "if", value="${hardware == 'gazebo'}")
+    file, name = _GAZEBO
+    plugin = etree.SubElement(etree.SubElement(chosen, "gazebo"), "plugin", {"filename": file, "name": name})
+    etree.SubElement(plugin, "parameters").text = f"$(find {package})/config/ros2_controllers.yaml"
+
+
+def _library() -> etree._Element:
+    return etree.Element("robot", nsmap={"xacro": NAMESPACE})

@@ -1,0 +1,278 @@
+"""The files that make a folder a package: package.xml, CMakeLists.txt, the README and what goes with them.
+
+Names that ROS accepts: of packages (REP 144), links and joints.
+
+What shows a robot in ROS 2, and the test that a package runs: a launch file, a view of RViz, expected poses.
+"""
+
+from __future__ import annotations
+
+import pprint
+import re
+import unicodedata
+from typing import TYPE_CHECKING
+from xml.sax.saxutils import escape
+
+from dh2urdf.elementwise import total
+from dh2urdf.errors import EmitterError
+from dh2urdf.kinematics import link_poses
+from dh2urdf.manipulator import TOOL, JointType
+from dh2urdf.rotations import norm
+from dh2urdf.source import Problem, markdown_text, shown
+from dh2urdf_plugins.home_pose import initial_position
+from dh2urdf_plugins.packages import templates
+from dh2urdf_plugins.packages.ros2.options import NO_EMAIL, NO_LICENSE, NO_MAINTAINER
+from dh2urdf_plugins.packages.ros2.yaml_files import follows_whole_table
+from dh2urdf_plugins.ros_conventions import PACKAGE_NAME
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Sequence
+
+    from dh2urdf.robot import Joint, Robot
+    from dh2urdf.rotations import RigidTransform
+    from dh2urdf_plugins.packages.ros2.description_xacro import Kind
+    from dh2urdf_plugins.packages.ros2.options import Ros2Options
+
+
+_NAME = re.compile(r"[A-Za-z0-9_-]+")
+_NODE = re.compile(r"(?:[A-Za-z_][A-Za-z0-9_]*)?")
+_SHORTEST = 2
+_SUFFIX = "_description"
+
+
+def package_stem(stem: str, package: str) -> str:
+    """What the names of a robot's packages begin with: as `robot_name` has it, allowed or not."""
+    return package.removesuffix(_SUFFIX) or stem
+
+
+def robot_name(stem: str, package: str) -> str:
+    """The name of a robot in the names of its packages.
+
+    Args:
+        stem: the robot's own name, as file names have it.
+        package: the option, which may be the name of the whole package; empty where it is not given.
+
+    Raises:
+        EmitterError: REP 144 does not allow the name; the error proposes another.
+    """
+    name = package_stem(stem, package)
+    if PACKAGE_NAME.fullmatch(name) and len(name) >= _SHORTEST:
+        return name
+    message = f"a ROS package cannot be named {shown(f'{name}{_SUFFIX}')}"
+    raise EmitterError(
+        Problem(
+            message=message,
+            found=name,
+            field="package",
+            accepted="two or more lower-case letters, digits and single `_`; the first is a letter (REP 144)",
+            suggestion=f"set the option `package: {proposed_name(name)}`",
+        )
+    )
+
+
+def proposed_name(name: str) -> str:
+    """The name that REP 144 allows and that is nearest to another."""
+    near = re.sub(r"[^a-z0-9]+", "_", _without_accents(name).lower()).strip("_")
+    if not near:
+        return "my_arm"
+    return near if near[0].isalpha() and len(near) >= _SHORTEST else f"arm_{near}"
+
+
+def _without_accents(name: str) -> str:
+    return "".join(letter for letter in unicodedata.normalize("NFKD", name) if not unicodedata.combining(letter))
+
+
+def check_names(robot: Robot) -> None:
+    """Checks that the names of links, joints and materials are safe in YAML keys, parameters and frames.
+
+    Raises:
+        EmitterError: some are not; the error proposes a name for each.
+    """
+    named = [("link", link.name) for link in robot.links] + [("joint", joint.name) for joint in robot.joints]
+    materials = [visual.material.name for link in robot.links for visual in link.visuals if visual.material]
+    named += [("material", name) for name in dict.fromkeys(materials)]
+    if problems := list(_problems(named)):
+        raise EmitterError(problems)
+
+
+def check_prefixes(robot: Robot) -> None:
+    """Checks that the prefixes of arms can begin the names of controllers, which are nodes.
+
+    A node has letters, digits and ``_`` in its name, and no digit at its beginning (rmw_validate_node_name).
+
+    Raises:
+        EmitterError: some cannot; the error proposes others.
+    """
+    problems = []
+    for arm in robot.arms:
+        if not _NODE.fullmatch(arm.prefix):
+            near = re.sub(r"[^A-Za-z0-9_]+", "_", _without_accents(arm.prefix))
+            near = near if _NODE.fullmatch(near) else f"arm_{near}"
+            problems.append(
+                Problem(
+                    message=f"the arm {shown(arm.name)} has a prefix that no controller of ROS can be named with",
+                    found=arm.prefix,
+                    accepted="letters, digits and `_`; the first is no digit",
+                    suggestion=f"set `prefix: {near}` for the arm of the cell",
+                )
+            )
+    if problems:
+        raise EmitterError(problems)
+
+
+def _problems(named: Iterable[tuple[str, str]]) -> Iterable[Problem]:
+    for what, name in named:
+        if not _NAME.fullmatch(name):
+            near = re.sub(r"[^A-Za-z0-9_-]+", "_", _without_accents(name)).strip("_") or what
+            yield Problem(
+                message=f"the {what} {shown(name)} has a name that ROS cannot use everywhere",
+                found=name,
+                accepted="letters, digits, `_` and `-`",
+                suggestion=f"rename it to {shown(near)} in the table",
+            )
+
+
+VIEWING = (
+    "joint_state_publisher",
+    "joint_state_publisher_gui",
+    "launch",
+    "launch_ros",
+    "robot_state_publisher",
+    "rviz2",
+    "xacro",
+)
+CONTROLLING = ("controller_manager", "joint_state_broadcaster", "joint_trajectory_controller")
+TESTING = ("ament_cmake_pytest", "liburdfdom-tools", "xacro")
+
+
+def filled(template: str, **words: str) -> bytes:
+    """A file of the folder ``templates``."""
+    return templates.filled(f"ros2/templates/{template}", **words).encode()
+
+
+def package_xml(
+    package: str, description: str, options: Ros2Options, needed: Iterable[str], tested: Iterable[str]
+) -> bytes:
+    """``package.xml`` in format 3 (REP 149)."""
+    depends = [
+        f"<{tag}>{name}</{tag}>" for tag, names in (("exec_depend", needed), ("test_depend", tested)) for name in names
+    ]
+    return filled(
+        "package.xml",
+        NAME=package,
+        VERSION=options.version,
+        DESCRIPTION=escape(description),
+        EMAIL=escape(options.email or NO_EMAIL),
+        MAINTAINER=escape(options.maintainer or NO_MAINTAINER),
+        LICENSE=escape(options.license or NO_LICENSE),
+        DEPENDS="\n".join(depends),
+    )
+
+
+def cmake_lists(package: str, folders: Iterable[str], test: str, names: Iterable[str] = ()) -> bytes:
+    """``CMakeLists.txt``, which installs the folders and files that are there, and runs a test."""
+    files = "\n".join(f"install(FILES {name} DESTINATION share/${{PROJECT_NAME}})" for name in names)
+    return filled("CMakeLists.txt", PACKAGE=package, FOLDERS=" ".join(sorted(folders)), FILES=files, TEST=test)
+
+
+def changelog(package: str, version: str) -> bytes:
+    """``CHANGELOG.rst`` in the form that catkin_pkg reads (REP 132)."""
+    line = "^" * len(f"Changelog for package {package}")
+    return filled("CHANGELOG.rst", LINE=line, PACKAGE=package, VERSION=version)
+
+
+def license_file(options: Ros2Options) -> bytes:
+    """``LICENSE``: the identifier of the license, whose text is the maintainer's to add."""
+    return f"SPDX-License-Identifier: {options.license}\n".encode()
+
+
+def readme(package: str, name: str, robot: Robot, kinds: Sequence[Kind], options: Ros2Options) -> bytes:
+    """``README.md``: how to build the package, and which of its files a person replaces."""
+    control = "| `urdf/*.ros2_control.xacro` | its joints for ros2_control |"
+    use = b"" if robot.arms else filled("use.md", PACKAGE=package, MACRO=kinds[0].macro)
+    calibrations = [
+        filled("calibration_of_table.md", MACRO=kind.macro, FOLDER=kind.folder)
+        if follows_whole_table(kind.robot)
+        else filled("calibration.md", MACRO=kind.macro)
+        for kind in kinds
+    ]
+    return filled(
+        "README.md",
+        PACKAGE=package,
+        NAME=name,
+        ROBOT=markdown_text(robot.name),
+        CONTROL=control if options.controlled else "",
+        USE=use.decode().removesuffix("\n"),
+        CALIBRATION=b"\n".join(calibrations).decode(),
+    )
+
+
+_PARTS = (0.5, 0.2, 0.9)
+"""Where between their limits the joints are in the test of a package."""
+_UNLIMITED = 3.0
+"""The bound of a joint without limits in that test [rad]."""
+
+
+def launch_file(package: str, name: str, robot: Robot) -> bytes:
+    """``view_robot.launch.py``; the arms of a cell have their prefixes already."""
+    # The command is split as a shell does: an empty text is two quotes.
+    declaration = """DeclareLaunchArgument(
+    "prefix", default_value='""', description="Prefix of the names of links and joints."
+),"""
+    return filled(
+        "view_robot.launch.py",
+        PACKAGE=package,
+        NAME=name,
+        PREFIX_ARGUMENT="" if robot.arms else '" prefix:=",\nLaunchConfiguration("prefix"),',
+        PREFIX_DECLARATION="" if robot.arms else declaration,
+    )
+
+
+def rviz_file(robot: Robot) -> bytes:
+    """``view_robot.rviz``: the robot from a distance that suits its size."""
+    return _view("view_robot.rviz", robot)
+
+
+def planning_view(robot: Robot) -> bytes:
+    """``moveit.rviz``: the same view, with MoveIt's panel for plans."""
+    return _view("moveit.rviz", robot)
+
+
+def _view(template: str, robot: Robot) -> bytes:
+    size = max(total(norm(joint.origin.xyz) for joint in robot.joints) / max(len(robot.arms), 1), 0.1)
+    numbers = {"CELL": size / 5.0, "MARKER": size / 3.0, "DISTANCE": 2.0 * size, "HEIGHT": size / 3.0}
+    return filled(template, ROOT=robot.root, **{name: f"{value:.3g}" for name, value in numbers.items()})
+
+
+def test_file(package: str, name: str, robot: Robot) -> bytes:
+    """``test_description.py``: T(root → tool) at some joint vectors, as numbers."""
+    tools = [arm.prefix + TOOL for arm in robot.arms] or [TOOL]
+    tools = [tool for tool in tools if any(link.name == tool for link in robot.links)] or [robot.links[-1].name]
+    poses = []
+    for part in (None, *_PARTS):
+        values = {joint.name: _value(joint, part, place) for place, joint in enumerate(robot.moving_joints)}
+        frames = link_poses(robot, values)
+        poses.append((values, {tool: _rows(frames[tool]) for tool in tools}))
+    return filled(
+        "test_description.py",
+        PACKAGE=package,
+        NAME=name,
+        PREFIXES='[""]' if robot.arms else '["", "left_"]',
+        ROOT=robot.root,
+        POSES=pprint.pformat(poses, width=110, sort_dicts=False),
+    )
+
+
+def _value(joint: Joint, part: float | None, place: int) -> float:
+    if part is None:
+        return initial_position(joint)
+    lower, upper = joint.limits.lower, joint.limits.upper
+    if joint.type is JointType.CONTINUOUS or lower is None or upper is None:
+        lower, upper = -_UNLIMITED, _UNLIMITED
+    part = part if place % 2 else 1.0 - part
+    return round(lower + part * (upper - lower), 6)
+
+
+def _rows(pose: RigidTransform) -> list[list[float]]:
+    r, t = pose
+    return [*([*(x + 0.0 for x in r[3 * i : 3 * i + 3]), t[i] + 0.0] for i in range(3)), [0.0, 0.0, 0.0, 1.0]]

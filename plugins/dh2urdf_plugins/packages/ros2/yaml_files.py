@@ -1,0 +1,299 @@
+"""The YAML files of a description package: the numbers that a person replaces without touching a xacro.
+
+ROS parameters are typed, and xacro reads YAML as numbers: each real number is written as a float, ``3.0`` and not
+``3``.
+
+The YAML files of a MoveIt package: kinematics, limits, controllers, and what the setup assistant reads.
+"""
+
+from __future__ import annotations
+
+import re
+from hashlib import sha256
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+from dh2urdf_plugins.formats.urdf.writer import INERTIA, LIMITS_OF
+from dh2urdf_plugins.home_pose import initial_position
+from dh2urdf_plugins.packages.ros2.options import NO_EMAIL, NO_MAINTAINER
+from dh2urdf_plugins.ros_conventions import CONTROLLER_MANAGER
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from dh2urdf.robot import Joint, Parameter, Robot
+    from dh2urdf_plugins.packages.ros2.options import Ros2Options
+    from dh2urdf_plugins.packages.srdf.semantics import Group
+
+
+LIMIT_KEYS = {"lower": "min_position", "upper": "max_position", "velocity": "max_velocity", "effort": "max_effort"}
+"""The key of each limit in joint_limits.yaml, as MoveIt and ros2_control name it."""
+UPDATE_RATE = 100
+"""Cycles of the controller manager [1/s]."""
+STATE_BROADCASTER = "joint_state_broadcaster"
+
+ArmJoints: TypeAlias = tuple[str, "Sequence[Joint]"]
+"""The prefix of an arm, and its moving joints, whose names are without the prefix."""
+
+_SHORT_BOOLEANS = {"y", "Y", "n", "N"}
+_HEXADECIMAL = re.compile(r"[-+]?0[xX][0-9a-fA-F.]+(?:[pP][-+]?[0-9]+)?")
+_TEXT = "tag:yaml.org,2002:str"
+_OF_A_ROW = re.compile(r"(.+)_[0-9]+")
+
+
+def yaml_file(content: Mapping[str, Any], *comment: str) -> bytes:
+    """A YAML file with lines of comment above its content."""
+    import yaml
+
+    class Dumper(yaml.SafeDumper):
+        """Quotes what ROS would not read as a text."""
+
+    Dumper.add_representer(
+        str, lambda dumper, text: dumper.represent_scalar(_TEXT, text, style="'" if is_no_text(text) else None)
+    )
+    text = yaml.dump(
+        _plain(content), Dumper=Dumper, sort_keys=False, default_flow_style=None, width=110, allow_unicode=True
+    )
+    return "".join([*(f"# {line}\n" for line in comment), text]).encode()
+
+
+def is_no_text(word: str) -> bool:
+    """Whether ROS reads a word without quotes as a truth value or a number, where YAML libraries read a text.
+
+    Its parser of parameters takes ``y`` and ``n`` for truth values, and for a number what `strtoll` and `strtod` of C
+    take: ``1e3``, ``0x1p3``, ``inf`` (`get_value` in rcl_yaml_param_parser/src/parse.c).
+    """
+    if word in _SHORT_BOOLEANS or _HEXADECIMAL.fullmatch(word):
+        return True
+    try:
+        float(word)
+    except ValueError:
+        return False
+    return "_" not in word
+
+
+def is_no_text_to_launch(word: str) -> bool:
+    """Whether the quotes of such a word are lost where launch_ros writes parameters, with PyYAML's own rules."""
+    import yaml
+
+    return is_no_text(word) and yaml.safe_dump([word]).startswith(f"- {word}")
+
+
+def _plain(value: Any) -> Any:  # noqa: ANN401 - what YAML has
+    """A value in which each number that is a float has its own type, and 0.0 has no sign."""
+    if isinstance(value, dict):
+        return {key: _plain(each) for key, each in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [_plain(each) for each in value]
+    return float(value) + 0.0 if isinstance(value, float) else value
+
+
+# --- The table --------------------------------------------------------------------------------------------------------
+
+
+def parameter_key(parameter: Parameter) -> str:
+    """The key of a parameter in the row of its joint: ``a`` for ``a_1``."""
+    match = _OF_A_ROW.fullmatch(parameter.name)
+    return match[1] if match else parameter.name
+
+
+def follows_whole_table(robot: Robot) -> bool:
+    """Whether the origins of a robot are formulas over lengths and angles, so that another table can take their place.
+
+    Where the angles are in the axes, as in aligned frames, a table with other angles would give a wrong arm.
+    """
+    return any(parameter.unit == "rad" for parameter in robot.parameters)
+
+
+def dh_file(robot: Robot) -> bytes:
+    """``dh.yaml``: the rows of the table, by the names of their joints, with a hash of their numbers."""
+    rows: dict[str, dict[str, float]] = {}
+    for parameter in robot.parameters:
+        rows.setdefault(parameter.joint, {})[parameter_key(parameter)] = parameter.value
+    return yaml_file(
+        {"dh": {"hash": table_hash(rows), "joints": rows}},
+        f"The Denavit-Hartenberg rows of {robot.name}: a and d in m, alpha and theta in rad. Joint offsets, the",
+        "base and the tool are in the macro. A file of the same form with the numbers of a calibration takes the place",
+        "of this one: pass its path as `dh_file`. `hash` identifies the numbers, so that a driver can compare them.",
+    )
+
+
+def table_hash(rows: Mapping[str, Mapping[str, float]]) -> str:
+    """A hash of the numbers of a table, which changes with each of them."""
+    text = ";".join(f"{joint}:{key}={value!r}" for joint, row in rows.items() for key, value in row.items())
+    return f"dh_{sha256(text.encode()).hexdigest()[:20]}"
+
+
+# --- Limits and bodies ------------------------------------------------------------------------------------------------
+
+
+def joint_limits(robot: Robot) -> bytes:
+    """``joint_limits.yaml``: the limits of each joint, with the keys that MoveIt and ros2_control use."""
+    limits = {
+        joint.name: {LIMIT_KEYS[name]: getattr(joint.limits, name) for name in LIMITS_OF[joint.type]}
+        for joint in robot.moving_joints
+    }
+    return yaml_file(
+        {"joint_limits": limits},
+        "Limits of the joints: positions in rad or m, velocities in rad/s or m/s, efforts in N·m or N.",
+    )
+
+
+def physical_parameters(robot: Robot) -> bytes:
+    """``physical_parameters.yaml``: the mass properties of links, and what resists the motion of joints."""
+    links = {
+        link.name: {
+            "mass": link.inertial.mass,
+            "com": link.inertial.com,
+            "inertia": {name: getattr(link.inertial.inertia, name) for name in INERTIA},
+        }
+        for link in robot.links
+        if link.inertial and link.inertial.mass
+    }
+    joints = {joint.name: resistances(joint) for joint in robot.moving_joints if resistances(joint)}
+    return yaml_file(
+        {"links": links, "joints": joints},
+        "Masses in kg, centres of mass in m in the frame of the link, inertias in kg·m² about the centre of mass with",
+        "the axes of that frame; damping in N·m·s/rad or N·s/m, friction in N·m or N.",
+    )
+
+
+def resistances(joint: Joint) -> dict[str, float]:
+    """The damping and the friction of a joint, where the table gives them."""
+    given = {"damping": joint.damping, "friction": joint.friction}
+    return {name: value for name, value in given.items() if value is not None}
+
+
+# --- ros2_control -----------------------------------------------------------------------------------------------------
+
+
+def initial_positions(robot: Robot) -> bytes:
+    """``initial_positions.yaml``: where the joints start."""
+    positions = {joint.name: initial_position(joint) for joint in robot.moving_joints}
+    return yaml_file({"initial_positions": positions}, "Where the joints start, in rad or m; inside their limits.")
+
+
+def controller_name(prefix: str) -> str:
+    """The name of the trajectory controller of an arm."""
+    return f"{prefix}joint_trajectory_controller"
+
+
+def arm_joints(robot: Robot) -> list[ArmJoints]:
+    """The arms of a robot that move."""
+    arms = [(arm.prefix, arm.kind.moving_joints) for arm in robot.arms] or [("", robot.moving_joints)]
+    return [(prefix, joints) for prefix, joints in arms if joints]
+
+
+def controllers(arms: Sequence[ArmJoints]) -> bytes:
+    """``ros2_controllers.yaml``: a trajectory controller for each arm, and the broadcaster of joint states.
+
+    Args:
+        arms: the prefix and the moving joints of each arm.
+    """
+    manager: dict[str, Any] = {
+        "update_rate": UPDATE_RATE,
+        STATE_BROADCASTER: {"type": "joint_state_broadcaster/JointStateBroadcaster"},
+    }
+    for prefix, _ in arms:
+        manager[controller_name(prefix)] = {"type": "joint_trajectory_controller/JointTrajectoryController"}
+    content: dict[str, Any] = {"controller_manager": {"ros__parameters": manager}}
+    for prefix, joints in arms:
+        content[controller_name(prefix)] = {
+            "ros__parameters": {
+                "joints": [f"{prefix}{joint.name}" for joint in joints],
+                "command_interfaces": ["position"],
+                "state_interfaces": ["position", "velocity"],
+                "allow_nonzero_velocity_at_trajectory_end": False,
+            }
+        }
+    return yaml_file(content, "The controllers of the robot, for the controller manager of ros2_control.")
+
+
+SPACE = 6
+"""The freedoms of a pose: a group with fewer joints reaches positions only."""
+SPEED_UP = 0.5
+"""How long a joint takes to its full velocity where no acceleration is given [s]."""
+_ACCELERATION = 1.0
+"""The acceleration of a joint without a velocity [rad/s² or m/s²]."""
+_SCALING = 0.1
+_RESOLUTION, _TIMEOUT = 0.005, 0.05
+
+
+def reaches_positions_only(group: Group) -> bool:
+    """Whether a group has too few joints for every pose."""
+    return len(group.joints) < SPACE
+
+
+def kinematics(groups: Sequence[Group]) -> bytes:
+    """``kinematics.yaml``: a solver for each group that is a chain."""
+    solvers: dict[str, dict[str, Any]] = {}
+    for group in groups:
+        solvers[group.name] = {
+            "kinematics_solver": "kdl_kinematics_plugin/KDLKinematicsPlugin",
+            "kinematics_solver_search_resolution": _RESOLUTION,
+            "kinematics_solver_timeout": _TIMEOUT,
+        }
+        if reaches_positions_only(group):
+            solvers[group.name]["position_only_ik"] = True
+    return yaml_file(solvers, "The solver of the inverse kinematics of each group.")
+
+
+def planning_limits(joints: Sequence[Joint], acceleration: float | None) -> bytes:
+    """``joint_limits.yaml`` of MoveIt: what the description does not have of velocities and accelerations."""
+    content = {
+        "default_velocity_scaling_factor": _SCALING,
+        "default_acceleration_scaling_factor": _SCALING,
+        "joint_limits": {joint.name: _planning_limits(joint, acceleration) for joint in joints},
+    }
+    return yaml_file(
+        content,
+        "Velocities in rad/s or m/s, accelerations in rad/s² or m/s². A request may set its own scaling factors, up to",
+        "1.0; those below are the ones of a request without any.",
+    )
+
+
+def _planning_limits(joint: Joint, acceleration: float | None) -> dict[str, Any]:
+    velocity = float(joint.limits.velocity or 0.0)
+    default = velocity / SPEED_UP if velocity else _ACCELERATION
+    return {
+        "has_velocity_limits": velocity > 0.0,
+        "max_velocity": velocity,
+        "has_acceleration_limits": True,
+        "max_acceleration": default if acceleration is None else float(acceleration),
+    }
+
+
+def moveit_controllers(arms: Sequence[ArmJoints]) -> bytes:
+    """``moveit_controllers.yaml``: the trajectory controllers of ros2_control, as MoveIt calls them."""
+    manager: dict[str, Any] = {"controller_names": [controller_name(prefix) for prefix, _ in arms]}
+    for prefix, joints in arms:
+        manager[controller_name(prefix)] = {
+            "type": "FollowJointTrajectory",
+            "action_ns": "follow_joint_trajectory",
+            "default": True,
+            "joints": [f"{prefix}{joint.name}" for joint in joints],
+        }
+    content = {
+        "moveit_controller_manager": f"{CONTROLLER_MANAGER}/MoveItSimpleControllerManager",
+        CONTROLLER_MANAGER: manager,
+    }
+    return yaml_file(
+        content, "The controllers that execute what MoveIt plans; they are those of ros2_controllers.yaml."
+    )
+
+
+def setup_assistant(name: str, description: str, options: Ros2Options) -> bytes:
+    """``.setup_assistant``: where the description and the SRDF are, for MoveIt's configuration builder.
+
+    The time is that of no run, so that the same robot gives the same bytes.
+    """
+    settings = {
+        "author_name": options.maintainer or NO_MAINTAINER,
+        "author_email": options.email or NO_EMAIL,
+        "generated_timestamp": 0,
+    }
+    content = {
+        "urdf": {"package": description, "relative_path": f"urdf/{name}.urdf.xacro"},
+        "srdf": {"relative_path": f"config/{name}.srdf"},
+        "package_settings": settings,
+    }
+    return yaml_file({"moveit_setup_assistant_config": content})

@@ -1,0 +1,113 @@
+"""The stage ``srdf``: the semantic description of a robot or a cell, and the collision pairs of any description."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+from dh2urdf.errors import ConfigError, InputError
+from dh2urdf.source import Mark, Problem, shown
+from dh2urdf.stages import Annotates, EmittedFile, Emitter
+from dh2urdf_plugins.collision_pairs.options import PairOptions
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from dh2urdf.robot import Mesh, Robot
+    from dh2urdf.stages import Annotation, Expansion
+
+# What searches for pairs is imported where it is used: a run without an SRDF pays for none of it.
+
+GROUP = "manipulator"
+_MACROS = ".xacro"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SrdfOptions(PairOptions):
+    """How collision pairs are looked for, and what the group of joints is called."""
+
+    group: str = field(
+        default=GROUP,
+        metadata={"help": "name of the group from base_link to tool0; in a cell behind the prefix of each arm"},
+    )
+
+
+def emit(robot: Robot, stem: str, options: SrdfOptions) -> tuple[EmittedFile]:
+    """The SRDF of a robot, as ``<stem>.srdf``.
+
+    Raises:
+        EmitterError: XML cannot hold one of its names, or a mesh cannot be read.
+        MissingDependencyError: pinocchio, coal or what reads meshes is not installed.
+    """
+    return (EmittedFile(name=f"{stem}.srdf", content=srdf(robot, options, options.group)),)
+
+
+def srdf(robot: Robot, options: PairOptions, group: str) -> bytes:
+    """The SRDF of a robot.
+
+    Raises:
+        EmitterError: XML cannot hold one of its names, or a mesh cannot be read.
+        MissingDependencyError: pinocchio, coal or what reads meshes is not installed.
+    """
+    from dh2urdf_plugins.collision_pairs.search import robot_pairs
+    from dh2urdf_plugins.formats.urdf.writer import serialise
+    from dh2urdf_plugins.packages.srdf.semantics import semantics
+
+    return serialise(semantics(robot, robot_pairs(robot, options), group), robot.comment)
+
+
+def annotate(path: Path, expansion: Expansion, earlier: Path | None, options: SrdfOptions) -> Annotation:
+    """The collision pairs of a URDF or a xacro of any origin, in an SRDF of their own or in an earlier one.
+
+    Raises:
+        InputError: a file cannot be read, or is none of its format.
+        MissingDependencyError: pinocchio, coal or what reads meshes is not installed.
+    """
+    from dh2urdf.documents import read_bytes
+    from dh2urdf.meshes import mesh_finder, packages_in, with_its_own
+    from dh2urdf.stages import Annotation
+    from dh2urdf_plugins.collision_pairs.scene import Mechanism
+    from dh2urdf_plugins.collision_pairs.search import collision_pairs
+    from dh2urdf_plugins.descriptions.description import describe
+    from dh2urdf_plugins.formats.xml_files import LARGEST
+    from dh2urdf_plugins.packages.srdf.pairs_text import new_file, updated
+
+    has_macros = path.name.lower().endswith(_MACROS)
+    if expansion.arguments and not has_macros:
+        message = "a URDF has no macros and takes no arguments"
+        raise ConfigError(Problem(message=message, mark=Mark(file=str(path)), accepted="NAME:=VALUE with a xacro"))
+    content = None if earlier is None else read_bytes(earlier, InputError, limit=LARGEST)
+    packages = with_its_own(path, packages_in(expansion.package_paths))
+    description = describe("xacro" if has_macros else "urdf", path, expansion)
+    find = mesh_finder(description.folder, packages)
+
+    def mesh(shape: Mesh) -> tuple[bytes, str]:
+        if (file := find(shape.filename)) is None:
+            raise InputError(
+                Problem(
+                    message=f"a collision shape is the mesh {shown(shape.filename)}, and there is no such file",
+                    mark=Mark(file=str(path)),
+                    accepted="meshes that are beside the description, or in packages that are named",
+                    suggestion="--package-path names the folder of its package, or of a workspace",
+                )
+            )
+        return read_bytes(file, InputError, limit=LARGEST), file.suffix.lower()
+
+    mechanism = Mechanism(
+        robot=description.robot, followers=description.followers, loose=description.loose, file=description.file
+    )
+    pairs = collision_pairs(mechanism, mesh, options)
+    if content is None:
+        return Annotation(content=new_file(description.robot, pairs.disabled), summary=pairs.summary)
+    content, notices = updated(content, str(earlier), description.robot, pairs.disabled)
+    return Annotation(content=content, summary=pairs.summary, notices=tuple(notices))
+
+
+EMITTER = Emitter(
+    name="srdf",
+    summary="an SRDF for MoveIt: groups, named states, and the collision pairs that need no check",
+    suffixes=(".srdf",),
+    options=SrdfOptions,
+    emit=emit,
+    capabilities=(Annotates(annotate),),
+)

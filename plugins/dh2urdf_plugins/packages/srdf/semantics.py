@@ -1,0 +1,113 @@
+"""What MoveIt has to know of a robot: how it is held, its groups, and named states.
+
+The elements are those that srdfdom reads (moveit/srdfdom, src/model.cpp).
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+from lxml import etree
+
+from dh2urdf.errors import EmitterError
+from dh2urdf.kinematics import KinematicChain
+from dh2urdf.manipulator import ENDS, TOOL, WORLD, JointType
+from dh2urdf.quantities import format_numbers
+from dh2urdf.source import Problem, free_name
+from dh2urdf_plugins.formats.urdf.writer import Notation
+from dh2urdf_plugins.home_pose import initial_position
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from dh2urdf.robot import Joint, Robot
+    from dh2urdf_plugins.collision_pairs.search import CollisionPairs
+
+EVERY_ARM = "all"
+"""The group of all arms of a cell."""
+
+
+class Group(NamedTuple):
+    """The joints that are planned for together.
+
+    Attributes:
+        name: its name.
+        base: the link where its chain begins.
+        tip: the link where it ends.
+        joints: its moving joints.
+    """
+
+    name: str
+    base: str
+    tip: str
+    joints: tuple[Joint, ...]
+
+
+def groups(robot: Robot, name: str) -> list[Group]:
+    """A group for each arm that moves: the name alone, or behind the prefix of the arm in a cell.
+
+    Raises:
+        EmitterError: the name is none, or it is that of the group of all arms.
+    """
+    if not name.strip() or (len(robot.arms) > 1 and any(arm.prefix + name == EVERY_ARM for arm in robot.arms)):
+        accepted = f"a name that is not empty, and not {EVERY_ARM!r} in a cell"
+        raise EmitterError(Problem(message="this is no name of a group", field="group", found=name, accepted=accepted))
+    ends = [(arm.prefix, arm.kind) for arm in robot.arms] or [("", robot)]
+    found = []
+    for prefix, kind in ends:
+        links = [link.name for link in kind.links]
+        base, tip = prefix + kind.root, prefix + (TOOL if TOOL in links else links[-1])
+        chain = KinematicChain.between(robot, base, tip)
+        joints = tuple(joint for joint in chain.joints if joint.type is not JointType.FIXED)
+        if joints:
+            found.append(Group(prefix + name, base, tip, joints))
+    return found
+
+
+def semantics(robot: Robot, pairs: CollisionPairs, group_name: str) -> etree._Element:
+    """The SRDF of a robot or a cell.
+
+    Raises:
+        EmitterError: XML cannot hold one of its names, or the name of the group is none.
+    """
+    notation = Notation()
+    root = etree.Element("robot", name=notation.text(robot.name))
+    if robot.root != WORLD:
+        name = free_name("virtual_joint", {joint.name for joint in robot.joints})
+        held = {"name": name, "type": "fixed", "parent_frame": WORLD, "child_link": robot.root}
+        _append(root, "virtual_joint", held, notation)
+    found = groups(robot, group_name)
+    for group in found:
+        element = _append(root, "group", {"name": group.name}, notation)
+        _append(element, "chain", {"base_link": group.base, "tip_link": group.tip}, notation)
+    if len(found) > 1:
+        element = _append(root, "group", {"name": EVERY_ARM}, notation)
+        for group in found:
+            _append(element, "group", {"name": group.name}, notation)
+        found.append(Group(EVERY_ARM, "", "", tuple(joint for group in found for joint in group.joints)))
+    for group in found:
+        positions = [initial_position(joint) for joint in group.joints]
+        element = _append(
+            root, "group_state", {"name": "home" if any(positions) else "zero", "group": group.name}, notation
+        )
+        for joint, position in zip(group.joints, positions, strict=True):
+            _append(element, "joint", {"name": joint.name, "value": format_numbers((position,))[0]}, notation)
+    for words in _end_effectors(robot, group_name):
+        _append(root, "end_effector", words, notation)
+    for pair in pairs.disabled:
+        _append(root, "disable_collisions", pair._asdict(), notation)
+    return root
+
+
+def _end_effectors(robot: Robot, group_name: str) -> Iterator[dict[str, str]]:
+    """What arms of a cell hold: another one at the flange or the tool that moves fewer joints, such as a gripper."""
+    arms = {arm.prefix + end: arm for arm in robot.arms for end in ENDS}
+    for arm in robot.arms:
+        count, holder = len(arm.kind.moving_joints), arms.get(arm.parent)
+        if holder and 0 < count < len(holder.kind.moving_joints):
+            own, parent = (each.prefix + group_name for each in (arm, holder))
+            yield {"name": arm.name, "parent_link": arm.parent, "group": own, "parent_group": parent}
+
+
+def _append(parent: etree._Element, tag: str, words: dict[str, str], notation: Notation) -> etree._Element:
+    return etree.SubElement(parent, tag, {name: notation.text(word) for name, word in words.items()})

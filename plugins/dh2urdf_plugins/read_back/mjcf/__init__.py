@@ -1,1 +1,0 @@
-"""Reads MJCF back: elements, included files, shapes, masses, and the robot."""

@@ -1,1 +1,0 @@
-"""Reads SDF back: elements, nested models, and the robot."""

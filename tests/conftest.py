@@ -30,11 +30,11 @@ from lxml import etree
 
 from dh2urdf.cli import exit_status_of
 from dh2urdf.errors import PluginError
+from dh2urdf.fields import replace_unchecked
 from dh2urdf.manipulator import JointType, Manipulator
 from dh2urdf.plugin_system import load
 from dh2urdf.robot import Material
 from dh2urdf.rotations import IDENTITY
-from dh2urdf.unchecked_records import replace_unchecked
 from reference_arms import ReferenceRobot, load_reference_robots
 
 if TYPE_CHECKING:

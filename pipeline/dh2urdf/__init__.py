@@ -5,10 +5,42 @@ What this module names is imported when it is asked for: `import dh2urdf` costs 
 
 from __future__ import annotations
 
-from dh2urdf._faces import face
+import sys
+
 from dh2urdf._version import __version__ as __version__
 
 TYPE_CHECKING = False  # The name is what type checkers know; the module `typing` alone costs more than this one.
+if TYPE_CHECKING:
+    import collections.abc
+
+
+def late_names(
+    package: str, modules: dict[str, str]
+) -> tuple[list[str], collections.abc.Callable[[str], object], collections.abc.Callable[[], list[str]]]:
+    """Return the ``__all__``, ``__getattr__`` and ``__dir__`` of a package that imports its names late (PEP 562).
+
+    Args:
+        package: its name.
+        modules: the names that each of its modules gives, separated by spaces; under "" modules that it gives whole.
+    """
+    places = {name: module for module, names in modules.items() for name in names.split()}
+
+    def value_of(name: str) -> object:
+        from importlib import import_module
+
+        if name not in places:
+            raise AttributeError(f"module {package!r} has no attribute {name!r}")
+        module = places[name]
+        value = getattr(import_module(f"{package}.{module}"), name) if module else import_module(f"{package}.{name}")
+        setattr(sys.modules[package], name, value)
+        return value
+
+    def names() -> list[str]:
+        return sorted({*places, *(name for name in vars(sys.modules[package]) if name.startswith("__"))})
+
+    return sorted(places), value_of, names
+
+
 if TYPE_CHECKING:
     from dh2urdf import errors as errors, kinematics as kinematics, results as results
     from dh2urdf.api import (
@@ -41,7 +73,7 @@ if TYPE_CHECKING:
     from dh2urdf.stages import Rejected as Rejected
 
 else:
-    __all__, __getattr__, __dir__ = face(
+    __all__, __getattr__, __dir__ = late_names(
         __name__,
         {
             "api": "check convert extract read read_all run",
@@ -54,7 +86,7 @@ else:
             "robot": "Robot",
             "rotations": "RigidTransform",
             "stages": "Rejected",
+            "": "errors kinematics results",
         },
-        ("errors", "kinematics", "results"),
     )
     __all__ += ["__version__"]

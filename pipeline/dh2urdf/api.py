@@ -24,7 +24,7 @@ from dh2urdf.manipulator import Manipulator
 from dh2urdf.plugin_system.catalog import load
 from dh2urdf.robot import Robot
 from dh2urdf.source import Mark, Problem
-from dh2urdf.table_warnings import warn_of
+from dh2urdf.stage_calls.table_warnings import warn_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
@@ -122,7 +122,7 @@ def extract(
         PluginError: the reader's plugin is broken, or something it needs is not installed.
     """
     from dh2urdf.commands.extract import description_reader, the_one, write_extracted
-    from dh2urdf.unchecked_records import changed
+    from dh2urdf.fields import replace_unchecked
 
     mark, catalog = _mark("extract"), load()
     check_names(mark, reader=reader)
@@ -131,7 +131,7 @@ def extract(
         arm = the_one(description_reader(catalog, path, mark, reader=reader, given=words_of(options)), path)
         if target is not None:
             others = write_extracted([arm], Path(target), catalog, inputs=[path])
-            arm = changed(arm, notices=(*arm.notices, *others))
+            arm = replace_unchecked(arm, notices=(*arm.notices, *others))
     return arm
 
 

@@ -15,8 +15,8 @@ from operator import attrgetter, is_, ne
 from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar, cast
 
 from dh2urdf.elementwise import array_of, is_column
+from dh2urdf.fields import many_unchecked, members_of, replace_unchecked
 from dh2urdf.manipulator import DHRow, Inertia, JointType, Limits, Manipulator
-from dh2urdf.record_fields import many_unchecked, members_of, replace_unchecked
 from dh2urdf.robot import Robot
 from dh2urdf.row_fields import COMMON, INERTIA, LIMITS, NUMBERS, WORDS
 from dh2urdf.source import Mark

@@ -10,16 +10,15 @@ from dataclasses import dataclass, field
 from enum import StrEnum
 from typing import TYPE_CHECKING
 
-from dh2urdf._faces import function_of
-from dh2urdf.link_bodies import (
+from dh2urdf.fields import function_of, refuse, take_exact_fields, take_fields, unchecked
+from dh2urdf.rotations import IDENTITY, RigidTransform, Vec3
+from dh2urdf.shapes import (
     Inertia,
     LinkGeometry,
     MeshFile,
     MeshShape,
     Payload,
 )
-from dh2urdf.record_fields import refuse, take_exact_fields, take_fields
-from dh2urdf.rotations import IDENTITY, RigidTransform, Vec3
 from dh2urdf.source import Mark, Problem, shown
 
 if TYPE_CHECKING:
@@ -51,6 +50,9 @@ __all__ = [
     "MeshFile",
     "MeshShape",
     "Payload",
+    "new_dh_row",
+    "new_inertia",
+    "new_limits",
 ]
 
 WORLD = "world"
@@ -383,3 +385,9 @@ class Manipulator:
     def _repr_html_(self) -> str:
         """What a notebook shows: the table and, with matplotlib, a drawing of the arm."""
         return function_of("report.notebook.manipulator_html")(self)
+
+
+# Constructors without checks, for stages that have computed the values: see `dh2urdf.fields.unchecked`.
+new_dh_row = unchecked(DHRow)
+new_inertia = unchecked(Inertia)
+new_limits = unchecked(Limits)

@@ -15,10 +15,9 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from dh2urdf._faces import function_of
 from dh2urdf.elementwise import total
+from dh2urdf.fields import function_of, take_fields, unchecked
 from dh2urdf.manipulator import Inertia, JointType, Limits, Manipulator
-from dh2urdf.record_fields import take_fields
 from dh2urdf.rotations import Z_AXIS, ZERO, Vec3
 from dh2urdf.shapes import (
     Box,
@@ -61,6 +60,13 @@ __all__ = [
     "Robot",
     "Sphere",
     "Visual",
+    "new_collision",
+    "new_inertial",
+    "new_joint",
+    "new_link",
+    "new_origin",
+    "new_parameter",
+    "new_visual",
 ]
 
 
@@ -291,3 +297,13 @@ class Robot:
     def _repr_html_(self) -> str:
         """What a notebook shows: the joints with their limits and, with matplotlib, a drawing of the robot."""
         return function_of("report.notebook.robot_html")(self)
+
+
+# Constructors without checks, for stages that have computed the values: see `dh2urdf.fields.unchecked`.
+new_collision = unchecked(Collision)
+new_inertial = unchecked(Inertial)
+new_joint = unchecked(Joint)
+new_link = unchecked(Link)
+new_origin = unchecked(Origin)
+new_parameter = unchecked(Parameter)
+new_visual = unchecked(Visual)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from dh2urdf.mass_properties import inertia_problem, principal_moments
+from dh2urdf.kinematics.mass import inertia_problem, principal_moments
 from dh2urdf.robot import WEIGHTLESS
 from dh2urdf.row_fields import INERTIA
 from dh2urdf.source import shown

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from dh2urdf.kinematics.mass import compound, placed
 from dh2urdf.manipulator import Inertia
-from dh2urdf.mass_properties import compound, placed
 from dh2urdf.robot import Inertial
 from dh2urdf.rotations import IDENTITY, ZERO, RigidTransform
 from dh2urdf.row_fields import INERTIA

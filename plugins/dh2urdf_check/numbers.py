@@ -6,8 +6,8 @@ import math
 import re
 from typing import TYPE_CHECKING, NamedTuple
 
+from dh2urdf.kinematics.mass import principal_moments
 from dh2urdf.manipulator import Inertia
-from dh2urdf.mass_properties import principal_moments
 from dh2urdf.row_fields import INERTIA
 from dh2urdf.source import shown
 from dh2urdf_check.document.description import MOVING, SHAPES, Hit

@@ -7,7 +7,7 @@ from itertools import product
 from typing import TYPE_CHECKING
 
 from dh2urdf.documents import is_file
-from dh2urdf.mass_properties import principal_moments
+from dh2urdf.kinematics.mass import principal_moments
 from dh2urdf.rotations import ZERO, add, rotate
 from dh2urdf.source import shown
 from dh2urdf_check.document.description import ALL, TURNING_OR_SLIDING, Hit

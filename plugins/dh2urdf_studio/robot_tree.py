@@ -13,8 +13,8 @@ from dh2urdf.robot import Box, Cylinder, Mesh, Sphere
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 
-    from dh2urdf.foreign_robot import Follower
     from dh2urdf.robot import Geometry, Inertial, Joint, Link, Origin, Robot
+    from dh2urdf.stages.foreign_robot import Follower
     from dh2urdf_studio.drawing.scene import Figure
 
 _POWERS = ("", "²", "³", "⁴")

@@ -11,7 +11,6 @@ from dh2urdf.conversion.one_manipulator import read_items
 from dh2urdf.conversion.robots import make_item, make_robot
 from dh2urdf.documents.text_files import check_file
 from dh2urdf.errors import InputError, ManipulatorError
-from dh2urdf.foreign_robot import ForeignRobot, following, with_followers
 from dh2urdf.kinematics.chain import link_poses
 from dh2urdf.manipulator import TOOL
 from dh2urdf.meshes import mesh_finder, packages_in, with_its_own
@@ -24,6 +23,7 @@ from dh2urdf.source import Mark, Problem, listed, shown
 from dh2urdf.stage_calls.answers import a_record
 from dh2urdf.stage_calls.calls import blaming, default_call
 from dh2urdf.stages import Expansion, ReadsBack, ReadsForeign, Rejected
+from dh2urdf.stages.foreign_robot import ForeignRobot, following, with_followers
 from dh2urdf.tasks.batch import items
 from dh2urdf.tasks.expected import Expected
 from dh2urdf.variations.variation import Variant

@@ -11,10 +11,10 @@ import numpy as np
 import pytest
 
 import dh2urdf
-from dh2urdf.drawn_links import mesh_gap, other_lengths, torn_links
+from dh2urdf.fields import replace_unchecked
 from dh2urdf.manipulator import Convention, DHRow, JointType, Manipulator, MeshFile, MeshShape
-from dh2urdf.record_fields import replace_unchecked
 from dh2urdf.rotations import RigidTransform
+from dh2urdf.variations.drawn_links import mesh_gap, other_lengths, torn_links
 
 if TYPE_CHECKING:
     from collections.abc import Callable

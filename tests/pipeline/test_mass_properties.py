@@ -8,8 +8,7 @@ import pytest
 from hypothesis import assume, given, strategies as st
 
 from dh2urdf.columns import replaced
-from dh2urdf.manipulator import Inertia
-from dh2urdf.mass_properties import (
+from dh2urdf.kinematics.mass import (
     compound,
     inertia_problem,
     is_sound,
@@ -20,6 +19,7 @@ from dh2urdf.mass_properties import (
     solid,
     volume,
 )
+from dh2urdf.manipulator import Inertia
 from dh2urdf.robot import Box, Cylinder, Geometry, Inertial, Mesh, Sphere
 from dh2urdf.rotations import RigidTransform, rotation_from_rpy
 

@@ -16,7 +16,7 @@ from dh2urdf_plugins.descriptions.foreign import foreign_mjcf
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from dh2urdf.foreign_robot import ForeignRobot
+    from dh2urdf.stages.foreign_robot import ForeignRobot
 
 MAIN = """<mujoco model="arm"><compiler meshdir="meshes"/><include file="parts/common.xml"/>
   <worldbody>

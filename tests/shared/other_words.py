@@ -6,8 +6,8 @@ import re
 from typing import Any
 
 from dh2urdf.errors import PluginError
-from dh2urdf.inspections import Effect, Finding
 from dh2urdf.source import Problem
+from dh2urdf.stages.inspections import Effect, Finding
 
 WORD = re.compile(r"""('[^']*'|`[^`]*`|"[^"]*")|(?<![\w./_-])[a-z]{3,}(?![\w./_-])""")
 """A word of a message. Quoted texts, names, numbers and paths stay."""

@@ -11,10 +11,10 @@ from typing import TYPE_CHECKING
 
 from dh2urdf.cells.wanted_tables import cannot_be_made
 from dh2urdf.errors import RobotError
+from dh2urdf.fields import replace_unchecked
 from dh2urdf.kinematics.chain import KinematicChain, forward_kinematics
 from dh2urdf.kinematics.expected_poses import ExpectedPoses, Stretch, Tip
 from dh2urdf.manipulator import TOOL, WORLD, JointType, Manipulator
-from dh2urdf.record_fields import replace_unchecked
 from dh2urdf.robot import WEIGHTLESS, Arm, Box, Collision, Cylinder, Joint, Link, Origin, Robot, Visual
 from dh2urdf.rotations import IDENTITY
 from dh2urdf.source import Mark, Problem, did_you_mean, shown

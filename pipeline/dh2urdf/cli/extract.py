@@ -31,7 +31,7 @@ from dh2urdf.plugin_system.options import COMMAND_LINE
 from dh2urdf.quantities.units import UNITS
 from dh2urdf.source import Problem, printable
 from dh2urdf.stages import ReadsDescriptions
-from dh2urdf.table_text import table_text, transform_text
+from dh2urdf.table_text.texts import table_text, transform_text
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping

@@ -24,11 +24,11 @@ from dh2urdf.conversion.one_manipulator import read_items
 from dh2urdf.conversion.robots import make_robot
 from dh2urdf.errors import ManipulatorError
 from dh2urdf.plugin_system.options import COMMAND_LINE
-from dh2urdf.provenance import Trace
 from dh2urdf.report.answers.info import brief, details, info_report
 from dh2urdf.report.answers.info_text import lines, markdown, print_on_terminal
 from dh2urdf.stage_calls.calls import default_call
 from dh2urdf.stages import Traces
+from dh2urdf.table_text import Trace
 
 if TYPE_CHECKING:
     from pathlib import Path

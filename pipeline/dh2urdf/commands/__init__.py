@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from dh2urdf._faces import face
+from dh2urdf import late_names
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from dh2urdf.commands.written_tables import left_out_of as left_out_of, table_content as table_content
 else:
-    __all__, __getattr__, __dir__ = face(__name__, {"written_tables": "left_out_of table_content"})
+    __all__, __getattr__, __dir__ = late_names(__name__, {"written_tables": "left_out_of table_content"})

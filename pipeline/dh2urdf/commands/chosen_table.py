@@ -19,9 +19,9 @@ if TYPE_CHECKING:
 
     from dh2urdf.commands.options_of_stages import Setting
     from dh2urdf.plugin_system.catalog import Catalog
-    from dh2urdf.provenance import Trace
     from dh2urdf.stage_calls.calls import Call
     from dh2urdf.stages import Reader
+    from dh2urdf.table_text import Trace
 
 
 def chosen_reader(catalog: Catalog, table: Path, name: str | None, mark: Mark) -> Reader[Any]:

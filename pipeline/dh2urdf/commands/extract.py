@@ -13,14 +13,14 @@ from dh2urdf.conversion.file_endings import table_writer
 from dh2urdf.conversion.one_manipulator import read_items
 from dh2urdf.documents.text_files import check_file, encoded
 from dh2urdf.errors import ConfigError, TableError
+from dh2urdf.fields import replace_unchecked
 from dh2urdf.manipulator import Manipulator
 from dh2urdf.output.whole_files import refuse_inputs, write_whole
 from dh2urdf.source import Mark, Problem, listed
 from dh2urdf.stage_calls.answers import a_record
 from dh2urdf.stage_calls.calls import blaming, default_call
 from dh2urdf.stages import Reader, ReadsDescriptions, Rejected
-from dh2urdf.table_text import table_text
-from dh2urdf.unchecked_records import changed
+from dh2urdf.table_text.texts import table_text
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
@@ -170,8 +170,8 @@ def _without_numbers(arm: Manipulator, notices: list[Problem]) -> Manipulator:
             field=field,
         )
         notices.append(notice)
-        rows = tuple(changed(row, **{field: name}) for row, name in zip(arm.rows, others, strict=True))
-        arm = changed(arm, rows=rows, notices=(*arm.notices, notice))
+        rows = tuple(replace_unchecked(row, **{field: name}) for row, name in zip(arm.rows, others, strict=True))
+        arm = replace_unchecked(arm, rows=rows, notices=(*arm.notices, notice))
     return arm
 
 

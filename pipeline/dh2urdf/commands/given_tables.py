@@ -26,9 +26,9 @@ from dh2urdf.plugin_system.catalog import load
 from dh2urdf.source import Mark, Problem, shown
 from dh2urdf.stage_calls.answers import items_of
 from dh2urdf.stage_calls.calls import blaming
+from dh2urdf.stage_calls.table_warnings import warn_of
 from dh2urdf.stages import ReadsCells
 from dh2urdf.table_text import METADATA, PARAMETERS, STATEMENTS, CellRow
-from dh2urdf.table_warnings import warn_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -305,7 +305,7 @@ def _cell(value: Any, mark: Mark) -> str | float | Problem | None:  # noqa: ANN4
         return str.__str__(value)
     if isinstance(value, (list, tuple)) or getattr(value, "ndim", None):  # a range, a centre of mass, an inertia tensor
         return json.dumps(value, default=lambda items: items.tolist() if hasattr(items, "tolist") else str(items))
-    from dh2urdf.record_fields import as_number
+    from dh2urdf.fields import as_number
 
     try:
         number = as_number(value)

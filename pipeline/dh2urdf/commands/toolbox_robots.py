@@ -11,11 +11,11 @@ from typing import Any, get_args
 
 from dh2urdf.errors import ProofError, TableError
 from dh2urdf.kinematics.chain import angle_error, forward_kinematics, position_error
+from dh2urdf.kinematics.mass import Inertias, possible_inertia
 from dh2urdf.manipulator import Convention, DHRow, Inertia, JointType, Limits, Manipulator
-from dh2urdf.mass_properties import Inertias, possible_inertia
 from dh2urdf.rotations import IDENTITY, RigidTransform, nearest_rotation
 from dh2urdf.source import Problem
-from dh2urdf.table_warnings import warn_of
+from dh2urdf.stage_calls.table_warnings import warn_of
 
 _FUNCTION = "from_roboticstoolbox()"
 _SAME = 1e-9

@@ -17,7 +17,8 @@ from dh2urdf.source import Mark, Problem, shown
 from dh2urdf.stage_calls.answers import a_record
 from dh2urdf.stage_calls.calls import Call, blaming, default_call
 from dh2urdf.stages import Rejected, WritesTables
-from dh2urdf.table_text import WrittenTable, table_text
+from dh2urdf.table_text import WrittenTable
+from dh2urdf.table_text.texts import table_text
 
 if TYPE_CHECKING:
     import os

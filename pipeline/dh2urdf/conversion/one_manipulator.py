@@ -46,7 +46,7 @@ if TYPE_CHECKING:
 
     from dh2urdf.kinematics.expected_poses import ExpectedPoses
     from dh2urdf.kinematics.proof_vectors import Poses
-    from dh2urdf.provenance import Trace
+    from dh2urdf.table_text import Trace
 
 O = TypeVar("O")  # noqa: E741 - the options type of a stage
 

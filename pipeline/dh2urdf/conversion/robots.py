@@ -5,16 +5,16 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-from dh2urdf.drawn_links import torn_links
 from dh2urdf.errors import ManipulatorError, RobotError
+from dh2urdf.fields import replace_unchecked
 from dh2urdf.kinematics.expected_poses import ExpectedPoses
 from dh2urdf.manipulator import Manipulator
-from dh2urdf.record_fields import replace_unchecked
 from dh2urdf.robot import Robot
 from dh2urdf.robot_check import check_robot
 from dh2urdf.stage_calls.answers import a_record
 from dh2urdf.stage_calls.calls import Call, blaming, depending_on
 from dh2urdf.stages import Edit
+from dh2urdf.variations.drawn_links import torn_links
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence

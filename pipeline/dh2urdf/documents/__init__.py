@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dh2urdf._faces import face
+from dh2urdf import late_names
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
         xml_root as xml_root,
     )
 else:
-    __all__, __getattr__, __dir__ = face(
+    __all__, __getattr__, __dir__ = late_names(
         __name__,
         {
             "archives": "BROKEN_ARCHIVE",

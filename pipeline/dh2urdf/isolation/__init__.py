@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dh2urdf._faces import face
+from dh2urdf import late_names
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from dh2urdf.isolation.fence import enter as enter, tell_of_missing_wall as tell_of_missing_wall
     from dh2urdf.isolation.own_process import claim as claim, is_own as is_own
 else:
-    __all__, __getattr__, __dir__ = face(
+    __all__, __getattr__, __dir__ = late_names(
         __name__,
         {
             "child_process": "Child ChildFailure last_words result_of run_in_child",

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dh2urdf._faces import face
+from dh2urdf import late_names
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from dh2urdf.kinematics.proof import largest_errors as largest_errors
     from dh2urdf.kinematics.walk import CompiledChain as CompiledChain
 else:
-    __all__, __getattr__, __dir__ = face(
+    __all__, __getattr__, __dir__ = late_names(
         __name__,
         {
             "chain": "KinematicChain angle_error axis_rotation dh_frames dh_transform "

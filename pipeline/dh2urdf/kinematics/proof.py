@@ -19,12 +19,12 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from dh2urdf.elementwise import is_column
 from dh2urdf.errors import ProofError, RecordError
+from dh2urdf.fields import many_unchecked, replace_unchecked
 from dh2urdf.kinematics.chain import compile_joints, joints_between, reach
 from dh2urdf.kinematics.expected_poses import ExpectedPoses
 from dh2urdf.kinematics.proof_vectors import joint_columns
 from dh2urdf.kinematics.walk import STACKS, CompiledChain, Frame, values_of
 from dh2urdf.manipulator import TOOL, JointType
-from dh2urdf.record_fields import many_unchecked, replace_unchecked
 from dh2urdf.source import Problem, listed
 
 if TYPE_CHECKING:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dh2urdf._faces import face
+from dh2urdf import late_names
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     )
     from dh2urdf.measuring.opened_arm import load_function as load_function
 else:
-    __all__, __getattr__, __dir__ = face(
+    __all__, __getattr__, __dir__ = late_names(
         __name__,
         {
             "comparison": "Body Comparison DOUBLE DOUBLE_PRECISION Precision pose_error tensor",

@@ -19,9 +19,9 @@ from dh2urdf.source import Problem, shown
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping, Sequence
 
-    from dh2urdf.load_records import LoadRequest
     from dh2urdf.manipulator import Inertia
     from dh2urdf.robot import Joint, Robot
+    from dh2urdf.stages.load_records import LoadRequest
 
 DOUBLE_PRECISION = 2.0**-52
 """Distance of 1 to the next number in double precision."""

@@ -6,15 +6,15 @@ from functools import partial, update_wrapper
 from typing import TYPE_CHECKING, Any
 
 from dh2urdf.errors import LoaderError
-from dh2urdf.load_records import LoadReport, SimulatedArm
 from dh2urdf.measuring.comparison import Body, Comparison, Precision, tensor
 from dh2urdf.rotations import RigidTransform
+from dh2urdf.stages.load_records import LoadReport, SimulatedArm
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
 
-    from dh2urdf.load_records import LoadRequest
     from dh2urdf.stages import Loader
+    from dh2urdf.stages.load_records import LoadRequest
 
 _ROWS = 4
 

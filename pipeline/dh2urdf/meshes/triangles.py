@@ -16,8 +16,8 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from dh2urdf.isolation.fence import refuse_without_wall
+from dh2urdf.kinematics.mass import placed
 from dh2urdf.manipulator import Inertia
-from dh2urdf.mass_properties import placed
 from dh2urdf.robot import Inertial
 from dh2urdf.rotations import IDENTITY_ROTATION, RigidTransform
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dh2urdf._faces import face
+from dh2urdf import late_names
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from dh2urdf.plugin_system.options import describe_options as describe_options
     from dh2urdf.plugin_system.task_window import handed_over as handed_over
 else:
-    __all__, __getattr__, __dir__ = face(
+    __all__, __getattr__, __dir__ = late_names(
         __name__,
         {
             "at_work": "MARK unmarked",

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dh2urdf._faces import face
+from dh2urdf import late_names
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from dh2urdf.quantities.spellings import DEGREE_SIGNS as DEGREE_SIGNS, composed as composed
     from dh2urdf.quantities.units import UNITS as UNITS, Unit as Unit, unit_word as unit_word
 else:
-    __all__, __getattr__, __dir__ = face(
+    __all__, __getattr__, __dir__ = late_names(
         __name__,
         {
             "number_text": "format_rows format_number format_numbers",

@@ -22,6 +22,7 @@ from dh2urdf.conversion.robots import make_item, new_notices
 from dh2urdf.conversion.simulators import load_with_all, not_loaded
 from dh2urdf.elementwise import DividedError
 from dh2urdf.errors import InputError, ManipulatorError, OutputError, StageError, TableError
+from dh2urdf.fields import many_unchecked
 from dh2urdf.isolation.loads import KeptChildren
 from dh2urdf.isolation.watchdog import watched
 from dh2urdf.kinematics.proof import Proof, prove_columns
@@ -29,7 +30,6 @@ from dh2urdf.manipulator import Manipulator
 from dh2urdf.output.journal import Journal
 from dh2urdf.output.layouts import Layout
 from dh2urdf.output.store import Store
-from dh2urdf.record_fields import many_unchecked
 from dh2urdf.running.earlier_files import EarlierFiles
 from dh2urdf.running.mesh_copies import MeshCopies
 from dh2urdf.source import Mark

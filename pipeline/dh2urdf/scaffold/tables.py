@@ -18,7 +18,8 @@ from dh2urdf.output.whole_files import make_folder, reporting_os_errors
 from dh2urdf.plugin_system.options import COMMAND_LINE
 from dh2urdf.scaffold import TEMPLATES
 from dh2urdf.source import Problem, did_you_mean, shown
-from dh2urdf.table_text import TableText, yaml_word
+from dh2urdf.table_text import TableText
+from dh2urdf.table_text.texts import yaml_word
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -16,7 +16,7 @@ held to the same contracts. What this package gives is imported when it is asked
 
 from __future__ import annotations
 
-from dh2urdf._faces import face
+from dh2urdf import late_names
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -36,7 +36,7 @@ if TYPE_CHECKING:
         LoaderContract as LoaderContract,
     )
 else:
-    __all__, __getattr__, __dir__ = face(
+    __all__, __getattr__, __dir__ = late_names(
         __name__,
         {
             "catalogs": "catalog_of do_run",

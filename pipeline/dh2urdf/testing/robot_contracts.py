@@ -14,6 +14,7 @@ from dh2urdf.columns import RobotColumns, in_columns, member, stacked
 from dh2urdf.documents.document import load_yaml
 from dh2urdf.elementwise import DividedError
 from dh2urdf.errors import Dh2UrdfError, EditError, EmitterError, TransformError
+from dh2urdf.fields import replace_unchecked
 from dh2urdf.kinematics.expected_poses import ExpectedPoses
 from dh2urdf.kinematics.proof import TOLERANCE, prove
 from dh2urdf.kinematics.proof_vectors import proof_vectors
@@ -36,7 +37,6 @@ from dh2urdf.testing.comparing import difference
 from dh2urdf.testing.oracle import gap, robot_pose, table_pose
 from dh2urdf.testing.reference import plain_robot, reference_manipulators
 from dh2urdf.testing.stage_contract import Calls, InputContract, clause
-from dh2urdf.unchecked_records import changed
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
@@ -161,7 +161,9 @@ class EditContract(_ArmContract):
                     continue  # The run makes groups of them that go the same way.
                 for number, arm in enumerate(arms):
                     alone = function(arm, self.given())
-                    if differs := difference(changed(member(many, number), name=alone.name), alone, whole=False):
+                    if differs := difference(
+                        replace_unchecked(member(many, number), name=alone.name), alone, whole=False
+                    ):
                         yield differs
 
     def _work(self, arms: Sequence[Manipulator]) -> Iterator[tuple[Callable[[Any, Any], Any], list[Any]]]:

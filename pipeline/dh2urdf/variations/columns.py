@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from dh2urdf.columns import ManipulatorColumns, in_columns, row_places
 from dh2urdf.errors import ManipulatorError
-from dh2urdf.record_fields import replace_unchecked
+from dh2urdf.fields import replace_unchecked
 from dh2urdf.variations.variation import FIELDS, Variation, changed, drawn_notices
 
 if TYPE_CHECKING:

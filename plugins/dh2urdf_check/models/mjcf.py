@@ -12,8 +12,8 @@ from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from dh2urdf.kinematics.mass import principal_moments
 from dh2urdf.manipulator import Inertia
-from dh2urdf.mass_properties import principal_moments
 from dh2urdf.rotations import norm
 from dh2urdf.source import did_you_mean, listed, shown
 from dh2urdf_check.joints import UNIT

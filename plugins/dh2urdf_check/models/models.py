@@ -11,8 +11,8 @@ from lxml import etree
 
 from dh2urdf.documents import read_bytes, xml_root
 from dh2urdf.errors import Dh2UrdfError, InputError, ProofError
+from dh2urdf.kinematics.mass import inertia_problem
 from dh2urdf.manipulator import Inertia
-from dh2urdf.mass_properties import inertia_problem
 from dh2urdf.source import Mark
 from dh2urdf.stages import Finding, Inspection
 from dh2urdf_check.document.tree import numbers_of

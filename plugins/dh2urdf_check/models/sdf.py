@@ -10,8 +10,8 @@ from urllib.parse import unquote
 from lxml import etree
 
 from dh2urdf.documents import is_file, is_there
+from dh2urdf.kinematics.mass import principal_moments
 from dh2urdf.manipulator import Inertia
-from dh2urdf.mass_properties import principal_moments
 from dh2urdf.rotations import norm
 from dh2urdf.row_fields import INERTIA
 from dh2urdf.source import did_you_mean, shown

@@ -6,8 +6,8 @@ import math
 import sys
 from typing import TYPE_CHECKING
 
+from dh2urdf.kinematics.mass import compound, placed
 from dh2urdf.manipulator import WORLD, Inertia
-from dh2urdf.mass_properties import compound, placed
 from dh2urdf.robot import WEIGHTLESS, Inertial
 from dh2urdf.rotations import IDENTITY
 from dh2urdf.row_fields import INERTIA

@@ -18,10 +18,10 @@ from dh2urdf.errors import InputError, TableError
 from dh2urdf.kinematics import forward_kinematics, position_error
 from dh2urdf.manipulator import Convention, DHRow, JointType, Manipulator
 from dh2urdf.plugin_system import load
-from dh2urdf.provenance import Trace
 from dh2urdf.quantities import is_zero
 from dh2urdf.source import Mark, Problem, did_you_mean, shown
 from dh2urdf.stages import Reader, Traces
+from dh2urdf.table_text import Trace
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence

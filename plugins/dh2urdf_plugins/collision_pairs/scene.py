@@ -19,12 +19,12 @@ from itertools import combinations
 from typing import TYPE_CHECKING, Any
 
 from dh2urdf.errors import InputError, MissingDependencyError
-from dh2urdf.foreign_robot import Follower, with_followers
 from dh2urdf.manipulator import JointType
 from dh2urdf.meshes import read_parts
 from dh2urdf.robot import Box, Cylinder, Mesh, Robot, Sphere
 from dh2urdf.rotations import norm
 from dh2urdf.source import Mark, Problem, did_you_mean, shown
+from dh2urdf.stages.foreign_robot import Follower, with_followers
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator

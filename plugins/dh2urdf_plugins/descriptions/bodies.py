@@ -9,8 +9,8 @@ import math
 from typing import TYPE_CHECKING, NamedTuple
 
 from dh2urdf.errors import ConfigError
+from dh2urdf.kinematics.mass import compound, inertia_problem, placed
 from dh2urdf.manipulator import Inertia, JointType, MeshShape
-from dh2urdf.mass_properties import compound, inertia_problem, placed
 from dh2urdf.meshes import FORMATS, find_mesh
 from dh2urdf.robot import Mesh
 from dh2urdf.rotations import IDENTITY, RigidTransform, Vec3

@@ -13,10 +13,10 @@ from lxml import etree
 from dh2urdf.documents import is_file, read_bytes
 from dh2urdf.elementwise import total
 from dh2urdf.errors import ProofError, TableError
-from dh2urdf.foreign_robot import Follower
 from dh2urdf.robot import Cylinder, Origin, Robot
 from dh2urdf.source import Mark, Problem, listed, shown
 from dh2urdf.stages import Expansion
+from dh2urdf.stages.foreign_robot import Follower
 from dh2urdf_plugins.formats.mjcf import reader as mjcf_reader
 from dh2urdf_plugins.formats.mjcf.elements import Elements, compiler_of
 from dh2urdf_plugins.formats.sdf import reader as sdf_reader

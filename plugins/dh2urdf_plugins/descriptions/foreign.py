@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from dh2urdf.foreign_robot import ForeignRobot
     from dh2urdf.stages import Expansion
+    from dh2urdf.stages.foreign_robot import ForeignRobot
 
 
 def _foreign(form: str, path: Path, expansion: Expansion | None = None) -> ForeignRobot:
@@ -25,7 +25,7 @@ def _foreign(form: str, path: Path, expansion: Expansion | None = None) -> Forei
     Raises:
         TableError: it cannot be read or expanded, or does not describe a robot.
     """
-    from dh2urdf.foreign_robot import ForeignRobot
+    from dh2urdf.stages.foreign_robot import ForeignRobot
     from dh2urdf_plugins.descriptions.description import describe
 
     found = describe(form, path, expansion, colours=True)

@@ -67,9 +67,9 @@ def edit_table(manipulator: Manipulator, options: LimitsOptions) -> Manipulator:
     Raises:
         EditError: a joint is unknown, or nothing of a range is left.
     """
+    from dh2urdf.fields import replace_unchecked
     from dh2urdf.manipulator import JointType
     from dh2urdf.row_fields import LIMITS
-    from dh2urdf.unchecked_records import changed
 
     names = [row.joint for row in manipulator.moving_rows]
     problems = []
@@ -106,14 +106,14 @@ def edit_table(manipulator: Manipulator, options: LimitsOptions) -> Manipulator:
             new is not old and not agreed(new == old)
             for new, old in ((getattr(limits, name), getattr(row.limits, name)) for name in LIMITS)
         )
-        rows.append(changed(row, limits=limits))
+        rows.append(replace_unchecked(row, limits=limits))
     if problems:
         raise EditError(problem.about(robot=manipulator.name, mark=manipulator.mark) for problem in problems)
     notices = manipulator.notices
     if not is_changed:
         message = "the edit `limits` changes no limit of this arm"
         notices = (*notices, Problem(message=message, severity="notice", field="edits"))
-    return changed(manipulator, rows=tuple(rows), notices=notices)
+    return replace_unchecked(manipulator, rows=tuple(rows), notices=notices)
 
 
 def _limited(limits: Limits, options: LimitsOptions, margin: float) -> Limits:

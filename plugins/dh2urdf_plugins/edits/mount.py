@@ -51,7 +51,7 @@ def edit_robot(robot: Robot, options: MountOptions) -> Robot:
         EditError: there is no such parent, or a name is taken or missing.
     """
     from dh2urdf.errors import EditError
-    from dh2urdf.mass_properties import placed, solid
+    from dh2urdf.kinematics.mass import placed, solid
     from dh2urdf.robot import Box, Collision, Inertial, Link, Origin, Visual
 
     if problems := list(_problems(robot, options)):

@@ -48,7 +48,7 @@ class PayloadOptions:
         if not all(0.0 < each < math.inf for each in sizes):
             raise ValueError("mass, size and radius are numbers greater than 0")
         if self.inertia is not None:
-            from dh2urdf.mass_properties import inertia_problem
+            from dh2urdf.kinematics.mass import inertia_problem
 
             if broken := inertia_problem(_tensor(self.inertia)):
                 raise ValueError(f"inertia: {broken}")
@@ -68,11 +68,11 @@ def edit_table(manipulator: Manipulator, options: PayloadOptions) -> Manipulator
         EditError: the options have no mass, or two payloads cannot be joined, since one has no inertia.
     """
     from dh2urdf.errors import EditError
+    from dh2urdf.fields import replace_unchecked
+    from dh2urdf.kinematics.mass import compound, scaled, solid
     from dh2urdf.manipulator import Payload
-    from dh2urdf.mass_properties import compound, scaled, solid
     from dh2urdf.robot import Box, Inertial, Sphere
     from dh2urdf.source import Problem
-    from dh2urdf.unchecked_records import changed
 
     old, mass = manipulator.payload, options.mass
     if mass is None:
@@ -100,7 +100,7 @@ def edit_table(manipulator: Manipulator, options: PayloadOptions) -> Manipulator
             )
         body = compound(bodies)
         new = Payload(mass=body.mass, com=body.com, inertia=body.inertia)
-    return changed(manipulator, payload=new)
+    return replace_unchecked(manipulator, payload=new)
 
 
 EDIT = Edit(

@@ -53,7 +53,7 @@ def edit_table(manipulator: Manipulator, options: RenameOptions) -> Manipulator:
     Raises:
         EditError: a name is empty afterwards, or two are the same.
     """
-    from dh2urdf.unchecked_records import changed
+    from dh2urdf.fields import replace_unchecked
 
     joints = [row.joint if options.of == "links" else options.renamed(row.joint) for row in manipulator.rows]
     links = [row.link if options.of == "joints" else options.renamed(row.link) for row in manipulator.rows]
@@ -64,12 +64,12 @@ def edit_table(manipulator: Manipulator, options: RenameOptions) -> Manipulator:
     if problems:
         raise EditError(problem.about(robot=manipulator.name, mark=manipulator.mark) for problem in problems)
     named = zip(manipulator.rows, joints, links, strict=True)
-    rows = tuple(changed(row, joint=joint, link=link) for row, joint, link in named)
+    rows = tuple(replace_unchecked(row, joint=joint, link=link) for row, joint, link in named)
     notices = manipulator.notices
     if all((new.joint, new.link) == (old.joint, old.link) for new, old in zip(rows, manipulator.rows, strict=True)):
         message = "the edit `rename` changes no name of this arm"
         notices = (*notices, Problem(message=message, severity="notice", field="edits"))
-    return changed(manipulator, rows=rows, notices=notices)
+    return replace_unchecked(manipulator, rows=rows, notices=notices)
 
 
 def _problems(what: str, before: Sequence[str], after: Sequence[str]) -> Iterator[Problem]:

@@ -12,8 +12,8 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple
 
 from dh2urdf.kinematics import dh_frames, row_transform
+from dh2urdf.kinematics.mass import rotated
 from dh2urdf.manipulator import Convention, DHRow, JointType
-from dh2urdf.mass_properties import rotated
 from dh2urdf.rotations import IDENTITY, ZERO, RigidTransform, add, multiply, rotate, rotation_x, transpose
 from dh2urdf.source import Problem, free_name, shown
 from dh2urdf_plugins.extraction.chain import Axis, Chain, Precision, decompose, seen_from

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 from dh2urdf import measuring
 from dh2urdf.errors import LoaderError
 from dh2urdf.kinematics import link_poses
+from dh2urdf.kinematics.mass import GRAVITY, compound, placed
 from dh2urdf.manipulator import JointType
-from dh2urdf.mass_properties import GRAVITY, compound, placed
 from dh2urdf.robot import Inertial
 from dh2urdf.rotations import IDENTITY, ZERO, Rotation, Vec3, add, rotate, scale, subtract
 from dh2urdf.source import Problem, listed, shown

@@ -13,9 +13,8 @@ if TYPE_CHECKING:
 
     from dh2urdf.columns import ManipulatorGroups
     from dh2urdf.manipulator import Manipulator
-    from dh2urdf.provenance import Trace
     from dh2urdf.stages import Rejected
-    from dh2urdf.table_text import CellRow, TableText, WrittenTable
+    from dh2urdf.table_text import CellRow, TableText, Trace, WrittenTable
 
 
 def read(path: Path, options: TableOptions, trace: Trace | None = None) -> Iterator[Manipulator | Rejected]:

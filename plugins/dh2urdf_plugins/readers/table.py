@@ -27,9 +27,9 @@ if TYPE_CHECKING:
 
     from dh2urdf.documents import Node
     from dh2urdf.manipulator import Manipulator
-    from dh2urdf.provenance import Trace
     from dh2urdf.source import Problem
     from dh2urdf.stages import Rejected
+    from dh2urdf.table_text import Trace
 
 __all__ = ["CellRow", "TableOptions", "read_table", "read_table_columns"]
 

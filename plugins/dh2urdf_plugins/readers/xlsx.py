@@ -12,8 +12,8 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from dh2urdf.manipulator import Manipulator
-    from dh2urdf.provenance import Trace
     from dh2urdf.stages import Rejected
+    from dh2urdf.table_text import Trace
 
 
 def read(path: Path, options: XlsxOptions, trace: Trace | None = None) -> Iterator[Manipulator | Rejected]:

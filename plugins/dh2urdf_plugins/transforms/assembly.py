@@ -13,12 +13,27 @@ from dataclasses import replace
 from functools import cache, reduce
 from typing import TYPE_CHECKING, NamedTuple
 
-from dh2urdf import unchecked_records as own
 from dh2urdf.elementwise import greater_of, mapped
 from dh2urdf.errors import TransformError
-from dh2urdf.manipulator import BASE, FLANGE, ROOT, TOOL, DHRow, JointType, Limits
-from dh2urdf.mass_properties import GRAVITY, compound, placed, rotated, scaled, solid
-from dh2urdf.robot import WEIGHTLESS, Collision, Inertial, Joint, Link, Mesh, Origin, Parameter, Robot, Sphere, Visual
+from dh2urdf.kinematics.mass import GRAVITY, compound, placed, rotated, scaled, solid
+from dh2urdf.manipulator import BASE, FLANGE, ROOT, TOOL, DHRow, JointType, Limits, new_limits
+from dh2urdf.robot import (
+    WEIGHTLESS,
+    Collision,
+    Inertial,
+    Joint,
+    Link,
+    Mesh,
+    Origin,
+    Parameter,
+    Robot,
+    Sphere,
+    Visual,
+    new_inertial,
+    new_joint,
+    new_link,
+    new_parameter,
+)
 from dh2urdf.rotations import RigidTransform, Vec3, add, cross, norm, rotate, subtract
 from dh2urdf.row_fields import DYNAMICS
 from dh2urdf.source import Problem
@@ -53,11 +68,11 @@ def complete_limits(rows: Sequence[DHRow]) -> list[Limits]:
         lower = -bound if given.lower is None else given.lower
         upper = bound if given.upper is None else given.upper
         if row.type is JointType.FIXED:
-            limits.append(own.limits())
+            limits.append(new_limits())
         elif row.type is JointType.CONTINUOUS:
-            limits.append(own.limits(velocity=velocity, effort=given.effort))
+            limits.append(new_limits(velocity=velocity, effort=given.effort))
         else:
-            limits.append(own.limits(lower=lower, upper=upper, velocity=velocity, effort=given.effort))
+            limits.append(new_limits(lower=lower, upper=upper, velocity=velocity, effort=given.effort))
     return limits
 
 
@@ -153,7 +168,7 @@ def parameters(manipulator: Manipulator, *, angles: bool = False) -> tuple[Param
     """The numbers that formulas use: the lengths of every row and, if asked for, its angles."""
     units = {"a": "m", "alpha": "rad", "d": "m", "theta": "rad"} if angles else {"a": "m", "d": "m"}
     return tuple(
-        own.parameter(name=f"{name}_{number}", value=getattr(row, name) + 0.0, unit=unit, joint=row.joint)
+        new_parameter(name=f"{name}_{number}", value=getattr(row, name) + 0.0, unit=unit, joint=row.joint)
         for number, row in enumerate(manipulator.rows, start=1)
         for name, unit in units.items()
     )
@@ -201,9 +216,9 @@ def assemble(
 
     def link(name: str, body: Inertial, of: Part | Base) -> Link:
         visuals, collisions = of.visuals if seen else (), of.collisions if touching else ()
-        return own.link(name=name, inertial=body, visuals=visuals, collisions=collisions)
+        return new_link(name=name, inertial=body, visuals=visuals, collisions=collisions)
 
-    links = [own.link(name=ROOT), link(BASE, base_body, base)]
+    links = [new_link(name=ROOT), link(BASE, base_body, base)]
     joints = [fixed_joint(ROOT, BASE, base.origin)]
     for number, (part, body) in enumerate(zip(parts, bodies, strict=True)):
         row, limits = part.row, part.limits
@@ -213,7 +228,7 @@ def assemble(
             given = {name: getattr(row, name) for name in DYNAMICS}
             dynamics = {name: getattr(options, name, None) if value is None else value for name, value in given.items()}
         joints.append(
-            own.joint(
+            new_joint(
                 name=row.joint,
                 type=row.type,
                 parent=part.holder or BASE,
@@ -228,13 +243,13 @@ def assemble(
         links.append(link(row.link, body, part))
     carrier = BASE if last is None else parts[last].row.link
     joints += [fixed_joint(carrier, FLANGE, flange), fixed_joint(carrier, TOOL, tool0)]
-    links += [own.link(name=FLANGE, inertial=WEIGHTLESS), own.link(name=TOOL, inertial=WEIGHTLESS)]
+    links += [new_link(name=FLANGE, inertial=WEIGHTLESS), new_link(name=TOOL, inertial=WEIGHTLESS)]
     if options.base_frame:  # On the body of the base: a chain of frames without mass is lost in sdformat.
         joints.append(fixed_joint(BASE, "base", base.dh_frame))
-        links.append(own.link(name="base", inertial=WEIGHTLESS))
+        links.append(new_link(name="base", inertial=WEIGHTLESS))
     if payload:
         joints.append(fixed_joint(carrier, PAYLOAD, tool0))
-        links.append(own.link(name=PAYLOAD, inertial=payload))
+        links.append(new_link(name=PAYLOAD, inertial=payload))
     return Robot(
         name=manipulator.name, links=tuple(links), joints=tuple(joints), parameters=parameters, comment=comment
     )
@@ -242,7 +257,7 @@ def assemble(
 
 def fixed_joint(parent: str, child: str, origin: Origin) -> Joint:
     """A fixed joint, named after the two links that it holds together."""
-    return own.joint(name=f"{parent}-{child}", type=JointType.FIXED, parent=parent, child=child, origin=origin)
+    return new_joint(name=f"{parent}-{child}", type=JointType.FIXED, parent=parent, child=child, origin=origin)
 
 
 def shape_body(visuals: Sequence[Visual], density: float, joint: str | None = None) -> Inertial:
@@ -283,7 +298,7 @@ def of_mass(body: Inertial, mass: float | None) -> Inertial:
     """A body of the same shape with another mass [kg]; the same body where none is given."""
     if mass is None:
         return body
-    return own.inertial(mass=mass, com=body.com, inertia=scaled(body.inertia, mass / body.mass))
+    return new_inertial(mass=mass, com=body.com, inertia=scaled(body.inertia, mass / body.mass))
 
 
 def payload_body(manipulator: Manipulator, density: float) -> Inertial | None:
@@ -295,7 +310,7 @@ def payload_body(manipulator: Manipulator, density: float) -> Inertial | None:
     if inertia is None:
         radius = (payload.mass / solid(Sphere(radius=1.0), density).mass) ** (1.0 / 3.0)
         inertia = of_mass(solid(Sphere(radius=radius), density), payload.mass).inertia
-    return own.inertial(mass=payload.mass, com=payload.com, inertia=inertia)
+    return new_inertial(mass=payload.mass, com=payload.com, inertia=inertia)
 
 
 def link_body(part: Part, density: float) -> Inertial:
@@ -309,7 +324,7 @@ def link_body(part: Part, density: float) -> Inertial:
     if is_frame(row):
         return WEIGHTLESS
     if frame and is_weighed(row):  # Nobody need read a mesh for that.
-        body = own.inertial(mass=row.mass)  # type: ignore[arg-type]  # it is given
+        body = new_inertial(mass=row.mass)  # type: ignore[arg-type]  # it is given
     else:
         body = of_mass(shape_body(part.visuals, density, row.joint), row.mass)
     if frame is None:
@@ -320,7 +335,7 @@ def link_body(part: Part, density: float) -> Inertial:
         com = (x + 0.0, y + 0.0, z + 0.0)
     if row.inertia is not None:
         inertia = rotated(row.inertia, frame.rotation)
-    return own.inertial(mass=body.mass, com=com, inertia=inertia)
+    return new_inertial(mass=body.mass, com=com, inertia=inertia)
 
 
 def static_efforts(parts: Sequence[Part], bodies: Sequence[Inertial]) -> list[float]:

@@ -6,13 +6,13 @@ import math
 from dataclasses import replace
 from typing import TYPE_CHECKING, Literal
 
-from dh2urdf.drawn_links import GAP, is_to_compare, mesh_gap
 from dh2urdf.elementwise import is_column, where
+from dh2urdf.kinematics.mass import inertia_problem, is_sound, possible_inertia
 from dh2urdf.manipulator import Convention, DHRow, JointType
-from dh2urdf.mass_properties import inertia_problem, is_sound, possible_inertia
 from dh2urdf.rotations import HALF_PI, IDENTITY, nearest_quarter, quarter_turns, rounded_quarter_turn
 from dh2urdf.row_fields import NUMBERS
 from dh2urdf.source import Problem, did_you_mean
+from dh2urdf.variations.drawn_links import GAP, is_to_compare, mesh_gap
 from dh2urdf_plugins.transforms.shapes import SHAPES
 
 if TYPE_CHECKING:
@@ -20,8 +20,8 @@ if TYPE_CHECKING:
 
     from dh2urdf.columns import ManipulatorColumns
     from dh2urdf.elementwise import Condition, Number
+    from dh2urdf.kinematics.mass import Inertias
     from dh2urdf.manipulator import Inertia, LinkGeometry, Manipulator
-    from dh2urdf.mass_properties import Inertias
 
 SUSPICIOUS = 2e-3
 """Distance from a quarter turn [rad] at which an angle was probably meant to be one: 3.14 and 1.57 are nearer."""

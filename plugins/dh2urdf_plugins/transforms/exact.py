@@ -13,10 +13,9 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING, TypeAlias
 
-from dh2urdf import unchecked_records as own
 from dh2urdf.elementwise import DividedError, agreed, greater_of, hypot, is_column, smaller_of, where
 from dh2urdf.manipulator import Convention, JointType
-from dh2urdf.robot import Collision, Cylinder
+from dh2urdf.robot import Collision, Cylinder, new_origin, new_visual
 from dh2urdf.rotations import IDENTITY
 from dh2urdf_plugins.transforms.assembly import Base, Part, assemble, complete_limits, parameters
 from dh2urdf_plugins.transforms.checks import is_frame, sure_tables
@@ -209,7 +208,7 @@ def _arm_visuals(row: DHRow, frame: LinkFrame, style: Style, tube: Style, *, is_
 
     def body(shape: Cylinder, offset: Number, material: Material) -> Visual:
         place = plus(at, times(Quantity(offset), along))
-        return own.visual(geometry=shape, origin=origin(place, frame.offset.rpy), material=material)
+        return new_visual(geometry=shape, origin=origin(place, frame.offset.rpy), material=material)
 
     ends = body(cap, ahead - half, BASE_COLOUR), body(cap, ahead + half, BASE_COLOUR)
     return (body(barrel, ahead, style.material), *ends, *seen)
@@ -265,7 +264,7 @@ def _base(manipulator: Manipulator, frames: Frames, style: Style, rail: Drawn, o
         touch = (foot, *collisions([frames.front], style), *rail[1])
     dh_frame = settled(manipulator.base) if options.frames == "aligned" else IDENTITY
     seen, touch = _or_meshes((seen, touch), manipulator.base_visual, manipulator.base_collision, dh_frame, BASE_COLOUR)
-    place = own.origin(xyz=dh_frame.translation, rpy=dh_frame.rpy)
+    place = new_origin(xyz=dh_frame.translation, rpy=dh_frame.rpy)
     return Base(origin=origin(*frames.base), visuals=seen, collisions=touch, dh_frame=place)
 
 

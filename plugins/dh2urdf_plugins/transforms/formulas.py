@@ -16,8 +16,8 @@ import math
 from collections.abc import Callable
 from typing import TYPE_CHECKING, TypeAlias
 
-from dh2urdf import unchecked_records as own
 from dh2urdf.elementwise import Number, atan2, greater_of, is_column, mapped, where
+from dh2urdf.robot import new_origin
 from dh2urdf.rotations import HALF_PI, exact_cos_sin, nearest_quarter
 
 if TYPE_CHECKING:
@@ -186,7 +186,7 @@ def origin(xyz: Quantities, rpy: Quantities = NO_VECTOR) -> Origin:
         None if all(number.constant for number in part) else (part[0].formula, part[1].formula, part[2].formula)
         for part in (xyz, rpy)
     )
-    return own.origin(xyz=values(xyz), rpy=values(rpy), xyz_formula=xyz_formula, rpy_formula=rpy_formula)
+    return new_origin(xyz=values(xyz), rpy=values(rpy), xyz_formula=xyz_formula, rpy_formula=rpy_formula)
 
 
 def values(vector: Quantities) -> Vec3:

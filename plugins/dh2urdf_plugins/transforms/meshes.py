@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from dh2urdf.errors import MissingDependencyError, TransformError
-from dh2urdf.mass_properties import scaled
+from dh2urdf.kinematics.mass import scaled
 from dh2urdf.meshes import FORMATS, REMEDY, Asset, asset_of, enclosed, file_address, load_scene, read_mesh, to_metres
 from dh2urdf.robot import Collision, Inertial, Mesh, Origin, Visual
 from dh2urdf.source import Problem, shown

@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from dh2urdf.drawn_links import other_lengths
 from dh2urdf.errors import TransformError
 from dh2urdf.manipulator import JointType
 from dh2urdf.source import Problem
+from dh2urdf.variations.drawn_links import other_lengths
 from dh2urdf_plugins.transforms.alpha_swap_options import AlphaSwapOptions
 from dh2urdf_plugins.transforms.checks import (
     angle_notices,

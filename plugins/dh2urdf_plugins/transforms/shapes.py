@@ -15,9 +15,8 @@ from __future__ import annotations
 from functools import reduce
 from typing import TYPE_CHECKING, NamedTuple, get_args
 
-from dh2urdf import unchecked_records as own
 from dh2urdf.elementwise import agreed, atan2, for_some, greater_of, hypot, smaller_of, where
-from dh2urdf.robot import Box, Collision, Cylinder, Material, Sphere, Visual
+from dh2urdf.robot import Box, Collision, Cylinder, Material, Sphere, Visual, new_collision, new_visual
 from dh2urdf_plugins.transforms.alpha_swap_options import Shape
 from dh2urdf_plugins.transforms.formulas import (
     HALF,
@@ -134,7 +133,7 @@ def direction_rpy(direction: Vec3) -> Vec3:
 def visuals(segments: list[Segment], style: Style) -> tuple[Visual, ...]:
     """The bodies of segments; those that are too short to see are left out."""
     return tuple(
-        own.visual(
+        new_visual(
             geometry=style.prism(length_of(segment.length, least=SHORTEST * style.radius)),
             origin=origin(segment.centre, segment.rpy),
             material=style.material,
@@ -147,7 +146,7 @@ def visuals(segments: list[Segment], style: Style) -> tuple[Visual, ...]:
 def caps(points: list[Quantities], style: Style) -> tuple[Visual, ...]:
     """The spheres at the ends of a capsule's segments."""
     ball = Sphere(radius=style.radius)
-    return tuple(own.visual(geometry=ball, origin=origin(point), material=style.material) for point in points)
+    return tuple(new_visual(geometry=ball, origin=origin(point), material=style.material) for point in points)
 
 
 def collisions(segments: list[Segment], style: Style) -> tuple[Collision, ...]:
@@ -158,7 +157,7 @@ def collisions(segments: list[Segment], style: Style) -> tuple[Collision, ...]:
     """
     both_ends, shortest = 2.0 * style.radius, SHORTEST * style.radius
     return tuple(
-        own.collision(
+        new_collision(
             geometry=style.prism(length_of(segment.length, both_ends, least=shortest)),
             origin=origin(segment.centre, segment.rpy),
         )
@@ -182,11 +181,11 @@ def housing(at: Quantities, rpy: Quantities, style: Style) -> Visual:
     geometry: Geometry = style.prism(Quantity(2.0 * style.radius))
     if style.shape == "capsule":
         geometry, rpy = Sphere(radius=style.radius), NO_VECTOR
-    return own.visual(geometry=geometry, origin=origin(at, rpy), material=style.material)
+    return new_visual(geometry=geometry, origin=origin(at, rpy), material=style.material)
 
 
 def pedestal(at: Quantities, up: Quantities, rpy: Quantities, style: Style) -> Visual:
     """The body of the base, at a point: 1.5 radii in radius, one radius high."""
     segment = Segment.between(at, up, Quantity(style.radius), rpy)
     shape = style._replace(radius=BASE_WIDTH * style.radius).prism(segment.length)
-    return own.visual(geometry=shape, origin=origin(segment.centre, rpy), material=style.material)
+    return new_visual(geometry=shape, origin=origin(segment.centre, rpy), material=style.material)

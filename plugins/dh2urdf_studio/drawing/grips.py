@@ -11,8 +11,8 @@ from dh2urdf.rotations import Vec3, norm
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from dh2urdf.foreign_robot import Follower
     from dh2urdf.robot import Joint, Robot
+    from dh2urdf.stages.foreign_robot import Follower
 
 _MOVING = (JointType.REVOLUTE, JointType.CONTINUOUS, JointType.PRISMATIC)
 _STEPS, _CLOSE = 30, 1e-9

@@ -17,7 +17,7 @@ from dh2urdf.manipulator import Convention, JointType, Manipulator
 from dh2urdf.quantities.units import UNITS
 from dh2urdf.rotations import IDENTITY, RigidTransform
 from dh2urdf.stage_calls.calls import default_call
-from dh2urdf.table_text import dimension_of, number_in, table_text, unit_of
+from dh2urdf.table_text.texts import dimension_of, number_in, table_text, unit_of
 from dh2urdf_studio.drawing.parts import BESIDE
 from dh2urdf_studio.drawing.scene import Figure
 from dh2urdf_studio.editing import edits

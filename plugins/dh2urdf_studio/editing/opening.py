@@ -18,7 +18,8 @@ from dh2urdf.source import Mark, Problem, listed, shown
 from dh2urdf.stage_calls.answers import several_records
 from dh2urdf.stage_calls.calls import Call, blaming, default_call
 from dh2urdf.stages import ReadsDescriptions, Rejected, WritesTables
-from dh2urdf.table_text import FIELDS, TableText, table_text
+from dh2urdf.table_text import FIELDS, TableText
+from dh2urdf.table_text.texts import table_text
 from dh2urdf_studio.editing.reading import read_whole
 
 if TYPE_CHECKING:

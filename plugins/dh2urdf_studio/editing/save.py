@@ -23,7 +23,8 @@ from dh2urdf.output.whole_files import safe_stem
 from dh2urdf.source import Mark
 from dh2urdf.stage_calls.calls import default_call
 from dh2urdf.stages import Emitter, OtherFiles, WritesFolders, WritesTables
-from dh2urdf.table_text import NAMES, yaml_word
+from dh2urdf.table_text import NAMES
+from dh2urdf.table_text.texts import yaml_word
 from dh2urdf_studio.editing.reading import transform_call, variant_options
 
 if TYPE_CHECKING:

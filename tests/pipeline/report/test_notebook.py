@@ -12,9 +12,9 @@ from lxml import html
 
 import dh2urdf
 from dh2urdf import Convention, DHRow, JointType, Limits, Manipulator, Robot
+from dh2urdf.fields import replace_unchecked
 from dh2urdf.report import notebook
 from dh2urdf.rotations import RigidTransform
-from dh2urdf.unchecked_records import replace_unchecked
 
 if TYPE_CHECKING:
     from conftest import ReferenceRobot

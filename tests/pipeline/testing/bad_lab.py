@@ -15,9 +15,9 @@ from typing import TYPE_CHECKING, Any
 
 from dh2urdf.columns import ManipulatorGroups, in_columns
 from dh2urdf.errors import LoaderError
+from dh2urdf.fields import replace_unchecked
 from dh2urdf.hookspecs import hookimpl
 from dh2urdf.manipulator import Convention, DHRow, Manipulator
-from dh2urdf.provenance import Said
 from dh2urdf.robot import Link, Origin
 from dh2urdf.source import Mark
 from dh2urdf.stages import (
@@ -33,8 +33,8 @@ from dh2urdf.stages import (
     Reader,
     Transform,
 )
+from dh2urdf.table_text import Said
 from dh2urdf.testing import plain_robot
-from dh2urdf.unchecked_records import changed
 from dh2urdf_plugins.readers.table import read_table
 
 if TYPE_CHECKING:
@@ -262,7 +262,9 @@ def edit_by_first(manipulator: Manipulator, _options: Any) -> Manipulator:
     def first(number: Any) -> Any:
         return float(number[0]) if hasattr(number, "ndim") else number
 
-    return changed(manipulator, rows=tuple(changed(row, d=first(row.d)) for row in manipulator.rows))
+    return replace_unchecked(
+        manipulator, rows=tuple(replace_unchecked(row, d=first(row.d)) for row in manipulator.rows)
+    )
 
 
 def edit_by_force(manipulator: Manipulator, _options: Any) -> Manipulator:

@@ -18,6 +18,7 @@ import pytest
 from hypothesis import given, strategies as st
 
 from dh2urdf.errors import ConfigError, ManipulatorError
+from dh2urdf.fields import replace_unchecked
 from dh2urdf.kinematics import forward_kinematics
 from dh2urdf.kinematics.chain import as_matrices
 from dh2urdf.manipulator import Convention, DHRow, Inertia, JointType, Limits, Manipulator
@@ -28,7 +29,6 @@ from dh2urdf.run_file.variation_section import LAWS
 from dh2urdf.source import Mark
 from dh2urdf.tasks.batch import batches
 from dh2urdf.tasks.expected import Expected
-from dh2urdf.unchecked_records import replace_unchecked
 from dh2urdf.variations.binding import bind
 from dh2urdf.variations.laws import Choices, DrawnValue, Grid, Law, LogUniform, Normal, Offset, Scale, Uniform
 from dh2urdf.variations.sampling import Sampling

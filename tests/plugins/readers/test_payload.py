@@ -9,7 +9,7 @@ import pytest
 
 from dh2urdf.manipulator import Convention, DHRow, Inertia, Manipulator, Payload
 from dh2urdf.stages import WritesTables
-from dh2urdf.table_text import table_text
+from dh2urdf.table_text.texts import table_text
 from dh2urdf_plugins.readers import csv, yaml
 from dh2urdf_plugins.readers.table import TableOptions
 

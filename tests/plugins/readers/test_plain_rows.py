@@ -10,8 +10,8 @@ import pytest
 from hypothesis import given, settings, strategies as st
 
 from dh2urdf.errors import Problem, TableError
+from dh2urdf.fields import replace_unchecked
 from dh2urdf.manipulator import Convention, DHRow, Manipulator
-from dh2urdf.unchecked_records import replace_unchecked
 from dh2urdf_plugins.readers import csv
 from dh2urdf_plugins.readers.plain.numbers import PlainNumbers
 from dh2urdf_plugins.readers.plain.rows import PlainRows

@@ -12,7 +12,8 @@ from hypothesis import given, strategies as st
 from dh2urdf.manipulator import Manipulator
 from dh2urdf.source import Mark
 from dh2urdf.stages import WritesTables
-from dh2urdf.table_text import FIELDS, TableText, table_text
+from dh2urdf.table_text import FIELDS, TableText
+from dh2urdf.table_text.texts import table_text
 from dh2urdf_plugins.readers import csv, yaml
 from dh2urdf_plugins.readers.table import TableOptions
 

@@ -8,8 +8,8 @@ from typing import Any
 import pytest
 
 from dh2urdf.manipulator import Manipulator
-from dh2urdf.provenance import Trace
 from dh2urdf.stages import Traces
+from dh2urdf.table_text import Trace
 from dh2urdf_plugins.readers import csv, parquet, yaml
 from dh2urdf_plugins.readers.table import TableOptions
 

@@ -12,10 +12,10 @@ import pytest
 from hypothesis import given, settings, strategies as st
 
 from dh2urdf.columns import in_columns
+from dh2urdf.fields import replace_unchecked
 from dh2urdf.manipulator import Convention, DHRow, Inertia, JointType, Limits, LinkGeometry, Manipulator
 from dh2urdf.rotations import HALF_PI, RigidTransform
 from dh2urdf.stages import EmitsInColumns, TransformsInColumns
-from dh2urdf.unchecked_records import replace_unchecked
 from dh2urdf_plugins.formats.urdf import EMITTER, UrdfOptions
 from dh2urdf_plugins.transforms import exact as transform_module
 from dh2urdf_plugins.transforms.alpha_swap import TRANSFORM, alpha_swap

@@ -11,11 +11,11 @@ import pytest
 from any_tables import ANGLES, LENGTHS, manipulators
 from hypothesis import given, strategies as st
 
+from dh2urdf.fields import replace_unchecked
 from dh2urdf.manipulator import Convention, DHRow, JointType, Manipulator
 from dh2urdf.robot import Box, Cylinder
 from dh2urdf.robot_check import check_robot
 from dh2urdf.rotations import RigidTransform
-from dh2urdf.unchecked_records import replace_unchecked
 from dh2urdf_plugins.transforms.alpha_swap import alpha_swap
 from dh2urdf_plugins.transforms.alpha_swap_options import AlphaSwapOptions
 

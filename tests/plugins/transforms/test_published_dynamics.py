@@ -16,8 +16,8 @@ import pytest
 import yaml
 
 from dh2urdf.errors import TransformError
+from dh2urdf.kinematics.mass import has_zero_moments, inertia_problem, principal_moments, repaired
 from dh2urdf.manipulator import Inertia, Manipulator
-from dh2urdf.mass_properties import has_zero_moments, inertia_problem, principal_moments, repaired
 from dh2urdf_plugins.formats.urdf import EMITTER as URDF
 from dh2urdf_plugins.readers import csv, yaml as yaml_reader
 from dh2urdf_plugins.readers.table import TableOptions

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 
-from dh2urdf.foreign_robot import Follower
 from dh2urdf.manipulator import Inertia, JointType, Limits
 from dh2urdf.robot import Box, Collision, Inertial, Joint, Link, Material, Mesh, Origin, Robot, Visual
+from dh2urdf.stages.foreign_robot import Follower
 from dh2urdf_studio.drawing.scene import Figure
 from dh2urdf_studio.robot_tree import contents
 

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pytest
 
-from dh2urdf.foreign_robot import Follower
 from dh2urdf.kinematics.chain import as_matrices
+from dh2urdf.stages.foreign_robot import Follower
 from dh2urdf_studio.drawing.grips import Grip
 from dh2urdf_studio.viewing import View, load_figures
 

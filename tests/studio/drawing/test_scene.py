@@ -14,7 +14,7 @@ from dh2urdf.kinematics.chain import as_matrices
 from dh2urdf.manipulator import Convention, Inertia, JointType
 from dh2urdf.robot import Inertial, Joint, Link, Mesh, Origin, Robot, Visual
 from dh2urdf.rotations import RigidTransform
-from dh2urdf.table_text import table_text
+from dh2urdf.table_text.texts import table_text
 from dh2urdf_studio.drawing.parts import APART, PAPER
 from dh2urdf_studio.drawing.scene import FRAME_SIZE, Drawing, Figure, extent, poses_as_json
 from dh2urdf_studio.editing.reading import make

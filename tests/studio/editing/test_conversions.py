@@ -9,7 +9,8 @@ import pytest
 from dh2urdf.kinematics import angle_error, forward_kinematics, position_error
 from dh2urdf.manipulator import Convention, DHRow, Inertia, JointType, Limits, Manipulator
 from dh2urdf.rotations import RigidTransform
-from dh2urdf.table_text import TableText, table_text
+from dh2urdf.table_text import TableText
+from dh2urdf.table_text.texts import table_text
 from dh2urdf_studio.editing.conversions import with_convention, with_units
 from dh2urdf_studio.editing.opening import gallery_table
 from dh2urdf_studio.editing.reading import make, read_whole

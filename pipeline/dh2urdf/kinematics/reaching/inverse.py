@@ -13,12 +13,12 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from dh2urdf.elementwise import total
 from dh2urdf.errors import RecordValueError
+from dh2urdf.fields import take_fields
 from dh2urdf.kinematics.chain import angle_error, compile_table, position_error, reach
 from dh2urdf.kinematics.joint_vectors import JointNames, joint_values
 from dh2urdf.kinematics.pose_arrays import jacobian_at
 from dh2urdf.kinematics.walk import CompiledChain, values_of
 from dh2urdf.manipulator import JointType
-from dh2urdf.record_fields import take_fields
 from dh2urdf.rotations import RigidTransform, multiply, norm, transpose
 from dh2urdf.source import Mark, Problem, shown
 

@@ -9,22 +9,22 @@ from typing import TYPE_CHECKING, Any, Final, Literal
 from dh2urdf._version import __version__
 from dh2urdf.kinematics.chain import forward_kinematics, joint_variables
 from dh2urdf.manipulator import JointType, Manipulator
-from dh2urdf.provenance import Trace
 from dh2urdf.report.answers.conversions import BASE, filled_in
 from dh2urdf.report.manifest import axes_entry
 from dh2urdf.rotations import norm
 from dh2urdf.row_fields import COM, INERTIA, LIMITS, NUMBERS, ROW_FIELDS, SI_UNITS
+from dh2urdf.table_text import Trace
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
 
     from dh2urdf.manipulator import DHRow
-    from dh2urdf.provenance import Said
     from dh2urdf.results import BriefEntry, Detail, DistanceEntry, FieldEntry, InfoReport, Placement
     from dh2urdf.robot import Joint, Robot
     from dh2urdf.rotations import RigidTransform
     from dh2urdf.source import Mark, Problem
     from dh2urdf.stages import Rejected
+    from dh2urdf.table_text import Said
 
 SCHEMA: Final = "dh2urdf-info/1"
 """Name and version of the form of what `dh2urdf info --json` prints."""

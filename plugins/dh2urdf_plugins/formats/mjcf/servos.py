@@ -14,8 +14,8 @@ import math
 from typing import TYPE_CHECKING, NamedTuple
 
 from dh2urdf.elementwise import total
+from dh2urdf.kinematics.mass import GRAVITY
 from dh2urdf.manipulator import JointType
-from dh2urdf.mass_properties import GRAVITY
 from dh2urdf.rotations import cross, norm
 from dh2urdf_plugins.home_pose import SLIDING
 

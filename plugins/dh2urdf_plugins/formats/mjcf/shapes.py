@@ -9,8 +9,8 @@ import math
 from pathlib import PurePosixPath
 from typing import TYPE_CHECKING, NamedTuple
 
+from dh2urdf.kinematics.mass import compound, placed, scaled, solid
 from dh2urdf.manipulator import Inertia
-from dh2urdf.mass_properties import compound, placed, scaled, solid
 from dh2urdf.robot import Box, Collision, Cylinder, Inertial, Material, Mesh, Origin, Sphere, Visual
 from dh2urdf.rotations import (
     IDENTITY,

@@ -12,9 +12,8 @@ from typing import TYPE_CHECKING
 
 from lxml import etree
 
-from dh2urdf import unchecked_records as own
 from dh2urdf.errors import ProofError
-from dh2urdf.manipulator import JOINT_TYPES, JointType
+from dh2urdf.manipulator import JOINT_TYPES, JointType, new_inertia, new_limits
 from dh2urdf.robot import (
     Box,
     Cylinder,
@@ -27,6 +26,12 @@ from dh2urdf.robot import (
     Robot,
     Sphere,
     Visual,
+    new_collision,
+    new_inertial,
+    new_joint,
+    new_link,
+    new_origin,
+    new_visual,
 )
 from dh2urdf.rotations import X_AXIS, Z_AXIS, ZERO, Vec3, multiply, rotation_from_rpy, transpose
 from dh2urdf.source import Mark, Problem, shown
@@ -89,13 +94,13 @@ class _UrdfReader:
 
     def _link(self, element: etree._Element) -> Link:
         inertial = element.find("inertial")
-        return own.link(
+        return new_link(
             name=self._text(element, "name"),
             inertial=None if inertial is None else self._inertial(inertial),
             visuals=tuple([self._visual(visual) for visual in element.iterchildren("visual")]),
             collisions=tuple(
                 [
-                    own.collision(geometry=self._geometry(collision), origin=self._origin(collision))
+                    new_collision(geometry=self._geometry(collision), origin=self._origin(collision))
                     for collision in element.iterchildren("collision")
                 ]
             ),
@@ -110,16 +115,16 @@ class _UrdfReader:
         direction = Z_AXIS  # What the field holds of a fixed joint, which has none.
         if kind is not JointType.FIXED:
             direction = X_AXIS if axis is None else self._vector(axis, "xyz", X_AXIS)
-        return own.joint(
+        return new_joint(
             name=self._text(element, "name"),
             type=kind,
             parent=self._text(self._child(element, "parent"), "link"),
             child=self._text(self._child(element, "child"), "link"),
             origin=self._origin(element),
             axis=direction,
-            limits=own.limits()
+            limits=new_limits()
             if limit is None
-            else own.limits(
+            else new_limits(
                 lower=self._optional(limit, "lower"),
                 upper=self._optional(limit, "upper"),
                 velocity=self._optional(limit, "velocity"),
@@ -139,15 +144,15 @@ class _UrdfReader:
             R = rotation_from_rpy(origin.rpy)
             turned = multiply(multiply(R, (ixx, ixy, ixz, ixy, iyy, iyz, ixz, iyz, izz)), transpose(R))
             ixx, ixy, ixz, _, iyy, iyz, _, _, izz = turned
-        return own.inertial(
+        return new_inertial(
             mass=self._number(self._child(element, "mass"), "value"),
             com=origin.xyz,
-            inertia=own.inertia(ixx=ixx, iyy=iyy, izz=izz, ixy=ixy, ixz=ixz, iyz=iyz),
+            inertia=new_inertia(ixx=ixx, iyy=iyy, izz=izz, ixy=ixy, ixz=ixz, iyz=iyz),
         )
 
     def _visual(self, element: etree._Element) -> Visual:
         material = element.find("material")
-        return own.visual(
+        return new_visual(
             geometry=self._geometry(element),
             origin=self._origin(element),
             material=None if material is None else self._material(material),
@@ -184,8 +189,8 @@ class _UrdfReader:
     def _origin(self, parent: etree._Element) -> Origin:
         origin = parent.find("origin")
         if origin is None:
-            return own.origin()
-        return own.origin(xyz=self._vector(origin, "xyz", ZERO), rpy=self._vector(origin, "rpy", ZERO))
+            return new_origin()
+        return new_origin(xyz=self._vector(origin, "xyz", ZERO), rpy=self._vector(origin, "rpy", ZERO))
 
     def _child(self, element: etree._Element, tag: str) -> etree._Element:
         child = element.find(tag)

@@ -27,8 +27,8 @@ from dh2urdf.documents import xml_root
 from dh2urdf.elementwise import total
 from dh2urdf.errors import LoaderError
 from dh2urdf.kinematics import link_poses
+from dh2urdf.kinematics.mass import placed
 from dh2urdf.manipulator import Inertia
-from dh2urdf.mass_properties import placed
 from dh2urdf.measuring import Body, Precision, tensor
 from dh2urdf.meshes import has_meshes
 from dh2urdf.robot import Inertial

@@ -17,7 +17,7 @@ from importlib.metadata import version
 from typing import TYPE_CHECKING, Any
 
 from dh2urdf.errors import LoaderError
-from dh2urdf.mass_properties import GRAVITY
+from dh2urdf.kinematics.mass import GRAVITY
 from dh2urdf.measuring import DOUBLE, Body
 from dh2urdf.rotations import RigidTransform
 from dh2urdf.source import listed, shown

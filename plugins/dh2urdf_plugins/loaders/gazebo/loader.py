@@ -18,8 +18,8 @@ from typing import TYPE_CHECKING
 
 from dh2urdf.errors import LoaderError, MissingProgramError, ProofError
 from dh2urdf.kinematics import link_poses
+from dh2urdf.kinematics.mass import compound, placed
 from dh2urdf.manipulator import JointType
-from dh2urdf.mass_properties import compound, placed
 from dh2urdf.measuring import DOUBLE, Body, tensor
 from dh2urdf.robot import Inertial
 from dh2urdf.rotations import IDENTITY, RigidTransform, quarter_turns

@@ -21,8 +21,8 @@ from importlib.metadata import version
 from typing import TYPE_CHECKING, Any
 
 from dh2urdf.errors import LoaderError
+from dh2urdf.kinematics.mass import GRAVITY
 from dh2urdf.manipulator import JointType
-from dh2urdf.mass_properties import GRAVITY
 from dh2urdf.measuring import Body
 from dh2urdf.rotations import ZERO, RigidTransform, multiply, transpose
 from dh2urdf.source import shown

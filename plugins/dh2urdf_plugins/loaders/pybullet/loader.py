@@ -20,7 +20,7 @@ from importlib.metadata import version
 from typing import TYPE_CHECKING, Any
 
 from dh2urdf.errors import LoaderError
-from dh2urdf.mass_properties import GRAVITY
+from dh2urdf.kinematics.mass import GRAVITY
 from dh2urdf.measuring import Body, Precision
 from dh2urdf.robot import Box, Inertial, Sphere
 from dh2urdf.rotations import IDENTITY, RigidTransform, multiply, rotate, rotation_from_quaternion, transpose

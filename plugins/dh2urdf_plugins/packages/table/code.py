@@ -25,7 +25,7 @@ from dh2urdf.manipulator import ROOT, TOOL, Convention, JointType
 from dh2urdf.quantities import UNITS, format_number
 from dh2urdf.rotations import IDENTITY
 from dh2urdf.source import Problem, free_name
-from dh2urdf.table_text import number_in
+from dh2urdf.table_text.texts import number_in
 from dh2urdf_plugins.packages.templates import filled
 
 if TYPE_CHECKING:

@@ -101,7 +101,7 @@ def statements_in(comment: Comment) -> dict[str, Node]:
     if len(text) > MAX_TEXT:
         return {key: _value(comment, key, match.end())} if match and key in STATEMENTS else {}
     if (not match or key not in STATEMENTS or key == "name") and (name := name_said(comment)):
-        from dh2urdf.table_text import yaml_word
+        from dh2urdf.table_text.texts import yaml_word
 
         return {"name": _node(comment, yaml_word(name))}
     is_statement = match and key in STATEMENTS

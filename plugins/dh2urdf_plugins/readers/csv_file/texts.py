@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING
 
 from dh2urdf.errors import InputError
 from dh2urdf.source import Mark, Problem
-from dh2urdf.table_text import FIELDS, Place, TableText, WrittenTable, yaml_word
+from dh2urdf.table_text import FIELDS, Place, TableText, WrittenTable
+from dh2urdf.table_text.texts import yaml_word
 from dh2urdf_plugins.readers.comments.top import read_top
 from dh2urdf_plugins.readers.csv_file.lines import COMPUTED
 from dh2urdf_plugins.readers.csv_file.rows import CsvRows

@@ -6,8 +6,7 @@ import math
 from operator import le, sub
 from typing import TYPE_CHECKING, Any
 
-from dh2urdf import unchecked_records as own
-from dh2urdf.manipulator import JointType, Limits
+from dh2urdf.manipulator import JointType, Limits, new_limits
 from dh2urdf.quantities import Dimension
 from dh2urdf.row_fields import LIMITS
 from dh2urdf_plugins.readers.plain.numbers import (
@@ -123,7 +122,7 @@ class PlainLimits:
         count = max(map(len, numbers.values()))
         nothing = [None] * count
         bounds = zip(lower or nothing, upper or nothing, velocity or nothing, effort or nothing, strict=True)
-        return [own.limits(lower=low, upper=high, velocity=fast, effort=strong) for low, high, fast, strong in bounds]
+        return [new_limits(lower=low, upper=high, velocity=fast, effort=strong) for low, high, fast, strong in bounds]
 
     def _one(self, word: str, *cells: Value) -> Limits | None:
         """The limits that some cells say to a joint of some type."""

@@ -15,9 +15,8 @@ from math import remainder
 from operator import add, gt, methodcaller
 from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar
 
-from dh2urdf import unchecked_records as own
 from dh2urdf.columns import column
-from dh2urdf.manipulator import JointType, Limits
+from dh2urdf.manipulator import JointType, Limits, new_dh_row
 from dh2urdf.rotations import HALF_PI, quarter_turns
 from dh2urdf.row_fields import LIMITS
 from dh2urdf.table_text import GEOMETRY
@@ -357,7 +356,7 @@ def _row_in_columns(  # noqa: PLR0917 - what a row consists of
     """One row of many manipulators, which is in some places among the rows of all."""
     first = where.start if isinstance(where, slice) else where[0]
     bounds = _some(limits, where)
-    return own.dh_row(
+    return new_dh_row(
         joint=joints[first],
         link=links[first],
         type=kinds[first],

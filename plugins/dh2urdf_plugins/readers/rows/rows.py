@@ -7,11 +7,10 @@ from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from dh2urdf.manipulator import ENDS, DHRow, Inertia, JointType, Limits
-from dh2urdf.provenance import Said
 from dh2urdf.quantities import Dimension, accepted_units
 from dh2urdf.row_fields import COM, INERTIA, NUMBERS, ROW_FIELDS
 from dh2urdf.source import Mark, did_you_mean, shown
-from dh2urdf.table_text import REQUIRED
+from dh2urdf.table_text import REQUIRED, Said
 from dh2urdf_plugins.readers.header.units import SI
 from dh2urdf_plugins.readers.rows.cells import FULL_TURN, RowCells, meant_by
 from dh2urdf_plugins.readers.rows.six_parameters import Extra

@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Any
 from dh2urdf.documents import load_yaml
 from dh2urdf.errors import TableError
 from dh2urdf.manipulator import Convention, LinkGeometry, Manipulator, MeshShape, Payload
-from dh2urdf.provenance import Said
 from dh2urdf.quantities import UNITS, Dimension, QuantityError, Unit, accepted_units, find_unit, unit_word
 from dh2urdf.rotations import IDENTITY, RigidTransform
 from dh2urdf.source import Mark, Problem, did_you_mean, shown
+from dh2urdf.table_text import Said
 from dh2urdf_plugins.readers.header.columns import Columns
 from dh2urdf_plugins.readers.header.units import KEY_OF, UNIT_KEYS, table_units
 from dh2urdf_plugins.readers.words.cells import Cell, Units

@@ -37,8 +37,8 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 
     from dh2urdf.documents import Node
-    from dh2urdf.provenance import Trace
     from dh2urdf.source import Mark
+    from dh2urdf.table_text import Trace
     from dh2urdf_plugins.readers.comments.top import Top
     from dh2urdf_plugins.readers.options import TableOptions
     from dh2urdf_plugins.readers.plain.rows import PlainRows

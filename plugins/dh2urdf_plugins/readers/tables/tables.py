@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
 
     from dh2urdf.manipulator import DHRow, Manipulator
-    from dh2urdf.provenance import Trace
+    from dh2urdf.table_text import Trace
     from dh2urdf_plugins.readers.rows.rows import RowReader
     from dh2urdf_plugins.readers.statements.statements import Statements
     from dh2urdf_plugins.readers.words.cells import Cell

@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING
 
 from dh2urdf.quantities import Dimension
 from dh2urdf.row_fields import ROW_FIELDS
-from dh2urdf.table_text import ANGLE_UNITS, LENGTH_UNITS, yaml_word
+from dh2urdf.table_text import ANGLE_UNITS, LENGTH_UNITS
+from dh2urdf.table_text.texts import yaml_word
 from dh2urdf_plugins.readers.words.fields import convention_of
 
 if TYPE_CHECKING:

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from dh2urdf.manipulator import Manipulator
-    from dh2urdf.provenance import Trace
+    from dh2urdf.table_text import Trace
     from dh2urdf_plugins.readers.options import XlsxOptions
     from dh2urdf_plugins.readers.xlsx_file.rows import SheetRows
 

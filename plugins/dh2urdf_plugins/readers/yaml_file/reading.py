@@ -34,8 +34,8 @@ if TYPE_CHECKING:
 
     from dh2urdf.documents import Item, Node
     from dh2urdf.manipulator import DHRow
-    from dh2urdf.provenance import Trace
     from dh2urdf.source import Mark
+    from dh2urdf.table_text import Trace
 
 KEYS = ("name", "convention", "units", "base", "tool", "payload", "defaults", "visuals", "collisions", "joints")
 """Keys of a manipulator."""

@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING
 from dh2urdf.documents import load_yaml, read_bytes
 from dh2urdf.errors import TableError
 from dh2urdf.row_fields import COM, INERTIA
-from dh2urdf.table_text import MESHES, TableText, WrittenTable, yaml_word
+from dh2urdf.table_text import MESHES, TableText, WrittenTable
+from dh2urdf.table_text.texts import yaml_word
 from dh2urdf_plugins.readers.header.words import read_header
 from dh2urdf_plugins.readers.tables.cell_groups import GroupError, split_cell
 from dh2urdf_plugins.readers.words.table_words import statements_of, units_text

@@ -15,6 +15,7 @@ from collections.abc import Callable, Iterable, Mapping, Set as AbstractSet
 from dataclasses import MISSING, fields, is_dataclass
 from enum import Enum
 from functools import cache, partial, reduce
+from importlib import import_module
 from itertools import islice, repeat
 from types import NoneType
 from typing import TYPE_CHECKING, Any, NoReturn, ParamSpec, TypeVar, cast, get_args, get_origin, get_type_hints
@@ -32,6 +33,18 @@ if TYPE_CHECKING:
 
 P = ParamSpec("P")
 T = TypeVar("T")
+
+
+def function_of(place: str) -> Callable[..., T]:
+    """The function of a higher layer that a method of a record calls, imported when the method is called.
+
+    Args:
+        place: its module in the package and its name, such as ``kinematics.pose_arrays.table_pose``.
+    """
+    module, _, name = place.rpartition(".")
+    function: Callable[..., T] = getattr(import_module(f"dh2urdf.{module}"), name)
+    return function
+
 
 NEARLY_ORTHONORMAL = 1e-6
 """Deviation from a rotation that single precision and printing leave; the nearest rotation is kept then."""

@@ -13,9 +13,9 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Literal, TypeAlias
 
-from dh2urdf import unchecked_records as own
 from dh2urdf.elementwise import Condition, is_column, where
-from dh2urdf.robot import Box, Cylinder, Inertial, Sphere
+from dh2urdf.manipulator import new_inertia
+from dh2urdf.robot import Box, Cylinder, Inertial, Sphere, new_inertial
 from dh2urdf.rotations import ZERO, Vec3, add, multiply, rotate, subtract
 
 if TYPE_CHECKING:
@@ -62,20 +62,20 @@ def solid(geometry: Geometry, density: float) -> Inertial:
     match geometry:
         case Box(size=(x, y, z)):
             k = mass / 12.0
-            inertia = own.inertia(ixx=k * (y * y + z * z), iyy=k * (x * x + z * z), izz=k * (x * x + y * y))
+            inertia = new_inertia(ixx=k * (y * y + z * z), iyy=k * (x * x + z * z), izz=k * (x * x + y * y))
         case Cylinder(radius=r, length=h):
             across = mass / 12.0 * (3.0 * r * r + h * h)
-            inertia = own.inertia(ixx=across, iyy=across, izz=0.5 * mass * r * r)
+            inertia = new_inertia(ixx=across, iyy=across, izz=0.5 * mass * r * r)
         case Sphere(radius=r):
             moment = 0.4 * mass * r * r
-            inertia = own.inertia(ixx=moment, iyy=moment, izz=moment)
-    return own.inertial(mass=mass, inertia=inertia)
+            inertia = new_inertia(ixx=moment, iyy=moment, izz=moment)
+    return new_inertial(mass=mass, inertia=inertia)
 
 
 def placed(body: Inertial, frame: RigidTransform) -> Inertial:
     """A body that is known in `frame`, in the frame that `frame` is given in."""
     com = frame.translation if body.com is ZERO else add(frame.translation, rotate(frame.rotation, body.com))
-    return own.inertial(
+    return new_inertial(
         mass=body.mass,
         com=_clean(com),
         inertia=rotated(body.inertia, frame.rotation),
@@ -90,7 +90,7 @@ def rotated(inertia: Inertia, rotation: Rotation) -> Inertia:
         j, k, m, n, o, p, q, r, s = (a * x, b * y, c * z, d * x, e * y, f * z, g * x, h * y, i * z)
     else:
         j, k, m, n, o, p, q, r, s = multiply(rotation, _matrix(inertia))
-    return own.inertia(
+    return new_inertia(
         ixx=j * a + k * b + m * c + 0.0,
         iyy=n * d + o * e + p * f + 0.0,
         izz=q * g + r * h + s * i + 0.0,
@@ -131,16 +131,16 @@ def compound(bodies: Sequence[Inertial]) -> Inertial:
         ixy += tensor.ixy - m * x * y
         ixz += tensor.ixz - m * x * z
         iyz += tensor.iyz - m * y * z
-    return own.inertial(
+    return new_inertial(
         mass=mass,
         com=(cx, cy, cz),
-        inertia=own.inertia(ixx=ixx, iyy=iyy, izz=izz, ixy=ixy + 0.0, ixz=ixz + 0.0, iyz=iyz + 0.0),
+        inertia=new_inertia(ixx=ixx, iyy=iyy, izz=izz, ixy=ixy + 0.0, ixz=ixz + 0.0, iyz=iyz + 0.0),
     )
 
 
 def scaled(inertia: Inertia, factor: float) -> Inertia:
     """An inertia tensor times a number: that of the same shape with another mass."""
-    return own.inertia(
+    return new_inertia(
         ixx=factor * inertia.ixx,
         iyy=factor * inertia.iyy,
         izz=factor * inertia.izz,
@@ -192,14 +192,14 @@ def repaired(inertia: Inertia, floor: float = 0.0) -> Inertia:
         given = (inertia.ixx, inertia.iyy, inertia.izz)
         places = sorted(range(3), key=given.__getitem__)
         ixx, iyy, izz = (raised[places.index(place)] for place in range(3))
-        return own.inertia(ixx=ixx, iyy=iyy, izz=izz)
+        return new_inertia(ixx=ixx, iyy=iyy, izz=izz)
     moments = [(moment, axis) for moment, (_, axis) in zip(raised, axes, strict=True)]
 
     def element(p: int, q: int) -> float:
         (a, u), (b, v), (c, w) = moments
         return a * u[p] * u[q] + b * v[p] * v[q] + c * w[p] * w[q]
 
-    return own.inertia(
+    return new_inertia(
         ixx=element(0, 0), iyy=element(1, 1), izz=element(2, 2), ixy=element(0, 1), ixz=element(0, 2), iyz=element(1, 2)
     )
 

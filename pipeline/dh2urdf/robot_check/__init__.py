@@ -12,10 +12,10 @@ import re
 from dataclasses import fields, replace
 from typing import TYPE_CHECKING
 
-from dh2urdf.formula_check import formula_problems
+from dh2urdf.kinematics.mass import inertia_problem, is_sound
 from dh2urdf.manipulator import JointType
-from dh2urdf.mass_properties import inertia_problem, is_sound
 from dh2urdf.robot import Box, Cylinder, Mesh, Sphere
+from dh2urdf.robot_check.formulas import formula_problems
 from dh2urdf.rotations import norm
 from dh2urdf.row_fields import DYNAMICS
 from dh2urdf.source import Problem, did_you_mean, shown

@@ -24,8 +24,10 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from dh2urdf.columns import ManipulatorColumns, ManipulatorGroups, RobotColumns
-    from dh2urdf.foreign_robot import Follower, ForeignRobot
-    from dh2urdf.inspections import (
+    from dh2urdf.manipulator import Manipulator
+    from dh2urdf.robot import Robot
+    from dh2urdf.stages.foreign_robot import Follower, ForeignRobot
+    from dh2urdf.stages.inspections import (
         SEVERITIES,
         Annotation,
         Effect,
@@ -35,11 +37,8 @@ if TYPE_CHECKING:
         Repair,
         Severity,
     )
-    from dh2urdf.load_records import LoadReport, LoadRequest, SimulatedArm
-    from dh2urdf.manipulator import Manipulator
-    from dh2urdf.provenance import Trace
-    from dh2urdf.robot import Robot
-    from dh2urdf.table_text import CellRow, TableText, WrittenTable
+    from dh2urdf.stages.load_records import LoadReport, LoadRequest, SimulatedArm
+    from dh2urdf.table_text import CellRow, TableText, Trace, WrittenTable
 
 __all__ = [
     "LOAD_TIME_LIMIT",
@@ -101,9 +100,9 @@ __all__ = [
 ]
 
 _ELSEWHERE = {
-    "foreign_robot": "Follower ForeignRobot",
-    "inspections": "SEVERITIES Annotation Effect Expansion Finding Inspection Repair Severity",
-    "load_records": "LoadReport LoadRequest SimulatedArm",
+    "stages.foreign_robot": "Follower ForeignRobot",
+    "stages.inspections": "SEVERITIES Annotation Effect Expansion Finding Inspection Repair Severity",
+    "stages.load_records": "LoadReport LoadRequest SimulatedArm",
 }
 """The names that are imported when they are asked for, by their modules: most commands make no such record."""
 
@@ -341,7 +340,7 @@ class EditsInColumns:
     """An edit whose functions also accept records whose numbers are columns (`dh2urdf.columns`).
 
     They make of them, to the last bit, what they make of each alone. A run then edits many arms at once. The copies are
-    made by `dh2urdf.unchecked_records.changed`, and conditions are asked by `dh2urdf.elementwise.agreed`.
+    made by `dh2urdf.fields.replace_unchecked`, and conditions are asked by `dh2urdf.elementwise.agreed`.
     """
 
 

@@ -414,7 +414,7 @@ BUDGETS = {
     "plugins/dh2urdf_plugins": 340,
     "plugins/dh2urdf_plugins/calibrations": 300,
     "plugins/dh2urdf_plugins/collision_pairs": 540,
-    "plugins/dh2urdf_plugins/descriptions": 1720,
+    "plugins/dh2urdf_plugins/descriptions": 1615,
     "plugins/dh2urdf_plugins/edits": 550,
     "plugins/dh2urdf_plugins/executors": 560,
     "plugins/dh2urdf_plugins/extraction": 1060,

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from copy import deepcopy
 from dataclasses import dataclass, field, replace
+from functools import partial
 from math import comb, nan, pi
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -103,12 +104,12 @@ def describe(form: str, path: Path, expansion: Expansion | None = None, *, colou
 
             content, file = expand_foreign(path, expansion or Expansion()).content, f"{path} (expanded)"
         root = mjcf_reader.whole_tree_of(content, path) if form == "mjcf" else tree_of(content, file)
-        found.robot = _read(form, root, file, found, colours=colours)
+        read = {"sdf": _read_sdf, "mjcf": _read_mjcf}.get(form, partial(_read_urdf, colours=colours))
+        found.robot = read(root, file, found)
         meant = deepcopy(root)
         found.rounded = list(_repair_rounded(form, meant))
         if found.rounded:
-            spare = Description(file=file, folder=path.absolute().parent)
-            found.repaired = _read(form, meant, file, spare, colours=colours)
+            found.repaired = read(meant, file, Description(file=file, folder=path.absolute().parent))
     except ProofError as error:
         raise TableError(error.problems) from error
     except (ValueError, OverflowError) as error:  # a record that refuses what is written, such as a limit
@@ -117,30 +118,22 @@ def describe(form: str, path: Path, expansion: Expansion | None = None, *, colou
     return found
 
 
-def _read(form: str, root: etree._Element, file: str, found: Description, *, colours: bool) -> Robot:
-    match form:
-        case "sdf":
-            return _read_sdf(root, file, found)
-        case "mjcf":
-            return _read_mjcf(root, file, found)
-    return _read_urdf(root, file, found, colours=colours)
-
-
-def _notices(found: Iterable[Found], file: str) -> list[Problem]:
+def _notices(places: Mapping[str, Sequence[Mark]]) -> list[Problem]:
     """Notices of what is left out, each kind once."""
-    places: dict[str, list[Mark]] = {}
-    for what, element in found:
-        places.setdefault(what, []).append(mark_of(element, file))
-    return _left_out(places)
-
-
-def _left_out(places: Mapping[str, Sequence[Mark]]) -> list[Problem]:
     notices = []
     for what, marks in places.items():
         lines = listed([f"{mark.line}" for mark in marks])
         where = f", in {len(marks)} places (lines {lines})" if len(marks) > 1 else ""
         notices.append(Problem(message=f"{what} is left out{where}", severity="notice", mark=marks[0]))
     return notices
+
+
+def _left_out(found: Iterable[Found], file: str) -> list[Problem]:
+    """Notices of elements that are left out."""
+    places: dict[str, list[Mark]] = {}
+    for what, element in found:
+        places.setdefault(what, []).append(mark_of(element, file))
+    return _notices(places)
 
 
 def _number(text: str) -> float:
@@ -173,14 +166,10 @@ def part_of_pi(text: str) -> tuple[float, str] | None:
 
 def _repair_rounded(form: str, root: etree._Element) -> Iterator[Rounded]:
     """Writes the parts of π out that are rounded in the orientations of a tree, and tells which they are."""
-    angles: Iterable[tuple[etree._Element, str | None]] = ()  # with the attribute; None for the text of a pose
+    angles: list[tuple[etree._Element, str | None]] = []  # with the attribute; None for the text of a pose
     if form == "sdf":
-        poses = root.iter("pose")
-        angles = [
-            (pose, None)
-            for pose in poses
-            if pose.get("rotation_format") != "quat_xyzw" and not is_true(pose.get("degrees"))
-        ]
+        poses = [each for each in root.iter("pose") if each.get("rotation_format") != "quat_xyzw"]
+        angles = [(pose, None) for pose in poses if not is_true(pose.get("degrees"))]
     elif form != "mjcf":
         angles = [(origin, "rpy") for origin in root.iter("origin")]
     elif compiler_of(root).get("angle") == "radian":
@@ -204,8 +193,8 @@ def _repair_rounded(form: str, root: etree._Element) -> Iterator[Rounded]:
 
 def _read_urdf(root: etree._Element, file: str, found: Description, *, colours: bool) -> Robot:
     root.set("name", root.get("name", ""))
-    found.left_out += _notices(_besides_urdf(root), file)
-    found.notices += _notices(_with_known_shapes(root), file)
+    found.left_out += _left_out(_besides_urdf(root), file)
+    found.notices += _left_out(_with_known_shapes(root), file)
     for joint in root.iterchildren("joint"):
         name = joint.get("name", "")
         if (mimic := joint.find("mimic")) is not None:
@@ -263,12 +252,11 @@ def _with_known_shapes(root: etree._Element) -> Iterator[Found]:
 
 def _capsule(shape: etree._Element, kind: etree._Element) -> list[etree._Element]:
     """A cylinder and two balls in the place of a capsule; nothing where its numbers cannot be read."""
-    origin: Any = shape.find("origin")
-    origin = {} if origin is None else origin
+    found = shape.find("origin")
+    origin: Any = {} if found is None else found.attrib
     try:
         radius, length = (float(kind.get(name, "")) for name in ("radius", "length"))
-        (x, y, z), rpy = (map(float, origin.get(name, "0 0 0").split()) for name in ("xyz", "rpy"))
-        roll, pitch, yaw = rpy
+        (x, y, z), (roll, pitch, yaw) = (map(float, origin.get(name, "0 0 0").split()) for name in ("xyz", "rpy"))
     except ValueError:
         return []
     place = Origin(xyz=(x, y, z), rpy=(roll, pitch, yaw)).transform
@@ -292,10 +280,10 @@ def _capsule(shape: etree._Element, kind: etree._Element) -> list[etree._Element
 
 def _read_sdf(root: etree._Element, file: str, found: Description) -> Robot:
     model = sdf_reader.model_of(root, file)
-    found.left_out += _notices(_besides_sdf(root), file)
+    found.left_out += _left_out(_besides_sdf(root), file)
     found.loose |= model.loose
     found.doubly |= set(model.doubly)
-    found.notices += _left_out(model.unread)
+    found.notices += _notices(model.unread)
     for name, mimic in model.mimics.items():
         # Multiplier · (value of the leader - reference) + offset: http://sdformat.org/spec?ver=1.11&elem=joint
         multiplier = _number(mimic.findtext("multiplier", "1"))
@@ -329,20 +317,17 @@ def _read_mjcf(root: etree._Element, file: str, found: Description) -> Robot:
     model = mjcf_reader.model_of(root, file)
     found.loose |= model.loose
     found.doubly |= set(model.doubly)
-    found.notices += _left_out(model.unread)
+    found.notices += _notices(model.unread)
     elements = Elements(root, file)
     for joint in root.iterfind("equality/joint"):
         if elements.is_active(joint):
             found.followers[joint.get("joint1", "")] = _mjcf_follower(joint, model.references)
-    found.left_out += _notices(_besides_mjcf(elements), file)
-    efforts = _efforts(elements)
-    joints = tuple(
-        replace(joint, limits=replace(joint.limits, effort=efforts[joint.name]))
-        if joint.name in efforts and joint.limits.effort is None
-        else joint
-        for joint in model.robot.joints
-    )
-    return replace(model.robot, joints=joints)
+    found.left_out += _left_out(_besides_mjcf(elements), file)
+    efforts, joints = _efforts(elements), list(model.robot.joints)
+    for place, one in enumerate(joints):
+        if one.name in efforts and one.limits.effort is None:
+            joints[place] = replace(one, limits=replace(one.limits, effort=efforts[one.name]))
+    return replace(model.robot, joints=tuple(joints))
 
 
 def _besides_mjcf(elements: Elements) -> Iterator[Found]:

@@ -12,7 +12,7 @@ are between them.
 from __future__ import annotations
 
 from dataclasses import replace
-from itertools import pairwise
+from itertools import accumulate, pairwise
 from typing import TYPE_CHECKING, NamedTuple, NoReturn
 
 from dh2urdf.documents import Item, load_yaml, read_bytes
@@ -20,7 +20,8 @@ from dh2urdf.errors import TableError
 from dh2urdf.manipulator import ROOT, TOOL, JointType
 from dh2urdf.quantities import Dimension
 from dh2urdf.robot import Joint, Link, Origin, Robot
-from dh2urdf.rotations import IDENTITY, ZERO, RigidTransform, Vec3, cross, dot, norm, scale, subtract
+from dh2urdf.rotations import IDENTITY, ZERO, RigidTransform, Vec3, add, cross, dot, norm, scale, subtract
+from dh2urdf.row_fields import DYNAMICS
 from dh2urdf.source import Problem, shown
 from dh2urdf.stages import Rejected
 from dh2urdf.table_text import REQUIRED
@@ -42,9 +43,9 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from dh2urdf.documents import Node
-    from dh2urdf.manipulator import DHRow, Manipulator
+    from dh2urdf.manipulator import Manipulator
 
-KEYS = ("name", "link", "type", "limits", "damping", "friction", "armature")
+KEYS = ("name", "link", "type", "limits", *DYNAMICS)
 """Keys of a joint: those of a joint in a table that do not depend on its frame."""
 FORMS = {"Slist": ("Slist", "M"), "Blist": ("Blist", "M"), "H": ("H", "P", "R")}
 """The keys of each form, by the one that it is known by."""
@@ -53,21 +54,21 @@ _SCREW, _DIRECTION = 6, 3
 
 
 class Axes(NamedTuple):
-    """The axes of an arm at q = 0, all in axes of one frame.
+    """The axes of an arm at q = 0, all in one frame F.
 
     Attributes:
-        directions: of each joint.
+        directions: of each joint, in F.
         slides: whether each joint slides.
-        first: from the base to the first joint's frame, which is turned as all others are.
-        shifts: from each joint's frame to the next one's [m].
-        last: from the last joint's frame to the tip.
+        places: a point on each axis, in F [m].
+        before: F in the frame of the base.
+        behind: the tip in F.
     """
 
     directions: list[Vec3]
     slides: list[bool]
-    first: RigidTransform
-    shifts: list[Vec3]
-    last: RigidTransform
+    places: list[Vec3]
+    before: RigidTransform
+    behind: RigidTransform
 
 
 def screws_description(path: Path) -> Description:
@@ -77,14 +78,13 @@ def screws_description(path: Path) -> Description:
         TableError: the file cannot be read, or its axes are none of an arm.
     """
     root = load_yaml(read_bytes(path, TableError, limit=LARGEST), str(path), TableError)
-    if not isinstance(root.value, dict):
-        message = f"the file is {root.describe()}"
-        raise TableError(Problem(message=message, mark=root.mark, accepted=f"a mapping with {_EXAMPLE}"))
     file = _File(root)
     axes = file.axes()
     arm = file.arm(path.stem, axes.slides)
+    start = RigidTransform(axes.before.rotation, (axes.before @ _shift(axes.places[0])).translation)
+    origins = [start, *(_shift(subtract(there, here)) for here, there in pairwise(axes.places))]
+    tip = RigidTransform(axes.behind.rotation, subtract(axes.behind.translation, axes.places[-1]))
     links = [ROOT, *(row.link for row in arm.rows), TOOL]
-    origins = [axes.first, *(RigidTransform(IDENTITY.rotation, shift) for shift in axes.shifts)]
     joints = [
         Joint(
             name=row.joint,
@@ -94,19 +94,19 @@ def screws_description(path: Path) -> Description:
             origin=Origin.of(origin),
             axis=direction,
             limits=row.limits,
-            damping=row.damping,
-            friction=row.friction,
-            armature=row.armature,
             mark=row.mark,
+            **{name: getattr(row, name) for name in DYNAMICS},
         )
         for parent, row, origin, direction in zip(links, arm.rows, origins, axes.directions, strict=False)
     ]
-    tip = Origin.of(axes.last)
-    joints.append(Joint(name=f"{TOOL}_joint", type=JointType.FIXED, parent=links[-2], child=TOOL, origin=tip))
+    fixed = Joint(name=f"{TOOL}_joint", type=JointType.FIXED, parent=links[-2], child=TOOL, origin=Origin.of(tip))
     notices = [problem.about(mark=root.mark) for problem in (*file.problems, *arm.notices)]
-    found = Description(file=str(path), folder=path.absolute().parent, notices=notices)
-    found.robot = Robot(name=arm.name, links=tuple(Link(name=link) for link in links), joints=tuple(joints))
-    return found
+    robot = Robot(name=arm.name, links=tuple(Link(name=link) for link in links), joints=(*joints, fixed))
+    return Description(file=str(path), folder=path.absolute().parent, robot=robot, notices=notices)
+
+
+def _shift(by: Vec3) -> RigidTransform:
+    return RigidTransform(IDENTITY.rotation, by)
 
 
 def _items(node: Node | None) -> list[Node]:
@@ -130,10 +130,8 @@ class _File:
             raise TableError(errors, [problem for problem in self.problems if problem.severity == "notice"])
 
     def _refuse(self, node: Node, field: str, message: str, accepted: str, suggestion: str | None = None) -> NoReturn:
-        found = node.text
-        raise TableError(
-            Problem(message=message, mark=node.mark, field=field, found=found, accepted=accepted, suggestion=suggestion)
-        )
+        problem = Problem(message=message, mark=node.mark, field=field, found=node.text)
+        raise TableError(replace(problem, accepted=accepted, suggestion=suggestion))
 
     def axes(self) -> Axes:
         """The axes, in the one form that the file has."""
@@ -143,8 +141,7 @@ class _File:
             self._refuse(self.root, found[0] if found else "Slist", message, _EXAMPLE)
         (form,) = found
         keys = FORMS[form]
-        stated = ("name", "units", "joints", *keys)
-        refuse_unknown_keys(self.root, stated, f"a file of {form}", self.problems.append)
+        refuse_unknown_keys(self.root, ("name", "units", "joints", *keys), f"a file of {form}", self.problems.append)
         self._check()
         for key in keys:
             if key not in self.entries and key != "R":
@@ -153,37 +150,28 @@ class _File:
 
     def _by_points(self, form: str) -> Axes:
         """The axes of Slist or of Blist, by the points of them that are nearest to the frame they are in."""
-        columns, pose = self._columns(form, _SCREW), self.transforms.read(self.entries["M"], "M")
+        columns, pose = self._columns(form, _SCREW), self.transforms.read(self.entries["M"], "M") or IDENTITY
         self._check()
-        pose = pose or IDENTITY
-        screws = [self._screw(form, number, column) for number, column in enumerate(columns, start=1)]
-        turning = [norm(omega) > ORTHONORMAL for omega, _ in screws]
-        size = max([norm(pose.translation), *(norm(v) for (_, v), turns in zip(screws, turning, strict=True) if turns)])
+        accepted = "ω of length 1, or ω = 0 and v of length 1 where the joint slides"
+        screws: list[tuple[Vec3, Vec3, bool]] = []
+        for number, column in enumerate(columns, start=1):
+            omega = self._vector(form, column[:3], Dimension.NUMBER)
+            turns = norm(omega) > ORTHONORMAL
+            v = self._vector(form, column[3:], Dimension.LENGTH if turns else Dimension.NUMBER)
+            self._check_unit(form, number, column[0], omega if turns else v, accepted)
+            screws.append((omega, v, turns))
+        size = max([norm(pose.translation), *(norm(v) for _, v, turns in screws if turns)])
         places: list[Vec3] = []
-        for number, ((omega, v), turns) in enumerate(zip(screws, turning, strict=True), start=1):
+        for number, (omega, v, turns) in enumerate(screws, start=1):
+            place = places[-1] if places else ZERO
             if turns:
                 square = norm(omega) ** 2
                 self._check_pitch(form, number, columns[number - 1][0], dot(omega, v) / square, size)
-                places.append(scale(1.0 / square, cross(omega, v)))
-            else:
-                places.append(places[-1] if places else ZERO)
-        first, last = (IDENTITY, pose) if form == "Slist" else (pose, IDENTITY)
-        return Axes(
-            directions=[omega if turns else v for (omega, v), turns in zip(screws, turning, strict=True)],
-            slides=[not turns for turns in turning],
-            first=RigidTransform(first.rotation, (first @ RigidTransform(IDENTITY.rotation, places[0])).translation),
-            shifts=[subtract(there, here) for here, there in pairwise(places)],
-            last=RigidTransform(last.rotation, subtract(last.translation, places[-1])),
-        )
-
-    def _screw(self, form: str, number: int, column: Sequence[Node]) -> tuple[Vec3, Vec3]:
-        """Ω and v of a column; v is a direction where ω is 0, and the joint slides."""
-        omega = self._vector(form, column[:3], Dimension.NUMBER)
-        turns = norm(omega) > ORTHONORMAL
-        v = self._vector(form, column[3:], Dimension.LENGTH if turns else Dimension.NUMBER)
-        accepted = "ω of length 1, or ω = 0 and v of length 1 where the joint slides"
-        self._check_unit(form, number, column[0], omega if turns else v, accepted)
-        return omega, v
+                place = scale(1.0 / square, cross(omega, v))
+            places.append(place)
+        before, behind = (IDENTITY, pose) if form == "Slist" else (pose, IDENTITY)
+        directions = [omega if turns else v for omega, v, turns in screws]
+        return Axes(directions, [not turns for *_, turns in screws], places, before, behind)
 
     def _check_pitch(self, form: str, number: int, node: Node, pitch: float, size: float) -> None:
         """Refuses a thread; what missing digits leave of a pitch [m/rad] is left out, with a notice."""
@@ -201,14 +189,8 @@ class _File:
         length = norm(direction)
         if abs(length * length - 1.0) > NEARLY_ORTHONORMAL:
             found = f"has an axis of the length {length:.6g}" if length else "is 0: nothing moves"
-            is_rounded = abs(length - 1.0) < 0.1  # noqa: PLR2004 - as of a rotation that is rounded
-            advice = MORE_DIGITS if is_rounded else None
+            advice = MORE_DIGITS if abs(length - 1.0) < 0.1 else None  # noqa: PLR2004 - as of a rotation that is rounded
             self._refuse(node, form, f"column {number} of {form} {found}", accepted, advice)
-
-    def _refuse_transposed(self, key: str, rows: int, joints: int) -> NoReturn:
-        advice = f"exchange rows and columns: {rows} rows of {joints} numbers"
-        message, accepted = f"{key} has a row for each joint", f"{rows} rows, and a column for each joint"
-        self._refuse(self.entries[key], key, message, accepted, advice)
 
     def _by_steps(self) -> Axes:
         """The axes of H, and the steps between them of P; R turns the tip."""
@@ -217,27 +199,28 @@ class _File:
             accepted = f"{len(columns) + 1} columns in P: from the base to joint 1, between joints, to the tool"
             message = f"P has {len(steps)} columns, and H has {len(columns)}"
             self._refuse(self.entries["P"], "P", message, accepted)
-        turned: RigidTransform | None = IDENTITY
-        if (node := self.entries.get("R")) is not None:
-            rows = _items(node)
-            if [len(_items(row)) for row in rows] != [_DIRECTION] * _DIRECTION:
-                self._refuse(node, "R", f"R is {node.describe()}", "a rotation as three rows of three numbers")
-            zero, one = (replace(node, value=number, text=str(number)) for number in (0, 1))
-            wide = [
-                *(replace(row, value=[*_items(row), zero]) for row in rows),
-                replace(node, value=[zero] * 3 + [one]),
-            ]
-            turned = self.transforms.read(replace(node, value=wide), "R")
+        turned = self._rotation()
         directions = [self._vector("H", column, Dimension.NUMBER) for column in columns]
-        first, *shifts, last = (self._vector("P", column, Dimension.LENGTH) for column in steps)
+        *places, tip = accumulate([self._vector("P", column, Dimension.LENGTH) for column in steps], add)
         self._check()
         for number, (column, direction) in enumerate(zip(columns, directions, strict=True), start=1):
             self._check_unit("H", number, column[0], direction, "a direction of length 1")
         words = [joint.value.get("type") if isinstance(joint.value, dict) else None for joint in self._joints()]
         slides = [word is not None and joint_type(word.text or "") is JointType.PRISMATIC for word in words]
         slides = [*slides, *[False] * len(directions)][: len(directions)]
-        begin, end = RigidTransform(IDENTITY.rotation, first), RigidTransform((turned or IDENTITY).rotation, last)
-        return Axes(directions, slides, begin, shifts, end)
+        return Axes(directions, slides, places, IDENTITY, RigidTransform(turned.rotation, tip))
+
+    def _rotation(self) -> RigidTransform:
+        """R, read as the upper left part of a homogeneous matrix."""
+        if (node := self.entries.get("R")) is None:
+            return IDENTITY
+        rows = _items(node)
+        if [len(_items(row)) for row in rows] != [_DIRECTION] * _DIRECTION:
+            self._refuse(node, "R", f"R is {node.describe()}", "a rotation as three rows of three numbers")
+        zero, one = (replace(node, value=number, text=str(number)) for number in (0, 1))
+        wide = [replace(row, value=[*_items(row), zero]) for row in rows]
+        matrix = replace(node, value=[*wide, replace(node, value=[zero, zero, zero, one])])
+        return self.transforms.read(matrix, "R") or IDENTITY
 
     def _columns(self, key: str, size: int) -> list[tuple[Node, ...]]:
         """The columns of a matrix of so many rows."""
@@ -248,10 +231,9 @@ class _File:
         if len(widths) != 1 or 0 in widths:
             self._refuse(node, key, f"{key} is no matrix: it is {node.describe()}", accepted)
         (width,) = widths
-        if len(rows) != size and width == size:
-            self._refuse_transposed(key, size, len(rows))
         if len(rows) != size:
-            self._refuse(node, key, f"{key} has {len(rows)} rows of {width} numbers", accepted)
+            advice = f"exchange rows and columns: {size} rows of {len(rows)} numbers" if width == size else None
+            self._refuse(node, key, f"{key} has {len(rows)} rows of {width} numbers", accepted, advice)
         return list(zip(*rows, strict=True))
 
     def _vector(self, key: str, nodes: Sequence[Node], dimension: Dimension) -> Vec3:
@@ -266,12 +248,12 @@ class _File:
 
     def arm(self, default_name: str, slides: Sequence[bool]) -> Manipulator:
         """A table with the arm's name, and a row for each joint whose numbers mean nothing."""
-        node, count = self.entries.get("joints"), len(slides)
+        node = self.entries.get("joints")
         joints = [replace(self.root, value={}) for _ in slides] if node is None else self._joints()
-        if node is not None and len(joints) != count:
+        if node is not None and len(joints) != len(slides):
             found = f"a list of {len(joints)}" if joints else node.describe()
-            accepted = f"a list of {count} names, or of {count} mappings with {', '.join(KEYS)}"
-            self._refuse(node, "joints", f"joints is {found}, and there are {count} axes", accepted)
+            accepted = f"a list of {len(slides)} names, or of {len(slides)} mappings with {', '.join(KEYS)}"
+            self._refuse(node, "joints", f"joints is {found}, and there are {len(slides)} axes", accepted)
         rows = [self._row(joint, is_sliding=is_sliding) for joint, is_sliding in zip(joints, slides, strict=True)]
         self._check()
         table = {key: self.entries[key] for key in ("name", "units") if key in self.entries} | {
@@ -282,8 +264,12 @@ class _File:
         if isinstance(arm, Rejected):
             raise TableError(arm.problems)
         for row, is_sliding in zip(arm.rows, slides, strict=True):
-            self._check_type(row, is_sliding=is_sliding)
-        self._check()
+            if row.type is JointType.FIXED or (row.type is JointType.PRISMATIC) is not is_sliding:
+                moves, accepted = ("slides", "prismatic") if is_sliding else ("turns", "revolute, continuous")
+                message = f"joint {shown(row.joint)} is {row.type}, and its axis is that of a joint that {moves}"
+                raise TableError(
+                    Problem(message=message, mark=row.mark, field="type", found=row.type, accepted=accepted)
+                )
         return arm
 
     def _row(self, node: Node, *, is_sliding: bool) -> Node:
@@ -295,17 +281,3 @@ class _File:
         zero, word = replace(node, value=0, text="0"), "prismatic" if is_sliding else "revolute"
         given = {"type": replace(node, value=word, text=word), **dict.fromkeys(REQUIRED, zero), **entries}
         return replace(node, value=given, text=None)
-
-    def _check_type(self, row: DHRow, *, is_sliding: bool) -> None:
-        if row.type is JointType.FIXED or (row.type is JointType.PRISMATIC) is not is_sliding:
-            moves, accepted = ("slides", "prismatic") if is_sliding else ("turns", "revolute, continuous")
-            self.problems.append(
-                Problem(
-                    message=f"joint {shown(row.joint)} is {row.type}, and its axis is that of a joint that {moves}",
-                    mark=row.mark,
-                    joint=row.joint,
-                    field="type",
-                    found=row.type,
-                    accepted=accepted,
-                )
-            )

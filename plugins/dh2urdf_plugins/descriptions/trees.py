@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from copy import copy
-from typing import TYPE_CHECKING
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
 
 from dh2urdf.errors import TableError
 from dh2urdf.kinematics import USUAL_TIPS
@@ -67,11 +68,8 @@ class Tree:
         if len(roots) == 1:
             return roots[0]
         if not self.robot.links:
-            raise self._error(
-                "the description has no links",
-                accepted="a robot with links and joints",
-                suggestion="an SRDF and a file of macros have none: give the file that has them, or calls the macros",
-            )
+            advice = "an SRDF and a file of macros have none: give the file that has them, or calls the macros"
+            raise self._error("the description has no links", accepted="links and joints", suggestion=advice)
         message = f"{len(roots)} links have no parent: {listed([shown(root) for root in roots], _SHOWN)}"
         message = message if roots else "no link is the root: the joints form a loop"
         raise self._error(message, "base_link", suggestion="the options base_link and tip_link choose a chain")
@@ -112,12 +110,9 @@ class Tree:
         leaves = {name: count for name, count in self.leaves().items() if count}
         if len(leaves) > 1 and not tip_link:
             named = [f"{name} ({count} moving joint{'s' if count > 1 else ''})" for name, count in leaves.items()]
-            raise self._error(
-                f"the description has {len(leaves)} leaves: {listed(named, _SHOWN)}",
-                "tip_link",
-                accepted="the name of a link, or * for every leaf",
-                suggestion="the option tip_link chooses one",
-            )
+            message = f"the description has {len(leaves)} leaves: {listed(named, _SHOWN)}"
+            accepted, advice = "the name of a link, or * for every leaf", "the option tip_link chooses one"
+            raise self._error(message, "tip_link", accepted=accepted, suggestion=advice)
         return list(leaves or self.leaves())
 
     def chain(self, tip: str) -> tuple[Joint, ...]:
@@ -136,12 +131,10 @@ class Tree:
             if link in self.doubly:
                 holders = "several joints or constraints" if link in self.description.doubly else "several joints"
                 message = f"{holders} hold the link {shown(link)}: the chain is part of a loop"
-                raise self._error(
-                    message, "tip_link", suggestion="the option tip_link chooses a link before it: a table has no loops"
-                )
-            joints.append(joint)
+                advice = "the option tip_link chooses a link before it: a table has no loops"
+                raise self._error(message, "tip_link", suggestion=advice)
+            joints.insert(0, joint)
             link = joint.parent
-        joints.reverse()
         for joint in joints:
             self._check(joint)
         if all(joint.type is JointType.FIXED for joint in joints):
@@ -164,24 +157,7 @@ class Tree:
         if joint.type is not JointType.FIXED and not norm(joint.axis):
             raise self._error("the axis of the joint has no length", joint=joint, accepted="a direction")
 
-    def _error(
-        self,
-        message: str,
-        field: str | None = None,
-        *,
-        joint: Joint | None = None,
-        found: str | None = None,
-        accepted: str | None = None,
-        suggestion: str | None = None,
-    ) -> TableError:
-        return TableError(
-            Problem(
-                message=message,
-                mark=(joint.mark if joint else None) or Mark(file=self.description.file),
-                joint=joint.name if joint else None,
-                field=field,
-                found=found,
-                accepted=accepted,
-                suggestion=suggestion,
-            )
-        )
+    def _error(self, message: str, field: str | None = None, joint: Joint | None = None, **words: Any) -> TableError:  # noqa: ANN401 - those of a Problem
+        mark = (joint.mark if joint else None) or Mark(file=self.description.file)
+        problem = Problem(message=message, mark=mark, joint=joint.name if joint else None, field=field)
+        return TableError(replace(problem, **words))

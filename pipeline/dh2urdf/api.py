@@ -12,11 +12,19 @@ from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from dh2urdf.commands.arguments import check_arguments, check_names, mapping, path_or_none, several, word_of, words_of
-from dh2urdf.commands.chosen_table import reader_call
+from dh2urdf.commands.arguments import (
+    check_arguments,
+    check_names,
+    mapping,
+    path_or_none,
+    settings_of,
+    several,
+    word_of,
+    words_of,
+)
+from dh2urdf.commands.choices import reader_call
 from dh2urdf.commands.convert import Conversion, plan_conversion
 from dh2urdf.commands.given_tables import as_file, read_table
-from dh2urdf.commands.options_of_stages import settings_of
 from dh2urdf.conversion.one_manipulator import read_items
 from dh2urdf.documents.text_files import check_file
 from dh2urdf.errors import ConfigError, InputError
@@ -315,7 +323,7 @@ def run(
     mark, root = _mark("run"), None
     check_arguments("flag", mark, resume=resume, dry_run=dry_run, keep=keep)
     changes = mapping("settings", settings, mark, such_as="{'transform.options.frames': 'dh'}")
-    overrides = [setting.text for setting in settings_of(changes)]
+    overrides = settings_of(changes)
     output = path_or_none("out", out, mark)
     catalog = _catalog(without, mark)
     if isinstance(config, Mapping):

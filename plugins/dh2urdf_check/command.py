@@ -11,19 +11,22 @@ import click
 from dh2urdf.cli import SETTLED
 from dh2urdf.cli.answers import answer
 from dh2urdf.cli.shared_options import (
+    DASH,
+    NAME,
     PATH,
     StageCommand,
     catalog,
     files_and_arguments,
+    given_description,
     given_options,
+    given_table,
     option,
     package_paths_option,
     table_options,
     without_option,
 )
-from dh2urdf.cli.standard_input import DASH, NAME, given_description, given_table
 from dh2urdf.commands.check import inspect
-from dh2urdf.commands.chosen_table import read_manipulator, reader_call
+from dh2urdf.commands.choices import read_manipulator, reader_call
 from dh2urdf.documents.text_files import check_file, is_folder
 from dh2urdf.errors import ConfigError, InputError
 from dh2urdf.output.whole_files import write_whole

@@ -8,8 +8,7 @@ import click
 
 from dh2urdf.cli import EXIT_STATUS
 from dh2urdf.cli.answers import answer
-from dh2urdf.cli.shared_options import PATH, catalog, option, without_option
-from dh2urdf.cli.standard_input import refuse_dash
+from dh2urdf.cli.shared_options import PATH, catalog, option, refuse_dash, without_option
 
 if TYPE_CHECKING:
     from pathlib import Path

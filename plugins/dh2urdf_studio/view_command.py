@@ -10,8 +10,14 @@ import click
 from dh2urdf.cli import EXIT_STATUS
 from dh2urdf.cli.answers import answer
 from dh2urdf.cli.convert import print_notices
-from dh2urdf.cli.shared_options import catalog, files_and_arguments, option, package_paths_option, without_option
-from dh2urdf.cli.standard_input import refuse_dash
+from dh2urdf.cli.shared_options import (
+    catalog,
+    files_and_arguments,
+    option,
+    package_paths_option,
+    refuse_dash,
+    without_option,
+)
 
 if TYPE_CHECKING:
     from pathlib import Path

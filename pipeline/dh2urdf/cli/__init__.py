@@ -1,4 +1,4 @@
-"""The command line: one small file per command, imported when the command is called."""
+"""The command line: the module of a command is imported when the command is called."""
 
 from __future__ import annotations
 
@@ -46,6 +46,11 @@ COMMANDS = {
     "new-plugin": "Write the beginning of a plugin.",
 }
 """The commands of dh2urdf itself; plugins add others."""
+_TOGETHER = {
+    **dict.fromkeys(("plugins", "schema"), "listings"),
+    **dict.fromkeys(("init", "example", "new-plugin"), "beginnings"),
+}
+"""The modules of several commands."""
 
 
 class _Interrupted(BaseException):
@@ -62,7 +67,8 @@ class _LazyGroup(click.Group):
 
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
         if cmd_name in COMMANDS:
-            command: click.Command = import_module(f"dh2urdf.cli.{cmd_name.replace('-', '_')}").command
+            module = import_module(f"{__name__}.{_TOGETHER.get(cmd_name, cmd_name)}")
+            command: click.Command = getattr(module, cmd_name.replace("-", "_") if cmd_name in _TOGETHER else "command")
             return command
         from dh2urdf.cli.added_commands import imported
 

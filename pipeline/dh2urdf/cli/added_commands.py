@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import sys
-from contextlib import nullcontext
 from copy import copy
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
@@ -19,14 +17,13 @@ from dh2urdf.source import did_you_mean, shown
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
-    from contextlib import AbstractContextManager
 
     from dh2urdf.plugin_system.catalog import AddedCommand
 
 
 def with_added(own: Mapping[str, str], context: click.Context) -> dict[str, str]:
     """The summaries of all commands, by name, in the order of the help."""
-    with _apart():
+    with kept_apart():
         added = loaded(context).commands()
     names = list(own)
     for name, command in added.items():
@@ -36,19 +33,14 @@ def with_added(own: Mapping[str, str], context: click.Context) -> dict[str, str]
 
 
 def check_known(own: Mapping[str, str], context: click.Context, words: Sequence[str]) -> None:
-    """Refuse a command that neither dh2urdf nor a plugin has.
-
-    Args:
-        own: the commands of dh2urdf.
-        context: the call of the program.
-        words: the command line from the command on.
+    """Refuse a command line, from the command on, whose command neither dh2urdf nor a plugin has.
 
     Raises:
         click.UsageError: there is no such command.
         StageConflictError: two plugins claim its name.
     """
     catalog = loaded(context, words)
-    with _apart():
+    with kept_apart():
         if catalog.command(words[0]) is not None:
             return
     known = with_added(own, context)
@@ -68,7 +60,7 @@ def imported(added: AddedCommand) -> click.Command:
     place = added.command.function
     module, _, name = place.partition(":")
     try:
-        with _apart(), AtWork(f"the import of {module}", added.plugin):
+        with kept_apart(), AtWork(f"the import of {module}", added.plugin):
             command = getattr(import_module(module), name)
         if not isinstance(command, click.Command):
             raise TypeError(f"{place} is {type(command).__name__}, not a click.Command")
@@ -89,11 +81,6 @@ def imported(added: AddedCommand) -> click.Command:
 
     command.invoke = blamed  # type: ignore[assignment, method-assign]
     return command
-
-
-def _apart() -> AbstractContextManager[object]:
-    """What plugins print while they are imported is no answer of a command."""
-    return nullcontext() if None in (sys.stdout, sys.stderr) else kept_apart()
 
 
 def _broken(added: AddedCommand, error: Exception) -> BrokenPluginError:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import sys
-from contextlib import contextmanager, redirect_stdout
+from contextlib import contextmanager, nullcontext, redirect_stdout
 from typing import IO, TYPE_CHECKING, Any
 
 import click
@@ -15,6 +15,7 @@ from dh2urdf.source import Problem
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
+    from contextlib import AbstractContextManager
 
 _OWN = f"{__name__}.own"
 _STDOUT, _STDERR = 1, 2
@@ -43,20 +44,24 @@ def keep_apart(context: click.Context) -> None:
 
     It goes to standard error: many a library prints when it is imported.
     """
-    if _OWN not in context.meta and None not in (sys.stdout, sys.stderr):  # None where a shell has closed it
-        context.meta[_OWN] = context.with_resource(kept_apart())
+    if _OWN not in context.meta and (own := context.with_resource(kept_apart())) is not None:
+        context.meta[_OWN] = own
         context.call_on_close(lambda: context.meta.pop(_OWN))
 
 
+def kept_apart() -> AbstractContextManager[IO[str] | None]:
+    """The standard output of this process, which is nobody else's as long; None where a shell has closed a stream."""
+    return nullcontext() if None in (sys.stdout, sys.stderr) else _kept_apart()
+
+
 @contextmanager
-def kept_apart() -> Iterator[IO[str]]:
-    """The standard output of this process, which is nobody else's as long."""
+def _kept_apart() -> Iterator[IO[str]]:
     sys.stdout.flush()
     # What a terminal's encoding lacks is escaped as JSON does it.
     own = os.fdopen(os.dup(_STDOUT), "w", encoding=sys.stdout.encoding, errors="backslashreplace")
     try:
         os.dup2(_STDERR, _STDOUT)
-        with redirect_stdout(NamedLines(_print, sys.stderr)) as lines:
+        with redirect_stdout(NamedLines(_remark, sys.stderr)) as lines:
             yield own
             lines.finish()
     finally:
@@ -64,5 +69,5 @@ def kept_apart() -> Iterator[IO[str]]:
         own.close()
 
 
-def _print(named: str, _line: str) -> None:
+def _remark(named: str, _line: str) -> None:
     sys.stderr.write(f"{named}\n")

@@ -12,14 +12,15 @@ from dh2urdf.cli.convert import print_notices
 from dh2urdf.cli.shared_options import (
     PATH,
     catalog,
-    files_and_arguments,
+    one_file_and_arguments,
     option,
     package_paths_option,
-    settings_of,
+    quiet_option,
+    refuse_dash,
+    set_option,
     without_option,
 )
-from dh2urdf.cli.standard_input import refuse_dash
-from dh2urdf.commands.options_of_stages import stage_calls
+from dh2urdf.commands.choices import stage_calls
 from dh2urdf.documents.text_files import check_file, is_there
 from dh2urdf.errors import ConfigError, InputError
 from dh2urdf.output.whole_files import refuse_inputs, write_whole
@@ -45,8 +46,8 @@ OPTIONS = ("trials", "seed", "min_distance")
 @option("--seed", metavar="N", help="Seed of the random states; 0.")
 @option("--min-distance", metavar="D", help="A pair that comes nearer is not Never [m]; 0.01.")
 @package_paths_option
-@option("--set", "settings", multiple=True, metavar="KEY=VALUE", help="Any other option of the emitter.")
-@option("-q", "--quiet", is_flag=True, help="Say only what fails.")
+@set_option("Any other option of the emitter.")
+@quiet_option
 @without_option
 def command(  # noqa: PLR0917 - click hands everything over by name
     words: tuple[str, ...],
@@ -72,23 +73,20 @@ def command(  # noqa: PLR0917 - click hands everything over by name
     dh2urdf collisions ur.urdf.xacro ur_type:=ur10 name:=arm --package-path ~/ws/src -o ur10.srdf
     """
     refuse_dash(words, "collisions")
-    robots, arguments = files_and_arguments(words)
-    if len(robots) != 1:
-        message = f"{len(robots)} files are given, and pairs are of one"
-        raise ConfigError(Problem(message=message, mark=COMMAND_LINE, accepted="one ROBOT"))
+    robot, arguments = one_file_and_arguments(words)
     expansion = Expansion(arguments=arguments, package_paths=package_paths)
     if output is not None:
-        refuse_inputs([output], robots)
+        refuse_inputs([output], [robot])
         if earlier is None and is_there(output):
             earlier = output
-    for file in filter(None, (robots[0], earlier)):
+    for file in filter(None, (robot, earlier)):
         check_file(file, InputError)
     installed = catalog()
     emitter, annotates = _emitter(installed, output or earlier)
     given = {"emitter": {name: flags[name] for name in OPTIONS}}
-    (call,) = stage_calls(installed, {"emitter": [emitter]}, COMMAND_LINE, given, settings_of(settings))["emitter"]
+    (call,) = stage_calls(installed, {"emitter": [emitter]}, COMMAND_LINE, given, settings)["emitter"]
     with depending_on(call, "annotate"):
-        made: Annotation = a_record(annotates.annotate(robots[0], expansion, earlier, call.options), Annotation)
+        made: Annotation = a_record(annotates.annotate(robot, expansion, earlier, call.options), Annotation)
     if not quiet:
         print_notices(made.notices)
     if output is None:
@@ -97,7 +95,7 @@ def command(  # noqa: PLR0917 - click hands everything over by name
         write_whole(output, made.content)
     if not quiet:
         written = f"; written to {output}" if output else ""
-        click.echo(printable(f"{robots[0].name}: {made.summary}{written}"), err=True)
+        click.echo(printable(f"{robot.name}: {made.summary}{written}"), err=True)
     return 0
 
 

@@ -11,16 +11,21 @@ import click
 from dh2urdf.cli import EXIT_STATUS
 from dh2urdf.cli.answers import answer
 from dh2urdf.cli.shared_options import (
+    DASH,
+    NAME,
     PATH,
     StageCommand,
     catalog,
+    files_behind,
     given_options,
+    given_table,
+    json_option,
     option,
-    settings_of,
+    quiet_option,
+    set_option,
     table_options,
     without_option,
 )
-from dh2urdf.cli.standard_input import DASH, NAME, files_behind, given_table
 from dh2urdf.commands.convert import plan_conversion
 from dh2urdf.documents.text_files import is_folder, is_there
 from dh2urdf.errors import SCREENFUL, ConfigError, InputError, ManipulatorError, OutputError, UnknownStageError
@@ -52,14 +57,9 @@ if TYPE_CHECKING:
 )
 @option("--meshes", metavar="M", help="relative (copies beside FILE), file (file:// paths) or package://NAME.")
 @option("--convert-meshes", metavar="C", help="auto (OBJ), hull or decomposition (OBJ, and what touches is convex).")
-@option("--set", "settings", multiple=True, metavar="KEY=VALUE", help="Any other option of a stage.")
-@option(
-    "--json",
-    "as_json",
-    is_flag=True,
-    help="Print what became of the tables as JSON; without -o with the description in it.",
-)
-@option("-q", "--quiet", is_flag=True, help="Say only what fails.")
+@set_option("Any other option of a stage.")
+@json_option("Print what became of the tables as JSON; without -o with the description in it.")
+@quiet_option
 @without_option
 def command(  # noqa: PLR0917 - click hands everything over by name
     tables: tuple[Path, ...],
@@ -109,7 +109,7 @@ def command(  # noqa: PLR0917 - click hands everything over by name
                 formats=(format_name,) if format_name else (),
                 robot=robot,
                 given=given_options(flags),
-                settings=settings_of(settings),
+                settings=settings,
                 meshes=flags["meshes"],
                 convert_meshes=flags["convert_meshes"],
                 edits=edits,

@@ -15,14 +15,16 @@ from dh2urdf.cli.shared_options import (
     PATH,
     StageCommand,
     catalog,
-    files_and_arguments,
+    files_behind,
     given_options,
+    given_table,
+    one_file_and_arguments,
     option,
     package_paths_option,
-    settings_of,
+    quiet_option,
+    set_option,
     without_option,
 )
-from dh2urdf.cli.standard_input import files_behind, given_table
 from dh2urdf.commands.extract import chains_of, description_reader, leaves_of, write_extracted
 from dh2urdf.errors import SCREENFUL, ConfigError, ManipulatorError
 from dh2urdf.kinematics.facts import kinematic_facts
@@ -61,8 +63,8 @@ _LENGTHS, _ANGLES = click.Choice(("m", "cm", "mm")), click.Choice(("rad", "deg")
 @option("--angle-unit", type=_ANGLES, default="rad", metavar="UNIT", help="Unit of angles: rad or deg.")
 @option("--from", "reader_name", metavar="NAME", help="Reader of ROBOT; by its suffix.")
 @package_paths_option
-@option("--set", "settings", multiple=True, metavar="KEY=VALUE", help="Any other option of the reader.")
-@option("-q", "--quiet", is_flag=True, help="Say only what fails.")
+@set_option("Any other option of the reader.")
+@quiet_option
 @without_option
 def command(  # noqa: PLR0917 - click hands everything over by name
     words: tuple[str, ...],
@@ -94,11 +96,8 @@ def command(  # noqa: PLR0917 - click hands everything over by name
     xacro robot.urdf.xacro | dh2urdf extract - --from urdf
     """
     installed = catalog()
-    robots, arguments = files_and_arguments(words)
-    if len(robots) != 1:
-        message = f"{len(robots)} files are given, and tables are extracted from one"
-        raise ConfigError(Problem(message=message, mark=COMMAND_LINE, accepted="one ROBOT"))
-    robot, reader_name = given_table(robots[0], reader_name, installed)
+    robot, arguments = one_file_and_arguments(words)
+    robot, reader_name = given_table(robot, reader_name, installed)
     given = given_options(flags).get("reader", {})
     if arguments:
         given["arguments"] = json.dumps(arguments)
@@ -107,9 +106,7 @@ def command(  # noqa: PLR0917 - click hands everything over by name
 
     def call(chosen: str | None = convention) -> Call[Reader[Any]]:
         options: Mapping[str, str | None] = {**given, "convention": chosen}
-        return description_reader(
-            installed, robot, COMMAND_LINE, reader=reader_name, given=options, settings=settings_of(settings)
-        )
+        return description_reader(installed, robot, COMMAND_LINE, reader=reader_name, given=options, settings=settings)
 
     if lists_tips:
         if output is not None:
@@ -121,7 +118,7 @@ def command(  # noqa: PLR0917 - click hands everything over by name
     if output is not None:
         chains = chains_of(call(), robot)
         units = {"length_unit": length_unit, "angle_unit": angle_unit}
-        lost = write_extracted(chains.arms, output, installed, inputs=files_behind(robots), **units)
+        lost = write_extracted(chains.arms, output, installed, inputs=files_behind([robot]), **units)
         if not quiet:
             print_notices([*(notice for arm in chains.arms for notice in arm.notices), *lost])
             told = [f"{arm.name}: {_moving(len(arm.moving_rows))}, {arm.convention} convention" for arm in chains.arms]

@@ -13,13 +13,13 @@ from dh2urdf.cli.shared_options import (
     StageCommand,
     catalog,
     given_options,
+    given_table,
     option,
-    settings_of,
+    set_option,
     table_options,
     without_option,
 )
-from dh2urdf.cli.standard_input import given_table
-from dh2urdf.commands.chosen_table import chosen_manipulator, read_manipulator, reader_call, refuse_run_file
+from dh2urdf.commands.choices import chosen_manipulator, read_manipulator, reader_call, refuse_run_file
 from dh2urdf.conversion.one_manipulator import read_items
 from dh2urdf.conversion.robots import make_robot
 from dh2urdf.errors import ManipulatorError
@@ -43,7 +43,7 @@ if TYPE_CHECKING:
 @click.command(name="info", cls=StageCommand, kinds=("reader",), epilog=EXIT_STATUS)
 @click.argument("table", type=PATH)
 @table_options
-@option("--set", "settings", multiple=True, metavar="KEY=VALUE", help="Any other option of the reader.")
+@set_option("Any other option of the reader.")
 @option("--json", "form", flag_value="json", help="Print it as JSON.")
 @option("--markdown", "form", flag_value="markdown", help="Print it as Markdown.")
 @without_option
@@ -70,7 +70,7 @@ def command(
     """
     installed = catalog()
     path, reader = given_table(table, reader_name, installed)
-    call = reader_call(installed, path, reader, COMMAND_LINE, given_options(flags), settings=settings_of(settings))
+    call = reader_call(installed, path, reader, COMMAND_LINE, given_options(flags), settings=settings)
     arms, chosen, trace = _read(call, path, robot)
     detail = None if chosen is None else _detail(installed, chosen, trace if call.stage.can(Traces) else None)
     failed = any(arm["errors"] for arm in (arms if detail is None else [detail]))

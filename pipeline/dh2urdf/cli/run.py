@@ -1,21 +1,59 @@
-"""`dh2urdf run`: everything that a run file says."""
+"""`dh2urdf run`: everything that a run file says; how it goes, and the table at the end."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+import sys
+import time
+from collections import Counter
+from contextlib import contextmanager
+from datetime import timedelta
+from functools import partial
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from dh2urdf.cli import EXIT_STATUS, SETTLED
-from dh2urdf.cli.answers import answer
-from dh2urdf.cli.shared_options import PATH, catalog, option, without_option
-from dh2urdf.cli.standard_input import refuse_dash
+from dh2urdf.cli.answers import answer, answers
+from dh2urdf.cli.shared_options import (
+    PATH,
+    catalog,
+    json_option,
+    option,
+    quiet_option,
+    refuse_dash,
+    set_option,
+    without_option,
+)
 from dh2urdf.conversion.outcome import to_text
+from dh2urdf.errors import SCREENFUL
 from dh2urdf.report.manifest import HOW_TO_GET, can_write_html
+from dh2urdf.report.verdicts import coverage_line, notice_line
 from dh2urdf.running.run import execute, load_plan
+from dh2urdf.source import printable
+from dh2urdf.tasks.batch_report import is_new
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
     from pathlib import Path
+
+    from rich.table import Table
+
+    from dh2urdf.results import LoadEntry, ManipulatorEntry, ProofEntry, RunReport
+    from dh2urdf.running.run import Note
+    from dh2urdf.source import Problem
+    from dh2urdf.tasks.batch_report import BatchReport
+    from dh2urdf.tasks.result import Result
+
+LINE_EVERY = 10.0
+"""Time between two lines in a log [s]."""
+MOST_ROWS = 40
+"""Rows of a summary; of a longer run it shows the failures first and counts the rest."""
+MOST_NOTICES = 20
+"""Notices of simulators in a summary, each with the number of manipulators that it is about."""
+MANY = 100
+"""Manipulators from which on a run reports how many it made per second."""
+NAME_WIDTH = 48
+"""Characters of a name in one line; a longer one is folded."""
 
 
 @click.command(name="run", epilog=EXIT_STATUS)
@@ -23,24 +61,14 @@ if TYPE_CHECKING:
 @option("-o", "--output", metavar="DIR", help="Where to, not where CONFIG says: a folder or an address.")
 @option("--workers", metavar="N", help="How many processes work; auto: one per processor.")
 @option("--resume", is_flag=True, help="Keep what an earlier run has finished and what has not changed since.")
-@option(
-    "--set", "settings", multiple=True, metavar="KEY=VALUE", help="Change a value of CONFIG for this run; repeatable."
-)
+@set_option("Change a value of CONFIG for this run; repeatable.")
 @option("--keep", is_flag=True, help="Leave the files of the last run into DIR that this one does not write.")
 @option("--dry-run", is_flag=True, help="Read and check everything, write nothing.")
-@option("--json", "as_json", is_flag=True, help="Print the report as JSON in place of the summary.")
-@option("-q", "--quiet", is_flag=True, help="Say only what fails.")
+@json_option("Print the report as JSON in place of the summary.")
+@quiet_option
 @without_option
-def command(  # noqa: PLR0917 - click hands everything over by name
-    config: Path,
-    output: str | None,
-    workers: str | None,
-    resume: bool,  # noqa: FBT001 - click hands flags over so
-    settings: tuple[str, ...],
-    keep: bool,  # noqa: FBT001
-    dry_run: bool,  # noqa: FBT001
-    as_json: bool,  # noqa: FBT001
-    quiet: bool,  # noqa: FBT001
+def command(
+    config: Path, output: str | None, workers: str | None, settings: tuple[str, ...], *, as_json: bool, **flags: bool
 ) -> int:
     """Do the run that the YAML file CONFIG describes.
 
@@ -55,26 +83,200 @@ def command(  # noqa: PLR0917 - click hands everything over by name
     dh2urdf run configs/folder.yaml --workers 4 --json > report.json
     dh2urdf run configs/folder.yaml --resume
     """
-    from dh2urdf.cli.printing.progress import progress
-
     refuse_dash([config], "run")
     overrides = [*settings, *([f"execution.options.workers={workers}"] if workers else [])]
     plan = load_plan(config, catalog(), overrides, output)
-    debug = click.get_current_context().find_root().params["debug"]
+    context = click.get_current_context()
+    quiet, dry_run = flags["quiet"], flags["dry_run"]
     try:
-        with progress(quiet=quiet, debug=debug) as note:
-            result, report = execute(plan, resume=resume, dry_run=dry_run, keep=keep, note=note)
+        with progress(quiet=quiet, debug=context.find_root().params["debug"]) as note:
+            result, report = execute(plan, resume=flags["resume"], dry_run=dry_run, keep=flags["keep"], note=note)
     except KeyboardInterrupt as interrupt:
         if not dry_run:
             interrupt.add_note("`--resume` goes on from there")
         raise
-    click.get_current_context().meta[SETTLED] = result.exit_status
+    context.meta[SETTLED] = result.exit_status
     if as_json:
         answer(to_text(report), nl=False)
     elif not quiet:
-        from dh2urdf.cli.printing.summary import print_summary
-
         print_summary(result, report, str(plan.store), str(plan.report_store), dry_run=dry_run)
         if plan.html and not dry_run and not can_write_html():
             answer(HOW_TO_GET)
     return result.exit_status
+
+
+# --- While it works ---------------------------------------------------------------------------------------------------
+
+
+@contextmanager
+def progress(*, quiet: bool, debug: bool) -> Iterator[Note]:
+    """Say on standard error how a run goes: a bar on a terminal, a line now and then in a log.
+
+    A screenful of notices and of errors is printed and the rest counted: a run may hold a million manipulators.
+
+    Args:
+        quiet: say only what fails.
+        debug: say where stages failed.
+    """
+    severities = ("error",) if quiet else ("notice", "error")
+    bar = _bar() if sys.stderr.isatty() and not quiet else None
+    told: set[Problem] = set()
+    found, printed = Counter[str](), Counter[str]()
+    made = failed = 0
+    started = last = time.monotonic()
+
+    # Above the bar, where there is one.
+    above = {"soft_wrap": True, "highlight": False, "markup": False}
+    say = partial(click.echo, err=True) if bar is None else partial(bar.console.print, **above)
+
+    def note(report: BatchReport, total: int | None) -> None:
+        nonlocal made, failed, last
+        made += report.count
+        failed += report.statuses["failed"]
+        found.update(report.severities)
+        for problem in report.problems:
+            severity = problem.severity
+            if severity in severities and printed[severity] < SCREENFUL and is_new(problem, told):
+                printed[severity] += 1
+                say("\n".join(map(printable, str(problem).splitlines())))
+        for traceback in report.tracebacks if debug else ():
+            say(traceback)
+        now = time.monotonic()
+        rate, left = _pace(made, total, now - started)
+        if bar is not None:
+            fields = {"rate": rate, "left": left, "failed": f"{failed:,} failed" if failed else ""}
+            bar.update(bar.task_ids[0], completed=made, total=total, **fields)
+        elif not quiet and now - last >= LINE_EVERY:
+            last = now
+            of = f" of about {total:,}" if total else ""
+            say(", ".join(filter(None, (f"{made:,}{of} manipulators", f"{failed:,} failed", rate, left))))
+
+    try:
+        yield note
+    finally:
+        if bar is not None:
+            bar.stop()
+        for severity in severities:
+            if (more := found[severity] - printed[severity]) > 0:
+                click.echo(
+                    f"and {more:,} more {severity}{'s' if more > 1 else ''}: the manifest has all of them", err=True
+                )
+
+
+def _pace(made: int, total: int | None, seconds: float) -> tuple[str, str]:
+    """How many manipulators are made per second, and how long the others will take."""
+    rate = made / max(seconds, 1e-9)
+    left = f"{timedelta(seconds=round(max(0, total - made) / rate))} left" if total and rate else ""
+    return f"{rate:,.0f}/s", left
+
+
+def _bar() -> Any:  # noqa: ANN401 - rich.progress.Progress, whose import takes a tenth of a short run
+    """A bar with the rate, the time that remains and the failures."""
+    from rich.console import Console
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
+
+    # The bar's own column of the time forgets its speed whenever the total changes, which it does with every batch.
+    styles = {"rate": "none", "left": "cyan", "failed": "red"}
+    texts = [TextColumn(f"{{task.fields[{name}]}}", style=style) for name, style in styles.items()]
+    columns = (TextColumn("manipulators"), BarColumn(), MofNCompleteColumn(), *texts)
+    bar = Progress(*columns, console=Console(stderr=True), transient=True)
+    bar.start()
+    bar.add_task("", total=None, rate="", left="", failed="")
+    return bar
+
+
+# --- At the end -------------------------------------------------------------------------------------------------------
+
+
+def print_summary(result: Result, report: RunReport, where: str, reports: str, *, dry_run: bool) -> None:
+    """Print what became of each manipulator, with the largest error of every file and simulator, and the counts.
+
+    Args:
+        result: what became of the run.
+        report: its report.
+        where: where its output is.
+        reports: where its report is.
+        dry_run: whether nothing was written.
+    """
+    from rich.console import Console
+
+    console = Console(file=answers(), highlight=False)
+    if not console.is_terminal:
+        console = Console(file=answers(), highlight=False, width=140)
+    rows = report["manipulators"]
+    if any(row["files"] for row in rows):
+        console.print("largest distance of tool0 from the DH product, in metres:")
+    console.print(_table(rows))
+    lines = []
+    if (more := sum(result.statuses.values()) - min(len(rows), MOST_ROWS)) > 0:
+        lines.append(f"and {more:,} more manipulators")
+    words = {"ok": "made", "kept": "unchanged", "skipped": "skipped", "failed": "failed"}
+    counts = [f"{result.statuses[status]:,} {word}" for status, word in words.items() if result.statuses[status]]
+    kinds = ", ".join(f"{kind}: {number:,}" for kind, number in result.kinds.most_common())
+    seconds = result.seconds["total"]
+    rate = f"; {result.made / seconds:,.0f} per second" if result.made >= MANY and seconds else ""
+    what = f"{', '.join(counts)}{f' ({kinds})' if kinds else ''}{rate}"
+    lines.append(f"{what}{' (dry run: nothing was written)' if dry_run else ''}")
+    if not result.keeps_kinematics:
+        lines.append("the transform does not keep the kinematics: differences are reported and fail nothing")
+    if not dry_run and report["coverage"]:
+        lines.append(f"simulators: {coverage_line(report['coverage'])}")
+        notices = report["simulator_notices"]
+        lines += [f"- {printable(notice_line(notice))}" for notice in notices[:MOST_NOTICES]]
+        if (more := len(notices) - MOST_NOTICES) > 0:
+            lines.append(f"and {more:,} more notices of simulators: report.json has all of them")
+    if told := result.leftovers.told:
+        lines.append(told)
+    if not dry_run:
+        beside = "" if reports == where else f", report and manifest to {reports}"
+        lines.append(f"written to {where}{beside}")
+    console.print("\n".join(lines), markup=False, soft_wrap=True)
+
+
+def _table(rows: Sequence[ManipulatorEntry]) -> Table:
+    from rich.table import Table
+
+    emitters = list(dict.fromkeys(stage for row in rows for stage in row["proof"]))
+    loaders = list(dict.fromkeys(name for row in rows for name in row["loaders"]))
+    table = Table()
+    table.add_column("manipulator", overflow="fold", max_width=NAME_WIDTH)
+    table.add_column("status")
+    for name in (*emitters, *loaders):
+        table.add_column(name, justify="right")
+    if loaders:
+        table.add_column("holds still")
+    table.add_column("files", overflow="fold")
+    for row in sorted(rows, key=lambda row: row["status"] != "failed")[:MOST_ROWS]:
+        asked = {**row["proof"], **row["loaders"]}
+        cells = [_asked(asked.get(name)) for name in (*emitters, *loaders)]
+        if loaders:
+            stays = [report["hold"].get("stayed") for report in row["loaders"].values() if report["hold"]]
+            cells.append("–" if not stays else "yes" if all(stays) else "no")
+        files = [*_main_files(row), *(load["picture"] for load in row["loaders"].values() if load["picture"])]
+        colour = {"ok": "green", "failed": "red", "skipped": "yellow"}[row["status"]]
+        table.add_row(_plain(row["name"]), f"[{colour}]{row['status']}[/]", *cells, _plain(", ".join(files)))
+    return table
+
+
+def _main_files(row: ManipulatorEntry) -> list[str]:
+    """The main file of each emitter, and those beside it: an emitter may write whole folders of files."""
+    folders: dict[str, str] = {}
+    placed = [(file["stage"], file["path"], file["path"].rpartition("/")[0]) for file in row["files"]]
+    return [path for stage, path, folder in placed if folders.setdefault(stage, folder) == folder]
+
+
+def _asked(facts: ProofEntry | LoadEntry | None) -> str:
+    verdict = facts.get("verdict", "passed") if facts else None
+    if verdict in {"failed", "missing"}:
+        return str(verdict)
+    error = facts["position_error"] if facts else None
+    if error is None:
+        return "–"
+    return f"{error:.1e}" if error else "0"
+
+
+def _plain(text: str) -> str:
+    """A text from a table, with nothing in it that a terminal or rich would act on."""
+    from rich.markup import escape
+
+    return escape("".join(c if c.isprintable() else "�" for c in text))

@@ -1,10 +1,10 @@
-"""What commands share: options that several have, flags for options of stages, and what is installed."""
+"""What commands share: options that several have, flags for options of stages, what is installed, standard input."""
 
 from __future__ import annotations
 
 import os
 import sys
-from contextlib import nullcontext
+from contextlib import nullcontext, suppress
 from dataclasses import fields, is_dataclass
 from functools import reduce
 from itertools import pairwise
@@ -14,14 +14,15 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from dh2urdf.cli.answers import keep_apart, kept_apart
-from dh2urdf.commands.options_of_stages import Setting
-from dh2urdf.documents.text_files import is_there
-from dh2urdf.errors import ConfigError
+from dh2urdf.documents.text_files import MAX_BYTES, is_there
+from dh2urdf.errors import ConfigError, TableError
+from dh2urdf.output.spooled import spooled
 from dh2urdf.plugin_system.options import COMMAND_LINE
-from dh2urdf.source import Problem, shown
+from dh2urdf.source import Mark, Problem, shown
+from dh2urdf.stages import ReadsDescriptions
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+    from collections.abc import Callable, Iterable, Mapping, Sequence
     from typing import TypeVar
 
     from dh2urdf.plugin_system.catalog import Catalog
@@ -29,12 +30,18 @@ if TYPE_CHECKING:
 
     F = TypeVar("F", bound=Callable[..., Any])
 
-option = click.option
+DASH, NAME = "-", "standard input"
+"""What stands for standard input on the command line, and what messages call it."""
+_STDIN = Path("/dev/stdin")
+"""The file that standard input comes from, where the shell has redirected one and the system has such a name."""
 PATH = click.Path(path_type=Path, readable=False)
 """A path, wherever it leads: whatever opens it reports what is wrong with it."""
 _WITHOUT = "--without"
 _NAMES, _LOADED, _FLAGS = (f"{__name__}.{key}" for key in ("names", "loaded", "flags"))
 _BETWEEN = "__"
+
+
+# --- Options ----------------------------------------------------------------------------------------------------------
 
 
 def _all(*options: Callable[[F], F]) -> Callable[[F], F]:
@@ -55,6 +62,7 @@ def _trust(context: click.Context, _parameter: click.Parameter, value: bool) -> 
             context.call_on_close(lambda: os.environ.pop(TRUST, None))
 
 
+option = click.option
 _LEAVE_OUT = "Leave out a plugin, or all of a distribution; repeatable."
 _TRUST = "Read meshes though this system's kernel offers no wall around their readers."
 without_option: Callable[[Any], Any] = _all(
@@ -74,12 +82,30 @@ package_paths_option = option(
     metavar="DIR",
     help="A ROS package, or a folder of packages, whose files a xacro may include or meshes are in; repeatable.",
 )
+quiet_option = option("-q", "--quiet", is_flag=True, help="Say only what fails.")
 
 
-def settings_of(words: Iterable[str]) -> list[Setting]:
-    """What `--set key=value` says."""
-    parts = [(word, *word.partition("=")) for word in words]
-    return [Setting(word, key.strip(), value.strip() if equals else None) for word, key, equals, value in parts]
+def json_option(text: str) -> Callable[[F], F]:
+    """The option for an answer as data."""
+    return option("--json", "as_json", is_flag=True, help=text)
+
+
+def set_option(text: str) -> Callable[[F], F]:
+    """The option for options of stages, or values of a run file, by name."""
+    return option("--set", "settings", multiple=True, metavar="KEY=VALUE", help=text)
+
+
+def one_file_and_arguments(words: Iterable[str]) -> tuple[Path, dict[str, str]]:
+    """A robot description and arguments of a xacro; see `files_and_arguments`.
+
+    Raises:
+        ConfigError: there is no file, or there are several.
+    """
+    files, arguments = files_and_arguments(words)
+    if len(files) != 1:
+        message = f"{len(files)} files are given, and this command takes one"
+        raise ConfigError(Problem(message=message, mark=COMMAND_LINE, accepted="one ROBOT"))
+    return files[0], arguments
 
 
 def files_and_arguments(words: Iterable[str]) -> tuple[list[Path], dict[str, str]]:
@@ -101,6 +127,9 @@ def files_and_arguments(words: Iterable[str]) -> tuple[list[Path], dict[str, str
         else:
             arguments[name] = value
     return files, arguments
+
+
+# --- What is installed ------------------------------------------------------------------------------------------------
 
 
 def catalog() -> Catalog:
@@ -132,22 +161,15 @@ class StageCommand(click.Command):
 
     An option becomes a flag where its metadata have ``flag``, the word for its value in the help, and ``commands``, if
     they have that, name the command. The stages are asked for theirs where the command line has a flag that is not the
-    command's own: first the built-in stages, then those of plugins. The help has the flags of the built-in stages,
-    since it imports no plugin.
+    command's own: first the built-in stages, then those of plugins. The help has the flags of the built-in stages.
 
     Args:
         kinds: the kinds of stages. Of an option that several have, the flag is that of the first.
         which: the stages of these kinds that the command may call.
     """
 
-    def __init__(
-        self,
-        *args: Any,  # noqa: ANN401 - click's
-        kinds: Sequence[Kind],
-        which: Callable[[Any], object] = bool,
-        **others: Any,  # noqa: ANN401
-    ) -> None:
-        super().__init__(*args, **others)
+    def __init__(self, *, kinds: Sequence[Kind], which: Callable[[Any], object] = bool, **others: Any) -> None:  # noqa: ANN401 - click's
+        super().__init__(**others)
         self.kinds, self.which = tuple(kinds), which
 
     def get_params(self, ctx: click.Context) -> list[click.Parameter]:
@@ -160,8 +182,7 @@ class StageCommand(click.Command):
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
         """Read the command line; where it has a flag that is not known yet, again with those of more stages."""
-        asks_help = not set(ctx.help_option_names).isdisjoint(args)
-        for everybody in (False,) if asks_help else (None, False, True):
+        for everybody in (False,) if not {"-h", "--help"}.isdisjoint(args) else (None, False, True):
             ctx.meta[_FLAGS] = [] if everybody is None else self._flags(ctx, args, everybody=everybody)
             try:
                 return super().parse_args(ctx, list(args))
@@ -172,28 +193,22 @@ class StageCommand(click.Command):
     def _flags(self, ctx: click.Context, words: Sequence[str], *, everybody: bool) -> list[click.Option]:
         """The flags of the built-in stages, or of all, each once; what plugins print meanwhile is no answer."""
         flags = dict[str, click.Option]()
-        with kept_apart() if everybody and None not in (sys.stdout, sys.stderr) else nullcontext():
-            for kind, field in self._options(ctx, words, everybody=everybody):
+        with kept_apart() if everybody else nullcontext():
+            installed = loaded(ctx, words)
+            of_kind = installed.provided if everybody else installed.builtin
+            records = [(kind, item.stage) for kind in self.kinds for item in of_kind(kind)]
+            options = [(kind, stage.options) for kind, stage in records if self.which(stage)]
+            for kind, field in [
+                (kind, each) for kind, given in options if is_dataclass(given) for each in fields(given)
+            ]:
                 data = field.metadata
                 if field.name in flags or "flag" not in data or self.name not in data.get("commands", (self.name,)):
                     continue
                 text = str(data.get("help", ""))
                 first = text[:1] if text[1:2] == " " else text[:1].upper()  # d is no D
-                flags[field.name] = click.Option(
-                    [f"--{field.name.replace('_', '-')}", f"{kind}{_BETWEEN}{field.name}"],
-                    metavar=str(data["flag"]),
-                    help=f"{first}{text[1:]}.",
-                )
+                names = [f"--{field.name.replace('_', '-')}", f"{kind}{_BETWEEN}{field.name}"]
+                flags[field.name] = click.Option(names, metavar=str(data["flag"]), help=f"{first}{text[1:]}.")
         return list(flags.values())
-
-    def _options(self, ctx: click.Context, words: Sequence[str], *, everybody: bool) -> Iterator[tuple[Kind, Any]]:
-        """The options of the stages that the command may call, each with the kind of its stage."""
-        installed = loaded(ctx, words)
-        for kind in self.kinds:
-            for item in installed.provided(kind) if everybody else installed.builtin(kind):
-                if is_dataclass(item.stage.options) and self.which(item.stage):
-                    for field in fields(item.stage.options):
-                        yield kind, field
 
 
 def given_options(flags: Mapping[str, Any]) -> dict[str, dict[str, str | None]]:
@@ -204,3 +219,94 @@ def given_options(flags: Mapping[str, Any]) -> dict[str, dict[str, str | None]]:
         if between:
             given.setdefault(kind, {})[name] = value
     return given
+
+
+# --- Standard input ---------------------------------------------------------------------------------------------------
+
+
+def given_table(table: Path, reader: str | None, catalog: Catalog) -> tuple[Path, str | None]:
+    """A table of the command line, and the name of its reader; standard input where the table is a dash.
+
+    What comes from there is kept in a file until the command ends.
+
+    Raises:
+        TableError: standard input is empty, too long or closed, or its format is not sure.
+        UnknownStageError: there is no such reader.
+    """
+    if str(table) != DASH:
+        return table, reader
+    content = _standard_input()
+    reader = reader or _format_of(content, catalog)
+    return _kept(content, catalog.get("reader", reader).suffixes), reader
+
+
+def given_description(file: Path, emitter: str | None, catalog: Catalog) -> Path:
+    """A robot description of the command line; standard input where the file is a dash.
+
+    Raises:
+        TableError: standard input is empty, too long or closed.
+        ConfigError: the format of standard input is not said: of a URDF, which a xacro may be too, nobody can be sure.
+        UnknownStageError: there is no such emitter.
+    """
+    if str(file) != DASH:
+        return file
+    if emitter is None:
+        problem = Problem(message="the format of standard input is not said", mark=COMMAND_LINE, accepted="`--as NAME`")
+        raise ConfigError(problem)
+    return _kept(_standard_input(), catalog.get("emitter", emitter).suffixes)
+
+
+def refuse_dash(files: Iterable[Path | str | None], command: str) -> None:
+    """Refuses a dash where a command reads files, and not standard input.
+
+    Raises:
+        ConfigError: one of the files is a dash.
+    """
+    if any(str(file) == DASH for file in files):
+        message = f"`dh2urdf {command}` reads no standard input"
+        raise ConfigError(Problem(message=message, mark=COMMAND_LINE, found=DASH, accepted="the name of a file"))
+
+
+def files_behind(tables: Iterable[Path]) -> list[Path]:
+    """The files that the tables of a command line are read from."""
+    return [_STDIN if str(table) == DASH else table for table in tables]
+
+
+def _kept(content: bytes, suffixes: tuple[str, ...]) -> Path:
+    """A file with some content, until the command ends."""
+    return click.get_current_context().with_resource(spooled(content, NAME, (*suffixes, "")[0]))
+
+
+def _standard_input() -> bytes:
+    wrong = "there is nothing in it"
+    try:
+        content = sys.stdin.buffer.read(MAX_BYTES + 1)
+    except (AttributeError, OSError, ValueError) as error:  # closed by the program that started the command
+        content, wrong = b"", f"standard input cannot be read: {getattr(error, 'strerror', None) or 'it is closed'}"
+    if len(content) > MAX_BYTES:
+        content, wrong = b"", f"there are more than {MAX_BYTES / 2**20:.0f} MiB, too much to be read at once"
+    if not content.strip():
+        raise TableError(Problem(message=wrong, mark=Mark(file=NAME)))
+    return content
+
+
+def _format_of(content: bytes, catalog: Catalog) -> str:
+    """The reader of some content: the one that reads it as a table, where no other does.
+
+    Raises:
+        TableError: no reader does, or several do.
+    """
+    names: list[str] = []
+    readers: list[Any] = [provided.stage for provided in catalog.provided("reader")]
+    is_markup = content.lstrip().startswith(b"<")
+    for reader in (each for each in readers if is_markup or not each.can(ReadsDescriptions)):
+        with spooled(content, NAME, (*reader.suffixes, "")[0]) as path, suppress(Exception):
+            # A reader may raise anything of what is not its own format.
+            if next(iter(reader.read(path, reader.options())), None) is not None:
+                names.append(reader.name)
+    if len(names) == 1:
+        return names[0]
+    wrong = f"{' and '.join(names)} both read this" if names else "no reader surely reads this as it is"
+    accepted = f"`--from NAME`, with one of {', '.join(names or [reader.name for reader in readers])}"
+    message = f"the format is not sure: {wrong}"
+    raise TableError(Problem(message=message, mark=Mark(file=NAME), accepted=accepted))

@@ -95,6 +95,11 @@ def words_of(options: Mapping[str, object]) -> dict[str, str]:
     return {name: word_of(value) for name, value in options.items()}
 
 
+def settings_of(options: Mapping[str, object]) -> list[str]:
+    """Options as the words of ``--set``."""
+    return [f"{key}={word}" for key, word in words_of(options).items()]
+
+
 def _with_units(value: Any) -> Any:  # noqa: ANN401 - whatever is given
     """A value with its records as mappings whose numbers name their units: a record is in SI units, a table is not."""
 

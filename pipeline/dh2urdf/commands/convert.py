@@ -6,11 +6,10 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from dh2urdf.commands.chosen_table import chosen_reader, read_manipulator
-from dh2urdf.commands.options_of_stages import edit_calls, option, stage_calls
+from dh2urdf.commands.choices import chosen_reader, edit_calls, option, read_manipulator, stage_calls
 from dh2urdf.conversion.one_manipulator import Recipe, Written, with_notices, write_robot
 from dh2urdf.conversion.robots import make_item
-from dh2urdf.documents.text_files import check_file, is_folder
+from dh2urdf.documents.text_files import is_folder
 from dh2urdf.errors import ConfigError, EditError, RobotError, TableError, TransformError
 from dh2urdf.manipulator import Manipulator
 from dh2urdf.meshes.files import FILE, RELATIVE, prefix_of
@@ -27,7 +26,6 @@ from dh2urdf.table_text import Trace
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping, Sequence
 
-    from dh2urdf.commands.options_of_stages import Setting
     from dh2urdf.kinematics.expected_poses import ExpectedPoses
     from dh2urdf.kinematics.proof import Proof
     from dh2urdf.plugin_system.catalog import Catalog
@@ -164,7 +162,7 @@ def plan_conversion(
     formats: Sequence[str] = (),
     robot: str | None = None,
     given: Mapping[str, Mapping[str, str | None]] | None = None,
-    settings: Iterable[Setting] = (),
+    settings: Iterable[str] = (),
     meshes: str | None = None,
     convert_meshes: str | None = None,
     edits: Iterable[str] = (),
@@ -184,7 +182,6 @@ def plan_conversion(
     """
     stages: dict[str, list[Any]] = {"reader": []}
     if isinstance(table, Path):
-        check_file(table, TableError)
         stages["reader"] = [chosen_reader(catalog, table, reader, mark)]
     else:
         for name, word in (("reader", reader), ("robot", robot)):

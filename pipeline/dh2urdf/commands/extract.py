@@ -6,12 +6,11 @@ import re
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from dh2urdf.commands.chosen_table import chosen_reader
-from dh2urdf.commands.options_of_stages import stage_calls
+from dh2urdf.commands.choices import chosen_reader, stage_calls
 from dh2urdf.commands.written_tables import in_format, left_out
 from dh2urdf.conversion.file_endings import table_writer
 from dh2urdf.conversion.one_manipulator import read_items
-from dh2urdf.documents.text_files import check_file, encoded
+from dh2urdf.documents.text_files import encoded
 from dh2urdf.errors import ConfigError, TableError
 from dh2urdf.fields import replace_unchecked
 from dh2urdf.manipulator import Manipulator
@@ -25,7 +24,6 @@ from dh2urdf.table_text.texts import table_text
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
 
-    from dh2urdf.commands.options_of_stages import Setting
     from dh2urdf.plugin_system.catalog import Catalog
     from dh2urdf.stage_calls.calls import Call
 
@@ -37,16 +35,15 @@ def description_reader(
     *,
     reader: str | None = None,
     given: Mapping[str, str | None] | None = None,
-    settings: Iterable[Setting] = (),
+    settings: Iterable[str] = (),
 ) -> Call[Reader[Any]]:
-    """The reader of a robot description, with its options; the arguments are those of `chosen_table.reader_call`.
+    """The reader of a robot description, with its options; the arguments are those of `choices.reader_call`.
 
     Raises:
         TableError: there is no such file.
         ConfigError: the reader reads tables, or an option is unknown or its value wrong.
         InputError: no installed reader takes the file.
     """
-    check_file(path, TableError)
     stage = chosen_reader(catalog, path, reader, mark)
     if stage.can(ReadsDescriptions) is None:
         names = [item.stage.name for item in catalog.provided("reader") if item.stage.can(ReadsDescriptions)]

@@ -16,8 +16,7 @@ from pathlib import Path
 from typing import IO, TYPE_CHECKING, Any, TypeAlias
 
 from dh2urdf.commands.arguments import check_names, path_or_none, several, words_of
-from dh2urdf.commands.chosen_table import chosen_manipulator, read_manipulator, reader_call
-from dh2urdf.commands.options_of_stages import stage_calls
+from dh2urdf.commands.choices import chosen_manipulator, read_manipulator, reader_call, stage_calls
 from dh2urdf.conversion.one_manipulator import checked_items
 from dh2urdf.errors import ConfigError, RecordTypeError, RecordValueError, TableError
 from dh2urdf.manipulator import Manipulator

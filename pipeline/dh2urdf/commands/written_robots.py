@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from dh2urdf.columns import columns_of
 from dh2urdf.commands.arguments import path_or_none, words_of
-from dh2urdf.commands.options_of_stages import stage_calls
+from dh2urdf.commands.choices import stage_calls
 from dh2urdf.conversion.file_endings import refuse_other_ending
 from dh2urdf.errors import ProofError, RobotError
 from dh2urdf.kinematics.chain import KinematicChain, angle_error, position_error

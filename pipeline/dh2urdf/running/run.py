@@ -10,7 +10,7 @@ from contextlib import closing, contextmanager, nullcontext
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from dh2urdf.commands.chosen_table import is_table, table_as_run_file
+from dh2urdf.commands.choices import refuse_table
 from dh2urdf.errors import ConfigError, CrashError, ManipulatorError, TableError
 from dh2urdf.isolation.child_process import run_in_child
 from dh2urdf.isolation.encodings import PICKLED
@@ -88,9 +88,9 @@ def load_plan(
     """
     try:
         config = load_config(path, overrides, root, asked)
-    except ConfigError as error:
-        if root is None and is_table(path, catalog):
-            raise ConfigError(table_as_run_file(path)) from error
+    except ConfigError:
+        if root is None:
+            refuse_table(path, catalog)
         raise
     plan = make_plan(config if output is None else config.written_to(output), catalog)
     if root is None:

@@ -256,16 +256,6 @@ class TestSeveralTables:
 
 
 @pytest.mark.usefixtures("folder")
-class TestWhichCommandIsMeant:
-    def test_names_are_quoted_for_the_shell(self, cli: Cli, folder: Path) -> None:
-        """What the message says can be typed as it is."""
-        (folder / "my arm.csv").write_text(BARE)
-        (folder / "my run.yaml").write_text("inputs: bare.csv\n")
-        assert "`dh2urdf convert 'my arm.csv'`" in cli("run", "my arm.csv", status=2).stderr
-        assert "`dh2urdf run 'my run.yaml'`" in cli("convert", "my run.yaml", status=2).stderr
-
-
-@pytest.mark.usefixtures("folder")
 class TestProfile:
     def test_it_is_the_option_of_the_emitter(self, cli: Cli) -> None:
         """`--profile P` is `--set emitter.profile=P`; where it is the default it changes nothing."""

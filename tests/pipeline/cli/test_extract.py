@@ -256,7 +256,7 @@ class TestWritten:
             ),
             (["-o", "arm.tsv"], "no reader writes tables like 'arm.tsv'"),
             (["--length-unit", "ft"], "'ft' is not one of 'm', 'cm', 'mm'"),
-            (["other.urdf"], "2 files are given, and tables are extracted from one"),
+            (["other.urdf"], "2 files are given, and this command takes one"),
         ],
     )
     def test_what_cannot_be(self, cli: Cli, ur5: Path, words: list[str], message: str) -> None:

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import ast
 import os
 import platform
 import pty
@@ -11,7 +12,7 @@ from typing import TYPE_CHECKING
 import click
 import pytest
 
-import dh2urdf.cli.plugins
+import dh2urdf.cli.listings
 from dh2urdf import __version__, cli
 from dh2urdf.cli import COMMANDS, dh2urdf as program, exit_status_of, main
 from dh2urdf.hookspecs import INTERFACE_VERSION
@@ -117,7 +118,7 @@ class TestDebug:
         def broken() -> None:
             raise LookupError("the ground is gone")
 
-        monkeypatch.setattr(dh2urdf.cli.plugins, "catalog", broken)
+        monkeypatch.setattr(dh2urdf.cli.listings, "catalog", broken)
         assert exit_status_of(["plugins"], debug=False) == cli.INTERNAL_ERROR == 1
         assert capfd.readouterr().err == (
             "dh2urdf: internal error: LookupError: the ground is gone\n"
@@ -265,3 +266,14 @@ def test_shells_complete_paths() -> None:
         check=True,
     )
     assert answer.stdout.strip() == "file,arm"
+
+
+def test_every_command_gives_its_answer_as_one() -> None:
+    """While a command is at work `click.echo` is for remarks: where it writes by itself would be standard error."""
+    folder = Path(cli.__file__).parent
+    modules = [path for path in folder.glob("*.py") if path.name not in ("__init__.py", "answers.py")]
+    assert len(modules) > 6
+    for path in modules:
+        for node in ast.walk(ast.parse(path.read_text("utf-8"))):
+            if isinstance(node, ast.Call) and ast.unparse(node.func) == "click.echo":
+                assert "err" in [word.arg for word in node.keywords], f"{path.name}:{node.lineno}"

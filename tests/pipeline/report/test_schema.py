@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import pytest
 from jsonschema import Draft202012Validator
 
-from dh2urdf.cli.schema import SCHEMAS
+from dh2urdf.cli.listings import SCHEMAS
 from dh2urdf.report.schema import manifest_schema, report_schema
 from dh2urdf.stages import LoadReport
 

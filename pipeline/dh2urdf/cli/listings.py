@@ -1,15 +1,15 @@
-"""`dh2urdf plugins`: what is installed."""
+"""`dh2urdf plugins` and `schema`: what is installed, and JSON Schema for editors."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+import json
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from dh2urdf.cli.answers import answer
-from dh2urdf.cli.shared_options import catalog, option, without_option
+from dh2urdf.cli.shared_options import catalog, json_option, without_option
 from dh2urdf.plugin_system.catalog import KINDS
-from dh2urdf.report.plugins import plugins_report
 from dh2urdf.source import printable
 
 if TYPE_CHECKING:
@@ -17,11 +17,13 @@ if TYPE_CHECKING:
 
     from dh2urdf.results import PluginsReport
 
+SCHEMAS = ("run", "table", "report", "manifest", "plugins", "conversions", "info", "error")
+
 
 @click.command(name="plugins")
-@option("--json", "as_json", is_flag=True, help="Print the list as JSON.")
+@json_option("Print the list as JSON.")
 @without_option
-def command(as_json: bool) -> int:  # noqa: FBT001 - click hands flags over so
+def plugins(*, as_json: bool) -> int:
     """List every installed stage: kind, name, what it does, its options, and the distribution that provides it.
 
     A plugin that is broken, or made for another version of the plugin interface, is listed with the reason; it stops
@@ -32,10 +34,10 @@ def command(as_json: bool) -> int:  # noqa: FBT001 - click hands flags over so
     dh2urdf plugins --json
     dh2urdf plugins --without my-lab
     """
+    from dh2urdf.report.plugins import plugins_report
+
     report = plugins_report(catalog())
     if as_json:
-        import json
-
         answer(json.dumps(report, indent=2, ensure_ascii=False))
     else:
         debug = click.get_current_context().find_root().params["debug"]
@@ -54,10 +56,8 @@ def _lines(report: PluginsReport, *, debug: bool) -> Iterator[str]:
         choice = f"; say {' or '.join(clash['choices'])}" if clash["choices"] else ""
         yield f"claimed twice: {clash['kind']} {clash['name']} by {' and '.join(clash['distributions'])}{choice}"
     for each in report["shadowed"]:
-        yield (
-            f"shadowed: {each['kind']} {each['name']} of {each['distribution']} "
-            f"by {each['winner']}; say {each['choice']}"
-        )
+        what = f"{each['kind']} {each['name']} of {each['distribution']}"
+        yield f"shadowed: {what} by {each['winner']}; say {each['choice']}"
     for broken in report["broken"]:
         yield f"broken: {broken['plugin']} of {broken['distribution']}: {broken['reason']}"
         if debug:
@@ -66,3 +66,30 @@ def _lines(report: PluginsReport, *, debug: bool) -> Iterator[str]:
         yield f"incompatible: {refused['plugin']} of {refused['distribution']}: {refused['reason']}"
     for left in report["left_out"]:
         yield f"left out: {left['plugin']} of {left['distribution']}"
+
+
+@click.command(name="schema")
+@click.argument("what", type=click.Choice(SCHEMAS), default="run")
+@without_option
+def schema(what: str) -> int:
+    """Print the JSON Schema of run files, every installed stage's options included, or of what WHAT says.
+
+    table: of YAML tables; report: of report.json; manifest: of a line of manifest.jsonl; plugins: of what
+    `dh2urdf plugins --json` prints; conversions: of what `dh2urdf convert --json` prints; info: of what
+    `dh2urdf info --json` prints; error: of what a command with --json prints where it fails.
+
+    \b
+    dh2urdf schema > run.schema.json
+    dh2urdf schema table > table.schema.json
+    dh2urdf schema report > report.schema.json
+    """
+    from dh2urdf.report import schema as results
+    from dh2urdf.run_file.schema import run_schema, table_schema
+
+    made: Any
+    if what in ("run", "table"):
+        made = (run_schema if what == "run" else table_schema)(catalog())
+    else:
+        made = getattr(results, f"{what}_schema")()
+    answer(json.dumps(made, indent=2, ensure_ascii=False))
+    return 0

@@ -3,8 +3,10 @@ from __future__ import annotations
 import json
 import subprocess
 import sys
-from typing import TYPE_CHECKING
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
+import yaml
 from jsonschema import Draft202012Validator
 
 from dh2urdf import __version__
@@ -16,7 +18,7 @@ if TYPE_CHECKING:
 
     from conftest import Answer
 
-# Broken plugins are listed in tests/pipeline/test_registry.py.
+CONFIGS = Path(__file__).parents[3] / "configs"
 
 
 def test_every_stage_is_listed_with_its_options(cli: Callable[..., Answer]) -> None:
@@ -59,3 +61,25 @@ def test_no_simulator_is_imported() -> None:
     listed = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=False)
     assert (listed.returncode, listed.stderr) == (0, "")
     assert "pybullet" in listed.stdout
+
+
+def schema(cli: Callable[..., Answer], *words: str) -> dict[str, Any]:
+    return dict(json.loads(cli("schema", *words).stdout))
+
+
+def test_it_validates_every_run_file_of_the_project(cli: Callable[..., Answer]) -> None:
+    """What an editor gets accepts every run file in configs/, and finds a slip in it."""
+    validator = Draft202012Validator(schema(cli))
+    for path in CONFIGS.glob("*.yaml"):
+        config = yaml.safe_load(path.read_text("utf-8"))
+        assert [error.message for error in validator.iter_errors(config)] == []
+        assert list(validator.iter_errors({**config, "emiters": ["urdf"]}))
+
+
+def test_the_one_of_tables_validates_every_table_of_the_project(cli: Callable[..., Answer]) -> None:
+    """What an editor gets accepts every YAML table in configs/, and finds a slip in it."""
+    validator = Draft202012Validator(schema(cli, "table"))
+    for path in (CONFIGS / "tables").glob("*.yaml"):
+        table = yaml.safe_load(path.read_text("utf-8"))
+        assert [error.message for error in validator.iter_errors(table)] == []
+        assert list(validator.iter_errors({**table, "convetion": "standard"}))

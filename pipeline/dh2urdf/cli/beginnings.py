@@ -1,0 +1,141 @@
+"""`dh2urdf init`, `example` and `new-plugin`: files to begin with."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from shlex import quote
+from typing import TYPE_CHECKING, cast
+
+import click
+
+from dh2urdf.cli.answers import answer
+from dh2urdf.cli.shared_options import PATH, catalog, option, without_option
+from dh2urdf.conversion.file_endings import table_writer
+from dh2urdf.documents.text_files import is_folder
+from dh2urdf.errors import ConfigError
+from dh2urdf.manipulator import Convention
+from dh2urdf.plugin_system.catalog import KINDS
+from dh2urdf.plugin_system.options import COMMAND_LINE
+from dh2urdf.scaffold import write_plugin
+from dh2urdf.scaffold.tables import MOST_AXES, run_template, shipped_table, shipped_tables, table_template, write_new
+from dh2urdf.source import Problem, shown
+from dh2urdf.stage_calls.calls import default_call
+
+if TYPE_CHECKING:
+    from dh2urdf.stages import Kind
+
+DEFAULT_FILE = "arm.csv"
+DEFAULT_AXES = 6
+
+
+@click.command(name="init")
+@click.argument("file", type=PATH, default=DEFAULT_FILE)
+@option(
+    "--convention",
+    type=click.Choice([str(convention) for convention in Convention]),
+    default=str(Convention.STANDARD),
+    metavar="C",
+    help="standard or modified; standard.",
+)
+@option("--axes", type=click.IntRange(1, MOST_AXES), metavar="N", help=f"How many joints; {DEFAULT_AXES}.")
+@option("--joints", metavar="A,B,C", help="Their names; joint_1, joint_2 and so on.")
+@option("--name", default="", metavar="NAME", help="The manipulator's name; that of FILE.")
+@option("--run", "run_file", type=PATH, metavar="RUN", help="Also write a run file for it.")
+@without_option
+def init(  # noqa: PLR0917 - click hands everything over by name
+    file: Path, convention: str, axes: int | None, joints: str | None, name: str, run_file: Path | None
+) -> int:
+    """Write the beginning of a table to FILE, arm.csv by default: comments, and rows that can be converted at once.
+
+    FILE's suffix chooses the format, such as .csv or .yaml. No file is overwritten.
+
+    \b
+    dh2urdf init
+    dh2urdf init panda.yaml --convention modified --axes 7
+    dh2urdf init arm.csv --joints waist,shoulder,elbow --run run.yaml
+    """
+    names = [word.strip() for word in joints.split(",")] if joints is not None else []
+    if joints is not None and axes not in (None, len(names)):
+        message = f"--axes {axes} and --joints, which names {len(names)}, contradict each other"
+        raise _wrong(message, "one of the two")
+    if len(names) > MOST_AXES:
+        raise _wrong(f"--joints names {len(names)} joints", f"at most {MOST_AXES}")
+    if run_file is not None and str(run_file).casefold() == str(file).casefold():
+        raise _wrong("the table and the run file have the same name", "two names", str(run_file))
+    names = names or [f"joint_{number}" for number in range(1, (axes or DEFAULT_AXES) + 1)]
+    installed = catalog()
+    call = default_call(installed, table_writer(installed, file, COMMAND_LINE))
+    files = {file: table_template(call, Convention(convention), names, name, file)}
+    if run_file is not None:
+        files[run_file] = run_template(file, run_file)
+    write_new(files)
+    answer("\n".join(map(str, files)))
+    table = quote(str(file))
+    answer(f"\nnext:\n    dh2urdf info {table}\n    dh2urdf convert {table} -o {quote(f'{file.stem}.urdf')}")
+    if run_file is not None:
+        answer(f"    dh2urdf run {quote(str(run_file))}")
+    return 0
+
+
+@click.command(name="example")
+@click.argument("name", required=False)
+@option("-o", "--output", "output", metavar="FILE", help="File to write, or folder; standard output without it.")
+@option("--list", "listed", is_flag=True, help="List the arms.")
+def example(name: str | None, output: str | None, *, listed: bool) -> int:
+    """Print the table of the arm NAME, one of those that dh2urdf ships; list them without a NAME.
+
+    No file is overwritten.
+
+    \b
+    dh2urdf example --list
+    dh2urdf example ur5 -o ur5.csv
+    dh2urdf example panda | dh2urdf convert - > panda.urdf
+    """
+    if listed or name is None:
+        if output:
+            raise _wrong("a list of the arms is printed, and not written to a file", "NAME -o FILE", output)
+        tables = shipped_tables()
+        width = max(map(len, tables), default=0)
+        for each, path in tables.items():
+            answer(f"{each.ljust(width)}  {path.read_text('utf-8').splitlines()[0].strip('# ').rstrip('.')}")
+        return 0
+    table = shipped_table(name)
+    if output is None or output == "-":
+        answer(table.read_bytes(), nl=False)
+        return 0
+    target = Path(output)
+    if is_folder(target) or output.endswith("/"):
+        target /= table.name
+    if target.suffix.lower() != table.suffix:
+        message = f"the table is a {table.suffix} file, and {shown(target.name)} says another format"
+        raise _wrong(message, f"-o {table.name}", output)
+    write_new({target: table.read_bytes()})
+    answer(str(target))
+    return 0
+
+
+@click.command(name="new-plugin")
+@click.argument("name")
+@option("--kind", required=True, type=click.Choice(KINDS), metavar="KIND", help=f"One of {', '.join(KINDS)}.")
+@option("--dir", "folder", type=PATH, default=".", metavar="D", help="Where its folder is made.")
+@option("--minimal", is_flag=True, help="A module with the stage, its contract test, and what installs it.")
+@without_option
+def new_plugin(name: str, kind: str, folder: Path, *, minimal: bool) -> int:
+    """Write a small distribution NAME with one working stage, its tests, and all that goes with it.
+
+    It installs, passes its own tests, ruff and mypy --strict, and is listed by `dh2urdf plugins`, at once. NAME is that
+    of the folder and of the distribution; the stage has the same, without a dh2urdf- at its beginning.
+
+    \b
+    dh2urdf new-plugin dh2urdf-lab-table --kind reader
+    cd dh2urdf-lab-table
+    pip install -e '.[test]' && pytest
+    """
+    place, files = write_plugin(name, cast("Kind", kind), folder, catalog(), minimal=minimal)
+    answer("\n".join(f"{place / file}" for file in files))
+    answer(f"\nnext:\n    cd {quote(str(place))}\n    pip install -e '.[test]' && pytest\n    dh2urdf plugins")
+    return 0
+
+
+def _wrong(message: str, accepted: str, found: str | None = None) -> ConfigError:
+    return ConfigError(Problem(message=message, mark=COMMAND_LINE, found=found, accepted=accepted))

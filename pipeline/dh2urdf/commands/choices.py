@@ -1,0 +1,271 @@
+"""What was chosen on the command line or in Python: a table, one of its manipulators, stages and their options."""
+
+from __future__ import annotations
+
+from contextlib import contextmanager, suppress
+from typing import TYPE_CHECKING, Any
+
+from dh2urdf.conversion.one_manipulator import read_items
+from dh2urdf.documents.text_files import check_file, is_file
+from dh2urdf.errors import ConfigError, InputError, TableError
+from dh2urdf.manipulator import Manipulator
+from dh2urdf.plugin_system.options import COMMAND_LINE, broken_structure, make_options, word_node
+from dh2urdf.source import Mark, Problem, did_you_mean, shown
+from dh2urdf.stage_calls.calls import Call
+from dh2urdf.stages import Rejected
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator, Mapping, Sequence
+    from pathlib import Path
+
+    from dh2urdf.plugin_system.catalog import Catalog
+    from dh2urdf.stages import Edit, Reader
+    from dh2urdf.table_text import Trace
+
+_FLAGS = {"reader": "--from", "formats": "--to", "out": "-o", "edits": "--edit", "options": "--set"}
+"""Options of the command line that are not called as the arguments of the functions are."""
+
+
+def option(mark: Mark, name: str, value: str = "") -> str:
+    """An option with its value, as its user gives it: ``--robot NAME``, or ``robot=NAME`` in a program.
+
+    Args:
+        mark: the place that problems of the options name: the command line, or the function that was called.
+        name: the argument of the function.
+        value: its value.
+    """
+    if mark != COMMAND_LINE:
+        return value if name == "options" else f"{name}={value}"
+    return f"{_FLAGS.get(name) or '--' + name.replace('_', '-')} {value}"
+
+
+# --- A table and its manipulator --------------------------------------------------------------------------------------
+
+
+def chosen_reader(catalog: Catalog, table: Path, name: str | None, mark: Mark) -> Reader[Any]:
+    """The reader that is named, or the one by the table's suffix.
+
+    Raises:
+        TableError: there is no such table.
+        InputError: there is no reader, or several are.
+        PluginError: it is broken, or two plugins claim its name.
+    """
+    check_file(table, TableError)
+    if name:
+        return catalog.get("reader", name)
+    return catalog.reader_for(table, f"`{option(mark, 'reader', 'NAME')}` chooses a reader")
+
+
+def reader_call(
+    catalog: Catalog,
+    table: Path,
+    name: str | None,
+    mark: Mark,
+    given: Mapping[str, Mapping[str, str | None]],
+    *,
+    settings: Iterable[str] = (),
+) -> Call[Reader[Any]]:
+    """The reader of a table, with its options; see `chosen_reader` and `stage_calls`."""
+    stages = {"reader": [chosen_reader(catalog, table, name, mark)]}
+    return stage_calls(catalog, stages, mark, given, settings)["reader"][0]
+
+
+def read_manipulator(
+    call: Call[Reader[Any]], table: Path, robot: str | None, mark: Mark, trace: Trace | None = None
+) -> Manipulator:
+    """The manipulator of a table that is meant.
+
+    Raises:
+        TableError: it cannot be read, there is none, or which of several is not said.
+        ConfigError: the file is a run file.
+    """
+    with refuse_run_file(table):
+        return chosen_manipulator(read_items(call, table, trace), robot, str(table), mark)
+
+
+def chosen_manipulator(
+    items: Iterator[Manipulator | Rejected], robot: str | None, file: str, mark: Mark
+) -> Manipulator:
+    """The manipulator that is meant.
+
+    Raises:
+        TableError: it cannot be read, there is none, or which of several is not said.
+    """
+    others: list[str] = []
+    chosen: Manipulator | Rejected | None = None
+    for item in items:
+        if robot is None and chosen is not None:
+            names = [option(mark, "robot", shown(name)) for name in (chosen.name, item.name)]
+            message = "the table holds several manipulators, and one conversion makes one"
+            choices = f"{option(mark, 'robot', 'NAME')}, such as {' or '.join(names)}"
+            advice = "`dh2urdf run` with a run file makes all of them, and `dh2urdf.read_all` reads them"
+            raise TableError(Problem(message=message, mark=Mark(file=file), accepted=choices, suggestion=advice))
+        others.append(item.name)
+        if robot in (None, item.name):
+            chosen = item
+            if robot is not None:
+                break
+    if isinstance(chosen, Rejected):
+        raise TableError(chosen.problems, chosen.notices)
+    if chosen is None:
+        message = f"the table holds no manipulator{f' {shown(robot)}' if robot else ''}"
+        near, accepted = did_you_mean(robot or "", others), ", ".join(others[:20]) or None
+        problem = Problem(message=message, mark=Mark(file=file), found=robot, accepted=accepted, suggestion=near)
+        raise TableError(problem)
+    return chosen
+
+
+@contextmanager
+def refuse_run_file(table: Path) -> Iterator[None]:
+    """Reports that a file which cannot be read as a table is a run file, where it is one.
+
+    Raises:
+        ConfigError: it is one.
+    """
+    try:
+        yield
+    except TableError:
+        from dh2urdf.run_file.config import is_run_file  # not needed where all is well
+
+        if not is_run_file(table):
+            raise
+        raise ConfigError(
+            Problem(
+                message="this is a run file, not a table",
+                mark=Mark(file=str(table)),
+                suggestion="`dh2urdf run`, or in Python `dh2urdf.run`, runs it",
+            )
+        ) from None
+
+
+def refuse_table(path: Path, catalog: Catalog) -> None:
+    """Refuses a table where a run file is expected: a file that only readers take, or that can be read as it is.
+
+    Raises:
+        ConfigError: the file is surely a table.
+    """
+    from dh2urdf.run_file.config import RUN_SUFFIXES
+
+    is_table = False
+    with suppress(Exception):  # Whatever it is instead, it is no table.
+        reader = catalog.reader_for(path)
+        if path.name.lower().endswith(RUN_SUFFIXES):
+            is_table = isinstance(next(iter(reader.read(path, reader.options())), None), Manipulator)
+        else:
+            is_table = is_file(path)
+    if is_table:
+        advice = f"`dh2urdf convert` converts it; a run file names it: `inputs: {path.name}`"
+        raise ConfigError(
+            Problem(message="this is a table, not a run file", mark=Mark(file=str(path)), suggestion=advice)
+        )
+
+
+# --- Stages and their options -----------------------------------------------------------------------------------------
+
+
+def stage_calls(
+    catalog: Catalog,
+    stages: Mapping[str, Sequence[Any]],
+    mark: Mark,
+    given: Mapping[str, Mapping[str, str | None]],
+    settings: Iterable[str] = (),
+) -> dict[str, list[Call[Any]]]:
+    """The calls of stages with their options, in the order of the stages of each kind.
+
+    Args:
+        catalog: where the stages are from.
+        stages: the stages by kind. Those of one kind share the settings: each takes the options that it has.
+        mark: the place that problems name: the command line, or the function that was called.
+        given: options by kind; a stage that has no such option is an error.
+        settings: options that go to the kind of stage which has them: ``frames=dh``, or ``transform.frames=dh`` where
+            several kinds have one of that name.
+
+    Raises:
+        ConfigError: an option is unknown or its value wrong; all problems are reported at once.
+    """
+    words: dict[str, dict[str, str]] = {
+        kind: {name: value for name, value in given.get(kind, {}).items() if value is not None} for kind in stages
+    }
+    known = {
+        kind: {name: None for stage in some for name in stage.options.__dataclass_fields__}
+        for kind, some in stages.items()
+    }
+    keys = [f"{kind}.{name}" for kind in known for name in known[kind]]
+    problems: list[Problem] = []
+    for text in settings:
+        path, equals, value = map(str.strip, text.partition("="))
+        kind, _, key = path.rpartition(".")
+        kinds = [each for each in known if key in known[each] and kind in ("", each)]
+        accepted, suggestion = f"KEY=VALUE, where KEY is one of {', '.join(keys)}", None
+        if not equals:
+            wrong = "has no value"
+        elif not kinds:
+            wrong = "names no option"
+            suggestion = did_you_mean(path, [*keys, *(each.partition(".")[2] for each in keys)])
+        elif len(kinds) > 1:
+            wrong = f"is an option of the {' and of the '.join(kinds)}"
+            suggestion = f"write {' or '.join(f'{each}.{key}' for each in kinds)}"
+        elif (earlier := words[kinds[0]].setdefault(key, value)) != value:
+            wrong, accepted = f"contradicts {shown(earlier)}, which is given for {key} too", "one value of each option"
+        else:
+            continue
+        message = f"{option(mark, 'options', shown(text))} {wrong}"
+        problem = Problem(message=message, mark=mark, found=text, accepted=accepted, suggestion=suggestion)
+        problems.append(problem)
+    calls: dict[str, list[Call[Any]]] = {kind: [] for kind in stages}
+    for kind, stage in ((kind, stage) for kind, some in stages.items() for stage in some):
+        # What no stage of the kind has is left in, for the message about it.
+        foreign = known[kind].keys() - stage.options.__dataclass_fields__.keys()
+        own = {name: word for name, word in words[kind].items() if name not in foreign}
+        try:
+            calls[kind].append(_call(catalog, kind, stage, own, mark))
+        except ConfigError as error:
+            problems.extend(error.problems)
+    if problems:
+        raise ConfigError(problems)
+    return calls
+
+
+def _call(catalog: Catalog, kind: str, stage: Any, given: Any, mark: Mark) -> Call[Any]:  # noqa: ANN401 - any stage
+    plugin = catalog.plugin_of(stage)
+    options = make_options(stage.options, given, mark=mark, where=f"{kind} {stage.name!r}", plugin=plugin)
+    return Call(stage=stage, options=options, plugin=plugin)
+
+
+def edit_calls(words: Iterable[str], mark: Mark, catalog: Catalog) -> tuple[Call[Edit[Any]], ...]:
+    """The edits with their options, in the order in which they were asked for.
+
+    Args:
+        words: a word for each, such as ``payload`` or ``payload: {mass: 2.5}``, which is read as YAML.
+        mark: the place that problems name.
+        catalog: where the edits are from.
+
+    Raises:
+        ConfigError: a word names no edit, or an option is wrong; all of it is reported at once.
+        PluginError: the plugin of an edit is broken.
+    """
+    calls, problems = [], []
+    for word in words:
+        try:
+            calls.append(_edit_call(word, mark, catalog))
+        except InputError as error:
+            problems += [problem.about(mark=mark) for problem in error.problems]
+    if problems:
+        raise ConfigError(problems)
+    return tuple(calls)
+
+
+def _edit_call(word: str, mark: Mark, catalog: Catalog) -> Call[Edit[Any]]:
+    node = word_node(word, mark.file)
+    name, options = node.text if isinstance(node.value, str) else None, None
+    broken = broken_structure(word, mark.file) if name and not node.quoted else None
+    if isinstance(node.value, dict) and "stage" in node.value and node.value.keys() <= {"stage", "options"}:
+        name, options = node.value["stage"].text, node.value.get("options")  # as in a run file
+    elif isinstance(node.value, dict) and len(node.value) == 1:
+        ((name, options),) = node.value.items()
+    if broken or not name or (options is not None and not isinstance(options.value, dict | None)):
+        message = f"{option(mark, 'edits', shown(word))} {f'cannot be read: {broken}' if broken else 'is no edit'}"
+        accepted = "the name of an edit, or a name and its options: `payload: {mass: 2.5}`"
+        raise ConfigError(Problem(message=message, mark=mark, found=word, accepted=accepted))
+    given: Any = {} if options is None or options.value is None else options
+    return _call(catalog, "edit", catalog.get("edit", name), given, mark)

@@ -12,16 +12,7 @@ from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from dh2urdf.commands.arguments import (
-    check_arguments,
-    check_names,
-    mapping,
-    path_or_none,
-    settings_of,
-    several,
-    word_of,
-    words_of,
-)
+from dh2urdf.commands.arguments import check_arguments, path_or_none, settings_of, several, word_of, words_of
 from dh2urdf.commands.choices import reader_call
 from dh2urdf.commands.convert import Conversion, plan_conversion
 from dh2urdf.commands.given_tables import as_file, read_table
@@ -88,7 +79,7 @@ def read_all(table: Source, *, reader: str | None = None, **options: object) -> 
         PluginError: the reader's plugin is broken, or something it needs is not installed.
     """
     mark, catalog = _mark("read_all"), load()
-    check_names(mark, reader=reader)
+    check_arguments("name", mark, reader=reader)
     with ExitStack() as stack:
         path = stack.enter_context(as_file(table, "reader", reader, catalog, "reader=NAME"))
         call = reader_call(catalog, path, reader, mark, {"reader": words_of(options)})
@@ -133,7 +124,7 @@ def extract(
     from dh2urdf.fields import replace_unchecked
 
     mark, catalog = _mark("extract"), load()
-    check_names(mark, reader=reader)
+    check_arguments("name", mark, reader=reader)
     target = path_or_none("out", out, mark)
     with as_file(description, "reader", reader, catalog, "reader=NAME") as path:
         arm = the_one(description_reader(catalog, path, mark, reader=reader, given=words_of(options)), path)
@@ -196,7 +187,7 @@ def convert(
     """
     mark = _mark("convert")
     chosen = {"reader": reader, "transform": transform, "meshes": meshes, "convert_meshes": convert_meshes}
-    check_names(mark, robot=robot, **chosen)
+    check_arguments("name", mark, robot=robot, **chosen)
     target = path_or_none("out", out, mark)
     catalog = _catalog(without, mark)
     with ExitStack() as stack:
@@ -209,7 +200,7 @@ def convert(
             catalog,
             reader=reader,
             transform=transform,
-            formats=_names("formats", formats, mark),
+            formats=several("formats", formats, mark, kind="name"),
             robot=robot,
             settings=settings_of(options),
             meshes=meshes,
@@ -258,11 +249,9 @@ def check(
     from dh2urdf.stages import Expansion
 
     mark = _mark("check")
-    check_names(mark, emitter=emitter)
-    given = several("package_paths", package_paths, mark, one=(str, PathLike))
-    for folder in given:
-        check_arguments("path", mark, package_paths=folder)
-    words = mapping("arguments", arguments, mark, such_as="{'prefix': 'left_'}")
+    check_arguments("name", mark, emitter=emitter)
+    folders = several("package_paths", package_paths, mark, one=(str, PathLike), kind="path")
+    check_arguments("mapping", mark, arguments=arguments)
     catalog = _catalog(without, mark)
     if isinstance(description, Robot):
         usual = catalog.usual("emitter")
@@ -274,7 +263,8 @@ def check(
     with as_file(description, "emitter", emitter, catalog, "emitter=NAME") as path:
         check_file(path, InputError)
         expansion = Expansion(
-            arguments={name: str(value) for name, value in words.items()}, package_paths=tuple(map(Path, given))
+            arguments={name: str(value) for name, value in (arguments or {}).items()},
+            package_paths=tuple(map(Path, folders)),
         )
         return inspect(catalog, path, emitter, "`emitter=NAME`", expansion)
 
@@ -322,8 +312,7 @@ def run(
 
     mark, root = _mark("run"), None
     check_arguments("flag", mark, resume=resume, dry_run=dry_run, keep=keep)
-    changes = mapping("settings", settings, mark, such_as="{'transform.options.frames': 'dh'}")
-    overrides = settings_of(changes)
+    check_arguments("mapping", mark, settings=settings)
     output = path_or_none("out", out, mark)
     catalog = _catalog(without, mark)
     if isinstance(config, Mapping):
@@ -331,10 +320,8 @@ def run(
 
         root = load_yaml(word_of(config), str(mark), ConfigError)
         config = "run"
-    check_arguments("path", mark, also=", or a mapping", config=config)
-    path = Path(config)
-    asked = Asked(mark, "settings: ")
-    plan = load_plan(path, catalog, overrides, output, root, asked=asked)
+    check_arguments("path", mark, config="" if config is None else config)
+    plan = load_plan(Path(config), catalog, settings_of(settings), output, root, asked=Asked(mark, "settings: "))
     _, report = execute(plan, resume=resume, dry_run=dry_run, keep=keep)
     return report
 
@@ -347,13 +334,6 @@ def _mark(function: str) -> Mark:
 def _catalog(without: Iterable[str], mark: Mark) -> Catalog:
     """What is installed, without what is to be left out."""
     try:
-        return load(_names("without", without, mark))
+        return load(several("without", without, mark, kind="name"))
     except ConfigError as error:
         raise ConfigError(replace(problem, mark=mark, field="without") for problem in error.problems) from None
-
-
-def _names(argument: str, given: str | Iterable[str], mark: Mark) -> tuple[str, ...]:
-    names: tuple[str, ...] = several(argument, given, mark)
-    for name in names:
-        check_arguments("name", mark, **{argument: name})
-    return names

@@ -8,7 +8,7 @@ import click
 
 from dh2urdf.cli import EXIT_STATUS
 from dh2urdf.cli.answers import answer
-from dh2urdf.cli.shared_options import PATH, catalog, option, refuse_dash, without_option
+from dh2urdf.cli.shared_options import PATH, catalog, option, without_option
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -39,7 +39,6 @@ def command(table: Path | None, robot: str | None, port: int | None, host: str, 
     from dh2urdf_studio.server import require_nicegui, serve
     from dh2urdf_studio.words import remarks
 
-    refuse_dash([table], "studio")
     require_nicegui("studio")
     installed = catalog()
     opened = None

@@ -10,14 +10,7 @@ import click
 from dh2urdf.cli import EXIT_STATUS
 from dh2urdf.cli.answers import answer
 from dh2urdf.cli.convert import print_notices
-from dh2urdf.cli.shared_options import (
-    catalog,
-    files_and_arguments,
-    option,
-    package_paths_option,
-    refuse_dash,
-    without_option,
-)
+from dh2urdf.cli.shared_options import catalog, files_and_arguments, option, package_paths_option, without_option
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -55,7 +48,6 @@ def command(
     from dh2urdf_studio.server import require_nicegui, serve
     from dh2urdf_studio.viewing import View, load_figures
 
-    refuse_dash(files, "view")
     require_nicegui("view")
     paths, arguments = files_and_arguments(files)
     figures = load_figures(paths, catalog(), Expansion(arguments=arguments, package_paths=package_paths))

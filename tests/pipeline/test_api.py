@@ -118,7 +118,7 @@ class TestRead:
             dh2urdf.read("none.csv")
         with pytest.raises(TableError, match="convention"):
             dh2urdf.read("bare.csv")
-        with pytest.raises(ConfigError, match=r"`dh2urdf.run\('run.yaml'\)`, runs it"):
+        with pytest.raises(ConfigError, match="this is a run file, not a table"):
             dh2urdf.read("run.yaml")
         Path("arm.docx").write_text("")
         with pytest.raises(InputError, match="no reader is known"):

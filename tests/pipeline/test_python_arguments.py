@@ -266,7 +266,7 @@ class TestArguments:
             (lambda: dh2urdf.read_all(UR5, robot="ur5"), "has no such option"),
             (lambda: dh2urdf.convert(dh2urdf.read(UR5), robot="ur5"), "the table is a manipulator already"),
             (lambda: dh2urdf.check("arm.urdf", without=["urdff"]), "is named 'urdff'"),
-            (lambda: dh2urdf.run({"inputs": "a.csv"}, resume=1), "resume=1 is neither True nor False"),
+            (lambda: dh2urdf.run({"inputs": "a.csv"}, resume=1), "resume=1 is no flag"),
             (lambda: dh2urdf.read(UR5).fk_all([0.0] * 6, full=1), "Manipulator.fk_all(): error: field 'full'"),
             (
                 lambda: dh2urdf.run({"inputs": str(UR5)}, settings={"nokey": "dh"}),

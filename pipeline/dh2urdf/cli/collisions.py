@@ -16,7 +16,6 @@ from dh2urdf.cli.shared_options import (
     option,
     package_paths_option,
     quiet_option,
-    refuse_dash,
     set_option,
     without_option,
 )
@@ -72,7 +71,6 @@ def command(  # noqa: PLR0917 - click hands everything over by name
     dh2urdf collisions robot.urdf --update old.srdf -o new.srdf --seed 7
     dh2urdf collisions ur.urdf.xacro ur_type:=ur10 name:=arm --package-path ~/ws/src -o ur10.srdf
     """
-    refuse_dash(words, "collisions")
     robot, arguments = one_file_and_arguments(words)
     expansion = Expansion(arguments=arguments, package_paths=package_paths)
     if output is not None:

@@ -20,7 +20,6 @@ from dh2urdf.cli.shared_options import (
     json_option,
     option,
     quiet_option,
-    refuse_dash,
     set_option,
     without_option,
 )
@@ -83,7 +82,6 @@ def command(
     dh2urdf run configs/folder.yaml --workers 4 --json > report.json
     dh2urdf run configs/folder.yaml --resume
     """
-    refuse_dash([config], "run")
     overrides = [*settings, *([f"execution.options.workers={workers}"] if workers else [])]
     plan = load_plan(config, catalog(), overrides, output)
     context = click.get_current_context()

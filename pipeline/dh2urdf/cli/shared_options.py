@@ -256,17 +256,6 @@ def given_description(file: Path, emitter: str | None, catalog: Catalog) -> Path
     return _kept(_standard_input(), catalog.get("emitter", emitter).suffixes)
 
 
-def refuse_dash(files: Iterable[Path | str | None], command: str) -> None:
-    """Refuses a dash where a command reads files, and not standard input.
-
-    Raises:
-        ConfigError: one of the files is a dash.
-    """
-    if any(str(file) == DASH for file in files):
-        message = f"`dh2urdf {command}` reads no standard input"
-        raise ConfigError(Problem(message=message, mark=COMMAND_LINE, found=DASH, accepted="the name of a file"))
-
-
 def files_behind(tables: Iterable[Path]) -> list[Path]:
     """The files that the tables of a command line are read from."""
     return [_STDIN if str(table) == DASH else table for table in tables]

@@ -1,4 +1,4 @@
-"""Arguments of the functions of a program: refused where no function can use them, and as words of the command line."""
+"""Arguments of Python functions: refused where no function can use them, and as words of the command line."""
 
 from __future__ import annotations
 
@@ -15,64 +15,55 @@ from dh2urdf.manipulator import Inertia, LinkGeometry, Payload
 from dh2urdf.rotations import RigidTransform
 from dh2urdf.source import Mark, Problem
 
-_KINDS: dict[str, tuple[Callable[[Any], object], str, str]] = {
-    "name": (lambda value: isinstance(value, str) and value.strip(), "no name", "a text, not empty"),
-    "flag": (lambda value: isinstance(value, bool), "neither True nor False", "True or False"),
+_KINDS: dict[str, tuple[Callable[[Any], object], str]] = {
+    "name": (lambda value: isinstance(value, str) and value.strip(), "a text, not empty"),
+    "flag": (lambda value: isinstance(value, bool), "True or False"),
     # An empty text would be the working directory, which nobody means.
     "path": (
         lambda value: isinstance(value, (str, os.PathLike)) and isinstance(path := os.fspath(value), str) and path,
-        "no path",
         "a text, not empty, or a pathlib.Path",
     ),
-    "list": (
-        lambda value: isinstance(value, Iterable) and not isinstance(value, (str, bytes, Mapping)),
-        "no list",
-        "a list, which may be empty",
-    ),
-    "mapping": (lambda value: isinstance(value, Mapping), "no mapping", "a mapping"),
+    "list": (lambda value: isinstance(value, Iterable) and not isinstance(value, (str, bytes, Mapping)), "a list"),
+    "mapping": (lambda value: isinstance(value, Mapping), "a mapping, such as {'prefix': 'left_'}"),
 }
-"""What an argument of a kind has to be, what it is otherwise, and what is accepted."""
+"""What an argument of a kind has to be."""
 
 
-def check_arguments(kind: str, mark: Mark, *, also: str = "", **given: Any) -> None:  # noqa: ANN401 - whatever is given
+def check_arguments(kind: str, mark: Mark, **given: Any) -> None:  # noqa: ANN401 - whatever is given
     """Refuse arguments that are not of a kind: a name, a flag (and no text such as ``no``), a path, a list, a mapping.
+
+    None is an argument that was left out.
 
     Raises:
         ConfigError: one of them is something else.
     """
-    is_one, wrong, accepted = _KINDS[kind]
+    is_one, accepted = _KINDS[kind]
     for argument, value in given.items():
-        if not is_one(value):
-            message = f"{argument}={value!r:.60} is {wrong}"
-            raise ConfigError(Problem(message=message, mark=mark, field=argument, accepted=accepted + also))
-
-
-def check_names(mark: Mark, **given: Any) -> None:  # noqa: ANN401 - whatever is given
-    """Names that may be left out."""
-    check_arguments("name", mark, **{argument: value for argument, value in given.items() if value is not None})
+        if value is not None and not is_one(value):
+            message = f"{argument}={value!r:.60} is no {kind}"
+            raise ConfigError(Problem(message=message, mark=mark, field=argument, accepted=accepted))
 
 
 def path_or_none(argument: str, value: Any, mark: Mark) -> str | None:  # noqa: ANN401 - whatever is given
     """A path or an address that may be left out."""
-    if value is None:
-        return None
     check_arguments("path", mark, **{argument: value})
-    path: str = os.fspath(value)
-    return path
+    return None if value is None else os.fspath(value)
 
 
-def several(argument: str, value: Any, mark: Mark, *, one: type | tuple[type, ...] = str) -> tuple[Any, ...]:  # noqa: ANN401
-    """Several of something, or one, which has one of the given types."""
-    if isinstance(value, one):
-        return (value,)
-    check_arguments("list", mark, **{argument: value})
-    return tuple(value)
-
-
-def mapping(argument: str, value: Any, mark: Mark, *, such_as: str) -> Mapping[str, object]:  # noqa: ANN401
-    """A mapping, which is empty where none is given."""
-    given: Mapping[str, object] = {} if value is None else value
-    check_arguments("mapping", mark, also=f", such as {such_as}", **{argument: given})
+def several(
+    argument: str,
+    value: Any,  # noqa: ANN401 - whatever is given
+    mark: Mark,
+    *,
+    one: type | tuple[type, ...] = str,
+    kind: str | None = None,
+) -> tuple[Any, ...]:
+    """Several of something, or one, which has one of the given types; each of them is of a kind."""
+    given = (value,) if isinstance(value, one) else value
+    check_arguments("list", mark, **{argument: given})
+    given = tuple(given or ())
+    for each in given if kind else ():
+        check_arguments(str(kind), mark, **{argument: each})
     return given
 
 
@@ -87,7 +78,9 @@ def word_of(value: object) -> str:
     try:
         return json.dumps(_with_units(value), default=_plain, ensure_ascii=False)
     except (TypeError, ValueError, RecursionError) as error:  # such as of a key that is a tuple, or of a list in itself
-        raise error if isinstance(error, RecordTypeError) else _no_word(f"this has no words: {error}") from error
+        accepted = "numbers, texts, True, False, None, paths, arrays, and lists and mappings of these"
+        problem = Problem(message=f"this has no words: {error}", mark=Mark(file="dh2urdf"), accepted=accepted)
+        raise RecordTypeError(problem) from error
 
 
 def words_of(options: Mapping[str, object]) -> dict[str, str]:
@@ -95,9 +88,9 @@ def words_of(options: Mapping[str, object]) -> dict[str, str]:
     return {name: word_of(value) for name, value in options.items()}
 
 
-def settings_of(options: Mapping[str, object]) -> list[str]:
+def settings_of(options: Mapping[str, object] | None) -> list[str]:
     """Options as the words of ``--set``."""
-    return [f"{key}={word}" for key, word in words_of(options).items()]
+    return [f"{key}={word_of(value)}" for key, value in (options or {}).items()]
 
 
 def _with_units(value: Any) -> Any:  # noqa: ANN401 - whatever is given
@@ -130,7 +123,7 @@ def _plain(value: Any) -> object:  # noqa: ANN401 - what JSON has no word for
     """Arrays and numbers of numpy as lists and numbers, fractions and paths as texts, members of enums as their values.
 
     Raises:
-        RecordTypeError: it is something else, whose text would be taken for a word that somebody has written.
+        TypeError: it is something else, whose text would be taken for a word that somebody has written.
     """
     if hasattr(value, "tolist"):
         return value.tolist()
@@ -138,9 +131,4 @@ def _plain(value: Any) -> object:  # noqa: ANN401 - what JSON has no word for
         return value.value
     if isinstance(value, (os.PathLike, Number)):
         return str(value)
-    raise _no_word(f"a {type(value).__name__} is no value of an option or of a run file")
-
-
-def _no_word(message: str) -> RecordTypeError:
-    accepted = "numbers, texts, True, False, None, paths, arrays, and lists and mappings of these"
-    return RecordTypeError(Problem(message=message, mark=Mark(file="dh2urdf"), accepted=accepted))
+    raise TypeError(f"a {type(value).__name__} is no value of an option or of a run file")

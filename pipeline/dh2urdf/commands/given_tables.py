@@ -15,7 +15,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import IO, TYPE_CHECKING, Any, TypeAlias
 
-from dh2urdf.commands.arguments import check_names, path_or_none, several, words_of
+from dh2urdf.commands.arguments import check_arguments, path_or_none, several, words_of
 from dh2urdf.commands.choices import chosen_manipulator, read_manipulator, reader_call, stage_calls
 from dh2urdf.conversion.one_manipulator import checked_items
 from dh2urdf.errors import ConfigError, RecordTypeError, RecordValueError, TableError
@@ -113,7 +113,7 @@ def read_table(
     table: Source, robot: str | None, reader: str | None, options: Mapping[str, object], mark: Mark
 ) -> Manipulator:
     """The manipulator of a file, a text or a stream, without its warnings; ``mark`` is the function that was called."""
-    check_names(mark, robot=robot, reader=reader)
+    check_arguments("name", mark, robot=robot, reader=reader)
     catalog = load()
     with as_file(table, "reader", reader, catalog, "reader=NAME") as path:
         call = reader_call(catalog, path, reader, mark, {"reader": words_of(options)})
@@ -142,7 +142,7 @@ def manipulator_of(
         message = f"mark={shown(str(mark))} is no place in a file"
         raise ConfigError(Problem(message=message, mark=own, field="mark", accepted="a dh2urdf.source.Mark"))
     place = (mark or own) if path is None else replace(mark or own, file=path)
-    check_names(own, robot=robot, name=name)
+    check_arguments("name", own, robot=robot, name=name)
     catalog = load()
     reader = catalog.cell_reader()
     if isinstance(table, (str, bytes)) or hasattr(table, "read"):

@@ -389,7 +389,7 @@ BUDGETS = {
     "pipeline/dh2urdf": 4000,
     "pipeline/dh2urdf/cells": 410,
     "pipeline/dh2urdf/cli": 1850,
-    "pipeline/dh2urdf/commands": 1838,
+    "pipeline/dh2urdf/commands": 1842,
     "pipeline/dh2urdf/conversion": 1480,
     "pipeline/dh2urdf/documents": 1070,
     "pipeline/dh2urdf/isolation": 1310,

@@ -107,9 +107,7 @@ def _thorough() -> tuple[object, ...]:
 
 def test_nothing_of_the_process_is_switched(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """At no moment of a conversion, a run and a check: collector, streams, signals, folder, warnings and the rest."""
-    monkeypatch.setattr(
-        "dh2urdf.isolation.own_process._OWN", []
-    )  # a test of the command line may have claimed the process
+    monkeypatch.setattr("dh2urdf.isolation.process._OWN", [])  # a test of the command line may have claimed the process
     seen: set[tuple[object, ...]] = set()
     calls = count()
 

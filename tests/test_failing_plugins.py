@@ -363,7 +363,7 @@ def test_a_fault_of_the_host_is_no_executor_s(
 @pytest.mark.parametrize(
     ("record", "reason"),
     [
-        ("replace(EMITTER, name='a:b')", "ValueError: the emitter 'a:b' has no name that a run file could say"),
+        ("replace(EMITTER, name='a:b')", "ValueError: the emitter 'a:b' has no name that could be asked for"),
         ("replace(EMITTER, summary=3)", "TypeError: the summary of the emitter 'urdf' is 3, not a line of text"),
         ("replace(EMITTER, suffixes=7)", "TypeError: the suffixes of the emitter 'urdf' are 7, not a tuple of texts"),
     ],

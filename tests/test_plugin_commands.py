@@ -143,10 +143,10 @@ class TestRecords:
         ("given", "reason"),
         [
             ("measure", "the hook dh2urdf_commands gave str 'measure', not a dh2urdf.stages.Subcommand"),
-            (subcommand(name="two words"), "has no name that a command line could have"),
-            (subcommand(name="--measure"), "has no name that a command line could have"),
+            (subcommand(name="two words"), "has no name that could be asked for"),
+            (subcommand(name="--measure"), "has no name that could be asked for"),
             (subcommand(function="lab"), "accepted: module:name"),
-            (Subcommand(name="measure", summary="a\nb", function="lab:measure"), "are not lines of text"),
+            (Subcommand(name="measure", summary="a\nb", function="lab:measure"), "not a line of text"),
         ],
     )
     def test_what_is_no_command(self, given: Any, reason: str) -> None:

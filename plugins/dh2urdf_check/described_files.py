@@ -11,8 +11,7 @@ from xml.parsers import expat
 from dh2urdf.documents.text_files import check_file
 from dh2urdf.errors import InputError
 from dh2urdf.source import Mark, Problem
-from dh2urdf.stage_calls.answers import items_of
-from dh2urdf.stage_calls.calls import Call, depending_on
+from dh2urdf.stage_calls.calls import Call, depending_on, items_of
 from dh2urdf.stages import PACKAGE_FILE, Checks
 
 if TYPE_CHECKING:

@@ -9,8 +9,7 @@ from dh2urdf.commands.check import emitter_of, has_macros, inspect
 from dh2urdf.documents.text_files import check_file, is_folder
 from dh2urdf.errors import ConfigError, InputError
 from dh2urdf.source import Mark, Problem
-from dh2urdf.stage_calls.answers import a_record
-from dh2urdf.stage_calls.calls import Call, depending_on
+from dh2urdf.stage_calls.calls import Call, a_record, depending_on
 from dh2urdf.stages import Checks, Expansion, Finding, Repair
 from dh2urdf_check.described_files import described_files
 

@@ -20,8 +20,7 @@ from dh2urdf.run_file.config import RUN_SUFFIXES, is_run_file, load_config
 from dh2urdf.run_file.plan import make_plan
 from dh2urdf.run_file.records import StageCall
 from dh2urdf.source import Mark, Problem, listed, shown
-from dh2urdf.stage_calls.answers import a_record
-from dh2urdf.stage_calls.calls import blaming, default_call
+from dh2urdf.stage_calls.calls import a_record, blaming, default_call
 from dh2urdf.stages import Expansion, ReadsBack, ReadsForeign, Rejected
 from dh2urdf.stages.foreign_robot import ForeignRobot, following, with_followers
 from dh2urdf.tasks.batch import items

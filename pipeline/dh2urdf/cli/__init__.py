@@ -17,7 +17,7 @@ import click
 from dh2urdf._version import __version__
 from dh2urdf.cli.shared_options import loaded, option, without_option
 from dh2urdf.errors import Dh2UrdfError, OutputError
-from dh2urdf.isolation.own_process import claim
+from dh2urdf.isolation.process import claim
 
 if TYPE_CHECKING:
     from types import FrameType

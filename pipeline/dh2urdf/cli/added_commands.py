@@ -11,7 +11,7 @@ import click
 from dh2urdf.cli.answers import kept_apart
 from dh2urdf.cli.shared_options import loaded
 from dh2urdf.errors import BrokenPluginError, Dh2UrdfError
-from dh2urdf.plugin_system.at_work import AtWork
+from dh2urdf.plugin_system.attribution import Attribution
 from dh2urdf.plugin_system.discovery import reason_of, traceback_of
 from dh2urdf.source import did_you_mean, shown
 
@@ -60,7 +60,7 @@ def imported(added: AddedCommand) -> click.Command:
     place = added.command.function
     module, _, name = place.partition(":")
     try:
-        with kept_apart(), AtWork(f"the import of {module}", added.plugin):
+        with kept_apart(), Attribution(f"the import of {module}", added.plugin):
             command = getattr(import_module(module), name)
         if not isinstance(command, click.Command):
             raise TypeError(f"{place} is {type(command).__name__}, not a click.Command")
@@ -72,7 +72,7 @@ def imported(added: AddedCommand) -> click.Command:
 
     def blamed(context: click.Context) -> Any:  # noqa: ANN401 - click's
         try:
-            with AtWork(f"the command {added.command.name!r}", added.plugin):
+            with Attribution(f"the command {added.command.name!r}", added.plugin):
                 return invoke(context)
         except (Dh2UrdfError, OSError, click.ClickException, click.Abort, click.exceptions.Exit):
             raise

@@ -10,7 +10,7 @@ from typing import IO, TYPE_CHECKING, Any
 import click
 
 from dh2urdf.errors import OutputError
-from dh2urdf.plugin_system.printed import NamedLines
+from dh2urdf.plugin_system.attribution import NamedLines
 from dh2urdf.source import Problem
 
 if TYPE_CHECKING:
@@ -61,7 +61,8 @@ def _kept_apart() -> Iterator[IO[str]]:
     own = os.fdopen(os.dup(_STDOUT), "w", encoding=sys.stdout.encoding, errors="backslashreplace")
     try:
         os.dup2(_STDERR, _STDOUT)
-        with redirect_stdout(NamedLines(_remark, sys.stderr)) as lines:
+        lines = NamedLines(_remark, sys.stderr)
+        with redirect_stdout(lines.as_text()):
             yield own
             lines.finish()
     finally:

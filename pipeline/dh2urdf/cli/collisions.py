@@ -25,8 +25,7 @@ from dh2urdf.errors import ConfigError, InputError
 from dh2urdf.output.whole_files import refuse_inputs, write_whole
 from dh2urdf.plugin_system.options import COMMAND_LINE
 from dh2urdf.source import Mark, Problem, printable
-from dh2urdf.stage_calls.answers import a_record
-from dh2urdf.stage_calls.calls import depending_on
+from dh2urdf.stage_calls.calls import a_record, depending_on
 from dh2urdf.stages import Annotates, Annotation, Expansion
 
 if TYPE_CHECKING:

@@ -6,8 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from dh2urdf.errors import ConfigError
 from dh2urdf.source import Mark, Problem
-from dh2urdf.stage_calls.answers import a_record
-from dh2urdf.stage_calls.calls import Call, depending_on
+from dh2urdf.stage_calls.calls import Call, a_record, depending_on
 from dh2urdf.stages import Checks, Expansion, Inspection, ReadsForeign
 
 if TYPE_CHECKING:

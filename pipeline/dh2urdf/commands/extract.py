@@ -16,8 +16,7 @@ from dh2urdf.fields import replace_unchecked
 from dh2urdf.manipulator import Manipulator
 from dh2urdf.output.whole_files import refuse_inputs, write_whole
 from dh2urdf.source import Mark, Problem, listed
-from dh2urdf.stage_calls.answers import a_record
-from dh2urdf.stage_calls.calls import blaming, default_call
+from dh2urdf.stage_calls.calls import a_record, blaming, default_call
 from dh2urdf.stages import Reader, ReadsDescriptions, Rejected
 from dh2urdf.table_text.texts import table_text
 

@@ -23,8 +23,7 @@ from dh2urdf.manipulator import Manipulator
 from dh2urdf.output.spooled import STEM, spooled
 from dh2urdf.plugin_system.catalog import load
 from dh2urdf.source import Mark, Problem, shown
-from dh2urdf.stage_calls.answers import items_of
-from dh2urdf.stage_calls.calls import blaming
+from dh2urdf.stage_calls.calls import blaming, items_of
 from dh2urdf.stage_calls.table_warnings import warn_of
 from dh2urdf.stages import ReadsCells
 from dh2urdf.table_text import METADATA, PARAMETERS, STATEMENTS, CellRow

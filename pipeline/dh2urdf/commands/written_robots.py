@@ -21,8 +21,7 @@ from dh2urdf.plugin_system.catalog import load
 from dh2urdf.robot import Robot
 from dh2urdf.robot_check import check_robot
 from dh2urdf.source import Mark, Problem
-from dh2urdf.stage_calls.answers import a_record, emitted_files
-from dh2urdf.stage_calls.calls import blaming
+from dh2urdf.stage_calls.calls import a_record, blaming, emitted_files
 from dh2urdf.stages import ReadsBack
 
 if TYPE_CHECKING:

@@ -14,8 +14,7 @@ from dh2urdf.output.spooled import spooled
 from dh2urdf.output.whole_files import write_whole
 from dh2urdf.plugin_system.catalog import load
 from dh2urdf.source import Mark, Problem, shown
-from dh2urdf.stage_calls.answers import a_record
-from dh2urdf.stage_calls.calls import Call, blaming, default_call
+from dh2urdf.stage_calls.calls import Call, a_record, blaming, default_call
 from dh2urdf.stages import Rejected, WritesTables
 from dh2urdf.table_text import WrittenTable
 from dh2urdf.table_text.texts import table_text

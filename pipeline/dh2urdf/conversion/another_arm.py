@@ -26,7 +26,7 @@ def makers_at_fault(expected: ExpectedPoses, robot: Robot, poses: Poses, calls: 
         if prove(expected, robot, poses).holds:
             return ""
     makers = [call for call in calls if not isinstance(call.stage, Edit) or call.stage.edit_robot is not None]
-    return f"the {' and the '.join(str(call.at_work) for call in makers)} made"
+    return f"the {' and the '.join(str(call.attribution) for call in makers)} made"
 
 
 def far_off(proof: Proof, expected: ExpectedPoses) -> Problem:

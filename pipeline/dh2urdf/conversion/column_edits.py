@@ -10,8 +10,7 @@ from dh2urdf.elementwise import DividedError
 from dh2urdf.manipulator import Manipulator
 from dh2urdf.robot import Robot
 from dh2urdf.robot_check import sure_columns
-from dh2urdf.stage_calls.answers import a_record
-from dh2urdf.stage_calls.calls import Call, blaming
+from dh2urdf.stage_calls.calls import Call, a_record, blaming
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence

@@ -21,8 +21,7 @@ from dh2urdf.meshes.kinds import MeshConversion
 from dh2urdf.output.whole_files import put_in_place, refuse_inputs, staging, write_files, write_whole
 from dh2urdf.robot import Robot
 from dh2urdf.source import Mark, Problem, shown
-from dh2urdf.stage_calls.answers import a_record, emitted_files, items_of, several_records
-from dh2urdf.stage_calls.calls import Call, blaming, reading
+from dh2urdf.stage_calls.calls import Call, a_record, blaming, emitted_files, items_of, reading, several_records
 from dh2urdf.stages import (
     Edit,
     EditsInColumns,

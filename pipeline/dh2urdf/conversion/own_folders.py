@@ -6,8 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from dh2urdf.errors import EmitterError
 from dh2urdf.source import Problem, shown
-from dh2urdf.stage_calls.answers import items_of
-from dh2urdf.stage_calls.calls import blaming
+from dh2urdf.stage_calls.calls import blaming, items_of
 from dh2urdf.stages import WritesFolders
 
 if TYPE_CHECKING:

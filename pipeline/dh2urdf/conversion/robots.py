@@ -11,8 +11,7 @@ from dh2urdf.kinematics.expected_poses import ExpectedPoses
 from dh2urdf.manipulator import Manipulator
 from dh2urdf.robot import Robot
 from dh2urdf.robot_check import check_robot
-from dh2urdf.stage_calls.answers import a_record
-from dh2urdf.stage_calls.calls import Call, blaming, depending_on
+from dh2urdf.stage_calls.calls import Call, a_record, blaming, depending_on
 from dh2urdf.stages import Edit
 from dh2urdf.variations.drawn_links import torn_links
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import replace
 from types import NoneType
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -21,8 +21,7 @@ from dh2urdf.isolation.loads import load_in_child
 from dh2urdf.kinematics.chain import KinematicChain
 from dh2urdf.kinematics.proof_vectors import joint_vectors
 from dh2urdf.source import Problem, shown
-from dh2urdf.stage_calls.answers import a_plain_name, a_record
-from dh2urdf.stage_calls.calls import Call, blaming, depending_on
+from dh2urdf.stage_calls.calls import Call, a_plain_name, a_record, blaming, depending_on
 from dh2urdf.stages import Loader, LoadReport, LoadRequest
 
 if TYPE_CHECKING:
@@ -61,6 +60,18 @@ def require(call: Call[Any]) -> None:
     """
     with depending_on(call, "require"):
         a_record(call.stage.require(call.options), NoneType)
+
+
+def time_limit_of(recipe: Recipe, loaders: Sequence[Call[Loader[Any]]]) -> float | None:
+    """How long a manipulator may take with some loaders [s]; None where one of them has no limit."""
+    whole: float = recipe.time_limit
+    for call in loaders:
+        with suppress(ManipulatorError), blaming(call, "time_limit"):  # It fails when it is called, too.
+            limit = a_record(call.stage.time_limit(call.options), int, float, NoneType)
+            if limit is None:
+                return None
+            whole += limit
+    return whole
 
 
 def not_loaded(recipe: Recipe, outcome: Outcome, *, is_sampled: bool) -> dict[str, NotLoaded]:
@@ -197,7 +208,7 @@ def load_written(
         picture=picture if pictured else None,
     )
     with blaming(call), _kept(path.parent, written if call.plugin and not call.plugin.is_builtin else ()):
-        report = load_in_child(loader, request, call.options, f"the {call.at_work}", children)
+        report = load_in_child(loader, request, call.options, f"the {call.attribution}", children)
         if report.picture and not is_file(picture.with_name(a_plain_name(report.picture))):
             raise ValueError(f"it reported a picture {shown(report.picture)} and wrote none")
         return report

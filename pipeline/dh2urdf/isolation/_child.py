@@ -26,12 +26,18 @@ from typing import IO, Any
 _LONGEST_TEXT = 2**16  # characters of a traceback, of which the end is sent
 
 
+running_stage: int | None = None
+"""The file in which `dh2urdf.plugin_system.attribution` writes which stage runs."""
+
+
 class _Terminated(KeyboardInterrupt):
     """SIGTERM came during a call: an interrupt like Ctrl-C, and no fault of what it interrupts."""
 
 
 def main() -> None:
     """Answer the calls of the parent until it is gone."""
+    global running_stage  # noqa: PLW0603 - found there by the name of this script's module, __main__
+    running_stage = int(sys.argv.pop())
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # The parent deals with Ctrl-C.
     messages, answers = os.fdopen(os.dup(0), "rb"), os.dup(1)
     os.dup2(2, 1)

@@ -28,7 +28,7 @@ from typing import IO, TYPE_CHECKING, Any, Generic, NamedTuple, TypeVar, TypeVar
 
 from dh2urdf.errors import CrashError, TimeLimitError
 from dh2urdf.isolation.encodings import AnswerError, Data, Pickled
-from dh2urdf.plugin_system.at_work import MAGIC, MARK, SIZE, VARIABLE
+from dh2urdf.plugin_system.attribution import MARK, NAME_SIZE
 from dh2urdf.plugin_system.discovery import UNKNOWN, installed
 from dh2urdf.source import shown
 
@@ -156,18 +156,17 @@ class Child:
         import tempfile
 
         self._name, self.who = tempfile.TemporaryFile(buffering=0), ""  # noqa: SIM115 - open until `end`
-        self._name.write(MAGIC.ljust(SIZE, b"\0"))  # where the child writes who is at work, and what outlives the child
         self.output, self.printed_before = Output(), ""
         try:
             self._process = subprocess.Popen(  # noqa: S603 - our own script
-                [sys.executable, *flags, "-P", str(_SCRIPT)],  # -P: the folder of this package has no modules
+                # -P: the folder of this package has no modules. The number is that of the file for the running stage.
+                [sys.executable, *flags, "-P", str(_SCRIPT), str(self._name.fileno())],
                 stdin=subprocess.PIPE,
                 stdout=subprocess.PIPE,
                 stderr=subprocess.PIPE,
                 start_new_session=True,  # A process group of its own, to end it with all that it started.
                 bufsize=0,
                 pass_fds=(self._name.fileno(),),
-                env={**os.environ, VARIABLE: str(self._name.fileno())},
             )
         except BaseException:
             self._name.close()
@@ -365,8 +364,8 @@ class Child:
 
     def _at_work(self) -> str:
         """Who is at work in the child, or was when it ended, with distribution and version; empty where nobody is."""
-        self._name.seek(len(MAGIC))
-        what, _, name = self._name.read(SIZE).partition(b"\0")[0].decode(errors="replace").partition("\n")
+        self._name.seek(0)
+        what, _, name = self._name.read(NAME_SIZE).partition(b"\0")[0].decode(errors="replace").partition("\n")
         found = (plugin.distribution for plugin in installed().plugins if plugin.name == name)
         return f"{what} of {next(found, UNKNOWN)}" if name else what
 

@@ -19,7 +19,7 @@ from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from dh2urdf.isolation.own_process import is_own
+from dh2urdf.isolation.process import is_own
 
 if TYPE_CHECKING:
     from collections.abc import Iterable

@@ -6,7 +6,7 @@ from dh2urdf import late_names
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
-    from dh2urdf.plugin_system.at_work import MARK as MARK, unmarked as unmarked
+    from dh2urdf.plugin_system.attribution import MARK as MARK, unmarked as unmarked
     from dh2urdf.plugin_system.catalog import (
         KINDS as KINDS,
         RECORDS as RECORDS,
@@ -20,7 +20,7 @@ else:
     __all__, __getattr__, __dir__ = late_names(
         __name__,
         {
-            "at_work": "MARK unmarked",
+            "attribution": "MARK unmarked",
             "catalog": "Catalog KINDS Provided RECORDS load",
             "options": "describe_options",
             "task_window": "handed_over",

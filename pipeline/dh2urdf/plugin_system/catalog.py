@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from itertools import groupby
-from typing import TYPE_CHECKING, Any, overload
+from typing import TYPE_CHECKING, Any, NamedTuple, overload
 
 from dh2urdf.errors import BrokenPluginError, InputError, StageConflictError, UnknownStageError
 from dh2urdf.plugin_system.discovery import Plugin, installed, same_name
@@ -22,21 +21,14 @@ if TYPE_CHECKING:
 __all__ = ["KINDS", "RECORDS", "AddedCommand", "Catalog", "Plugin", "Provided", "Shadowed", "load", "load_plugin"]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Shadowed:
-    """A stage whose short name means another plugin's stage.
-
-    Attributes:
-        loser: the stage that only its full name chooses.
-        winner: the stage that the short name chooses.
-    """
+class Shadowed(NamedTuple):
+    """A stage that only its full name chooses, and the stage that the short name chooses."""
 
     loser: Provided
     winner: Provided
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class AddedCommand:
+class AddedCommand(NamedTuple):
     """A command that a plugin adds, and the plugin."""
 
     command: Subcommand
@@ -73,33 +65,24 @@ class Catalog:
         return self._provided(kind, _by_right(self._plugins, kind)[0])
 
     def clashes(self) -> tuple[StageConflictError, ...]:
-        """The names that several plugins claim with equal right; an error only for who uses one of them."""
-        return tuple(
-            StageConflictError(kind, claims[0].stage.name, [item.plugin.distribution for item in claims])
-            for kind in KINDS
-            for claims, _ in self._claims(kind)
-            if len(claims) > 1
-        )
+        """Return the names that several plugins claim with equal right; an error only for who uses one of them."""
+        claimed = [(kind, best) for kind in KINDS for best, _ in self._claims(kind) if len(best) > 1]
+        return tuple(_conflict(kind, best[0].stage.name, best) for kind, best in claimed)
 
     def shadowed(self) -> tuple[Shadowed, ...]:
-        """The stages whose short names mean the stages of other plugins."""
-        return tuple(
-            Shadowed(loser=loser, winner=claims[0])
-            for kind in KINDS
-            for claims, others in self._claims(kind)
-            for loser in others
-            if len(claims) == 1
-        )
+        """Return the stages whose short names mean the stages of other plugins."""
+        claims = [claim for kind in KINDS for claim in self._claims(kind)]
+        return tuple([Shadowed(loser, best[0]) for best, others in claims if len(best) == 1 for loser in others])
 
     def by_name(self, kind: Kind) -> dict[str, Provided]:
-        """The stages of a kind that their short names choose."""
-        return {claims[0].stage.name: claims[0] for claims, _ in self._claims(kind) if len(claims) == 1}
+        """Return the stages of a kind that their short names choose."""
+        return {best[0].stage.name: best[0] for best, _ in self._claims(kind) if len(best) == 1}
 
     def _claims(self, kind: Kind) -> Iterator[tuple[list[Provided], list[Provided]]]:
-        """By name, the stages with the best right to it, and those with less."""
+        """Yield, by name, the stages with the best right to it, and those with less."""
         for _, items in groupby(self.provided(kind), lambda item: item.stage.name):
-            claims = sorted(items, key=_right)
-            best = [item for item in claims if _right(item) == _right(claims[0])]
+            claims = sorted(items, key=lambda item: _right(item.plugin))
+            best = [item for item in claims if _right(item.plugin) == _right(claims[0].plugin)]
             yield best, claims[len(best) :]
 
     @overload
@@ -131,7 +114,7 @@ class Catalog:
         asked = [plugin for plugin in self._plugins if not distribution or plugin.is_of(distribution)]
         for plugins in _by_right(asked, kind, own_name):
             if found := [item for item in self._provided(kind, plugins) if item.stage.name == own_name]:
-                return self._only(kind, own_name, found, warn=not distribution).stage
+                return self._only(kind, own_name, found, warn=not distribution)  # type: ignore[no-any-return]
         others = self._provided(kind, asked) or self.provided(kind)
         names = [item.full_name if distribution else item.stage.name for item in others]
         near = did_you_mean(name, names)
@@ -140,30 +123,24 @@ class Catalog:
         raise UnknownStageError(kind, name, names)
 
     def commands(self) -> dict[str, Subcommand]:
-        """The commands that plugins add, by name: of each name, the one with the best right to it."""
-        plugins = sorted(self._plugins, key=lambda plugin: not plugin.is_builtin)
+        """Return the commands that plugins add, by name: of each name, the one with the best right to it."""
         found: dict[str, Subcommand] = {}
-        for command in (command for plugin in plugins for command in self._stages.commands(plugin)):
-            found.setdefault(command.name, command)
+        for plugin in sorted(self._plugins, key=lambda plugin: not plugin.is_builtin):
+            found = {command.name: command for command in self._stages.of(COMMAND, plugin)} | found
         return found
 
     def command(self, name: str) -> AddedCommand | None:
-        """The command that a plugin adds by a name; no plugin is imported whose entry point names another command.
+        """Return the command of a name that a plugin adds; plugins whose entry points name others are not imported.
 
         Raises:
             StageConflictError: two plugins claim the name.
         """
         for plugins in _by_right(self._plugins, COMMAND, name):
-            claims = [
-                AddedCommand(command=command, plugin=plugin)
-                for plugin in plugins
-                if declared(plugin) in (None, (COMMAND, name))
-                for command in self._stages.commands(plugin)
-                if command.name == name
-            ]
-            if len(claims) > 1:
-                raise StageConflictError(COMMAND, name, [claim.plugin.distribution for claim in claims])
-            if claims:
+            asked = [plugin for plugin in plugins if declared(plugin) in (None, (COMMAND, name))]
+            claims = [AddedCommand(each, plugin) for plugin in asked for each in self._stages.of(COMMAND, plugin)]
+            if claims := [claim for claim in claims if claim.command.name == name]:
+                if len(claims) > 1:
+                    raise _conflict(COMMAND, name, claims)
                 return claims[0]
         return None
 
@@ -196,7 +173,7 @@ class Catalog:
         return self._first(kind, Usual, "that is taken where none is named")  # type: ignore[no-any-return]
 
     def _first(self, kind: Kind, capability: type, wanted: str) -> Any:  # noqa: ANN401 - a record of the kind
-        """The stage with the best right of those that have a capability."""
+        """Return the stage with the best right of those that have a capability."""
         for plugins in _by_right(self._plugins, kind):
             for item in self._provided(kind, plugins):
                 if item.stage.can(capability):
@@ -204,7 +181,7 @@ class Catalog:
         raise UnknownStageError(kind, wanted, [item.stage.name for item in self.provided(kind)])
 
     def plugin_of(self, stage: Stage) -> Plugin:
-        """The plugin that provides a stage of this catalog.
+        """Return the plugin that provides a stage of this catalog.
 
         Raises:
             LookupError: it is not of this catalog.
@@ -214,7 +191,7 @@ class Catalog:
     def reader_for(
         self, path: Path, advice: str = "`stage: NAME` beside the path in a run file chooses a reader"
     ) -> Reader[Any]:
-        """The reader whose suffixes a path has; `advice` says how a person chooses one.
+        """Return the reader whose suffixes a path has; `advice` says how a person chooses one.
 
         Raises:
             InputError: no installed reader takes the suffix, or several do.
@@ -224,7 +201,7 @@ class Catalog:
         return self._by_suffix("reader", path, advice)  # type: ignore[no-any-return]
 
     def emitter_for(self, path: Path, advice: str = "`--to NAME` chooses an emitter") -> Emitter[Any]:
-        """The emitter whose suffixes a path has; the longest suffix wins (`.urdf.xacro` is xacro).
+        """Return the emitter whose suffixes a path has; the longest suffix wins (`.urdf.xacro` is xacro).
 
         Raises:
             InputError: no installed emitter writes the suffix, or several do.
@@ -234,10 +211,7 @@ class Catalog:
         return self._by_suffix("emitter", path, advice)  # type: ignore[no-any-return]
 
     def is_table(self, path: Path) -> bool:
-        """Whether the suffix of a file is that of a reader of tables.
-
-        Where a built-in stage has it, no plugin is asked.
-        """
+        """Whether the suffix of a file is that of a reader of tables; of a built-in stage, without asking plugins."""
         for plugins in (_by_right(self._plugins, "reader")[0], self._plugins):
             for kind in ("reader", "emitter"):
                 if found := self._with_suffix(kind, path.name, plugins):
@@ -246,31 +220,25 @@ class Catalog:
         return False
 
     def _by_suffix(self, kind: Kind, path: Path, advice: str) -> Any:  # noqa: ANN401 - a record of the kind
-        builtin, *_ = _by_right(self._plugins, kind)
-        best = self._with_suffix(kind, path.name, builtin)
+        best = self._with_suffix(kind, path.name, _by_right(self._plugins, kind)[0])
         if not best or "." in path.name[1 : -len(best[0][0])]:  # A plugin may have a longer suffix, or the only one.
             best = self._with_suffix(kind, path.name, self._plugins)
         if not best:
             raise self._no_stage_for(kind, path, advice)
         suffix = best[0][0]
-        items = [item for _, item in best]
-        items = [item for item in items if item.plugin.is_builtin] or items
-        if len({item.stage.name for item in items}) > 1:
+        items = [item for _, item in best if item.plugin.is_builtin] or [item for _, item in best]
+        name = items[0].stage.name
+        if any(item.stage.name != name for item in items):
             stages = " and ".join(f"{item.stage.name!r} of {item.plugin.distribution}" for item in items)
-            raise InputError(
-                Problem(
-                    message=f"several {kind}s take the file {shown(path.name)}: {stages}",
-                    found=suffix,
-                    suggestion=advice,
-                )
-            )
+            message = f"several {kind}s take the file {shown(path.name)}: {stages}"
+            raise InputError(Problem(message=message, found=suffix, suggestion=advice))
         for _, other in best:
-            if items[0].plugin.is_builtin and other.stage.name != items[0].stage.name:
+            if items[0].plugin.is_builtin and other.stage.name != name:
                 self._warn(items[0], f" for files {suffix}", [other.plugin], other.stage.name)
-        return self._only(kind, items[0].stage.name, items).stage
+        return self._only(kind, name, items)
 
     def _with_suffix(self, kind: Kind, name: str, plugins: Iterable[Plugin]) -> list[tuple[str, Provided]]:
-        """The stages of some plugins that take a file, by the longest suffix that the file's name has."""
+        """Return the stages of some plugins that take a file, by the longest suffix that the file's name has."""
         name = name.lower()
         claims = [
             (suffix, item)
@@ -285,14 +253,8 @@ class Catalog:
         suffixes = sorted({s for item in self.provided(kind) for s in getattr(item.stage, "suffixes", ())})
         accepted = f"a file name that ends in {', '.join(suffixes)}" if suffixes else f"no file: there is no {kind}"
         self._blame_broken(f"no other plugin takes the file {shown(path.name)}; accepted: {accepted}")
-        return InputError(
-            Problem(
-                message=f"no {kind} is known for the file {shown(path.name)}",
-                found=path.suffix or path.name,
-                accepted=accepted,
-                suggestion=advice,
-            )
-        )
+        message, found = f"no {kind} is known for the file {shown(path.name)}", path.suffix or path.name
+        return InputError(Problem(message=message, found=found, accepted=accepted, suggestion=advice))
 
     def _blame_broken(self, missing: str, distribution: str = "") -> None:
         """Where something is missing, and a plugin that may have it is broken, the plugin is what to fix."""
@@ -301,28 +263,25 @@ class Catalog:
                 reason = f"{broken.reason}; {missing}"
                 raise type(broken)(broken.plugin, broken.distribution, reason, broken.traceback)
 
-    def _only(self, kind: Kind, name: str, claims: Sequence[Provided], *, warn: bool = True) -> Provided:
-        """The one stage that claims a name.
+    def _only(self, kind: Kind, name: str, claims: Sequence[Provided], *, warn: bool = True) -> Any:  # noqa: ANN401 - a record
+        """Return the one stage that claims a name, and warn once that other plugins claim it with less right.
 
         Raises:
             StageConflictError: there are several.
         """
         if len(claims) > 1:
-            raise StageConflictError(kind, name, [claim.plugin.distribution for claim in claims])
+            raise _conflict(kind, name, claims)
         (winner,) = claims
-        others = [
-            plugin for plugin in self._plugins if plugin is not winner.plugin and self._stages.known(kind, name, plugin)
-        ]
-        if warn and others:
-            self._warn(winner, "", others, name)
-        return winner
+        if warn:
+            others = [plugin for plugin in self._plugins if plugin is not winner.plugin]
+            self._warn(winner, "", [each for each in others if self._stages.known(kind, name, each)], name)
+        return winner.stage
 
     def _warn(self, winner: Provided, use: str, others: Iterable[Plugin], name: str) -> None:
-        """Says once that other plugins claim what a stage has."""
-        import logging
-
         for plugin in others:
             if (choice := f"{plugin.distribution_name}:{name}") not in self._warned:
+                import logging
+
                 self._warned.add(choice)
                 logging.getLogger("dh2urdf").warning(
                     "warning: the %s %r of %s is used%s; `%s` chooses the one of %s",
@@ -330,33 +289,32 @@ class Catalog:
                 )
 
     def _provided(self, kind: Kind, plugins: Iterable[Plugin]) -> tuple[Provided, ...]:
-        found = [item for plugin in plugins for item in self._stages.of(kind, plugin)]
-        return tuple(sorted(found, key=lambda item: item.stage.name))
+        found = [(plugin, stage) for plugin in plugins for stage in self._stages.of(kind, plugin)]
+        found.sort(key=lambda item: item[1].name)
+        return tuple([Provided(kind=kind, stage=stage, plugin=plugin) for plugin, stage in found])
 
 
-def _right(item: Provided) -> int:
-    """The order in which a name is given away: built-in stages, stages that entry points name, all others."""
-    return 0 if item.plugin.is_builtin else 1 if declared(item.plugin) else 2
+def _conflict(kind: str, name: str, claims: Iterable[Provided | AddedCommand]) -> StageConflictError:
+    return StageConflictError(kind, name, [claim.plugin.distribution for claim in claims])
+
+
+def _right(plugin: Plugin) -> int:
+    """Return the order in which a name is given away: built-in stages, stages that entry points name, all others."""
+    return 0 if plugin.is_builtin else 1 if declared(plugin) else 2
 
 
 def _by_right(plugins: Iterable[Plugin], kind: str, name: str | None = None) -> tuple[list[Plugin], ...]:
-    """Plugins that may have a stage: the built-in one, those whose entry points name it, those that name nothing."""
+    """Return plugins that may have a stage, by their right to its name."""
     tiers: tuple[list[Plugin], ...] = ([], [], [])
     for plugin in plugins:
-        only = declared(plugin)
-        if plugin.is_builtin:
-            tiers[0].append(plugin)
-        elif only is None:
-            tiers[2].append(plugin)
-        elif only[0] == kind and name in (None, only[1]):
-            tiers[1].append(plugin)
+        only = None if plugin.is_builtin else declared(plugin)
+        if only is None or (only[0] == kind and name in (None, only[1])):
+            tiers[_right(plugin)].append(plugin)
     return tiers
 
 
 def load(without: Sequence[str] = ()) -> Catalog:
-    """The catalog of what is installed.
-
-    pluggy's own loader would let one broken plugin stop the host, and skip a name that is taken in silence.
+    """Return the catalog of what is installed.
 
     Args:
         without: names of plugins or of distributions to leave out.
@@ -369,7 +327,7 @@ def load(without: Sequence[str] = ()) -> Catalog:
 
 
 def load_plugin(name: str, distribution: str) -> Catalog:
-    """The catalog of one installed plugin alone: what a worker needs of all plugins, as the run has chosen.
+    """Return the catalog of one installed plugin alone: what a worker needs of all plugins, as the run has chosen.
 
     Args:
         name: its entry point.

@@ -1,8 +1,8 @@
 """Which plugins are installed, before anything of them is imported.
 
-A plugin is an entry point, and the group of the entry point says for which major version of the plugin interface it is
-made: ``dh2urdf`` for 1, ``dh2urdf.v2`` for 2, and so on. So it is known of every plugin whether it fits before a line
-of it runs, and a distribution that has a plugin for each of two versions works with both.
+A plugin is an entry point. The group of the entry point names the major version of the plugin interface: ``dh2urdf``
+for 1, ``dh2urdf.v2`` for 2. So it is known of every plugin whether it fits before a line of it runs, and a distribution
+with a plugin for each of two versions works with both.
 """
 
 from __future__ import annotations
@@ -17,11 +17,11 @@ from typing import TYPE_CHECKING, Any
 from dh2urdf._version import __version__
 from dh2urdf.errors import ConfigError, IncompatiblePluginError
 from dh2urdf.hookspecs import INTERFACE_VERSION, PROJECT
-from dh2urdf.plugin_system.at_work import AtWork
+from dh2urdf.plugin_system.attribution import Attribution
 from dh2urdf.source import Mark, Problem, did_you_mean
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
+    from collections.abc import Sequence
     from importlib.metadata import Distribution, EntryPoint
 
 UNKNOWN = "an unknown distribution"
@@ -36,6 +36,9 @@ class Plugin:
         module: what the entry point gives; imported when it is asked for.
         distribution: name and version of the distribution that provides it; read when it is asked for, since the
             metadata of a distribution take as long to read as a table.
+        entry: the name of the entry point: what stands before the ``=``.
+        is_builtin: whether it is a plugin of dh2urdf itself.
+        is_installed: whether it was found among what is installed, as every process of this environment finds it.
     """
 
     def __init__(
@@ -47,23 +50,16 @@ class Plugin:
         point: EntryPoint | None = None,
     ) -> None:
         self.name = name
-        self._distribution = distribution
-        self._module = module
-        self._point = point
+        self.entry, _, place = name.partition(" = ")
+        self.is_builtin, self.is_installed = place in _BUILT_IN, point is not None
+        self._distribution, self._module, self._point = distribution, module, point
 
     @cached_property
     def module(self) -> Any:  # noqa: ANN401, D102 - anything; documented with the class
         if self._point is None:
             return self._module
-        if self.is_builtin:
+        with Attribution(f"the import of the plugin {self.name!r}", self):
             return self._point.load()
-        with AtWork(f"the import of the plugin {self.name!r}", self):
-            return self._point.load()
-
-    @property
-    def is_builtin(self) -> bool:
-        """Whether it is a plugin of dh2urdf itself."""
-        return self.name.partition(" = ")[2] in _BUILT_IN
 
     @cached_property
     def distribution(self) -> str:  # noqa: D102 - documented with the class
@@ -76,27 +72,11 @@ class Plugin:
     def distribution_name(self) -> str:
         """The name of the distribution, without its version."""
         found = self._distribution
-        if found is None:
-            return UNKNOWN
-        return found.partition(" ")[0] if isinstance(found, str) else found.name or UNKNOWN
-
-    @property
-    def is_installed(self) -> bool:
-        """Whether it was found among what is installed, as every process of this environment finds it."""
-        return self._point is not None
-
-    @property
-    def entry(self) -> str:
-        """The name of the entry point: what stands before the ``=``."""
-        return self.name.partition(" = ")[0]
+        return found.partition(" ")[0] if isinstance(found, str) else (found and found.name) or UNKNOWN
 
     def is_of(self, distribution: str) -> bool:
         """Whether a distribution provides it; spellings of a name that pip takes for one are one here, too."""
         return same_name(self.distribution_name, distribution)
-
-    def is_named(self, name: str) -> bool:
-        """Whether a name is the plugin's or its distribution's."""
-        return name in (self.entry, self.name) or self.is_of(name)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -115,7 +95,7 @@ class Installed:
 
 
 def installed(without: Sequence[str] = ()) -> Installed:
-    """The plugins that are installed, by their entry points.
+    """Return the plugins that are installed, by their entry points.
 
     Args:
         without: names of plugins or of distributions to leave out.
@@ -123,40 +103,50 @@ def installed(without: Sequence[str] = ()) -> Installed:
     Raises:
         ConfigError: one of the names is nobody's.
     """
-    major = max(1, int(INTERFACE_VERSION.partition(".")[0]))  # what is made for 0.x is in the group of 1
-    by_major: dict[int, list[Plugin]] = {major: []}
-    for version, found in _entry_points(_search_path()):
-        by_major.setdefault(version, []).extend(
-            Plugin(name=f"{each.name} = {each.value}", distribution=each.dist, point=each) for each in found
-        )
-    everybody = [plugin for plugins in by_major.values() for plugin in plugins]
-    _check_names(without, everybody)
-    left_out = [plugin for plugin in everybody if any(plugin.is_named(name) for name in without)]
-    fitting = by_major.pop(major)
-    foreign = [
-        (other, plugin)
-        for other, plugins in sorted(by_major.items())
-        for plugin in plugins
-        if plugin not in left_out and not any(own.is_of(plugin.distribution_name) for own in fitting)
+    own = max(1, int(INTERFACE_VERSION.partition(".")[0]))  # what is made for 0.x is in the group of 1
+    found = [
+        (major, Plugin(name=f"{point.name} = {point.value}", distribution=point.dist, point=point))
+        for major, point in _entry_points(_search_path())
     ]
-    return Installed(
-        plugins=tuple(plugin for plugin in fitting if plugin not in left_out),
-        incompatible=tuple(
-            IncompatiblePluginError(
-                plugin.name,
-                plugin.distribution,
-                f"it is made for version {other} of the plugin interface, and dh2urdf {__version__} has "
-                f"{INTERFACE_VERSION}; install a version of {plugin.distribution_name} for this one, or another "
-                "version of dh2urdf",
-            )
-            for other, plugin in foreign
-        ),
-        left_out=tuple(left_out),
+    names = {plugin: (plugin.entry, plugin.name, plugin.distribution_name) for _, plugin in found} if without else {}
+
+    def named(name: str) -> list[Plugin]:
+        return [plugin for plugin, own in names.items() if name in own or same_name(own[-1], name)]
+
+    if unknown := [name for name in without if not named(name)]:
+        raise ConfigError([_nobodys(name, [*names.values()]) for name in unknown])
+    left_out = dict.fromkeys(plugin for name in without for plugin in named(name))
+    fitting = [plugin for major, plugin in found if major == own and plugin not in left_out]
+    everybody = [plugin for major, plugin in found if major == own]
+    foreign = [
+        IncompatiblePluginError(
+            plugin.name,
+            plugin.distribution,
+            f"it is made for version {major} of the plugin interface, and dh2urdf {__version__} has "
+            f"{INTERFACE_VERSION}; install a version of {plugin.distribution_name} for this one, or another version of "
+            "dh2urdf",
+        )
+        for major, plugin in found
+        if major != own
+        and plugin not in left_out
+        and not any(each.is_of(plugin.distribution_name) for each in everybody)
+    ]
+    return Installed(plugins=tuple(fitting), incompatible=tuple(foreign), left_out=tuple(left_out))
+
+
+def _nobodys(name: str, known: Sequence[tuple[str, str, str]]) -> Problem:
+    return Problem(
+        message=f"no plugin and no distribution of one is named {name!r}",
+        mark=Mark(file="command line"),
+        field="--without",
+        found=name,
+        accepted=", ".join(sorted({f"{distribution} (plugin {entry})" for entry, _, distribution in known})),
+        suggestion=did_you_mean(name, [word for entry, _, distribution in known for word in (distribution, entry)]),
     )
 
 
 def _search_path() -> tuple[tuple[str, int], ...]:
-    """Where distributions are looked for, with what changes as soon as one is installed or removed there."""
+    """Return where distributions are looked for, with what changes as soon as one is installed or removed there."""
     found = []
     for place in sys.path:
         try:
@@ -167,38 +157,16 @@ def _search_path() -> tuple[tuple[str, int], ...]:
 
 
 @lru_cache(maxsize=8)
-def _entry_points(_place: tuple[tuple[str, int], ...]) -> tuple[tuple[int, tuple[EntryPoint, ...]], ...]:
-    """The entry points of plugins by the interface's major version: folders are searched for them, so they are kept."""
+def _entry_points(_places: tuple[tuple[str, int], ...]) -> list[tuple[int, EntryPoint]]:
+    """Return the entry points of plugins, each with the major version of the interface that it is made for."""
     from importlib.metadata import entry_points
 
-    found: dict[int, list[EntryPoint]] = {}
-    every = entry_points()
+    found, every = [], entry_points()
     for group in every.groups:
         name, dot, version = group.partition(".v")
         if name == PROJECT and (version.isdecimal() or not dot):
-            found.setdefault(int(version or 1), []).extend(every.select(group=group))
-    return tuple(
-        (major, tuple(sorted(each, key=lambda point: (point.value, point.name)))) for major, each in found.items()
-    )
-
-
-def _check_names(names: Iterable[str], plugins: Sequence[Plugin]) -> None:
-    known = sorted({f"{plugin.distribution_name} (plugin {plugin.entry})" for plugin in plugins}) if names else []
-    words = [word for plugin in plugins for word in (plugin.distribution_name, plugin.entry)] if names else []
-    problems = [
-        Problem(
-            message=f"no plugin and no distribution of one is named {name!r}",
-            mark=Mark(file="command line"),
-            field="--without",
-            found=name,
-            accepted=", ".join(known),
-            suggestion=did_you_mean(name, words),
-        )
-        for name in names
-        if not any(plugin.is_named(name) for plugin in plugins)
-    ]
-    if problems:
-        raise ConfigError(problems)
+            found += [(int(version or 1), point) for point in every.select(group=group)]
+    return sorted(found, key=lambda each: (each[0], each[1].value, each[1].name))
 
 
 def same_name(one: str, other: str) -> bool:
@@ -210,7 +178,7 @@ def same_name(one: str, other: str) -> bool:
 
 
 def reason_of(error: BaseException) -> str:
-    """The class of an exception and its message, in one line."""
+    """Return the class of an exception and its message, in one line."""
     try:
         text = str(error)
     except Exception as failed:  # noqa: BLE001 - it is the exception's own code
@@ -220,7 +188,7 @@ def reason_of(error: BaseException) -> str:
 
 
 def traceback_of(error: BaseException) -> str:
-    """Where an exception was raised, for `--debug`."""
+    """Return where an exception was raised, for `--debug`."""
     import traceback
 
     return "".join(traceback.format_exception(error))

@@ -58,14 +58,14 @@ def plugins_report(catalog: Catalog) -> PluginsReport:
         "clashes": clashes,
         "shadowed": [
             {
-                "kind": each.loser.kind,
-                "name": each.loser.stage.name,
-                "plugin": each.loser.plugin.name,
-                "distribution": each.loser.plugin.distribution,
-                "winner": each.winner.plugin.distribution,
-                "choice": each.loser.full_name,
+                "kind": loser.kind,
+                "name": loser.stage.name,
+                "plugin": loser.plugin.name,
+                "distribution": loser.plugin.distribution,
+                "winner": winner.plugin.distribution,
+                "choice": loser.full_name,
             }
-            for each in catalog.shadowed()
+            for loser, winner in catalog.shadowed()
         ],
         "broken": [
             entry | {"traceback": error.traceback}

@@ -24,8 +24,7 @@ from dh2urdf.run_file.sections import (
     RunFile,
     SpacedSection,
 )
-from dh2urdf.stage_calls.answers import a_record
-from dh2urdf.stage_calls.calls import Call, depending_on
+from dh2urdf.stage_calls.calls import Call, a_record, depending_on
 from dh2urdf.stages import HasSchema
 
 if TYPE_CHECKING:

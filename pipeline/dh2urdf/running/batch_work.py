@@ -19,12 +19,12 @@ from dh2urdf.conversion.one_manipulator import Recipe, Written, emit_robot, with
 from dh2urdf.conversion.outcome import Outcome, as_written, kind_of, to_line
 from dh2urdf.conversion.own_folders import refuse_undeclared_files
 from dh2urdf.conversion.robots import make_item, new_notices
-from dh2urdf.conversion.simulators import load_with_all, not_loaded
+from dh2urdf.conversion.simulators import load_with_all, not_loaded, time_limit_of
 from dh2urdf.elementwise import DividedError
 from dh2urdf.errors import InputError, ManipulatorError, OutputError, StageError, TableError
 from dh2urdf.fields import many_unchecked
 from dh2urdf.isolation.loads import KeptChildren
-from dh2urdf.isolation.watchdog import watched
+from dh2urdf.isolation.process import watched
 from dh2urdf.kinematics.proof import Proof, prove_columns
 from dh2urdf.manipulator import Manipulator
 from dh2urdf.output.journal import Journal
@@ -414,7 +414,7 @@ class Work:
                 raise what.error
             loads = self.worker.effect is Depth.MAKE and index in self.recipe.sample
             loaders = self.recipe.loaders if loads else ()
-            with watched(self.worker.home, self.recipe.time_limit, loaders):
+            with watched(self.worker.home, time_limit_of(self.recipe, loaders)):
                 with timed(seconds, "transform"):
                     robot, expected = make_item(what, self.recipe.transform, self.recipe.edits)
                     robot = with_notices(with_copies(robot, self.recipe), self.recipe.emitters)

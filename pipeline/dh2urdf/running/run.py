@@ -14,11 +14,11 @@ from dh2urdf.commands.choices import refuse_table
 from dh2urdf.errors import ConfigError, CrashError, ManipulatorError, TableError
 from dh2urdf.isolation.child_process import run_in_child
 from dh2urdf.isolation.encodings import PICKLED
-from dh2urdf.isolation.watchdog import this_process
+from dh2urdf.isolation.process import this_process
 from dh2urdf.output.journal import JOURNAL, MANIFEST, Earlier, earlier_rows, next_journal
 from dh2urdf.output.leftovers import clear_leftovers
 from dh2urdf.output.whole_files import reporting_the_disk
-from dh2urdf.plugin_system.at_work import unmarked
+from dh2urdf.plugin_system.attribution import unmarked
 from dh2urdf.report.manifest import (
     FULL,
     PAGE,
@@ -39,8 +39,7 @@ from dh2urdf.running.batch_work import Depth
 from dh2urdf.running.run_inputs import OWN_FILES, refuse_overwriting
 from dh2urdf.running.worker import BatchWorker
 from dh2urdf.source import Problem, printable
-from dh2urdf.stage_calls.answers import a_record, items_of
-from dh2urdf.stage_calls.calls import Call, depending_on, fault, own_work
+from dh2urdf.stage_calls.calls import Call, a_record, depending_on, fault, items_of, own_work
 from dh2urdf.stage_calls.pools import results_of
 from dh2urdf.stages import Executor, Lost
 from dh2urdf.tasks.batch import Batch, Doomed, batches

@@ -9,9 +9,8 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from dh2urdf.isolation.garbage import collected_at_the_end
-from dh2urdf.isolation.watchdog import this_process
-from dh2urdf.plugin_system.printed import collected_lines
+from dh2urdf.isolation.process import collected_at_the_end, this_process
+from dh2urdf.plugin_system.attribution import collected_lines
 from dh2urdf.running.batch_work import Assignment, Work
 from dh2urdf.stage_calls.calls import own_work
 

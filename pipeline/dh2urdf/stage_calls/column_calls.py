@@ -12,8 +12,7 @@ from dh2urdf.columns import ManipulatorColumns, RobotColumns, columns_of
 from dh2urdf.elementwise import is_column
 from dh2urdf.robot import Robot
 from dh2urdf.row_fields import LIMITS, NUMBERS
-from dh2urdf.stage_calls.answers import a_record, emitted_files
-from dh2urdf.stage_calls.calls import Call, blaming
+from dh2urdf.stage_calls.calls import Call, a_record, blaming, emitted_files
 from dh2urdf.stages import EmitsInColumns, TransformsInColumns
 
 if TYPE_CHECKING:

@@ -6,7 +6,7 @@ import warnings
 from typing import TYPE_CHECKING
 
 from dh2urdf.errors import TableWarning
-from dh2urdf.plugin_system.at_work import at_work_here
+from dh2urdf.plugin_system.attribution import current
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -23,6 +23,6 @@ def warn_of(notices: Iterable[Problem], depth: int = 1) -> None:
         notices: the notices.
         depth: how many functions are between that line and this one.
     """
-    if at_work_here() is None:
+    if current() is None:
         for text in dict.fromkeys(map(str, notices)):
             warnings.warn(text, TableWarning, stacklevel=depth + 2)

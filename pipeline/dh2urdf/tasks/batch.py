@@ -17,7 +17,7 @@ from dh2urdf.conversion.one_manipulator import read_items
 from dh2urdf.conversion.simulators import picture_endings
 from dh2urdf.errors import ConfigError, ManipulatorError, StageError, TableError
 from dh2urdf.fields import replace_unchecked
-from dh2urdf.isolation.garbage import collected_at_the_end
+from dh2urdf.isolation.process import collected_at_the_end
 from dh2urdf.manipulator import Manipulator
 from dh2urdf.output.layouts import Form
 from dh2urdf.output.whole_files import Stems

@@ -21,7 +21,7 @@ from dh2urdf.kinematics.proof_vectors import proof_vectors
 from dh2urdf.manipulator import ROOT, TOOL, DHRow, JointType, Limits, Manipulator
 from dh2urdf.robot import Box, Robot, Sphere, Visual
 from dh2urdf.robot_check import check_robot
-from dh2urdf.stage_calls.answers import a_record, emitted_files
+from dh2urdf.stage_calls.calls import a_record, emitted_files
 from dh2urdf.stages import (
     Checks,
     EditsInColumns,

@@ -15,8 +15,7 @@ from dh2urdf.errors import Dh2UrdfError, InputError
 from dh2urdf.manipulator import Convention, Manipulator
 from dh2urdf.run_file.config import RUN_SUFFIXES, is_run_file
 from dh2urdf.source import Mark, Problem, listed, shown
-from dh2urdf.stage_calls.answers import several_records
-from dh2urdf.stage_calls.calls import Call, blaming, default_call
+from dh2urdf.stage_calls.calls import Call, blaming, default_call, several_records
 from dh2urdf.stages import ReadsDescriptions, Rejected, WritesTables
 from dh2urdf.table_text import FIELDS, TableText
 from dh2urdf.table_text.texts import table_text

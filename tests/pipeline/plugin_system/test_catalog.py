@@ -130,7 +130,7 @@ class TestRecords:
             ),
             ("acme", "TypeError: it is no record of dh2urdf.stages, and has no hook of dh2urdf"),
             (replace(reader("acme"), capabilities=("fast",)), "TypeError: the capabilities of the reader 'acme' are"),
-            (replace(reader("acme"), capabilities=(Traces(len),) * 2), "has a capability twice"),
+            (replace(reader("acme"), capabilities=(Traces(len),) * 2), "have one twice"),
         ],
         ids=["of another kind", "of another name", "no record", "no capability", "a capability twice"],
     )
@@ -225,7 +225,7 @@ class TestUsual:
         odd = with_field(replace(load().usual("transform"), name="odd"), "option", "colour")
         there = Catalog([plugin("lab", dh2urdf_transforms=lambda: [odd])])
         assert there.provided("transform") == ()
-        assert "compares 'colour', which is none of its options" in there.broken[0].reason
+        assert "is 'colour', which is none of its options" in there.broken[0].reason
 
 
 class TestNames:

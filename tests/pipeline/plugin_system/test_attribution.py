@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from dh2urdf.isolation.child_process import PLAIN, Child, pickled_call
-from dh2urdf.plugin_system.at_work import AtWork, at_work_here
+from dh2urdf.plugin_system.attribution import Attribution, current
 from dh2urdf.plugin_system.discovery import Plugin
 
 if TYPE_CHECKING:
@@ -20,23 +20,23 @@ LAB = Plugin(name="lab = lab_lab", distribution="lab 1.0")
 class TestInThisProcess:
     def test_the_innermost_is_at_work(self) -> None:
         """Until it ends; then the one that called it."""
-        assert at_work_here() is None
-        with AtWork("executor 'threads'", LAB):
-            with AtWork("emitter 'usd'", LAB):
-                assert str(at_work_here()) == "emitter 'usd' of lab 1.0"
-            assert str(at_work_here()) == "executor 'threads' of lab 1.0"
-        assert at_work_here() is None
+        assert current() is None
+        with Attribution("executor 'threads'", LAB):
+            with Attribution("emitter 'usd'", LAB):
+                assert str(current()) == "emitter 'usd' of lab 1.0"
+            assert str(current()) == "executor 'threads' of lab 1.0"
+        assert current() is None
 
     def test_an_interrupt_names_the_innermost(self) -> None:
         """Once, as a note that the command line prints; other exceptions stay as they are."""
         with (
             pytest.raises(KeyboardInterrupt) as caught,
-            AtWork("executor 'threads'", LAB),
-            AtWork("emitter 'usd'", LAB),
+            Attribution("executor 'threads'", LAB),
+            Attribution("emitter 'usd'", LAB),
         ):
             raise KeyboardInterrupt
         assert caught.value.__notes__ == ["emitter 'usd' of lab 1.0 was at work"]
-        with pytest.raises(KeyError) as other, AtWork("emitter 'usd'", LAB):
+        with pytest.raises(KeyError) as other, Attribution("emitter 'usd'", LAB):
             raise KeyError
         assert not hasattr(other.value, "__notes__")
 
@@ -48,7 +48,7 @@ class TestInAChild:
             ("os._exit(3)", "emitter 'usd' of lab 1.0"),
             ("os.kill(os.getpid(), 9)", "emitter 'usd' of lab 1.0"),
             ("raise SystemExit", ""),
-            ("subprocess.run([sys.executable, '-c', 'import dh2urdf.plugin_system.at_work'])", ""),
+            ("subprocess.run([sys.executable, '-c', 'import dh2urdf.plugin_system.attribution'])", ""),
         ],
     )
     def test_the_parent_knows(
@@ -63,9 +63,9 @@ class TestInAChild:
         install(tmp_path, "lab", "")
         monkeypatch.syspath_prepend(tmp_path)
         script = (
-            "import os, subprocess, sys\nfrom dh2urdf.plugin_system.at_work import AtWork\nfrom dh2urdf.plugin_system.discovery import Plugin\n"
-            "with AtWork('executor \\'here\\'', None):\n"
-            f"    with AtWork('emitter \\'usd\\'', Plugin(name='lab = lab_lab', distribution='?')):\n        {ending}\n"
+            "import os, subprocess, sys\nfrom dh2urdf.plugin_system.attribution import Attribution\nfrom dh2urdf.plugin_system.discovery import Plugin\n"
+            "with Attribution('executor \\'here\\'', None):\n"
+            f"    with Attribution('emitter \\'usd\\'', Plugin(name='lab = lab_lab', distribution='?')):\n        {ending}\n"
         )
         assert who_was_at_work(script) == who
 

@@ -55,7 +55,7 @@ if TYPE_CHECKING:
     from dh2urdf.commands.screw_axes import from_screws as from_screws
     from dh2urdf.commands.toolbox_robots import from_roboticstoolbox as from_roboticstoolbox
     from dh2urdf.errors import Dh2UrdfError as Dh2UrdfError, TableWarning as TableWarning
-    from dh2urdf.kinematics.reaching.inverse import (
+    from dh2urdf.kinematics.inverse import (
         InverseSolution as InverseSolution,
         inverse_kinematics as inverse_kinematics,
     )
@@ -81,7 +81,7 @@ else:
             "commands.screw_axes": "from_screws",
             "commands.toolbox_robots": "from_roboticstoolbox",
             "errors": "Dh2UrdfError TableWarning",
-            "kinematics.reaching.inverse": "InverseSolution inverse_kinematics",
+            "kinematics.inverse": "InverseSolution inverse_kinematics",
             "manipulator": "Convention DHRow Inertia JointType Limits LinkGeometry Manipulator",
             "robot": "Robot",
             "rotations": "RigidTransform",

@@ -12,7 +12,7 @@ Robotics, 3rd edition, eq. 3.6) for the modified one; Rodrigues' formula for the
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from itertools import count
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
@@ -33,6 +33,7 @@ from dh2urdf.rotations import (
     scale,
     subtract,
     transpose,
+    z_axis_of,
 )
 from dh2urdf.source import Problem, did_you_mean
 
@@ -280,6 +281,20 @@ def dh_frames(manipulator: Manipulator, q: JointVector) -> tuple[RigidTransform,
     chain = CompiledChain()
     compile_table(chain, manipulator, with_frames=True)
     return tuple(frame.transform for frame in chain.walk(values))
+
+
+def moving_axes(manipulator: Manipulator, frames: Sequence[RigidTransform]) -> Iterator[tuple[DHRow, Vec3, Vec3]]:
+    """Each moving row with the direction of its axis, as q grows, and a point of the axis [m]; takes columns.
+
+    Args:
+        manipulator: the table.
+        frames: its DH frames 0 … N.
+    """
+    # In the standard convention a joint turns about z of the frame before its row, in the modified one of its own.
+    before = manipulator.convention is Convention.STANDARD
+    for row, frame in zip(manipulator.rows, frames[:-1] if before else frames[1:], strict=True):
+        if row.type is not JointType.FIXED:
+            yield row, scale(row.sign, z_axis_of(frame.rotation)), frame.translation
 
 
 def joint_motion(joint: Joint, value: Any) -> RigidTransform:  # noqa: ANN401 - floats and arrays alike

@@ -15,9 +15,9 @@ from itertools import pairwise
 from typing import TYPE_CHECKING, NamedTuple
 
 from dh2urdf.elementwise import is_column, mapped, where
-from dh2urdf.kinematics.chain import angle_error, dh_transform_of, forward_kinematics, joint_variables, position_error
-from dh2urdf.manipulator import Convention, JointType
-from dh2urdf.rotations import RigidTransform, Vec3, add, cross, dot, exact_cos_sin, norm, rotation_x, scale, subtract
+from dh2urdf.kinematics.chain import angle_error, dh_frames, forward_kinematics, moving_axes, position_error
+from dh2urdf.manipulator import JointType
+from dh2urdf.rotations import RigidTransform, Vec3, add, cross, dot, norm, scale, subtract
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -157,20 +157,7 @@ def _runs(names: tuple[str, ...], parallel: tuple[bool, ...]) -> tuple[tuple[str
 
 def axes_at(arm: Manipulator, q: Sequence[float]) -> list[Line]:
     """The axes of the moving joints in base_link at a joint vector [rad or m]; takes columns."""
-    frame, values, lines = arm.base, iter(q), list[Line]()
-    for row in arm.rows:
-        at = frame
-        if arm.convention is Convention.MODIFIED:
-            at = frame @ RigidTransform(rotation_x(*exact_cos_sin(row.alpha)), (row.a, 0.0, 0.0))
-        value = 0.0
-        if row.type is not JointType.FIXED:
-            value = next(values)
-            r = at.rotation
-            lines.append(Line(at.translation, (row.sign * r[2], row.sign * r[5], row.sign * r[8])))
-        theta, d = joint_variables(row, value)
-        twist, turn = exact_cos_sin(row.alpha), exact_cos_sin(theta)
-        frame = frame @ dh_transform_of(arm.convention, a=row.a, d=d, twist=twist, turn=turn)
-    return lines
+    return [Line(point, direction) for _, direction, point in moving_axes(arm, dh_frames(arm, q))]
 
 
 def _are_parallel(one: Line, other: Line) -> Condition:

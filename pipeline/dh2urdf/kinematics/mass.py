@@ -89,7 +89,7 @@ def rotated(inertia: Inertia, rotation: Rotation) -> Inertia:
         x, y, z = inertia.ixx, inertia.iyy, inertia.izz
         j, k, m, n, o, p, q, r, s = (a * x, b * y, c * z, d * x, e * y, f * z, g * x, h * y, i * z)
     else:
-        j, k, m, n, o, p, q, r, s = multiply(rotation, _matrix(inertia))
+        j, k, m, n, o, p, q, r, s = multiply(rotation, tensor(inertia))
     return new_inertia(
         ixx=j * a + k * b + m * c + 0.0,
         iyy=n * d + o * e + p * f + 0.0,
@@ -158,7 +158,7 @@ def principal_moments(inertia: Inertia) -> Vec3:
 
 def has_zero_moments(inertia: Inertia) -> bool:
     """Whether some principal moments are 0, to the last digits, and none is negative: a maker's rounded table."""
-    if not all(map(math.isfinite, _matrix(inertia))):
+    if not all(map(math.isfinite, tensor(inertia))):
         return False
     low, _, high = principal_moments(inertia)
     return high >= 0.0 and abs(low) <= _ROUNDING * high
@@ -229,7 +229,7 @@ def possible_inertia(inertia: Inertia, how: Inertias, floor: float | None = None
 
 def _principal_axes(inertia: Inertia) -> list[tuple[float, Vec3]]:
     """The principal moments [kg·m²] with their axes, smallest first."""
-    a = [list(_matrix(inertia)[row : row + 3]) for row in (0, 3, 6)]
+    a = [list(tensor(inertia)[row : row + 3]) for row in (0, 3, 6)]
     axes = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]
     for _ in range(_SWEEPS):
         if not (a[0][1] or a[0][2] or a[1][2]):
@@ -246,7 +246,7 @@ def inertia_problem(inertia: Inertia) -> str | None:
     A body's inertia about its centre of mass is positive definite, and its principal moments A ≤ B ≤ C fulfil
     A + B ≥ C (the triangle inequality: the moments are sums of squares of distances). Rounding is forgiven.
     """
-    if not all(map(math.isfinite, _matrix(inertia))):
+    if not all(map(math.isfinite, tensor(inertia))):
         return "the inertia is not finite"
     if is_sound(inertia):
         return None
@@ -269,14 +269,14 @@ def is_sound(inertia: Inertia) -> Condition:
 
     The rules on the matrix itself: I and tr(I)/2·E - I are positive definite. That needs no eigenvalues.
     """
-    elements = _matrix(inertia)
+    elements = tensor(inertia)
     half_trace = 0.5 * (inertia.ixx + inertia.iyy + inertia.izz)
     second_moments = tuple(half_trace * (k in (0, 4, 8)) - element for k, element in enumerate(elements))
     return _positive_definite(elements) & _positive_definite(second_moments)
 
 
-def _matrix(inertia: Inertia) -> Rotation:
-    """The tensor as a row-major matrix."""
+def tensor(inertia: Inertia) -> Rotation:
+    """An inertia as a row-major 3x3 matrix [kg·m²]."""
     i = inertia
     return (i.ixx, i.ixy, i.ixz, i.ixy, i.iyy, i.iyz, i.ixz, i.iyz, i.izz)
 

@@ -12,11 +12,19 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from dh2urdf.errors import RecordTypeError, RecordValueError
-from dh2urdf.kinematics.chain import KinematicChain, as_matrices, compile_joints, dh_frames, joints_between, link_poses
+from dh2urdf.kinematics.chain import (
+    KinematicChain,
+    as_matrices,
+    compile_joints,
+    dh_frames,
+    joints_between,
+    link_poses,
+    moving_axes,
+)
 from dh2urdf.kinematics.joint_vectors import JointNames, joint_values
 from dh2urdf.kinematics.walk import CompiledChain, values_of
-from dh2urdf.manipulator import ROOT, TOOL, Convention, JointType
-from dh2urdf.rotations import IDENTITY, cross, rotate, scale, subtract
+from dh2urdf.manipulator import ROOT, TOOL, JointType
+from dh2urdf.rotations import IDENTITY, cross, rotate, subtract
 from dh2urdf.source import Mark, Problem, shown
 
 if TYPE_CHECKING:
@@ -59,14 +67,14 @@ def pose_matrices(model: Manipulator | KinematicChain, q: ArrayLike) -> NDArray[
 def table_pose(manipulator: Manipulator, q: Any, *, full: bool = False) -> Matrices:  # noqa: ANN401 - whatever is given
     """T(base_link → tool0) of shape (..., 4, 4); see `Manipulator.fk`."""
     function = "Manipulator.fk()"
-    values, shape = joint_values(q, _joints_of(manipulator, function, full=full))
+    values, shape = joint_values(q, joints_of(manipulator, function, full=full))
     return _matrices(dh_frames(manipulator, values)[-1] @ manipulator.tool, shape, function)
 
 
 def table_poses(manipulator: Manipulator, q: Any, *, full: bool) -> dict[str, Matrices]:  # noqa: ANN401 - whatever is given
     """T(base_link → DH frame) by link; see `Manipulator.fk_all`."""
     function = "Manipulator.fk_all()"
-    values, shape = joint_values(q, _joints_of(manipulator, function, full=full))
+    values, shape = joint_values(q, joints_of(manipulator, function, full=full))
     frames = dh_frames(manipulator, values)
     poses = {ROOT: IDENTITY}
     poses |= {row.link: frame for row, frame in zip(manipulator.rows, frames[1:], strict=True)}
@@ -77,7 +85,7 @@ def table_poses(manipulator: Manipulator, q: Any, *, full: bool) -> dict[str, Ma
 def table_jacobian(manipulator: Manipulator, q: Any, *, full: bool) -> Matrices:  # noqa: ANN401 - whatever is given
     """The geometric Jacobian of tool0 in base_link, of shape (..., 6, n); see `Manipulator.jacobian`."""
     function = "Manipulator.jacobian()"
-    values, shape = joint_values(q, _joints_of(manipulator, function, full=full))
+    values, shape = joint_values(q, joints_of(manipulator, function, full=full))
     frames = dh_frames(manipulator, values)
     return jacobian_at(manipulator, frames, (frames[-1] @ manipulator.tool).translation, shape, function)
 
@@ -94,17 +102,12 @@ def jacobian_at(
         shape: the shape of the joint vectors, without their entries.
         function: what messages name.
     """
-    # In the standard convention a joint turns about z of the frame before its row, in the modified one of its own.
-    before = manipulator.convention is Convention.STANDARD
-    axes: list[Axis] = []
-    for row, frame in zip(manipulator.rows, frames[:-1] if before else frames[1:], strict=True):
-        if row.type is not JointType.FIXED:
-            _, _, x, _, _, y, _, _, z = frame.rotation
-            axes.append((row.type, scale(row.sign, (x, y, z)), frame.translation))
+    axes = [(row.type, direction, point) for row, direction, point in moving_axes(manipulator, frames)]
     return _jacobian(axes, tool, shape, function)
 
 
-def _joints_of(manipulator: Manipulator, function: str, *, full: bool) -> JointNames:
+def joints_of(manipulator: Manipulator, function: str, *, full: bool = False) -> JointNames:
+    """The joints that a joint vector of a table speaks of."""
     if not isinstance(full, bool):
         message = f"full={full!r} is neither True nor False"
         raise RecordTypeError(Problem(message=message, mark=Mark(file=function), field="full", accepted="True, False"))

@@ -171,14 +171,12 @@ def _largest_at_once(said: CompiledChain, found: CompiledChain, poses: Sequence[
     """The largest errors of floats, all joint vectors walked together."""
     import numpy as np
 
-    from dh2urdf.kinematics.walk.one_arm import walk_of_one
-
-    q = np.array(poses, dtype=float).reshape(len(poses), len(poses[0])).T.copy()
-    cosines, sines = np.cos(q), np.sin(q)
+    q = np.array(poses, dtype=float).reshape(len(poses), len(poses[0])).T[:, :, None].copy()
     with np.errstate(all="ignore"):  # What is not a number is an infinite error.
-        frames = [walk_of_one(chain.steps, q, cosines, sines) for chain in (said, found)]
+        values = values_of(q)
+        frames = [chain.walk(values, STACKS)[-1] for chain in (said, found)]
         position, angle, worst = _largest_of_arms(*_squared_differences(*frames, shape=(len(poses), 1)))
-    return LargestErrors(position[0], angle[0], tuple(q[:, worst[0]].tolist()))
+    return LargestErrors(position[0], angle[0], tuple(q[:, worst[0], 0].tolist()))
 
 
 def _largest_of_arms(position: Array, angle: Array) -> tuple[list[float], list[float], Array]:

@@ -22,9 +22,9 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple
 
-from dh2urdf.kinematics.chain import axis_rotation, compile_joints, dh_frames
+from dh2urdf.kinematics.chain import axis_rotation, compile_joints, dh_frames, moving_axes
 from dh2urdf.kinematics.walk import CompiledChain, values_of
-from dh2urdf.manipulator import Convention, JointType
+from dh2urdf.manipulator import JointType
 from dh2urdf.rotations import (
     IDENTITY_ROTATION,
     X_AXIS,
@@ -121,12 +121,9 @@ def screws_of_table(manipulator: Manipulator, q: Sequence[float] | None = None) 
         q: one value per moving joint [rad or m]; zero without it.
     """
     frames = dh_frames(manipulator, q or (0.0,) * len(manipulator.moving_rows))
-    # In the standard convention a joint turns about z of the frame before its row, in the modified one of its own.
-    before = manipulator.convention is Convention.STANDARD
     return [
-        Screw(rotate(frame.rotation, (0.0, 0.0, float(row.sign))), frame.translation, row.type is JointType.PRISMATIC)
-        for row, frame in zip(manipulator.rows, frames[:-1] if before else frames[1:], strict=True)
-        if row.type is not JointType.FIXED
+        Screw(direction, point, row.type is JointType.PRISMATIC)
+        for row, direction, point in moving_axes(manipulator, frames)
     ]
 
 

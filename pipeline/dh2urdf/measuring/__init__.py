@@ -13,14 +13,13 @@ if TYPE_CHECKING:
         Comparison as Comparison,
         Precision as Precision,
         pose_error as pose_error,
-        tensor as tensor,
     )
     from dh2urdf.measuring.opened_arm import load_function as load_function
 else:
     __all__, __getattr__, __dir__ = late_names(
         __name__,
         {
-            "comparison": "Body Comparison DOUBLE DOUBLE_PRECISION Precision pose_error tensor",
+            "comparison": "Body Comparison DOUBLE DOUBLE_PRECISION Precision pose_error",
             "opened_arm": "load_function",
         },
     )

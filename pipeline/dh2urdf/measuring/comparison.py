@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from dh2urdf.errors import LoaderError
 from dh2urdf.kinematics.chain import KinematicChain
+from dh2urdf.kinematics.mass import tensor
 from dh2urdf.manipulator import JointType
 from dh2urdf.robot import Inertial
 from dh2urdf.rotations import RigidTransform, Rotation, Vec3, norm, subtract
@@ -19,7 +20,6 @@ from dh2urdf.source import Problem, shown
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping, Sequence
 
-    from dh2urdf.manipulator import Inertia
     from dh2urdf.robot import Joint, Robot
     from dh2urdf.stages.load_records import LoadRequest
 
@@ -262,12 +262,3 @@ def pose_error(measured: RigidTransform, expected: Sequence[float]) -> tuple[flo
     expected_rotation = tuple(expected[4 * row + column] for row in range(3) for column in range(3))
     chord = math.dist(measured.rotation, expected_rotation) / math.sqrt(8.0)
     return math.dist(measured.translation, expected[3:12:4]), 2.0 * math.asin(min(1.0, chord))
-
-
-def tensor(inertia: Inertia) -> Rotation:
-    """An inertia as a row-major 3x3 matrix [kg·m²]."""
-    return (
-        *(inertia.ixx, inertia.ixy, inertia.ixz),
-        *(inertia.ixy, inertia.iyy, inertia.iyz),
-        *(inertia.ixz, inertia.iyz, inertia.izz),
-    )

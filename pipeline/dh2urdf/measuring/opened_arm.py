@@ -6,7 +6,8 @@ from functools import partial, update_wrapper
 from typing import TYPE_CHECKING, Any
 
 from dh2urdf.errors import LoaderError
-from dh2urdf.measuring.comparison import Body, Comparison, Precision, tensor
+from dh2urdf.kinematics.mass import tensor
+from dh2urdf.measuring.comparison import Body, Comparison, Precision
 from dh2urdf.rotations import RigidTransform
 from dh2urdf.stages.load_records import LoadReport, SimulatedArm
 

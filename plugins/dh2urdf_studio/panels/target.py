@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING
 from nicegui import run, ui
 
 from dh2urdf.errors import InputError
-from dh2urdf.kinematics.reaching.dexterity import dexterity
-from dh2urdf.kinematics.reaching.inverse import InverseSolution, inverse_kinematics
+from dh2urdf.kinematics.inverse import InverseSolution, dexterity, inverse_kinematics
 from dh2urdf.manipulator import JointType
 from dh2urdf.quantities.quantity import evaluate
 from dh2urdf.quantities.units import UNITS, Dimension, QuantityError, Unit

@@ -9,7 +9,6 @@ from hypothesis import given, strategies as st
 
 from dh2urdf.kinematics import CompiledChain
 from dh2urdf.kinematics.walk import STACKS, values_of
-from dh2urdf.kinematics.walk.one_arm import walk_of_one
 from dh2urdf.rotations import RigidTransform
 
 if TYPE_CHECKING:
@@ -146,16 +145,6 @@ def test_stacks_give_what_floats_give(ways: list[Way], poses: list[tuple[float, 
             for found, wanted in zip((*frame.axes, frame.origin), (*alone.axes, alone.origin), strict=True):
                 at_pose = np.broadcast_to(found, (3, len(poses), 1))[:, number, 0]
                 np.testing.assert_allclose(at_pose, wanted, rtol=0, atol=1e-14)
-
-
-@given(ways=ways, poses=joint_vectors)
-def test_one_arm_has_the_figures_of_columns_of_arms(ways: list[Way], poses: list[tuple[float, ...]]) -> None:
-    """The walk of one arm gives every bit of what stacks give: an arm's proof does not depend on the arms beside it."""
-    chain, q = with_stops(ways), np.array(poses).T.copy()
-    among = chain.walk(values_of([value[:, None] for value in q]), STACKS)[-1]
-    alone = walk_of_one(chain.steps, q, np.cos(q), np.sin(q))
-    for found, wanted in zip((*alone.axes, alone.origin), (*among.axes, among.origin), strict=True):
-        np.testing.assert_array_equal(found, np.broadcast_to(wanted, found.shape))
 
 
 @given(ways=ways, data=st.data())

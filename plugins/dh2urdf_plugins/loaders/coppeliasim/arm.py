@@ -27,9 +27,9 @@ from dh2urdf.documents import xml_root
 from dh2urdf.elementwise import total
 from dh2urdf.errors import LoaderError
 from dh2urdf.kinematics import link_poses
-from dh2urdf.kinematics.mass import placed
+from dh2urdf.kinematics.mass import placed, tensor
 from dh2urdf.manipulator import Inertia
-from dh2urdf.measuring import Body, Precision, tensor
+from dh2urdf.measuring import Body, Precision
 from dh2urdf.meshes import has_meshes
 from dh2urdf.robot import Inertial
 from dh2urdf.rotations import IDENTITY, RigidTransform, rotate, transpose

@@ -18,9 +18,9 @@ from typing import TYPE_CHECKING
 
 from dh2urdf.errors import LoaderError, MissingProgramError, ProofError
 from dh2urdf.kinematics import link_poses
-from dh2urdf.kinematics.mass import compound, placed
+from dh2urdf.kinematics.mass import compound, placed, tensor
 from dh2urdf.manipulator import JointType
-from dh2urdf.measuring import DOUBLE, Body, tensor
+from dh2urdf.measuring import DOUBLE, Body
 from dh2urdf.robot import Inertial
 from dh2urdf.rotations import IDENTITY, RigidTransform, quarter_turns
 from dh2urdf.source import shown

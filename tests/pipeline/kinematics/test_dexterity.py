@@ -10,9 +10,9 @@ import pytest
 
 import dh2urdf
 from dh2urdf import Convention, DHRow, JointType, Limits, Manipulator
-from dh2urdf.kinematics.reaching.dexterity import dexterity
+from dh2urdf.kinematics.inverse import dexterity
 
-TABLES = Path(__file__).parents[4] / "configs" / "tables"
+TABLES = Path(__file__).parents[3] / "configs" / "tables"
 
 
 def row(number: int, a: float, kind: JointType, limits: Limits) -> DHRow:

@@ -4,6 +4,9 @@ Levenberg-Marquardt on the geometric Jacobian (Sugihara, Solvability-Unconcerned
 Levenberg-Marquardt Method, IEEE T-RO 27, 2011), with joints that are held at a limit while the step leads out of it.
 Lengths are divided by the reach of the arm, or by the distance of a pose beyond it: a small robot and a crane converge
 alike, and where a pose cannot be reached, a length counts as a turn of that part of the reach.
+
+How well an arm can move from a joint vector: Yoshikawa, Manipulability of Robotic Mechanisms, IJRR 4(2), 1985. Lengths
+are in m, and are not weighed against angles.
 """
 
 from __future__ import annotations
@@ -15,12 +18,12 @@ from dh2urdf.elementwise import total
 from dh2urdf.errors import RecordValueError
 from dh2urdf.fields import take_fields
 from dh2urdf.kinematics.chain import angle_error, compile_table, position_error, reach
-from dh2urdf.kinematics.joint_vectors import JointNames, joint_values
-from dh2urdf.kinematics.pose_arrays import jacobian_at
+from dh2urdf.kinematics.joint_vectors import joint_values
+from dh2urdf.kinematics.pose_arrays import jacobian_at, joints_of, table_jacobian
 from dh2urdf.kinematics.walk import CompiledChain, values_of
 from dh2urdf.manipulator import JointType
 from dh2urdf.rotations import RigidTransform, multiply, norm, transpose
-from dh2urdf.source import Mark, Problem, shown
+from dh2urdf.source import Mark, Problem
 
 if TYPE_CHECKING:
     import numpy as np
@@ -125,10 +128,7 @@ class _PoseSearch:
         compile_table(self._chain, manipulator, with_frames=True)
         self._chain.stop()
         rows = manipulator.moving_rows
-        joints = tuple(row.joint for row in rows)
-        self.names = JointNames(
-            wanted=joints, moving=joints, whose=f"manipulator {shown(manipulator.name)}", function=_FUNCTION
-        )
+        self.names = joints_of(manipulator, _FUNCTION)
         self.lower = np.array([-np.inf if row.limits.lower is None else row.limits.lower for row in rows])
         self.upper = np.array([np.inf if row.limits.upper is None else row.limits.upper for row in rows])
         with np.errstate(invalid="ignore"):
@@ -244,3 +244,46 @@ def _turn(rotation: Any) -> Vector:  # noqa: ANN401 - nine numbers
     axis = axis / np.linalg.norm(axis)
     turned: Vector = axis * (angle if float(axis @ sine) >= 0.0 else -angle)
     return turned
+
+
+# --- How well an arm can move
+
+
+class Dexterity(NamedTuple):
+    """What an arm can do from a joint vector.
+
+    Attributes:
+        manipulability: the product of the singular values of the Jacobian of tool0, lengths in m.
+        smallest_singular_value: 0 at a singularity.
+        margins: by joint, how far its value is from the nearer limit [rad or m]; negative outside. Joints without
+            limits are left out.
+    """
+
+    manipulability: float
+    smallest_singular_value: float
+    margins: dict[str, float]
+
+
+def dexterity(manipulator: Manipulator, q: JointVectors) -> Dexterity:
+    """What an arm can do from a joint vector.
+
+    Args:
+        manipulator: the arm.
+        q: one value per moving joint, or a mapping from their names [rad or m].
+
+    Raises:
+        RecordError: q is no joint vector of the arm.
+    """
+    import numpy as np
+
+    rows = manipulator.moving_rows
+    joints = tuple(row.joint for row in rows)
+    values, _ = joint_values(q, joints_of(manipulator, "dexterity()"))
+    singular = np.linalg.svd(np.asarray(table_jacobian(manipulator, values, full=False)), compute_uv=False)
+    margins = {}
+    for row, value in zip(rows, values, strict=True):
+        ends = [value - row.limits.lower] if row.limits.lower is not None else []
+        ends += [row.limits.upper - value] if row.limits.upper is not None else []
+        if ends:
+            margins[row.joint] = float(min(ends))
+    return Dexterity(float(np.prod(singular)), float(singular.min(initial=np.inf)) if joints else 0.0, margins)

@@ -18,7 +18,7 @@ from dh2urdf import Convention, DHRow, JointType, Limits, Manipulator, RigidTran
 if TYPE_CHECKING:
     from conftest import ReferenceRobot
 
-TABLES = Path(__file__).parents[4] / "configs" / "tables"
+TABLES = Path(__file__).parents[3] / "configs" / "tables"
 
 
 def bounds(arm: Manipulator) -> tuple[Any, Any]:

@@ -1,1 +1,0 @@
-"""Which joint values bring an arm to a pose, and how well it can move from there."""

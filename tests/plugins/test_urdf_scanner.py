@@ -18,7 +18,7 @@ from dh2urdf.errors import ProofError
 from dh2urdf.manipulator import Convention, DHRow, JointType, Limits, Manipulator
 from dh2urdf.plugin_system import load
 from dh2urdf.plugin_system.options import make_options
-from dh2urdf_plugins.formats.urdf import forms as urdf_forms, parts as urdf_parts, scanner as urdf_scanner
+from dh2urdf_plugins.formats.urdf import scanner as urdf_scanner
 from dh2urdf_plugins.formats.urdf.reader import parse_urdf, robot_of
 from dh2urdf_plugins.formats.urdf.scanner import scan_columns
 
@@ -130,14 +130,11 @@ def with_other_numbers(step: float) -> bytes:
     )
 
 
-@pytest.fixture(autouse=True, params=[urdf_forms.ENOUGH, 1], ids=["a few files", "many files"])
+@pytest.fixture(autouse=True, params=[0, 2], ids=["no file", "known as a whole"])
 def anew(monkeypatch: pytest.MonkeyPatch, request: pytest.FixtureRequest) -> None:
-    """No test knows the skeletons of another; what many files have in common is learned before a test, or never."""
-    monkeypatch.setattr(urdf_scanner, "_scanner", urdf_scanner._Scanner(urdf_parts.Parts()))
-    monkeypatch.setattr(urdf_forms, "ENOUGH", request.param)
-    if request.param == 1:
-        (group,) = scan_columns([with_other_numbers(step) for step in (0.01, 0.02, 0.03, 0.04)])
-        assert group[0] == [0, 1, 2, 3]
+    """No test knows the files of another; the arm is known before a test, or is not."""
+    monkeypatch.setattr(urdf_scanner, "_scanner", urdf_scanner._Scanner())
+    scan_columns([with_other_numbers(0.01 * k) for k in range(request.param)])
 
 
 class TestWhatIsRead:
@@ -358,7 +355,7 @@ class TestParts:
             asked.append(root)
             return robot_of(root, file)
 
-        monkeypatch.setattr(urdf_parts, "robot_of", counted)
+        monkeypatch.setattr(urdf_scanner, "robot_of", counted)
         shapes = [b'<sphere radius="0.1"/>', b'<box size="0.1 0.2 0.3"/>', b'<cylinder radius="0.05" length="1"/>']
         looks = [b"<visual><geometry>%s</geometry></visual>" % shape for shape in shapes]
         files = [
@@ -401,23 +398,12 @@ class TestParts:
 
 
 class TestWhatIsRemembered:
-    def test_what_many_files_have_in_common(self, monkeypatch: pytest.MonkeyPatch) -> None:
-        """Files that differ in the numbers in which those before them differed are read together, to the last bit."""
-        arms = [with_other_numbers(step) for step in (0.01, 0.02, 0.03, 0.04)]
-        monkeypatch.setattr(urdf_forms, "ENOUGH", 1)
-        scan_columns(arms)
-        monkeypatch.delattr(urdf_scanner._Scanner, "_one")
+    def test_a_file_is_known_as_a_whole(self, monkeypatch: pytest.MonkeyPatch) -> None:
+        """Files that differ from two others in numbers only are not cut into parts, and read to the last bit."""
+        scan_columns([with_other_numbers(step) for step in (0.01, 0.02)])
+        monkeypatch.delattr(urdf_scanner._Scanner, "_cut")
         files = [with_other_numbers(step) for step in (0.05, 1e-9, -0.3)]
         assert scanned(files) == {place: as_read(content) for place, content in enumerate(files)}
-
-    def test_numbers_that_were_always_equal(self, monkeypatch: pytest.MonkeyPatch) -> None:
-        """A file in which a number is not the same as another one, as it was in all files before, is read as it is."""
-        monkeypatch.setattr(urdf_forms, "ENOUGH", 1)
-        twice = [with_changes((b"0 0 0.5", b"0 0 %d" % k), (b"0 0 0.25", b"0 0 %d" % k)) for k in (1, 2, 3, 4)]
-        other = with_changes((b"0 0 0.5", b"0 0 5"), (b"0 0 0.25", b"0 0 6"))
-        assert scanned([*twice, other, *twice]) == {
-            place: as_read(content) for place, content in enumerate([*twice, other, *twice])
-        }
 
     def test_the_order_of_the_files_changes_nothing(self) -> None:
         """A file is read or left out for what it is, whatever came before it."""
@@ -431,13 +417,11 @@ class TestWhatIsRemembered:
 
     def test_it_has_a_bound(self, monkeypatch: pytest.MonkeyPatch) -> None:
         """A run whose robots are all of different kinds does not fill the memory, and is read all the same."""
-        monkeypatch.setattr(urdf_scanner, "_MOST_SKELETONS", 5)
-        monkeypatch.setattr(urdf_scanner, "_MOST_PARTS", 10)
+        monkeypatch.setattr(urdf_scanner, "_MOST", 5 * len(ARM))
         for number in range(50):
             content = with_changes((b'"turn"', b'"turn_%d"' % number))
             assert scanned([content]) == {0: as_read(content)}
-            assert len(urdf_scanner._scanner.skeletons) <= 6
-            assert urdf_scanner._scanner.parts.size <= 12
+            assert urdf_scanner._scanner.size < 8 * len(ARM)
 
 
 lengths = st.just(0.0) | st.floats(-2, 2)

@@ -1,19 +1,17 @@
 """Reads the joints of many plain URDF files at once: the proof of every file of a long run.
 
 The value of an attribute is between two quotes. Cut at its quotes, a text is a list of pieces, markup and values by
-turns, and texts whose pieces are the same bytes, but for the numbers in them, are the same elements with other numbers
-in them. So the slow reader, `urdf_reader` beside this one, reads each part of a file once (see `urdf_parts`); of all
-others the numbers are taken by their places. Files with the same parts are of one *skeleton*, and what many of them
-have in common besides is compared as bytes (see `urdf_forms`). Nothing here comes from the emitter, and nothing is
-taken for granted of the form that it gives to files: a file of any origin is read, or left to the slow reader.
+turns, and files whose pieces are the same bytes, but for the numbers in them, are the same elements with other numbers.
+The slow reader, `reader`, reads each part of a file once; of all others the numbers are taken by their places. Nothing
+here comes from the writer, and a file of any origin is read, or left to the slow reader.
 
-What is read is what the slow reader would read, well-formedness included, since of every file it is checked that
+What is read is what the slow reader would read, since of every file it is checked that
 
 - before the root there is nothing but an XML declaration of UTF-8 and a comment, both well-formed, and the first
   attribute of the root is its name, which is printable text without entities;
-- after that, all bytes are those of parts that the slow reader has read, the names of links and joints included, but
-  for the values of the attributes that URDF defines as numbers; in these parts lxml has found the quotes around
-  attributes, and nowhere else;
+- after that, all bytes are those of a file that the slow reader has read, names of links and joints included, but for
+  the values of the attributes that URDF defines as numbers; in that file lxml has found the quotes around attributes,
+  and nowhere else;
 - each of these values has as many numbers as there, with one space between them, and each is a finite number as JSON
   writes it, whether the proof needs it or not.
 """
@@ -21,17 +19,26 @@ What is read is what the slow reader would read, well-formedness included, since
 from __future__ import annotations
 
 import re
-from itertools import chain
-from typing import TYPE_CHECKING, Any, NamedTuple
+from dataclasses import dataclass, replace
+from itertools import accumulate, chain
+from operator import itemgetter
+from typing import TYPE_CHECKING, Any, TypeAlias
 
-from dh2urdf_plugins.formats.urdf.forms import Form, Joints, Skeleton, joints_of
-from dh2urdf_plugins.formats.urdf.parts import Parts
+import orjson
+from lxml import etree
+
+from dh2urdf.errors import ProofError
+from dh2urdf.manipulator import Limits
+from dh2urdf.robot import Joint, Link, Origin, Robot
+from dh2urdf.rotations import ZERO
+from dh2urdf_plugins.formats.urdf.reader import robot_of
+from dh2urdf_plugins.formats.xml_files import written_tree_of
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Sequence
+    from collections.abc import Callable, Sequence
 
-    from dh2urdf.robot import Robot
-    from dh2urdf_plugins.formats.urdf.parts import Part
+    Attribute: TypeAlias = tuple[str, str]  # tag and name
+    Picker: TypeAlias = Callable[[Sequence[bytes]], Sequence[bytes]]
 
 # XML 1.0: prolog (22), XML declaration (23), comment (15), in which no `--` is, start tag (40).
 _HEAD = re.compile(
@@ -41,127 +48,266 @@ _HEAD = re.compile(
     re.VERBOSE,
 )
 _LINE_ENDS_AND_TABS = b"\t\r\n"
+_ROOT, _END, _JOINT = b'<robot name="a"', b"</robot>", b"<joint "
+_IN_NUMBERS = b"0123456789.eE+-"
+_MOST = 2**25
+"""Files of so many bytes in all are remembered from call to call."""
 
-_FILES_AT_ONCE = 64
-"""Files whose numbers are read in one call: so many that their texts stay in the processor's cache."""
-_MOST_SKELETONS, _MOST_PARTS = 1000, 10_000
-"""Of skeletons and of parts so many are remembered from call to call, some kilobytes each."""
+# The attributes of the URDF specification (wiki.ros.org/urdf/XML) that are numbers; the joints' first.
+_OF_JOINTS: tuple[Attribute, ...] = (
+    *(("origin", "xyz"), ("origin", "rpy"), ("axis", "xyz")),
+    *(("limit", name) for name in ("lower", "upper", "velocity", "effort")),
+    *(("dynamics", "damping"), ("dynamics", "friction")),
+)
+_NUMBERS = {
+    *_OF_JOINTS,
+    *(("mass", "value"), ("box", "size"), ("sphere", "radius"), ("mesh", "scale"), ("color", "rgba")),
+    *(("cylinder", "radius"), ("cylinder", "length")),
+    *(("inertia", name) for name in ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")),
+}
 
 
-class _Found(NamedTuple):
-    """Files whose joints differ in numbers only.
+@dataclass(frozen=True, slots=True, eq=False)
+class Joints:
+    """The joints of parts of files, or of files, that differ in numbers only.
+
+    Attributes:
+        robot: those of one of them, with the names of its links.
+        places: for each joint, where among the numbers of joints those of its attributes begin.
+        count: how many numbers of joints there are.
+    """
+
+    robot: Robot
+    places: tuple[dict[Attribute, int], ...]
+    count: int
+
+    @property
+    def kind(self) -> object:
+        """The same for joints that differ in numbers only."""
+        joints = zip(self.robot.joints, self.places, strict=True)
+        forms = [(joint.name, joint.type, joint.parent, joint.child, *where.items()) for joint, where in joints]
+        return (*[link.name for link in self.robot.links], *forms)
+
+    def with_numbers(self, name: str, rows: Any) -> Robot:  # noqa: ANN401 - an array
+        """The joints with the numbers of many files, a row for each: a float where all rows have the same number."""
+        table = rows.T.copy()
+        alike = (table == table[:, :1]).all(axis=1)
+        numbers = [float(column[0]) if same else column for column, same in zip(table, alike, strict=True)]
+        joints = zip(self.robot.joints, self.places, strict=True)
+        return replace(self.robot, name=name, joints=tuple([_with_numbers(*each, numbers) for each in joints]))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Part:
+    """Parts of files, or files, that are the same bytes but for the numbers in them.
 
     Attributes:
         joints: their joints.
-        indices: which files they are.
-        name: the robot's name in the first of them.
-        table: the numbers of their joints, a row for each.
+        of_joints: the places of the numbers of joints among the values of attributes.
+        others: the places of the other numbers.
+        values: how many values there are.
     """
 
     joints: Joints
-    indices: list[int]
-    name: str
-    table: Any
+    of_joints: tuple[int, ...]
+    others: tuple[int, ...]
+    values: int
 
 
-def _together(form: Form, files: Sequence[tuple[int, str, bytes]]) -> Iterator[_Found]:
-    """The joints of files of one form, given with their indices, names and numbers."""
-    good, table = form.rows([text for _, _, text in files])
-    if good:
-        yield _Found(form.joints, [files[place][0] for place in good], files[good[0]][1], table)
+class _Layout:
+    """Which values of texts with the same markup are words and which are numbers.
+
+    Attributes:
+        known: the parts of such markup, by the words and by what is between the numbers.
+    """
+
+    def __init__(self, part: _Part) -> None:
+        self._words = _picker(sorted({*range(part.values)}.difference(part.of_joints, part.others)))
+        self._of_joints, self._others = _picker(part.of_joints), _picker(part.others)
+        self.known: dict[tuple[object, ...], _Part] = {}
+
+    def key(self, values: Sequence[bytes]) -> tuple[tuple[object, ...], bytes, bytes]:
+        """The key of a text in `known`, the numbers of its joints and the others, with commas between them."""
+        of_joints, others = b",".join(self._of_joints(values)), b",".join(self._others(values))
+        key = self._words(values), of_joints.translate(None, _IN_NUMBERS), others.translate(None, _IN_NUMBERS)
+        return key, of_joints, others
+
+
+class _Place:
+    """The parts that were met at a place of files.
+
+    Args:
+        kinds: the joints that were met anywhere, by their kind.
+        before: what is before the parts in the file in which they are learned, from the root on.
+        after: what is after them there.
+        head: the joints before them.
+
+    Attributes:
+        size: bytes of the parts.
+    """
+
+    def __init__(
+        self, kinds: dict[object, Joints], before: bytes = b"", after: bytes = b"", head: Joints | None = None
+    ) -> None:
+        self.size = 0
+        self._kinds, self._before, self._after = kinds, before, after
+        self._links, self._joints = (len(head.robot.links), len(head.robot.joints)) if head else (0, 0)
+        self._layouts: dict[bytes, _Layout] = {}
+
+    def read(self, text: bytes) -> tuple[_Part, bytes, bytes] | None:
+        """The part that a text is, and its numbers; None where it is for the slow reader, or was never met."""
+        pieces = text.split(b'"')
+        if len(pieces) % 2 == 0:
+            return None
+        layout = self._layouts.get(b'"'.join(pieces[::2]))
+        if layout is None:
+            return None
+        key, of_joints, others = layout.key(pieces[1::2])
+        part = layout.known.get(key)
+        return None if part is None else (part, of_joints, others)
+
+    def learn(self, text: bytes, part: _Part) -> None:
+        """Remembers what a text is."""
+        self.size += len(text)
+        pieces = text.split(b'"')
+        layout = self._layouts.setdefault(b'"'.join(pieces[::2]), _Layout(part))
+        layout.known[layout.key(pieces[1::2])[0]] = part
+
+    def learned(self, text: bytes) -> tuple[_Part, bytes, bytes] | None:
+        """The same as `read`, or what the slow reader reads in the text and around it; None where it refuses."""
+        known = self.read(text)
+        if known is not None:
+            return known
+        whole, values = b"".join((_ROOT, self._before, text, self._after)), text.split(b'"')[1::2]
+        try:
+            root = written_tree_of(whole, "")
+            robot = robot_of(root, "")
+        except ProofError:
+            return None
+        items = [(element, str(k), str(v)) for element in root.iter(etree.Element) for k, v in element.items()]
+        if b"'" in whole or [value.encode() for _, _, value in items] != whole.split(b'"')[1::2]:
+            return None  # A quote is not around an attribute, or a value holds an entity.
+        attributes = [(element, name) for element, name, _ in items[len(items) - len(values) :]]
+        numbers = [place for place, (element, name) in enumerate(attributes) if (str(element.tag), name) in _NUMBERS]
+        if any(b"," in values[place] or _numbers_in(values[place]) is None for place in numbers):
+            return None  # What is not written so has spaces that may mean something else.
+        of_joints = [place for place in numbers if _is_of_joint(attributes[place][0])]
+        counts = [len(values[place].split(b" ")) for place in of_joints]
+        starts = {
+            attributes[place]: start for place, start in zip(of_joints, accumulate(counts, initial=0), strict=False)
+        }
+        joints = Joints(
+            robot=Robot(
+                name="",
+                links=tuple([Link(name=link.name) for link in robot.links[self._links :]]),
+                joints=tuple([replace(joint, mark=None) for joint in robot.joints[self._joints :]]),
+            ),
+            places=tuple([_places(joint, starts) for joint in [*root.iterchildren("joint")][self._joints :]]),
+            count=sum(counts),
+        )
+        others = tuple([place for place in numbers if place not in of_joints])
+        joints = self._kinds.setdefault(joints.kind, joints)
+        self.learn(text, _Part(joints, tuple(of_joints), others, len(values)))
+        return self.read(text)
 
 
 class _Scanner:
-    """Reads files, and remembers the skeletons that it has met.
+    """Reads files and remembers what it has met: that makes reading faster and changes nothing.
 
-    What it remembers makes it faster and changes nothing: a skeleton is the same, whichever of its files comes first.
+    Files of arms with many axes consist of few parts, though hardly two of the files are alike: a link may have one
+    shape less than in the next one. So a file is cut before each of its joints, and each part is read once by the slow
+    reader: after the first part of the file, where materials are defined. If that is the URDF of a robot, and the first
+    part by itself is as well, then the part begins and ends inside the root and outside all other elements, so that it
+    is well-formed after whatever other parts. A file whose markup is met a second time is then known as a whole.
     """
 
-    def __init__(self, parts: Parts) -> None:
-        self.parts = parts
-        self.skeletons: dict[tuple[Part, ...], Skeleton] = {}
-        self._by_kinds: dict[tuple[object, ...], Joints] = {}  # of the parts
-        self._joints: dict[object, Joints] = {}
-        self._last: list[Form] = []  # that of the last file that had one: often the next file has it too
-        self._with_form: dict[tuple[int, ...], dict[Skeleton, Form]] = {}  # by the number of shapes of each link
+    def __init__(self) -> None:
+        self._kinds: dict[object, Joints] = {}
+        self._whole, self._first = _Place(self._kinds), _Place(self._kinds, after=_END)
+        self._others: dict[tuple[bytes, _Part], tuple[_Place, _Place]] = {}  # by margin and first part: those, the last
+        self._joined: dict[tuple[Joints, ...], Joints] = {}
+        self._met: set[tuple[_Part, ...]] = set()
 
-    def scan(self, contents: Iterable[tuple[int, bytes]]) -> Iterator[_Found]:
-        """The joints of files, given with their indices, that are plain."""
-        import numpy as np
+    @property
+    def size(self) -> int:
+        """Bytes of the parts and files that are remembered."""
+        return sum([place.size for place in (self._whole, self._first, *chain(*self._others.values()))])
 
-        alone: dict[Joints, list[tuple[int, str, list[float]]]] = {}
-        waiting: dict[Form, list[tuple[int, str, bytes]]] = {}
-        for index, content in contents:
-            head = _HEAD.match(content)
-            if head is None or not _is_printable(head[0]):
-                continue
-            start = head.end()
-            for form in self._candidates(content):
-                if (numbers := form.numbers(content, start)) is not None:
-                    files = waiting.setdefault(form, [])
-                    files.append((index, head[1].decode(), numbers))
-                    if len(files) == _FILES_AT_ONCE:
-                        yield from _together(form, waiting.pop(form))
-                    self._last = [form]
-                    break
-            else:
-                if found := self._one(content[start:]):
-                    alone.setdefault(found[0], []).append((index, head[1].decode(), found[1]))
-        for joints, found_alone in alone.items():
-            indices, names, rows = zip(*found_alone, strict=True)
-            yield _Found(joints, list(indices), names[0], np.array(rows, dtype=float))
-        for form, files in waiting.items():
-            yield from _together(form, files)
-
-    def _candidates(self, content: bytes) -> Iterator[Form]:
-        """The forms that a file may have."""
-        yield from self._last
-        if self._with_form:
-            yield from self._with_form.get(_shapes(content), {}).values()
-
-    def _one(self, text: bytes) -> tuple[Joints, list[float]] | None:
-        """The joints of a file and their numbers, of what is after its name; None where the file is not plain."""
-        found = self.parts.of(text)
-        if found is None:
+    def read(self, text: bytes) -> tuple[Joints, list[float]] | None:
+        """The joints of a file and their numbers, of what is after its name; None where it is for the slow reader."""
+        whole = self._whole.read(text)
+        if whole is None and (cut := self._cut(text)):
+            parts, of_joints, others = zip(*cut, strict=True)
+            joints, texts = self._joints_of(parts), (*of_joints, *others)
+            if parts in self._met:
+                self._whole.learn(text, _together(joints, parts))
+            self._met.add(parts)
+        elif whole := whole or self._whole.learned(text):
+            joints, texts = whole[0].joints, whole[1:]
+        else:
             return None
-        parts, numbers = found
-        skeleton = self.skeletons.get(parts)
-        if skeleton is None:
-            skeleton = self.skeletons[parts] = Skeleton(parts, self._joints_of(parts))
-        if form := skeleton.see(text):
-            self._with_form.setdefault(_shapes(text), {})[skeleton] = form
-        return skeleton.joints, numbers[: skeleton.count]
+        numbers = _numbers_in(b",".join(filter(None, texts)))
+        return None if numbers is None else (joints, numbers[: joints.count])
 
-    def _joints_of(self, parts: Sequence[Part]) -> Joints:
+    def _cut(self, text: bytes) -> list[tuple[_Part, bytes, bytes]] | None:
+        """The parts of a file; None where it cannot be cut into parts that stand by themselves."""
+        start = text.find(_JOINT)
+        margin = text[text.rfind(b">", 0, start) + 1 : start]
+        if start < 0 or margin.strip():
+            return None
+        before = margin + _JOINT
+        first, *others, last = text.split(before)
+        if (head := self._first.learned(first)) is None:
+            return None
+        places = self._others.get((margin, head[0]))
+        if places is None:
+            inner, end = (_Place(self._kinds, first + before, after, head[0].joints) for after in (_END, b""))
+            places = self._others[margin, head[0]] = inner, end
+        found = [head]
+        for each, place in [*((each, places[0]) for each in others), (last, places[1])]:
+            if (read := place.learned(each)) is None:
+                return None
+            found.append(read)
+        return found
+
+    def _joints_of(self, parts: tuple[_Part, ...]) -> Joints:
         """The joints of files of some parts; the same ones for files whose joints differ in numbers only."""
-        kinds = tuple([part.kind for part in parts])
-        found = self._by_kinds.get(kinds)
+        alone = tuple([part.joints for part in parts])
+        found = self._joined.get(alone)
         if found is None:
-            made = joints_of(parts)
-            found = self._by_kinds[kinds] = self._joints.setdefault(made.kind, made)
+            starts = accumulate([each.count for each in alone], initial=0)
+            robot = Robot(
+                name="",
+                links=tuple([link for each in alone for link in each.robot.links]),
+                joints=tuple([joint for each in alone for joint in each.robot.joints]),
+            )
+            places = [
+                {attribute: start + place for attribute, place in where.items()}
+                for start, each in zip(starts, alone, strict=False)
+                for where in each.places
+            ]
+            made = Joints(robot, tuple(places), sum([each.count for each in alone]))
+            found = self._joined[alone] = self._kinds.setdefault(made.kind, made)
         return found
 
 
-def _shapes(text: bytes) -> tuple[int, ...]:
-    """How many shapes each link has: files of one skeleton agree in it, and few others do."""
-    return tuple([part.count(b"<geometry") for part in text.split(b"<link ")])
+def _together(joints: Joints, parts: Sequence[_Part]) -> _Part:
+    """A file of some parts as one part."""
+    starts = [*accumulate([part.values for part in parts], initial=0)]
+    of_joints, others = (
+        tuple([start + place for start, each in zip(starts, places, strict=False) for place in each])
+        for places in ([part.of_joints for part in parts], [part.others for part in parts])
+    )
+    return _Part(joints, of_joints, others, starts[-1])
 
 
-def _is_printable(head: bytes) -> bool:
-    """Whether a text is UTF-8 without any character that XML cannot hold, or that nobody sees."""
-    try:
-        return head.translate(None, _LINE_ENDS_AND_TABS).decode().isprintable()
-    except UnicodeDecodeError:
-        return False
-
-
-_scanner = _Scanner(Parts())
+_scanner = _Scanner()
 
 
 def scan_columns(contents: Sequence[bytes]) -> list[tuple[list[int], Robot]]:
     """The joints of many URDF files, in groups whose members differ in numbers only.
 
-    A file that is not surely read as `urdf_reader` reads it is in no group, whatever the others are.
+    A file that is not surely read as `reader` reads it is in no group, whatever the others are.
 
     Args:
         contents: the files.
@@ -172,17 +318,79 @@ def scan_columns(contents: Sequence[bytes]) -> list[tuple[list[int], Robot]]:
     """
     import numpy as np
 
-    global _scanner  # noqa: PLW0603 - the skeletons are remembered from call to call
-    if len(_scanner.skeletons) > _MOST_SKELETONS or _scanner.parts.size > _MOST_PARTS:
-        _scanner = _Scanner(_scanner.parts if _scanner.parts.size <= _MOST_PARTS else Parts())
-    groups: dict[Joints, list[_Found]] = {}
-    for found in _scanner.scan(enumerate(contents)):
-        groups.setdefault(found.joints, []).append(found)
-    read = []
-    for joints, parts in groups.items():
-        indices = np.array(list(chain.from_iterable([part.indices for part in parts])))
-        order = np.argsort(indices)
-        name = min(parts, key=lambda part: part.indices[0]).name
-        table = np.concatenate([part.table for part in parts])[order]
-        read.append((indices[order].tolist(), joints.with_numbers(name, table)))
-    return sorted(read, key=lambda group: group[0][0])
+    global _scanner  # noqa: PLW0603 - what was learned is remembered from call to call
+    if _scanner.size > _MOST:
+        _scanner = _Scanner()
+    groups: dict[Joints, tuple[list[int], list[list[float]]]] = {}
+    names = dict[Joints, bytes]()
+    for place, content in enumerate(contents):
+        head = _HEAD.match(content)
+        if head is None or not _is_printable(head[0]) or (found := _scanner.read(content[head.end() :])) is None:
+            continue
+        names.setdefault(found[0], head[1])
+        places, rows = groups.setdefault(found[0], ([], []))
+        places.append(place)
+        rows.append(found[1])
+    return [
+        (places, joints.with_numbers(names[joints].decode(), np.array(rows, dtype=float).reshape(len(rows), -1)))
+        for joints, (places, rows) in groups.items()
+    ]
+
+
+def _numbers_in(text: bytes) -> list[float] | None:
+    """The numbers of a text, with a space or a comma between them; None where JSON does not write them so."""
+    try:
+        numbers: list[float] = orjson.loads(b"[%b]" % text.replace(b" ", b","))
+    except orjson.JSONDecodeError:
+        return None
+    return numbers or None
+
+
+def _picker(places: Sequence[int]) -> Picker:
+    """What picks the values at some places."""
+    return itemgetter(*places) if len(places) > 1 else lambda values: tuple([values[place] for place in places])
+
+
+def _is_printable(head: bytes) -> bool:
+    """Whether a text is UTF-8 without any character that XML cannot hold, or that nobody sees."""
+    try:
+        return head.translate(None, _LINE_ENDS_AND_TABS).decode().isprintable()
+    except UnicodeDecodeError:
+        return False
+
+
+def _is_of_joint(element: etree._Element) -> bool:
+    """Whether an element is what a joint of the robot declares itself."""
+    joint = element.getparent()
+    return joint is not None and joint.tag == "joint" and joint.getparent() is element.getroottree().getroot()
+
+
+def _places(joint: etree._Element, starts: dict[tuple[etree._Element, str], int]) -> dict[Attribute, int]:
+    """Where the numbers of a joint's attributes begin; the first element of a tag is the one that is read."""
+    found = {}
+    for tag, name in _OF_JOINTS:
+        element = joint.find(tag)
+        if element is not None and (element, name) in starts and not (tag == "axis" and joint.get("type") == "fixed"):
+            found[tag, name] = starts[element, name]
+    return found
+
+
+def _with_numbers(joint: Joint, places: dict[Attribute, int], numbers: Sequence[Any]) -> Joint:
+    """A joint with other numbers in the place of those that its file has."""
+
+    def number(tag: str, name: str) -> Any:  # noqa: ANN401 - a float or an array
+        place = places.get((tag, name))
+        return None if place is None else numbers[place]
+
+    def vector(tag: str, name: str, default: Any) -> Any:  # noqa: ANN401 - three floats or arrays
+        place = places.get((tag, name))
+        return default if place is None else tuple(numbers[place : place + 3])
+
+    return replace(
+        joint,
+        origin=Origin(xyz=vector("origin", "xyz", ZERO), rpy=vector("origin", "rpy", ZERO)),
+        axis=vector("axis", "xyz", joint.axis),
+        limits=Limits(**{name: number("limit", name) for name in ("lower", "upper", "velocity", "effort")}),
+        damping=number("dynamics", "damping"),
+        friction=number("dynamics", "friction"),
+    )

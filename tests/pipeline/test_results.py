@@ -9,7 +9,7 @@ from typing import get_args, get_type_hints
 from dh2urdf import results
 from dh2urdf.manipulator import Convention, JointType
 from dh2urdf.plugin_system import KINDS
-from dh2urdf.report.answers.conversions import FILLED_IN
+from dh2urdf.report.conversions import FILLED_IN
 
 
 def test_names_are_those_of_the_records() -> None:

@@ -237,7 +237,7 @@ def _failed(words: list[str], error: BaseException, status: int, text: str, kind
         click.echo(text, err=True)
         if "--json" in words or "--format=json" in words or ("--format", "json") in pairwise(words):
             from dh2urdf.conversion.outcome import kind_of, to_text
-            from dh2urdf.report.answers.conversions import error_report
+            from dh2urdf.report.conversions import error_report
 
             message = error.format_message() if isinstance(error, click.ClickException) else text
             name = kind_of(error) if kind is None and isinstance(error, Exception) else kind or ""

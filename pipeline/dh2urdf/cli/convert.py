@@ -32,7 +32,7 @@ from dh2urdf.errors import SCREENFUL, ConfigError, InputError, ManipulatorError,
 from dh2urdf.output.spooled import STEM
 from dh2urdf.output.whole_files import safe_stem
 from dh2urdf.plugin_system.options import COMMAND_LINE
-from dh2urdf.report.answers.conversions import closing_line, conversion_row, conversions_report, failed_row
+from dh2urdf.report.conversions import closing_line, conversion_row, conversions_report, failed_row
 from dh2urdf.source import Problem, printable, shown
 from dh2urdf.stages import WritesFolders
 

@@ -24,8 +24,7 @@ from dh2urdf.conversion.one_manipulator import read_items
 from dh2urdf.conversion.robots import make_robot
 from dh2urdf.errors import ManipulatorError
 from dh2urdf.plugin_system.options import COMMAND_LINE
-from dh2urdf.report.answers.info import brief, details, info_report
-from dh2urdf.report.answers.info_text import lines, markdown, print_on_terminal
+from dh2urdf.report.info import brief, details, in_lines, info_report, markdown
 from dh2urdf.stage_calls.calls import default_call
 from dh2urdf.stages import Traces
 from dh2urdf.table_text import Trace
@@ -83,10 +82,8 @@ def command(
         answer(to_text(report), nl=False)
     elif form == "markdown":
         answer("\n".join(markdown(report)))
-    elif answers().isatty():
-        print_on_terminal(report, answers())
     else:
-        answer("\n".join(lines(report)))
+        answer(in_lines(report, terminal=answers().isatty()))
     return status
 
 

@@ -45,9 +45,13 @@ def inspect(
             )
         )
     with depending_on(Call(stage=emitter, options=None, plugin=catalog.plugin_of(emitter)), "check"):
-        if not (checks.finds_packages and not (expansion and expansion.arguments)):
-            refuse_unused(emitter, expansion, file)
-        return a_record(checks.check(file, expansion or Expansion()), Inspection)
+        expansion = expansion or Expansion()
+        unused = expansion.arguments if checks.finds_packages else expansion != Expansion()
+        if unused and not has_macros(emitter):
+            message = f"files of the format {emitter.name!r} have no macros: they take no such settings"
+            accepted = "NAME:=VALUE with a xacro, and package paths with a xacro or a URDF"
+            raise ConfigError(Problem(message=message, mark=Mark(file=str(file)), accepted=accepted))
+        return a_record(checks.check(file, expansion), Inspection)
 
 
 def emitter_of(catalog: Catalog, file: Path, format_name: str | None, choice: str) -> Emitter[Any]:
@@ -61,26 +65,3 @@ def has_macros(emitter: Stage) -> bool:
     """Whether files of an emitter hold macros."""
     reads = emitter.can(ReadsForeign)
     return reads is not None and reads.has_macros
-
-
-def _finds_packages(emitter: Emitter[Any]) -> bool:
-    checks = emitter.can(Checks)
-    return checks is not None and checks.finds_packages
-
-
-def refuse_unused(emitter: Emitter[Any], expansion: Expansion | None, file: Path) -> None:
-    """Refuse settings of an expansion for a format that has none.
-
-    Raises:
-        ConfigError: the format knows no macros, and a setting of their expansion was given.
-    """
-    if has_macros(emitter) or expansion in (None, Expansion()):
-        return
-    refused = "no arguments" if _finds_packages(emitter) else "no arguments and no package paths"
-    raise ConfigError(
-        Problem(
-            message=f"files of the format {emitter.name!r} have no macros: they take {refused}",
-            mark=Mark(file=str(file)),
-            accepted="NAME:=VALUE with a xacro, and package paths with a xacro or a URDF",
-        )
-    )

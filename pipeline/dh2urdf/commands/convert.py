@@ -126,7 +126,6 @@ class Planned:
             wanted = trace if self.table.stat().st_size <= TRACED_BYTES else None
             manipulator = read_manipulator(self.reader, self.table, self.robot, self.mark, wanted)
             files = [self.table, *self.reader.files]
-        named = zip(manipulator.rows, trace.rows, strict=False)
         try:
             robot, expected = make_item(manipulator, recipe.transform, recipe.edits)
             made = with_notices(robot, recipe.emitters)
@@ -140,13 +139,14 @@ class Planned:
         made = replace(made, notices=(*notices, *self.notices))
         note((*manipulator.notices, *made.notices))
         used = (path for call in recipe.calls for path in call.files)
-        written = _write(expected, made, recipe, self.target, (*files, *used, *self.inputs))
         return Conversion(
             manipulator=manipulator,
             robot=made,
-            written=written,
+            written=_write(expected, made, recipe, self.target, (*files, *used, *self.inputs)),
             keeps_kinematics=recipe.keeps_kinematics,
-            untyped=tuple(row.joint for row, cells in named if "type" not in cells),
+            untyped=tuple(
+                row.joint for row, cells in zip(manipulator.rows, trace.rows, strict=False) if "type" not in cells
+            ),
         )
 
 
@@ -179,22 +179,26 @@ def plan_conversion(
         InputError: no installed reader or emitter takes a file's suffix, or none has the name.
         PluginError: a plugin that is needed is broken.
     """
-    stages: dict[str, list[Any]] = {"reader": []}
+    readers: list[Any] = []
     if isinstance(table, Path):
-        stages["reader"] = [chosen_reader(catalog, table, reader, mark)]
-    else:
-        for name, word in (("reader", reader), ("robot", robot)):
-            if word is not None:
-                message = f"{option(mark, name, shown(word))} is about a file, and the table is a manipulator already"
-                raise ConfigError(Problem(message=message, mark=mark, found=word))
-    stages["transform"] = [catalog.get("transform", transform) if transform else catalog.usual("transform")]
-    stages["emitter"] = emitters = _emitters(table, target, formats, mark, catalog)
-    one_file = len(emitters) == 1 and not emitters[0].can(WritesFolders)
+        readers = [chosen_reader(catalog, table, reader, mark)]
+    elif (reader, robot) != (None, None):
+        wrong = option(mark, "reader", reader) if reader else option(mark, "robot", shown(str(robot)))
+        message = f"{wrong} is about a file, and the table is a manipulator already"
+        raise ConfigError(Problem(message=message, mark=mark, found=reader or robot))
+    transforms = [catalog.get("transform", transform) if transform else catalog.usual("transform")]
+    emitters = _emitters(table, target, formats, mark, catalog)
+    stages = {"reader": readers, "transform": transforms, "emitter": emitters}
     calls = stage_calls(catalog, stages, mark, given or {}, settings)
+    notices: list[Problem] = []
     if target is None:
         calls["emitter"] = [in_one_file(call) for call in calls["emitter"]]
-    elif one_file:
+    elif len(emitters) == 1 and not emitters[0].can(WritesFolders):
         calls["emitter"] = [as_named(call, target) for call in calls["emitter"]]
+        if formats:
+            from dh2urdf.conversion.file_endings import notices_of_ending
+
+            notices = notices_of_ending(catalog, target, emitters[0], option(mark, "formats", emitters[0].name), mark)
     changes = edit_calls(edits, mark, catalog)
     prefix, conversion = _mesh_settings(meshes, convert_meshes, target, mark)
     recipe = Recipe(
@@ -205,16 +209,10 @@ def plan_conversion(
         mesh_prefix=prefix,
         mesh_conversion=conversion,
     )
-    notices: list[Problem] = []
-    if formats and target is not None and one_file:
-        from dh2urdf.conversion.file_endings import notices_of_ending
-
-        given_format = option(mark, "formats", emitters[0].name)
-        notices = notices_of_ending(catalog, target, emitters[0], given_format, mark)
     return Planned(
         table=table,
         target=target,
-        reader=calls["reader"][0] if calls["reader"] else None,
+        reader=next(iter(calls["reader"]), None),
         recipe=recipe,
         mark=mark,
         robot=robot,
@@ -295,8 +293,7 @@ def _write(
 
 def _suffix(target: Path, emitter: Emitter[Any]) -> str | None:
     """The longest suffix of an emitter's files that a file has; None where it has none of them."""
-    suffixes = sorted(emitter.suffixes, key=len, reverse=True)
-    return next((suffix for suffix in suffixes if target.name.lower().endswith(suffix)), None)
+    return max((each for each in emitter.suffixes if target.name.lower().endswith(each)), key=len, default=None)
 
 
 def _mesh_settings(

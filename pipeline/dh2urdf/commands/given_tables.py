@@ -12,6 +12,7 @@ import os
 from collections.abc import Iterable, Mapping, Sequence, Set as AbstractSet
 from contextlib import contextmanager
 from dataclasses import replace
+from itertools import zip_longest
 from pathlib import Path
 from typing import IO, TYPE_CHECKING, Any, TypeAlias
 
@@ -145,13 +146,12 @@ def manipulator_of(
     catalog = load()
     reader = catalog.cell_reader()
     if isinstance(table, (str, bytes)) or hasattr(table, "read"):
-        if columns is not None or types is not None or joints is not None or name is not None:
+        if any(each is not None for each in (columns, types, joints, name)):
             message = "a text says its columns, types and names itself"
             raise ConfigError(Problem(message=message, mark=own, accepted="a text without these arguments"))
         if isinstance(table, str) and "\n" not in table:
-            suggestion = f"`dh2urdf.read({table!r})` reads a file"
-            message = f"{shown(table)} is no table: it has one line"
-            raise TableError(Problem(message=message, mark=own, suggestion=suggestion))
+            message, advice = f"{shown(table)} is no table: it has one line", f"`dh2urdf.read({table!r})` reads a file"
+            raise TableError(Problem(message=message, mark=own, suggestion=advice))
         arm = read_table(table, robot, reader.name, options, own)  # type: ignore[arg-type]  # a text, bytes or a stream
         warn_of(arm.notices, 2)
         return arm
@@ -226,9 +226,8 @@ def _labelled(table: Any, place: Mark) -> tuple[list[Any] | None, list[list[Any]
     """The names of the columns of a table, None where they have none, and the rows."""
     if hasattr(table, "itertuples"):  # a DataFrame
         headers, labels = list(table.columns), list(table.index)
-        rows = [
-            [None if _is_missing(cell) else cell for cell in row] for row in table.itertuples(index=False, name=None)
-        ]
+        found = table.itertuples(index=False, name=None)
+        rows = [[None if _is_missing(cell) else cell for cell in row] for row in found]
         if all(isinstance(header, int) for header in headers):  # nobody named them
             return None, rows
         if any(isinstance(label, str) for label in labels):  # the names of the joints
@@ -237,38 +236,23 @@ def _labelled(table: Any, place: Mark) -> tuple[list[Any] | None, list[list[Any]
         return headers, rows
     if names := getattr(getattr(table, "dtype", None), "names", None):  # a structured array
         return list(names), [list(row) for row in table.tolist()]
-    if isinstance(table, Mapping):
-        return list(table), _rows_of_columns(table, place)
+    if isinstance(table, Mapping):  # of columns, which may be mappings themselves, as those of `DataFrame.to_dict()`
+        labels = next((list(column) for column in table.values() if isinstance(column, Mapping)), [])
+        columns = [
+            [column.get(label) for label in labels] if isinstance(column, Mapping) else _cells(column, place)
+            for column in table.values()
+        ]
+        return list(table), [list(row) for row in zip_longest(*columns)]  # The reader says what a short column lacks.
     if isinstance(table, (list, tuple)) and table and all(isinstance(row, Mapping) for row in table):
         headers = list(dict.fromkeys(key for row in table for key in row))
         return headers, [[row.get(header) for header in headers] for row in table]
-    if isinstance(table, (AbstractSet, bytearray)) or not isinstance(table, Iterable):
-        raise RecordTypeError(Problem(message=f"a {type(table).__name__} is no table", mark=place, accepted=_TABLE))
-    accepted = "a table of two dimensions: rows of cells"
-    return None, [_cells(row, f"a row is {shown(str(row))}", place, accepted) for row in table]
+    return None, [_cells(row, place) for row in _cells(table, place)]
 
 
-def _rows_of_columns(table: Mapping[Any, Any], place: Mark) -> list[list[Any]]:
-    """The rows of columns; one that is too short has nothing in its last cells, and the reader says which they are."""
-    labels: list[Any] | None = None
-    columns: list[list[Any]] = []
-    for key, column in table.items():
-        if isinstance(column, Mapping):  # such as those of `DataFrame.to_dict()`
-            labels = list(column) if labels is None else labels
-            if list(column) != labels:  # What is in one row would be a guess.
-                message = f"the rows of the column {shown(str(key))} have different labels than those before it"
-                raise _wrong(place, message, f"the labels {', '.join(map(str, labels))} in this order, in each column")
-            columns.append(list(column.values()))
-        else:
-            what = f"the column {shown(str(key))} is {shown(str(column))}"
-            columns.append(_cells(column, what, place, "a list with one cell for each row"))
-    count = max(map(len, columns), default=0)
-    return [[column[number] if number < len(column) else None for column in columns] for number in range(count)]
-
-
-def _cells(given: Any, what: str, place: Mark, accepted: str) -> list[Any]:  # noqa: ANN401 - whatever is given
-    if isinstance(given, (str, bytes, AbstractSet)) or not isinstance(given, Iterable):
-        raise _wrong(place, f"{what}, and no list of cells", accepted)
+def _cells(given: Any, place: Mark) -> list[Any]:  # noqa: ANN401 - whatever is given
+    if isinstance(given, (str, bytes, bytearray, AbstractSet)) or not isinstance(given, Iterable):
+        message = f"a {type(given).__name__} is no list of cells"
+        raise RecordTypeError(Problem(message=message, mark=place, found=str(given), accepted=_TABLE))
     return list(given)
 
 

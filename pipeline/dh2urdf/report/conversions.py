@@ -21,9 +21,7 @@ if TYPE_CHECKING:
     from dh2urdf.robot import Robot
 
 SCHEMA: Final = "dh2urdf-conversions/1"
-"""Name and version of the form of what `dh2urdf convert --json` prints."""
 ERROR_SCHEMA: Final = "dh2urdf-error/1"
-"""Name and version of the form of what `--json` prints where a command fails."""
 BASE = "the base"
 FILLED_IN = {
     "types": "type",
@@ -195,13 +193,7 @@ def conversion_row(conversion: Conversion, source: str, directory: Path | None) 
 
 
 def failed_row(source: str, kind: str, error: Dh2UrdfError) -> ConversionEntry:
-    """What became of a table that could not be converted.
-
-    Args:
-        source: the table.
-        kind: of what kind the failure is.
-        error: what was raised.
-    """
+    """What became of a table that could not be converted, for a reason of some kind."""
     return {
         "source": source,
         "status": "failed",

@@ -1,4 +1,4 @@
-"""What was understood of a table: every value in SI units, as it was typed, and where; as plain data."""
+"""What was understood of a table: every value in SI units, as it was typed, and where; as data and as text."""
 
 from __future__ import annotations
 
@@ -9,14 +9,15 @@ from typing import TYPE_CHECKING, Any, Final, Literal
 from dh2urdf._version import __version__
 from dh2urdf.kinematics.chain import forward_kinematics, joint_variables
 from dh2urdf.manipulator import JointType, Manipulator
-from dh2urdf.report.answers.conversions import BASE, filled_in
+from dh2urdf.report.conversions import BASE, counted, filled_in
 from dh2urdf.report.manifest import axes_entry
 from dh2urdf.rotations import norm
 from dh2urdf.row_fields import COM, INERTIA, LIMITS, NUMBERS, ROW_FIELDS, SI_UNITS
+from dh2urdf.source import markdown_text, printable
 from dh2urdf.table_text import Trace
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping, Sequence
+    from collections.abc import Iterable, Iterator, Mapping, Sequence
 
     from dh2urdf.manipulator import DHRow
     from dh2urdf.results import BriefEntry, Detail, DistanceEntry, FieldEntry, InfoReport, Placement
@@ -27,7 +28,6 @@ if TYPE_CHECKING:
     from dh2urdf.table_text import Said
 
 SCHEMA: Final = "dh2urdf-info/1"
-"""Name and version of the form of what `dh2urdf info --json` prints."""
 CELL: Final = "cell"
 DEFAULT: Final = "default"
 COMPUTED: Final = "computed"
@@ -36,6 +36,16 @@ READ: Final = "read"
 reader that does not say what it read where, as most of plugins."""
 _OPTIONAL = tuple(name for name in NUMBERS if name not in {"a", "alpha", "d", "theta", "offset", "mass"})
 _STATED = ("geometry", "density", "base_mass", "base_geometry", "payload", "visuals", "collisions")
+HEAD = ("joint", "field", "value", "as typed", "read in", "place")
+MOST_ARMS = 40
+"""Manipulators of a table that are listed; the rest are counted."""
+WIDTH = 100
+"""Characters of a line on a terminal."""
+_KINDS = {"turn_rate": "angular speed", "linear_damping": "linear damping"}
+"""Kinds of quantities, as a sentence names them."""
+_CALLED = {"geometry": "shape of the links", "base_mass": "mass of the base", "base_geometry": "shape of the base"}
+_STATED_UNITS = {"density": "kg/m³", "base_mass": "kg", "com": "m"}
+_MATRIX = "T(base_link → tool0) at q = 0:"
 
 
 def unit_of(field: str, kind: JointType) -> str:
@@ -47,14 +57,7 @@ def unit_of(field: str, kind: JointType) -> str:
 def info_report(
     source: str, arms: Sequence[BriefEntry], detail: Detail | None, exit_status: Literal[0, 1]
 ) -> InfoReport:
-    """What `dh2urdf info --json` prints.
-
-    Args:
-        source: the table.
-        arms: every manipulator of it, as `brief` gives it.
-        detail: the one that is meant, as `details` gives it; None where none of several is.
-        exit_status: the status with which the command ends.
-    """
+    """What `dh2urdf info --json` prints: all manipulators of a table in short, and the one that is meant in full."""
     return {
         "schema": SCHEMA,
         "version": __version__,
@@ -227,3 +230,145 @@ def _placement(transform: RigidTransform, place: str | None, unsaid: Literal["de
 
 def _place(mark: Mark | None) -> str | None:
     return str(mark) if mark else None
+
+
+# --- As text ----------------------------------------------------------------------------------------------------------
+
+
+def in_lines(report: InfoReport, *, terminal: bool) -> str:
+    """A report in lines: facts, a line for each field, notices; on a terminal they fit, and defaults are dim."""
+    from rich.console import Console
+    from rich.markup import escape
+    from rich.table import Table
+
+    detail = report["detail"]
+    if detail is None:
+        return "\n".join(_arms(report))
+    console = Console(force_terminal=terminal, highlight=False)
+    console.width = min(console.width, WIDTH) if terminal else 100_000
+    table = Table(box=None, pad_edge=False)
+    for name in HEAD:
+        table.add_column(name, overflow="fold")
+    before = ""
+    for (joint, *cells), is_typed in _rows(detail):
+        if terminal and before and joint != before:
+            table.add_section()
+        named = "" if terminal and joint == before else joint
+        before = joint
+        table.add_row(*map(escape, (named, *cells)), style=None if is_typed or not terminal else "dim")
+    with console.capture() as captured:
+        console.print("\n".join(_facts(report["source"], detail)), markup=False)
+        console.print(table)
+        console.print("\n".join(_notices(detail)), markup=False)
+    return "\n".join(line.rstrip() for line in captured.get().splitlines())
+
+
+def markdown(report: InfoReport) -> Iterator[str]:
+    """A report as Markdown."""
+    detail = report["detail"]
+    if detail is None:
+        yield from (f"# {markdown_text(report['source'])}", "")
+        yield from (f"- {markdown_text(line)}" for line in _arms(report))
+        return
+    facts = list(_facts(report["source"], detail))
+    matrix = facts.index(_MATRIX)
+    yield from (f"# {markdown_text(detail['name'])}", "")
+    yield from (f"- {markdown_text(line)}" for line in facts[:matrix])
+    yield from ("", _MATRIX, "", "```text", *facts[matrix + 1 :], "```", "")
+    yield from (f"| {' | '.join(HEAD)} |", f"|{'---|' * len(HEAD)}")
+    yield from (f"| {' | '.join(map(markdown_text, row))} |" for row, _ in _rows(detail))
+    if notices := [f"- {markdown_text(line)}" for line in _notices(detail) if line]:
+        yield from ("", *notices)
+
+
+def _arms(report: InfoReport) -> Iterator[str]:
+    """Several manipulators, a line each."""
+    arms = report["manipulators"]
+    yield f"{printable(report['source'])}: {counted(len(arms), 'manipulator')}; --robot NAME shows one of them"
+    for arm in arms[:MOST_ARMS]:
+        told = f"{counted(arm['joints'] or 0, 'row')}, {arm['moving']} of them moving, {arm['convention']} convention"
+        if arm["joints"] is None:
+            told = f"cannot be read: {arm['errors'][0]['message']}"
+        yield printable(f"{arm['name']}: {told} ({arm['place'] or ''})")
+    if (more := len(arms) - MOST_ARMS) > 0:
+        yield f"and {more:,} more"
+
+
+def _facts(source: str, detail: Detail) -> Iterator[str]:
+    """A line for each fact of the whole arm."""
+    convention, distance, axes, mass = detail["convention"], detail["largest_distance"], detail["axes"], detail["mass"]
+    at = f" (said at {convention['place']})" if convention["place"] else ""
+    facts = [f"{detail['name']}, from {source}", f"convention: {convention['value']}{at}"]
+    for name, placement in (("base", detail["base"]), ("tool", detail["tool"])):
+        xyz, rpy = _numbers(placement["xyz"]), _numbers(placement["rpy"])
+        placed = f"xyz {xyz} m, rpy {rpy} rad ({placement['place'] or placement['from']})"
+        facts.append(f"{name}: {'none (default)' if placement['from'] == DEFAULT else placed}")
+    units = [(_KINDS.get(unit["of"], unit["of"]), unit["unit"], unit["place"]) for unit in detail["units"]]
+    facts += [f"unit of {kind}: {unit} (said at {place})" for kind, unit, place in units]
+    for key, said in detail["stated"].items():
+        at = f" ({said['place']})" if said["place"] else ""
+        facts.append(f"{_CALLED.get(key, key)}: {_in_words(key, said['value'])}{at}")
+    if distance["bound"] is None:
+        facts.append(f"reach: no bound, since {', '.join(distance['without_limits'])} slides without limits")
+    else:
+        bound = f"{_numbers([distance['bound']])} m from the origin of the first DH frame"
+        facts.append(f"reach: tool0 is never further than {bound} (the sum of √(a² + d²) of all rows, and of the tool)")
+    facts += [f"parallel axes: {', '.join(names)}" for names in axes["parallel"]]
+    if axes["spherical_wrist"]:
+        facts.append(f"spherical wrist: {', '.join(axes['spherical_wrist'])}")
+    if opw := axes["opw"]:
+        numbers: dict[str, Any] = {**opw}
+        lengths = ", ".join(f"{name} {_numbers([numbers[name]])}" for name in ("a1", "a2", "b", "c1", "c2", "c3", "c4"))
+        offsets, signs = _numbers(opw["offsets"], ", "), _numbers(opw["signs"], ", ")
+        facts.append(f"OPW arm: {lengths} m, offsets {offsets} rad, signs {signs}")
+    total = "no robot can be made" if mass["total"] is None else f"{_numbers([mass['total']])} kg"
+    computed = f", of which computed from shapes: {', '.join(mass['computed'])}" if mass["computed"] else ""
+    facts += [f"mass: {total}{computed}", _MATRIX]
+    yield from map(printable, facts)
+    for row in detail["pose_at_zero"]:
+        yield "  " + " ".join(f"{_numbers([value]):>12}" for value in row)
+
+
+def _in_words(key: str, value: object) -> str:
+    """A value that holds for the whole arm, in SI units; the parts of one that has several."""
+    if isinstance(value, dict):
+        return ", ".join(
+            f"{'' if isinstance(part, dict) else f'{name} '}{_in_words(name, part)}" for name, part in value.items()
+        )
+    if isinstance(value, bool):
+        return "all" if value else "none"
+    if isinstance(value, str):
+        return value
+    unit = _STATED_UNITS.get(key) or unit_of(key, JointType.REVOLUTE)
+    return f"{_numbers(value if isinstance(value, list | tuple) else [value])} {unit}".rstrip()
+
+
+def _rows(detail: Detail) -> Iterator[tuple[tuple[str, ...], bool]]:
+    """The cells of a line for each field, and whether the table says the value."""
+    for joint in detail["joints"]:
+        for field in joint["fields"]:
+            is_typed = field["from"] == CELL
+            typed = (repr(field["typed"]) if field["typed"] is not None else "") if is_typed else field["from"]
+            cells = (joint["name"], field["field"], _value(field), typed, field["read_in"] or "", field["place"] or "")
+            yield tuple(map(printable, cells)), is_typed
+
+
+def _value(field: FieldEntry) -> str:
+    value, unit = field["value"], field["unit"]
+    if isinstance(value, str):
+        return value
+    degrees = f" ({_numbers([math.degrees(value)])}°{unit.removeprefix('rad')})"
+    return f"{value + 0.0:.9g} {unit}".rstrip() + (degrees if unit in ("rad", "rad/s") and value else "")
+
+
+def _numbers(values: Iterable[Any], between: str = " ") -> str:
+    return between.join(f"{value + 0.0:.6g}" for value in values)
+
+
+def _notices(detail: Detail) -> Iterator[str]:
+    for kind, problems in (("notice", detail["notices"]), ("error", detail["errors"])):
+        for problem in problems:
+            inner = (problem["place"],) if problem["place"] else (problem["line"], problem["column"])
+            place = ":".join(str(part) for part in (problem["file"], *inner) if part is not None)
+            about = f"joint {problem['joint']!r}: " if problem["joint"] else ""
+            yield printable(f"{kind}: {place}{': ' if place else ''}{about}{problem['message']}")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import inspect
 import re
 from collections.abc import Iterable
 from dataclasses import dataclass, fields, is_dataclass
@@ -60,6 +59,8 @@ class PluginStages:
 
     def __init__(self, broken: Iterable[BrokenPluginError] = ()) -> None:
         self.broken = list(broken)
+        self._manager = pluggy.PluginManager(hookspecs.PROJECT)
+        self._manager.add_hookspecs(hookspecs)
         self._hooks: dict[Plugin, dict[str, Callable[[], Any]] | None] = {}
         self._found: dict[tuple[str, Plugin], tuple[Any, ...]] = {}
 
@@ -100,7 +101,7 @@ class PluginStages:
         if plugin not in self._hooks:
             self._hooks[plugin] = None  # An import that fails is reported once.
             is_record = isinstance(plugin.module, tuple(_GIVEN.values()))
-            self._hooks[plugin] = {} if is_record else _hooks_of(plugin.module)
+            self._hooks[plugin] = {} if is_record else self._registered(plugin)
         hooks, hook = self._hooks[plugin], f"dh2urdf_{kind}s"
         if hooks is None:
             return
@@ -118,31 +119,30 @@ class PluginStages:
             found = ", ".join(map(repr, names)) or "none"
             raise LookupError(f"its entry point {plugin.entry!r} names the {kind} {only!r}, and {source} gives {found}")
 
+    def _registered(self, plugin: Plugin) -> dict[str, Callable[[], Any]]:
+        """Register a plugin, unless another entry point has registered its module; return its hooks by their names.
 
-def _hooks_of(module: object) -> dict[str, Callable[[], Any]]:
-    """Return the hooks of a plugin by their names.
-
-    Raises:
-        PluginValidationError: there is no such hook, or it has parameters.
-        TypeError: there is none at all.
-    """
-    found: dict[str, Callable[[], Any]] = {}
-    for name in dir(module):
-        hook = getattr(module, name, None)
-        if getattr(hook, f"{hookspecs.PROJECT}_impl", None) is None or not callable(hook):
-            continue
-        if not hasattr(hookspecs, name):
-            raise pluggy.PluginValidationError(module, f"unknown hook {name!r}; {_HOOKS}")
-        if any(each.default is each.empty for each in inspect.signature(hook).parameters.values()):
-            message = f"the hook {name} takes no argument, and has {inspect.signature(hook)}"
-            raise pluggy.PluginValidationError(module, message)
-        found[name] = hook
-    if not found:
-        raise TypeError(
-            "it is no record of dh2urdf.stages, and has no hook of dh2urdf with the decorator "
-            f"dh2urdf.hookspecs.hookimpl; {_HOOKS}"
-        )
-    return found
+        Raises:
+            PluginValidationError: there is no such hook, or it has parameters.
+            TypeError: there is none at all.
+        """
+        module = plugin.module
+        try:
+            if not self._manager.is_registered(module):
+                self._manager.register(module, f"{len(self._hooks)}: {plugin.name}")
+            self._manager.check_pending()
+        except pluggy.PluginValidationError as error:
+            if self._manager.is_registered(module):
+                self._manager.unregister(module)
+            raise pluggy.PluginValidationError(module, f"{error}; {_HOOKS}") from error
+        callers = self._manager.get_hookcallers(module) or []
+        if not callers:
+            raise TypeError(
+                "it is no record of dh2urdf.stages, and has no hook of dh2urdf with the decorator "
+                f"dh2urdf.hookspecs.hookimpl; {_HOOKS}"
+            )
+        hooks = [(caller.name, hook) for caller in callers for hook in caller.get_hookimpls()]
+        return {name: hook.function for name, hook in hooks if hook.plugin is module}
 
 
 def _called(hook: Callable[[], Any], kind: str, plugin: Plugin) -> list[Any]:

@@ -6,8 +6,8 @@ the world or on a link of another arm.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING
+from dataclasses import dataclass, field, fields, replace
+from typing import TYPE_CHECKING, TypeVar
 
 from dh2urdf.cells.wanted_tables import cannot_be_made
 from dh2urdf.errors import RobotError
@@ -15,7 +15,7 @@ from dh2urdf.fields import replace_unchecked
 from dh2urdf.kinematics.chain import KinematicChain, forward_kinematics
 from dh2urdf.kinematics.expected_poses import ExpectedPoses, Stretch, Tip
 from dh2urdf.manipulator import TOOL, WORLD, JointType, Manipulator
-from dh2urdf.robot import WEIGHTLESS, Arm, Box, Collision, Cylinder, Joint, Link, Origin, Robot, Visual
+from dh2urdf.robot import WEIGHTLESS, Arm, Collision, Joint, Link, Origin, Robot, Visual
 from dh2urdf.rotations import IDENTITY
 from dh2urdf.source import Mark, Problem, did_you_mean, shown
 from dh2urdf.stages import Rejected
@@ -24,7 +24,9 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
 
     from dh2urdf.cells.wanted_tables import WantedTables
-    from dh2urdf.robot import Geometry
+
+S = TypeVar("S", Visual, Collision)
+T = TypeVar("T")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -198,52 +200,32 @@ def _arms(cell: Cell, robots: Mapping[str, Robot]) -> Iterator[Arm]:
         raise RobotError(problems)
 
 
-def _placed_joint(joint: Joint, prefix: str) -> Joint:
-    return replace(
-        joint,
-        name=prefix + joint.name,
-        parent=prefix + joint.parent,
-        child=prefix + joint.child,
-        origin=_number_origin(joint.origin),
-    )
-
-
-def _placed_link(link: Link, prefix: str) -> Link:
-    return replace(
-        link,
-        name=prefix + link.name,
-        visuals=tuple(_placed_visual(visual, prefix) for visual in link.visuals),
-        collisions=tuple(_number_shape(collision) for collision in link.collisions),
-    )
-
-
-def _placed_visual(visual: Visual, prefix: str) -> Visual:
-    material = visual.material and replace(visual.material, name=prefix + visual.material.name)
-    return replace(
-        visual, geometry=_number_geometry(visual.geometry), origin=_number_origin(visual.origin), material=material
-    )
-
-
 # A cell has no parameters of its own, for two arms would both have an a_1: its numbers have no formulas. Those of the
 # arms are in `Arm.kind`.
 
 
-def _number_shape(collision: Collision) -> Collision:
-    return Collision(geometry=_number_geometry(collision.geometry), origin=_number_origin(collision.origin))
+def _placed_joint(joint: Joint, prefix: str) -> Joint:
+    names = {name: prefix + getattr(joint, name) for name in ("name", "parent", "child")}
+    return replace(joint, **names, origin=_in_numbers(joint.origin))
 
 
-def _number_origin(origin: Origin) -> Origin:
-    return Origin(xyz=origin.xyz, rpy=origin.rpy)
+def _placed_link(link: Link, prefix: str) -> Link:
+    visuals = [
+        replace(shape, material=shape.material and replace(shape.material, name=prefix + shape.material.name))
+        for shape in map(_placed_shape, link.visuals)
+    ]
+    collisions = tuple(map(_placed_shape, link.collisions))
+    return replace(link, name=prefix + link.name, visuals=tuple(visuals), collisions=collisions)
 
 
-def _number_geometry(geometry: Geometry) -> Geometry:
-    match geometry:
-        case Box(size=size):
-            return Box(size=size)
-        case Cylinder(radius=radius, length=length):
-            return Cylinder(radius=radius, length=length)
-        case _:
-            return geometry
+def _placed_shape(shape: S) -> S:
+    return replace(shape, geometry=_in_numbers(shape.geometry), origin=_in_numbers(shape.origin))
+
+
+def _in_numbers(record: T) -> T:
+    """An origin or a geometry without its formulas."""
+    formulas = [each.name for each in fields(record) if each.name.endswith("_formula")]  # type: ignore[arg-type]
+    return replace_unchecked(record, **dict.fromkeys(formulas))
 
 
 # --- What is proved ---------------------------------------------------------------------------------------------------

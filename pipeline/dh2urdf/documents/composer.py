@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 import sys
 from types import MappingProxyType
@@ -35,7 +36,7 @@ _TAB = "indent with spaces: YAML takes no tabs there"
 _RESERVED = "quote a text that starts with this character"
 
 
-def syntax_problem(reason: yaml.YAMLError, text: str, file: str) -> Problem:
+def syntax_problem(reason: Exception, text: str, file: str) -> Problem:
     """The problem that a parser's error describes.
 
     Args:
@@ -79,9 +80,13 @@ MAX_ALIASED_PER_CHARACTER = 10
 
 _NO_KEYS: Mapping[str, tuple[int, int]] = MappingProxyType({})
 
-# A character outside the first 65,536 as JSON may write it: two escapes, each half a character.
-_SURROGATE_ESCAPE = re.compile(r"\\u[dD][89a-fA-F]")
-_SLOW_PARSER_CHARACTERS = 2**20
+# A character outside the first 65,536 as JSON may write it: two escapes, each half a character. libyaml refuses them.
+_HALVES = re.compile(r"(?<!\\)((?:\\\\)*)(\\u[dD][89abAB][0-9a-fA-F]{2}\\u[dD][c-fC-F][0-9a-fA-F]{2})")
+
+
+def _joined_halves(text: str) -> str:
+    r"""A text in which ``\ud83e\udd16`` has become one character."""
+    return _HALVES.sub(lambda found: found[1] + json.loads(f'"{found[2]}"'), text) if "\\u" in text else text
 
 
 _Sized: TypeAlias = tuple[Node, int, int]
@@ -123,10 +128,7 @@ class Composer:
     def __init__(
         self, text: str, file: str, error: type[InputError], items_of: str | None, longest_list: int | None
     ) -> None:
-        # libyaml refuses the two halves of a character that JSON writes as two escapes; PyYAML's own parser, ten
-        # times slower, passes them on.
-        self.halves = len(text) <= _SLOW_PARSER_CHARACTERS and bool(_SURROGATE_ESCAPE.search(text))
-        self.parser = (yaml.SafeLoader if self.halves else getattr(yaml, "CSafeLoader", yaml.SafeLoader))(text)
+        self.parser = getattr(yaml, "CSafeLoader", yaml.SafeLoader)(_joined_halves(text))
         self.text = text
         self.file = file
         self.error = error
@@ -142,21 +144,11 @@ class Composer:
         """Yields the entries of the chosen list, and then the document."""
         try:
             yield from self._items()
-        except yaml.YAMLError as reason:
+        except (yaml.YAMLError, ValueError, OverflowError) as reason:  # PyYAML's own parser does not check \U escapes.
             problem = syntax_problem(reason, self.text, self.file)
             if _TOO_DEEP in str(reason) and problem.mark:
                 self._too_deep(problem.mark)
-            self._stop(problem)
-        except (ValueError, OverflowError):  # PyYAML's own parser does not check what \U stands for; libyaml does.
-            place = Mark(file=self.file, line=self.parser.line + 1, column=self.parser.column + 1)
-            self._stop(
-                Problem(
-                    message="the escape \\U before this place stands for no character",
-                    mark=place,
-                    accepted="\\U00000000 to \\U0010FFFF",
-                    suggestion="write the character itself",
-                )
-            )
+            self._stop(problem.message, problem.mark, found=problem.found, suggestion=problem.suggestion)
 
     def _items(self) -> Iterator[Item]:
         stack = self.stack
@@ -172,7 +164,7 @@ class Composer:
                 yield Item(finished[0], tuple(self.problems))
                 self.problems = []
         if self.root is None or self.root.text == "":
-            self._stop(Problem(message="the file is empty", mark=Mark(file=self.file)))
+            self._stop("the file is empty", Mark(file=self.file))
         yield Item(self.root, tuple(self.problems))
 
     def _finished(self, event: yaml.Event) -> _Sized | None:
@@ -186,13 +178,11 @@ class Composer:
         elif isinstance(event, yaml.AliasEvent):
             return self._alias(event)
         elif isinstance(event, yaml.DocumentStartEvent) and self.root:
-            message = "a second document begins here"
-            self._stop(Problem(message=message, mark=self._mark(event), accepted="one document in a file"))
+            self._stop("a second document begins here", self._mark(event), accepted="one document in a file")
         return None
 
     def _scalar(self, event: yaml.ScalarEvent) -> _Sized:
-        text = self._joined_halves(event) if self.halves else event.value
-        quoted = bool(event.style)
+        text, quoted = event.value, bool(event.style)
         node = Node(text if quoted else core_value(text), self.file, *_place(event), text, quoted, _NO_KEYS)
         if event.tag:
             self._refuse_tag(event, event.tag)
@@ -247,8 +237,7 @@ class Composer:
     def _take_key(self, frame: _OpenNode, node: Node) -> None:
         key = node.text
         if key is None:
-            message = f"{node.describe()} stands as a key"
-            self._stop(Problem(message=message, mark=node.mark, accepted="a name as the key"))
+            self._stop(f"{node.describe()} stands as a key", node.mark, accepted="a name as the key")
         if key == "<<" and not node.quoted:
             frame.merge_next = True
             if frame.merged:
@@ -264,13 +253,11 @@ class Composer:
         """Adds what ``<<`` stands for; keys of the mapping itself, and earlier ones of a list, win."""
         for source in merged.value if isinstance(merged.value, list) else [merged]:
             if not isinstance(source.value, dict):
-                self.problems.append(
-                    Problem(
-                        message=f"`<<` takes in the entries of a mapping, and this is {source.describe()}",
-                        mark=source.mark,
-                        found=source.text,
-                        accepted="an alias of a mapping, such as `<<: *defaults`, or a list of them",
-                    )
+                self._add_problem(
+                    f"`<<` takes in the entries of a mapping, and this is {source.describe()}",
+                    source.mark,
+                    found=source.text,
+                    accepted="an alias of a mapping, such as `<<: *defaults`, or a list of them",
                 )
                 continue
             for key, node in source.value.items():
@@ -281,7 +268,7 @@ class Composer:
     def _begin_anchor(self, event: yaml.NodeEvent, name: str) -> None:
         if name in self.anchors:
             message = f"the anchor {shown('&' + name)} stands twice"
-            self.problems.append(Problem(message=message, mark=self._mark(event), suggestion="give each its own name"))
+            self._add_problem(message, self._mark(event), suggestion="give each its own name")
         self.anchors[name] = None
 
     def _alias(self, event: yaml.AliasEvent) -> _Sized:
@@ -289,89 +276,62 @@ class Composer:
         name, mark = str(event.anchor), self._mark(event)
         alias, anchor = shown("*" + name), shown("&" + name)
         if name not in self.anchors:
-            self._stop(
-                Problem(
-                    message=f"the alias {alias} stands for a value marked {anchor}, and nothing above is marked so",
-                    mark=mark,
-                    found=f"*{name}",
-                    suggestion=did_you_mean(name, self.anchors) or "quote it if it is meant as text",
-                )
-            )
+            message = f"the alias {alias} stands for a value marked {anchor}, and nothing above is marked so"
+            near = did_you_mean(name, self.anchors) or "quote it if it is meant as text"
+            self._stop(message, mark, found=f"*{name}", suggestion=near)
         anchored = self.anchors[name]
         if anchored is None:
-            self._stop(Problem(message=f"the alias {alias} stands inside the value that it stands for", mark=mark))
+            self._stop(f"the alias {alias} stands inside the value that it stands for", mark)
         _, size, depth = anchored
         self.aliased += size
         start: Any = event.start_mark
         limit = MAX_ALIASED + MAX_ALIASED_PER_CHARACTER * start.index
         if self.aliased > limit:
-            self._stop(
-                Problem(
-                    message=f"with {alias} the aliases of this file stand for more values than are read from aliases",
-                    mark=mark,
-                    found=f"*{name}",
-                    accepted=f"{limit:,} values at this place",
-                    suggestion="write the values out",
-                )
-            )
+            message = f"with {alias} the aliases of this file stand for more values than are read from aliases"
+            accepted = f"{limit:,} values at this place"
+            self._stop(message, mark, found=f"*{name}", accepted=accepted, suggestion="write the values out")
         if len(self.stack) + depth > MAX_DEPTH:
             self._too_deep(self._mark(event))
         return anchored
 
-    def _joined_halves(self, event: yaml.ScalarEvent) -> str:
-        r"""A text in which ``\ud83e\udd16`` has become one character."""
-        try:
-            return event.value.encode("utf-16", "surrogatepass").decode("utf-16")
-        except UnicodeDecodeError:
-            self.problems.append(
-                Problem(
-                    message=r"a \u escape from \ud800 to \udfff is half a character, and its other half is missing",
-                    mark=self._mark(event),
-                    suggestion="write the character itself",
-                )
-            )
-            return ""
-
     def _refuse_tag(self, event: yaml.Event, tag: str) -> None:
         found = tag.replace("tag:yaml.org,2002:", "!!")
-        self.problems.append(
-            Problem(
-                message=f"the YAML tag {shown(found)} is not accepted",
-                mark=self._mark(event),
-                found=found,
-                accepted="numbers, texts, lists and mappings without tags",
-                suggestion="remove the tag, or quote the value if this is meant as text",
-            )
+        self._add_problem(
+            f"the YAML tag {shown(found)} is not accepted",
+            self._mark(event),
+            found=found,
+            accepted="numbers, texts, lists and mappings without tags",
+            suggestion="remove the tag, or quote the value if this is meant as text",
         )
 
     def _refuse_duplicate(self, node: Node, first: tuple[int, int]) -> None:
-        line, column = first
-        self.problems.append(
-            Problem(
-                message=f"the key {shown(node.text or '')} stands here and in line {line}, column {column}",
-                mark=node.mark,
-                found=node.text,
-                accepted="each key once in a mapping",
-                suggestion="remove one of the two",
-            )
+        self._add_problem(
+            f"the key {shown(node.text or '')} stands here and in line {first[0]}, column {first[1]}",
+            node.mark,
+            found=node.text,
+            accepted="each key once in a mapping",
+            suggestion="remove one of the two",
         )
 
     def _too_deep(self, mark: Mark) -> NoReturn:
         message = f"more than {MAX_DEPTH} mappings and lists stand inside each other"
-        self._stop(Problem(message=message, mark=mark, accepted=f"at most {MAX_DEPTH}"))
+        self._stop(message, mark, accepted=f"at most {MAX_DEPTH}")
 
     def _too_long(self, frame: _OpenNode) -> NoReturn:
-        line, column = frame.place
+        mark = Mark(file=self.file, line=frame.place[0], column=frame.place[1])
         message = f"the list that begins here has more than {self.longest_list:,} entries"
-        mark = Mark(file=self.file, line=line, column=column)
-        self._stop(Problem(message=message, mark=mark, accepted=f"at most {self.longest_list:,} entries"))
+        self._stop(message, mark, accepted=f"at most {self.longest_list:,} entries")
 
     def _mark(self, event: yaml.Event) -> Mark:
         line, column = _place(event)
         return Mark(file=self.file, line=line, column=column)
 
-    def _stop(self, problem: Problem) -> NoReturn:
-        raise self.error([*self.problems, problem])
+    def _add_problem(self, message: str, mark: Mark | None, **about: str | None) -> None:
+        self.problems.append(Problem(message=message, mark=mark, **about))  # type: ignore[arg-type]  # texts
+
+    def _stop(self, message: str, mark: Mark | None, **about: str | None) -> NoReturn:
+        self._add_problem(message, mark, **about)
+        raise self.error(self.problems)
 
 
 def _place(event: yaml.Event) -> tuple[int, int]:

@@ -7,7 +7,6 @@ import re
 import stat
 from codecs import BOM_UTF8, BOM_UTF16_BE, BOM_UTF16_LE
 from contextlib import suppress
-from errno import ELOOP
 from pathlib import Path
 
 from dh2urdf.errors import ConfigError, InputError, ManipulatorError
@@ -145,10 +144,6 @@ def unreadable(path: Path, reason: OSError | ValueError) -> Problem:
         suggestion = f"did you mean {' or '.join(repr(name) for name in near)}?" if near else None
         return Problem(message="there is no such file", mark=mark, suggestion=suggestion)
     why = reason.strerror if isinstance(reason, OSError) and reason.strerror else str(reason)
-    if isinstance(reason, OSError) and reason.errno == ELOOP:
-        link = next((place for place in (path, *path.parents) if os.path.islink(place)), path)  # noqa: PTH114
-        which = "this link" if link == path else f"the link {shown(str(link), LONG_PATH)}"
-        why = f"{which} leads to {shown(str(link.readlink()), LONG_PATH)}, and from there in a circle"
     return Problem(message=f"the file cannot be read: {why}", mark=mark)
 
 

@@ -11,8 +11,11 @@ from dh2urdf.errors import ConfigError
 from dh2urdf.kinematics.chain import KinematicChain, angle_error, forward_kinematics, position_error
 from dh2urdf.kinematics.screws import Mismatch, align, screws_of_chain, screws_of_table
 from dh2urdf.manipulator import FLANGE, TOOL, JointType, Manipulator
+from dh2urdf.quantities.number_text import format_number
+from dh2urdf.quantities.units import UNITS
 from dh2urdf.rotations import HALF_PI, IDENTITY, RigidTransform, Vec3
 from dh2urdf.source import Mark, Problem, did_you_mean, shown
+from dh2urdf.table_text.texts import number_in
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
@@ -260,13 +263,5 @@ def _vector(vector: Vec3, *, is_angle: bool = False) -> str:
 
 
 def number_text(value: float, *, is_angle: bool = False) -> str:
-    """A number as a table may say it: whole quarter turns as parts of pi."""
-    from dh2urdf.quantities.number_text import format_number
-
-    if is_angle and value and (turns := round(value / HALF_PI)) * HALF_PI == value:
-        whole, half = divmod(abs(turns), 2)
-        text = (
-            f"{2 * whole + half}*pi/2" if half and whole else "pi/2" if half else f"{whole}*pi" if whole > 1 else "pi"
-        )
-        return text if turns > 0 else f"-{text}"
-    return format_number(value)
+    """A number as a table may say it: angles as parts of pi where they are."""
+    return number_in(value, UNITS["rad"]) if is_angle else format_number(value)

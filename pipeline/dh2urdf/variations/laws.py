@@ -1,19 +1,15 @@
 """How a value is drawn: what becomes of a number between 0 and 1.
 
 Every law is the inverse of a cumulative distribution, so that samples keep their spread (a stratum, a point of a Sobol
-sequence). Logarithms and powers come from decimal arithmetic, which is rounded correctly on every machine. The one
-exception are quantiles of the normal distribution, which the standard library has: beyond 1.4 standard deviations it
-takes the logarithm of the system's C library, whose last bit may differ.
-
-Source: Marsaglia, Evaluating the normal distribution (J. Stat. Software 11(4), 2004), for its cumulative distribution.
-The standard library's has fewer digits in the tails, which is where bounds are.
+sequence). Logarithms and powers come from decimal arithmetic, which is rounded correctly on every machine. The normal
+distribution comes from the standard library, and with it from the C library of the system, whose last bit may differ.
 """
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from decimal import Context, Decimal
-from functools import lru_cache
 from typing import TypeAlias
 
 from dh2urdf.elementwise import Number, is_column, where
@@ -22,7 +18,6 @@ DrawnValue: TypeAlias = float | str
 """A number in SI units, a whole number of axes, or the word of a joint type."""
 
 _CONTEXT = Context(prec=25)
-_FINE = Context(prec=60)
 FARTHEST = 10.0
 """Standard deviations beyond which nothing is left of a normal distribution: 8e-24."""
 
@@ -184,27 +179,9 @@ def _nominal(nominal: float | None) -> float:
 # --- The normal distribution ------------------------------------------------------------------------------------------
 
 
-@lru_cache(maxsize=4096)
 def normal_cdf(z: float) -> float:
-    """How much of a standard normal distribution lies below z.
-
-    Marsaglia's series, of positive terms only: Φ(z) = 1/2 + φ(z)·(z + z³/3 + z⁵/(3·5) + …).
-    """
-    if abs(z) > FARTHEST:
-        return 0.0 if z < 0 else 1.0
-    x = Decimal(z)
-    square = _FINE.multiply(x, x)
-    total, term, factor = x, x, 1
-    while term.copy_abs() > _NOTHING:
-        factor += 2
-        term = _FINE.divide(_FINE.multiply(term, square), Decimal(factor))
-        total = _FINE.add(total, term)
-    density = _FINE.divide(_FINE.exp(_FINE.divide(square, Decimal(-2))), _SQRT_TAU)
-    return float(_FINE.add(Decimal("0.5"), _FINE.multiply(density, total)))
-
-
-_NOTHING = Decimal("1e-60")
-_SQRT_TAU = _FINE.sqrt(Decimal("6.28318530717958647692528676655900576839433879875021164194988918461563281257"))
+    """How much of a standard normal distribution lies below z, with all digits in the tails."""
+    return 0.5 * math.erfc(-z / math.sqrt(2.0)) if abs(z) <= FARTHEST else float(z > 0)
 
 
 def normal_quantile(probability: float) -> float:

@@ -115,7 +115,6 @@ def joints_of(manipulator: Manipulator, function: str, *, full: bool = False) ->
     return JointNames(
         wanted=tuple(row.joint for row in manipulator.rows) if full else moving,
         moving=moving,
-        fixed=tuple(row.joint for row in manipulator.rows if row.type is JointType.FIXED),
         whose=f"manipulator {shown(manipulator.name)}",
         function=function,
     )
@@ -147,7 +146,6 @@ def robot_poses(robot: Robot, q: Any) -> dict[str, Matrices]:  # noqa: ANN401 - 
     names = JointNames(
         wanted=moving,
         moving=moving,
-        fixed=_fixed_joints(robot),
         whose=f"robot {shown(robot.name)}",
         function="Robot.fk_all()",
     )
@@ -180,15 +178,10 @@ def _way_to(robot: Robot, tip: str, function: str) -> tuple[KinematicChain, Join
         wanted=moving,
         moving=moving,
         known=tuple(joint.name for joint in robot.moving_joints if joint.name not in moving),
-        fixed=_fixed_joints(robot),
         whose=f"the way of robot {shown(robot.name)} to {shown(tip)}",
         function=function,
     )
     return KinematicChain.of(joints), names
-
-
-def _fixed_joints(robot: Robot) -> tuple[str, ...]:
-    return tuple(joint.name for joint in robot.joints if joint.type is JointType.FIXED)
 
 
 # --- Arrays

@@ -104,6 +104,11 @@ class Link:
     def __post_init__(self) -> None:
         take_fields(self)
 
+    @property
+    def shapes(self) -> tuple[Visual | Collision, ...]:
+        """What is seen of it, and what it touches with."""
+        return (*self.visuals, *self.collisions)
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Joint:

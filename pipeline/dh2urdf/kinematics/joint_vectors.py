@@ -38,7 +38,13 @@ class JointNames(NamedTuple):
     function: str = "fk()"
 
     def refused(
-        self, message: str, accepted: str, *, joint: str | None = None, kind: type[Any] = RecordValueError, **about: str | None
+        self,
+        message: str,
+        accepted: str,
+        *,
+        joint: str | None = None,
+        kind: type[Any] = RecordValueError,
+        **about: Any,  # noqa: ANN401 - of a Problem
     ) -> Exception:
         """The error that refuses a joint vector."""
         mark = Mark(file=self.function)

@@ -11,15 +11,13 @@ from dh2urdf.robot import Box, Cylinder
 from dh2urdf.source import Problem, shown
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
+    from collections.abc import Iterator
 
-    from dh2urdf.robot import Collision, Origin, Robot, Visual
+    from dh2urdf.robot import Robot
 
 
 FUNCTIONS = frozenset({"abs", "max", "min", "sin", "cos", "atan2"})
 """The functions that formulas may use."""
-
-
 _IDENTIFIER = r"(?<![\w.])[^\W\d]\w*"
 
 
@@ -41,22 +39,16 @@ def formula_problems(robot: Robot) -> Iterator[Problem]:
 
 
 def _formulas(robot: Robot) -> Iterator[str]:
-    for joint in robot.joints:
-        yield from _origin_formulas(joint.origin)
-    for link in robot.links:
-        shapes: Iterable[Visual | Collision] = (*link.visuals, *link.collisions)
-        for shape in shapes:
-            yield from _origin_formulas(shape.origin)
-            match shape.geometry:
-                case Box(size_formula=(x, y, z)):
-                    yield from (x, y, z)
-                case Cylinder(length_formula=str(length)):
-                    yield length
-
-
-def _origin_formulas(origin: Origin) -> Iterator[str]:
-    yield from origin.xyz_formula or ()
-    yield from origin.rpy_formula or ()
+    shapes = [shape for link in robot.links for shape in link.shapes]
+    for origin in [*(joint.origin for joint in robot.joints), *(shape.origin for shape in shapes)]:
+        yield from origin.xyz_formula or ()
+        yield from origin.rpy_formula or ()
+    for shape in shapes:
+        match shape.geometry:
+            case Box(size_formula=(x, y, z)):
+                yield from (x, y, z)
+            case Cylinder(length_formula=str(length)):
+                yield length
 
 
 @lru_cache(maxsize=4096)

@@ -103,21 +103,7 @@ def refuse(
     Raises:
         RecordValueError: always.
     """
-    refused = RefusedError(message, found, accepted, suggestion=suggestion)
-    raise RecordValueError(_problem(record, field, refused))
-
-
-def as_number(value: Any) -> float:  # noqa: ANN401 - whatever is given
-    """The float that one number of any type is.
-
-    Raises:
-        RecordTypeError: it is none.
-    """
-    try:
-        return _number(value)
-    except RefusedError as refused:
-        problem = Problem(message=refused.message, found=refused.found, accepted=refused.accepted)
-        raise RecordTypeError(problem) from None
+    raise RecordValueError(_problem(record, field, RefusedError(message, found, accepted, suggestion=suggestion)))
 
 
 # --- Records without checks -------------------------------------------------------------------------------------------
@@ -270,8 +256,12 @@ def _take_of(hint: Any, *, exact: bool) -> Take:  # noqa: ANN401 - a type
     return simple[hint] if hint in simple else partial(_record, hint, _numbers_of(hint) if exact else ())
 
 
-def _number(value: Any) -> float:  # noqa: ANN401 - whatever is given
-    """The float that one number of any type is; it keeps its value as far as a float can hold it."""
+def as_number(value: Any) -> float:  # noqa: ANN401 - whatever is given
+    """The float that one number of any type is; it keeps its value as far as a float can hold it.
+
+    Raises:
+        RefusedError: it is none.
+    """
     suggestion = None
     if isinstance(value, (str, bytes, bytearray)):
         suggestion = (
@@ -289,7 +279,7 @@ def _number(value: Any) -> float:  # noqa: ANN401 - whatever is given
 
 
 def _finite(value: Any) -> float:  # noqa: ANN401 - whatever is given
-    number = value if type(value) is float else _number(value)
+    number = value if type(value) is float else as_number(value)
     if not math.isfinite(number):
         raise RefusedError(f"{number} is not a finite number", value, _NUMBER, is_type=False)
     return number
@@ -297,7 +287,7 @@ def _finite(value: Any) -> float:  # noqa: ANN401 - whatever is given
 
 def _number_or_column(value: Any) -> Any:  # noqa: ANN401 - a float or an array
     is_many = type(value).__name__ == "ndarray" and value.ndim == 1 and value.dtype == float
-    return value if is_many else _number(value)
+    return value if is_many else as_number(value)
 
 
 def _whole(value: Any) -> int:  # noqa: ANN401 - whatever is given

@@ -287,13 +287,12 @@ def _cell(value: Any, mark: Mark) -> str | float | Problem | None:  # noqa: ANN4
         return str.__str__(value)
     if isinstance(value, (list, tuple)) or getattr(value, "ndim", None):  # a range, a centre of mass, an inertia tensor
         return json.dumps(value, default=lambda items: items.tolist() if hasattr(items, "tolist") else str(items))
-    from dh2urdf.fields import as_number
+    from dh2urdf.fields import RefusedError, as_number
 
     try:
         number = as_number(value)
-    except RecordTypeError as error:
-        (problem,) = error.problems
-        return Problem(message=problem.message, mark=mark, found=problem.found, accepted="a number or text")
+    except RefusedError as refused:
+        return Problem(message=refused.message, mark=mark, found=refused.found, accepted="a number or text")
     if not math.isfinite(number):
         return Problem(message=f"{number} is not a finite number", mark=mark, found=str(value), accepted="a number")
     return int(number) if isinstance(value, int) else number

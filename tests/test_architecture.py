@@ -401,7 +401,7 @@ BUDGETS = {
     "pipeline/dh2urdf/quantities": 1230,
     "pipeline/dh2urdf/report": 2226,
     "pipeline/dh2urdf/robot_check": 430,
-    "pipeline/dh2urdf/run_file": 2053,
+    "pipeline/dh2urdf/run_file": 1937,
     "pipeline/dh2urdf/running": 1150,
     "pipeline/dh2urdf/scaffold": 280,
     "pipeline/dh2urdf/stage_calls": 570,

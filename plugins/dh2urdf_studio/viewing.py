@@ -16,9 +16,8 @@ from dh2urdf.manipulator import TOOL
 from dh2urdf.meshes import mesh_finder, packages_in, with_its_own
 from dh2urdf.robot import Robot
 from dh2urdf.rotations import IDENTITY, RigidTransform, norm, scale
-from dh2urdf.run_file.config import RUN_SUFFIXES, is_run_file, load_config
+from dh2urdf.run_file.config import RUN_SUFFIXES, StageCall, is_run_file, load_config
 from dh2urdf.run_file.plan import make_plan
-from dh2urdf.run_file.records import StageCall
 from dh2urdf.source import Mark, Problem, listed, shown
 from dh2urdf.stage_calls.calls import a_record, blaming, default_call
 from dh2urdf.stages import Expansion, ReadsBack, ReadsForeign, Rejected

@@ -7,39 +7,134 @@ kinds, are reported at once.
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 from difflib import get_close_matches
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from dh2urdf.cells.cell import CellCall
 from dh2urdf.conversion.one_manipulator import Sample
 from dh2urdf.documents.document import Node, expect_mapping, load_yaml, read_yaml
 from dh2urdf.documents.text_files import read_bytes
 from dh2urdf.errors import ConfigError
-from dh2urdf.manipulator import MeshShape
 from dh2urdf.meshes.conversion import conversion_of
-from dh2urdf.meshes.files import find_mesh, prefix_of
+from dh2urdf.meshes.files import RELATIVE, prefix_of
+from dh2urdf.meshes.kinds import MeshConversion
 from dh2urdf.output.layouts import Form, Layout
 from dh2urdf.plugin_system.validator import unknown_key
-from dh2urdf.rotations import RigidTransform
 from dh2urdf.run_file import sections as keys
 from dh2urdf.run_file.cell_section import read_cells
-from dh2urdf.run_file.mesh_section import MeshCall, Shapes
+from dh2urdf.run_file.mesh_section import MeshCall, read_meshes
 from dh2urdf.run_file.overrides import ON_THE_COMMAND_LINE, Asked, with_setting
 from dh2urdf.run_file.reading import Reading
-from dh2urdf.run_file.records import InputCall, OutputSection, RunConfig, StageCall
-from dh2urdf.run_file.sections import SECTIONS, written_out
+from dh2urdf.run_file.sections import (
+    DEFAULT_SAMPLE,
+    DEFAULT_TIME_LIMIT,
+    SECTIONS,
+    ProofSection,
+    ReportSection,
+    written_out,
+)
 from dh2urdf.run_file.variation_section import read_variations
-from dh2urdf.source import Problem, did_you_mean, in_file_order
+from dh2urdf.source import Mark, Problem, did_you_mean, in_file_order
+from dh2urdf.variations.variation import VariationCall
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
-    from pathlib import Path
-
+    from collections.abc import Sequence
 
 RUN_SUFFIXES = (".yaml", ".yml", ".json")
 """How the names of run files end."""
 LIKELY_BYTES = 2**20
 """Size of a file that may be a run file [B]: a table may be a thousand times larger."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class StageCall:
+    """A stage as a run file asks for it.
+
+    Attributes:
+        stage: its name; None for the usual one of its kind.
+        options: its options as they are written; `dh2urdf.plugin_system.options.make_options` checks them.
+        mark: where the stage is named.
+        optional: of a loader, whether what it refuses is a notice and fails nothing.
+        time_limit: of an executor, how long one manipulator may take, simulators aside [s].
+    """
+
+    stage: str | None = None
+    options: Node | None = None
+    mark: Mark | None = None
+    optional: bool = False
+    time_limit: float = DEFAULT_TIME_LIMIT
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class InputCall:
+    """Files that one reader reads with the same options.
+
+    Attributes:
+        paths: the files, in the order of their names where they come from a pattern.
+        stage: name of the reader; None leaves it to each file's suffix.
+        options: the reader's options as they are written.
+        mark: where the input stands.
+        notices: the findings about the pattern.
+        pattern: what matches the files; None where a path names one.
+    """
+
+    paths: tuple[Path, ...]
+    stage: str | None = None
+    options: Node | None = None
+    mark: Mark | None = None
+    notices: tuple[Problem, ...] = ()
+    pattern: str | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class OutputSection:
+    """Where the output goes, and how it lies there.
+
+    Attributes:
+        directory: a folder, or an address such as ``s3://bucket/prefix``; None for ``build/`` beside the run file.
+        layout: how the files lie there.
+        mesh_prefix: what descriptions write before the name of a copied mesh; None where none is copied.
+        mesh_conversion: what becomes of meshes.
+    """
+
+    directory: Path | str | None = None
+    layout: Layout = Layout()
+    mesh_prefix: str | None = prefix_of(RELATIVE)
+    mesh_conversion: MeshConversion = MeshConversion.NEVER
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RunConfig:
+    """A run file; each section is an attribute.
+
+    Attributes:
+        report_directory: where report, manifest and index go, where the file names a place.
+        folder: the folder of the run file, which paths in options of stages are relative to.
+        problems: what is wrong with the file; nothing may start while there is any.
+    """
+
+    inputs: tuple[InputCall, ...] = ()
+    transform: StageCall = field(default_factory=StageCall)
+    emitters: tuple[StageCall, ...] = ()
+    loaders: tuple[StageCall, ...] = ()
+    execution: StageCall = field(default_factory=StageCall)
+    output: OutputSection = field(default_factory=OutputSection)
+    edits: tuple[StageCall, ...] = ()
+    cells: tuple[CellCall, ...] = ()
+    variations: tuple[VariationCall, ...] = ()
+    meshes: tuple[MeshCall, ...] = ()
+    proof: ProofSection = ProofSection()
+    sample: Sample = DEFAULT_SAMPLE
+    report: ReportSection = ReportSection()
+    report_directory: Path | str | None = None
+    folder: Path = Path()
+    problems: tuple[Problem, ...] = ()
+
+    def written_to(self, directory: Path | str) -> RunConfig:
+        """The same with another place for its output."""
+        return replace(self, output=replace(self.output, directory=directory))
 
 
 def is_run_file(path: Path) -> bool:
@@ -86,149 +181,102 @@ def load_config(
             root = with_setting(written_out(root), setting, tuple(SECTIONS), asked)
         except ConfigError as error:
             to.problems.extend(error.problems)
-    config = _Sections(written_out(root, deep=True), to).config()
+    config = _config(written_out(root, deep=True), to)
     directory = config.output.directory or path.parent / "build" / path.stem
     return replace(config.written_to(directory), folder=path.parent, problems=tuple(in_file_order(to.problems)))
 
 
-class _Sections:
-    """The sections of a run file, written out, on their way to its records. One that is wrong has its defaults."""
+def _config(root: Node, to: Reading) -> RunConfig:
+    """The records of all sections, which are written out; a section that is wrong has its defaults."""
+    given = expect_mapping(root, "a run file")
+    entries = {
+        name: [(entry, f"{name}.{index}") for index, entry in enumerate(root.entries(name))] for name in SECTIONS
+    }
 
-    def __init__(self, root: Node, to: Reading) -> None:
-        self.root, self.to = root, to
-
-    def config(self) -> RunConfig:
-        """The records of all sections."""
-        to = self.to
-        unknown = [name for name in expect_mapping(self.root, "a run file") if name not in keys.SECTIONS]
-        to.problems += [unknown_key(self.root, name, keys.SECTIONS, "a run file", "key") for name in unknown]
-        inputs = [self._input(node, field) for node, field in self._entries("inputs")]
-        if not inputs and not any(did_you_mean(name, ["inputs"]) for name in unknown):
-            accepted = "at least one table, such as `inputs: [{path: tables/ur5.csv}]`"
-            to.add_problem("there is nothing to read", self._at("inputs"), "inputs", accepted=accepted)
-        if not self._entries("emitters"):
-            message = "the list is empty, and something must be written"
-            to.add_problem(message, self._at("emitters"), "emitters", accepted="at least one stage")
-        proof = to.record(keys.ProofSection, self._at("proof"), "proof") or keys.ProofSection()
-        sample = to.record(keys.SampleSection, self._at("sample"), "sample") or keys.SampleSection()
-        report = to.record(keys.ReportSection, self._at("report"), "report") or keys.ReportSection()
-        return RunConfig(
-            inputs=tuple(each for each in inputs if each),
-            transform=self._stage(keys.StageSection, self._at("transform"), "transform") or StageCall(),
-            emitters=self._stages("emitters", keys.StageSection),
-            loaders=self._stages("loaders", keys.LoaderSection),
-            execution=self._stage(keys.ExecutionSection, self._at("execution"), "execution") or StageCall(),
-            output=self._output(self._at("output")),
-            edits=self._stages("edits", keys.NamedStageSection),
-            cells=read_cells(self._entries("cells"), to),
-            variations=read_variations(self._entries("variations"), to),
-            meshes=read_meshes(self._entries("meshes"), to),
-            proof=proof,
-            sample=Sample(first=sample.first, every=sample.every),
-            report=report,
-            report_directory=to.directory(self._at("report").entry("directory"), "report.directory"),
-        )
-
-    def _at(self, section: str) -> Node:
-        return expect_mapping(self.root, "a run file")[section]
-
-    def _entries(self, section: str) -> list[tuple[Node, str]]:
-        """The entries of a section that is a list, each with its place."""
-        return [(node, f"{section}.{index}") for index, node in enumerate(self.root.entries(section))]
-
-    def _stage(self, kind: type[Any], node: Node, field: str) -> StageCall | None:
-        """A stage with its options; where these cannot be used, the stage alone."""
-        named = node.entry("stage")
-        mark = (named or node).mark
-        given = self.to.record(kind, node, field)
-        if given is None:
-            name = named.text if named else None
-            return StageCall(stage=name, mark=mark) if name else None
-        others = {name: getattr(given, name) for name in ("optional", "time_limit") if hasattr(given, name)}
-        return StageCall(stage=given.stage, options=node.entry("options"), mark=mark, **others)
-
-    def _stages(self, section: str, kind: type[Any]) -> tuple[StageCall, ...]:
-        calls = [self._stage(kind, node, field) for node, field in self._entries(section)]
+    def stages(section: str, kind: type[Any]) -> tuple[StageCall, ...]:
+        calls = [_stage(kind, node, field, to) for node, field in entries[section]]
         return tuple([call for call in calls if call])
 
-    def _input(self, node: Node, field: str) -> InputCall | None:
-        """An input, with its calibration among the options of its reader."""
-        given = self.to.record(keys.InputSection, node, field)
-        options, calibration, path = (node.entry(key) for key in ("options", "calibration", "path"))
-        if given is None or path is None:
-            return None
-        found = self.to.files(path, f"{field}.path")
-        if calibration is not None and self.to.is_path(calibration, f"{field}.calibration"):
-            others = expect_mapping(options, "options") if options else {}
-            if "calibration" in others:
-                message = "the calibration is given twice, here and among the options"
-                self.to.add_problem(message, calibration, f"{field}.calibration")
-            options = keys.mapping_node({**others, "calibration": calibration}, options or calibration)
-        return InputCall(
-            paths=found.paths,
-            stage=given.stage,
-            options=options,
-            mark=(node.entry("stage") or path).mark,
-            notices=found.notices,
-            pattern=found.pattern,
-        )
+    unknown = [name for name in given if name not in SECTIONS]
+    to.problems += [unknown_key(root, name, SECTIONS, "a run file", "key") for name in unknown]
+    inputs = [_input(node, field, to) for node, field in entries["inputs"]]
+    if not inputs and not any(did_you_mean(name, ["inputs"]) for name in unknown):
+        accepted = "at least one table, such as `inputs: [{path: tables/ur5.csv}]`"
+        to.note("there is nothing to read", given["inputs"], "inputs", accepted)
+    if not entries["emitters"]:
+        to.note("the list is empty, and something must be written", given["emitters"], "emitters", "at least one stage")
+    proof = to.record(ProofSection, given["proof"], "proof") or ProofSection()
+    sample = to.record(keys.SampleSection, given["sample"], "sample") or keys.SampleSection()
+    report = to.record(ReportSection, given["report"], "report") or ReportSection()
+    return RunConfig(
+        inputs=tuple(each for each in inputs if each),
+        transform=_stage(keys.StageSection, given["transform"], "transform", to) or StageCall(),
+        emitters=stages("emitters", keys.StageSection),
+        loaders=stages("loaders", keys.LoaderSection),
+        execution=_stage(keys.ExecutionSection, given["execution"], "execution", to) or StageCall(),
+        output=_output(given["output"], to),
+        edits=stages("edits", keys.NamedStageSection),
+        cells=read_cells(entries["cells"], to),
+        variations=read_variations(entries["variations"], to),
+        meshes=read_meshes(entries["meshes"], to),
+        proof=proof,
+        sample=Sample(first=sample.first, every=sample.every),
+        report=report,
+        report_directory=to.directory(given["report"].entry("directory"), "report.directory"),
+    )
 
-    def _output(self, node: Node) -> OutputSection:
-        given = self.to.record(keys.OutputKeys, node, "output")
-        directory = self.to.directory(node.entry("directory"), "output.directory")
-        if given is None:
-            return OutputSection(directory=directory)
-        names, convert = given.meshes.names, given.meshes.convert
-        meshes = node.entry("meshes") or node
-        if given.layout is Form.FILES and (size := node.entry("size")):
-            message = "all files go into one folder, which has no size"
-            accepted = f"a size with layout: {Form.FOLDERS} or layout: {Form.SHARDS}"
-            self.to.add_problem(message, size, "output.size", accepted=accepted)
-        with self.to.noting(meshes.entry("names") or meshes, "output.meshes.names"):
-            prefix = prefix_of(names)
-            with self.to.noting(meshes.entry("convert") or meshes, "output.meshes.convert"):
-                return OutputSection(
-                    directory=directory,
-                    layout=Layout(form=given.layout, size=given.size),
-                    mesh_prefix=prefix_of(names, in_folders=given.layout is Form.FOLDERS),
-                    mesh_conversion=conversion_of(convert, prefix),
-                )
+
+def _stage(kind: type[Any], node: Node, field: str, to: Reading) -> StageCall | None:
+    """A stage with its options; where these cannot be used, the stage alone."""
+    named = node.entry("stage")
+    mark = (named or node).mark
+    given = to.record(kind, node, field)
+    if given is None:
+        name = named.text if named else None
+        return StageCall(stage=name, mark=mark) if name else None
+    others = {name: getattr(given, name) for name in ("optional", "time_limit") if hasattr(given, name)}
+    return StageCall(stage=given.stage, options=node.entry("options"), mark=mark, **others)
+
+
+def _input(node: Node, field: str, to: Reading) -> InputCall | None:
+    """An input, with its calibration among the options of its reader."""
+    given = to.record(keys.InputSection, node, field)
+    options, calibration, path = (node.entry(key) for key in ("options", "calibration", "path"))
+    if given is None or path is None:
+        return None
+    found = to.files(path, f"{field}.path")
+    if calibration is not None and to.is_path(calibration, f"{field}.calibration"):
+        others = expect_mapping(options, "options") if options else {}
+        if "calibration" in others:
+            message = "the calibration is given twice, here and among the options"
+            to.note(message, calibration, f"{field}.calibration")
+        options = keys.mapping_node({**others, "calibration": calibration}, options or calibration)
+    return InputCall(
+        paths=found.paths,
+        stage=given.stage,
+        options=options,
+        mark=(node.entry("stage") or path).mark,
+        notices=found.notices,
+        pattern=found.pattern,
+    )
+
+
+def _output(node: Node, to: Reading) -> OutputSection:
+    given = to.record(keys.OutputKeys, node, "output")
+    directory = to.directory(node.entry("directory"), "output.directory")
+    if given is None:
         return OutputSection(directory=directory)
-
-
-def read_meshes(entries: Iterable[tuple[Node, str]], to: Reading) -> tuple[MeshCall, ...]:
-    """The meshes of manipulators, each in its node at its place."""
-    found = []
-    for node, place in entries:
-        before = len(to.problems)
-        if (given := to.record(keys.MeshesSection, node, place)) is None:
-            continue
-        base = _shapes(given.base, node.entry("base"), f"{place}.base", to)
-        joints, by_joint = [], node.entry("joints")
-        for joint, shapes in (given.joints or {}).items():
-            entry = by_joint.entry(joint) if by_joint else None
-            read = _shapes(shapes, entry, f"{place}.joints.{joint}", to)
-            joints.append((joint, replace(read, mark=by_joint.key_mark(joint) if by_joint else None)))
-        if len(to.problems) == before:
-            mark = (node.entry("of") or node).mark
-            found.append(MeshCall(of=given.of, base=base, joints=tuple(joints), mark=mark))
-    return tuple(found)
-
-
-def _shapes(given: keys.ShapesSection | None, node: Node | None, place: str, to: Reading) -> Shapes:
-    """The meshes of a link: `mesh` is both."""
-    made: dict[str, MeshShape] = {}
-    for name in ("visual", "collision", "mesh") if given and node else ():
-        mesh, entry = getattr(given, name), node.entry(name) if node else None
-        file = entry.entry("file") if entry else None
-        if mesh is None or file is None:
-            continue
-        with to.noting(file, f"{place}.{name}.file"):
-            made[name] = MeshShape(
-                file=find_mesh(mesh.file, to.folder_of(file), links=True),  # A run file is the user's own.
-                pose=RigidTransform.from_xyz_rpy(mesh.xyz, mesh.rpy),
-                scale=mesh.scale if isinstance(mesh.scale, tuple) else (mesh.scale,) * 3,
-                mark=file.mark,
+    meshes = node.entry("meshes") or node
+    if given.layout is Form.FILES and (size := node.entry("size")):
+        accepted = f"a size with layout: {Form.FOLDERS} or layout: {Form.SHARDS}"
+        to.note("all files go into one folder, which has no size", size, "output.size", accepted)
+    with to.noting(meshes.entry("names") or meshes, "output.meshes.names"):
+        prefix = prefix_of(given.meshes.names)
+        with to.noting(meshes.entry("convert") or meshes, "output.meshes.convert"):
+            return OutputSection(
+                directory=directory,
+                layout=Layout(form=given.layout, size=given.size),
+                mesh_prefix=prefix_of(given.meshes.names, in_folders=given.layout is Form.FOLDERS),
+                mesh_conversion=conversion_of(given.meshes.convert, prefix),
             )
-    both = made.get("mesh")
-    return Shapes(visual=made.get("visual", both), collision=made.get("collision", both))
+    return OutputSection(directory=directory)

@@ -11,11 +11,17 @@ from typing import TYPE_CHECKING
 
 from dh2urdf.cells.wanted_tables import SHOWN_NAMES
 from dh2urdf.manipulator import Manipulator, MeshShape
+from dh2urdf.meshes.files import find_mesh
+from dh2urdf.rotations import RigidTransform
 from dh2urdf.source import Mark, Problem, did_you_mean, shown
 from dh2urdf.stages import Rejected
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Iterable, Iterator, Sequence
+
+    from dh2urdf.documents.document import Node
+    from dh2urdf.run_file.reading import Reading
+    from dh2urdf.run_file.sections import ShapesSection
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -117,3 +123,46 @@ class MeshGiver:
                 suggestion=did_you_mean(call.of, self._names),
             )
             yield Rejected(name=call.of, problems=(problem,), mark=call.mark)
+
+
+# --- What the section says --------------------------------------------------------------------------------------------
+
+
+def read_meshes(entries: Iterable[tuple[Node, str]], to: Reading) -> tuple[MeshCall, ...]:
+    """The meshes of manipulators, each in its node at its place."""
+    from dh2urdf.run_file.sections import MeshesSection  # with pydantic, which a worker that has a plan needs not
+
+    found = []
+    for node, place in entries:
+        before = len(to.problems)
+        if (given := to.record(MeshesSection, node, place)) is None:
+            continue
+        base = _shapes(given.base, node.entry("base"), f"{place}.base", to)
+        joints, by_joint = [], node.entry("joints")
+        for joint, shapes in (given.joints or {}).items():
+            entry = by_joint.entry(joint) if by_joint else None
+            read = _shapes(shapes, entry, f"{place}.joints.{joint}", to)
+            joints.append((joint, replace(read, mark=by_joint.key_mark(joint) if by_joint else None)))
+        if len(to.problems) == before:
+            mark = (node.entry("of") or node).mark
+            found.append(MeshCall(of=given.of, base=base, joints=tuple(joints), mark=mark))
+    return tuple(found)
+
+
+def _shapes(given: ShapesSection | None, node: Node | None, place: str, to: Reading) -> Shapes:
+    """The meshes of a link: `mesh` is both."""
+    made: dict[str, MeshShape] = {}
+    for name in ("visual", "collision", "mesh") if given and node else ():
+        mesh, entry = getattr(given, name), node.entry(name) if node else None
+        file = entry.entry("file") if entry else None
+        if mesh is None or file is None:
+            continue
+        with to.noting(file, f"{place}.{name}.file"):
+            made[name] = MeshShape(
+                file=find_mesh(mesh.file, to.folder_of(file), links=True),  # A run file is the user's own.
+                pose=RigidTransform.from_xyz_rpy(mesh.xyz, mesh.rpy),
+                scale=mesh.scale if isinstance(mesh.scale, tuple) else (mesh.scale,) * 3,
+                mark=file.mark,
+            )
+    both = made.get("mesh")
+    return Shapes(visual=made.get("visual", both), collision=made.get("collision", both))

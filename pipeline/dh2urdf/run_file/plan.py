@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -11,22 +12,24 @@ from dh2urdf.cells.cell import CellCall
 from dh2urdf.conversion.keys import recipe_key
 from dh2urdf.conversion.one_manipulator import Recipe
 from dh2urdf.conversion.simulators import missing_of, require
-from dh2urdf.errors import ConfigError
+from dh2urdf.documents.text_files import LONG_PATH
+from dh2urdf.errors import ConfigError, InputError, PluginError
 from dh2urdf.output.layouts import Layout
 from dh2urdf.output.store import Store, open_store
+from dh2urdf.plugin_system.options import make_options
 from dh2urdf.run_file.mesh_section import MeshCall
-from dh2urdf.run_file.stages_by_name import AskedStages
-from dh2urdf.source import Problem, in_file_order
+from dh2urdf.source import Problem, in_file_order, shown
 from dh2urdf.stage_calls.calls import Call
 from dh2urdf.stages import Executor, Reader, WritesFolders
 from dh2urdf.variations import sampling
 from dh2urdf.variations.variation import VariationCall
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterable, Iterator, Sequence
 
     from dh2urdf.plugin_system.catalog import Catalog
-    from dh2urdf.run_file.records import RunConfig
+    from dh2urdf.run_file.config import InputCall, RunConfig, StageCall
+    from dh2urdf.source import Mark
     from dh2urdf.stages import Emitter
 
 
@@ -79,14 +82,21 @@ def make_plan(config: RunConfig, catalog: Catalog) -> Plan:
         ConfigError: something in the run file is wrong; all problems are reported at once.
         PluginError: the run needs a plugin that is broken, or a package that is not installed.
     """
-    asked = AskedStages(catalog, config.problems, config.folder)
+    asked = _Stages(catalog, config.problems, config.folder)
     inputs = asked.readers(config.inputs)
     transform = asked.call("transform", config.transform)
     edits = [asked.call("edit", each) for each in config.edits]  # one may be there twice, with other options
     emitters = asked.calls("emitter", config.emitters)
     loaders = asked.calls("loader", config.loaders)
     executor = asked.call("executor", config.execution)
-    asked.check_loaders(config.loaders, loaders, config.emitters, emitters)
+    formats = [
+        call.stage.name if call else each.stage or "" for each, call in zip(config.emitters, emitters, strict=True)
+    ]
+    for each, loader in zip(config.loaders, loaders, strict=True):
+        if loader is not None and not set(loader.stage.formats) & set(formats):
+            message = f"the loader {loader.stage.name!r} has no file to load"
+            accepted = f"one of the emitters {', '.join(loader.stage.formats)} in the section `emitters`"
+            asked.note(message, each.mark, "loaders", found=", ".join(formats), accepted=accepted)
     if asked.problems or transform is None or executor is None:
         raise ConfigError(in_file_order(asked.problems))
     recipe = Recipe(
@@ -133,3 +143,103 @@ def _reports(config: RunConfig, emitters: Sequence[Call[Emitter[Any]] | None]) -
         place = f"{str(output).rstrip('/')}_report"
         return open_store(place if isinstance(output, str) else Path(place))
     return None
+
+
+class _Stages:
+    """Finds the stages that a run file asks for, with their options, and gathers what is wrong.
+
+    Attributes:
+        problems: all that is wrong, each with its place in the run file.
+        notices: the findings about inputs, by the path of the file that says it: named twice, or by a pattern that
+            could not be searched everywhere.
+    """
+
+    def __init__(self, catalog: Catalog, problems: Iterable[Problem], folder: Path) -> None:
+        self.problems = list(problems)
+        self.notices: dict[Path, Problem] = {}
+        self._catalog, self._folder = catalog, folder
+
+    def note(self, message: str, mark: Mark | None, field: str, **others: Any) -> None:  # noqa: ANN401 - of a problem
+        """Note a problem at its place."""
+        self.problems.append(Problem(message=message, mark=mark, field=field, **others))
+
+    @contextmanager
+    def _at(self, mark: Mark | None) -> Iterator[None]:
+        """Problems with what a place asks for are reported with the place."""
+        try:
+            yield
+        except InputError as error:
+            self.problems += [problem.about(mark=mark) for problem in error.problems]
+        except PluginError as error:
+            error.mark = error.mark or mark
+            raise
+
+    def call(self, kind: Any, asked: StageCall | InputCall, name: str | None = None) -> Call[Any] | None:  # noqa: ANN401
+        """The stage of a kind, of a name where one is given, with its options; None where something is wrong.
+
+        Raises:
+            PluginError: the plugin that it needs is broken, or several claim its name; the error has the place.
+        """
+        name = name or asked.stage
+        with self._at(asked.mark):
+            stage = self._catalog.get(kind, name) if name else self._catalog.usual(kind)
+            plugin = self._catalog.plugin_of(stage)
+            where, folder = f"{kind} {stage.name!r}", self._folder
+            options = make_options(
+                stage.options, asked.options, mark=asked.mark, where=where, plugin=plugin, folder=folder
+            )
+            return Call(stage=stage, options=options, plugin=plugin)
+        return None
+
+    def calls(self, kind: Any, asked: Sequence[StageCall]) -> list[Call[Any] | None]:  # noqa: ANN401 - a kind of stage
+        """Stages of a kind, each name once: files and reports are named by these names."""
+        calls = [self.call(kind, each) for each in asked]
+        first: dict[str, StageCall] = {}
+        for given, call in zip(asked, calls, strict=True):
+            if call is not None and (other := first.setdefault(call.stage.name, given)) is not given:
+                message, name = f"the {call.kind} {call.stage.name!r} stands twice in one run", call.stage.name
+                advice = f"it stands first at {other.mark}"
+                self.note(
+                    message, given.mark, f"{call.kind}s", found=name, accepted="each name once", suggestion=advice
+                )
+        return calls
+
+    def readers(self, inputs: Iterable[InputCall]) -> tuple[tuple[Path, Call[Reader[Any]]], ...]:
+        """Every input file once with its reader: the one that is named, or that of its suffix."""
+        found: list[tuple[Path, Call[Reader[Any]]]] = []
+        first: dict[tuple[int, int], tuple[Path, Call[Reader[Any]], Mark | None]] = {}
+        for given in inputs:
+            self.notices.update((path, notice) for path, notice in zip(given.paths, given.notices, strict=False))
+            calls: dict[str, Call[Reader[Any]] | None] = {}
+            before = len(self.problems)
+            for path in given.paths:
+                if len(self.problems) > before:
+                    break  # What is wrong with a file is often wrong with all files of this input.
+                with self._at(given.mark):
+                    name = given.stage or self._catalog.reader_for(path).name
+                    if name not in calls:
+                        calls[name] = self.call("reader", given, name)
+                    if (call := calls[name]) is None:
+                        break
+                    status = path.stat()
+                    earlier = first.setdefault((status.st_dev, status.st_ino), (path, call, given.mark))
+                    if earlier[0] is path:
+                        found.append((path, call))
+                    else:
+                        self._note_again(path, call, given.mark, earlier)
+        return tuple(found)
+
+    def _note_again(
+        self, path: Path, call: Call[Any], mark: Mark | None, first: tuple[Path, Call[Any], Mark | None]
+    ) -> None:
+        """Notes that a file is an input a second time: once is enough, unless the two are read in different ways."""
+        other, earlier, at = first
+        advice = f"the first time is at {at}" if at != mark else None
+        message = f"{shown(str(other), LONG_PATH)} is an input twice"
+        if (call.stage, call.options) != (earlier.stage, earlier.options):
+            accepted = "each file once, with one reader and its options"
+            self.note(message, mark, "inputs", found=str(path), accepted=accepted, suggestion=advice)
+        else:
+            message += ", and is read once"
+            notice = Problem(message=message, severity="notice", mark=mark, field="inputs", suggestion=advice)
+            self.notices.setdefault(other, notice)

@@ -19,7 +19,6 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
     from dh2urdf.documents.document import Node
-    from dh2urdf.source import Mark
 
 T = TypeVar("T")
 
@@ -27,25 +26,23 @@ T = TypeVar("T")
 class FoundFiles(NamedTuple):
     """Files, the findings about their pattern, and the pattern; None where a path names one file."""
 
-    paths: tuple[Path, ...]
-    notices: tuple[Problem, ...]
-    pattern: str | None
+    paths: tuple[Path, ...] = ()
+    notices: tuple[Problem, ...] = ()
+    pattern: str | None = None
 
 
 class Reading:
     """What is wrong with a run file, and where its paths begin.
+
+    Args:
+        folder: the folder of the run file.
+        changes: the file that marks name where a value is a change of the run file.
 
     Attributes:
         problems: what is wrong; whatever reads a value adds to it.
     """
 
     def __init__(self, folder: Path = Path(), changes: str = "") -> None:
-        """Begin with nothing wrong.
-
-        Args:
-            folder: the folder of the run file.
-            changes: the file that marks name where a value is a change of the run file.
-        """
         self.problems: list[Problem] = []
         self._folder, self._changes = folder, changes
 
@@ -63,56 +60,28 @@ class Reading:
         except ConfigError as error:
             for problem in error.problems:
                 at = node.value.get(problem.field or "", node) if isinstance(node.value, dict) else node
-                self.problems.append(
-                    replace(
-                        problem,
-                        mark=problem.mark or at.mark,
-                        field=f"{field}.{problem.field}" if problem.field else field,
-                        found=problem.found or at.text,
-                    )
-                )
+                place = f"{field}.{problem.field}" if problem.field else field
+                mark, found = problem.mark or at.mark, problem.found or at.text
+                self.problems.append(replace(problem, mark=mark, field=place, found=found))
 
-    def add_problem(
-        self,
-        message: str,
-        node: Node,
-        field: str,
-        *,
-        mark: Mark | None = None,
-        found: str | None = None,
-        accepted: str | None = None,
-        suggestion: str | None = None,
+    def note(
+        self, message: str, node: Node, field: str, accepted: str | None = None, suggestion: str | None = None
     ) -> None:
-        """Note a problem, at the node unless `mark` says where."""
-        self.problems.append(
-            Problem(
-                message=message,
-                mark=mark or node.mark,
-                field=field or None,
-                found=found or node.text,
-                accepted=accepted,
-                suggestion=suggestion,
-            )
+        """Note a problem at a node."""
+        problem = Problem(
+            message=message, mark=node.mark, field=field, found=node.text, accepted=accepted, suggestion=suggestion
         )
+        self.problems.append(problem)
 
     def distinct(self, entries: Iterable[tuple[T, str, Node, str]], message: str, accepted: str) -> tuple[T, ...]:
-        """The first entry of each name.
-
-        Args:
-            entries: each with its name, which may be empty, its node and its place.
-            message: what is wrong with two of a name.
-            accepted: what is accepted.
-        """
+        """The first entry of each name; each comes with its name, its node and its place."""
         taken: list[T] = []
         first: dict[str, Node] = {}
         for entry, name, node, field in entries:
-            if name and (other := first.setdefault(name, node)) is not node:
-                where = f"the first is at {other.mark}"
-                self.add_problem(
-                    message.format(shown(name)), node, field, found=name, accepted=accepted, suggestion=where
-                )
-            else:
+            if (other := first.setdefault(name, node)) is node:
                 taken.append(entry)
+            else:
+                self.note(message.format(shown(name)), node, field, accepted, f"the first is at {other.mark}")
         return tuple(taken)
 
     # --- Paths
@@ -125,13 +94,13 @@ class Reading:
         """Whether a text can be a path as it is written."""
         path = node.text or ""
         if "\0" in path:
-            self.add_problem("a path cannot hold the character U+0000", node, field)
-            return False
-        if path.startswith(("~", "$")):
+            self.note("a path cannot hold the character U+0000", node, field)
+        elif path.startswith(("~", "$")):
             message = f"nothing takes the place of {shown(path.partition('/')[0])} in a path of a run file"
-            self.add_problem(message, node, field, accepted="an absolute path, or one from the run file's folder")
-            return False
-        return True
+            self.note(message, node, field, "an absolute path, or one from the run file's folder")
+        else:
+            return True
+        return False
 
     def directory(self, node: Node | None, field: str) -> Path | str | None:
         """A folder, or an address such as ``s3://bucket/prefix``."""
@@ -143,7 +112,7 @@ class Reading:
         """The files of a path or pattern, in the order of their names."""
         path, folder = node.text or "", self.folder_of(node)
         if not self.is_path(node, field):
-            return FoundFiles((), (), None)
+            return FoundFiles()
         candidates, notices, pattern = [tidy_path(folder / path)], [], None
         if glob.has_magic(path) and not is_there(candidates[0]):
             candidates, pattern = [], path
@@ -155,12 +124,11 @@ class Reading:
         for file in candidates:
             try:
                 check_file(file)
+                files.append(file)
             except ConfigError as error:
-                why = error.problems[0]
+                (why, *_) = error.problems
                 advice = why.suggestion
                 if is_folder(file):
                     advice = f"name the tables in it, such as {os.path.join(path, '*.csv')}"  # noqa: PTH118 - as it is written
-                self.add_problem(f"{shown(str(file), LONG_PATH)}: {why.message}", node, field, suggestion=advice)
-            else:
-                files.append(file)
+                self.note(f"{shown(str(file), LONG_PATH)}: {why.message}", node, field, suggestion=advice)
         return FoundFiles(tuple(files), tuple(notices), pattern)

@@ -52,20 +52,17 @@ class _LawReader:
     """Reads the law of one field; the first value that is wrong is a `ConfigError`.
 
     Attributes:
-        what: the field.
-        field: the law, by which problems name it.
         units: what the units measure that its values name.
     """
 
     def __init__(self, what: str, field: str) -> None:
-        self.what, self.field = what, field
+        self._what, self._field, self._about = what, field, FIELDS[what]
         self.units: list[Dimension] = []
 
     def _wrong(self, message: str, node: Node, accepted: str | None = None, near: str | None = None) -> ConfigError:
+        field, found = self._field, node.text
         return ConfigError(
-            Problem(
-                message=message, mark=node.mark, field=self.field, found=node.text, accepted=accepted, suggestion=near
-            )
+            Problem(message=message, mark=node.mark, field=field, found=found, accepted=accepted, suggestion=near)
         )
 
     def read(self, law: str, node: Node) -> Law:
@@ -74,15 +71,17 @@ class _LawReader:
         Raises:
             ConfigError: something is wrong with it.
         """
-        if FIELDS[self.what].dimension is None and law not in WORD_LAWS:
-            accepted = f"{' or '.join(WORD_LAWS)}, a list of values"
-            raise self._wrong(f"{self.what} cannot vary by {law}", node, accepted)
+        spaced = law == "grid" and isinstance(node.value, dict)
+        if self._about.dimension is None and (spaced or law not in WORD_LAWS):
+            raise self._wrong(f"{self._what} cannot vary by {law}", node, f"{' or '.join(WORD_LAWS)}, a list of values")
         if law in _RANGES:
             return self._range(node, _RANGES[law])
         if law == "normal":
             return self._normal(node)
-        if law == "grid" and isinstance(node.value, dict):
-            return self._spaced(node)
+        if spaced:
+            given = self._record(SpacedSection, node)
+            low, high = (self._bounded(node.entry(key) or node) for key in ("from", "to"))
+            return Grid(values=evenly_spaced(low, high, given.points))
         if not isinstance(node.value, list) or not node.value:
             accepted = f"a list of values{f', or {SPACING}' if law == 'grid' else ''}"
             raise self._wrong(f"a run file cannot take {node.describe()} here", node, accepted)
@@ -90,88 +89,74 @@ class _LawReader:
         return Grid(values=values) if law == "grid" else Choices(values=values)
 
     def _value(self, node: Node) -> DrawnValue:
-        if self.what == TYPE:
+        if self._what == TYPE:
             if node.text not in JOINT_TYPES:
                 near = did_you_mean(node.text or "", JOINT_TYPES)
                 raise self._wrong(f"{node.describe()} is no type of joint", node, ", ".join(JOINT_TYPES), near)
             return str(node.text)
-        if self.what == AXES:
+        if self._what == AXES:
             if not isinstance(node.value, int) or isinstance(node.value, bool) or node.value < 1:
                 raise self._wrong(f"{node.describe()} is no number of axes", node, "a whole number from 1 on")
             return node.value
-        return self._positive(node, self._number(node))
+        return self._bounded(node)
 
     def _record(self, kind: type[T], node: Node) -> T:
         to = Reading()
-        record = to.record(kind, node, self.field)
+        record = to.record(kind, node, self._field)
         if record is None:
             raise ConfigError(to.problems)
         return record
 
-    def _spaced(self, node: Node) -> Law:
-        if FIELDS[self.what].dimension is None:
-            raise self._wrong(f"{self.what} has no values in between", node, "a list of values")
-        given = self._record(SpacedSection, node)
-        ends = [node.entry(key) or node for key in ("from", "to")]
-        low, high = (self._positive(end, self._number(end)) for end in ends)
-        return Grid(values=evenly_spaced(low, high, given.points))
-
     def _range(self, node: Node, law: type[Uniform | LogUniform | Scale | Offset]) -> Law:
-        low, high = self._ends(node, Dimension.NUMBER if law is Scale else None)
-        if law in (Uniform, LogUniform):
-            for end in (low, high):
-                self._positive(node, end)
+        low, high = self._ends(node, Dimension.NUMBER if law is Scale else None, bounded=law in (Uniform, LogUniform))
         if law is LogUniform and low <= 0.0:
             raise self._wrong("orders of magnitude begin above 0", node, "two numbers greater than 0")
         return law(low=low, high=high)
 
-    def _ends(self, node: Node, dimension: Dimension | None = None) -> tuple[float, float]:
+    def _ends(self, node: Node, dimension: Dimension | None = None, *, bounded: bool = True) -> tuple[float, float]:
         if not isinstance(node.value, list) or len(node.value) != 2:  # noqa: PLR2004 - a range has two ends
             raise self._wrong(f"a run file cannot take {node.describe()} here", node, "a range: [LOW, HIGH]")
         low, high = (self._number(end, dimension) for end in node.value)
         if low > high:
             message = f"the range goes down from {low:.12g} to {high:.12g}"
             raise self._wrong(message, node, "the lower end first", "are they exchanged?")
+        for end in (low, high) if bounded else ():
+            self._check(node, end)
         return low, high
 
     def _normal(self, node: Node) -> Law:
         self._record(NormalSection, node)
-        mean_node, deviation_node, bounds = (
-            node.entry("mean"),
-            node.entry("deviation") or node,
-            node.entry("bounds") or node,
-        )
+        mean_node, width_node, bounds = (node.entry(key) for key in ("mean", "deviation", "bounds"))
         mean = self._number(mean_node) if mean_node else None
-        deviation, (low, high) = self._number(deviation_node), self._ends(bounds)
+        deviation, (low, high) = self._number(width_node or node), self._ends(bounds or node)
         if deviation <= 0.0:
-            message = "a standard deviation is greater than 0"
-            raise self._wrong(message, deviation_node, "a number greater than 0")
-        for end in (low, high):
-            self._positive(bounds, end)
+            raise self._wrong("a standard deviation is greater than 0", width_node or node, "a number greater than 0")
         law = Normal(mean=mean, deviation=deviation, low=low, high=high)
         if mean is not None and law.probability() < LEAST_PROBABILITY:
             message = "the bounds leave hardly anything of this normal distribution"
-            raise self._wrong(message, bounds, "bounds about the mean")
+            raise self._wrong(message, bounds or node, "bounds about the mean")
         return law
 
     def _number(self, node: Node, dimension: Dimension | None = None) -> float:
         """A number in SI units; of the field's dimension where none is given."""
-        field = FIELDS[self.what]
-        may_be = [dimension] if dimension else [each for each in (field.dimension, field.linear) if each]
+        may_be = [dimension] if dimension else [each for each in (self._about.dimension, self._about.linear) if each]
         each = next((each for each in may_be if _is_of(node, each)), may_be[0])
         try:
-            number = measured(node, each, turns=MOST_TURNS if self.what in {"lower", "upper"} else 1)
+            number = measured(node, each, turns=MOST_TURNS if self._what in {"lower", "upper"} else 1)
         except QuantityError as error:
             raise self._wrong(error.message, node, error.accepted, error.suggestion) from None
         if evaluate(node.text or "", each).has_unit:
             self.units.append(each)
         return number
 
-    def _positive(self, node: Node, number: float) -> float:
-        """A number that the field may have."""
-        field = FIELDS[self.what]
-        if not field.takes(number):
-            raise self._wrong(f"{self.what} must be {field.bound}", node, f"numbers {field.bound}")
+    def _bounded(self, node: Node) -> float:
+        """A number that the field may have, in SI units."""
+        return self._check(node, self._number(node))
+
+    def _check(self, node: Node, number: float) -> float:
+        if not self._about.takes(number):
+            bound = self._about.bound
+            raise self._wrong(f"{self._what} must be {bound}", node, f"numbers {bound}")
         return number
 
 
@@ -205,7 +190,7 @@ def _variation(given: VariationSection, node: Node, field: str, to: Reading) -> 
             rules.append(_rule(given.vary[index].field, entry))
     if len(to.problems) == before and given.count is None and not any(isinstance(rule.law, Grid) for rule in rules):
         message, accepted = "it is not said how many variants there are", "`count: NUMBER`; only a grid needs none"
-        to.add_problem(message, node, f"{field}.count", accepted=accepted)
+        to.note(message, node, f"{field}.count", accepted)
     if len(to.problems) > before:
         return None
     count = node.entry("count")
@@ -230,15 +215,13 @@ def _rule(field: str, node: Node) -> Rule:
     """
     joints = node.entry("joints")
     laws = [(name, values) for name in LAWS if (values := node.entry(name))]
+    problems = []
     if field == AXES and joints is not None:
         message = "the number of axes is the whole arm's, not a joint's"
-        raise ConfigError(Problem(message=message, field="joints", accepted="no `joints`"))
-    problems = []
-    if field != AXES and joints is None:
-        message = "it is not said whose field varies"
-        problems.append(
-            Problem(message=message, field="joints", mark=node.mark, accepted=f"`joints:` {ACCEPTED_JOINTS}")
-        )
+        problems.append(Problem(message=message, field="joints", accepted="no `joints`"))
+    elif field != AXES and joints is None:
+        message, accepted = "it is not said whose field varies", f"`joints:` {ACCEPTED_JOINTS}"
+        problems.append(Problem(message=message, field="joints", mark=node.mark, accepted=accepted))
     if len(laws) != 1:
         message = "it is not said how it varies" if not laws else f"it varies in {len(laws)} ways at once"
         found = ", ".join(name for name, _ in laws) or None
@@ -261,19 +244,21 @@ def _joints(node: Node) -> tuple[tuple[int | str, ...] | None, tuple[Mark, ...]]
     """
     if node.value == ALL and not node.quoted:
         return None, ()
-    nodes = node.value if isinstance(node.value, list) else [node]
-    joints: list[int | str] = []
-    problems = []
-    for entry in nodes:
-        value = entry.value
-        is_number = isinstance(value, int) and not isinstance(value, bool) and value >= 1
-        if is_number or (isinstance(value, str) and value):
-            joints.append(value)  # type: ignore[arg-type]  # one of the two
-        else:
-            message = f"{entry.describe()} is no joint"
-            problems.append(Problem(message=message, mark=entry.mark, field="joints", accepted=ACCEPTED_JOINTS))
-    if not nodes:
-        problems.append(Problem(message="no joint is named", field="joints", accepted=ACCEPTED_JOINTS))
-    if problems:
-        raise ConfigError(problems)
-    return tuple(joints), tuple(entry.mark for entry in nodes)
+    nodes: list[Node] = node.value if isinstance(node.value, list) else [node]
+    wrong = [each for each in nodes if not _is_joint(each.value)]
+    if wrong or not nodes:
+        raise ConfigError(
+            Problem(
+                message=f"{each.describe()} is no joint" if nodes else "no joint is named",
+                mark=each.mark,
+                field="joints",
+                accepted=ACCEPTED_JOINTS,
+            )
+            for each in wrong or [node]
+        )
+    return tuple(each.value for each in nodes), tuple(each.mark for each in nodes)  # type: ignore[misc]  # as checked
+
+
+def _is_joint(value: object) -> bool:
+    is_number = isinstance(value, int) and not isinstance(value, bool) and value >= 1
+    return is_number or (isinstance(value, str) and bool(value))

@@ -12,7 +12,7 @@ from dh2urdf.run_file.config import load_config
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from dh2urdf.run_file.records import RunConfig
+    from dh2urdf.run_file.config import RunConfig
 
 
 def config(folder: Path, cells: str, *settings: str) -> RunConfig:

@@ -6,8 +6,7 @@ import pytest
 from hypothesis import given, strategies as st
 
 from dh2urdf.errors import ConfigError
-from dh2urdf.run_file.config import load_config
-from dh2urdf.run_file.records import RunConfig, StageCall
+from dh2urdf.run_file.config import RunConfig, load_config
 
 CONFIGS = Path(__file__).parents[3] / "configs"
 
@@ -77,7 +76,6 @@ def test_every_section_is_read(folder: Path) -> None:
     assert (read.stage, str(read.mark)) == ("csv", "work/run.yaml:2:35")
     assert read.options is not None
     assert read.options.plain() == {"convention": "standard"}
-    assert read.read_by("csv") == StageCall(stage="csv", options=read.options, mark=read.mark)
     assert [(call.stage, str(call.mark)) for call in (found.transform, *found.emitters, *found.loaders)] == [
         ("alpha-swap", "work/run.yaml:3:20"),
         ("urdf", "work/run.yaml:5:13"),

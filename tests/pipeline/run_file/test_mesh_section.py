@@ -14,7 +14,7 @@ from dh2urdf.stages import Rejected
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from dh2urdf.run_file.records import RunConfig
+    from dh2urdf.run_file.config import RunConfig
 
 
 @pytest.fixture

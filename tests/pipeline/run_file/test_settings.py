@@ -12,7 +12,7 @@ from dh2urdf.run_file.sections import DEFAULT_SAMPLE, DEFAULT_TIME_LIMIT
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from dh2urdf.run_file.records import RunConfig
+    from dh2urdf.run_file.config import RunConfig
 
 
 @pytest.fixture

@@ -398,7 +398,7 @@ BUDGETS = {
     "pipeline/dh2urdf/meshes": 1170,
     "pipeline/dh2urdf/output": 1700,
     "pipeline/dh2urdf/plugin_system": 1580,
-    "pipeline/dh2urdf/quantities": 1230,
+    "pipeline/dh2urdf/quantities": 1430,
     "pipeline/dh2urdf/report": 2226,
     "pipeline/dh2urdf/robot_check": 430,
     "pipeline/dh2urdf/run_file": 1937,

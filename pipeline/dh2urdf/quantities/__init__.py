@@ -23,7 +23,13 @@ if TYPE_CHECKING:
         is_unit as is_unit,
         is_zero as is_zero,
     )
-    from dh2urdf.quantities.spellings import DEGREE_SIGNS as DEGREE_SIGNS, composed as composed
+    from dh2urdf.quantities.spellings import (
+        DEGREE_SIGNS as DEGREE_SIGNS,
+        composed as composed,
+        plain_text as plain_text,
+        unwrapped as unwrapped,
+    )
+    from dh2urdf.quantities.symbols import Symbols as Symbols
     from dh2urdf.quantities.units import UNITS as UNITS, Unit as Unit, unit_word as unit_word
 else:
     __all__, __getattr__, __dir__ = late_names(
@@ -32,7 +38,8 @@ else:
             "number_text": "format_rows format_number format_numbers",
             "quantity": "Dimension MAX_CHARACTERS Quantity QuantityError accepted_forms accepted_units "
             "evaluate find_unit is_unit is_zero",
-            "spellings": "DEGREE_SIGNS composed",
+            "spellings": "DEGREE_SIGNS composed plain_text unwrapped",
+            "symbols": "Symbols",
             "units": "UNITS Unit unit_word",
         },
     )

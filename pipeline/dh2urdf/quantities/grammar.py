@@ -5,7 +5,8 @@ refused::
 
     sum      = product (("+" | "-") product)*
     product  = factor (("*" | "/") factor)* [unit]
-    factor   = ["+" | "-"] (number | constant | variable | function "(" sum ("," sum)* ")" | "(" sum ")")
+    factor   = ["+" | "-"] (number [constant] | constant | name | variable | call | "(" sum ")")
+    call     = function "(" sum ("," sum)* ")"
 
 A unit belongs to the product that it ends: ``pi/2 rad`` is (π/2) rad, since nothing is measured in 1/rad. A product
 or quotient never mixes two units, and a sum has one unit throughout or none. What cannot be bounded otherwise is
@@ -35,7 +36,7 @@ from dh2urdf.rotations import HALF_PI, cos_sin
 from dh2urdf.source import shown
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Mapping
 
 
 # --- Tokens -----------------------------------------------------------------------------------------------------------
@@ -121,6 +122,8 @@ _TORN = r"(?i)[\s*·]\d|(?<!\w)(?!(?:N|kN|mN|kg|kgf|g|t|lb|lbf|oz|ozf|slug|ft|in
 _CONSTANTS = {"pi": math.pi, "π": math.pi, "m_pi": math.pi}
 _MODULES = ("np.", "numpy.", "math.")
 _VARIABLE = r"\\?(q|th|theta|θ|d)_?\{?([0-9]{1,9}|i)?\}?"
+_NAME = r"[^\W\d_][^\W_]{0,15}(?:_?\{?[^\W_]{1,8}\}?)?"
+_NO_NAMES = frozenset(("nan", "inf", "infinity", "true", "false", "none", "null", "var"))
 _VARIABLE_KINDS = {"th": "theta", "θ": "theta"}
 
 # --- Functions --------------------------------------------------------------------------------------------------------
@@ -172,7 +175,14 @@ OTHER_NAMES = {"arcsin": "asin", "arccos": "acos", "arctan": "atan", "arctan2": 
 # --- Parser -----------------------------------------------------------------------------------------------------------
 
 
-def parse(text: str, dimension: Dimension, *, decimal_comma: bool = False, angle: Unit | None = None) -> Intermediate:
+def parse(
+    text: str,
+    dimension: Dimension,
+    *,
+    decimal_comma: bool = False,
+    angle: Unit | None = None,
+    symbols: Mapping[str, Intermediate] | None = None,
+) -> Intermediate:
     """The value of an expression.
 
     Args:
@@ -180,18 +190,45 @@ def parse(text: str, dimension: Dimension, *, decimal_comma: bool = False, angle
         dimension: what it should measure, for the message.
         decimal_comma: whether a comma may stand for the decimal point.
         angle: the unit that is declared for angles; None where nothing declares one.
+        symbols: what names of lengths and angles stand for, by `symbol_key`.
 
     Raises:
         QuantityError: it is no expression, or one that can be read in two ways.
     """
-    return _Parser(text, dimension, decimal_comma=decimal_comma, angle=angle).parse()
+    return _Parser(text, dimension, decimal_comma=decimal_comma, angle=angle, symbols=symbols or {}).parse()
+
+
+def symbol_key(name: str) -> str:
+    """A name as it is looked up: ``L_1``, ``L_{1}`` and ``L₁`` are one."""
+    return re.sub(r"[\\\\_{}]", "", unicodedata.normalize("NFKC", name)).casefold()
+
+
+def is_symbol(name: str) -> bool:
+    """Whether a text can be a name for a length or an angle: no unit, constant, function or variable q."""
+    known = is_unit(name) or symbol_key(name) in (*_CONSTANTS, *FUNCTIONS, *OTHER_NAMES)
+    variable = re.fullmatch(_VARIABLE, symbol_key(name))
+    return (
+        bool(re.fullmatch(_NAME, name))
+        and name.casefold() not in _NO_NAMES
+        and not known
+        and not (variable and variable[1] != "d")
+    )
 
 
 class _Parser:
     """Reads one expression, by recursive descent that `MAX_NESTING` bounds."""
 
-    def __init__(self, text: str, dimension: Dimension, *, decimal_comma: bool, angle: Unit | None) -> None:
+    def __init__(
+        self,
+        text: str,
+        dimension: Dimension,
+        *,
+        decimal_comma: bool,
+        angle: Unit | None,
+        symbols: Mapping[str, Intermediate],
+    ) -> None:
         self.text = text
+        self.symbols = symbols
         self.angle = angle
         self.dimension = dimension
         self.accepted = accepted_forms(dimension)
@@ -245,6 +282,8 @@ class _Parser:
             if token.kind == "word" and is_unit(token.text):
                 self.fail(f"the unit {shown(token.text)} does not belong there")
         if token.kind == "word":
+            if is_symbol(token.text) and not is_unit(token.text):
+                self.undefined(token.text)
             self.fail(f"{shown(token.text)} is no number, unit, constant or function that is known")
         self.fail(f"{shown(token.text)} does not belong there")
 
@@ -369,6 +408,8 @@ class _Parser:
             decimal, number = Decimal(digits, int(exponent or 0)), self.finite(float(token.text))
             if number == 0 and not decimal.is_zero:
                 self.fail(f"{shown(token.text)} is below the smallest number that can be held", "write 0 for it")
+            if self.next.kind == "word" and self.next.text.casefold() in _CONSTANTS:
+                return self.times_constant(number)
             return Intermediate(number, decimal)
         if token.kind == "word":
             self.position += 1
@@ -377,6 +418,14 @@ class _Parser:
             value = self.inside(self.sum)
             return value._replace(decimal=None)
         return self.unexpected()
+
+    def times_constant(self, number: float) -> Intermediate:
+        """A number directly before π: ``2π/3``."""
+        if self.position > 1 and self.tokens[self.position - 2].text == "/":
+            self.fail("π may be above or below the line", "write brackets: 1/(2*pi), or pi/2")
+        constant = _CONSTANTS[self.next.text.casefold()]
+        self.position += 1
+        return Intermediate(self.finite(number * constant), uses_pi=True)
 
     def inside(self, read: Callable[[], Intermediate]) -> Intermediate:
         """What is in a bracket that was just opened."""
@@ -401,18 +450,26 @@ class _Parser:
             return Intermediate(_CONSTANTS[name], uses_pi=True)
         if name in FUNCTIONS and self.take("("):
             return self.inside(lambda: self.call(token.text, FUNCTIONS[name]))
+        if (value := self.symbols.get(symbol_key(token.text))) is not None:
+            return value
         if match := re.fullmatch(_VARIABLE, name):
             self.skip_variable_star(token)
             row = int(match[2]) if match[2] and match[2] != "i" else None
-            return Intermediate(
-                0.0, variable=Variable(_VARIABLE_KINDS.get(match[1], match[1]), row, token.text), factor=1.0
-            )
-        if self.next.text == "(" and name not in UNITS:
-            names = ", ".join(FUNCTIONS)
-            known = advice(self.text) or f"the functions are {names}"
-            self.fail(f"{shown(token.text)} is no function that is known", known)
+            variable = Variable(_VARIABLE_KINDS.get(match[1], match[1]), row, token.text)
+            return Intermediate(0.0, variable=variable, factor=1.0)
+        if self.next.text == "(" and name not in UNITS and not is_symbol(token.text):
+            self.fail(f"{shown(token.text)} is no function that is known", f"the functions are {', '.join(FUNCTIONS)}")
         self.position -= 1
         return self.unexpected()
+
+    def undefined(self, name: str) -> NoReturn:
+        """Refuses a name that nothing defines."""
+        raise QuantityError(
+            f"{shown(self.text)} cannot be read: {shown(name)} is not defined",
+            self.accepted,
+            f"define it: `# {name} = 0.1` above the table, `symbols: {{{name}: 100 mm}}` in YAML, or "
+            f"`--symbol {name}=100mm`",
+        )
 
     def skip_variable_star(self, token: Token) -> None:
         """Passes over the star that marks a variable in textbooks (Spong): ``theta2*``, ``theta2* + pi/2``.
@@ -423,16 +480,12 @@ class _Parser:
         if star.text != "*":
             return
         attached = star.start == token.start + len(token.text)
-        if sign.text in ("+", "-"):
+        if sign.text in ("+", "-") and number.kind == "number" and end.kind not in ("word", "degree"):
             touching = sign.start == star.start + 1
-            has_unit = end.kind in ("word", "degree") or (end.text in ("*", "/") and self.has_pi_ahead())
-            bare = number.kind == "number" and not has_unit
-            if bare and (touching or (attached and float(number.text) == 1)):
-                added = f"{sign.text} {number.text}"
+            if (touching or (attached and float(number.text) == 1)) and not self.has_pi_ahead():
                 self.fail(
-                    f"it means {token.text} times {sign.text}{number.text}, or {token.text} {added} where the star "
-                    "marks a joint variable",
-                    f"write {'-' if sign.text == '-' else ''}{token.text} or {token.text} {added}, without the star",
+                    f"the star may be a product, or mark {token.text} as the variable",
+                    f"write {token.text} {sign.text} {number.text} or -{token.text}, without the star",
                 )
         if attached and (sign.kind == "end" or sign.text in ("+", "-", ")")):
             self.position += 1

@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 import re
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from dh2urdf.quantities.grammar import MAX_CHARACTERS, MAX_NESTING, SPACE, Intermediate, Variable, parse
 from dh2urdf.quantities.units import (
@@ -23,6 +24,9 @@ from dh2urdf.quantities.units import (
     is_unit,
 )
 from dh2urdf.source import shown
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
 
 __all__ = [
     "MAX_CHARACTERS",
@@ -76,6 +80,7 @@ def evaluate(
     *,
     decimal_comma: bool = False,
     angle: Unit | None = None,
+    symbols: Mapping[str, Intermediate] | None = None,
 ) -> Quantity:
     """The quantity that a text says, in SI units.
 
@@ -86,6 +91,7 @@ def evaluate(
         decimal_comma: whether a comma may stand for the decimal point.
         angle: the unit that is declared for angles, which a bare number in sin, cos or tan would follow; None where
             nothing declares one. By default, the unit of a number, where that is one of angles.
+        symbols: what names of lengths and angles stand for, by `symbol_key`.
 
     Raises:
         QuantityError: it is no such quantity, not a finite one, or one that can be read in two ways.
@@ -97,7 +103,7 @@ def evaluate(
     else:
         if angle is None and unit is not None and unit.dimension is Dimension.ANGLE:
             angle = unit
-        value = parse(text, dimension, decimal_comma=decimal_comma, angle=angle)
+        value = parse(text, dimension, decimal_comma=decimal_comma, angle=angle, symbols=symbols)
     return _in_si(text, value, dimension, unit)
 
 

@@ -348,24 +348,6 @@ BEHIND = [
 ]
 
 
-@pytest.mark.parametrize(("comment", "noticed"), BEHIND)
-@pytest.mark.parametrize("form", ["csv", "flow", "block"])
-def test_a_comment_behind_a_row_is_judged_by_the_values_beside_it(
-    comment: str, form: str, read_one: Callable[..., Manipulator], *, noticed: bool
-) -> None:
-    """Another number than all of them, or what they do not say, was passed over: in YAML all of it."""
-    row, number = "{a: 0.2, alpha: pi/2, d: 0.0}", comment.strip("[]").removeprefix("a = ")
-    if form == "csv":
-        arm = read_one(f"joint,a,alpha,d\nj1,0.3,0,0.1,\nj2,0.2,pi/2,0.0, # {comment}\n")
-    elif form == "flow":
-        arm = read_one(f"joints:\n- {{a: 0.3, alpha: 0, d: 0.1}}\n- {row}  # {comment}\n", ".yaml")
-    else:
-        key = "alpha" if any(sign in number for sign in ("9", "pi", "4")) else "a"
-        lines = [f"{text}  # {comment}" if text.startswith(f"{key}:") else text for text in row.strip("{}").split(", ")]
-        arm = read_one("joints:\n- " + "\n  ".join(lines) + "\n", ".yaml")
-    assert [notice.found for notice in arm.notices] == ([f"# {comment}"] if noticed else [])
-
-
 @pytest.mark.parametrize(
     ("comment", "field"),
     [
@@ -402,17 +384,6 @@ def test_a_few_words_among_rows_are_about_the_row_behind_them(
     (notice,) = read_one(table, suffix).notices
     assert notice.found == f"# {comment}"
     assert read_one(table.replace(comment, "the forearm"), suffix).notices == ()
-
-
-@pytest.mark.parametrize("remark", ["tool flange", "TCP", "dummy", "gripper"])
-def test_a_remark_that_names_a_frame_is_noticed_in_a_table_without_types(
-    remark: str, read_one: Callable[..., Manipulator]
-) -> None:
-    """A row of that name is refused, and one with the remark was a joint without a word."""
-    table = f"joint,a,alpha,d,remark\nj1,0.3,0,0,ok\nj2,0,0,0.1,{remark}\n"
-    assert remark in [notice.found for notice in read_one(table).notices]
-    typed = f"joint,type,a,alpha,d,remark\nj1,R,0.3,0,0,ok\nj2,F,0,0,0.1,{remark}\n"
-    assert remark not in [notice.found for notice in read_one(typed).notices]
 
 
 @pytest.mark.parametrize(

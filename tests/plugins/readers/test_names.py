@@ -110,17 +110,6 @@ def test_links_of_rows_in_order_are_left_out(read: Callable[..., list[Manipulato
     assert [isinstance(arm, Rejected) for arm in arms] == [False, True]
 
 
-def test_the_variable_in_d_is_no_type_in_a_column_beside_it(read_one: Callable[..., Manipulator]) -> None:
-    """A table of a SCARA, whose last column lists the variables, was refused."""
-    arm = read_one("a,alpha,d,theta,variable\n0.3,0,0.4,θ1,θ1\n0,0,d2,0,d2\n0,0,0.1 + d3,0,d3\n")
-    assert [str(row.type) for row in arm.rows] == ["revolute", "prismatic", "prismatic"]
-
-
-def test_a_frame_that_is_read_as_fixed_has_one_notice(read_one: Callable[..., Manipulator]) -> None:
-    notices = read_one("frame,a,alpha,d,theta\nShoulder,0.3,0,0,θ1\nEnd,0.1,0,0,0\n").notices
-    assert [notice.found for notice in notices if "End" in str(notice)] == [None]
-
-
 @pytest.mark.parametrize("theta", ["θ2 - θ1", "q2-", "q2(+90°)", "0 (θ2)", "θ2 = 0"])
 def test_a_theta_that_cannot_be_read_lacks_no_variable_besides(
     theta: str, read: Callable[..., list[Manipulator | Rejected]]
@@ -129,11 +118,3 @@ def test_a_theta_that_cannot_be_read_lacks_no_variable_besides(
     (arm,) = read(f"a,alpha,d,theta\n0.3,0,0,q1\n0.2,0,0,{theta}\n", convention="standard")
     assert isinstance(arm, Rejected)
     assert [problem.found for problem in arm.problems] == [theta]
-
-
-def test_names_with_remarks_are_noticed_among_many_arms(read: Callable[..., list[Manipulator | Rejected]]) -> None:
-    """What reads plain rows fast leaves them to what looks at each."""
-    rows = "".join(f"r{number},waist,0.3,0,0\nr{number},wrist [inverted],0.3,0,0\n" for number in range(300))
-    arms = read(f"robot,joint,a,alpha,d\n{rows}", convention="standard")
-    said = [any("says something about its joint" in n.message for n in arm.notices) for arm in arms]
-    assert said == [True] * 300

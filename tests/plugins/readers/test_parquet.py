@@ -343,7 +343,6 @@ NOTHING = "    accepted: a number, 0 included: nothing is filled in for geometry
         ({"mass": [1, -2.5]}, of("mass") + "'-2.5' is not positive"),
         ({"type": ["R", "screw"]}, of("type") + "'screw' is no type of joint"),
         ({"mu": [0.0, 0.5]}, "'mu' is whether a joint is driven, in Khalil and Kleinfinger's convention, which no column holds, and it is '0.5'"),
-        ({"moves": ["R", "prismatic"]}, "'prismatic' seems to be a type, and no field is called 'moves'"),
         ({"joint": ["j1", "j1"]}, "the joint cannot be named 'j1': a joint of arm.parquet:row 1, column joint has it already"),
         ({"alpah": [0, 0], "joint": ["j1", "j2"]}, "no column is called 'alpah'"),
         ({"a [lightyears]": [0, 0]}, "arm.parquet:column a [lightyears]: error: "),

@@ -16,7 +16,7 @@ from dh2urdf_plugins.readers import csv
 from dh2urdf_plugins.readers.plain.numbers import PlainNumbers
 from dh2urdf_plugins.readers.plain.rows import PlainRows
 from dh2urdf_plugins.readers.plain.sample import EVERY, HEAD, PlainSample, compare
-from dh2urdf_plugins.readers.rows.rows import REMARKABLE_LIMIT
+from dh2urdf_plugins.readers.rows.rows import LARGEST_LIMIT
 from dh2urdf_plugins.readers.table import TableOptions
 from dh2urdf_plugins.readers.words.bounds import (
     FASTEST_SLIDE,
@@ -91,27 +91,6 @@ def test_a_column_of_angles_and_lengths_has_one_meaning(
     assert {type(item) for item in others} == {type(first)}
 
 
-@pytest.mark.parametrize(
-    ("header", "row"),
-    [
-        ("robot,a,alpha,d,colour", "{},{},0,1,{}"),
-        ("robot,a,alpha,d,colour,", "{},{},0,1,{},"),
-        ("robot,,a,alpha,d", "{0},{2},{1},0,1"),
-    ],
-    ids=["alone", "beside an empty column", "without a header"],
-)
-def test_an_unknown_column_may_hold_types(header: str, row: str, tmp_path: Path) -> None:
-    """Where no column has types, the words of a column that no field knows are looked at in the last arm, too."""
-    path = tmp_path / "arms.csv"
-    arms = [row.format(f"r{k}", f"0.{k + 1:03}", "red" if k < 39 else "prismatic") for k in range(40)]
-    content = "\n".join([header, *arms])
-    fast = outcome(path, content, convention="standard")
-    with without_the_fast_way():
-        assert fast == outcome(path, content, convention="standard")
-    assert fast[-2].startswith("<Manipulator")
-    assert "'prismatic' seems to be a type" in fast[-1]
-
-
 def test_a_short_stroke_is_noticed_in_the_last_arm(tmp_path: Path) -> None:
     """A joint that slides by a hundredth of a millimetre has a notice, whichever way its row is read."""
     path = tmp_path / "arms.csv"
@@ -122,15 +101,6 @@ def test_a_short_stroke_is_noticed_in_the_last_arm(tmp_path: Path) -> None:
         assert fast == outcome(path, content, convention="standard")
     *others, last = csv.READER.read(path, TableOptions(convention="standard"))
     assert (bool(last.notices), any(other.notices for other in others)) == (True, False)
-
-
-def test_an_offset_that_is_in_theta_too_is_noticed_in_the_last_arm(tmp_path: Path) -> None:
-    """Whichever way its row is read, and nobody else's."""
-    path = tmp_path / "arms.csv"
-    arms = [f"r{k},0.{k + 1:03},0,0,{0.5 if k == 39 else 0.7},0.5" for k in range(40)]
-    path.write_text("\n".join(["robot,a,alpha,d,theta,offset", *arms]))
-    read = list(csv.READER.read(path, TableOptions(convention="standard")))
-    assert [k for k, arm in enumerate(read) if any("they are added" in str(notice) for notice in arm.notices)] == [39]
 
 
 def test_a_prismatic_offset_in_mm_is_one_in_mm(tmp_path: Path) -> None:
@@ -268,8 +238,8 @@ def test_the_fast_way_reads_what_the_careful_one_reads(tmp_path_factory: pytest.
 
 
 OWN_LIMITS = {
-    "lower": (-3.0, -WIDEST_LIMIT, -REMARKABLE_LIMIT, -LONGEST_ARM, 0.0, 2.75, 3.0, 3.5),
-    "upper": (3.0, WIDEST_LIMIT, REMARKABLE_LIMIT, LONGEST_ARM, 0.0, -2.75, -2.9995, -2.999, -3.5),
+    "lower": (-3.0, -WIDEST_LIMIT, -LARGEST_LIMIT, -LONGEST_ARM, 0.0, 2.75, 3.0, 3.5),
+    "upper": (3.0, WIDEST_LIMIT, LARGEST_LIMIT, LONGEST_ARM, 0.0, -2.75, -2.9995, -2.999, -3.5),
     "velocity": (1.0, 0.0, -1.0, 0.01, SMALL_ANGLE, FASTEST_SLIDE, FASTEST_TURN, math.inf, math.nan),
     "effort": (20.0, 0.0, -1.0, STRONGEST, math.inf),
 }

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import pytest
 from readings import STANDARD, notices_of, problems_of
 
 import dh2urdf
-from dh2urdf.errors import Dh2UrdfError, TableError
+from dh2urdf.errors import TableError
 from dh2urdf.manipulator import Convention, Manipulator
 
 if TYPE_CHECKING:
@@ -300,7 +300,6 @@ def test_a_column_j_may_count_the_rows(cells: tuple[str, str], read_one: ReadOne
         ("[0 pi/2 0.1; ...\n 0.3 0 0]", "programs differ in their order"),
         ("a,alpha,d\n0.3,0,-", "write 0 if that is meant"),
         ("a,alpha,d\n0.3,0,–", "write 0 if that is meant"),
-        ("a,alpha,d\n0.3,0,-425*", "take out the mark at the end"),
         ("a,alpha,d\n0.3,0.291 rad + 0.1,0", "write a unit behind each part of the sum"),
         ("a,alpha,d,dddq_max\n0.3,0,0,5", "seems to be a jerk or the rate of a torque, which no column holds"),
         ("a,alpha,d,dtau_max\n0.3,0,0,5", "seems to be a jerk or the rate of a torque, which no column holds"),
@@ -327,43 +326,6 @@ def test_a_table_whose_joints_are_in_columns_is_to_be_turned_round(table: str) -
     """The advice was that no field is called '0.3'."""
     with pytest.raises(TableError, match="turn the table round, so that each joint has a row"):
         dh2urdf.read(f"# convention: standard\n{table}\n", reader="csv")
-
-
-@pytest.mark.parametrize("arms", [1, 300])
-def test_a_theta_that_is_the_number_of_its_row_is_no_angle_in_silence(arms: int) -> None:
-    """`01` is a θ1 whose letter was read as a zero: it was 1 rad, without a word."""
-
-    def read(*thetas: str) -> list[Any]:
-        rows = [f"r{arm},{theta},0.1,0.3,0" for arm in range(arms) for theta in thetas]
-        table = "\n".join(["robot,theta,d,a,alpha", *rows])
-        return list(dh2urdf.read_all(table, reader="csv", convention="standard"))
-
-    for thetas in (("01", "02", "03"), ("q1", "02"), ("01", " 02"), ("01+pi/2", "02")):
-        found = read(*thetas)
-        assert len(found) == arms
-        assert not any(isinstance(arm, Manipulator) for arm in found)
-        assert "whose letter became a zero" in str(found[0].problems)
-    found = read("1", "2", "3")
-    assert all("theta counts the rows: '1, 2, 3'" in str(arm.notices) for arm in found)
-    for thetas in (("1", "2"), ("1", "0", "3"), ("0.1", "0.2", "0.3"), ("2", "1", "3")):
-        assert not any(arm.notices for arm in read(*thetas))
-
-
-@pytest.mark.parametrize("theta", ["0₁", "0 1", "O₁", "-0₁", "0₁ + π/2", "0 1 - 90°"])
-def test_a_theta_of_a_scan_is_refused_with_what_to_write(theta: str) -> None:
-    """The message was about a unit or a sign alone."""
-    with pytest.raises(Dh2UrdfError, match="write the joint variable as q1, and what is added"):
-        dh2urdf.read(f"# convention: standard\na,alpha,d,theta\n0.1,0,0.2,{theta}\n", reader="csv")
-
-
-@pytest.mark.parametrize("arms", [1, 300])
-def test_decimal_numbers_as_names_are_spoken_of(arms: int) -> None:
-    """1.0 and 2.0 count the joints; 1.5 is a name, with a notice, alone and among many."""
-    rows = [f"r{arm},{name},0.3,0,0" for arm in range(arms) for name in ("1.5", "2.5")]
-    found = list(dh2urdf.read_all("\n".join(["robot,joint,a,alpha,d", *rows]), reader="csv", convention="standard"))
-    assert all("holds decimal numbers, which are kept as names" in str(arm.notices) for arm in found)
-    one = dh2urdf.read("joint,a,alpha,d\n1.0,0.3,0,0\n2.0,0.3,0,0", reader="csv", convention="standard")
-    assert [row.joint for row in one.rows] == ["joint_1", "joint_2"]
 
 
 # --- Legends, footnotes and cells that say that there is nothing ------------------------------------------------------

@@ -25,7 +25,6 @@ from dh2urdf_plugins.readers.comments.phrases import is_model
 from dh2urdf_plugins.readers.comments.prose import prose_problems
 from dh2urdf_plugins.readers.comments.values import other_values, spoken_values, unread_values
 from dh2urdf_plugins.readers.header.units import SI
-from dh2urdf_plugins.readers.rows.names import holds_type, is_base, kind_of, speaks_of_slide
 from dh2urdf_plugins.readers.statements.statements import Statements
 from dh2urdf_plugins.readers.words.comment_lines import Comment, is_comment
 from dh2urdf_plugins.readers.words.fields import convention_of, joint_type
@@ -138,7 +137,6 @@ def remark_problems(remark: Comment, number: int, statements: Statements, column
             problems
             or unread_values(remark)
             or unread_prose(_about_joint(remark, number), statements)
-            or _other_type(remark, number, typed=typed or "joint" not in columns.fields)  # else it calls the row
             or spoken_values(remark)
         )
     return [
@@ -174,7 +172,7 @@ def behind_problems(
     """
     problems, word = other_values(comment, beside, place=place), comment.text.strip(" .!").casefold()
     repeats = problems is None or (word in _TURNED and re.search(r"\b(?:sign|flip)\b", beside))
-    if typed and (kind := joint_type(word) or (JointType.PRISMATIC if holds_type(word, number) else None)):
+    if typed and (kind := joint_type(word)):
         kinds = {joint_type(text.strip()) for text in re.split("[:;,{}]", beside)} - {None}
         if kinds and kind not in kinds:
             message = f"{shown(comment.line)} is a comment, and the type beside it is another"
@@ -183,33 +181,11 @@ def behind_problems(
     if repeats:
         return []
     about_joint = _about_joint(comment, number)
-    return problems or unread_prose(about_joint, statements, lead=lead) or _other_type(comment, number, typed=typed)
+    return problems or unread_prose(about_joint, statements, lead=lead)
 
 
 def _about_joint(comment: Comment, number: int) -> Comment:
     return replace(comment, text=f"joint {number}: {comment.text}")
-
-
-def _other_type(comment: Comment, number: int, *, typed: bool) -> list[Problem]:
-    """A notice of a word that hardly is about a joint that turns, in a table without types: ``slides``, ``flange``."""
-    word = comment.text.strip(" .!").casefold()
-    if typed or not any(map(str.isalpha, word)):
-        return []
-    moves = holds_type(word, number)
-    if not moves and (kind_of(word) != "frame" or word in _NO_FRAMES or is_base(word)):
-        return []
-    what = "a joint that may not turn" if moves else "a row that may not move"
-    message = f"{shown(comment.line)} is a comment, and nothing is read from it: the table has no types"
-    return [
-        Problem(
-            message=message,
-            severity="notice",
-            mark=comment.whole,
-            field="type",
-            found=comment.line,
-            suggestion=f"if it means {what}, write the types of all joints in a column or under the key type",
-        )
-    ]
 
 
 def _holds(key: str, node: Node, statements: Statements, columns: Columns) -> bool:
@@ -243,7 +219,7 @@ def types_elsewhere(comment: Comment, *, typed: bool) -> list[Problem]:
     kinds |= {None if word.isdigit() else joint_type(word) for word in words_under_key(comment, _TYPE_KEYS)}
     slides = JointType.PRISMATIC in kinds and None not in kinds
     patterns = (_SEQUENCE, _NTH_SLIDES, _SLIDE_VARIABLE)
-    if not (slides or speaks_of_slide(comment.text) or any(re.search(pattern, comment.text) for pattern in patterns)):
+    if not (slides or any(re.search(pattern, comment.text) for pattern in patterns)):
         mostly = len(comment.text) > len("scara") - 1 and re.search(_SLIDING_ARM, comment.text)
         still = not mostly and re.search(_STILL_ROW, comment.text)
         message = f"{shown(comment.line)} speaks of an arm that mostly has a prismatic joint, and no joint is one"

@@ -10,10 +10,10 @@ from dh2urdf.table_text import REQUIRED, CellRow
 from dh2urdf_plugins.readers.csv_file.header import DELIMITERS, row_below, top_rows
 from dh2urdf_plugins.readers.csv_file.lines import CsvLines
 from dh2urdf_plugins.readers.header.header_rows import completed, headers_in
-from dh2urdf_plugins.readers.rows.names import is_plain_label
 from dh2urdf_plugins.readers.tables.cell_rows import BELOW, NOTE_HINT, is_note, other_header, unread_notes
 from dh2urdf_plugins.readers.words.cells import text_of
 from dh2urdf_plugins.readers.words.comment_lines import Comment, joined, marks_a_comment
+from dh2urdf_plugins.readers.words.fields import joint_type
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
@@ -100,7 +100,7 @@ class CsvRows:
             if not text or text.isdecimal() or text in self.noted or len(self.noted) == _NOTES:
                 continue
             self.noted.add(text)
-            if is_plain_label(text):  # a type concerns its joint alone
+            if joint_type(text) is None:  # a type concerns its joint alone
                 self.comments.append(Comment.note(text, Mark(file=self.lines.file, line=line)))
 
     def _is_row(self, line: int, cells: Sequence[str]) -> bool:

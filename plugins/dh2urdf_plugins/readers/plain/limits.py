@@ -15,7 +15,7 @@ from dh2urdf_plugins.readers.plain.numbers import (
     names_foreign_unit,
     plain_quantity,
 )
-from dh2urdf_plugins.readers.rows.rows import NO_LIMITS, REMARKABLE_LIMIT
+from dh2urdf_plugins.readers.rows.rows import LARGEST_LIMIT, NO_LIMITS
 from dh2urdf_plugins.readers.words.bounds import (
     FASTEST_SLIDE,
     FASTEST_TURN,
@@ -50,7 +50,7 @@ class PlainLimits:
         self.columns = {name: columns[name] for name in LIMITS if name in columns}
         self.numbers = {name: PlainNumbers(name, units) for name in self.columns}
         self.bounds = tuple(
-            WIDEST_LIMIT if units.angle or name in units.columns else REMARKABLE_LIMIT for name in ("lower", "upper")
+            WIDEST_LIMIT if units.angle or name in units.columns else LARGEST_LIMIT for name in ("lower", "upper")
         )
         rate = units.columns.get("velocity") or units.of(Dimension.TURN_RATE)
         self.slowest = SMALL_ANGLE if rate and rate.degrees else 0.0  # of joints that turn [rad/s]

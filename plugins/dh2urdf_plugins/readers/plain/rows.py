@@ -27,8 +27,8 @@ from dh2urdf_plugins.readers.plain.limits import PlainLimits
 from dh2urdf_plugins.readers.plain.numbers import PlainNumbers, foreign_unit, names_foreign_unit
 from dh2urdf_plugins.readers.plain.sample import PlainSample
 from dh2urdf_plugins.readers.rows.cells import FULL_TURN, NEARLY
-from dh2urdf_plugins.readers.rows.joint_rows import AXIS, DECIMAL, NUMBER, TWISTING
-from dh2urdf_plugins.readers.rows.names import are_joints, is_plain_label
+from dh2urdf_plugins.readers.rows.joint_rows import AXIS, NUMBER
+from dh2urdf_plugins.readers.rows.names import is_no_joint
 from dh2urdf_plugins.readers.statements.plausibility import longest_plain
 from dh2urdf_plugins.readers.words.bounds import REMEMBERED, SMALL_ANGLE, SMALLEST_LENGTH, are_radians
 from dh2urdf_plugins.readers.words.cells import LINE_END, SPACES, Cell, text_of
@@ -48,7 +48,6 @@ Rows: TypeAlias = slice | list[int]
 """Where the same row of many manipulators is among the rows of all."""
 
 _WORDS = ("robot", "convention", "index", "joint", "link", "type")
-_FIRST = frozenset(("1", "01"))
 _HASH = methodcaller("startswith", "#")
 
 
@@ -135,11 +134,7 @@ class PlainRows:
             return None
         kinds = [self.kinds[word] for word in words]
         plain = "offset" not in values or self._are_plain_offsets(kinds, offset, columns[self.column["offset"]])
-        counts = "theta" in values and self._may_count(columns[self.column["theta"]])
-        twice = any(offset) and any(
-            some and some in (angle, length) for some, angle, length in zip(offset, theta, d, strict=True)
-        )
-        in_doubt = twice or counts or self._are_foreign(columns) or self._are_mixed(columns, values)
+        in_doubt = self._are_foreign(columns) or self._are_mixed(columns, values)
         if in_doubt or not (plain and self.points.are_sure(columns, sizes)):
             return None
         geometry = {"a": a, "alpha": alpha, "d": d, "theta": theta, "offset": offset}
@@ -147,15 +142,6 @@ class PlainRows:
             (members, tuple([_row_in_columns(*names, kinds, limits, geometry, where) for where in places]))
             for members, places in _forms((*names, kinds), limits, sizes)
         ]
-
-    def _may_count(self, thetas: Sequence[Value]) -> bool:
-        """Whether a theta is the number of the first row, or begins with that behind a zero: ``01 + pi/2``."""
-        if isinstance(thetas[0], float):
-            return 1.0 in thetas
-        begins = self.numbers["theta"].has_expressions and any(
-            text_of(theta).strip().startswith("01") for theta in set(thetas)
-        )
-        return begins or not _FIRST.isdisjoint(map(str.strip, thetas))  # type: ignore[arg-type]  # texts, like the first
 
     def _are_left_out(self, columns: Sequence[Sequence[str]]) -> bool:
         """Whether columns that name no field hold nothing to speak of: what was spoken of, no quantities, no types."""
@@ -169,7 +155,7 @@ class PlainRows:
             new = set(columns[index]) - known
             if any(unread(Cell(text.strip(), self.mark), self.headers[index], None) for text in new):
                 return False
-            if "type" not in self.column and not all(map(is_plain_label, map(str.strip, new))):
+            if "type" not in self.column and any(map(joint_type, map(str.strip, new))):
                 return False
             if not self.say_nothing(map(str.strip, new)):
                 return False
@@ -183,7 +169,7 @@ class PlainRows:
         """Whether all types of joints are known, and such as can be read here."""
         for word in set(words) - self.kinds.keys():
             kind = None if not word or LINE_END in word else joint_type(word)  # an empty cell is worth a notice
-            if kind is None or word.strip(SPACES) in TWISTING or (kind is JointType.PRISMATIC and not self.slides):
+            if kind is None or (kind is JointType.PRISMATIC and not self.slides):
                 return False
             self.kinds[word] = kind
         return "type" not in self.column or "" not in words
@@ -231,10 +217,9 @@ class PlainRows:
             and not (order_fault(joints) or order_fault(links))
             and not any(map(_HASH, names))
             and not any(map(is_turned_variable, names))
-            and not any(re.fullmatch(DECIMAL, name) for name in names)
             and not any(re.fullmatch(NUMBER, name) for name in names)  # a column of numbers counts the joints
             and not all(re.fullmatch(AXIS, joint) for joint in joints)  # which may be no names
-            and are_joints(alike, typed="type" in self.column)
+            and ("type" in self.column or not any(map(is_no_joint, alike)))
         )
 
     # --- Numbers

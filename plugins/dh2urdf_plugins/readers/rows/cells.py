@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import re
 from typing import TYPE_CHECKING
 
 from dh2urdf.quantities import Dimension, Quantity, QuantityError, accepted_units, evaluate
@@ -19,8 +18,6 @@ if TYPE_CHECKING:
     from dh2urdf.quantities import Unit
     from dh2urdf_plugins.readers.words.cells import Cell, Doubt, Units
 
-_MEANT_VARIABLE = r"(?i)(?<![a-zA-Z])(?:q|θ|ϑ|th|theta)[\W_]{0,3}[0-9ij₀-₉]"
-"""A joint variable, in a cell that cannot be read: ``θ2 - θ1``."""
 FULL_TURN = 2 * math.pi
 LARGEST_ANGLE = 1000 * FULL_TURN
 """Angle of a table beyond which its sum with a joint value loses what a micrometre at the tool needs [rad]."""
@@ -40,6 +37,8 @@ class RowCells:
         bare: the first cell that was read in the SI unit since nothing says its unit, by field and by what it measures.
         foreign: the first cell that names another unit than the SI unit, by the same.
         from_zero: whether the joint variables are counted from 0: q0 in the first row.
+        last: the number of the last row.
+        rounded: the cells of angles that are nearly a multiple of π/2, and what was meant.
     """
 
     def __init__(self, units: Units) -> None:
@@ -51,6 +50,8 @@ class RowCells:
         self.bare: dict[tuple[str, Dimension], Cell] = {}
         self.foreign: dict[tuple[str, Dimension], Cell] = {}
         self.from_zero = False
+        self.last = 0
+        self.rounded: list[tuple[Cell, str]] = []
         self._foreign: set[str] = set()  # of the row: fields whose cells name another unit than the SI unit
         self._bare: set[str] = set()  # of the row: fields that are read in the SI unit since nothing says their unit
         self._cells: Mapping[str, Cell] = {}
@@ -119,8 +120,9 @@ class RowCells:
         """What a cell says; 0 where it is empty or wrong."""
         if self._absent(name):
             return Quantity(0.0)
-        text = self._cells[name].text
-        what = FIELDS[name]
+        text, what = self._cells[name].text, FIELDS[name]
+        own = f"d{self._number - self.from_zero}"  # a name that is the variable of its row is that
+        symbols = self.units.symbols.without(own) if "d" in variables else self.units.symbols
         dimension = (what.linear if linear else None) or what.dimension or Dimension.NUMBER
         unit = self.units.columns.get(name)
         foreign = unit is not None and unit.dimension is not dimension
@@ -133,13 +135,11 @@ class RowCells:
                 None if foreign else unit,
                 decimal_comma=self.units.decimal_comma,
                 angle=self._angle,
+                symbols=symbols,
             )
         except QuantityError as error:
-            from dh2urdf_plugins.readers.words.no_numbers import advice_for
-
-            suggestion = advice_for(name, text) or error.suggestion
             accepted = "1 or -1" if name == "sign" else error.accepted
-            self._error(error.message, name, accepted=accepted, suggestion=suggestion)
+            self._error(error.message, name, accepted=accepted, suggestion=error.suggestion)
             return Quantity(0.0)
         if not quantity.has_unit:
             self._read_in[name] = unit.symbol if unit else ""
@@ -199,7 +199,7 @@ class RowCells:
                 f"{text} names the joint variable {variable.text}, which cannot be in {name} of this row",
                 name,
                 accepted=f"a number here; {variable.text} may be in {home}",
-                suggestion="give the row the type prismatic if the joint slides" if name == "d" else None,
+                suggestion=self._advice_for(name, variable.kind, variable.text),
             )
             return False
         if variable.row is not None and variable.row != self._number - self.from_zero:
@@ -210,6 +210,14 @@ class RowCells:
             )
             return False
         return True
+
+    @staticmethod
+    def _advice_for(name: str, kind: str, text: str) -> str | None:
+        """What to do about a variable where none can be: it is the name of a length, or the joint slides."""
+        slides = "give the row the type prismatic if the joint slides"
+        if name != "d" or kind != "d":
+            return slides if name == "d" else None
+        return f"define it: `# {text} = 0.1` or `--symbol {text}=100mm`; or {slides}"
 
     def _optional(self, name: str, *, linear: bool = False) -> float | None:
         return None if self._absent(name) else self._quantity(name, linear=linear).value
@@ -233,21 +241,3 @@ def meant_by(angle: float) -> str | None:
         return None
     meant = {1: "pi/2", 2: "pi"}.get(abs(turns), f"{abs(turns)}*pi/2")
     return meant if turns > 0 else f"-{meant}"
-
-
-def variables_in(cells: Mapping[str, Cell]) -> dict[str, int | None]:
-    """The numbers of the joint variables that a row names, by the cell: None for one without a number."""
-    found: dict[str, int | None] = {}
-    for name, dimension in (("theta", Dimension.ANGLE), ("d", Dimension.LENGTH)):
-        cell = cells.get(name)
-        if cell is None or not any(map(str.isalpha, cell.text)):
-            continue
-        try:
-            variable = evaluate(cell.text, dimension, decimal_comma=True).variable  # `q1 + 1,57`, too
-        except QuantityError:
-            if name == "theta" and re.search(_MEANT_VARIABLE, cell.text):
-                found[name] = None  # the cell is refused, and lacks no variable besides
-            continue
-        if variable is not None:
-            found[name] = variable.row
-    return found

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from dh2urdf.manipulator import ENDS, DHRow, Inertia, JointType, Limits
 from dh2urdf.quantities import Dimension, accepted_units
+from dh2urdf.rotations import HALF_PI, rounded_quarter_turn
 from dh2urdf.row_fields import COM, INERTIA, NUMBERS, ROW_FIELDS
-from dh2urdf.source import Mark, did_you_mean, shown
+from dh2urdf.source import Mark, Problem, did_you_mean, shown
 from dh2urdf.table_text import REQUIRED, Said
 from dh2urdf_plugins.readers.header.units import SI
 from dh2urdf_plugins.readers.rows.cells import FULL_TURN, RowCells, meant_by
@@ -27,8 +29,6 @@ MAX_PROBLEMS = 1000
 """Problems of one manipulator that are collected; reading it stops there."""
 LARGEST_LIMIT = 20 * math.pi
 """Bound of a revolute joint beyond which it is taken for degrees [rad]."""
-REMARKABLE_LIMIT = 4 * math.pi
-"""Bound of a revolute joint beyond which a person should look at it [rad]."""
 
 _ROTARY_VARIABLES = ("q", "theta")
 _LINEAR_VARIABLES = ("q", "d")
@@ -69,8 +69,8 @@ class RowReader(RowCells):
         self._joint = self._name("joint", self._joint)
         link = self._name("link", f"link_{number}")
         kind = self._type()
-        if kind is JointType.FIXED and self._joint in ENDS:
-            self._joint = self._beside_tip_frame(self._joint)
+        if kind is JointType.FIXED and self._joint in ENDS:  # a frame of every description has this name
+            self._joint = f"{self._joint}_joint"
         self.names.append(RowNames(self._joint, link, self._place("joint"), self._place("link")))
         for name in REQUIRED:
             if self._absent(name):
@@ -111,15 +111,11 @@ class RowReader(RowCells):
                     if cell.text
                 }
             )
+        if number == self.last and self.rounded:
+            self._note_rounded()
         return row() if self.errors == before else None
 
     # --- Words --------------------------------------------------------------------------------------------------------
-
-    def _beside_tip_frame(self, name: str) -> str:
-        """The name of a fixed row that is called like a frame of every description, as datasheets call their last."""
-        joint = f"{name}_joint"
-        self._notice(f"the joint is named {shown(joint)}: {shown(name)} is a link of every robot description", "joint")
-        return joint
 
     def _type(self) -> JointType:
         cell = self._cells.get("type")
@@ -136,12 +132,10 @@ class RowReader(RowCells):
     # --- Geometry -----------------------------------------------------------------------------------------------------
 
     def _turn(self, name: str) -> float:
-        quantity = self._quantity(name)
-        self._look_at_turn(name, quantity.value)
-        return quantity.value
+        return self._looked_at(name, self._quantity(name).value)
 
-    def _look_at_turn(self, name: str, angle: float) -> None:
-        """Refuses an angle of more than a full turn for which no unit is declared."""
+    def _looked_at(self, name: str, angle: float) -> float:
+        """An angle of a row; one of more than a full turn is refused where no unit is declared for it."""
         if abs(angle) > FULL_TURN and name not in self._unit_said:
             self._error(
                 f"{shown(self._cells[name].text)} is more than a full turn in rad, and no unit is declared for it",
@@ -150,8 +144,27 @@ class RowReader(RowCells):
                 suggestion=f"if these are degrees, say so: `{name} [deg]` in the header, `units: {{angle: deg}}`, "
                 "or `--angle-unit deg`",
             )
-        else:
-            self._odd_angle(name, angle)
+        elif meant := meant_by(angle):
+            self.rounded.append((self._cells[name], meant))
+            if self.units.repair_pi:
+                return (rounded_quarter_turn(angle) or 0) * HALF_PI
+        return angle
+
+    def _note_rounded(self) -> None:
+        """One notice of the angles of a table that are nearly a multiple of π/2."""
+        cell, meant = self.rounded[0]
+        count = f"; {len(self.rounded)} angles are rounded like that" if self.rounded[1:] else ""
+        kept = "is read as" if self.units.repair_pi else "is kept as it is, and is nearly"
+        advice = None if self.units.repair_pi else f"write {meant}, or `--rounded-pi repair` for all of them"
+        self.add(
+            Problem(
+                message=f"{shown(cell.text)} {kept} {meant}{count}",
+                severity="notice",
+                mark=cell.mark,
+                found=cell.text,
+                suggestion=advice,
+            )
+        )
 
     def _six_parameters(self) -> None:
         """Takes what the row has of Hayati, and of Khalil and Kleinfinger."""
@@ -169,21 +182,6 @@ class RowReader(RowCells):
         elif beta or gamma or b:
             self.extras[self._joint] = Extra(beta, gamma, b, self._place("gamma" if gamma else "b"))
 
-    def _odd_angle(self, name: str, angle: float) -> None:
-        """A notice of an angle of more than a full turn, or of nearly a quarter turn."""
-        if abs(angle) > FULL_TURN:
-            text = self._cells[name].text
-            declare = f"if these are degrees, say so: `{name} [deg]`"
-            raised = f"is the 0 at its end a degree sign? write {text[:-1]}°" if text.endswith("0") else None
-            self._notice(
-                f"{shown(text)} is more than a full turn", name, raised if name in self._unit_said else declare
-            )
-            return
-        if meant := meant_by(angle):
-            self._notice(
-                f"{shown(self._cells[name].text)} is kept as it is; {meant} was probably meant", name, f"write {meant}"
-            )
-
     def _joint_variable(self, kind: JointType) -> tuple[float, float, float, int]:
         """d, theta, offset and sign of the row [SI]."""
         linear = kind is JointType.PRISMATIC
@@ -192,20 +190,14 @@ class RowReader(RowCells):
         theta = self._quantity("theta", variables=_ROTARY_VARIABLES if moves and not linear else ())
         offset = self._quantity("offset", linear=linear).value
         sign = self._sign()
-        if theta.variable:  # what is added to one is typed, and no place of a joint
-            self._look_at_turn("theta", theta.value)
-        else:
-            self._odd_angle("theta", theta.value)
-        if not linear:
-            self._odd_angle("offset", offset)
+        theta = replace(theta, value=self._looked_at("theta", theta.value))
+        offset = offset if linear else self._looked_at("offset", offset)
         if not moves and offset:
             self._error("a fixed joint has no variable that an offset could be added to", "offset", accepted="0")
         if not moves and sign < 0:
             name = "flip" if "flip" in self._cells else "sign"
             self._error("a fixed joint has no direction that could be turned", name, accepted="1, or flip false")
         said = d if linear else theta
-        if offset and said.value == offset:
-            self._twice("d" if linear else "theta")
         if said.variable is None:
             return d.value, theta.value, offset, sign
         if said.sign < 0 and sign < 0:
@@ -216,14 +208,6 @@ class RowReader(RowCells):
             )
         offset, sign = offset + said.value, sign * said.sign
         return (0.0, theta.value, offset, sign) if linear else (d.value, 0.0, offset, sign)
-
-    def _twice(self, name: str) -> None:
-        """A notice of an offset that the joint's own theta, or d, seems to have already; one is enough for a table."""
-        message = (
-            f"{name} is {shown(self._cells[name].text)} and offset {shown(self._cells['offset'].text)}: they are added"
-        )
-        if not any(problem.message.endswith(": they are added") for problem in self.problems):
-            self._notice(message, "offset", f"if it is the same one, write it in one of the two: {name} or offset")
 
     def _sign(self) -> int:
         if not self._absent("flip"):
@@ -263,9 +247,6 @@ class RowReader(RowCells):
                 self._error(f"there is {have} and no {name}", name, accepted="both lower and upper, or neither")
             elif number is not None and not linear and abs(number) > LARGEST_LIMIT:
                 self._limit_in_degrees(name)
-            elif number is not None and not linear and abs(number) > REMARKABLE_LIMIT and name not in self._unit_said:
-                text = shown(self._cells[name].text)
-                self._notice(f"{text} is more than two turns in rad", name, f"if these are degrees: `{name} [deg]`")
         if lower is not None and upper is not None and lower > upper and self.errors == errors:
             found = f"{shown(self._cells['lower'].text)} is above upper, {shown(self._cells['upper'].text)}"
             self._error(f"lower, {found}", "lower", accepted="lower at most upper", suggestion="are they exchanged?")

@@ -19,7 +19,6 @@ from dh2urdf_plugins.readers.header.unknown_columns import (
 )
 from dh2urdf_plugins.readers.header.words import read_header
 from dh2urdf_plugins.readers.rows.joint_rows import LABEL
-from dh2urdf_plugins.readers.rows.names import holds_type, kind_of
 from dh2urdf_plugins.readers.words.bounds import MAX_TEXT, REMEMBERED
 from dh2urdf_plugins.readers.words.cells import SPACES, Cell, text_of
 from dh2urdf_plugins.readers.words.comment_lines import SPREADSHEET_ERROR, Comment, joined, marks_a_comment
@@ -57,7 +56,6 @@ class TableCells:
         keys = [read_header(header).key for header in headers] if None in columns.fields else []
         starts = [k for k, key in enumerate(keys) if _STEPS.get(key) in keys]
         self.steps = (starts[0], keys.index(_STEPS[keys[starts[0]]])) if starts else None
-        self.d_text = ""  # of the row: its cell in d
         self.reached = ""  # of the manipulator: the link that the row above leads to
         self.remarks: dict[
             str, tuple[Comment, int, str]
@@ -65,14 +63,13 @@ class TableCells:
         self.first_counts: dict[int, int] = {}  # of the manipulator: where a column without a header begins to count
 
     def read(
-        self, row: Sequence[Value], marks: Sequence[Mark], mark: Mark, number: int, reader: RowReader
+        self, row: Sequence[Value], marks: Sequence[Mark], number: int, reader: RowReader
     ) -> dict[str, Cell] | None:
         """The cells of a row by field, or None where they cannot be told apart.
 
         Args:
             row: the cells as they are in the file.
             marks: the place of each.
-            mark: the place of the row.
             number: the number of the row within its manipulator.
             reader: what takes the problems.
         """
@@ -80,8 +77,7 @@ class TableCells:
         if problem := self._pass_over(texts, marks, joint):
             reader.add(problem)
             return None
-        cells = self._label(texts, marks)
-        self.d_text = texts[columns.fields.index("d")].casefold() if "d" in columns.fields[: len(texts)] else ""
+        cells: dict[str, Cell] = {}
         if self.steps:
             parent, child = (Cell(texts[k].strip(SPACES), marks[k]) for k in self.steps)
             self._follow(parent, child, number)
@@ -91,7 +87,8 @@ class TableCells:
                 continue
             cell = Cell(text.strip(SPACES), marks[index], index in columns.of_theta)
             if name is None and index not in columns.unheld:
-                self._left_out(cell, index, number, mark, reader)
+                self._left_out(cell, index, number)
+                cells |= self._may_be_type(cell, index)
                 continue
             if "\n" in cell.text:
                 reader.add(_several_lines(cell, name, joint))
@@ -174,17 +171,6 @@ class TableCells:
         if problem and (first is None or (is_zero(first.found or "") and not is_zero(problem.found or ""))):
             self.refused[index] = problem
 
-    def _label(self, texts: Sequence[str], marks: Sequence[Mark]) -> dict[str, Cell]:
-        """What a column that no field knows calls the row, where no joint is called so."""
-        counted: dict[str, Cell] = {}
-        for index, (name, text, mark) in enumerate(zip(self.columns.fields, texts, marks, strict=False)):
-            label = Cell(text.strip(SPACES), mark)
-            if name is None and kind_of(label.text) in ("total", "frame"):
-                return {LABEL: label}
-            if index in self.columns.unheld and self.columns.unheld[index].counts and label.text:
-                counted = counted or {LABEL: label}
-        return counted
-
     def _are_units(self, texts: Sequence[str]) -> bool:
         """Whether what is in the columns of geometry are units, and nothing else."""
         words = dict(zip(self.columns.fields, texts, strict=False))
@@ -213,30 +199,13 @@ class TableCells:
             accepted="one header; tables of several manipulators have a column robot",
         )
 
-    def _look_for_types(self, text: str, index: int, mark: Mark, number: int, reader: RowReader) -> bool:
-        """Refuses a column that no field knows where it plainly holds types, since joints without are revolute."""
-        word = text.strip(SPACES)
-        in_d = word and word.casefold() in self.d_text  # the variable that is in d shows that the joint slides
-        if self.has_type or in_d or not holds_type(word, number):
-            return False
-        header = self.columns.headers[index]
-        reader.add(
-            Problem(
-                message=f"{shown(word)} seems to be a type, and no field is called {shown(header)}: the joint would be "
-                "taken as revolute",
-                mark=mark,
-                joint=f"joint_{number}",
-                field="type",
-                found=word,
-                accepted=f"one of the headers {', '.join(FIELDS['type'].headers)}",
-                suggestion=how_to_leave_out(header) if header else None,
-            )
-        )
-        return True
+    def _may_be_type(self, cell: Cell, index: int) -> dict[str, Cell]:
+        """A cell that no field knows, where it may be a type since no column is of types."""
+        named = self.has_type or not cell.text or cell.text.isdigit()
+        return {} if named else {f"{LABEL}{self.columns.headers[index]}": cell}
 
-    def _left_out(self, cell: Cell, index: int, number: int, mark: Mark, reader: RowReader) -> None:
+    def _left_out(self, cell: Cell, index: int, number: int) -> None:
         """Notes that a column that names no field holds something, and refuses quantities in it."""
-        is_type = self._look_for_types(cell.text, index, mark, number, reader)
         if index in self.strays and is_number(cell.text) and not self._counts(cell.text, index, number):
             self._refuse(index, stray_number(cell.text, cell.mark, f"joint_{number}"))
             return
@@ -244,7 +213,7 @@ class TableCells:
             self.left_out.add(index)
         problem = unread(cell, self.columns.headers[index], number)
         self._refuse(index, problem)
-        if not (is_type or problem) and _is_remark(cell.text):
+        if not problem and _is_remark(cell.text):
             self.remarks.setdefault(cell.text, (Comment.note(cell.text, cell.mark), number, ""))
 
     def _counts(self, text: str, index: int, number: int) -> bool:

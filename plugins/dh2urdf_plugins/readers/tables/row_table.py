@@ -356,7 +356,7 @@ class RowTable:
             if problems := list(self.source.row_problems(key, texts, number)):
                 for problem in problems:
                     reader.add(problem)
-            elif cells := table_cells.read(row, self.source.marks(key, texts), mark, number, reader):
+            elif cells := table_cells.read(row, self.source.marks(key, texts), number, reader):
                 if (robot := cells.pop("robot", None)) and not robot.text and rows.name:
                     reader.add(_nameless(robot, rows.name, number))
                 if convention := cells.pop("convention", None):

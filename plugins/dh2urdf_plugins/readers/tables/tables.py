@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from itertools import chain
 from typing import TYPE_CHECKING
 
 from dh2urdf.errors import TableError
@@ -13,7 +12,6 @@ from dh2urdf.stages import Rejected
 from dh2urdf_plugins.readers.header.units import bare_beside_cells
 from dh2urdf_plugins.readers.header.unknown_columns import is_turned_variable
 from dh2urdf_plugins.readers.rows.joint_rows import settle
-from dh2urdf_plugins.readers.rows.names import remark_in, total_problem
 from dh2urdf_plugins.readers.rows.rows import MAX_PROBLEMS
 from dh2urdf_plugins.readers.rows.six_parameters import extra_problems, with_four_parameters
 from dh2urdf_plugins.readers.statements.plausibility import arm_length, plausibility
@@ -74,7 +72,7 @@ def manipulator(
     arm = [row for row in rows if row]
     if not rows:
         add(Problem(message="there are no joints: a manipulator has one row for each", mark=mark, field="joints"))
-    for problem in chain(_problems_of_all_rows(reader, statements), _remarks_in_names(arm)):
+    for problem in _problems_of_all_rows(reader, statements):
         add(problem)
     if statements.calibration and arm and not reader.errors:
         arm = _calibrated(arm, statements, mark, add)
@@ -103,29 +101,6 @@ def _problems_of_all_rows(reader: RowReader, statements: Statements) -> Iterator
                 )
     yield from bare_beside_cells(reader.units, reader.foreign, reader.bare)
     yield from extra_problems(reader.extras, statements.convention and statements.convention[0])
-
-
-def _remarks_in_names(rows: Sequence[DHRow]) -> Iterator[Problem]:
-    """A notice of names that say something about their joints which the rows do not, such as ``wrist (reversed)``."""
-    found = []
-    for row in rows:
-        known = {
-            "sign": row.sign < 0,
-            "motion": row.type is JointType.CONTINUOUS,
-            "value": bool(row.offset or row.theta or row.limits.lower is not None),
-        }
-        if row.type is not JointType.FIXED and (remark := remark_in(row.joint)) and not known[remark]:
-            found.append(row)
-    if found:
-        more = f", as {len(found) - 1} more do" if found[1:] else ""
-        yield Problem(
-            message=f"the name {shown(found[0].joint)} says something about its joint{more}: nothing is read from it",
-            severity="notice",
-            mark=found[0].mark,
-            joint=found[0].joint,
-            field="joint",
-            suggestion="write it in a column: type, sign, offset, or lower and upper",
-        )
 
 
 def _in_four_parameters(given: Manipulator, reader: RowReader, trace: Trace | None) -> Manipulator:
@@ -201,8 +176,6 @@ def read_rows(rows: Sequence[tuple[dict[str, Cell] | None, Mark]], reader: RowRe
     read: list[DHRow | None] = []
     for number, (cells, mark) in enumerate(rows, start=settle(rows, reader)):
         row = None if cells is None else reader.read(number, cells, mark)
-        if row and (problem := total_problem(row, read)):
-            reader.add(problem)
         read.append(row)
         if stopped(reader):
             break

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
-from dh2urdf.quantities import Dimension, Unit
+from dh2urdf.quantities import Dimension, Symbols, Unit
 
 if TYPE_CHECKING:
     from dh2urdf.source import Mark
@@ -63,6 +63,8 @@ class Units:
         columns: the units that headers declare, by field.
         doubts: why bare numbers other than 0 have no sure unit, by what they measure or by field.
         decimal_comma: whether a comma may stand for the decimal point.
+        symbols: what names of lengths and angles stand for.
+        repair_pi: whether an angle that is nearly a multiple of π/2 is one.
         bare: outside of rows, the first number of each kind that is read in the SI unit since nothing says its unit,
             and its field.
     """
@@ -71,6 +73,8 @@ class Units:
     columns: Mapping[str, Unit] = field(default_factory=dict)
     doubts: Mapping[str, Doubt] = field(default_factory=dict)
     decimal_comma: bool = False
+    symbols: Symbols = field(default_factory=Symbols, compare=False)
+    repair_pi: bool = False
     bare: dict[Dimension, tuple[str, Cell]] = field(default_factory=dict, compare=False)
 
     @property

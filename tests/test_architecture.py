@@ -421,7 +421,7 @@ BUDGETS = {
     "plugins/dh2urdf_plugins/formats": 4660,
     "plugins/dh2urdf_plugins/loaders": 2760,
     "plugins/dh2urdf_plugins/packages": 2640,
-    "plugins/dh2urdf_plugins/readers": 14300,
+    "plugins/dh2urdf_plugins/readers": 13800,
     "plugins/dh2urdf_plugins/transforms": 2360,
     "plugins/dh2urdf_plugins/xacro_fence": 790,
     "plugins/dh2urdf_studio": 7810,

@@ -418,7 +418,7 @@ BUDGETS = {
     "plugins/dh2urdf_plugins/edits": 550,
     "plugins/dh2urdf_plugins/executors": 560,
     "plugins/dh2urdf_plugins/extraction": 1060,
-    "plugins/dh2urdf_plugins/formats": 4660,
+    "plugins/dh2urdf_plugins/formats": 4471,
     "plugins/dh2urdf_plugins/loaders": 2760,
     "plugins/dh2urdf_plugins/packages": 2640,
     "plugins/dh2urdf_plugins/readers": 13800,

@@ -1,27 +1,24 @@
-"""XML files as elements, for the readers of URDF, SDF and MJCF.
-
-What a proof reads: robots that hold all that is in their files.
-
-Capsules, which robots have as a cylinder with a ball at each end.
-"""
+"""XML files as elements, and what is in them, for the readers of URDF, SDF and MJCF."""
 
 from __future__ import annotations
 
 import math
 import re
 from contextlib import suppress
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from lxml import etree
 
 from dh2urdf.documents import ACCEPTED_XML, ForbiddenXmlError, refuse_other_kind, xml_root
 from dh2urdf.errors import ProofError
-from dh2urdf.robot import Cylinder, Sphere
+from dh2urdf.manipulator import JointType
+from dh2urdf.robot import Cylinder, Joint, Origin, Sphere
 from dh2urdf.rotations import IDENTITY, IDENTITY_ROTATION, RigidTransform
 from dh2urdf.source import Mark, Problem, shown
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Collection, Mapping, Sequence
     from pathlib import Path
 
     from dh2urdf.robot import Geometry, Robot
@@ -77,18 +74,19 @@ def tree_of(content: bytes, file: str, *, is_deep: bool = False) -> etree._Eleme
             for an attack otherwise.
 
     Raises:
-        ProofError: the text is not XML, has a document type, or is in another encoding than
-            `dh2urdf.documents.xml_elements.ENCODINGS`.
+        ProofError: the text is not XML, or has a document type.
     """
     refuse_other_kind(content, file, ProofError, "a robot description", "a robot description in XML")
     try:
         root = xml_root(content, is_deep=is_deep)
     except etree.XMLSyntaxError as error:
-        content = _without_comments(content)
+        # Comments leave their newlines alone: simulators take comments with ``--`` or ``--->``, and XML does not.
+        newlines = lambda comment: b"\n" * comment[0].count(b"\n")  # noqa: E731
+        content = re.sub(rb"<!--.*?-->", newlines, content, flags=re.DOTALL)
         parser = etree.XMLParser(resolve_entities=False, no_network=True, load_dtd=False, recover=True)
         with suppress(etree.XMLSyntaxError):  # of a text without an element; the log has it
             etree.fromstring(content, parser)
-        log: Any = parser.error_log  # The stubs of lxml say that it cannot be iterated over.
+        log: Any = parser.error_log
         faults = [each for each in log if each.type_name not in PASSED_OVER]
         if faults or isinstance(error, ForbiddenXmlError):
             raise _no_xml(error, file, faults) from error
@@ -103,11 +101,6 @@ def tree_of(content: bytes, file: str, *, is_deep: bool = False) -> etree._Eleme
     return root
 
 
-def _without_comments(content: bytes) -> bytes:
-    """A text with its comments' newlines alone: simulators take comments with ``--`` or ``--->``, and XML does not."""
-    return re.sub(rb"<!--.*?-->", lambda comment: b"\n" * comment[0].count(b"\n"), content, flags=re.DOTALL)
-
-
 def _no_xml(error: etree.XMLSyntaxError, file: str, faults: Sequence[Any]) -> ProofError:
     if isinstance(error, ForbiddenXmlError) or not faults:
         return ProofError(Problem(message=error.msg, mark=Mark(file=file), accepted=ACCEPTED_XML))
@@ -120,30 +113,6 @@ def _no_xml(error: etree.XMLSyntaxError, file: str, faults: Sequence[Any]) -> Pr
             suggestion="correct the XML at this place, or give another file",
         )
     )
-
-
-def finite_numbers(text: str, count: int, most: int = 0) -> list[float] | None:
-    """The numbers of a text with spaces between them; None where they are not as many finite ones.
-
-    `float` also takes 1_000, nan and inf, which no reader of robots does.
-
-    Args:
-        text: the text.
-        count: how many are wanted.
-        most: as many may be there; further ones mean nothing.
-    """
-    try:
-        numbers = [float(word) for word in text.split()]
-    except ValueError:
-        return None
-    if not count <= len(numbers) <= max(count, most) or "_" in text or not text.isascii():
-        return None
-    return numbers[:count] if all(map(math.isfinite, numbers)) else None
-
-
-def wanted_numbers(count: int) -> str:
-    """What is accepted where that many numbers are wanted."""
-    return "one finite number" if count == 1 else f"{count} finite numbers with spaces between them"
 
 
 def mark_of(element: etree._Element, file: str = "") -> Mark:
@@ -177,34 +146,79 @@ class FileElements:
         """What is wrong with an element."""
         return ProofError(Problem(message=message, accepted=accepted, mark=self.mark(element)))
 
+    def read(self, element: etree._Element, name: str, text: str, count: int, most: int = 0) -> list[float]:
+        """The finite numbers of a text with spaces between them.
+
+        `float` also takes 1_000, nan and inf, which no reader of robots does.
+
+        Args:
+            element: the element.
+            name: its attribute, or the path of the child.
+            text: the text.
+            count: how many are wanted.
+            most: as many may be there; further ones mean nothing.
+
+        Raises:
+            ProofError: they are not as many, or something else is there.
+        """
+        with suppress(ValueError):
+            numbers = [float(word) for word in text.split()]
+            is_plain = "_" not in text and text.isascii() and all(map(math.isfinite, numbers[:count]))
+            if is_plain and count <= len(numbers) <= max(count, most):
+                return numbers[:count]
+        accepted = "one finite number" if count == 1 else f"{count} finite numbers with spaces between them"
+        raise self.error(element, f"{name} of {element.tag} is {shown(text)}", accepted)
+
     def not_read(self, element: etree._Element, what: str) -> None:
         """Notes that an element cannot be read."""
         self.unread.setdefault(what, []).append(self.mark(element))
 
+    def not_of_a_manipulator(self, element: etree._Element, kind: str, accepted: str) -> ProofError:
+        """What is wrong with a joint of a type that is not one of a manipulator."""
+        return self.error(element, f"joint type {shown(kind)} is not one of a manipulator", accepted)
 
-def whole(robot: Robot, loose: Mapping[str, str], unread: Mapping[str, Sequence[Mark]], accepted: str) -> Robot:
-    """A robot of which nothing was left out.
 
-    Args:
-        robot: the robot of a file.
-        loose: the types of joints that no table has, by name.
+class Model(NamedTuple):
+    """What is in an SDF or an MJCF.
+
+    Attributes:
+        robot: its links and joints; joints that no table has are fixed in it.
+        loose: their types, by name.
         unread: what could not be read, by the words for it: the places.
-        accepted: the types of joints that the format has and tables, too.
-
-    Raises:
-        ProofError: something was left out.
+        doubly: links that are held by more than one joint, which closes a loop.
+        mimics: of an SDF, the elements by which joints follow others, by the joints' names.
+        references: of an MJCF, the reference values of the joints that move, by name [rad or m].
     """
-    for joint in robot.joints if loose else ():
-        if (kind := loose.get(joint.name)) is not None:
-            raise ProofError(not_of_a_manipulator(kind, accepted, joint.mark))
-    for what, (mark, *_) in unread.items():
-        raise ProofError(Problem(message=f"{what} is not read here", mark=mark))
-    return robot
+
+    robot: Robot
+    loose: Mapping[str, str]
+    unread: Mapping[str, Sequence[Mark]]
+    doubly: Collection[str]
+    mimics: Mapping[str, etree._Element] = MappingProxyType({})
+    references: Mapping[str, float] = MappingProxyType({})
+
+    def whole(self, accepted: str) -> Robot:
+        """The robot, of which nothing was left out.
+
+        Args:
+            accepted: the types of joints that the format has and tables, too.
+
+        Raises:
+            ProofError: something was left out.
+        """
+        for joint in self.robot.joints if self.loose else ():
+            if (kind := self.loose.get(joint.name)) is not None:
+                message = f"joint type {shown(kind)} is not one of a manipulator"
+                raise ProofError(Problem(message=message, accepted=accepted, mark=joint.mark))
+        for what, (mark, *_) in self.unread.items():
+            raise ProofError(Problem(message=f"{what} is not read here", mark=mark))
+        return self.robot
 
 
-def not_of_a_manipulator(kind: str, accepted: str, mark: Mark | None) -> Problem:
-    """The problem of a joint whose type is not one of a manipulator."""
-    return Problem(message=f"joint type {shown(kind)} is not one of a manipulator", accepted=accepted, mark=mark)
+def fixed(name: str, holder: str, pose: RigidTransform) -> Joint:
+    """The joint by which a link holds another one, or a frame."""
+    origin = Origin.of(pose)
+    return Joint(name=f"{holder} holds {name}", type=JointType.FIXED, parent=holder, child=name, origin=origin)
 
 
 class Placed(NamedTuple):
@@ -215,6 +229,6 @@ class Placed(NamedTuple):
 
 
 def capsule(radius: float, length: float) -> list[Placed]:
-    """The parts of a capsule along z; its length is that between the middles of its ends [m]."""
+    """The parts of a capsule along z, a cylinder and two balls; its length is between the middles of its ends [m]."""
     ends = [RigidTransform(IDENTITY_ROTATION, (0.0, 0.0, end)) for end in (0.5 * length, -0.5 * length)]
     return [Placed(Cylinder(radius=radius, length=length)), *(Placed(Sphere(radius=radius), end) for end in ends)]

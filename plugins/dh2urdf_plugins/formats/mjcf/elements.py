@@ -20,7 +20,6 @@ from dh2urdf.errors import InputError, ProofError
 from dh2urdf.kinematics import axis_rotation
 from dh2urdf.rotations import (
     IDENTITY_ROTATION,
-    Z_AXIS,
     ZERO,
     RigidTransform,
     Rotation,
@@ -35,15 +34,7 @@ from dh2urdf.rotations import (
     subtract,
 )
 from dh2urdf.source import Problem, shown
-from dh2urdf_plugins.formats.xml_files import (
-    FILE,
-    LARGEST,
-    FileElements,
-    finite_numbers,
-    mark_of,
-    tree_of,
-    wanted_numbers,
-)
+from dh2urdf_plugins.formats.xml_files import FILE, LARGEST, FileElements, mark_of, tree_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -54,7 +45,8 @@ SMALLEST = 1e-7
 """Length from which on MuJoCo takes a vector for a direction."""
 _DEEPEST = 100
 """Frames around each other that are read: each element multiplies all of them."""
-_ORIENTATIONS = frozenset(("quat", "euler", "axisangle", "xyaxes", "zaxis"))
+_ORIENTATIONS = {"quat": 4, "axisangle": 4, "xyaxes": 6, "zaxis": 3, "euler": 3}
+"""The attributes of an orientation and how many numbers each has; the first that is there counts."""
 _BLANK_MEANS_NOTHING = dict.fromkeys(("pos", "axis", "ref", "range", "fromto", "size", *_ORIENTATIONS)) | {
     "quat": "1 0 0 0"  # It turns nothing, and takes the place of an orientation that a class gives.
 }
@@ -171,35 +163,35 @@ class Elements(FileElements):
         return RigidTransform(z_rotation(scale(1.0 / length, along)), scale(0.5, add(start, end))), 0.5 * length
 
     def _rotation(self, element: etree._Element, attributes: dict[str, str]) -> Rotation:
-        if "quat" in attributes:
-            w, x, y, z = self.numbers(element, attributes, "quat", (1.0, 0.0, 0.0, 0.0))
-            try:
-                return rotation_from_quaternion((x, y, z, w))
-            except ZeroDivisionError:
-                raise self.error(
-                    element, f"quat of {element.tag} gives no rotation", "four numbers with a length"
-                ) from None
-        if "axisangle" in attributes:
-            *axis, angle = self.numbers(element, attributes, "axisangle", (*Z_AXIS, 0.0))
-            return axis_rotation(self._unit(element, "axisangle", (axis[0], axis[1], axis[2])), angle * self.angle)
-        if "xyaxes" in attributes:
-            numbers = self.numbers(element, attributes, "xyaxes", (0.0,) * 6)
-            x_axis = self._unit(element, "xyaxes", (numbers[0], numbers[1], numbers[2]))
-            along = (numbers[3], numbers[4], numbers[5])
-            y_axis = self._unit(element, "xyaxes", subtract(along, scale(dot(x_axis, along), x_axis)))
-            z_axis = cross(x_axis, y_axis)
-            return (x_axis[0], y_axis[0], z_axis[0], x_axis[1], y_axis[1], z_axis[1], x_axis[2], y_axis[2], z_axis[2])
-        if "zaxis" in attributes:
-            return z_rotation(self._unit(element, "zaxis", self.vector(element, attributes, "zaxis", Z_AXIS)))
-        rotation = IDENTITY_ROTATION
-        if "euler" in attributes:
-            sequence = self.compiler.get("eulerseq") or "xyz"
-            if len(sequence) != len(_AXES) or not set(sequence.lower()) <= _AXES.keys():
-                raise self.error(element, f"eulerseq is {shown(sequence)}", "three of the letters x, y, z, X, Y, Z")
-            for word, angle in zip(sequence, self.numbers(element, attributes, "euler", ZERO), strict=True):
-                turn = axis_rotation(_AXES[word.lower()], angle * self.angle)
-                # About axes that turn along, or about those that stand still.
-                rotation = multiply(rotation, turn) if word.islower() else multiply(turn, rotation)
+        name = next((name for name in _ORIENTATIONS if name in attributes), None)
+        if name is None:
+            return IDENTITY_ROTATION
+        numbers = self.numbers(element, attributes, name, (0.0,) * _ORIENTATIONS[name])
+        x, y, z, *rest = numbers
+        match name:
+            case "quat":
+                try:
+                    return rotation_from_quaternion((y, z, rest[0], x))
+                except ZeroDivisionError:
+                    message = f"quat of {element.tag} gives no rotation"
+                    raise self.error(element, message, "four numbers with a length") from None
+            case "axisangle":
+                return axis_rotation(self._unit(element, name, (x, y, z)), rest[0] * self.angle)
+            case "xyaxes":
+                along = (rest[0], rest[1], rest[2])
+                x_axis = self._unit(element, name, (x, y, z))
+                y_axis = self._unit(element, name, subtract(along, scale(dot(x_axis, along), x_axis)))
+                (a, b, c), (d, e, f), (g, h, i) = x_axis, y_axis, cross(x_axis, y_axis)
+                return (a, d, g, b, e, h, c, f, i)
+            case "zaxis":
+                return z_rotation(self._unit(element, name, (x, y, z)))
+        rotation, sequence = IDENTITY_ROTATION, self.compiler.get("eulerseq") or "xyz"
+        if len(sequence) != len(_AXES) or not set(sequence.lower()) <= _AXES.keys():
+            raise self.error(element, f"eulerseq is {shown(sequence)}", "three of the letters x, y, z, X, Y, Z")
+        for word, angle in zip(sequence, numbers, strict=True):
+            turn = axis_rotation(_AXES[word.lower()], angle * self.angle)
+            # About axes that turn along, or about those that stand still.
+            rotation = multiply(rotation, turn) if word.islower() else multiply(turn, rotation)
         return rotation
 
     def _unit(self, element: etree._Element, name: str, vector: Vec3) -> Vec3:
@@ -217,7 +209,7 @@ class Elements(FileElements):
     def numbers(
         self, element: etree._Element, attributes: dict[str, str], name: str, default: Sequence[float], most: int = 0
     ) -> Sequence[float]:
-        """As many numbers as the default has.
+        """As many numbers as the default has, which they are where there is no such attribute.
 
         Args:
             element: what has the attribute.
@@ -226,26 +218,16 @@ class Elements(FileElements):
             default: the numbers where there is no such attribute.
             most: as many may be written; further ones mean nothing.
         """
-        if name not in attributes:
-            return default
-        text, count = attributes[name], len(default)
-        numbers = finite_numbers(text, count, most)
-        if numbers is None:
-            raise self.error(element, f"{name} of {element.tag} is {shown(text)}", wanted_numbers(count))
-        return numbers
+        text = attributes.get(name)
+        return default if text is None else self.read(element, name, text, len(default), most)
 
     def limits(
         self, element: etree._Element, attributes: dict[str, str], name: str, limited: str
     ) -> Sequence[float] | None:
         """The lower and the upper end of a range that counts; None where there is none, or it does not count.
 
-        Where nothing says whether it does, a range counts whose lower end is below the upper one.
-
-        Args:
-            element: what has the range.
-            attributes: its attributes, those of its class included.
-            name: the range.
-            limited: the attribute that tells whether it counts.
+        The attribute `limited` tells whether it does. Without it, a range counts whose lower end is below
+        the upper one.
         """
         if name not in attributes:
             return None
@@ -283,7 +265,7 @@ def _over(given: dict[str, str], own: dict[str, str]) -> dict[str, str]:
     """The attributes of a class with an element's own over them: an orientation takes the place of any other."""
     if not given:
         return own
-    if not (_ORIENTATIONS.isdisjoint(given) or _ORIENTATIONS.isdisjoint(own)):
+    if _ORIENTATIONS.keys() & given and _ORIENTATIONS.keys() & own:
         given = {name: value for name, value in given.items() if name not in _ORIENTATIONS}
     return {**given, **own}
 
@@ -292,12 +274,7 @@ _MOST = 1000
 
 
 class Missing(NamedTuple):
-    """A file that could not be included.
-
-    Attributes:
-        include: the element that names it.
-        message: what is wrong.
-    """
+    """A file that could not be included: the element that names it, and what is wrong."""
 
     include: etree._Element
     message: str
@@ -307,14 +284,8 @@ def include_files(root: etree._Element, path: Path) -> list[Missing]:
     """Puts the elements of included files in the place of what includes them, as MuJoCo does.
 
     A path leads from the folder of the main file, else from that of the file that includes it. It stays in the main
-    file's folder or in one beside it, and each file is included once.
-
-    Args:
-        root: the outermost element of the main file; it is changed.
-        path: the main file.
-
-    Returns:
-        What could not be included; it is taken out.
+    file's folder or in one beside it, and each file is included once. What cannot be included is taken out, and
+    returned.
     """
     missing: list[Missing] = []
     taken = {path.resolve()}
@@ -350,14 +321,16 @@ def _file(include: etree._Element, path: Path, beside: Path, taken: set[Path]) -
     """
     name = (include.get("file") or "").replace("\\", "/")
     file = next((each for folder in (path.parent, beside) if is_file(each := folder / name)), None)
+    what = ""
     if file is None:
-        raise InputError(Problem(message=f"the included file {shown(name)} is not there"))
-    if not file.resolve().is_relative_to(path.resolve().parent.parent):
-        message = f"the included file {shown(name)} is not in the folder of the file, nor in one beside that"
-        raise InputError(Problem(message=message))
-    if file.resolve() in taken:
-        raise InputError(Problem(message=f"the file {shown(name)} is included a second time"))
-    if len(taken) > _MOST:
-        raise InputError(Problem(message=f"more than {_MOST} files are included"))
+        what = f"the included file {shown(name)} is not there"
+    elif not file.resolve().is_relative_to(path.resolve().parent.parent):
+        what = f"the included file {shown(name)} is not in the folder of the file, nor in one beside that"
+    elif file.resolve() in taken:
+        what = f"the file {shown(name)} is included a second time"
+    elif len(taken) > _MOST:
+        what = f"more than {_MOST} files are included"
+    if file is None or what:
+        raise InputError(Problem(message=what))
     taken.add(file.resolve())
     return file

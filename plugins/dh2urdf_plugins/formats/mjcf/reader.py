@@ -1,6 +1,6 @@
 """Reads an MJCF model back into a robot: the other half of the proof of the emitter `mjcf`.
 
-Nothing here comes from the emitter. It is written from MuJoCo's documentation
+Nothing here comes from the writer. It is written from MuJoCo's documentation
 (https://mujoco.readthedocs.io/en/stable/XMLreference.html and modeling.html): bodies are nested, a frame moves what is
 in it, attributes may come from default classes, joints have reference values. What would need MuJoCo's compiler to be
 known, such as ``<replicate>``, is refused rather than passed over.
@@ -12,10 +12,11 @@ origin, and each of several joints of a body, gets a link of its own.
 from __future__ import annotations
 
 from collections import defaultdict
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 from dh2urdf.errors import ProofError
 from dh2urdf.kinematics import axis_rotation
+from dh2urdf.kinematics.mass import rotated
 from dh2urdf.manipulator import WORLD, Inertia, JointType, Limits
 from dh2urdf.robot import Inertial, Joint, Link, Origin, Robot
 from dh2urdf.rotations import (
@@ -25,19 +26,17 @@ from dh2urdf.rotations import (
     ZERO,
     RigidTransform,
     Vec3,
-    multiply,
     norm,
     rotate,
     scale,
-    transpose,
 )
 from dh2urdf.source import Mark, Problem, shown
 from dh2urdf_plugins.formats.mjcf.elements import SMALLEST, Elements, include_files
 from dh2urdf_plugins.formats.mjcf.shapes import Shapes, mass_of_shapes
-from dh2urdf_plugins.formats.xml_files import content_of, mark_of, tree_of, whole, written_tree_of
+from dh2urdf_plugins.formats.xml_files import Model, content_of, fixed, mark_of, tree_of, written_tree_of
 
 if TYPE_CHECKING:
-    from collections.abc import Collection, Mapping, Sequence
+    from collections.abc import Mapping, Sequence
     from pathlib import Path
 
     from lxml import etree
@@ -52,24 +51,6 @@ _LOOSE = {"ball": "ball", "free": "floating"}
 """Joints that no table has, by their names in MJCF: as other formats call them."""
 
 
-class Model(NamedTuple):
-    """What is in an MJCF.
-
-    Attributes:
-        robot: its links and joints; joints that no table has are fixed in it.
-        loose: their types, by name.
-        references: the reference values of the joints that move, by name [rad or m].
-        unread: what could not be read, by the words for it: the places.
-        doubly: links of bodies that a constraint holds besides the joints, which closes a loop.
-    """
-
-    robot: Robot
-    loose: Mapping[str, str]
-    references: Mapping[str, float]
-    unread: Mapping[str, Sequence[Mark]]
-    doubly: Collection[str]
-
-
 def read_mjcf(path: Path) -> Robot:
     """The robot of an MJCF file.
 
@@ -80,17 +61,12 @@ def read_mjcf(path: Path) -> Robot:
 
 
 def parse_mjcf(content: bytes, file: str) -> Robot:
-    """The robot of an MJCF text.
-
-    Args:
-        content: the text, in the encoding that it declares.
-        file: what messages call it.
+    """The robot of an MJCF text; `file` is what messages call it.
 
     Raises:
         ProofError: the text is not the MJCF of a manipulator, or something in it cannot be read.
     """
-    model = model_of(written_tree_of(content, file, is_deep=True), file)
-    return whole(model.robot, model.loose, model.unread, accepted="hinge, slide")
+    return model_of(written_tree_of(content, file, is_deep=True), file).whole("hinge, slide")
 
 
 def read_model(path: Path) -> Model:
@@ -127,37 +103,35 @@ def model_of(root: etree._Element, file: str) -> Model:
     return _Reader(root, file).model()
 
 
-class _Reader:
+class _Reader(Elements):
     """Reads one tree."""
 
     def __init__(self, root: etree._Element, file: str) -> None:
-        self._elements = Elements(root, file)
+        super().__init__(root, file)
         self._nameless_in = defaultdict[str, int](lambda: 1)  # by their place, the bodies and sites without a name
         for element in root.iter(*_NOT_READ):
-            message, how = (
-                f"the element {element.tag} is not read here",
-                "mujoco.mj_saveLastXML writes a model without it",
-            )
-            raise ProofError(Problem(message=message, suggestion=how, mark=self._elements.mark(element)))
-        if self._elements.compiler.get("coordinate", "local") != "local":
+            message = f"the element {element.tag} is not read here"
+            how = "mujoco.mj_saveLastXML writes a model without it"
+            raise ProofError(Problem(message=message, suggestion=how, mark=self.mark(element)))
+        if (where := self.compiler.get("coordinate", "local")) != "local":
             raise ProofError(
                 Problem(
                     message="poses are not given in the bodies that hold them",
-                    found=f"coordinate={self._elements.compiler['coordinate']}",
+                    found=f"coordinate={where}",
                     accepted="coordinate=local",
                     suggestion="MuJoCo 2.3.3 and older load such a model and save it so",
-                    mark=self._elements.mark(root.findall("compiler")[-1]),
+                    mark=self.mark(root.findall("compiler")[-1]),
                 )
             )
-        self._shapes = Shapes(self._elements)
+        self._shapes = Shapes(self)
         self._loose: dict[str, str] = {}
         self._references: dict[str, float] = {}
 
     def model(self) -> Model:
-        root = self._elements.root
+        root = self.root
         worlds = root.findall("worldbody")
         if not worlds:
-            raise self._elements.error(root, "there is no worldbody")
+            raise self.error(root, "there is no worldbody")
         names = dict.fromkeys(worlds, WORLD)
         links, joints = [self._link(worlds, WORLD)], []
         bodies = {body.get("name") for world in worlds for body in world.iter("body")}
@@ -174,19 +148,19 @@ class _Reader:
                 joints += held
             elif name not in bodies:
                 links.append(Link(name=name))
-                joints.append(_fixed(name, holder, self._elements.pose(element)))
-        for name in sorted(_CHANGING_MASSES & self._elements.compiler.keys()):
-            self._elements.not_read(root.findall("compiler")[-1], f"the option {name} of the compiler")
+                joints.append(fixed(name, holder, self.pose(element)))
+        for name in sorted(_CHANGING_MASSES & self.compiler.keys()):
+            self.not_read(root.findall("compiler")[-1], f"the option {name} of the compiler")
         doubly = set[str]()
         named = {(each.tag, each.get("name")): each for world in worlds for each in world.iter("body", "site")}
         for constraint in root.iterfind("equality/*"):
-            if constraint.tag == "joint" or not self._elements.is_active(constraint):
+            if constraint.tag == "joint" or not self.is_active(constraint):
                 continue
-            self._elements.not_read(constraint, f"the constraint {constraint.tag}")
+            self.not_read(constraint, f"the constraint {constraint.tag}")
             if constraint.tag in _HOLDING_BODIES:
                 doubly |= {names[body] for body in self._looped(constraint, named)}
         robot = Robot(name=root.get("model") or "MuJoCo Model", links=tuple(links), joints=tuple(joints))
-        return Model(robot, self._loose, self._references, self._elements.unread, doubly)
+        return Model(robot, self._loose, self.unread, doubly, references=self._references)
 
     def _looped(
         self, constraint: etree._Element, named: Mapping[tuple[str, str | None], etree._Element]
@@ -203,15 +177,13 @@ class _Reader:
     def _free(self, body: etree._Element) -> etree._Element | None:
         """The body that moves freely and holds a body, or is the body; None where the world holds it."""
         holders = (each for each in (body, *body.iterancestors("body")))
-        return next(
-            (each for each in holders if any(map(_is_free, self._elements.held(each, "joint", "freejoint")))), None
-        )
+        return next((each for each in holders if any(map(_is_free, self.held(each, "joint", "freejoint")))), None)
 
     def _holder(self, element: etree._Element, names: Mapping[etree._Element, str]) -> str:
         """The name of the body that holds an element."""
         above = next(above for above in element.iterancestors() if above.tag != "frame")
         if above not in names:
-            raise self._elements.error(element, f"a {element.tag} is in a {above.tag}", "a body, a frame or worldbody")
+            raise self.error(element, f"a {element.tag} is in a {above.tag}", "a body, a frame or worldbody")
         return names[above]
 
     def _nameless(self, element: etree._Element, taken: set[str | None]) -> str:
@@ -226,91 +198,72 @@ class _Reader:
 
     def _held(self, body: etree._Element, name: str, holder: str) -> list[Joint]:
         """The joints, one after the other, that hold a body."""
-        pose = self._elements.pose(body)
-        moving = list(self._elements.held(body, "joint", "freejoint"))
+        pose = self.pose(body)
+        moving = list(self.held(body, "joint", "freejoint"))
         held: list[Joint] = []
         for number, element in enumerate(moving, start=1):
-            attributes = self._elements.attributes(element)
+            attributes = self.attributes(element)
             # A frame turns the axis and moves the anchor.
-            anchor = self._elements.vector(element, attributes, "pos", ZERO)
-            turn, anchor = self._elements.around(element, RigidTransform(IDENTITY_ROTATION, anchor))
+            anchor = self.vector(element, attributes, "pos", ZERO)
+            turn, anchor = self.around(element, RigidTransform(IDENTITY_ROTATION, anchor))
             kind, axis = self._motion(element, attributes)
             axis = axis if turn == IDENTITY_ROTATION else rotate(turn, axis)
-            reference = self._reference(element, attributes, kind)
+            unit = 1.0 if kind is JointType.PRISMATIC else self.angle
+            # A ball and a free joint have no reference value, whatever is written.
+            (value,) = (0.0,) if kind is JointType.FIXED else self.numbers(element, attributes, "ref", (0.0,))
             # At the reference value the body is where it is written, so at 0 it has moved back by that value.
-            back = _moved(kind, axis, -reference)
-            direct = number == len(moving) and anchor == ZERO
-            child = name if direct else f"{name} after joint {number}"
+            back = _moved(kind, axis, -unit * value)
+            child = name if number == len(moving) and anchor == ZERO else f"{name} after joint {number}"
             origin = pose @ RigidTransform(IDENTITY_ROTATION, anchor) @ back
-            joint = self._joint(element, attributes, kind, axis, parent=holder, child=child, origin=origin)
+            numbers = self._numbers_of_joint(element, attributes, kind, unit)
+            joint = Joint(
+                name=attributes.get("name") or f"joint of {child}",
+                type=kind,
+                parent=holder,
+                child=child,
+                origin=Origin.of(origin),
+                axis=axis,
+                mark=self.mark(element),
+                **numbers,
+            )
             if kind is JointType.FIXED:
                 self._loose[joint.name] = _LOOSE[_type(element, attributes)]
             else:
-                self._references[joint.name] = reference
+                self._references[joint.name] = unit * value
             held.append(joint)
             pose, holder = RigidTransform(IDENTITY_ROTATION, scale(-1.0, anchor)), child
         if not held or held[-1].child != name:
-            held.append(_fixed(name, holder, pose))
+            held.append(fixed(name, holder, pose))
         return held
-
-    def _reference(self, element: etree._Element, attributes: dict[str, str], kind: JointType) -> float:
-        if kind is JointType.FIXED:  # A ball and a free joint have none, whatever is written.
-            return 0.0
-        (reference,) = self._elements.numbers(element, attributes, "ref", (0.0,))
-        return reference * (1.0 if kind is JointType.PRISMATIC else self._elements.angle)
 
     def _motion(self, element: etree._Element, attributes: dict[str, str]) -> tuple[JointType, Vec3]:
         """How a joint moves, and about or along which unit vector; one that no table has is fixed."""
         kind = _type(element, attributes)
         if kind in _LOOSE:
             return JointType.FIXED, Z_AXIS
-        axis = self._elements.vector(element, attributes, "axis", Z_AXIS)
+        axis = self.vector(element, attributes, "axis", Z_AXIS)
         if (length := norm(axis)) < SMALLEST:
-            raise self._elements.error(element, "the axis of the joint has no length")
+            raise self.error(element, "the axis of the joint has no length")
         axis = axis if length == 1.0 else scale(1.0 / length, axis)
-        match kind:
-            case "slide":
-                return JointType.PRISMATIC, axis
-            case "hinge":
-                is_bounded = self._elements.limits(element, attributes, "range", "limited") is not None
-                return (JointType.REVOLUTE if is_bounded else JointType.CONTINUOUS), axis
-        accepted = "hinge, slide, ball, free"
-        raise self._elements.error(element, f"there is no joint type {shown(kind)}", accepted)
+        if kind == "slide":
+            return JointType.PRISMATIC, axis
+        if kind != "hinge":
+            raise self.error(element, f"there is no joint type {shown(kind)}", "hinge, slide, ball, free")
+        is_bounded = self.limits(element, attributes, "range", "limited") is not None
+        return (JointType.REVOLUTE if is_bounded else JointType.CONTINUOUS), axis
 
-    def _joint(
-        self,
-        element: etree._Element,
-        attributes: dict[str, str],
-        kind: JointType,
-        axis: Vec3,
-        *,
-        parent: str,
-        child: str,
-        origin: RigidTransform,
-    ) -> Joint:
-        lower, upper = None, None
-        bounds = self._elements.limits(element, attributes, "range", "limited")
-        if bounds and kind is not JointType.FIXED:
-            unit = 1.0 if kind is JointType.PRISMATIC else self._elements.angle
-            lower, upper = (unit * value for value in bounds)
-        _, effort = self._elements.limits(element, attributes, "actuatorfrcrange", "actuatorfrclimited") or (None, None)
-        damping, friction, armature = [
-            self._elements.numbers(element, attributes, name, (0.0,), most=3)[0] if name in attributes else None
-            for name in ("damping", "frictionloss", "armature")
-        ]
-        return Joint(
-            name=attributes.get("name") or f"joint of {child}",
-            type=kind,
-            parent=parent,
-            child=child,
-            origin=Origin.of(origin),
-            axis=axis,
-            limits=Limits(lower=lower, upper=upper, effort=effort),
-            damping=damping,
-            friction=friction,
-            armature=armature,
-            mark=self._elements.mark(element),
-        )
+    def _numbers_of_joint(
+        self, element: etree._Element, attributes: dict[str, str], kind: JointType, unit: float
+    ) -> dict[str, Any]:
+        """The limits of a joint and what resists its motion."""
+        bounds = None if kind is JointType.FIXED else self.limits(element, attributes, "range", "limited")
+        lower, upper = [unit * value for value in bounds] if bounds else (None, None)
+        _, effort = self.limits(element, attributes, "actuatorfrcrange", "actuatorfrclimited") or (None, None)
+        numbers: dict[str, Any] = {"limits": Limits(lower=lower, upper=upper, effort=effort)}
+        for field, name in (("damping", "damping"), ("friction", "frictionloss"), ("armature", "armature")):
+            if name in attributes:
+                (numbers[field],) = self.numbers(element, attributes, name, (0.0,), most=3)
+        return numbers
 
     # Bodies
 
@@ -326,23 +279,19 @@ class _Reader:
 
     def _inertial(self, body: etree._Element) -> Inertial | None:
         element = body.find("inertial")
-        whence = self._elements.compiler.get("inertiafromgeom")
+        whence = self.compiler.get("inertiafromgeom")
         if body.tag == "body" and whence != "false" and (element is None or whence == "true"):
-            return mass_of_shapes(self._shapes.geoms(body), self._elements)
+            return mass_of_shapes(self._shapes.geoms(body), self)
         if element is None:
             return None
-        attributes = self._elements.attributes(element)
-        R, com = self._elements.pose(element)
-        (mass,) = self._elements.numbers(element, attributes, "mass", (0.0,))
-        if "fullinertia" in attributes:
-            ixx, iyy, izz, ixy, ixz, iyz = self._elements.numbers(element, attributes, "fullinertia", (0.0,) * 6)
-        else:
-            ixx, iyy, izz = self._elements.numbers(element, attributes, "diaginertia", ZERO)
-            ixy = ixz = iyz = 0.0
-        if R != IDENTITY_ROTATION:  # Turn the tensor into axes that are parallel to the body's: R I R^T.
-            turned = multiply(multiply(R, (ixx, ixy, ixz, ixy, iyy, iyz, ixz, iyz, izz)), transpose(R))
-            ixx, ixy, ixz, _, iyy, iyz, _, _, izz = turned
-        return Inertial(mass=mass, com=com, inertia=Inertia(ixx=ixx, iyy=iyy, izz=izz, ixy=ixy, ixz=ixz, iyz=iyz))
+        attributes = self.attributes(element)
+        R, com = self.pose(element)
+        (mass,) = self.numbers(element, attributes, "mass", (0.0,))
+        name, count = ("fullinertia", 6) if "fullinertia" in attributes else ("diaginertia", 3)
+        ixx, iyy, izz, *others = self.numbers(element, attributes, name, (0.0,) * count)
+        ixy, ixz, iyz = others or ZERO
+        inertia = Inertia(ixx=ixx, iyy=iyy, izz=izz, ixy=ixy, ixz=ixz, iyz=iyz)
+        return Inertial(mass=mass, com=com, inertia=inertia if R == IDENTITY_ROTATION else rotated(inertia, R))
 
 
 def _type(element: etree._Element, attributes: dict[str, str]) -> str:
@@ -351,10 +300,6 @@ def _type(element: etree._Element, attributes: dict[str, str]) -> str:
 
 def _is_free(joint: etree._Element) -> bool:
     return joint.tag == "freejoint" or joint.get("type") == "free"
-
-
-def _fixed(name: str, holder: str, pose: RigidTransform) -> Joint:
-    return Joint(name=f"{holder} holds {name}", type=JointType.FIXED, parent=holder, child=name, origin=Origin.of(pose))
 
 
 def _moved(kind: JointType, axis: Vec3, value: float) -> RigidTransform:

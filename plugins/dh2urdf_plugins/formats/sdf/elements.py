@@ -1,4 +1,4 @@
-"""What a reader of SDF asks of its elements: words, numbers, poses and places.
+"""What a reader of SDF asks of its elements: words, numbers and poses.
 
 Models of older versions of SDF in the words of version 1.7, as sdformat converts them. From the specifications of these
 versions (http://sdformat.org/spec): before 1.7 the attribute of a pose for the frame that it is in was ``frame``. The
@@ -13,8 +13,7 @@ from typing import TYPE_CHECKING
 
 from dh2urdf.robot import Origin
 from dh2urdf.rotations import IDENTITY, RigidTransform, rotation_from_quaternion
-from dh2urdf.source import shown
-from dh2urdf_plugins.formats.xml_files import FileElements, finite_numbers, wanted_numbers
+from dh2urdf_plugins.formats.xml_files import FileElements
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -23,6 +22,14 @@ if TYPE_CHECKING:
 
 
 _HERE = Origin()
+MODEL = "__model__"
+"""The frame of the model that an element is in."""
+IN_MODEL = "use_parent_model_frame"
+"""The element of an axis that said whether the axis is in the frame of the model."""
+_OWN_AXES_SINCE = (1, 5)
+FRAMES_SINCE = (1, 7)
+LONGEST_VERSION = 20
+"""Characters of the text of a version that are looked at."""
 
 
 class SdfElements(FileElements):
@@ -53,15 +60,19 @@ class SdfElements(FileElements):
         if pose is None or not (text := pose.text) or text.isspace():  # It is where the frame is that it names.
             return _HERE
         if pose.get("rotation_format") == "quat_xyzw":
-            x, y, z, *quaternion = self._read(element, "pose", text, 7)
+            x, y, z, *quaternion = self.read(element, "pose", text, 7)
             try:
                 return Origin.of(RigidTransform(rotation_from_quaternion(quaternion), (x, y, z)))
             except ZeroDivisionError:
                 raise self.error(element, f"the pose of {element.tag} has a quaternion of length 0") from None
-        x, y, z, roll, pitch, yaw = self._read(element, "pose", text, 6)
+        x, y, z, roll, pitch, yaw = self.read(element, "pose", text, 6)
         if is_true(pose.get("degrees")):
             roll, pitch, yaw = radians(roll), radians(pitch), radians(yaw)
         return Origin(xyz=(x, y, z), rpy=(roll, pitch, yaw))
+
+    def number(self, element: etree._Element, path: str, default: float) -> float:
+        """A number below an element; the default where there is none."""
+        return self.numbers(element, path, 1, (default,))[0]
 
     def optional(self, element: etree._Element, path: str) -> float | None:
         """A number below an element; None where there is none."""
@@ -74,15 +85,10 @@ class SdfElements(FileElements):
         found = element.find(path)
         if found is None and default is not None:
             return default
-        return self._read(element, path, (found.text if found is not None else None) or "", count)
-
-    def _read(self, element: etree._Element, path: str, text: str, count: int) -> Sequence[float]:
+        text = (found.text if found is not None else None) or ""
         if "limit/" in path and text.strip().lstrip("+-").lower() in ("inf", "infinity"):
             return [float(text)]  # There is no limit.
-        numbers = finite_numbers(text, count)
-        if numbers is None:
-            raise self.error(element, f"{path} of {element.tag} is {shown(text)}", wanted_numbers(count))
-        return numbers
+        return self.read(element, path, text, count)
 
 
 def is_true(word: str | None) -> bool:
@@ -90,22 +96,8 @@ def is_true(word: str | None) -> bool:
     return (word or "").strip().lower() in {"1", "true"}
 
 
-MODEL = "__model__"
-"""The frame of the model that an element is in."""
-IN_MODEL = "use_parent_model_frame"
-"""The element of an axis that said whether the axis is in the frame of the model."""
-_OWN_AXES_SINCE = (1, 5)
-FRAMES_SINCE = (1, 7)
-LONGEST_VERSION = 20
-"""Characters of the text of a version that are looked at."""
-
-
 def modernise(root: etree._Element) -> None:
-    """Writes the poses and axes of a file as version 1.7 has them.
-
-    Args:
-        root: the outermost element; it is changed.
-    """
+    """Writes the poses and axes of a file as version 1.7 has them; the elements are changed."""
     words = (root.get("version") or "")[:LONGEST_VERSION].split(".")
     version = tuple(int(word) for word in words if word.isdecimal())
     if not version or version >= FRAMES_SINCE:
@@ -115,12 +107,9 @@ def modernise(root: etree._Element) -> None:
             pose.set("relative_to", frame)
     for axis in root.iter("axis"):
         xyz, word = axis.find("xyz"), axis.find(IN_MODEL)
-        is_old = version < _OWN_AXES_SINCE and not _is_nested(axis)
+        is_nested = len(list(axis.iterancestors("model"))) > 1
+        is_old = version < _OWN_AXES_SINCE and not is_nested
         if xyz is not None and (is_old if word is None else is_true(word.text)):
             xyz.set("expressed_in", MODEL)
         if word is not None:
             axis.remove(word)
-
-
-def _is_nested(axis: etree._Element) -> bool:
-    return sum(1 for _ in axis.iterancestors("model")) > 1

@@ -72,11 +72,7 @@ def leave_out_attached(model: etree._Element, not_read: Callable[[etree._Element
     """Takes joints and frames out of a model that includes others, where they are at what is not in it.
 
     A joint that moves what is in the model stays, as one of the type `AT_INCLUDED`, so that nobody takes what is behind
-    it for held by the world.
-
-    Args:
-        model: the model; it is changed.
-        not_read: takes each of them, and the words for it.
+    it for held by the world. `not_read` takes each of the others, and the words for it.
     """
     known = {element.get("name") for element in model.iterchildren(*_NAMED)} | {MODEL, WORLD}
     parts = list(model.iterchildren("joint", "frame"))
@@ -138,19 +134,12 @@ def _outside(word: str | None, name: str) -> str:
 
 
 class _Place(NamedTuple):
-    """Where a link, joint or frame of a model is.
+    """Where a link, joint or frame of a model is."""
 
-    Attributes:
-        kind: which of the three.
-        reference: the frame that its pose is relative to.
-        pose: its frame in that one.
-        moves_with: what a joint or frame is rigidly joined to.
-    """
-
-    kind: str
-    reference: str
-    pose: RigidTransform
-    moves_with: str
+    kind: str  # which of the three
+    reference: str  # the frame that its pose is relative to
+    pose: RigidTransform  # its frame in that one
+    moves_with: str  # what a joint or frame is rigidly joined to
 
 
 class Places:
@@ -174,11 +163,15 @@ class Places:
         self._bodies: dict[str, str] = {}  # what `body` has found, so that a chain of frames is walked once
         self._rest: dict[str, RigidTransform] = {}  # what `_at_rest` has found in the model
         self._links = {elements.name(link) for link in model.iterchildren("link")}
-        self._places = {
-            self.key(element): self._place(element)
-            for tag in ("link", "joint", "frame")
-            for element in model.iterchildren(tag)
-        }
+        self._places = dict[str, _Place]()
+        for element in [each for tag in _NAMED for each in model.iterchildren(tag)]:
+            # A link has no such attribute, and is placed in the model; so is a frame that has none.
+            is_joint = element.tag == "joint"
+            moves_with = elements.word(element, "child") if is_joint else element.get("attached_to") or MODEL
+            pose = element.find("pose")
+            reference = (None if pose is None else pose.get("relative_to")) or moves_with
+            place = _Place(str(element.tag), reference, elements.pose(element), moves_with)
+            self._places[self.key(element)] = place
         placed = {elements.name(each): by for each in model.iterchildren("frame") if (by := each.get(PLACED_BY))}
         for name in sorted(placed, key=lambda name: -name.count("::")):  # The innermost models first.
             place = self._places[name]
@@ -235,15 +228,6 @@ class Places:
         if base in self._places and self._places[base].reference == name:
             return self._places[base].pose.inverse
         return self._at_rest(base).inverse @ self._at_rest(name)
-
-    def _place(self, element: etree._Element) -> _Place:
-        # A link has no such attribute, and is placed in the model; so is a frame that has none.
-        moves_with = (
-            self._elements.word(element, "child") if element.tag == "joint" else element.get("attached_to") or MODEL
-        )
-        pose = element.find("pose")
-        named = None if pose is None else pose.get("relative_to")
-        return _Place(element.tag, named or moves_with, self._elements.pose(element), moves_with)
 
     def _at_rest(self, name: str, base: str = MODEL) -> RigidTransform:
         """The pose of a frame in the model, or in a frame that it is placed by, at q = 0."""

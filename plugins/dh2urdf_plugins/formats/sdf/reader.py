@@ -1,6 +1,6 @@
 """Reads an SDF model back into a robot: the other half of the proof of the emitter `sdf`.
 
-Nothing here comes from the emitter. It is written from the specification (http://sdformat.org/spec?ver=1.7 and
+Nothing here comes from the writer. It is written from the specification (http://sdformat.org/spec?ver=1.7 and
 http://sdformat.org/tutorials, "Pose Frame Semantics"): the pose of a link, joint or frame is relative to the frame that
 it names, else a joint's to its child, a frame's to what it is attached to, and a link's to the model; the axis of a
 joint is in the joint's frame.
@@ -12,37 +12,23 @@ posed relative to it hangs below it. A joint apart from its child's origin gets 
 from __future__ import annotations
 
 from copy import deepcopy
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 from lxml import etree
 
 from dh2urdf.errors import ProofError
+from dh2urdf.kinematics.mass import rotated
 from dh2urdf.manipulator import JOINT_TYPES, WORLD, Inertia, JointType, Limits
 from dh2urdf.robot import Box, Collision, Cylinder, Inertial, Joint, Link, Material, Mesh, Origin, Robot, Sphere, Visual
-from dh2urdf.rotations import (
-    IDENTITY,
-    IDENTITY_ROTATION,
-    Z_AXIS,
-    RigidTransform,
-    multiply,
-    rotate,
-    transpose,
-)
+from dh2urdf.rotations import IDENTITY, IDENTITY_ROTATION, Z_AXIS, RigidTransform, rotate
+from dh2urdf.row_fields import INERTIA, LIMITS
 from dh2urdf.source import Mark, Problem, shown
 from dh2urdf_plugins.formats.sdf.elements import IN_MODEL, SdfElements, modernise
 from dh2urdf_plugins.formats.sdf.places import AT_INCLUDED, Places, flatten, leave_out_attached
-from dh2urdf_plugins.formats.xml_files import (
-    Placed,
-    capsule,
-    content_of,
-    not_of_a_manipulator,
-    tree_of,
-    whole,
-    written_tree_of,
-)
+from dh2urdf_plugins.formats.xml_files import Model, Placed, capsule, content_of, fixed, tree_of, written_tree_of
 
 if TYPE_CHECKING:
-    from collections.abc import Collection, Iterator, Mapping, Sequence
+    from collections.abc import Iterator
     from pathlib import Path
 
     from dh2urdf.robot import Geometry
@@ -55,24 +41,6 @@ _LOOSE = ("ball", "gearbox", "revolute2", "screw", "universal", AT_INCLUDED)
 """Joints that no table has."""
 
 
-class Model(NamedTuple):
-    """What is in an SDF.
-
-    Attributes:
-        robot: the links and joints of its first model; joints that no table has are fixed in it.
-        mimics: how joints follow others, by their names.
-        loose: the types of those joints, by name.
-        unread: what could not be read, by the words for it: the places.
-        doubly: links that several joints hold, which closes a loop.
-    """
-
-    robot: Robot
-    mimics: Mapping[str, etree._Element]
-    loose: Mapping[str, str]
-    unread: Mapping[str, Sequence[Mark]]
-    doubly: Collection[str]
-
-
 def read_sdf(path: Path) -> Robot:
     """The robot of the first model in an SDF file.
 
@@ -83,17 +51,12 @@ def read_sdf(path: Path) -> Robot:
 
 
 def parse_sdf(content: bytes, file: str) -> Robot:
-    """The robot of the first model in an SDF text.
-
-    Args:
-        content: the text, in the encoding that it declares.
-        file: what messages call it.
+    """The robot of the first model in an SDF text; `file` is what messages call it.
 
     Raises:
         ProofError: the text holds no model of a manipulator, or something in it cannot be read.
     """
-    model = model_of(written_tree_of(content, file), file)
-    return whole(model.robot, model.loose, model.unread, _ACCEPTED)
+    return model_of(written_tree_of(content, file), file).whole(_ACCEPTED)
 
 
 def read_model(path: Path) -> Model:
@@ -113,10 +76,8 @@ def model_of(root: etree._Element, file: str) -> Model:
     """
     models = [*root.iterchildren("model"), *root.iterfind("world/model")] if root.tag == "sdf" else []
     if not models:
-        included = next(
-            (f"it includes {shown((uri.text or '').strip())}" for uri in root.iterfind(".//include/uri")), ""
-        )
-        how = f"{included}: give the file of that model" if included else None
+        included = [shown((uri.text or "").strip()) for uri in root.iterfind(".//include/uri")]
+        how = f"it includes {included[0]}: give the file of that model" if included else None
         raise ProofError(Problem(message="there is no model in it", suggestion=how, mark=Mark(file=file)))
     is_nested = any(each is not None for model in models for each in (model.find("model"), model.find("include")))
     return _Reader(deepcopy(root) if is_nested else root, file).model()
@@ -130,17 +91,19 @@ class _Reader(SdfElements):
         modernise(root)
         self._loose: dict[str, str] = {}
         self._model, *others = [*root.iterchildren("model"), *root.iterfind("world/model")]
-        for other in others:
-            self.not_read(other, "a model besides the first one")
-        included = [*self._model.iter("include")]
-        for include in (*included, *root.iterfind("include"), *root.iterfind("world/include")):
-            self.not_read(include, "an included model")
-        for joint in root.iterfind("world/joint"):
-            self.not_read(joint, "a joint of the world")
-        for word in self._model.iterfind(f".//joint/axis/{IN_MODEL}"):
-            self.not_read(word, f"{IN_MODEL}, which SDF has no more since version 1.7,")
+        includes = [*self._model.iter("include")]
+        outside = [*root.iterfind("include"), *root.iterfind("world/include")]
+        words = f"{IN_MODEL}, which SDF has no more since version 1.7,"
+        for what, elements in (
+            ("a model besides the first one", others),
+            ("an included model", [*includes, *outside]),
+            ("a joint of the world", root.iterfind("world/joint")),
+            (words, self._model.iterfind(f".//joint/axis/{IN_MODEL}")),
+        ):
+            for element in elements:
+                self.not_read(element, what)
         canonical = flatten(self._model)
-        if included:
+        if includes:
             leave_out_attached(self._model, self.not_read)
         self._places = Places(self, self._model, canonical)
         # A joint holds the link that its child is, or is rigidly joined to.
@@ -166,11 +129,9 @@ class _Reader(SdfElements):
             links.append(self._link(element) if element.tag == "link" else Link(name=self.name(element)))
             joints += held
         robot = Robot(name=self.name(self._model), links=tuple(links), joints=tuple(joints))
-        joints_of_model = self._model.iterchildren("joint")
-        found = {
-            self.name(joint): mimic for joint in joints_of_model if (mimic := joint.find("axis/mimic")) is not None
-        }
-        return Model(robot, found, self._loose, self.unread, self._doubly)
+        found = {self.name(joint): joint.find("axis/mimic") for joint in self._model.iterchildren("joint")}
+        mimics = {name: mimic for name, mimic in found.items() if mimic is not None}
+        return Model(robot, self._loose, self.unread, self._doubly, mimics=mimics)
 
     # Frames
 
@@ -189,20 +150,15 @@ class _Reader(SdfElements):
         name, places = self.name(element), self._places
         joint = self._joint_to.get(name)
         if element.tag == "frame" or joint is None:  # What nothing holds is in the model, and that in the world.
-            body = places.body(name) if element.tag == "frame" else WORLD
-            return [self._fixed(name, places.holder(name, body))]
+            holder = places.holder(name, places.body(name) if element.tag == "frame" else WORLD)
+            return [fixed(name, holder, places.between(holder, name))]
         holder = places.holder(name, places.body(self.word(joint, "parent")))
-        joint_name = places.key(joint)
-        to_link = places.between(joint_name, name)
+        key = places.key(joint)
+        to_link = places.between(key, name)
         if to_link == IDENTITY:
             return [self._joint(joint, name, holder, places.between(holder, name))]
         moved = f"{self.name(joint)} frame"
-        origin = places.between(holder, joint_name)
-        return [self._joint(joint, moved, holder, origin), self._fixed(name, moved, to_link)]
-
-    def _fixed(self, name: str, holder: str, pose: RigidTransform | None = None) -> Joint:
-        origin = Origin.of(pose or self._places.between(holder, name))
-        return Joint(name=f"{holder} holds {name}", type=JointType.FIXED, parent=holder, child=name, origin=origin)
+        return [self._joint(joint, moved, holder, places.between(holder, key)), fixed(name, moved, to_link)]
 
     # Links and joints
 
@@ -210,11 +166,11 @@ class _Reader(SdfElements):
         word = _type(element)
         kind = JointType.FIXED if word in _LOOSE else JOINT_TYPES.get(word)
         if kind is None:
-            raise ProofError(not_of_a_manipulator(word, _ACCEPTED, self.mark(element)))
+            raise self.not_of_a_manipulator(element, word, _ACCEPTED)
         if word in _LOOSE:
             self._loose[self.name(element)] = word
-        limits = {name: self._limit(element, name) for name in ("lower", "upper", "velocity", "effort")}
-        if kind is JointType.REVOLUTE and limits["lower"] is None and limits["upper"] is None:
+        limits = Limits(**{name: self._limit(element, name) for name in LIMITS})
+        if kind is JointType.REVOLUTE and limits.lower is None and limits.upper is None:
             kind = JointType.CONTINUOUS
         axis = Z_AXIS
         if kind is not JointType.FIXED:
@@ -230,7 +186,7 @@ class _Reader(SdfElements):
             child=child,
             origin=Origin.of(pose),
             axis=axis,
-            limits=Limits(**limits),
+            limits=limits,
             damping=self.optional(element, "axis/dynamics/damping"),
             friction=self.optional(element, "axis/dynamics/friction"),
             mark=self.mark(element),
@@ -244,46 +200,29 @@ class _Reader(SdfElements):
         return value
 
     def _link(self, element: etree._Element) -> Link:
-        inertial = element.find("inertial")
-        # SDF gives a link without mass properties 1 kg, and 1 kg·m² about each axis.
-        unsaid = Inertial(mass=1.0, inertia=Inertia(ixx=1.0, iyy=1.0, izz=1.0))
-        return Link(
-            name=self.name(element),
-            inertial=unsaid if inertial is None else self._inertial(inertial),
-            visuals=tuple(
-                Visual(geometry=geometry, origin=origin, material=self._material(shape))
-                for shape in element.iterchildren("visual")
-                for geometry, origin in self._placed(shape)
-            ),
-            collisions=tuple(
-                Collision(geometry=geometry, origin=origin)
-                for shape in element.iterchildren("collision")
-                for geometry, origin in self._placed(shape)
-            ),
-        )
+        visuals = [
+            Visual(geometry=geometry, origin=origin, material=self._material(shape))
+            for shape in element.iterchildren("visual")
+            for geometry, origin in self._placed(shape)
+        ]
+        collisions = [
+            Collision(geometry=geometry, origin=origin)
+            for shape in element.iterchildren("collision")
+            for geometry, origin in self._placed(shape)
+        ]
+        inertial = self._inertial(element.find("inertial"))
+        return Link(name=self.name(element), inertial=inertial, visuals=tuple(visuals), collisions=tuple(collisions))
 
-    def _inertial(self, element: etree._Element) -> Inertial:
+    def _inertial(self, element: etree._Element | None) -> Inertial:
+        """SDF gives a link without mass properties 1 kg, and 1 kg·m² about each axis."""
+        if element is None:
+            return Inertial(mass=1.0, inertia=Inertia(ixx=1.0, iyy=1.0, izz=1.0))
         if element.get("auto") == "true":
             self.not_read(element, "a mass that follows from shapes")
-        ixx, iyy, izz = (self.numbers(element, f"inertia/{name}", 1, (1.0,))[0] for name in ("ixx", "iyy", "izz"))
-        ixy, ixz, iyz = (self.numbers(element, f"inertia/{name}", 1, (0.0,))[0] for name in ("ixy", "ixz", "iyz"))
+        moments = {name: self.number(element, f"inertia/{name}", float(name[1] == name[2])) for name in INERTIA}
         R, com = self.pose(element)
-        if R != IDENTITY_ROTATION:  # Turn the tensor into axes that are parallel to the link's: R I R^T.
-            turned = multiply(multiply(R, (ixx, ixy, ixz, ixy, iyy, iyz, ixz, iyz, izz)), transpose(R))
-            ixx, ixy, ixz, _, iyy, iyz, _, _, izz = turned
-        return Inertial(
-            mass=self.numbers(element, "mass", 1, (1.0,))[0],
-            com=com,
-            inertia=Inertia(ixx=ixx, iyy=iyy, izz=izz, ixy=ixy, ixz=ixz, iyz=iyz),
-        )
-
-    def _shape_origin(self, element: etree._Element) -> Origin:
-        pose = element.find("pose")
-        reference = None if pose is None else pose.get("relative_to")
-        link = self.name(element.getparent())  # type: ignore[arg-type]  # it has one
-        if reference is None or reference == link:
-            return self.origin(element)
-        return Origin.of(self._places.between(link, reference) @ self.pose(element))
+        inertia = Inertia(**moments) if R == IDENTITY_ROTATION else rotated(Inertia(**moments), R)
+        return Inertial(mass=self.number(element, "mass", 1.0), com=com, inertia=inertia)
 
     def _material(self, element: etree._Element) -> Material | None:
         """The colour of a shape; colours have no names in SDF."""
@@ -295,11 +234,16 @@ class _Reader(SdfElements):
 
     def _placed(self, element: etree._Element) -> Iterator[tuple[Geometry, Origin]]:
         """The parts of a shape, and where they are in the link."""
-        origin = self._shape_origin(element)
-        for geometry, pose in self._parts(element):
-            yield geometry, origin if pose is IDENTITY else Origin.of(origin.transform @ pose)
+        pose = element.find("pose")
+        reference = None if pose is None else pose.get("relative_to")
+        link = self.name(element.getparent())  # type: ignore[arg-type]  # it has one
+        origin = self.origin(element)
+        if reference is not None and reference != link:
+            origin = Origin.of(self._places.between(link, reference) @ self.pose(element))
+        for geometry, within in self._parts(element):
+            yield geometry, origin if within is IDENTITY else Origin.of(origin.transform @ within)
 
-    def _parts(self, element: etree._Element) -> list[Placed]:
+    def _parts(self, element: etree._Element) -> list[Placed]:  # noqa: PLR0911 - one for each shape
         geometry = element.find("geometry")
         shape = None if geometry is None else next(geometry.iterchildren(etree.Element), None)
         if shape is None or shape.tag == "empty":
@@ -308,28 +252,19 @@ class _Reader(SdfElements):
         match shape.tag:
             case "box":
                 x, y, z = self.numbers(shape, "size", 3, (1.0, 1.0, 1.0))
-                parts = [Placed(Box(size=(x, y, z)))]
+                return [Placed(Box(size=(x, y, z)))]
             case "cylinder":
-                (radius,), (length,) = (
-                    self.numbers(shape, "radius", 1, (1.0,)),
-                    self.numbers(shape, "length", 1, (1.0,)),
-                )
-                parts = [Placed(Cylinder(radius=radius, length=length))]
+                radius, length = (self.number(shape, name, 1.0) for name in ("radius", "length"))
+                return [Placed(Cylinder(radius=radius, length=length))]
             case "sphere":
-                parts = [Placed(Sphere(radius=self.numbers(shape, "radius", 1, (1.0,))[0]))]
+                return [Placed(Sphere(radius=self.number(shape, "radius", 1.0)))]
             case "mesh":
                 x, y, z = self.numbers(shape, "scale", 3, (1.0, 1.0, 1.0))
-                parts = [Placed(Mesh(filename=self.word(shape, "uri"), scale=(x, y, z)))]
+                return [Placed(Mesh(filename=self.word(shape, "uri"), scale=(x, y, z)))]
             case "capsule":
-                (radius,), (length,) = (
-                    self.numbers(shape, "radius", 1, (0.5,)),
-                    self.numbers(shape, "length", 1, (1.0,)),
-                )
-                parts = capsule(radius, length)
-            case word:
-                self.not_read(shape, f"a shape {shown(str(word))}")
-                parts = []
-        return parts
+                return capsule(self.number(shape, "radius", 0.5), self.number(shape, "length", 1.0))
+        self.not_read(shape, f"a shape {shown(str(shape.tag))}")
+        return []
 
 
 def _type(joint: etree._Element) -> str:

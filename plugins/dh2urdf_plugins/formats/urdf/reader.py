@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 from lxml import etree
 
-from dh2urdf.errors import ProofError
+from dh2urdf.kinematics.mass import rotated
 from dh2urdf.manipulator import JOINT_TYPES, JointType, new_inertia, new_limits
 from dh2urdf.robot import (
     Box,
@@ -25,7 +25,6 @@ from dh2urdf.robot import (
     Origin,
     Robot,
     Sphere,
-    Visual,
     new_collision,
     new_inertial,
     new_joint,
@@ -33,9 +32,10 @@ from dh2urdf.robot import (
     new_origin,
     new_visual,
 )
-from dh2urdf.rotations import X_AXIS, Z_AXIS, ZERO, Vec3, multiply, rotation_from_rpy, transpose
-from dh2urdf.source import Mark, Problem, shown
-from dh2urdf_plugins.formats.xml_files import content_of, finite_numbers, wanted_numbers, written_tree_of
+from dh2urdf.rotations import X_AXIS, Z_AXIS, ZERO, Vec3, rotation_from_rpy
+from dh2urdf.row_fields import INERTIA, LIMITS
+from dh2urdf.source import shown
+from dh2urdf_plugins.formats.xml_files import FileElements, content_of, written_tree_of
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -74,16 +74,16 @@ def robot_of(root: etree._Element, file: str) -> Robot:
     return _UrdfReader(file).robot(root)
 
 
-class _UrdfReader:
-    """Reads one tree; it knows the file's name and the materials that were defined so far."""
+class _UrdfReader(FileElements):
+    """Reads one tree; it knows the materials that were defined so far."""
 
     def __init__(self, file: str) -> None:
-        self._file = file
+        super().__init__(file)
         self._materials: dict[str, Material | None] = {}
 
     def robot(self, root: etree._Element) -> Robot:
         if root.tag != "robot":
-            raise self._error(root, f"the outermost element is {shown(str(root.tag))}", accepted="robot")
+            raise self.error(root, f"the outermost element is {shown(str(root.tag))}", accepted="robot")
         for element in root.iterchildren("material"):
             self._material(element)
         return Robot(
@@ -94,23 +94,26 @@ class _UrdfReader:
 
     def _link(self, element: etree._Element) -> Link:
         inertial = element.find("inertial")
+        visuals = [
+            new_visual(geometry=self._geometry(each), origin=self._origin(each), material=self._material_of(each))
+            for each in element.iterchildren("visual")
+        ]
+        collisions = [
+            new_collision(geometry=self._geometry(each), origin=self._origin(each))
+            for each in element.iterchildren("collision")
+        ]
         return new_link(
             name=self._text(element, "name"),
             inertial=None if inertial is None else self._inertial(inertial),
-            visuals=tuple([self._visual(visual) for visual in element.iterchildren("visual")]),
-            collisions=tuple(
-                [
-                    new_collision(geometry=self._geometry(collision), origin=self._origin(collision))
-                    for collision in element.iterchildren("collision")
-                ]
-            ),
+            visuals=tuple(visuals),
+            collisions=tuple(collisions),
         )
 
     def _joint(self, element: etree._Element) -> Joint:
         word = self._text(element, "type")
         kind = JOINT_TYPES.get(word)
         if kind is None:
-            raise self._error(element, f"joint type {shown(word)} is not one of a manipulator", ", ".join(JOINT_TYPES))
+            raise self.error(element, f"joint type {shown(word)} is not one of a manipulator", ", ".join(JOINT_TYPES))
         axis, limit, dynamics = element.find("axis"), element.find("limit"), element.find("dynamics")
         direction = Z_AXIS  # What the field holds of a fixed joint, which has none.
         if kind is not JointType.FIXED:
@@ -122,41 +125,23 @@ class _UrdfReader:
             child=self._text(self._child(element, "child"), "link"),
             origin=self._origin(element),
             axis=direction,
-            limits=new_limits()
-            if limit is None
-            else new_limits(
-                lower=self._optional(limit, "lower"),
-                upper=self._optional(limit, "upper"),
-                velocity=self._optional(limit, "velocity"),
-                effort=self._optional(limit, "effort"),
-            ),
-            damping=None if dynamics is None else self._optional(dynamics, "damping"),
-            friction=None if dynamics is None else self._optional(dynamics, "friction"),
-            mark=self._mark(element),
+            limits=new_limits(**{name: self._optional(limit, name) for name in LIMITS}),
+            damping=self._optional(dynamics, "damping"),
+            friction=self._optional(dynamics, "friction"),
+            mark=self.mark(element),
         )
 
     def _inertial(self, element: etree._Element) -> Inertial:
-        inertia = self._child(element, "inertia")
-        names = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
-        ixx, ixy, ixz, iyy, iyz, izz = (self._number(inertia, name) for name in names)
-        origin = self._origin(element)
-        if origin.rpy != ZERO:  # Turn the tensor into axes that are parallel to the link's: R I R^T.
-            R = rotation_from_rpy(origin.rpy)
-            turned = multiply(multiply(R, (ixx, ixy, ixz, ixy, iyy, iyz, ixz, iyz, izz)), transpose(R))
-            ixx, ixy, ixz, _, iyy, iyz, _, _, izz = turned
-        return new_inertial(
-            mass=self._number(self._child(element, "mass"), "value"),
-            com=origin.xyz,
-            inertia=new_inertia(ixx=ixx, iyy=iyy, izz=izz, ixy=ixy, ixz=ixz, iyz=iyz),
-        )
+        tensor, origin = self._child(element, "inertia"), self._origin(element)
+        inertia = new_inertia(**{name: self._numbers(tensor, name, 1)[0] for name in INERTIA})
+        if origin.rpy != ZERO:
+            inertia = rotated(inertia, rotation_from_rpy(origin.rpy))
+        mass = self._numbers(self._child(element, "mass"), "value", 1)[0]
+        return new_inertial(mass=mass, com=origin.xyz, inertia=inertia)
 
-    def _visual(self, element: etree._Element) -> Visual:
-        material = element.find("material")
-        return new_visual(
-            geometry=self._geometry(element),
-            origin=self._origin(element),
-            material=None if material is None else self._material(material),
-        )
+    def _material_of(self, visual: etree._Element) -> Material | None:
+        material = visual.find("material")
+        return None if material is None else self._material(material)
 
     def _material(self, element: etree._Element) -> Material | None:
         """A material that is defined here or was defined above; None where it is a texture only."""
@@ -167,7 +152,7 @@ class _UrdfReader:
         elif element.find("texture") is not None:
             self._materials[name] = None
         elif name not in self._materials:
-            raise self._error(element, f"material {shown(name)} is defined nowhere")
+            raise self.error(element, f"material {shown(name)} is defined nowhere")
         return self._materials[name]
 
     def _geometry(self, parent: etree._Element) -> Geometry:
@@ -178,13 +163,14 @@ class _UrdfReader:
                 case "box":
                     return Box(size=self._vector(shape, "size"))
                 case "cylinder":
-                    return Cylinder(radius=self._number(shape, "radius"), length=self._number(shape, "length"))
+                    (radius,), (length,) = (self._numbers(shape, name, 1) for name in ("radius", "length"))
+                    return Cylinder(radius=radius, length=length)
                 case "sphere":
-                    return Sphere(radius=self._number(shape, "radius"))
+                    return Sphere(radius=self._numbers(shape, "radius", 1)[0])
                 case "mesh":
                     scale = self._vector(shape, "scale", (1.0, 1.0, 1.0))
                     return Mesh(filename=self._text(shape, "filename"), scale=scale)
-        raise self._error(geometry, "the geometry has no known shape", "box, cylinder, sphere, mesh")
+        raise self.error(geometry, "the geometry has no known shape", "box, cylinder, sphere, mesh")
 
     def _origin(self, parent: etree._Element) -> Origin:
         origin = parent.find("origin")
@@ -195,20 +181,19 @@ class _UrdfReader:
     def _child(self, element: etree._Element, tag: str) -> etree._Element:
         child = element.find(tag)
         if child is None:
-            raise self._error(element, f"{element.tag} lacks {tag}")
+            raise self.error(element, f"{element.tag} lacks {tag}")
         return child
 
     def _text(self, element: etree._Element, attribute: str) -> str:
         text = element.get(attribute)
         if text is None:
-            raise self._error(element, f"{element.tag} lacks the attribute {attribute}")
+            raise self.error(element, f"{element.tag} lacks the attribute {attribute}")
         return text
 
-    def _number(self, element: etree._Element, attribute: str) -> float:
+    def _optional(self, element: etree._Element | None, attribute: str) -> float | None:
+        if element is None or element.get(attribute) is None:
+            return None
         return self._numbers(element, attribute, 1)[0]
-
-    def _optional(self, element: etree._Element, attribute: str) -> float | None:
-        return None if element.get(attribute) is None else self._number(element, attribute)
 
     def _vector(self, element: etree._Element, attribute: str, default: Vec3 | None = None) -> Vec3:
         if default is not None and element.get(attribute) is None:
@@ -217,14 +202,4 @@ class _UrdfReader:
         return (x, y, z)
 
     def _numbers(self, element: etree._Element, attribute: str, count: int) -> list[float]:
-        text = self._text(element, attribute)
-        numbers = finite_numbers(text, count)
-        if numbers is None:
-            raise self._error(element, f"{attribute} of {element.tag} is {shown(text)}", wanted_numbers(count))
-        return numbers
-
-    def _mark(self, element: etree._Element) -> Mark:
-        return Mark(file=self._file, line=element.sourceline)  # type: ignore[arg-type]  # wrong in the stubs
-
-    def _error(self, element: etree._Element, message: str, accepted: str | None = None) -> ProofError:
-        return ProofError(Problem(message=message, accepted=accepted, mark=self._mark(element)))
+        return self.read(element, attribute, self._text(element, attribute), count)

@@ -33,7 +33,6 @@ FIELDS = {"a": "m", "alpha": "rad", "d": "m", "theta": "rad", "offset": ""}
 FAR = 0.1
 """How far a calibration moves the tip of an arm at most, as a part of the arm's reach."""
 _VECTORS = 32
-_SLIDE = 1.0
 
 
 class Calibration(NamedTuple):
@@ -63,18 +62,13 @@ class Calibration(NamedTuple):
         joints = names if self.joints is None else self.joints
         if len(joints) != len(self.differences):
             what = "moving joints" if self.of_moving_rows else "joints"
-            by_name = "" if self.of_moving_rows else ", or a column joint with the names of some"
             message = f"the calibration is of {len(self.differences)} {what}, and the table has {len(names)}"
-            accepted = f"a difference for each joint, in the order of the table{by_name}"
-            where = Mark(file=self.file)
-            raise TableError(Problem(message=message, mark=where, field="calibration", accepted=accepted))
+            accepted = "a difference for each joint, in the order of the table, or a table with the names of some"
+            raise _error(message, "calibration", Mark(file=self.file), accepted)
         for joint, (_, mark) in zip(joints, self.differences, strict=True):
             if joint not in names:
                 message = f"the calibration has a row for {shown(joint)}, which is no joint of the table"
-                accepted, near = ", ".join(names[:20]), did_you_mean(joint, names)
-                raise TableError(
-                    Problem(message=message, mark=mark, field="joint", found=joint, accepted=accepted, suggestion=near)
-                )
+                raise _error(message, "joint", mark, ", ".join(names[:20]), joint, near=did_you_mean(joint, names))
         added = {joint: numbers for joint, (numbers, _) in zip(joints, self.differences, strict=True)}
         return [
             replace(row, **{name: getattr(row, name) + value for name, value in added[row.joint].items() if value})
@@ -99,15 +93,20 @@ class Calibration(NamedTuple):
         )
 
 
+def _error(
+    message: str, field: str, mark: Mark | None, accepted: str, found: str | None = None, *, near: str | None = None
+) -> TableError:
+    problem = Problem(message=message, mark=mark, field=field, found=found, accepted=accepted, suggestion=near)
+    return TableError(problem)
+
+
 def _moved(one: Manipulator, other: Manipulator) -> tuple[float, float]:
     """How far the tips of two arms are from each other, and the first from its base, at most [m]."""
     draw = random.Random(f"dh2urdf {len(one.moving_rows)}")  # noqa: S311 - reproducible on purpose
     moved = reach = 0.0
     for _ in range(_VECTORS):
-        q = [
-            draw.uniform(0.0, _SLIDE) if row.type is JointType.PRISMATIC else draw.uniform(-math.pi, math.pi)
-            for row in one.moving_rows
-        ]
+        ranges = [(0.0, 1.0) if row.type is JointType.PRISMATIC else (-math.pi, math.pi) for row in one.moving_rows]
+        q = [draw.uniform(*ends) for ends in ranges]
         here, there = forward_kinematics(one, q), forward_kinematics(other, q)
         moved = max(moved, position_error(here, there))
         reach = max(reach, math.dist(here.translation, one.base.translation))
@@ -135,33 +134,31 @@ def read_ur_conf(path: Path, convention: Convention) -> Calibration:
             f"the table is {convention}"
         )
         accepted = "a table of the standard convention, such as that of the data sheet"
-        raise TableError(Problem(message=message, mark=Mark(file=file), field="convention", accepted=accepted))
+        raise _error(message, "convention", Mark(file=file), accepted)
     entries = _entries(decoded(read_bytes(path, TableError, limit=LARGEST_CALIBRATION), file, TableError), file)
-    lists = {}
+    lists: dict[str, list[float]] = {}
     for name, field in LISTS.items():
         if name not in entries:
             near = did_you_mean(name, entries.keys() - LISTS.keys())
-            message, accepted = f"the calibration does not have {name}", f"{name} = {_EXAMPLE}, a number for each joint"
-            raise TableError(
-                Problem(message=message, mark=Mark(file=file), field=name, accepted=accepted, suggestion=near)
-            )
-        lists[field] = _numbers(name, *entries[name])
+            accepted = f"{name} = {_EXAMPLE}, a number for each joint"
+            raise _error(f"the calibration does not have {name}", name, Mark(file=file), accepted, near=near)
+        text, mark = entries[name]
+        lists[field] = _numbers(text)
+        if not lists[field]:
+            accepted = f"a finite number for each joint: `{name} = {_EXAMPLE}`"
+            raise _error(f"{name} is no list of numbers", name, mark, accepted, text)
         if (count := len(lists[field])) != len(lists["a"]):
-            text, mark = entries[name]
             message = f"{name} has {count} numbers, and delta_a has {len(lists['a'])}"
-            accepted = "lists of one length: a number for each joint"
-            raise TableError(Problem(message=message, mark=mark, field=name, found=text, accepted=accepted))
-    notices = []
+            raise _error(message, name, mark, "lists of one length: a number for each joint", text)
+    notices: tuple[Problem, ...] = ()
     if (status := entries.get("calibration_status")) and status[0] != _LINEARISED:
         text, mark = status
         message = f"calibration_status is {text}: the controller does not use this calibration as it is"
-        field, accepted = "calibration_status", "2, linearised"
-        notices.append(
-            Problem(message=message, severity="notice", mark=mark, field=field, found=text, accepted=accepted)
-        )
+        odd = _error(message, "calibration_status", mark, "2, linearised", text)
+        notices = tuple(replace(problem, severity="notice") for problem in odd.problems)
     rows = zip(*lists.values(), strict=True)
     differences = tuple((dict(zip(lists, row, strict=True)), entries["delta_a"][1]) for row in rows)
-    return Calibration(file, differences, of_moving_rows=True, notices=tuple(notices))
+    return Calibration(file, differences, of_moving_rows=True, notices=notices)
 
 
 def _entries(text: str, file: str) -> dict[str, tuple[str, Mark]]:
@@ -177,26 +174,20 @@ def _entries(text: str, file: str) -> dict[str, tuple[str, Mark]]:
         if not content or (content[0] == "[" and content[-1] == "]"):
             continue
         if not equals:
-            message = f"{shown(content)} is no line of a calibration"
-            raise TableError(Problem(message=message, mark=mark, found=content, accepted="`key = value`"))
+            raise _error(f"{shown(content)} is no line of a calibration", content, mark, "`key = value`", content)
         if key in LISTS and key in entries:
-            message = f"{key} is given twice, the first time at {entries[key][1]}"
-            raise TableError(Problem(message=message, mark=mark, field=key, accepted="each list once"))
+            raise _error(f"{key} is given twice, the first time at {entries[key][1]}", key, mark, "each list once")
         entries[key] = value, mark
     return entries
 
 
-def _numbers(name: str, text: str, mark: Mark) -> list[float]:
-    words = text[1:-1].split(",") if text[:1] == "[" and text[-1:] == "]" else []
+def _numbers(text: str) -> list[float]:
+    """The finite numbers of a list; none of anything else."""
     try:
-        numbers = [float(word) for word in words]
+        numbers = [float(word) for word in text[1:-1].split(",")] if text[:1] + text[-1:] == "[]" else []
     except ValueError:
-        numbers = []
-    if not numbers or not all(map(math.isfinite, numbers)):
-        accepted = f"a finite number for each joint: `{name} = {_EXAMPLE}`"
-        message = f"{name} is no list of numbers"
-        raise TableError(Problem(message=message, mark=mark, field=name, found=text, accepted=accepted))
-    return numbers
+        return []
+    return numbers if all(map(math.isfinite, numbers)) else []
 
 
 CONF = ".conf"
@@ -249,17 +240,16 @@ class CalibrationFile:
             found.append((item, trace.rows))
         if len(found) != 1:
             message, file = f"the calibration has {len(found)} manipulators", Mark(file=str(self.path))
-            raise TableError(Problem(message=message, mark=file, field="calibration", accepted="the rows of one arm"))
+            raise _error(message, "calibration", file, "the rows of one arm")
         ((arm, cells),) = found
         usual = {each.name: each.default for each in fields(DHRow) if each.name not in _ALLOWED}
-        accepted = f"{', '.join(FIELDS)}, with joint to name the row"
         for said, row in zip(cells, arm.rows, strict=False):
             others = [name for name in ("beta", "gamma", "b") if name in said and not is_zero(said[name].text or "")]
             others += [name for name, default in usual.items() if getattr(row, name) != default]
             for name in others:
                 message = f"a row of differences has {name}, which no calibration changes"
                 mark = said[name].mark if name in said else row.mark
-                raise TableError(Problem(message=message, mark=mark, joint=row.joint, field=name, accepted=accepted))
+                raise _error(message, name, mark, f"{', '.join(FIELDS)}, with joint to name the row")
         return Calibration(
             file=str(self.path),
             differences=tuple(({name: getattr(row, name) for name in FIELDS}, row.mark) for row in arm.rows),
@@ -280,12 +270,6 @@ class CalibrationFile:
         stages = [provided.stage for provided in catalog.provided("reader")]
         able = [each for each in stages if isinstance(each, Reader) and each.can(Traces) is not None]
         suffixes = ", ".join(suffix for each in able for suffix in each.suffixes)
-        raise TableError(
-            Problem(
-                message=f"no calibration is known with the name {shown(self.path.name)}",
-                mark=Mark(file=str(self.path)),
-                field="calibration",
-                found=self.path.suffix or None,
-                accepted=f"{CONF} of Universal Robots, or a table of differences: {suffixes}",
-            )
-        )
+        message, mark = f"no calibration is known with the name {shown(self.path.name)}", Mark(file=str(self.path))
+        accepted = f"{CONF} of Universal Robots, or a table of differences: {suffixes}"
+        raise _error(message, "calibration", mark, accepted, self.path.suffix or None)

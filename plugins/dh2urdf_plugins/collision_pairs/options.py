@@ -4,9 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from dh2urdf.errors import ConfigError
-from dh2urdf.source import Problem
-
 TRIALS = 10_000
 """Random states in which a pair that is `Never` does not touch; MoveIt's setup assistant tries as many."""
 MOST_TRIALS = 10_000_000
@@ -27,20 +24,9 @@ class PairOptions:
     )
 
     def __post_init__(self) -> None:
-        """Refuses what finds no pairs.
-
-        Raises:
-            ConfigError: a number is out of its range.
-        """
-        ranges = {
-            "trials": (self.trials, 1 <= self.trials <= MOST_TRIALS, f"1 to {MOST_TRIALS}"),
-            "seed": (self.seed, self.seed >= 0, "0 or more"),
-            "min_distance": (self.min_distance, 0.0 <= self.min_distance <= FARTHEST, f"0 to {FARTHEST:g} [m]"),
-        }
-        problems = [
-            Problem(message=f"{name} is out of its range", field=name, found=f"{value:.9g}", accepted=accepted)
-            for name, (value, is_right, accepted) in ranges.items()
-            if not is_right
-        ]
-        if problems:
-            raise ConfigError(problems)
+        if not 1 <= self.trials <= MOST_TRIALS:
+            raise ValueError(f"trials is a number from 1 to {MOST_TRIALS}")
+        if self.seed < 0:
+            raise ValueError("seed is a number from 0 on")
+        if not 0.0 <= self.min_distance <= FARTHEST:
+            raise ValueError(f"min_distance is from 0 to {FARTHEST:g} m")

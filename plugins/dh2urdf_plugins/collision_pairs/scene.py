@@ -23,8 +23,8 @@ from dh2urdf.manipulator import JointType
 from dh2urdf.meshes import read_parts
 from dh2urdf.robot import Box, Cylinder, Mesh, Robot, Sphere
 from dh2urdf.rotations import norm
-from dh2urdf.source import Mark, Problem, did_you_mean, shown
-from dh2urdf.stages.foreign_robot import Follower, with_followers
+from dh2urdf.source import Mark, Problem, shown
+from dh2urdf.stages.foreign_robot import Follower, following, with_followers
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator
@@ -67,63 +67,32 @@ class Mechanism:
         Raises:
             InputError: the links are not a tree with one root, a joint follows none, or an axis has no length.
         """
-        problems = list(self._problems())
-        if not problems:
-            links = {link.name for link in self.robot.links}
-            roots = links - {joint.child for joint in self.robot.joints}
-            if len(roots) == 1:
-                joints: list[Joint] = []
-                reached = set(roots)
-                waiting = list(self.robot.joints)
-                while ready := [joint for joint in waiting if joint.parent in reached]:
-                    joints += ready
-                    reached |= {joint.child for joint in ready}
-                    waiting = [joint for joint in waiting if joint.child not in reached]
-                if not waiting:
-                    return tuple(joints)
-            found = ", ".join(map(shown, sorted(roots)[:5])) or "none"
-            accepted = "a tree of links that begins at one"
-            problems = [self._problem("the links are no tree with one root", found=found, accepted=accepted)]
-        raise InputError(problems)
-
-    def _problems(self) -> Iterator[Problem]:
-        links = [link.name for link in self.robot.links]
-        held: set[str] = set()
-        moving = [joint.name for joint in self.robot.joints if self.moves(joint)]
-        if not links:
-            yield self._problem("there are no links")
-        for joint in self.robot.joints:
-            for name in (joint.parent, joint.child):
-                if name not in links:
-                    message, near = f"no link is called {shown(name)}", did_you_mean(name, links)
-                    yield self._problem(message, joint, suggestion=near)
-            if joint.child in held:
-                yield self._problem(f"a second joint holds the link {shown(joint.child)}", joint)
-            held.add(joint.child)
+        links, followers, joints = [link.name for link in self.robot.links], self._moved(), self.robot.joints
+        able = following(followers, [joint.name for joint in joints if self.moves(joint)])
+        for joint in joints:
+            if joint.name in followers.keys() - able.keys():
+                message = f"the joint mimics {shown(followers[joint.name].leader)}, which no joint can follow"
+                raise self._error(message, "another joint that moves, by finite numbers", joint)
             if joint.type is not JointType.FIXED and not norm(joint.axis):
-                yield self._problem("the axis of the joint has no length", joint, accepted="a direction")
-            follower = self.followers.get(joint.name)
-            if follower is None or not self.moves(joint):
-                continue
-            if not follower.is_finite:
-                message = "the multiplier or the offset of the mimic element is not a finite number"
-                yield self._problem(message, joint, accepted="finite numbers")
-            if follower.leader not in moving or self._circles(joint.name):
-                message = f"the joint mimics {shown(follower.leader)}, which no joint can follow"
-                accepted = "another joint that moves"
-                yield self._problem(message, joint, accepted=accepted, suggestion=did_you_mean(follower.leader, moving))
+                raise self._error("the axis of the joint has no length", "a direction", joint)
+            for name in {joint.parent, joint.child} - set(links):
+                raise self._error(f"no link is called {shown(name)}", ", ".join(links[:20]), joint)
+        children = [joint.child for joint in joints]
+        ordered: list[Joint] = []
+        reached, waiting = set(links) - set(children), list(joints)
+        is_tree = len(reached) == 1 and len(children) == len(set(children))
+        while ready := [joint for joint in waiting if joint.parent in reached]:
+            ordered += ready
+            reached |= {joint.child for joint in ready}
+            waiting = [joint for joint in waiting if joint.child not in reached]
+        if waiting or not is_tree:
+            raise self._error("the links are no tree with one root", "a tree of links that begins at one")
+        return tuple(ordered)
 
-    def _circles(self, name: str) -> bool:
-        seen: set[str] = set()
-        while name in self.followers and name not in seen:
-            seen.add(name)
-            name = self.followers[name].leader
-        return name in seen
-
-    def _problem(self, message: str, joint: Joint | None = None, **words: Any) -> Problem:  # noqa: ANN401 - those of a Problem
+    def _error(self, message: str, accepted: str, joint: Joint | None = None) -> InputError:
         mark = joint.mark if joint and joint.mark else Mark(file=self.file) if self.file else None
-        robot = None if self.file else self.robot.name
-        return Problem(message=message, robot=robot, joint=joint.name if joint else None, mark=mark, **words)
+        robot, name = None if self.file else self.robot.name, joint.name if joint else None
+        return InputError(Problem(message=message, robot=robot, joint=name, mark=mark, accepted=accepted))
 
     # States
 

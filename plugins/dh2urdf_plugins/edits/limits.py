@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from dh2urdf.elementwise import agreed, is_column
+from dh2urdf.elementwise import agreed
 from dh2urdf.errors import EditError
 from dh2urdf.source import Problem, did_you_mean, shown
 from dh2urdf.stages import Edit, EditsInColumns
@@ -75,11 +75,8 @@ def edit_table(manipulator: Manipulator, options: LimitsOptions) -> Manipulator:
     problems = []
     for name in options.joints:
         if name not in names:
-            message, accepted, near = (
-                f"the arm has no moving joint {shown(name)}",
-                ", ".join(names),
-                did_you_mean(name, names),
-            )
+            message = f"the arm has no moving joint {shown(name)}"
+            accepted, near = ", ".join(names), did_you_mean(name, names)
             problems.append(Problem(message=message, field="edits", found=name, accepted=accepted, suggestion=near))
     rows = []
     is_changed = False
@@ -89,23 +86,13 @@ def edit_table(manipulator: Manipulator, options: LimitsOptions) -> Manipulator:
         margin = sliding if row.type is JointType.PRISMATIC else turning
         limits = _limited(row.limits, options, margin) if is_meant else row.limits
         if limits.lower is not None and limits.upper is not None and not agreed(limits.lower < limits.upper):
-            ends: Any = (row.limits.lower, row.limits.upper)  # floats or columns
-            first = [float(each[0]) if is_column(each) else each for each in ends]
-            problems.append(
-                Problem(
-                    message=f"nothing is left of the range of the joint {shown(row.joint)} after the edit `limits`",
-                    field="edits",
-                    found=f"{first[0]:g} to {first[1]:g}, with a margin of {margin:g}",
-                    accepted="a margin of less than half of the range",
-                    suggestion="`joints` names those that are meant; with a unit, such as 5 deg, the margin is about "
-                    "the joints that turn",
-                )
-            )
+            message = f"nothing is left of the range of the joint {shown(row.joint)} after the edit `limits`"
+            accepted = f"a margin of less than half of the range, and not {margin:g}"
+            advice = "`joints` names the joints that are meant; 5 deg is about those that turn"
+            problems.append(Problem(message=message, field="edits", accepted=accepted, suggestion=advice))
             limits = row.limits
-        is_changed |= any(
-            new is not old and not agreed(new == old)
-            for new, old in ((getattr(limits, name), getattr(row.limits, name)) for name in LIMITS)
-        )
+        pairs = [(getattr(limits, name), getattr(row.limits, name)) for name in LIMITS]
+        is_changed |= any(new is not old and not agreed(new == old) for new, old in pairs)
         rows.append(replace_unchecked(row, limits=limits))
     if problems:
         raise EditError(problem.about(robot=manipulator.name, mark=manipulator.mark) for problem in problems)

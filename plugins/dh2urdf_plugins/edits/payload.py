@@ -88,16 +88,10 @@ def edit_table(manipulator: Manipulator, options: PayloadOptions) -> Manipulator
         bodies = [Inertial(mass=each.mass, com=each.com, inertia=each.inertia) for each in (old, new) if each.inertia]
         if len(bodies) < 2:  # noqa: PLR2004 - of two
             which = "the payload that the arm has" if old.inertia is None else "the payload of this edit"
-            raise EditError(
-                Problem(
-                    message=f"the arm has a payload of {old.mass:g} kg already, and {which} has no inertia",
-                    robot=manipulator.name,
-                    mark=manipulator.mark,
-                    field="edits",
-                    accepted="two payloads with inertias, which are joined; or one payload",
-                    suggestion="give the inertia, the size of a box or the radius of a ball",
-                )
-            )
+            message = f"the arm has a payload of {old.mass:g} kg already, and {which} has no inertia"
+            accepted = "two payloads with an inertia, the size of a box or the radius of a ball; or one payload"
+            problem = Problem(message=message, mark=manipulator.mark, field="edits", accepted=accepted)
+            raise EditError(problem.about(robot=manipulator.name))
         body = compound(bodies)
         new = Payload(mass=body.mass, com=body.com, inertia=body.inertia)
     return replace_unchecked(manipulator, payload=new)

@@ -91,7 +91,11 @@ class Packages:
                 raise self._missing(module)
 
     def prepare(self, options: SimulatorOptions) -> None:
-        """Import what these options need.
+        """Import what these options need, as `load` does."""
+        self.load(options)
+
+    def load(self, options: SimulatorOptions) -> Any:  # noqa: ANN401 - a module without type information
+        """Import what these options need, and return the simulator's module.
 
         Raises:
             MissingDependencyError: a package is not installed, or lacks a library of the system.
@@ -101,14 +105,6 @@ class Packages:
                 importlib.import_module(module)
             except ImportError as error:
                 raise self._missing(module, error) from error
-
-    def load(self, options: SimulatorOptions) -> Any:  # noqa: ANN401 - a module without type information
-        """The simulator's module, with all that these options need.
-
-        Raises:
-            MissingDependencyError: a package is not installed, or lacks a library of the system.
-        """
-        self.prepare(options)
         return sys.modules[next(iter(self.names))]
 
     def _needed(self, options: SimulatorOptions) -> list[str]:
@@ -119,89 +115,71 @@ class Packages:
         return MissingDependencyError(f"loader {self.loader!r}", package, f"dh2urdf[{self.loader}]", reason)
 
 
+_ZMQ = {"coppeliasim_zmqremoteapi_client": "coppeliasim-zmqremoteapi-client", "zmq": "pyzmq"}
 PACKAGES = {
     "pybullet": Packages("pybullet", {"pybullet": "pybullet"}),
     "mujoco": Packages("mujoco", {"mujoco": "mujoco"}),
     "pinocchio": Packages("pinocchio", {"pinocchio": "pin"}),
     "drake": Packages("drake", {"pydrake": "drake"}),
-    "coppeliasim": Packages(
-        "coppeliasim", {"coppeliasim_zmqremoteapi_client": "coppeliasim-zmqremoteapi-client", "zmq": "pyzmq"}
-    ),
+    "coppeliasim": Packages("coppeliasim", _ZMQ),
 }
 
 
-def _of(loader: str, function: str) -> Late:
-    return Late(f"{__package__}.{loader}.loader:{function}")
+def _loader(name: str, formats: str, options: type[SimulatorOptions], summary: str, *own: str) -> Loader[Any]:
+    """The record of a loader.
+
+    Args:
+        name: of the loader, and of the package with its module.
+        formats: what it loads, the best first.
+        options: its options.
+        summary: what it does.
+        own: functions of its module that take the place of those of its packages.
+    """
+
+    def of(function: str) -> Late:
+        return Late(f"{__package__}.{name}.loader:{function}")
+
+    require = of("require") if "require" in own else PACKAGES[name].require
+    capabilities: tuple[Any, ...] = (Requires(require),)
+    if name != "coppeliasim":  # a program of its own, whose console is not ours
+        prepare = of("prepare") if "prepare" in own else PACKAGES[name].prepare
+        capabilities += (ReadsOutput(of("read_output")), Reusable(prepare))
+    load = of("load")
+    return Loader(
+        name=name,
+        summary=summary,
+        open=load,
+        options=options,
+        formats=tuple(formats.split()),
+        capabilities=capabilities,
+    )
 
 
 LOADERS = (
-    Loader(
-        name="pybullet",
-        summary="loads a URDF into PyBullet, compares the arm with the table, lets it hold its weight, takes a picture",
-        open=_of("pybullet", "load"),
-        options=PyBulletOptions,
-        formats=("urdf",),
-        capabilities=(
-            Requires(PACKAGES["pybullet"].require),
-            ReadsOutput(_of("pybullet", "read_output")),
-            Reusable(PACKAGES["pybullet"].prepare),
-        ),
+    _loader(
+        *("pybullet", "urdf", PyBulletOptions),
+        "loads a URDF into PyBullet, compares the arm with the table, lets it hold its weight, takes a picture",
     ),
-    Loader(
-        name="mujoco",
-        summary="loads MJCF or URDF into MuJoCo, compares the arm with the table, lets it hold its weight, "
-        "takes a picture",
-        open=_of("mujoco", "load"),
-        options=PictureOptions,
-        formats=("mjcf", "urdf"),
-        capabilities=(
-            Requires(PACKAGES["mujoco"].require),
-            ReadsOutput(_of("mujoco", "read_output")),
-            Reusable(_of("mujoco", "prepare")),
-        ),
+    _loader(
+        *("mujoco", "mjcf urdf", PictureOptions),
+        "loads MJCF or URDF into MuJoCo, compares the arm with the table, lets it hold its weight, takes a picture",
+        "prepare",
     ),
-    Loader(
-        name="pinocchio",
-        summary="loads a URDF into Pinocchio, compares the arm with the table, weighs it against its efforts",
-        open=_of("pinocchio", "load"),
-        options=SimulatorOptions,
-        formats=("urdf",),
-        capabilities=(
-            Requires(PACKAGES["pinocchio"].require),
-            ReadsOutput(_of("pinocchio", "read_output")),
-            Reusable(PACKAGES["pinocchio"].prepare),
-        ),
+    _loader(
+        *("pinocchio", "urdf", SimulatorOptions),
+        "loads a URDF into Pinocchio, compares the arm with the table, weighs it against its efforts",
     ),
-    Loader(
-        name="drake",
-        summary="loads URDF or SDF into Drake, compares the arm with the table, lets it hold its weight",
-        open=_of("drake", "load"),
-        options=SimulatorOptions,
-        formats=("urdf", "sdf"),
-        capabilities=(
-            Requires(PACKAGES["drake"].require),
-            ReadsOutput(_of("drake", "read_output")),
-            Reusable(PACKAGES["drake"].prepare),
-        ),
+    _loader(
+        *("drake", "urdf sdf", SimulatorOptions),
+        "loads URDF or SDF into Drake, compares the arm with the table, lets it hold its weight",
     ),
-    Loader(
-        name="gazebo",
-        summary="has Gazebo's sdformat check SDF, or convert URDF, and compares the model with the table",
-        open=_of("gazebo", "load"),
-        options=SimulatorOptions,
-        formats=("sdf", "urdf"),
-        capabilities=(
-            Requires(_of("gazebo", "require")),
-            ReadsOutput(_of("gazebo", "read_output")),
-            Reusable(_of("gazebo", "prepare")),
-        ),
+    _loader(
+        *("gazebo", "sdf urdf", SimulatorOptions),
+        "has Gazebo's sdformat check SDF, or convert URDF, and compares the model with the table",
+        *("require", "prepare"),
     ),
-    Loader(
-        name="coppeliasim",
-        summary="has a running CoppeliaSim import a URDF, compares it with the table, lets it hold its weight if asked",
-        open=_of("coppeliasim", "load"),
-        options=CoppeliaSimOptions,
-        formats=("urdf",),
-        capabilities=(Requires(PACKAGES["coppeliasim"].require),),
+    _loader(
+        *("coppeliasim", "urdf", CoppeliaSimOptions),
+        "has a running CoppeliaSim import a URDF, compares it with the table, lets it hold its weight if asked",
     ),
 )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Any
 
 from dh2urdf.elementwise import is_column, where
 from dh2urdf.kinematics.mass import inertia_problem, is_sound, possible_inertia
@@ -47,27 +47,10 @@ def is_weighed(row: DHRow) -> bool:
     return row.mass is not None and row.com is not None and row.inertia is not None
 
 
-def row_problem(
-    row: DHRow,
-    message: str,
-    *,
-    field: str,
-    found: float | None = None,
-    accepted: str | None = None,
-    suggestion: str | None = None,
-    severity: Literal["error", "notice"] = "error",
-) -> Problem:
+def row_problem(row: DHRow, message: str, *, field: str, found: float | None = None, **words: Any) -> Problem:  # noqa: ANN401 - those of a Problem
     """A problem of one field of a row."""
-    return Problem(
-        message=message,
-        severity=severity,
-        mark=row.mark,
-        joint=row.joint,
-        field=field,
-        found=None if found is None else f"{found:.12g}",
-        accepted=accepted,
-        suggestion=suggestion,
-    )
+    text = None if found is None else f"{found:.12g}"
+    return Problem(message=message, mark=row.mark, joint=row.joint, field=field, found=text, **words)
 
 
 # --- Problems of every table ------------------------------------------------------------------------------------------
@@ -77,10 +60,7 @@ def table_problems(manipulator: Manipulator) -> list[Problem]:
     """Everything that keeps an arm from being made of a table, in the order of the rows."""
     payload, base_mass = manipulator.payload, manipulator.base_mass
     problems = [*_positive("density", manipulator.density)]
-    if base_mass is not None and base_mass < 0.0:
-        accepted = "0, or a number greater than 0"
-        message, found = "base.mass must be 0 or greater than 0", f"{base_mass:.12g}"
-        problems.append(Problem(message=message, field="base.mass", found=found, accepted=accepted))
+    problems += _positive("base.mass", base_mass or None)
     if payload is not None:
         problems += [*_positive("payload.mass", payload.mass), *_tensor_problems("payload.inertia", payload.inertia)]
         if any(PAYLOAD in (row.joint, row.link) for row in manipulator.rows):
@@ -101,9 +81,7 @@ def _positive(name: str, value: float | None) -> Iterator[Problem]:
 
 def _tensor_problems(field: str, inertia: Inertia | None) -> Iterator[Problem]:
     if inertia and (broken := inertia_problem(inertia)):
-        accepted = (
-            "the tensor about the centre of mass, in kg·m², of a body that exists, or nothing: then it is computed"
-        )
+        accepted = "the tensor about the centre of mass [kg·m²] of a body that exists, or nothing: then it is computed"
         yield Problem(message=broken, field=field, accepted=accepted, suggestion=_REPAIR)
 
 
@@ -233,19 +211,16 @@ def paper_problems(manipulator: Manipulator, snap: float) -> Iterator[Problem]:
     """What the paper's algorithm has no place for; an α within `snap` of its set is a notice."""
     exact, convention = "the exact variant takes it", manipulator.convention
     if convention is not Convention.STANDARD:
-        message, accepted = "the paper's variant takes the standard convention only", Convention.STANDARD.value
-        found = convention.value
-        yield Problem(message=message, field="convention", found=found, accepted=accepted, suggestion=exact)
+        message = "the paper's variant takes the standard convention only"
+        yield Problem(message=message, field="convention", found=convention, accepted="standard", suggestion=exact)
     for row in manipulator.rows:
         word, value = nearest_paper_angle(row.alpha)
         turns = quarter_turns(row.alpha)
         if abs(row.alpha - value) > snap:
             # The word of the paper's set for the same turn as an angle outside it, such as pi for -pi.
             same = exact if turns is None else f"{('0', 'pi/2', 'pi', '-pi/2')[turns % 4]} is the same turn"
-            message, accepted = (
-                f"alpha is {row.alpha:.12g}, which is not in the set of the paper's variant",
-                ", ".join(PAPER_ANGLES),
-            )
+            message = f"alpha is {row.alpha:.12g}, which is not in the set of the paper's variant"
+            accepted = ", ".join(PAPER_ANGLES)
             yield row_problem(row, message, field="alpha", found=row.alpha, accepted=accepted, suggestion=same)
         elif turns is None:
             message = f"alpha is {row.alpha:.12g} and was taken for {word}"
@@ -257,11 +232,7 @@ def paper_problems(manipulator: Manipulator, snap: float) -> Iterator[Problem]:
         if row.com is not None or row.inertia is not None:
             message = "com and inertia hold in DH frames, which the paper's chain does not have; its boxes' are written"
             yield row_problem(row, message, field="com", severity="notice")
-    for name, what, is_there in (
-        ("payload", "payload", manipulator.payload is not None),
-        ("base", "base transform", manipulator.base != IDENTITY),
-        ("tool", "tool transform", manipulator.tool != IDENTITY),
-    ):
-        if is_there:
-            message = f"the paper's variant has no place for a {what}"
+    for name in ("payload", "base", "tool"):
+        if getattr(manipulator, name) not in (None, IDENTITY):
+            message = f"the paper's variant has no place for a {name}"
             yield Problem(message=message, field=name, accepted=f"no {name}", suggestion=exact)

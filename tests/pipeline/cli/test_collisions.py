@@ -84,8 +84,7 @@ def test_options_reach_the_search(cli: Cli, tmp_path: Path) -> None:
     robot = tmp_path / "two.urdf"
     assert ("left", "right") not in pairs(cli("collisions", robot, "--trials", "500", "--seed", "4").stdout)
     error = cli("collisions", robot, "--trials", "0", status=2).stderr
-    assert "trials is out of its range" in error
-    assert "accepted: 1 to 10000000" in error
+    assert "trials is a number from 1 to" in error
     (tmp_path / "two.urdf").write_text(plain(far="2.25").replace(mimic, ""))
     assert ("left", "right") in pairs(cli("collisions", robot).stdout)
     assert ("left", "right") not in pairs(cli("collisions", robot, "--min-distance", "0.5").stdout)

@@ -274,7 +274,7 @@ def load(request: LoadRequest, options: SimulatorOptions) -> LoadReport:
         LoaderError: Drake cannot load the file, or holds another arm than the one that was written.
         MissingDependencyError: Drake is not installed.
     """
-    PACKAGES["drake"].prepare(options)
+    PACKAGES["drake"].load(options)
     # Drake's C++ hands its messages to this logger, whose last resort would print them without their level.
     to_output = logging.StreamHandler(sys.stderr)
     to_output.setFormatter(logging.Formatter(f"{_MARK}%(levelname)s: %(message)s"))

@@ -295,7 +295,7 @@ def prepare(options: PictureOptions) -> None:
         importlib.import_module("mujoco")
     if "mujoco" not in sys.modules:
         os.environ["MUJOCO_GL"] = "disable"
-    PACKAGES["mujoco"].prepare(options)
+    PACKAGES["mujoco"].load(options)
 
 
 def load(request: LoadRequest, options: PictureOptions) -> LoadReport:

@@ -2,9 +2,9 @@
 
 It is started by its path and needs only the standard library. The parent sends pickles on standard input: first
 `sys.path`, then for each call whether to make it in a fork, the pickled encoding, and the pickled function with its
-arguments. An answer leaves on what was standard output: the sizes of its two parts, a word with a text as JSON, what
-the encoding (see `dh2urdf.isolation.encodings`) makes of the value or the exception, and a byte that says whether more
-calls are taken. Everything that is printed, from C too, goes to standard error.
+arguments. An answer leaves on what was standard output: the first letter of a word, the sizes of a text and a body, the
+text, as body what the encoding (see `dh2urdf.isolation.encodings`) makes of the value or the exception, and a byte that
+says whether more calls are taken. Everything that is printed, from C too, goes to standard error.
 """
 
 from __future__ import annotations
@@ -85,9 +85,9 @@ def _answer(answers: int, encoding: bytes, call: bytes) -> None:
     for stream in (sys.stdout, sys.stderr):
         with contextlib.suppress(OSError, ValueError, AttributeError):  # closed or replaced by what was called
             stream.flush()
-    head = json.dumps([word, text[-_LONGEST_TEXT:]]).encode()
+    told = text[-_LONGEST_TEXT:].encode(errors="replace")
     with open(answers, "wb", closefd=False) as pipe:
-        pipe.write(struct.pack(">II", len(head), min(len(body), 2**32 - 1)) + head)
+        pipe.write(struct.pack(">cII", word[:1].encode(), len(told), min(len(body), 2**32 - 1)) + told)
         pipe.write(body)
 
 

@@ -49,11 +49,11 @@ LARGEST_ANSWER = 2**30
 PLAIN: Data[Any] = Data()
 """The encoding of plain values: numbers, texts, lists and mappings of them."""
 
-_LARGEST_HEAD = 2**20  # bytes of the word and the text of an answer, at most
 _CHUNK = 2**20  # bytes that are read or written at a time: the most that a pipe of any user holds on Linux
 _GLANCE = 0.1  # [s] between looks whether the child has ended
 _LEAVING = 5.0  # [s] for a child that has closed the pipe of its answers to end
-_SIZES = struct.Struct(">II")
+_HEAD = struct.Struct(">cII")  # the first letter of a word, and the bytes of its text and of its body
+_WORDS = {word[:1].encode(): word for word in ("value", "raised", "not imported", "left")}
 _SCRIPT = Path(__file__).with_name("_child.py")
 _FAULT = re.compile(r"^(?:Fatal Python error: |Timeout \().*", re.MULTILINE)  # how the words of faulthandler begin
 
@@ -84,9 +84,7 @@ class ChildFailure(Exception):  # noqa: N818 - never raised: it is the cause of 
         super().__init__(output, traceback)
 
     def __str__(self) -> str:
-        return "\n".join(
-            part for part in (f"in the child process, which printed {self.output!r}", self.traceback) if part
-        )
+        return f"in the child process, which printed {self.output!r}\n{self.traceback}".rstrip("\n")
 
 
 class Answer(NamedTuple):
@@ -157,16 +155,18 @@ class Child:
 
         self._name, self.who = tempfile.TemporaryFile(buffering=0), ""  # noqa: SIM115 - open until `end`
         self.output, self.printed_before = Output(), ""
+        self._name.write(bytes(NAME_SIZE))  # where the child writes which stage runs: it outlives the child
+        number = self._name.fileno()
         try:
             self._process = subprocess.Popen(  # noqa: S603 - our own script
-                # -P: the folder of this package has no modules. The number is that of the file for the running stage.
-                [sys.executable, *flags, "-P", str(_SCRIPT), str(self._name.fileno())],
+                # -P: the folder of this package has no modules.
+                [sys.executable, *flags, "-P", str(_SCRIPT), str(number)],
                 stdin=subprocess.PIPE,
                 stdout=subprocess.PIPE,
                 stderr=subprocess.PIPE,
                 start_new_session=True,  # A process group of its own, to end it with all that it started.
                 bufsize=0,
-                pass_fds=(self._name.fileno(),),
+                pass_fds=(number,),
             )
         except BaseException:
             self._name.close()
@@ -184,7 +184,7 @@ class Child:
 
     @classmethod
     def started(cls) -> Self:
-        """A new child.
+        """Start a child.
 
         Raises:
             CrashError: it cannot be started.
@@ -211,14 +211,14 @@ class Child:
         in_fork: bool = False,
         spent: float = 0.0,
     ) -> ChildResult[T]:
-        """What a function returns in the child, which is ended if it gives no answer.
+        """Call a function in the child, which is ended if it gives no answer; see `run_in_child`.
 
         Args:
-            function: as `run_in_child`.
-            args: as `run_in_child`.
-            timeout: as `run_in_child`.
-            who: as `run_in_child`.
-            encoding: as `run_in_child`.
+            function: the function.
+            args: its arguments.
+            timeout: how long it may take [s].
+            who: what messages call the function.
+            encoding: how the child answers.
             in_fork: whether the child makes the call in a fork of itself, so that no other call meets what it leaves.
             spent: how much of `timeout` is spent already [s].
 
@@ -257,26 +257,24 @@ class Child:
     def ask(
         self, call: bytes, timeout: float | None, encoding: Data[Any] | Pickled[Any], *, in_fork: bool = False
     ) -> Answer:
-        """The child's answer to a call, a pickled pair of a function and its arguments; see `call`."""
+        """Return the child's answer to a call, a pickled pair of a function and its arguments; see `call`."""
         try:
-            return self._asked(pickle.dumps((in_fork, pickle.dumps(encoding), call)), timeout)
+            self._take_output()  # What came between two calls belongs to neither.
+            self.output = Output()
+            message, self._unsent = self._unsent + pickle.dumps((in_fork, pickle.dumps(encoding), call)), b""
+            return self._exchange(memoryview(message), timeout)
         except BaseException:
             self.end()
             raise
 
-    def _asked(self, message: bytes, timeout: float | None) -> Answer:  # noqa: C901 - three pipes at a time
-        self._take_output()  # What came between two calls belongs to neither.
-        self.output = Output()
-        unsent, received, is_closed = memoryview(self._unsent + message), bytearray(), False
-        self._unsent = b""
+    def _exchange(self, unsent: memoryview, timeout: float | None) -> Answer:  # noqa: C901 - three pipes at a time
+        """Send a message, take what is printed, and wait for an answer."""
+        received, is_closed = bytearray(), False
         end = None if timeout is None else time.monotonic() + timeout
         poll = select.poll()
-        for pipe, event in (
-            (self._calls, select.POLLOUT),
-            (self._answers, select.POLLIN),
-            (self._printed, select.POLLIN),
-        ):
-            poll.register(pipe, event)
+        poll.register(self._calls, select.POLLOUT)
+        poll.register(self._answers, select.POLLIN)
+        poll.register(self._printed, select.POLLIN)
         while True:
             has_ended = self._process.poll() is not None
             if has_ended:
@@ -307,22 +305,18 @@ class Child:
                 return Answer("late")
 
     def _answer_in(self, received: bytearray, *, is_closed: bool) -> Answer | None:
-        """The answer that was received, as `dh2urdf.isolation._child` sends it; None where something is missing."""
-        if len(received) < _SIZES.size:
+        """Return the answer that was received, as `dh2urdf.isolation._child` sends it; None where some is missing."""
+        if len(received) < _HEAD.size:
             return None
-        head, body = _SIZES.unpack_from(received)
-        if head > _LARGEST_HEAD or body > LARGEST_ANSWER:
-            return Answer("garbled", f"it would have {head + body} bytes, more than {LARGEST_ANSWER}")
-        size = _SIZES.size + head + body
+        letter, text, body = _HEAD.unpack_from(received)
+        if letter not in _WORDS or text + body > LARGEST_ANSWER:
+            return Answer("garbled", f"it has {text + body} bytes, more than {LARGEST_ANSWER}, or is of no known kind")
+        begin, size = _HEAD.size + text, _HEAD.size + text + body
         if len(received) < size or (len(received) == size and not is_closed):
             return None
         self._is_reusable = received[size:] == b"+"
-        content = bytes(received[_SIZES.size + head : size])
-        with contextlib.suppress(ValueError, RecursionError):  # The last line reports it.
-            match json.loads(received[_SIZES.size : _SIZES.size + head]):
-                case ["value" | "raised" | "not imported" | "left" as word, str(text)]:
-                    return Answer(word, text, content)
-        return Answer("garbled", "it does not begin with one of the words of an answer")
+        told = received[_HEAD.size : begin].decode(errors="replace")
+        return Answer(_WORDS[letter], told, bytes(received[begin:size]))
 
     def _take_output(self) -> bool:
         """Take what was printed, of which a pipe holds little; whether more can come."""
@@ -357,17 +351,14 @@ class Child:
         self.kill()
         if not self._printed.closed:
             self._take_output()
-            self.who = self._at_work()
+            told = os.pread(self._name.fileno(), NAME_SIZE, 0).partition(b"\0")[0].decode(errors="replace")
+            self.who, _, plugin = told.partition("\n")
+            if plugin:
+                found = (each.distribution for each in installed().plugins if each.name == plugin)
+                self.who += f" of {next(found, UNKNOWN)}"
             for each in (self._calls, self._answers, self._printed, self._name):
                 each.close()
         return self._process.returncode
-
-    def _at_work(self) -> str:
-        """Who is at work in the child, or was when it ended, with distribution and version; empty where nobody is."""
-        self._name.seek(0)
-        what, _, name = self._name.read(NAME_SIZE).partition(b"\0")[0].decode(errors="replace").partition("\n")
-        found = (plugin.distribution for plugin in installed().plugins if plugin.name == name)
-        return f"{what} of {next(found, UNKNOWN)}" if name else what
 
     def _kill_group(self) -> None:
         with contextlib.suppress(ProcessLookupError, PermissionError):  # nothing is left, or (macOS) a zombie
@@ -375,7 +366,7 @@ class Child:
 
 
 def pickled_call(function: Callable[..., Any], args: tuple[Any, ...], who: str) -> bytes:
-    """A function, by its name, and its arguments.
+    """Return a function, by its name, and its arguments.
 
     Raises:
         CrashError: no child can have them.
@@ -391,7 +382,7 @@ def pickled_call(function: Callable[..., Any], args: tuple[Any, ...], who: str) 
 
 
 def result_of(answer: Answer, encoding: Data[Any] | Pickled[Any], output: str = "") -> Any:  # noqa: ANN401 - what the function returned
-    """What a call in a child returned.
+    """Return what a call in a child returned.
 
     Args:
         answer: the answer of a call that returned or raised something.
@@ -423,24 +414,15 @@ class Output:
         self._kept += data
         del self._kept[KEPT_OUTPUT // 2 : -KEPT_OUTPUT // 2]
 
-    @property
-    def is_cut(self) -> bool:
-        """Whether there was too much to keep all of it."""
-        return self.size > len(self._kept)
-
     def text(self) -> str:
-        """All of it, or its beginning, how much is left out, and its end."""
+        """Return all of it, or its beginning, how much is left out, and its end."""
         gap, half = self.size - len(self._kept), KEPT_OUTPUT // 2
         kept = self._kept[:half] + b"\n[%d bytes left out]\n" % gap + self._kept[half:] if gap else self._kept
         return kept.decode("utf-8", "replace")
 
-    def last(self) -> str:
-        """The end of it."""
-        return self._kept[-KEPT_OUTPUT // 2 :].decode("utf-8", "replace")
-
 
 def last_words(printed: str, most: int = 200) -> str:
-    """The end of what a child printed, in one line, as a message quotes it; empty where it printed nothing.
+    """Return the end of what a child printed, in one line, as a message quotes it; empty where it printed nothing.
 
     Of what faulthandler prints about a crash, that is the reason and the stack of the thread that failed.
 

@@ -36,14 +36,7 @@ class AnswerError(ValueError):
 
 
 class _Raised(NamedTuple):
-    """An exception.
-
-    Attributes:
-        kind: its class, one of `_KNOWN`.
-        given: what the class is called with.
-        name: of an ImportError, the module.
-        notes: the notes on it.
-    """
+    """An exception: its class, one of `_KNOWN`; what the class is called with; of an ImportError, the module; notes."""
 
     kind: str
     given: tuple[bool | int | float | str | tuple[str, ...] | tuple[Problem, ...] | None, ...]
@@ -68,44 +61,54 @@ class Data(Generic[T]):
         self.pack_error(ValueError(""))
 
     def pack(self, value: T) -> bytes:
-        """What is sent for a value.
+        """Return what is sent for a value.
 
         Raises:
             TypeError: something in it is no data.
         """
         try:
-            sent: bytes = _adapter(self.returns).dump_json((value,), warnings=False)
+            return _packed(self.returns, value)
         except ValueError as error:
             raise TypeError(f"what it returned cannot be sent as data: {error}") from error
-        return sent
 
     def unpack(self, sent: bytes) -> T:
-        """The value.
+        """Return the value.
 
         Raises:
             AnswerError: it is not JSON, has another form, or is made of too many values.
         """
-        value: T = _validated(self.returns, sent)
+        value: T = _unpacked(self.returns, sent)
         return value
 
     def pack_error(self, error: BaseException) -> bytes:
-        """What is sent for an exception."""
+        """Return what is sent for an exception.
+
+        An error of dh2urdf that a plugin has derived is sent as the class that it derives from; what is no data, or
+        cannot be made again, as a `RuntimeError` that describes it.
+        """
         try:
-            raised = _raised(error)
-            sent: bytes = _adapter(_Raised).dump_json((raised,), warnings=False)
+            kind: type[BaseException] = type(error)
+            if _KNOWN.get(kind.__name__) is not kind and isinstance(error, (InputError, ManipulatorError)):
+                kind = next(base for base in kind.__mro__ if base.__module__ == errors.__name__)
+                error = kind(error.problems, error.notices)
+            if _KNOWN.get(kind.__name__) is not kind:
+                raise TypeError(kind)
+            given: Any = error.__reduce__()[1]
+            name = error.name if isinstance(error, ImportError) else None
+            sent = _packed(_Raised, _Raised(kind.__name__, given, name, tuple(getattr(error, "__notes__", ()))))
             self.unpack_error(sent)
-        except Exception:  # noqa: BLE001 - it holds what is no data, or is made otherwise
+        except Exception:  # noqa: BLE001 - the exception's own code runs here
             text = f"{type(error).__name__}: {error}".encode("utf-8", "backslashreplace").decode()
-            sent = _adapter(_Raised).dump_json((_Raised("RuntimeError", (text,)),))
+            sent = _packed(_Raised, _Raised("RuntimeError", (text,)))
         return sent
 
     def unpack_error(self, sent: bytes) -> Exception:
-        """The exception.
+        """Return the exception.
 
         Raises:
             AnswerError: as `unpack`, or no known exception is described.
         """
-        raised: _Raised = _validated(_Raised, sent)
+        raised: _Raised = _unpacked(_Raised, sent)
         try:
             error: Exception = _KNOWN[raised.kind](*raised.given)
         except Exception as unusable:
@@ -117,47 +120,28 @@ class Data(Generic[T]):
         return error
 
 
-def _raised(error: BaseException) -> _Raised:
-    """An exception as data; an error of dh2urdf that a plugin has derived is sent as the class that it derives from.
-
-    Raises:
-        Exception: it cannot be described.
-    """
-    kind: type[BaseException] = type(error)
-    if _KNOWN.get(kind.__name__) is not kind and isinstance(error, (InputError, ManipulatorError)):
-        kind = next(base for base in kind.__mro__ if base.__module__ == errors.__name__)
-        error = kind(error.problems, error.notices)
-    if _KNOWN.get(kind.__name__) is not kind:
-        raise TypeError(kind)
-    name = error.name if isinstance(error, ImportError) else None
-    return _Raised(kind.__name__, error.__reduce__()[1], name, tuple(getattr(error, "__notes__", ())))  # type: ignore[arg-type]
-
-
 @cache
 def _adapter(kind: Any) -> Any:  # noqa: ANN401 - the form of an annotation
-    """What writes and validates JSON of a type; in a tuple, since a record by itself takes no configuration."""
+    """Return what writes and validates JSON of a type; in a tuple, since a record by itself takes no configuration."""
     from pydantic import ConfigDict, TypeAdapter
 
     form = ConfigDict(strict=True, ser_json_bytes="base64", val_json_bytes="base64", ser_json_inf_nan="constants")
     return TypeAdapter(tuple[kind], config=form)
 
 
-def _validated(kind: Any, sent: bytes) -> Any:  # noqa: ANN401 - of any kind
-    """What JSON says.
+def _packed(kind: Any, value: Any) -> bytes:  # noqa: ANN401 - of any kind
+    sent: bytes = _adapter(kind).dump_json((value,), warnings=False)
+    return sent
 
-    Raises:
-        AnswerError: it is not JSON, has another form, or is made of too many values.
-    """
+
+def _unpacked(kind: Any, sent: bytes) -> Any:  # noqa: ANN401 - of any kind
     if (count := sum(map(sent.count, (b",", b"[", b"{")))) > MOST_VALUES:
         raise AnswerError(f"it has {count} values, more than {MOST_VALUES}")
     try:
         (value,) = _adapter(kind).validate_json(sent)
     except ValueError as error:
-        from pydantic import ValidationError
-
-        if isinstance(error, ValidationError):
-            raise AnswerError(error.errors(include_url=False, include_context=False)[0]["msg"]) from None
-        raise AnswerError(str(error)) from None
+        told = error.errors(include_url=False, include_context=False)[0]["msg"] if hasattr(error, "errors") else error
+        raise AnswerError(str(told)) from None
     return value
 
 
@@ -168,15 +152,15 @@ class Pickled(Generic[T]):
         """Nothing is needed."""
 
     def pack(self, value: Any) -> bytes:  # noqa: ANN401 - what the function returned
-        """What is sent for a value."""
+        """Return what is sent for a value."""
         return pickle.dumps(value)
 
     def unpack(self, sent: bytes) -> Any:  # noqa: ANN401 - what the function returned
-        """The value, or the exception."""
+        """Return the value, or the exception."""
         return pickle.loads(sent)  # noqa: S301 - our own worker sent it, see above
 
     def pack_error(self, error: BaseException) -> bytes:
-        """What is sent for an exception; where it does not survive the way, a `RuntimeError` that describes it."""
+        """Return what is sent for an exception; where it does not survive the way, a `RuntimeError` describes it."""
         try:
             sent = pickle.dumps(error)
             pickle.loads(sent)  # noqa: S301 - made in the line before

@@ -63,10 +63,12 @@ def load_in_child(
     # The folder of a file in the making has another name in every run.
     folder = f"{request.path.parent}{os.sep}"
 
-    def plain(problems: Iterable[Problem], simulator: str = "") -> tuple[Problem, ...]:
-        """The problems without the folder, each with the name of the simulator in its message."""
-        told = (replace(problem, message=problem.message.replace(folder, "")) for problem in problems)
-        return tuple(_named(problem, simulator or loader.name, loader.name) for problem in told)
+    def told(problems: Iterable[Problem], output: str, simulator: str = "") -> Iterator[Problem]:
+        """Yield problems and those in the output, without the folder, each with the name of simulator or loader."""
+        for problem in (*problems, *several_records(loader.read_output(request, output), Problem)):
+            message, names = problem.message.replace(folder, ""), [simulator or loader.name, loader.name]
+            is_named = any(name.casefold() in message.casefold() for name in names)
+            yield replace(problem, message=message if is_named else f"{names[0]}: {message}")
 
     try:
         limit = a_record(loader.time_limit(options), int, float, NoneType)
@@ -81,16 +83,19 @@ def load_in_child(
             child = children.load(reusable.prepare, load, request, options, limit, who)
     except (LoaderError, CrashError) as error:
         output = error.__cause__.output if isinstance(error.__cause__, ChildFailure) else ""
-        said = several_records(loader.read_output(request, output), Problem)
-        raise type(error)(plain((*error.problems, *said))) from error
-    report = replace(child.value, joints=tuple(map(_tuples, child.value.joints)), hold=_tuples(child.value.hold))
-    said = several_records(loader.read_output(request, child.output), Problem)
-    findings = plain((*report.findings, *said), report.simulator)
-    return replace(report, findings=findings, output=child.output.replace(folder, ""))
+        raise type(error)(tuple(told(error.problems, output))) from error
+    report = child.value
+    return replace(
+        report,
+        joints=tuple(map(_tuples, report.joints)),
+        hold=_tuples(report.hold),
+        findings=tuple(told(report.findings, child.output, report.simulator)),
+        output=child.output.replace(folder, ""),
+    )
 
 
 def _report(load: Callable[[LoadRequest, Any], LoadReport], request: LoadRequest, options: Any) -> LoadReport:  # noqa: ANN401 - of any loader
-    """In the child: what a loader gives.
+    """In the child: return what a loader gives.
 
     Raises:
         TypeError: it is no `LoadReport`.
@@ -99,20 +104,13 @@ def _report(load: Callable[[LoadRequest, Any], LoadReport], request: LoadRequest
 
 
 def _tuples(value: Any) -> Any:  # noqa: ANN401 - plain values of a report
-    """Plain values as loaders give them, which JSON does not tell apart: vectors and pairs are tuples, in lists."""
+    """Return plain values as loaders give them: JSON does not tell vectors and pairs, which are tuples, from lists."""
     if isinstance(value, dict):
         return {name: _tuples(each) for name, each in value.items()}
     if not isinstance(value, list):
         return value
     is_flat = value and not any(isinstance(each, (list, dict)) for each in value)
     return tuple(value) if is_flat else [_tuples(each) for each in value]
-
-
-def _named(problem: Problem, *names: str) -> Problem:
-    """A problem whose message has one of these names; where it has none, the first is put before it."""
-    if any(name.casefold() in problem.message.casefold() for name in names if name):
-        return problem
-    return replace(problem, message=f"{names[0]}: {problem.message}")
 
 
 class KeptChildren:
@@ -133,7 +131,8 @@ class KeptChildren:
         return self
 
     def __exit__(self, *_: object) -> None:
-        self.close()
+        with self._changing:
+            _end_all(self._idle, os.getpid())
 
     @contextmanager
     def kept(self, *, is_worker: bool) -> Iterator[None]:
@@ -142,12 +141,7 @@ class KeptChildren:
             yield
         finally:
             if is_worker and not is_own():
-                self.close()
-
-    def close(self) -> None:
-        """End all children; a load that follows starts a new one."""
-        with self._changing:
-            _end_all(self._idle, os.getpid())
+                self.__exit__()
 
     def load(  # noqa: PLR0917 - what is known of a load
         self,
@@ -158,7 +152,7 @@ class KeptChildren:
         timeout: float,
         who: str,
     ) -> ChildResult[LoadReport]:
-        """What a loader returns, and what was printed meanwhile.
+        """Return what a loader returns, and what was printed meanwhile.
 
         Args:
             prepare: what imports its simulator: `dh2urdf.stages.Reusable`.
@@ -192,7 +186,7 @@ class KeptChildren:
                 child.end()
 
     def _taken(self, key: bytes) -> Child | None:
-        """A child that has nothing to do."""
+        """Return a child that has nothing to do."""
         with self._changing:
             while idle := self._idle.get(key):
                 child = idle.pop()

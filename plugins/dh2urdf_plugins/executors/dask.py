@@ -163,30 +163,30 @@ class _Cluster:
     """What a run asks of the workers."""
 
     def __init__(self, client: Any, function: Callable[[Any], Any]) -> None:  # noqa: ANN401 - Dask has no types
-        self._client = client
-        self._function = function
+        self._client, self._function = client, function
         # What has to be the same everywhere. A run says whose stages it uses; what else is installed is its own affair.
         self._needed = _versions(("Python", "distributed", "dh2urdf", *getattr(function, "distributions", ())))
         self._under_way: set[Any] = set()
-        self._threads = 0
-        self._looked = 0.0
+        self._threads, self._looked = 0, 0.0
         self._look_for_workers()
-        self._refuse_other_versions()
+        found = client.run(eval, _VERSIONS, {"NAMES": tuple(self._needed)})
+        if problems := [problem for where in sorted(found) for problem in _others(where, self._needed, found[where])]:
+            raise ExecutorError(problems)
 
     def ahead(self) -> int:
-        """How many tasks the workers should have, as many workers as there are by now."""
+        """Return how many tasks the workers should have, as many workers as there are by now."""
         if time.monotonic() - self._looked > _LOOK:
             self._look()
         return AHEAD_OF_THREADS * max(1, self._threads)
 
     def hand_over(self, task: Any) -> tuple[Any, Any]:  # noqa: ANN401 - a task is the caller's
-        """A task and Dask's promise of its result."""
+        """Return a task and Dask's promise of its result."""
         future = self._client.submit(_do, self._function, self._needed, task, pure=False)
         self._under_way.add(future)
         return task, future
 
     def result(self, task: Any, future: Any) -> Any:  # noqa: ANN401 - a task and its result are the caller's
-        """The result of a task; of one that no worker survives, that it is lost."""
+        """Return the result of a task; of one that no worker survives, that it is lost."""
         from distributed import KilledWorker
 
         try:
@@ -198,9 +198,8 @@ class _Cluster:
         try:
             return self._result(self.hand_over(task)[1])
         except KilledWorker as error:
-            return Lost(
-                reason=f"{error.allowed_failures + 1} Dask workers died at it, the last at {error.last_worker.address}"
-            )
+            count, last = error.allowed_failures + 1, error.last_worker.address
+            return Lost(reason=f"{count} Dask workers died at it, the last at {last}")
 
     def _result(self, future: Any) -> Any:  # noqa: ANN401 - the result of the caller's function
         import asyncio
@@ -224,7 +223,7 @@ class _Cluster:
         return result
 
     def _wait(self, future: Any) -> None:  # noqa: ANN401 - Dask has no types
-        """Waits until a task is done, as long as there is somebody to do it."""
+        """Wait until a task is done, as long as there is somebody to do it."""
         while True:
             try:
                 future.exception(timeout=_LOOK)
@@ -234,6 +233,7 @@ class _Cluster:
                 return
 
     def _look(self) -> None:
+        """Count the workers' threads."""
         try:
             self._threads = sum(self._client.nthreads().values())
         except OSError as error:
@@ -241,54 +241,43 @@ class _Cluster:
         self._looked = time.monotonic()
 
     def _look_for_workers(self) -> None:
-        """Counts the workers' threads; where there are none, waits until some are there."""
+        """Count the workers' threads; where there are none, wait until some are there."""
         self._look()
         began, told = time.monotonic(), False
         while not self._threads:
-            if not told and time.monotonic() > began + _UNTOLD:
+            waited = time.monotonic() - began
+            if not told and waited > _UNTOLD:
                 _LOGGER.warning("no Dask worker is there; waiting for one, up to %g s", WORKERS_WITHIN)
                 told = True
-            if time.monotonic() > began + WORKERS_WITHIN:
-                raise ExecutorError(
-                    Problem(
-                        message=f"no Dask worker came within {WORKERS_WITHIN:g} s",
-                        suggestion=f"`dask worker {self._client.scheduler.address}` starts one; the same run with "
-                        "`--resume` goes on where this one ended",
-                    )
-                )
+            if waited > WORKERS_WITHIN:
+                start = f"`dask worker {self._client.scheduler.address}` starts one"
+                raise _ended(f"no Dask worker came within {WORKERS_WITHIN:g} s", start)
             time.sleep(_LOOK / 10)
             self._look()
 
-    def _refuse_other_versions(self) -> None:
-        found = self._client.run(eval, _VERSIONS, {"NAMES": tuple(self._needed)})
-        if problems := [problem for where in sorted(found) for problem in _others(where, self._needed, found[where])]:
-            raise ExecutorError(problems)
-
 
 def _gone() -> ExecutorError:
-    return ExecutorError(
-        Problem(
-            message="the Dask scheduler is gone",
-            suggestion="start it and its workers, and the same run with `--resume`: it goes on where this one ended",
-        )
-    )
+    return _ended("the Dask scheduler is gone", "start it and its workers")
+
+
+def _ended(message: str, advice: str) -> ExecutorError:
+    advice += ", and the same run with `--resume` goes on where this one ended"
+    return ExecutorError(Problem(message=message, suggestion=advice))
 
 
 @cache
 def _versions(names: tuple[str, ...]) -> dict[str, str]:
-    """The versions of some distributions, and of Python, in this process; empty where one is not installed."""
+    """Return the versions of some distributions, and of Python, in this process; empty where one is not installed."""
     return dict(eval(_VERSIONS, {"NAMES": names}))  # noqa: S307 - the text is above
 
 
 def _others(address: str, ours: dict[str, str], theirs: dict[str, str]) -> Iterator[Problem]:
-    """What a worker has not, or in another version."""
+    """Yield what a worker has not, or in another version."""
     for name, version in ours.items():
         if theirs.get(name) != version:
             has = f"has {name} {theirs[name]}, not {version} as the run has" if theirs.get(name) else f"has no {name}"
-            yield Problem(
-                message=f"the Dask worker at {address} {has}",
-                suggestion=f"install {name} {version} where `dask worker` is started",
-            )
+            advice = f"install {name} {version} where `dask worker` is started"
+            yield Problem(message=f"the Dask worker at {address} {has}", suggestion=advice)
 
 
 _ONE_AT_A_TIME = threading.Lock()
@@ -296,7 +285,7 @@ _ONE_AT_A_TIME = threading.Lock()
 
 
 def _do(function: Callable[[Any], Any], ours: dict[str, str], task: Any) -> Any:  # noqa: ANN401 - the caller's
-    """A task, in a worker; one that came late has been asked for its versions by nobody yet.
+    """Do a task, in a worker; one that came late has been asked for its versions by nobody yet.
 
     Raises:
         ExecutorError: the worker has other versions than the run.

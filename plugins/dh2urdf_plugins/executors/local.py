@@ -34,7 +34,6 @@ AHEAD = 4
 """Tasks per process that wait or are under way, so that the tasks of a long run are never all held."""
 TRIES = 2
 """Workers that a task may cost before it is lost: the first may have been killed for the sake of others."""
-
 _CLEARING_UP = 0.6  # [s] for workers to take away what they were writing
 _LAST_WORDS = 300  # characters of what a worker printed that a reason repeats
 
@@ -101,11 +100,11 @@ class _Pool:
         self._is_ending = False
 
     def submit(self, task: Any) -> Any:  # noqa: ANN401 - a task is the caller's
-        """The future of a task's result."""
+        """Return the future of a task's result."""
         return self._threads.submit(self._do, task)
 
     def _do(self, task: Any) -> Any:  # noqa: ANN401 - task and result are the caller's
-        """The result of one task, from the worker of this thread, or from another one if that dies."""
+        """Return the result of one task, from the worker of this thread, or from another one if that dies."""
         from dh2urdf.isolation import PICKLED, ChildFailure, result_of
 
         call = pickle.dumps((_work, (task,)))
@@ -125,7 +124,7 @@ class _Pool:
         return Lost(reason=reason)
 
     def _started(self) -> Child:
-        """A worker that has the function of the run.
+        """Start a worker that has the function of the run.
 
         Raises:
             ExecutorError: no worker process can be started, or none can import the function.
@@ -134,6 +133,7 @@ class _Pool:
 
         from dh2urdf.isolation import PICKLED, Child
 
+        advice = "`--workers 1` needs none"
         for _ in range(TRIES):
             with self._changing:
                 if self._is_ending:
@@ -141,7 +141,8 @@ class _Pool:
                 try:
                     worker = Child("-X", "faulthandler")
                 except OSError as error:
-                    raise _needless(f"worker processes cannot be started: {error.strerror}") from error
+                    message = f"worker processes cannot be started: {error.strerror}"
+                    raise ExecutorError(Problem(message=message, suggestion=advice)) from error
                 self._workers.append(worker)
             answer = worker.ask(self._begin, None, PICKLED)
             if answer.word == "value":
@@ -150,23 +151,18 @@ class _Pool:
                 reported = answer.body and PICKLED.unpack(answer.body)
                 if isinstance(reported, PluginError):  # It says whose fault it is.
                     raise reported
-                raise ExecutorError(
-                    Problem(
-                        message=f"a worker process cannot take the work over: {answer.text}",
-                        suggestion="stages have to be in importable modules, not in a script; `--workers 1` takes any",
-                    )
-                )
+                message = f"a worker process cannot take the work over: {answer.text}"
+                advice = "stages have to be in importable modules, not in a script; `--workers 1` takes any"
+                raise ExecutorError(Problem(message=message, suggestion=advice))
             reason = _reason(worker)
-        raise _needless(f"worker processes cannot begin: {reason}")
+        raise ExecutorError(Problem(message=f"worker processes cannot begin: {reason}", suggestion=advice))
 
     def _pass_on(self, worker: Child) -> None:
         """Print on standard error what C code and other programs printed during a task."""
         from dh2urdf.plugin_system import unmarked
 
-        if not worker.output.size:
-            return
-        lines = unmarked(worker.output.last())
-        if worker.output.is_cut or len(lines) > MOST_PRINTED:
+        lines = unmarked(worker.output.text())
+        if len(lines) > MOST_PRINTED:
             lines = [f"[the last {MOST_PRINTED} lines of {worker.output.size:,} bytes]", *lines[-MOST_PRINTED:]]
         name = f"a stage of {self._whose}" if self._whose else "a worker"
         sys.stderr.write("".join(f"{name} prints: {printable(line)}\n" for line in lines))
@@ -189,10 +185,6 @@ class _Pool:
                 worker.end()
 
 
-def _needless(message: str) -> ExecutorError:
-    return ExecutorError(Problem(message=message, suggestion="`--workers 1` needs none"))
-
-
 def _reason(worker: Child) -> str:
     """How a worker that died came to its end, and what it printed before."""
     from dh2urdf.isolation import last_words
@@ -208,7 +200,7 @@ def _reason(worker: Child) -> str:
         end = f"the worker left with exit status {status}"
     if worker.who:
         end = f"{end} while {worker.who} was at work"
-    words = last_words(worker.output.last(), _LAST_WORDS)
+    words = last_words(worker.output.text(), _LAST_WORDS)
     return f"{end}; it printed last: {words}" if words else end
 
 

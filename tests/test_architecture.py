@@ -390,7 +390,7 @@ BUDGETS = {
     "pipeline/dh2urdf/cells": 410,
     "pipeline/dh2urdf/cli": 1847,
     "pipeline/dh2urdf/commands": 1799,
-    "pipeline/dh2urdf/conversion": 1490,
+    "pipeline/dh2urdf/conversion": 1400,
     "pipeline/dh2urdf/documents": 1070,
     "pipeline/dh2urdf/isolation": 1240,
     "pipeline/dh2urdf/kinematics": 3380,

@@ -11,6 +11,7 @@ import os
 import re
 import sys
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import fields, is_dataclass
 from enum import Enum
 from functools import lru_cache
@@ -61,7 +62,7 @@ _WORD = re.compile(rb"\w+")
 
 
 def _code_of(plugin: Plugin | None) -> tuple[str, str]:
-    """The version of a plugin and the hash of its code; the hash is empty where no entry point names the code."""
+    """Return the version of a plugin and the hash of its code, which is empty where no entry point names the code."""
     if plugin is None:
         return "", ""
     entry = plugin.name.partition(" = ")[2] if plugin.is_installed else ""
@@ -70,7 +71,7 @@ def _code_of(plugin: Plugin | None) -> tuple[str, str]:
 
 @lru_cache(maxsize=64)
 def code_hash(entry: str, distribution: str) -> str:
-    """The hash of a plugin's code: its version may stand still while its code changes, as in an editable installation.
+    """Return the hash of a plugin's code: its version may stand still while its code changes.
 
     The code is every file of the top-level package that the entry point names, data files included, or that module
     alone; and of the modules and packages beside it, those that it imports. In a folder of installed distributions,
@@ -82,12 +83,10 @@ def code_hash(entry: str, distribution: str) -> str:
         distribution: the name of the distribution.
     """
     parts = entry.partition(":")[0].strip().split(".")
-    names = (".".join(parts[: count + 1]) for count in range(len(parts)))
-    # The first part of a name may be a namespace, in which many distributions have a package each.
-    specs = (find_spec(name) for name in names)
-    # A module in a zip file has the code of the file.
-    found = (getattr(spec.loader, "archive", spec.origin) for spec in specs if spec)
-    origin = next(filter(None, found), None)
+    # The first part of a name may be a namespace, in which many distributions have a package each. A module in a zip
+    # file has the code of the file.
+    specs = (find_spec(".".join(parts[: count + 1])) for count in range(len(parts)))
+    origin = next(filter(None, (getattr(spec.loader, "archive", spec.origin) for spec in specs if spec)), None)
     if origin is None:
         return ""
     place = Path(origin)
@@ -102,36 +101,33 @@ def code_hash(entry: str, distribution: str) -> str:
             except OSError:
                 continue  # Python could not import it either.
             hashes.append((path.removeprefix(str(top.parent)), sha256(content).hexdigest()))
-            lines = _IMPORTS.findall(content) if beside else ()
-            words = {word.decode() for line in lines for word in _WORD.findall(line)}
-            waiting += [beside.pop(word) for word in words if word in beside]
+            if beside:
+                words = {word.decode() for line in _IMPORTS.findall(content) for word in _WORD.findall(line)}
+                waiting += [beside.pop(word) for word in words if word in beside]
     return key_of(sorted(hashes), "")
 
 
 def _beside(top: Path, distribution: str) -> dict[str, Path]:
-    """What a plugin may import from the folder that it is in: modules and packages by their names."""
+    """Return what a plugin may import from the folder that it is in: modules and packages by their names."""
     home = top.parent
+    places = set(home.iterdir())
     if home.name.endswith("-packages") or any(home.glob("*.dist-info/RECORD")):
         from importlib.metadata import PackageNotFoundError, files
 
-        try:
+        places = set()
+        with suppress(PackageNotFoundError, ValueError):
             places = {home / path.parts[0] for path in files(distribution) or () if path.suffix == ".py"}
-        except (PackageNotFoundError, ValueError):
-            places = set()
-    else:
-        places = set(home.iterdir())
     return {place.stem: place for place in places - {top} if place.suffix == ".py" or is_file(place / "__init__.py")}
 
 
 def _files(place: Path) -> Iterator[str]:
-    """A file, or all files in a folder; not what is hidden, and not what Python compiles."""
+    """Yield a file, or all files in a folder; not what is hidden, and not what Python compiles."""
     if not is_folder(place):
         yield str(place)
     for folder, folders, names in os.walk(place):
         folders[:] = [name for name in folders if name != "__pycache__" and not name.startswith(".")]
-        for name in names:
-            if not name.startswith(".") and not name.endswith(".pyc"):
-                yield f"{folder}/{name}"  # not a `Path` for each: it takes as long as the hash
+        # not a `Path` for each: it takes as long as the hash
+        yield from (f"{folder}/{name}" for name in names if not name.startswith(".") and not name.endswith(".pyc"))
 
 
 def column_keys(columns: ManipulatorColumns, recipe: str, contexts: Sequence[object]) -> list[str]:

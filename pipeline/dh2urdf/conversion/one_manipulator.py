@@ -6,14 +6,15 @@ The command `convert` and every worker of a run go through here, so one table an
 from __future__ import annotations
 
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, TypeVar, overload
 
 from dh2urdf.columns import ManipulatorGroups
 from dh2urdf.conversion.robots import keeps_kinematics
-from dh2urdf.errors import ProofError, RecordError, TableError
-from dh2urdf.kinematics.proof import Proof, prove
+from dh2urdf.errors import EmitterError, ProofError, RecordError, TableError
+from dh2urdf.kinematics.proof import TOLERANCE, Proof, prove
 from dh2urdf.kinematics.proof_vectors import proof_vectors
 from dh2urdf.manipulator import Manipulator
 from dh2urdf.meshes.files import RELATIVE, copy_path, located, mesh_files, prefix_of, read_mesh
@@ -41,7 +42,7 @@ from dh2urdf.stages import (
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
+    from collections.abc import Iterable, Iterator, Sequence
 
     from dh2urdf.kinematics.expected_poses import ExpectedPoses
     from dh2urdf.kinematics.proof_vectors import Poses
@@ -245,66 +246,134 @@ def emit_robot(
     for call in recipe.emitters:
         emitter = call.stage
         if not alone:
-            from dh2urdf.conversion.own_folders import refuse_one_folder
-
-            refuse_one_folder(call, stem)
+            _refuse_one_folder(call, stem)
+        in_folders = emitter.can(WritesFolders) is not None
         with blaming(call):
-            files = emitted_files(
-                emitter.emit(robot, stem, call.options), stem, in_folders=emitter.can(WritesFolders) is not None
-            )
+            files = emitted_files(emitter.emit(robot, stem, call.options), stem, in_folders=in_folders)
             if not files:
                 raise ValueError("it gave no file")
         if main_file is not None and not written:
             files[0] = replace(files[0], name=main_file)
         for file in files:
             if other := taken.get(file.name.casefold()):  # as on file systems that ignore case
-                from dh2urdf.conversion.own_folders import same_file
-
-                raise same_file(other, emitter.name, file.name)
+                raise _same_file(other, emitter.name, file.name)
             taken[file.name.casefold()] = emitter.name
         write_files(folder, files, place)
         reads = emitter.can(ReadsBack)
-        looked = proved and reads is not None and (sampled or not reads.is_costly)
-        robots = [folder / file.name for file in files if looked and file.is_robot]
         proof = None
-        if robots:
-            where = f"{place or folder.parent}/{robots[0].relative_to(folder)}"
-            proof = _prove_file(expected, robot, robots[0], call, poses, place=where, recipe=recipe, at_once=at_once)
+        described = next((file.name for file in files if file.is_robot), None)
+        if described and proved and reads is not None and (sampled or not reads.is_costly):
+            path, final = folder / described, f"{place or folder.parent}/{described}"
+            with reading(path, final), blaming(call, "read_back"):
+                read = a_record(reads.read_back(path), Robot)
+            proof = _proof(expected, robot, read, call, poses, recipe, at_once=at_once)
         written.append(Written(stage=emitter.name, files=tuple(files), proof=proof))
     return tuple(written)
 
 
-def _prove_file(
+def _proof(  # noqa: PLR0917 - what is known of a file
     expected: ExpectedPoses,
     robot: Robot,
-    path: Path,
+    described: Robot,
     call: Call[Emitter[Any]],
     poses: Poses,
-    *,
-    place: str,
     recipe: Recipe,
+    *,
     at_once: bool,
-) -> Proof | None:
-    emitter, reads = call.stage, call.stage.can(ReadsBack)
-    if reads is None:
-        return None
-    with reading(path, place), blaming(call, "read_back"):
-        described = a_record(reads.read_back(path), Robot)
-    makers: tuple[Call[Any], ...] = (recipe.transform, *recipe.edits)
+) -> Proof:
+    """Return how far the robot that a file describes is from the tables.
+
+    Raises:
+        ProofError: it is another arm; the error names whose fault that is: the emitter, or what made the robot.
+    """
     try:
         proof = prove(expected, described, poses, at_once=at_once)
     except ProofError as error:
-        from dh2urdf.conversion.another_arm import another_arm, makers_at_fault
-
-        if what := makers_at_fault(expected, robot, poses, makers):
-            raise another_arm(error.problems, what) from error
+        if what := _makers_at_fault(expected, robot, poses, recipe):
+            raise _another_arm(error.problems, what) from error
         raise
     if recipe.keeps_kinematics and not proof.holds:
-        from dh2urdf.conversion.another_arm import another_arm, far_off, makers_at_fault
-
-        what = makers_at_fault(expected, robot, poses, makers) or f"the emitter {emitter.name!r} wrote"
-        raise another_arm([far_off(proof, expected)], what)
+        message = (
+            f"{proof.tip} is off by {proof.position_error:.3g} m and {proof.angle_error:.3g} rad at q = "
+            f"{list(proof.q)}; allowed are {proof.tolerance:.3g} m and {TOLERANCE:.3g} rad"
+        )
+        what = _makers_at_fault(expected, robot, poses, recipe) or f"the emitter {call.stage.name!r} wrote"
+        raise _another_arm([Problem(message=message, robot=expected.name, mark=expected.mark)], what)
     return proof
+
+
+def _another_arm(problems: Sequence[Problem], what: str) -> ProofError:
+    told = [replace(each, message=f"what {what} is not the arm of the table: {each.message}") for each in problems]
+    return ProofError(told)
+
+
+def _makers_at_fault(expected: ExpectedPoses, robot: Robot, poses: Poses, recipe: Recipe) -> str:
+    """Return the transform and the edits that made a robot which is another arm, in words; empty where it is none."""
+    with suppress(ProofError):
+        if prove(expected, robot, poses).holds:
+            return ""
+    makers: list[Call[Any]] = [recipe.transform, *(call for call in recipe.edits if call.stage.edit_robot is not None)]
+    return f"the {' and the '.join(str(call.attribution) for call in makers)} made"
+
+
+def _refuse_one_folder(call: Call[Emitter[Any]], stem: str) -> None:
+    """Refuse options with which two robots would be written into one folder."""
+    if (writes := call.stage.can(WritesFolders)) is None:
+        return
+    with blaming(call, "in_folders"):
+        own, others = (set(items_of(writes.in_folders(each, call.options), "names")) for each in (stem, f"{stem}_"))
+    if shared := sorted(own & others):
+        raise EmitterError(
+            Problem(
+                message=f"the options of the emitter {call.stage.name!r} name the folder of one robot, and the run "
+                "has several",
+                found=shared[0],
+                accepted="options that leave the name of the folder to the robot",
+                suggestion="name the tables as their packages, or convert them one by one",
+            )
+        )
+
+
+def _same_file(first: str, second: str, name: str) -> EmitterError:
+    """Return the error that two emitters of a robot, or one that stands twice, would write one file."""
+    message, suggestion = f"the emitter {first!r} stands twice and would write {shown(name)} twice", "name it once"
+    if first != second:
+        message = f"the emitters {first!r} and {second!r} both write {shown(name)}"
+        suggestion = f"leave out {first!r} or {second!r}, or write each into a folder of its own"
+    accepted = "files whose names differ in more than case"
+    return EmitterError(Problem(message=message, accepted=accepted, suggestion=suggestion))
+
+
+def refuse_undeclared_files(
+    call: Call[Emitter[Any]], stems: Iterable[str], files: Iterable[Sequence[EmittedFile]]
+) -> None:
+    """Refuse files of a run with an ending that the emitter's record does not have.
+
+    Stems are given out so that no two of them make one name with the endings that are declared: where ``ur5`` has a
+    file ``ur5_parts.csv``, no other robot has the stem ``ur5_parts`` beside the ending ``.csv``.
+
+    Args:
+        call: the emitter.
+        stems: the stem of each robot.
+        files: the files of each.
+
+    Raises:
+        ManipulatorError: there is such a file.
+    """
+    if call.stage.can(WritesFolders):
+        return
+    declared = {ending.casefold() for ending in call.stage.endings}
+    with blaming(call):
+        for stem, own in zip(stems, files, strict=True):
+            for file in own:
+                if (ending := file.name[len(stem) :]).casefold() not in declared:
+                    raise ValueError(
+                        f"{shown(file.name)} has {shown(ending)} behind the stem, which is none of the suffixes and "
+                        "other_endings of its record: another robot of the run may have a file of this name"
+                    )
+
+
+# --- What is read -----------------------------------------------------------------------------------------------------
 
 
 @overload
@@ -335,28 +404,26 @@ def read_items(
         with reading(path):
             with blaming(call):
                 if columns and (fast := reader.can(ReadsInColumns)):
-                    items = items_of(fast.read_columns(path, call.options), Manipulator)
+                    given = fast.read_columns(path, call.options)
                 elif trace is not None and (traces := reader.can(Traces)):
-                    items = items_of(traces.trace(path, call.options, trace), Manipulator)
+                    given = traces.trace(path, call.options, trace)
                 else:
-                    items = items_of(reader.read(path, call.options), Manipulator)
+                    given = reader.read(path, call.options)
+                items = items_of(given, Manipulator)
             for item in checked_items(items, call, columns=columns):
                 if isinstance(item, Rejected) and _state_of(path) != before:
                     raise TableError(item.problems)  # A row that was cut off is no fault of the table.
                 yield item
     except TableError as error:
+        problems, mark = error.problems, Mark(file=str(path))
         if _state_of(path) != before:
-            raise TableError([_changed(path), *error.problems], error.notices) from error
+            raise TableError([_changed(path), *problems], error.notices) from error
         if isinstance(error, RecordError):  # which names the record, and neither the file nor who made it
-            whose = f" of {call.plugin.distribution}" if call.plugin else ""
-            made = f"the {call}{whose} made such a record of it"
-            mark = Mark(file=str(path))
-            problems = [replace(each, mark=mark, message=f"{each.message}: {made}") for each in error.problems]
-            raise TableError(problems, error.notices) from error
-        if any(problem.mark is None for problem in error.problems):
-            mark = Mark(file=str(path))
-            raise TableError([each.about(mark=mark) for each in error.problems], error.notices) from error
-        raise
+            made = f"the {call.attribution if call.plugin else call} made such a record of it"
+            problems = tuple([replace(each, mark=mark, message=f"{each.message}: {made}") for each in problems])
+        elif all(problem.mark is not None for problem in problems):
+            raise
+        raise TableError([each.about(mark=mark) for each in problems], error.notices) from error
     if _state_of(path) != before:
         raise TableError(_changed(path))
 

@@ -10,13 +10,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from dh2urdf.conversion.outcome import NotLoaded, Outcome, Verdict
 from dh2urdf.documents.text_files import is_file
-from dh2urdf.errors import (
-    InputError,
-    ManipulatorError,
-    MissingDependencyError,
-    MissingProgramError,
-    OutputError,
-)
+from dh2urdf.errors import InputError, ManipulatorError, MissingDependencyError, MissingProgramError, OutputError
 from dh2urdf.isolation.loads import load_in_child
 from dh2urdf.kinematics.chain import KinematicChain
 from dh2urdf.kinematics.proof_vectors import joint_vectors
@@ -36,7 +30,7 @@ if TYPE_CHECKING:
 
 
 def missing_of(recipe: Recipe) -> dict[str, str]:
-    """What is not installed that optional loaders need, by their names.
+    """Return what is not installed that optional loaders need, by their names.
 
     Raises:
         PluginError: what another loader needs is not installed, or a loader is broken.
@@ -63,7 +57,7 @@ def require(call: Call[Any]) -> None:
 
 
 def time_limit_of(recipe: Recipe, loaders: Sequence[Call[Loader[Any]]]) -> float | None:
-    """How long a manipulator may take with some loaders [s]; None where one of them has no limit."""
+    """Return how long a manipulator may take with some loaders [s]; None where one of them has no limit."""
     whole: float = recipe.time_limit
     for call in loaders:
         with suppress(ManipulatorError), blaming(call, "time_limit"):  # It fails when it is called, too.
@@ -75,7 +69,7 @@ def time_limit_of(recipe: Recipe, loaders: Sequence[Call[Loader[Any]]]) -> float
 
 
 def not_loaded(recipe: Recipe, outcome: Outcome, *, is_sampled: bool) -> dict[str, NotLoaded]:
-    """The loaders of a run that a manipulator did not go through, and why."""
+    """Return the loaders of a run that a manipulator did not go through, and why."""
     if outcome.loads:
         return {}
     why: NotLoaded = "no file" if outcome.status == "failed" or is_sampled else "not in the sample"
@@ -97,7 +91,7 @@ class Loaded(NamedTuple):
 
 
 def picture_endings(recipe: Recipe) -> list[str]:
-    """What the names of the pictures of each loader have behind the stem; the first has none of its own."""
+    """Return what the names of the pictures of each loader have behind the stem; the first has none of its own."""
     is_free = all(".png" not in call.stage.suffixes for call in recipe.emitters)
     names = [call.stage.name for call in recipe.loaders]
     return [".png" if number == 0 and is_free else f".{name}.png" for number, name in enumerate(names)]
@@ -113,7 +107,7 @@ def load_with_all(  # noqa: PLR0917 - what is known of a manipulator with files
     seconds: dict[str, float],
     children: KeptChildren,
 ) -> Loaded:
-    """What all loaders of a recipe declare about the files of a manipulator; whatever one says, the next is asked.
+    """Ask all loaders of a recipe about the files of a manipulator; whatever one says, the next is asked.
 
     Args:
         expected: what the tables declare about it.
@@ -132,33 +126,29 @@ def load_with_all(  # noqa: PLR0917 - what is known of a manipulator with files
     pictures: dict[str, bytes] = {}
     failures: list[ManipulatorError | InputError] = []
     for call, ending in zip(recipe.loaders, picture_endings(recipe), strict=True):
-        name = call.stage.name
-        optional = name in recipe.optional
+        name, is_optional = call.stage.name, call.stage.name in recipe.optional
+        unmeasured = LoadReport(simulator=name, version="")
         if why := recipe.missing.get(name):
-            verdicts[name] = _missing(name, why)
+            verdicts[name] = _missing(unmeasured, why)
             continue
-        picture = folder / f"{stem}{ending}"
-        started = time.perf_counter()
+        picture, started = folder / f"{stem}{ending}", time.perf_counter()
         try:
-            report = load_written(
-                expected, robot, call, written, children, keeps_kinematics=recipe.keeps_kinematics, picture=picture
-            )
+            report = _load(expected, robot, recipe, call, written, children, picture)
         except OutputError:
             raise
         except (MissingDependencyError, MissingProgramError) as error:
-            if not optional:
+            if not is_optional:
                 raise
-            verdicts[name] = _missing(name, str(error))
+            verdicts[name] = _missing(unmeasured, str(error))
         except (ManipulatorError, InputError) as error:
-            errors = tuple(problem.about(robot=robot.name, mark=expected.mark) for problem in error.problems)
-            if optional:
-                errors = tuple(replace(problem, severity="notice") for problem in errors)
+            errors = [problem.about(robot=robot.name, mark=expected.mark) for problem in error.problems]
+            if is_optional:
+                errors = [replace(problem, severity="notice") for problem in errors]
             else:
                 failures.append(error)
-            unmeasured = LoadReport(simulator=name, version="")
-            verdicts[name] = Verdict(report=unmeasured, status="failed", optional=optional, errors=errors)
+            verdicts[name] = Verdict(report=unmeasured, status="failed", optional=is_optional, errors=tuple(errors))
         else:
-            verdicts[name] = Verdict(report=report, optional=optional)
+            verdicts[name] = Verdict(report=report, optional=is_optional)
             if report.picture:
                 pictures[report.picture] = picture.with_name(report.picture).read_bytes()
         finally:
@@ -166,22 +156,21 @@ def load_with_all(  # noqa: PLR0917 - what is known of a manipulator with files
     return Loaded(verdicts, pictures, tuple(failures))
 
 
-def _missing(name: str, why: str) -> Verdict:
+def _missing(report: LoadReport, why: str) -> Verdict:
     errors = (Problem(message=why, severity="notice"),)
-    return Verdict(report=LoadReport(simulator=name, version=""), status="missing", optional=True, errors=errors)
+    return Verdict(report=report, status="missing", optional=True, errors=errors)
 
 
-def load_written(
+def _load(  # noqa: PLR0917 - what is known of a manipulator with files
     expected: ExpectedPoses,
     robot: Robot,
+    recipe: Recipe,
     call: Call[Loader[Any]],
     written: Sequence[Written],
     children: KeptChildren,
-    *,
-    keeps_kinematics: bool,
     picture: Path,
 ) -> LoadReport:
-    """What a simulator reports about the file that was written beside where the picture goes.
+    """Return what a simulator reports about the file that was written beside where the picture goes.
 
     Where the transform does not keep the kinematics, the simulator is held against the robot, not against the tables.
     """
@@ -190,22 +179,21 @@ def load_written(
     path = next(picture.with_name(names[wanted]) for wanted in loader.formats if wanted in names)
     with blaming(call, "poses"):
         count = a_record(loader.poses(call.options), int)
-    poses = joint_vectors(expected, robot, count)
     with blaming(call, "picture"):
-        pictured = a_record(loader.picture(call.options), bool)
+        is_pictured = a_record(loader.picture(call.options), bool)
+    poses = joint_vectors(expected, robot, count)
     frames: dict[str, tuple[tuple[float, ...], ...]] = {}
     for tip in expected.tips:
-        chain = KinematicChain.between(robot, expected.root, tip.link)
-        frames[tip.link] = tuple(
-            _elements(tip.pose(q) if keeps_kinematics else chain.forward_kinematics(tip.values(q))) for q in poses
-        )
+        chain, keeps = KinematicChain.between(robot, expected.root, tip.link), recipe.keeps_kinematics
+        found = (tip.pose(q) if keeps else chain.forward_kinematics(tip.values(q)) for q in poses)
+        frames[tip.link] = tuple(map(_elements, found))
     request = LoadRequest(
         path=path,
         robot=robot,
         poses=poses,
         expected=frames,
         mark=expected.mark,
-        picture=picture if pictured else None,
+        picture=picture if is_pictured else None,
     )
     with blaming(call), _kept(path.parent, written if call.plugin and not call.plugin.is_builtin else ()):
         report = load_in_child(loader, request, call.options, f"the {call.attribution}", children)
@@ -216,12 +204,12 @@ def load_written(
 
 @contextmanager
 def _kept(folder: Path, written: Sequence[Written]) -> Iterator[None]:
-    """Has the next loader, too, find the files as they were written.
+    """Have the next loader, too, find the files as they were written.
 
     Raises:
         ValueError: they were changed or removed meanwhile.
     """
-    changed = ""
+    changed = []
     try:
         yield
     finally:
@@ -230,12 +218,12 @@ def _kept(folder: Path, written: Sequence[Written]) -> Iterator[None]:
             if not is_file(path) or path.read_bytes() != file.content:
                 path.parent.mkdir(parents=True, exist_ok=True)
                 path.write_bytes(file.content)
-                changed = changed or file.name
+                changed.append(file.name)
     if changed:
-        raise ValueError(f"it changed or removed the file {shown(changed)} that it was given")
+        raise ValueError(f"it changed or removed the file {shown(changed[0])} that it was given")
 
 
 def _elements(frame: RigidTransform) -> tuple[float, ...]:
-    """A rigid transform as the 16 elements of its homogeneous matrix, row by row."""
+    """Return a rigid transform as the 16 elements of its homogeneous matrix, row by row."""
     r, t = frame
     return (*r[0:3], t[0], *r[3:6], t[1], *r[6:9], t[2], 0.0, 0.0, 0.0, 1.0)

@@ -15,9 +15,15 @@ import orjson
 
 from dh2urdf.conversion.column_edits import edited_robots, edited_tables
 from dh2urdf.conversion.keys import column_keys, key_of, whole
-from dh2urdf.conversion.one_manipulator import Recipe, Written, emit_robot, with_copies, with_notices
+from dh2urdf.conversion.one_manipulator import (
+    Recipe,
+    Written,
+    emit_robot,
+    refuse_undeclared_files,
+    with_copies,
+    with_notices,
+)
 from dh2urdf.conversion.outcome import Outcome, as_written, kind_of, to_line
-from dh2urdf.conversion.own_folders import refuse_undeclared_files
 from dh2urdf.conversion.robots import make_item, new_notices
 from dh2urdf.conversion.simulators import load_with_all, not_loaded, time_limit_of
 from dh2urdf.elementwise import DividedError

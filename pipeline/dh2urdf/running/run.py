@@ -271,12 +271,14 @@ def _answers(
     call = plan.executor
     with depending_on(call):
         results = items_of(results_of(call.stage, worker, some, call.options), "an iterator of results")
-    end = object()
+    end, no_result = object(), ValueError("it gave no result of the batch that this manipulator is in")
     try:
         while True:
             with depending_on(call):  # What is done with a result is not the executor's work.
                 result = next(results, end)
-            if result is end or (not under_way and _is_nobodys(result, some)):
+            # A report that no batch waits for may be one that comes twice, as long as more batches come.
+            is_report = isinstance(result, BatchReport)
+            if result is end or (not under_way and not (is_report and getattr(some, "gi_frame", None))):
                 break
             if isinstance(result, BatchReport) and result.first not in {batch.first for batch in under_way}:
                 continue  # It is reported already.
@@ -290,7 +292,7 @@ def _answers(
                 except TypeError as error:
                     yield batch, _undone(worker, batch, call, error)
                     break
-                yield batch, _undone(worker, batch, call, _no_result())
+                yield batch, _undone(worker, batch, call, no_result)
     finally:  # An interrupt holds this frame and all in it; the workers must be gone before the folder is unlocked.
         if close := getattr(results, "close", None):
             with depending_on(call):
@@ -298,16 +300,7 @@ def _answers(
     for _ in some:
         pass  # An executor that ended too early has not taken them: each is under way now.
     while under_way:
-        yield under_way[0], _undone(worker, under_way.popleft(), call, _no_result())
-
-
-def _is_nobodys(result: object, some: Iterator[Batch]) -> bool:
-    """Whether a result that no batch waits for cannot be one that comes twice before the next batch."""
-    return not isinstance(result, BatchReport) or getattr(some, "gi_frame", None) is None
-
-
-def _no_result() -> ValueError:
-    return ValueError("it gave no result of the batch that this manipulator is in")
+        yield under_way[0], _undone(worker, under_way.popleft(), call, no_result)
 
 
 def _undone(worker: BatchWorker, batch: Batch, call: Call[Executor[Any]], error: Exception) -> BatchReport:

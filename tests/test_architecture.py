@@ -226,10 +226,8 @@ class TestQuickStart:
             "transforms.paper",
             "xacro_fence",
         }
-        others = {"yaml_file", "parquet_file", "xlsx_file"}
-        foreign = {f"dh2urdf_plugins.readers.{name}.reading" for name in others} | {
-            f"dh2urdf_plugins.{w}" for w in work
-        }
+        others = {"sources.yaml_reading", "parquet_file.reading", "xlsx_file.reading"}
+        foreign = {f"dh2urdf_plugins.readers.{name}" for name in others} | {f"dh2urdf_plugins.{w}" for w in work}
         if words == ["plugins"]:
             host |= {"dh2urdf.columns", "dh2urdf.manipulator", "dh2urdf.quantities.units", "lxml", "yaml"}
             foreign |= {"dh2urdf_plugins.readers.table", "dh2urdf_plugins.transforms.robots"}
@@ -389,7 +387,7 @@ BUDGETS = {
     "pipeline/dh2urdf": 4000,
     "pipeline/dh2urdf/cells": 410,
     "pipeline/dh2urdf/cli": 1847,
-    "pipeline/dh2urdf/commands": 1799,
+    "pipeline/dh2urdf/commands": 1815,
     "pipeline/dh2urdf/conversion": 1400,
     "pipeline/dh2urdf/documents": 1070,
     "pipeline/dh2urdf/isolation": 1240,
@@ -424,7 +422,7 @@ BUDGETS = {
     "plugins/dh2urdf_plugins/readers": 13800,
     "plugins/dh2urdf_plugins/transforms": 2360,
     "plugins/dh2urdf_plugins/xacro_fence": 790,
-    "plugins/dh2urdf_studio": 7810,
+    "plugins/dh2urdf_studio": 7660,
 }
 """Lines that a room may have at most, with all below it. A change that needs more lowers another budget, or says why not."""
 

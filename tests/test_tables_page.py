@@ -26,10 +26,10 @@ from dh2urdf.quantities import UNITS, grammar as expressions, unit_word
 from dh2urdf.rotations import RigidTransform
 from dh2urdf_plugins.readers import csv, parquet, xlsx, yaml
 from dh2urdf_plugins.readers.comments import declared, top
-from dh2urdf_plugins.readers.csv_file import header as csv_header
 from dh2urdf_plugins.readers.header import units as table_units, words as header_words
 from dh2urdf_plugins.readers.parquet_file import sizes as parquet_sizes
 from dh2urdf_plugins.readers.rows import cells as row_cells, rows
+from dh2urdf_plugins.readers.sources import csv_header
 from dh2urdf_plugins.readers.statements import plausibility, text
 from dh2urdf_plugins.readers.table import TableOptions
 from dh2urdf_plugins.readers.tables import tables

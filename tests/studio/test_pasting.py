@@ -79,6 +79,7 @@ def test_cells_of_a_spreadsheet() -> None:
         ("DH = np.array([[0, 0.1, np.pi/2, 0],\n  [0, -0.2, 0, 0.5]], dtype=np.float64)", CODED),
         ("[(0, 0.1, pi/2, 0),  # waist\n (0, -0.2, 0, 0.5)]", CODED),
         ("DH = [ 0   0.1  pi/2  0 ; ...\n       0  -0.2  0   0.5 ];", CODED),
+        ("L(1) = Link([0 0.1 pi/2 0]);\nL(2) = Link([0 -0.2 0 0.5]);", CODED),
         ("double dh[2][4] = {{0, 0.1, M_PI/2, 0}, {0, -0.2, 0, 0.5}};", CODED),
     ],
 )
@@ -140,12 +141,11 @@ def test_cells_have_no_header(text: str, catalog: Catalog) -> None:
         "Modified convention, in mm:\n\n| 100 | 0 | 0 |\n| 300 | 0 | 0 |\n",
         r"\caption{In mm}\begin{tabular}{ccc} 100 & 0 & 0 \\ 300 & 0 & 0 \\ \end{tabular}",
         "- {a: 0.1, alpha: 0, d: 0, unknown: 1}\n- {a: 0.3, alpha: 0, d: 0}\n",
-        "L(1) = Link([0 0.1 0.2 pi/2]);\nL(2) = Link([0 0 0.4 0]);",
         '<robot name="arm">\n  <link name="base_link"/>\n</robot>',
     ],
 )
 def test_what_would_be_lost_is_said_first(text: str, catalog: Catalog) -> None:
-    """Words around numbers are not dropped in silence, and code is no table."""
+    """Words around numbers are not dropped in silence, and a description is no table."""
     assert isinstance(pasting.whole_tables(text, catalog, "standard"), str)
 
 
@@ -153,7 +153,7 @@ def test_what_cannot_be_read_is_said(catalog: Catalog) -> None:
     """In the reader's words, by its line, without a folder that nobody knows."""
     found = pasting.whole_tables("# convention: standard\na,alpha,d\n0.1,x,2\n", catalog)
     assert isinstance(found, str)
-    assert found.startswith("clipboard.csv:")
+    assert found.startswith("clipboard.txt:")
     assert "'x' cannot be read" in found
 
 

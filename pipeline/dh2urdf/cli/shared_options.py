@@ -19,7 +19,6 @@ from dh2urdf.errors import ConfigError, TableError
 from dh2urdf.output.spooled import spooled
 from dh2urdf.plugin_system.options import COMMAND_LINE
 from dh2urdf.source import Mark, Problem, shown
-from dh2urdf.stages import ReadsDescriptions
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -236,6 +235,8 @@ def given_table(table: Path, reader: str | None, catalog: Catalog) -> tuple[Path
     if str(table) != DASH:
         return table, reader
     content = _standard_input()
+    if reader is None and (suffix := catalog.any_text()) and not content.lstrip().startswith(b"<"):
+        return _kept(content, (suffix,)), catalog.cell_reader().name
     reader = reader or _format_of(content, catalog)
     return _kept(content, catalog.get("reader", reader).suffixes), reader
 
@@ -287,8 +288,7 @@ def _format_of(content: bytes, catalog: Catalog) -> str:
     """
     names: list[str] = []
     readers: list[Any] = [provided.stage for provided in catalog.provided("reader")]
-    is_markup = content.lstrip().startswith(b"<")
-    for reader in (each for each in readers if is_markup or not each.can(ReadsDescriptions)):
+    for reader in readers:
         with spooled(content, NAME, (*reader.suffixes, "")[0]) as path, suppress(Exception):
             # A reader may raise anything of what is not its own format.
             if next(iter(reader.read(path, reader.options())), None) is not None:

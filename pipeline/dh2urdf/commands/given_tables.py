@@ -74,12 +74,13 @@ def as_file(source: Source, kind: str, name: str | None, catalog: Catalog, choic
         return
     given = getattr(source, "name", None)
     file = Path(given) if isinstance(given, str) else None
-    if name is None and (file is None or not file.suffix):
+    any_text = catalog.any_text() if kind == "reader" and not content.lstrip().startswith(b"<") else ""
+    if name is None and not any_text and (file is None or not file.suffix):
         names = [item.stage.name for item in catalog.provided(kind)]  # type: ignore[arg-type]  # one of two kinds
         message = "a text has no suffix that says its format"
         problem = Problem(message=message, mark=Mark(file=TEXT), accepted=f"{choice}, with one of {', '.join(names)}")
         raise ConfigError(problem)
-    suffix = file.suffix if file else ""
+    suffix = (file.suffix if file else "") or any_text
     if name is not None:
         stage: Any = catalog.get(kind, name)  # type: ignore[call-overload]  # one of two kinds
         suffix = stage.suffixes[0] if stage.suffixes else suffix
@@ -96,7 +97,7 @@ def _content(source: Any) -> bytes | None:  # noqa: ANN401 - whatever is given
         except (OSError, ValueError) as error:  # It is closed, opened for writing, or no text in its encoding.
             message = f"the stream {shown(repr(source))} cannot be read: {error}"
             raise RecordValueError(Problem(message=message, mark=mark, accepted=_FILE)) from error
-    elif isinstance(source, os.PathLike) or (isinstance(source, str) and "\n" not in source and "\r" not in source):
+    elif isinstance(source, os.PathLike) or (isinstance(source, str) and not _is_text(source)):
         if not os.fspath(source).strip():
             raise RecordValueError(Problem(message="the name of the file is empty", mark=mark, accepted=_FILE))
         return None
@@ -107,6 +108,13 @@ def _content(source: Any) -> bytes | None:  # noqa: ANN401 - whatever is given
     suggestion = "`dh2urdf.Manipulator.from_dh` makes a table of arrays, data frames and lists"
     message = f"a {type(found).__name__} is no file"
     raise RecordTypeError(Problem(message=message, mark=mark, accepted=_FILE, suggestion=suggestion))
+
+
+def _is_text(source: str) -> bool:
+    """Whether a text is a table, and no path: it has several lines, or is JSON."""
+    return (
+        "\n" in source or "\r" in source or (source.lstrip()[:1] in ("{", "[") and source.rstrip()[-1:] in ("}", "]"))
+    )
 
 
 def read_table(
@@ -146,15 +154,10 @@ def manipulator_of(
     catalog = load()
     reader = catalog.cell_reader()
     if isinstance(table, (str, bytes)) or hasattr(table, "read"):
-        if any(each is not None for each in (columns, types, joints, name)):
-            message = "a text says its columns, types and names itself"
+        if (types, joints, name) != (None, None, None):
+            message = "a text says its types and names itself"
             raise ConfigError(Problem(message=message, mark=own, accepted="a text without these arguments"))
-        if isinstance(table, str) and "\n" not in table:
-            message, advice = f"{shown(table)} is no table: it has one line", f"`dh2urdf.read({table!r})` reads a file"
-            raise TableError(Problem(message=message, mark=own, suggestion=advice))
-        arm = read_table(table, robot, reader.name, options, own)  # type: ignore[arg-type]  # a text, bytes or a stream
-        warn_of(arm.notices, 2)
-        return arm
+        return _from_text(table, robot, options if columns is None else {**options, "columns": [*columns]}, own)
     given: dict[str, list[Any]] = {}
     for argument, value in (("columns", columns), ("types", types), ("joints", joints)):
         if value is not None:
@@ -176,6 +179,16 @@ def manipulator_of(
         accepted = "no name=, or a table without a column of names"
         raise ConfigError(Problem(message=message, mark=own, field="name", found=name, accepted=accepted))
     warn_of(arm.notices, 2)
+    return arm
+
+
+def _from_text(table: Any, robot: str | None, options: Mapping[str, object], mark: Mark) -> Manipulator:  # noqa: ANN401
+    """The manipulator of a text, bytes or a stream, whatever its form is."""
+    if isinstance(table, str) and not _is_text(table):
+        message, suggestion = f"{shown(table)} is no table: it has one line", f"`dh2urdf.read({table!r})` reads a file"
+        raise TableError(Problem(message=message, mark=mark, suggestion=suggestion))
+    arm = read_table(table, robot, None, options, mark)
+    warn_of(arm.notices, 3)
     return arm
 
 

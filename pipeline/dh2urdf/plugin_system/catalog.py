@@ -145,14 +145,16 @@ class Catalog:
         return None
 
     def cell_reader(self) -> Reader[Any]:
-        """The reader of rows of cells that come from no file: the one with the capability `ReadsCells`.
-
-        dh2urdf's own reader is taken where plugins have others.
+        """The reader of rows of cells that come from no file, dh2urdf's own where plugins have others.
 
         Raises:
             UnknownStageError: no installed reader has it.
         """
         return self._first("reader", ReadsCells, "of rows of cells")  # type: ignore[no-any-return]
+
+    def any_text(self) -> str:
+        """The suffix of files whose reader finds out the form of their text itself; empty where no reader does."""
+        return str(getattr(self.cell_reader().can(ReadsCells), "any_text", ""))
 
     @overload
     def usual(self, kind: Literal["transform"]) -> Transform[Any]: ...

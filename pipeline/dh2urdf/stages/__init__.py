@@ -234,10 +234,13 @@ class Traces(NamedTuple):
 class ReadsCells(NamedTuple):
     """The reader of rows of cells that come from no file, such as those of a DataFrame: `Catalog.cell_reader`.
 
-    `read_cells` takes the rows from the top, comments and header included, and what messages name as the file.
+    `read_cells` takes the rows from the top, comments and header included, and what messages name as the file. Of files
+    with the suffix `any_text`, `read` finds out the form itself. `cells_of` gives the cells of a text of any form.
     """
 
     read_cells: Callable[[Iterable[CellRow], str, Any], Iterator[Manipulator | Rejected]]
+    any_text: str = ""
+    cells_of: Callable[[str], list[list[str]]] | None = None
 
 
 class ReadsInColumns(NamedTuple):

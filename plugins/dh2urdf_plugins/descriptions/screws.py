@@ -27,6 +27,7 @@ from dh2urdf.stages import Rejected
 from dh2urdf.table_text import REQUIRED
 from dh2urdf_plugins.descriptions.description import Description
 from dh2urdf_plugins.formats.xml_files import LARGEST
+from dh2urdf_plugins.readers.sources.yaml_reading import read_table
 from dh2urdf_plugins.readers.statements.placements import (
     MORE_DIGITS,
     NEARLY_ORTHONORMAL,
@@ -36,7 +37,6 @@ from dh2urdf_plugins.readers.statements.placements import (
 from dh2urdf_plugins.readers.statements.shapes import refuse_unknown_keys
 from dh2urdf_plugins.readers.statements.statements import Statements
 from dh2urdf_plugins.readers.words.fields import joint_type
-from dh2urdf_plugins.readers.yaml_file.reading import read_table
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from dh2urdf.stages import Reader, ReadsCells, ReadsInColumns, Traces, WritesTables
+from dh2urdf_plugins.late import Late
 from dh2urdf_plugins.readers.options import TableOptions
 
 if TYPE_CHECKING:
@@ -31,10 +32,9 @@ def read(path: Path, options: TableOptions, trace: Trace | None = None) -> Itera
     Raises:
         TableError: the file is no table at all, or its header or its quotes are wrong.
     """
-    from dh2urdf_plugins.readers.csv_file.rows import CsvRows
-    from dh2urdf_plugins.readers.table import read_table
+    from dh2urdf_plugins.readers.sources.files import read_file
 
-    return read_table(CsvRows(path), str(path), options, name=path.stem, trace=trace)
+    return read_file(path, options, trace)
 
 
 def read_columns(path: Path, options: TableOptions) -> Iterator[Manipulator | ManipulatorGroups | Rejected]:
@@ -43,10 +43,9 @@ def read_columns(path: Path, options: TableOptions) -> Iterator[Manipulator | Ma
     Raises:
         TableError: as of `read`.
     """
-    from dh2urdf_plugins.readers.csv_file.rows import CsvRows
-    from dh2urdf_plugins.readers.table import read_table_columns
+    from dh2urdf_plugins.readers.sources.files import read_file_columns
 
-    return read_table_columns(CsvRows(path), str(path), options, name=path.stem)
+    return read_file_columns(path, options)
 
 
 def read_cells(rows: Iterable[CellRow], file: str, options: TableOptions) -> Iterator[Manipulator | Rejected]:
@@ -62,28 +61,32 @@ def write(tables: Sequence[TableText]) -> WrittenTable:
     Raises:
         InputError: the format cannot hold them.
     """
-    from dh2urdf_plugins.readers.csv_file import texts
+    from dh2urdf_plugins.readers.sources import csv_texts as texts
 
     return texts.write(tables)
 
 
 def typed_texts(path: Path) -> Iterator[TableText]:
     """The tables of a file as their authors typed them."""
-    from dh2urdf_plugins.readers.csv_file import texts
+    from dh2urdf_plugins.readers.sources import files
 
-    return texts.texts(path)
+    return files.typed_texts(path)
 
+
+TEXTS = (".txt", ".md", ".tex", ".py", ".m")
+"""Suffixes of texts that are read and not written."""
 
 READER: Reader[TableOptions] = Reader(
     name="csv",
-    summary="tables with one row per joint, cells separated by commas, semicolons or tabs; many manipulators in a file",
+    summary="tables with one row per joint: CSV with many manipulators in a file, Markdown, LaTeX, columns, numbers in "
+    "brackets",
     read=read,
     options=TableOptions,
-    suffixes=(".csv", ".tsv"),
+    suffixes=(".csv", ".tsv", *TEXTS),
     capabilities=(
-        WritesTables(write, typed_texts, not_written=(".tsv",)),
+        WritesTables(write, typed_texts, not_written=(".tsv", *TEXTS)),
         Traces(read),
-        ReadsCells(read_cells),
+        ReadsCells(read_cells, any_text=".txt", cells_of=Late("dh2urdf_plugins.readers.sources.files:cells_of")),
         ReadsInColumns(read_columns),
     ),
 )

@@ -36,10 +36,20 @@ class TableOptions:
         "YAML", "what the arm carries at tool0: {mass: 2.5, com: [0, 0, 0.05], inertia: …}"
     )
     calibration: Path | None = _flag("FILE", "differences that are added to the rows: a calibration.conf, or a table")
+    columns: str | list[Any] | None = _flag(
+        "NAMES", "the columns of a table without a header, in their order: theta,d,a,alpha"
+    )
+    table: int | None = _flag("N", "which of several tables in one text is read, counted from 1")
     mesh_links: bool = field(
         default=False,
         metadata={"help": "whether meshes may be links out of the table's folder, such as to shared ones"},
     )
+
+    @property
+    def column_names(self) -> list[str]:
+        """What `columns` names, one by one."""
+        given = self.columns.split(",") if isinstance(self.columns, str) else self.columns or []
+        return [str(name).strip() for name in given]
 
     def __post_init__(self) -> None:
         """Refuses words that mean nothing in any table, and a calibration that is no file.

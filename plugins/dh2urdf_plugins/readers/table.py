@@ -20,7 +20,6 @@ from dh2urdf_plugins.readers.rows.source import RowSource
 from dh2urdf_plugins.readers.tables.cell_rows import CellRows
 from dh2urdf_plugins.readers.tables.row_table import RowTable
 from dh2urdf_plugins.readers.words.cells import Cell
-from dh2urdf_plugins.readers.words.comment_lines import Comment
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
@@ -43,7 +42,6 @@ def read_table(
     statements: Mapping[str, Node] | None = None,
     decimal_comma: bool = False,
     notices: Iterable[Problem] = (),
-    titles: Iterable[Cell] = (),
     trace: Trace | None = None,
 ) -> Iterator[Manipulator | Rejected]:
     """The manipulators of a table.
@@ -61,7 +59,6 @@ def read_table(
         statements: what the file says outside its rows, by key: name, convention, units, base, tool, defaults.
         decimal_comma: whether ``0,5`` is a number: it is none where commas separate cells.
         notices: what the reader of the container reports about the file; they come with the first manipulator.
-        titles: what the container writes over the table, as the title of a sheet: comments, whatever their words are.
         trace: takes what the cells of each manipulator say before the manipulator is yielded; None where that is not
             wanted, which is faster.
 
@@ -79,7 +76,6 @@ def read_table(
         statements=statements,
         decimal_comma=decimal_comma,
         notices=notices,
-        titles=titles,
         trace=trace,
     ):
         if isinstance(item, ManipulatorGroups):
@@ -97,7 +93,6 @@ def read_table_columns(
     statements: Mapping[str, Node] | None = None,
     decimal_comma: bool = False,
     notices: Iterable[Problem] = (),
-    titles: Iterable[Cell] = (),
     trace: Trace | None = None,
 ) -> Iterator[Manipulator | ManipulatorGroups | Rejected]:
     """The same as `read_table`, but for manipulators about which there is nothing to say: these come in columns.
@@ -113,5 +108,4 @@ def read_table_columns(
         raise TableError(error.problems, [*notices, *error.notices]) from error
     table = RowTable(Cell(PurePath(file).stem if name is None else name, whole), options, top, source, trace)
     table.notices += notices
-    table.judge([*top.comments, *(Comment.note(title.text, title.mark) for title in titles)])
     yield from table.manipulators()

@@ -30,14 +30,14 @@ def read(path: Path, options: TableOptions, trace: Trace | None = None) -> Itera
     Raises:
         TableError: the file is no YAML document, or one that holds no table.
     """
-    from dh2urdf_plugins.readers.yaml_file.reading import read_documents
+    from dh2urdf_plugins.readers.sources.yaml_reading import read_documents
 
     return read_documents(path, options, trace)
 
 
 def schema() -> dict[str, Any]:
     """The JSON Schema of the files."""
-    from dh2urdf_plugins.readers.yaml_file.schema import table_schema
+    from dh2urdf_plugins.readers.sources.yaml_schema import table_schema
 
     return table_schema()
 
@@ -48,14 +48,14 @@ def write(tables: Sequence[TableText]) -> WrittenTable:
     Raises:
         InputError: the format cannot hold them.
     """
-    from dh2urdf_plugins.readers.yaml_file import texts
+    from dh2urdf_plugins.readers.sources import yaml_texts as texts
 
     return texts.write(tables)
 
 
 def typed_texts(path: Path) -> Iterator[TableText]:
     """The tables of a file as their authors typed them."""
-    from dh2urdf_plugins.readers.yaml_file import texts
+    from dh2urdf_plugins.readers.sources import yaml_texts as texts
 
     return texts.texts(path)
 

@@ -22,7 +22,7 @@ from dh2urdf.table_text.texts import table_text
 from dh2urdf_studio.editing.reading import read_whole
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterator, Mapping
 
     from dh2urdf.plugin_system.catalog import Catalog
     from dh2urdf.stages import Reader
@@ -47,12 +47,18 @@ class Opened(NamedTuple):
 
 
 def open_tables(
-    path: Path, catalog: Catalog, most: int | None = None, *, wanted: str | None = None
+    path: Path,
+    catalog: Catalog,
+    most: int | None = None,
+    *,
+    wanted: str | None = None,
+    options: Mapping[str, str] | None = None,
 ) -> tuple[Opened, ...]:
     """The manipulators of a file that can be read; what is wrong with the others is among the notices.
 
     Their texts are those of the file where the reader tells them and they read as the same arm; else the texts of the
     numbers that were read. Tables that do not say their convention are opened as they stand, for a person to say it.
+    Options are units of the reader's.
 
     Raises:
         InputError: the file cannot be read, or none of its manipulators can, or not the one that is wanted.
@@ -62,14 +68,15 @@ def open_tables(
         raise InputError(Problem(message="this is a run file, not a table", mark=Mark(file=str(path)), suggestion=told))
     reader = catalog.reader_for(path)
     call = default_call(catalog, reader)
+    call = replace(call, options=replace(call.options, **options)) if options else call
     items = list(islice(_items(path, call), most))
     # The numbers of a row are the same in both conventions: where the file names none, a person chooses it on the page.
     unsaid = hasattr(call.options, "convention") and any(
         problem.field == "convention" for item in items if isinstance(item, Rejected) for problem in item.problems
     )
     if unsaid and not any(isinstance(item, Manipulator) for item in items):
-        options = replace(call.options, convention=Convention.STANDARD.value)
-        items = list(islice(_items(path, replace(call, options=options)), most))
+        chosen = replace(call.options, convention=Convention.STANDARD.value)
+        items = list(islice(_items(path, replace(call, options=chosen)), most))
     else:
         unsaid = False
     arms = [item for item in items if isinstance(item, Manipulator)]
@@ -80,7 +87,7 @@ def open_tables(
             [problem for item in bad for problem in item.problems], [notice for item in bad for notice in item.notices]
         )
     typed = _typed(path, call, most)
-    opened = [_opened(arm, typed.get(arm.name), catalog) for arm in arms]
+    opened = [_opened(arm, typed.get(arm.name), catalog, options or {}) for arm in arms]
     if unsaid:
         opened = [each._replace(table=replace(each.table, convention="")) for each in opened]
     if rejected:
@@ -101,13 +108,20 @@ def _items(path: Path, call: Call[Reader[Any]]) -> Iterator[Manipulator | Reject
         yield from read_items(replace(call, options=replace(call.options, tip_link="*")), path)
 
 
-def tables_of(name: str, content: bytes, catalog: Catalog, most: int | None = None) -> tuple[Opened, ...] | str:
+def tables_of(
+    name: str,
+    content: bytes,
+    catalog: Catalog,
+    most: int | None = None,
+    *,
+    options: Mapping[str, str] | None = None,
+) -> tuple[Opened, ...] | str:
     """The tables of a file by its name and bytes, or what is wrong with it, without the folder that it was read in."""
     with tempfile.TemporaryDirectory(prefix="dh2urdf-") as folder:
         path = Path(folder) / Path(name).name
         path.write_bytes(content)
         try:
-            opened = open_tables(path, catalog, most)
+            opened = open_tables(path, catalog, most, options=options)
         except Dh2UrdfError as error:
             return str(error).replace(f"{folder}{os.sep}", "")
     said = ([notice.replace(f"{folder}{os.sep}", "") for notice in each.notices] for each in opened)
@@ -143,20 +157,20 @@ def _typed(path: Path, call: Call[Reader[Any]], most: int | None) -> dict[str, T
         return {}
 
 
-def _opened(arm: Manipulator, typed: TableText | None, catalog: Catalog) -> Opened:
+def _opened(arm: Manipulator, typed: TableText | None, catalog: Catalog, units: Mapping[str, str]) -> Opened:
     """A table as it was typed, names and types filled in, if that reads as the arm; else the texts of its numbers."""
     if typed is not None:
         pairs = zip(arm.rows, typed.rows, strict=False)
         filled = [{"joint": row.joint, "type": row.type.value, **texts} for row, texts in pairs]
         rows = tuple({field: row[field] for field in FIELDS if field in row} for row in filled)
-        completed = replace(typed, convention=typed.convention or arm.convention.value, rows=rows)
+        completed = replace(typed, convention=typed.convention or arm.convention.value, rows=rows, **units)
         again = read_whole(completed, catalog).manipulator
         if again == arm:
             return Opened(completed, notices=_unseen(arm, again))
     # The page does not show meshes: it could not move them along with the frames of a table.
     meshes: dict[str, Any] = dict.fromkeys(("base_visual", "base_collision", "visuals", "collisions"))
     bare = [replace(row, visual=None, collision=None) for row in arm.rows]
-    table = table_text(replace(arm, rows=tuple(bare), **meshes))
+    table = table_text(replace(arm, rows=tuple(bare), **meshes), **units)
     again = read_whole(table, catalog).manipulator
     return Opened(table, tuple(_lost(arm, again)) if again else (), _unseen(arm, again))
 

@@ -534,27 +534,6 @@ def test_a_reader_that_is_left_closes_its_file(large: Path, monkeypatch: pytest.
 # --- Kinds of columns -------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(
-    ("kind", "written", "held"),
-    [(pa.float32(), 0.1, 0.10000000149011612), (pa.float16(), 0.425, 0.425048828125)],
-)
-def test_numbers_of_few_digits_get_a_notice(
-    read_one: Callable[..., Manipulator], kind: Any, written: float, held: float
-) -> None:
-    """They are the numbers of the file, and not what was written there."""
-    import numpy as np
-
-    numbers = np.array([0.5, written], np.float16 if kind == pa.float16() else np.float32)
-    arm = read_one({"a": pa.array(numbers, kind), "alpha": [0.0] * 2, "d": [0.0] * 2})
-    assert [row.a for row in arm.rows] == [0.5, held]
-    (notice,) = arm.notices
-    name = "halffloat" if kind == pa.float16() else "float"
-    assert str(notice) == (
-        f"arm.parquet:column a: notice: manipulator 'arm': the column 'a' holds {name}, in which {written} is {held}: the "
-        "numbers are read as they are there\n    write the column as float64"
-    )
-
-
 def test_numbers_of_few_digits_that_are_exact_get_none(read_one: Callable[..., Manipulator]) -> None:
     """0, 0.5 and 90 are the same in every width."""
     arm = read_one({name: pa.array([0.5, 0.0, -0.25, None][:3], pa.float32()) for name in ("a", "alpha", "d")})
@@ -751,32 +730,3 @@ def test_lists_are_read_where_a_cell_holds_several_fields(tmp_path: Path) -> Non
         assert made.inertia.ixz == 0.01
     with pytest.raises(Dh2UrdfError, match="field 'a'"):
         arm_of([{**given, "a": [0.3]}])
-
-
-@pytest.mark.parametrize("key", ["comment", "Description", "notes", "title"])
-@pytest.mark.parametrize("place", ["file", "frame", "column"])
-def test_prose_in_metadata_is_looked_at_as_comments_are(tmp_path: Path, key: str, place: str) -> None:
-    """`in millimetres` in the metadata of a column of numbers in millimetres was passed over: they were metres."""
-    import pandas as pd
-
-    def written(text: str) -> list[Any]:
-        frame, path = pd.DataFrame({"a": [0.3], "alpha": [0.0], "d": [0.0]}), tmp_path / "arm.parquet"
-        frame.attrs = {key: text} if place == "frame" else {}
-        frame.to_parquet(path)
-        table = pq.read_table(path)
-        if place == "column":
-            fields = [field.with_metadata({key: text}) if field.name == "a" else field for field in table.schema]
-            table = pa.Table.from_arrays(table.columns, schema=pa.schema(fields))
-        elif place == "file":
-            table = table.replace_schema_metadata({key: text})
-        pq.write_table(table, path)
-        return [path]
-
-    for source in written("length in millimetres"):
-        with pytest.raises(Dh2UrdfError, match="this comment mentions mm, and lengths are read in m"):
-            arm_of(source)
-    for source in written("joint 1 is locked"):
-        (notice,) = arm_of(source).notices
-        assert "joint 1 is locked' is a comment, and nothing is read from it" in notice.message
-    for source in written("from the data sheet"):
-        assert arm_of(source).notices == ()

@@ -291,29 +291,6 @@ def test_a_column_j_may_count_the_rows(cells: tuple[str, str], read_one: ReadOne
 
 
 @pytest.mark.parametrize(
-    ("table", "said"),
-    [
-        ("| a | alpha | d |\n|---|---|---|\n| 0.3 | 0 | 0 |", "take out the lines of dashes and the bars at both ends"),
-        ("┌────┬────┐\n│ θⱼ │ dⱼ │\n├────┼────┤\n│ q1 │ 0  │\n└────┴────┘", "take out the lines of dashes"),
-        ("a & alpha & d \\\\\n0.3 & 0 & 0 \\\\", "put commas in place of &"),
-        ("dh = [0 pi/2 0.1; 0.3 0 0];", "programs differ in their order"),
-        ("[0 pi/2 0.1; ...\n 0.3 0 0]", "programs differ in their order"),
-        ("a,alpha,d\n0.3,0,-", "write 0 if that is meant"),
-        ("a,alpha,d\n0.3,0,–", "write 0 if that is meant"),
-        ("a,alpha,d\n0.3,0.291 rad + 0.1,0", "write a unit behind each part of the sum"),
-        ("a,alpha,d,dddq_max\n0.3,0,0,5", "seems to be a jerk or the rate of a torque, which no column holds"),
-        ("a,alpha,d,dtau_max\n0.3,0,0,5", "seems to be a jerk or the rate of a torque, which no column holds"),
-    ],
-)
-def test_tables_of_other_programs_and_their_cells_are_refused_with_what_to_do(table: str, said: str) -> None:
-    """Bars, LaTeX, arrays, dashes for 0, marks of footnotes; no advice that is about something else."""
-    with pytest.raises(TableError) as raised:
-        dh2urdf.read(f"# convention: standard\n{table}\n", reader="csv")
-    assert said in str(raised.value)
-    assert "thousands" not in str(raised.value)
-
-
-@pytest.mark.parametrize(
     "table",
     [
         "parameter,J1,J2,J3\na,0,0.3,0.2\nalpha,pi/2,0,0\nd,0.1,0,0",

@@ -13,7 +13,7 @@ from dh2urdf.errors import TableError
 from dh2urdf.manipulator import Manipulator
 from dh2urdf.table_text.texts import table_text
 from dh2urdf_plugins.readers import csv, yaml
-from dh2urdf_plugins.readers.csv_file import texts as csv_texts
+from dh2urdf_plugins.readers.sources import csv_texts
 from dh2urdf_plugins.readers.table import TableOptions
 
 if TYPE_CHECKING:

@@ -184,19 +184,6 @@ def test_what_holds_for_all_joints_is_checked(
     assert key in str(arm.problems[0])
 
 
-def test_comments_of_several_manipulators(read: Callable[..., list[Manipulator | Rejected]]) -> None:
-    """Each is about the manipulator below it or around it; what is above all of them is about each."""
-    robot = "  - convention: standard\n    joints: [{{a: 0.3, alpha: 0, d: 0}}]{}\n"
-    text = "robots:\n" + robot.format("") + "  # lengths in mm\n" + robot.format("") + robot.format("  # cm")
-    first, second, third = read(text, ".yaml")
-    assert isinstance(first, Manipulator)
-    assert isinstance(second, Rejected)
-    assert [problem.mark.line for problem in second.problems if problem.mark] == [4]
-    assert isinstance(third, Rejected)
-    assert [problem.mark.line for problem in third.problems if problem.mark] == [8]
-    assert all(isinstance(arm, Rejected) for arm in read(f"# all lengths in mm\n{text}", ".yaml"))
-
-
 @pytest.mark.parametrize(
     ("limits", "com"),
     [

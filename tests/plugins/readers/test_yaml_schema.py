@@ -11,8 +11,8 @@ from dh2urdf.documents import load_yaml
 from dh2urdf.documents.document import read_yaml
 from dh2urdf.errors import InputError
 from dh2urdf.manipulator import Manipulator
+from dh2urdf_plugins.readers.sources.yaml_schema import table_schema
 from dh2urdf_plugins.readers.yaml import READER
-from dh2urdf_plugins.readers.yaml_file.schema import table_schema
 
 ROOT = Path(__file__).parents[3]
 INPUTS = ROOT / "tests" / "reference" / "inputs"

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import math
-import struct
 from typing import TYPE_CHECKING, Any
 
 from dh2urdf.errors import TableError
@@ -24,10 +22,6 @@ _UNIT_KEYS = ("unit", "units")
 """Keys under which the metadata of a column have its unit."""
 
 
-DIGITS = {"float": "f", "float32": "f", "halffloat": "e", "float16": "e"}
-"""Kinds of numbers of fewer digits than a float64, as pyarrow calls them, with their codes of the module struct."""
-
-
 def with_unit(field: Any, mark: Mark) -> str:  # noqa: ANN401 - a field of pyarrow
     """The header of a column: its name, and the unit that its metadata say.
 
@@ -46,24 +40,6 @@ def with_unit(field: Any, mark: Mark) -> str:  # noqa: ANN401 - a field of pyarr
         message = f"the metadata of the column {shown(name)} say {others}{besides}"
         raise TableError(Problem(message=message, mark=mark, found=others, accepted="one unit for a column"))
     return name if said else f"{name} [{min(units)}]"
-
-
-def as_written(number: float, code: str) -> float:
-    """The shortest number that becomes this one when it is stored in fewer bits."""
-    candidates = (float(f"{number:.{digits}g}") for digits in range(1, 17))
-    return next((short for short in candidates if _stored(short, code) == number), number)
-
-
-def _stored(number: float, code: str) -> float:
-    try:
-        return float(struct.unpack(code, struct.pack(code, number))[0])
-    except OverflowError:
-        return math.inf
-
-
-def is_as_written(number: float, code: str) -> bool:
-    """Whether a number of few bits is the decimal number that was written."""
-    return not math.isfinite(number) or as_written(number, code) == number
 
 
 def is_text(kind: Any) -> bool:  # noqa: ANN401 - a type of pyarrow

@@ -18,18 +18,15 @@ from dh2urdf.columns import ManipulatorGroups
 from dh2urdf.documents import check_file, load_yaml, refuse_other_kind
 from dh2urdf.errors import MissingDependencyError, TableError
 from dh2urdf.source import Mark, Problem, did_you_mean, shown
-from dh2urdf.table_text import METADATA, REMARKS, STATEMENTS, CellRow
+from dh2urdf.table_text import METADATA, STATEMENTS, CellRow
 from dh2urdf_plugins.readers.comments.declared import MAX_STATEMENT
 from dh2urdf_plugins.readers.comments.phrases import unit_of_measure
 from dh2urdf_plugins.readers.header.header_rows import completed
 from dh2urdf_plugins.readers.header.words import read_header
 from dh2urdf_plugins.readers.parquet_file.columns import (
-    DIGITS,
     INDEX,
-    as_written,
     holds_numbers,
     is_accepted,
-    is_as_written,
     is_readable,
     is_text,
     numbers_of,
@@ -39,7 +36,6 @@ from dh2urdf_plugins.readers.parquet_file.columns import (
 )
 from dh2urdf_plugins.readers.parquet_file.sizes import refuse_large, refuse_many_columns, refuse_one_manipulator
 from dh2urdf_plugins.readers.table import TableOptions, read_table_columns
-from dh2urdf_plugins.readers.words.cells import Cell
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Sequence
@@ -53,7 +49,6 @@ if TYPE_CHECKING:
     from dh2urdf_plugins.readers.header.columns import Columns
     from dh2urdf_plugins.readers.rows.source import Row
     from dh2urdf_plugins.readers.words.cells import Value
-    from dh2urdf_plugins.readers.words.comment_lines import Comment
 
 _ATTRIBUTES = "PANDAS_ATTRS"
 """The metadata that pandas writes for the attributes of a data frame."""
@@ -116,11 +111,9 @@ def _items(
             fields = list(file.schema_arrow)
             refuse_large(file, path, [field.name for field in fields if is_readable(field)])
         metadata = file.metadata.metadata or {}
-        said, remarks = _statements(metadata, str(path)), list(_remarks(metadata, fields, str(path)))
+        said = _statements(metadata, str(path))
         file_rows = _ParquetRows(file, fields, str(path))
-        yield from read_table_columns(
-            file_rows, str(path), options, name=path.stem, statements=said, titles=remarks, trace=trace
-        )
+        yield from read_table_columns(file_rows, str(path), options, name=path.stem, statements=said, trace=trace)
 
 
 def _statements(metadata: dict[bytes, bytes], file: str) -> dict[str, Node]:
@@ -154,17 +147,6 @@ def _statements(metadata: dict[bytes, bytes], file: str) -> dict[str, Node]:
             raise TableError(Problem(message=message, mark=Mark(file=file), field=key, accepted="a value, as YAML"))
         said[key] = load_yaml(text, f"{file}, metadata {name}", TableError)
     return said
-
-
-def _remarks(metadata: dict[bytes, bytes], fields: Sequence[Any], file: str) -> Iterator[Cell]:
-    """What the metadata of a file, of a data frame and of columns say in prose, which is looked at as comments are."""
-    of_frame = (metadata, _attributes(metadata.get(_ATTRIBUTES.encode(), b"")))
-    places = [(each, Mark(file=file)) for each in of_frame]
-    places += [(field.metadata or {}, Mark(file=file, place=f"column {field.name}")) for field in fields]
-    for each, mark in places:
-        for key, text in each.items():
-            if key.decode(errors="replace").casefold() in REMARKS:
-                yield Cell(text[:MAX_STATEMENT].decode(errors="replace"), mark)
 
 
 def _refuse_without_prefix(name: str, text: str, file: str) -> None:
@@ -210,22 +192,14 @@ def _is_missing(cell: object) -> bool:
 
 
 class _ParquetRows:
-    """The rows of a file; the key of a row is its number, counted from 1.
-
-    Attributes:
-        notices: of columns of few digits.
-        comments: always none.
-    """
+    """The rows of a file; the key of a row is its number, counted from 1."""
 
     def __init__(self, file: Any, fields: list[Any], path: str) -> None:  # noqa: ANN401 - a ParquetFile and its columns
         self.file = file
         self.fields = fields
         self.path = path
-        self.notices: list[Problem] = []
-        self.comments: list[Comment] = []
         self.cells: list[Callable[[Any], Sequence[Value]]] = []
         self.constant: list[str] = []  # what stands for each cell of a column that is not read: nothing, or its type
-        self.short: dict[int, str] = {}
         self.skipped = 0  # rows at the top that are no joints
 
     def __iter__(self) -> Iterator[CellRow]:
@@ -271,8 +245,6 @@ class _ParquetRows:
             is_read = index in kept and is_readable(self.fields[index])
             self.cells.append(numbers_of if index in numbers else texts_of if is_read else unread)
             self.constant.append(str(kind) if index in kept and not is_read else "")
-            if index in numbers and str(kind) in DIGITS:
-                self.short[index] = str(kind)
         return replace(columns, numbers=numbers, quoted_commas=True)
 
     def batches(self) -> Iterator[tuple[Sequence[int], Sequence[Row]]]:
@@ -292,34 +264,12 @@ class _ParquetRows:
                     [constant] * batch.num_rows if cells_of is unread else cells_of(batch.column(name))
                     for name, cells_of, constant in zip(names, self.cells, self.constant, strict=True)
                 ]
-            self._look_at_digits(cells)
             rows = zip(*cells, strict=True)
             while start <= self.skipped and next(rows, None):
                 start += 1
             while part := list(islice(rows, _PART)):
                 yield range(start, start + len(part)), part
                 start += len(part)
-
-    def _look_at_digits(self, cells: Sequence[Sequence[Value]]) -> None:
-        """A notice of columns that hold other numbers than were written there: 0.1 is 0.10000000149 in 32 bits."""
-        found: dict[int, float] = {}
-        for index, kind in self.short.items():
-            code = DIGITS[kind]
-            numbers = (cell for cell in dict.fromkeys(cells[index]) if isinstance(cell, float))
-            if (number := next((number for number in numbers if not is_as_written(number, code)), None)) is not None:
-                found[index] = number
-        for index, number in found.items():
-            field = self.fields[index]
-            kind = self.short.pop(index)
-            self.notices.append(
-                Problem(
-                    message=f"the column {shown(field.name)} holds {kind}, in which "
-                    f"{as_written(number, DIGITS[kind])} is {number!r}: the numbers are read as they are there",
-                    severity="notice",
-                    mark=Mark(file=self.path, place=f"column {field.name}"),
-                    suggestion="write the column as float64",
-                )
-            )
 
     def row_places(self, keys: Iterable[int]) -> Iterator[PlaceInFile]:
         """The numbers of rows."""

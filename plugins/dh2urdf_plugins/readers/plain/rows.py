@@ -37,7 +37,7 @@ from dh2urdf_plugins.readers.words.fields import FIELDS, joint_type
 from dh2urdf_plugins.readers.words.names import MAX_NAME, RESERVED, order_fault
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
+    from collections.abc import Hashable, Iterable, Iterator, Mapping, Sequence
 
     from dh2urdf.manipulator import DHRow
     from dh2urdf_plugins.readers.header.columns import Columns
@@ -54,20 +54,16 @@ _HASH = methodcaller("startswith", "#")
 class PlainRows:
     """Reads the rows of manipulators that are behind each other, where they are plain."""
 
-    def __init__(
-        self, columns: Columns, units: Units, shortest: float, say_nothing: Callable[[Iterable[str]], bool]
-    ) -> None:
+    def __init__(self, columns: Columns, units: Units, shortest: float) -> None:
         """Takes what holds for all rows of a table.
 
         Args:
             columns: its columns.
             units: the units of its numbers.
             shortest: how long an arm is at least so that there is nothing to report about it [m].
-            say_nothing: whether cells of a column that no field knows say nothing of the table.
         """
         self.units = units
         self.shortest = shortest
-        self.say_nothing = say_nothing
         self.mark, self.headers = columns.mark, columns.headers
         self.width = len(columns.fields)
         self.holding_numbers = columns.numbers
@@ -156,8 +152,6 @@ class PlainRows:
             if any(unread(Cell(text.strip(), self.mark), self.headers[index], None) for text in new):
                 return False
             if "type" not in self.column and any(map(joint_type, map(str.strip, new))):
-                return False
-            if not self.say_nothing(map(str.strip, new)):
                 return False
             if len(known) < REMEMBERED:
                 known.update(new)

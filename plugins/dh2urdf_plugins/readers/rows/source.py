@@ -14,7 +14,6 @@ if TYPE_CHECKING:
     from dh2urdf.table_text import CellRow
     from dh2urdf_plugins.readers.header.columns import Columns
     from dh2urdf_plugins.readers.words.cells import Value
-    from dh2urdf_plugins.readers.words.comment_lines import Comment
 
 Row: TypeAlias = "Sequence[Value]"
 """The cells of a row, one for each column."""
@@ -25,14 +24,7 @@ class RowSource(Protocol):
     """A file of rows, as its format gives them: those down to the header one by one, and the others by the hundred.
 
     The key of a row is what the format knows its place by: the number of a line, or more.
-
-    Attributes:
-        notices: messages about the rows so far, beyond those of the rows themselves.
-        comments: comments between the rows that nobody has looked at yet.
     """
-
-    notices: list[Problem]
-    comments: list[Comment]
 
     def __iter__(self) -> Iterator[CellRow]:
         """The rows down to the header."""

@@ -7,8 +7,7 @@ from dataclasses import replace
 from itertools import chain, islice
 from typing import TYPE_CHECKING
 
-from dh2urdf.errors import SCREENFUL
-from dh2urdf.source import Problem, listed, shown
+from dh2urdf.source import Problem
 from dh2urdf.table_text import REQUIRED
 from dh2urdf_plugins.readers.comments.declared import comment_below
 from dh2urdf_plugins.readers.comments.top import comment_text, is_header
@@ -16,7 +15,7 @@ from dh2urdf_plugins.readers.header.header_rows import completed, headers_in, is
 from dh2urdf_plugins.readers.header.unknown_columns import is_number, stray_number
 from dh2urdf_plugins.readers.header.words import read_header
 from dh2urdf_plugins.readers.words.cells import LINE_END, SPACES
-from dh2urdf_plugins.readers.words.comment_lines import Comment, is_comment, sign_of
+from dh2urdf_plugins.readers.words.comment_lines import is_comment
 from dh2urdf_plugins.readers.words.fields import FIELDS
 
 if TYPE_CHECKING:
@@ -31,13 +30,15 @@ if TYPE_CHECKING:
 
 _BATCH = 200
 """Rows that are handed on at once."""
-BELOW = "what is below the table, after an empty row"
-NOTE_HINT = "if this is a note, put an empty row before it, or a # at its beginning"
+_LONGEST_NOTE = 200
+"""Characters of a note at whose beginning it is known."""
 _PROSE = (
     r"(?i)(?:(?:[*†‡§•>\\_¹²³⁰⁴-⁹][*\\_\s]*|-\s+(?=[^\W\d_]{3})|[\[(]?(?:[0-9]{1,2}|[a-z])[)\]:]\s*|[0-9]"
     r"\.\s+)[^\W\d_]{2,}|[^\W\d_]{3,})(?:[\s:;,.]|$)"
 )
 """How a note begins, and no number, expression or symbol: with a word, perhaps behind the mark of a footnote."""
+_SURE_NOTE = r"[*†‡§•>¹²³⁰⁴-⁹]|[^\W\d_]{3,}\s*:|(?:\S+\s+){3}"
+"""How one begins that needs no empty row above it: with a mark or a key, or with several words."""
 _FOOTMARK = r"[*†‡§•¹²³⁰⁴-⁹]+|[\[(]?[0-9a-z][)\]]"
 """The mark of a footnote in a cell of its own."""
 
@@ -45,24 +46,20 @@ _FOOTMARK = r"[*†‡§•¹²³⁰⁴-⁹]+|[\[(]?[0-9a-z][)\]]"
 class CellRows:
     """The rows of a container that has cells with places of their own: the key of a row is the row itself.
 
-    Attributes:
-        notices: of comments below the header that look like rows, and of notes beside and below the table.
-        comments: those below the header that nobody has looked at yet.
+    Args:
+        rows: the rows from the top.
+        decimal_comma: whether a comma may be a decimal sign.
+        prose: whether comments and notes may be among the rows; records such as those of YAML have none.
     """
 
-    def __init__(self, rows: Iterable[CellRow], *, decimal_comma: bool = False) -> None:
+    def __init__(self, rows: Iterable[CellRow], *, decimal_comma: bool = False, prose: bool = True) -> None:
         self.rows = iter(rows)
         self.decimal_comma = decimal_comma
-        self.notices: list[Problem] = []
-        self.comments: list[Comment] = []
+        self.prose = prose
         self.fields: list[str | None] = []
         self.header: list[str] = []
         self.named: list[bool] = []
-        self.geometry: list[int] = []
         self.quantities: frozenset[int] = frozenset()
-        self.begun = self.ended = False
-        self.below: list[tuple[str, Mark]] = []
-        self.beside: list[tuple[str, Mark]] = []
 
     def __iter__(self) -> Iterator[CellRow]:
         """The rows one by one."""
@@ -74,7 +71,7 @@ class CellRows:
         Raises:
             TableError: the row of units contradicts the header.
         """
-        row = next(self.rows, None)
+        row = next(self.rows, None) if self.prose else None
         if row is None:
             return header
         joined = completed(header, row)
@@ -84,10 +81,8 @@ class CellRows:
 
     def start(self, columns: Columns) -> Columns:
         """Takes the columns of the rows to come."""
-        self.fields = columns.fields
-        self.header = columns.headers
+        self.fields, self.header = columns.fields, columns.headers
         self.named = [bool(header) for header in columns.headers]
-        self.geometry = [index for index, field in enumerate(columns.fields) if field in REQUIRED]
         columns.decimal_comma = self.decimal_comma
         self.quantities = frozenset(
             index for index, name in enumerate(columns.fields) if name and FIELDS[name].dimension
@@ -97,11 +92,9 @@ class CellRows:
 
     def batches(self) -> Iterator[tuple[Sequence[CellRow], Sequence[Row]]]:
         """The rows that hold anything and are no comments and no notes."""
-        rows = filter(self._is_row, self.rows)
+        rows = without_notes(self.rows, self.fields) if self.prose else self.rows
         while batch := list(islice(rows, _BATCH)):
             yield batch, [self._values(row) for row in batch]
-        self.notices += unread_notes(BELOW, self.below)
-        self.notices += unread_notes("what is beside the table", self.beside)
 
     def row_places(self, keys: Iterable[CellRow]) -> Iterator[PlaceInFile]:
         """The places of rows."""
@@ -119,7 +112,7 @@ class CellRows:
     def row_problems(self, key: CellRow, texts: Sequence[str], number: int) -> Iterator[Problem]:
         """What the container declares about the row's cells, and of numbers behind the last column of the header."""
         joint = f"joint_{number}"
-        if headers_in(key) != self.header and (problem := other_header(key, number, "on a sheet")):
+        if self.prose and headers_in(key) != self.header and (problem := other_header(key, number)):
             yield problem
             return
         for index, cell in enumerate(key.cells):
@@ -129,92 +122,68 @@ class CellRows:
             elif index >= len(self.fields) and self._is_stray(index, cell):
                 yield stray_number(text_in(cell), self.marks(key, texts)[index], joint)
 
-    # --- Cells --------------------------------------------------------------------------------------------------------
-
     def _is_stray(self, index: int, cell: object) -> bool:
         """Whether a cell is a number in a column of the table that has no header."""
         if is_beside(index, self.named) or (index < len(self.named) and self.named[index]):
             return False
         return isinstance(cell, float | int) or is_number(text_in(cell).strip(SPACES))
 
-    def _is_note(self, index: int, cell: object) -> bool:
-        """Whether a cell without a header holds what belongs to no column of the table."""
-        named = index < len(self.named) and self.named[index]
-        return not named and bool(text_in(cell).strip(SPACES)) and not self._is_stray(index, cell)
-
     def _values(self, row: CellRow) -> list[Value]:
-        """The same, with numbers as numbers where quantities stand: they have no sign between thousands."""
-        texts = self._texts(row)
-        values: list[Value] = [*texts]
-        for index, cell in enumerate(row.cells):
-            if isinstance(cell, float) and index in self.quantities and texts[index]:
-                values[index] = float(cell)
-        return values
-
-    def _texts(self, row: CellRow) -> list[str]:
-        """The cells of a row, one for each column; a row with a problem has one that is never read as plain."""
-        texts = list(map(text_in, row.cells))
+        """The cells of a row, one for each column; numbers of quantities are numbers, and problems are never plain."""
         width = len(self.named)
-        for index, cell in enumerate(row.cells):
-            if isinstance(cell, Problem) and index < width and self.fields[index]:
-                texts[index] = LINE_END + texts[index]
-            elif self._is_note(index, cell):
-                mark = self.marks(row, texts)[index]
-                self.comments.append(Comment.note(texts[index], mark))
-                if not is_comment(texts[index]):
-                    self.beside.append((texts[index], mark))
-                    texts[index] = ""
-                elif index < width:
-                    texts[index] = ""  # else it is behind the row
-        while len(texts) > width and not texts[-1].strip(SPACES):
-            texts.pop()
-        return texts + [""] * (width - len(texts))
+        values: list[Value] = []
+        for index, cell in enumerate(row.cells[:width]):
+            text = text_in(cell)
+            if isinstance(cell, Problem) and self.fields[index]:
+                text = LINE_END + text
+            elif not self.named[index] and not self._is_stray(index, cell):
+                text = ""  # a note
+            values.append(cell if isinstance(cell, float) and index in self.quantities else text)
+        strays = [
+            text_in(cell) for index, cell in enumerate(row.cells[width:], start=width) if self._is_stray(index, cell)
+        ]
+        return values + [""] * (width - len(values)) + strays
 
-    def _is_row(self, row: CellRow) -> bool:
+
+def without_notes(rows: Iterable[CellRow], fields: Sequence[str | None]) -> Iterator[CellRow]:
+    """Rows without those that are empty, comments, or notes below the last joint.
+
+    Raises:
+        TableError: a comment among them declares what would not hold for the rows above.
+    """
+    geometry = [index for index, field in enumerate(fields) if field in REQUIRED]
+    held: list[CellRow] = []  # notes, as long as no joint follows
+    after_empty = False
+    for row in rows:
         texts = [text for text in map(text_in, row.cells) if text.strip(SPACES)]
         if not texts:
-            self.ended = self.ended or self.begun
-            return False
-        if is_comment(texts[0]):
-            self._see_comment(row, texts)
-            return False
-        if self.ended and is_note(row, self.geometry, len(self.named)):
-            text = comment_text(row)
-            self.below.append((text, row.mark))
-            self.comments.append(Comment.note(text, row.mark))
-            return False
-        self.begun = True
-        return True
-
-    def _see_comment(self, row: CellRow, texts: Sequence[str]) -> None:
-        text = comment_text(row)
-        self.comments.append(comment_below(text, row.mark))
-        if len(texts) > 1 and len(self.notices) < SCREENFUL:
-            self.notices.append(
-                Problem(
-                    message=f"{shown(text)} is a comment, since it begins with {sign_of(text)}, and no row",
-                    severity="notice",
-                    mark=row.mark,
-                    found=text,
-                )
-            )
+            after_empty = True
+        elif is_comment(texts[0]):
+            comment_below(comment_text(row), row.mark)
+        elif is_note(row, geometry, len(fields), after_empty=after_empty):
+            held.append(row)
+        else:
+            yield from held
+            yield row
+            held, after_empty = [], False
 
 
-def is_note(row: CellRow, geometry: Iterable[int], width: int) -> bool:
-    """Whether a row after an empty one is a note below the table, and not a row, whole or cut off.
+def is_note(row: CellRow, geometry: Iterable[int], width: int, *, after_empty: bool) -> bool:
+    """Whether a row is a note, and not a joint, whole or cut off: text that says nothing where the geometry stands.
 
-    A note is one cell of prose; or it begins with prose, has no number, and says nothing where the geometry stands. A
-    text with commas in it, which a reader takes for cells, is a note without a number.
+    A text with commas in it, which a reader takes for cells, is a note without a number.
 
     Args:
         row: the row.
         geometry: the columns of a, alpha and d.
         width: how many columns the table has.
+        after_empty: whether an empty row is above it.
     """
     texts = [text_in(cell).strip(SPACES) for cell in row.cells]
     filled = [text for text in texts if text]
     filled = filled[len(filled) > 1 and re.fullmatch(_FOOTMARK, filled[0]) is not None :]
-    if not re.match(_PROSE, filled[0]):
+    start = filled[0][:_LONGEST_NOTE]
+    if not re.match(_PROSE, start) or not (after_empty or re.match(_SURE_NOTE, start)):
         return False
     if len(filled) == 1:
         return True
@@ -228,26 +197,12 @@ def _names_fields(row: CellRow) -> bool:
     return len(fields) > 1 and None not in fields and len({each.name for each in fields if each}) == len(fields)
 
 
-def _is_decimal(text: str) -> bool:
-    try:
-        float(text)
-    except ValueError:
-        return False
-    return True
-
-
-def other_header(row: CellRow, number: int, place: str) -> Problem | None:
-    """What is wrong with a row that is the header of another table; None where it is none.
-
-    Args:
-        row: the row.
-        number: its number.
-        place: where each table may be, by itself: `on a sheet`.
-    """
-    if any(text[-1:].isdecimal() and _is_decimal(text) for text in map(text_in, row.cells)):
+def other_header(row: CellRow, number: int) -> Problem | None:
+    """What is wrong with a row that is the header of another table; None where it is none."""
+    if any(is_number(text_in(cell).strip()) for cell in row.cells):
         return None  # It is known without a look at what its words mean.
     if is_header(row):
-        advice = f"put each table {place} of its own, or all rows below one header with a column robot"
+        advice = "put each table into a file or sheet of its own, or all rows below one header with a column robot"
     elif _names_fields(row):
         advice = "if it is of the same joints, put its columns beside those of the first table"
     else:
@@ -259,11 +214,3 @@ def other_header(row: CellRow, number: int, place: str) -> Problem | None:
         accepted="one table below its header",
         suggestion=advice,
     )
-
-
-def unread_notes(what: str, notes: Sequence[tuple[str, Mark]]) -> list[Problem]:
-    """The one notice of notes that nothing is read from; none where there are none."""
-    if not notes:
-        return []
-    texts = listed([shown(text) for text, _ in notes])
-    return [Problem(message=f"nothing is read from {what}: {texts}", severity="notice", mark=notes[0][1])]

@@ -15,8 +15,8 @@ from operator import itemgetter
 from typing import TYPE_CHECKING, Any
 
 from dh2urdf.columns import ManipulatorColumns, ManipulatorGroups
-from dh2urdf.errors import SCREENFUL, TableError
-from dh2urdf.manipulator import Convention, DHRow, JointType, Manipulator
+from dh2urdf.errors import TableError
+from dh2urdf.manipulator import Convention, DHRow, Manipulator
 from dh2urdf.output import NameSet
 from dh2urdf.source import Problem, shown
 from dh2urdf.stages import Rejected
@@ -26,7 +26,7 @@ from dh2urdf_plugins.readers.rows.rows import RowReader
 from dh2urdf_plugins.readers.rows.source import Rows
 from dh2urdf_plugins.readers.statements.plausibility import shortest_plain
 from dh2urdf_plugins.readers.statements.statements import Statements
-from dh2urdf_plugins.readers.tables.cells import Remarks, TableCells
+from dh2urdf_plugins.readers.tables.cells import TableCells
 from dh2urdf_plugins.readers.tables.tables import manipulator, read_rows, stopped, too_many_joints
 from dh2urdf_plugins.readers.words.bounds import MAX_JOINTS
 from dh2urdf_plugins.readers.words.cells import SPACES, Cell, text_of
@@ -34,7 +34,7 @@ from dh2urdf_plugins.readers.words.fields import convention_of
 from dh2urdf_plugins.readers.words.names import MAX_NAME
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+    from collections.abc import Callable, Iterator, Mapping, Sequence
 
     from dh2urdf.documents import Node
     from dh2urdf.source import Mark
@@ -44,8 +44,6 @@ if TYPE_CHECKING:
     from dh2urdf_plugins.readers.plain.rows import PlainRows
     from dh2urdf_plugins.readers.rows.source import Row, RowSource
     from dh2urdf_plugins.readers.words.cells import Value
-    from dh2urdf_plugins.readers.words.comment_lines import Comment
-
 
 _ANY_ROW = DHRow(joint="joint_1", link="link_1", a=0.0, alpha=0.0, d=0.0)
 """A row that takes the place of all rows, where only what holds for each of them counts."""
@@ -54,32 +52,37 @@ _ANY_ROW = DHRow(joint="joint_1", link="link_1", a=0.0, alpha=0.0, d=0.0)
 class RowTable:
     """One file that is being read.
 
+    Args:
+        name: what a manipulator is called where the table does not say it, and the place of the whole table.
+        options: what the table does not say itself.
+        top: its headers, and its statements about all rows.
+        source: its rows.
+        trace: takes what the cells of each manipulator say, where it is wanted: all are read with care then.
+        one: whether the table is one manipulator, whose place is that of the table; it is read with care.
+
     Attributes:
         statements: what the table and the options declare about all rows.
         notices: messages that go with the next manipulator.
+
+    Raises:
+        TableError: statements contradict each other, or mean nothing.
     """
 
     def __init__(
-        self, name: Cell, options: TableOptions, top: Top, source: RowSource, trace: Trace | None = None
+        self,
+        name: Cell,
+        options: TableOptions,
+        top: Top,
+        source: RowSource,
+        trace: Trace | None = None,
+        *,
+        one: bool = False,
     ) -> None:
-        """Takes what is above the rows.
-
-        Args:
-            name: what a manipulator is called where the table does not say it, and the place of the whole table.
-            options: what the table does not say itself.
-            top: its headers, and its statements about all rows.
-            source: its rows.
-            trace: takes what the cells of each manipulator say, where it is wanted: all are read with care then.
-
-        Raises:
-            TableError: statements contradict each other, or mean nothing.
-        """
-        self.whole = name.mark
+        self.whole, self.one = name.mark, one
         self.source = source
         self.columns = columns = source.start(top.columns)
         self.statements = Statements()
         self.notices: list[Problem] = [*top.notices, *columns.notices]
-        self.slides: list[Problem] = []  # what speaks of joints that slide: wrong where no variable is in d
         self.name = self._state(top.statements, options) or name
         self.units = self.statements.units()
         stated = {dimension: unit for dimension, (unit, _) in self.statements.stated.items()}
@@ -87,13 +90,10 @@ class RowTable:
         self.robot_column = self._column("robot")
         self.convention_column = self._column("convention")
         self.trace = trace
-        self.plain_table = self.statements.convention is not None or self.convention_column is not None
-        self.plain_table &= trace is None and options.calibration is None
+        said = self.statements.convention is not None or self.convention_column is not None
+        self.plain_table = said and trace is None and options.calibration is None and not one
         self.has_type = "type" in columns.fields
         self.cells = TableCells(columns, self.units)
-        self.plain_table &= self.cells.steps is None
-        self.remarked = 0
-        self.remarks = Remarks(self.statements, columns, self.whole)
         self.seen = NameSet()
 
     @cached_property
@@ -101,73 +101,48 @@ class RowTable:
         """What reads rows fast; most tables of one manipulator are read with care, and never import it."""
         from dh2urdf_plugins.readers.plain.rows import PlainRows
 
-        return PlainRows(self.columns, self.units, shortest_plain(self.statements), self.remarks.say_nothing)
+        return PlainRows(self.columns, self.units, shortest_plain(self.statements))
 
     def _column(self, name: str) -> int | None:
         return self.columns.fields.index(name) if name in self.columns.fields else None
 
     def _state(self, said: Mapping[str, Node], options: TableOptions) -> Cell | None:
         """Reads what table, headers and options declare about all rows; returns the name in the table."""
-        columns, problems = self.columns, list[Problem]()
+        columns, statements, problems = self.columns, self.statements, list[Problem]()
+        given, add = given_by(options), problems.append
         if units := said.get("units"):
-            self.statements.declare_units(units, problems.append)
+            statements.declare_units(units, add)
         if convention := said.get("convention"):
-            self.statements.declare_convention(Cell(convention.text or "", convention.mark), problems.append)
+            statements.declare_convention(Cell(convention.text or "", convention.mark), add)
         if columns.modified is not None:
             header = Cell(columns.headers[columns.modified], columns.mark)
-            if self.statements.convention is None and options.convention is None:
-                message = f"the header {shown(header.text)} means the modified (Craig) convention"
-                self.notices.append(
-                    Problem(message=message, severity="notice", mark=header.mark, field="convention", found=header.text)
-                )
-            self.statements.declare_implied_convention(Convention.MODIFIED, header, problems.append)
-        self.statements.declare_options(given_by(options), problems.append)
-        problems += unit_problems(columns, self.statements.stated.values())
-        self.statements.columns = columns
+            if statements.convention is None and options.convention is None:
+                self.notices.append(_means_modified(header))
+            statements.declare_implied_convention(Convention.MODIFIED, header, add)
+        statements.declare_options(given, add)
+        problems += unit_problems(columns, statements.stated.values())
+        statements.columns = columns
         for what in ("base", "tool"):
             if node := said.get(what):
-                self.statements.declare_transform(node, what, problems.append)
+                statements.declare_transform(node, what, add)
         if payload := said.get("payload"):
-            self.statements.declare_payload(payload, problems.append)
-        self.statements.declare_option_transforms(given_by(options), problems.append)
+            statements.declare_payload(payload, add)
+        statements.declare_option_transforms(given, add)
+        statements.declare_drawn(said, add)
         if defaults := said.get("defaults"):
-            self.statements.declare_defaults(defaults, problems.append)
+            statements.declare_defaults(defaults, add)
         errors = [problem for problem in problems if problem.severity == "error"]
+        self.notices += (problem for problem in problems if problem.severity == "notice")
         if errors:
-            others = [problem for problem in problems if problem.severity == "notice"]
-            raise TableError(errors, [*self.notices, *others])
-        self.notices += problems
-        return self._said_name(said.get("name"))
+            raise TableError(errors, self.notices)
+        return self._name(said.get("name"))
 
-    def _said_name(self, name: Node | None) -> Cell | None:
+    def _name(self, name: Node | None) -> Cell | None:
+        """The name that the table says."""
         if name and "robot" in self.columns.fields:
             message = f"the name {shown(name.text or '')} has no effect: the column robot names each manipulator"
             self.notices.append(Problem(message=message, severity="notice", mark=name.mark, field="name"))
-        return Cell(name.text or "", name.mark) if name else None
-
-    def judge(self, comments: Iterable[Comment], *, below: bool = False) -> None:
-        """Notes what comments and notes say that the table does not.
-
-        Args:
-            comments: those that say nothing under a key, and notes.
-            below: whether they are below the header.
-
-        Raises:
-            TableError: a comment contradicts the table, or says below the header what holds for all rows.
-        """
-        problems: list[Problem] = []
-        for comment in comments:
-            from dh2urdf_plugins.readers.comments.judged import comment_problems
-
-            problems += comment_problems(comment, self.statements, self.columns, below=below)
-        slides = [] if self.has_type else [problem for problem in problems if problem.field == "type"]
-        self.slides += slides
-        self.plain_table &= not slides
-        errors = [problem for problem in problems if problem.severity == "error"]
-        notices = [problem for problem in problems if problem.severity == "notice" and problem not in slides]
-        if not all(problem in slides for problem in errors):
-            raise TableError(errors, [*self.notices, *notices])
-        self.notices += notices[:SCREENFUL]
+        return Cell("" if name.value is None else name.text or "", name.mark) if name else None
 
     # --- Rows ---------------------------------------------------------------------------------------------------------
 
@@ -176,11 +151,6 @@ class RowTable:
         any_rows = False
         for groups in self._groups():
             any_rows = any_rows or bool(groups)
-            self.notices += self.source.notices[self.remarked :]
-            self.remarked = len(self.source.notices)
-            if self.source.comments:
-                self.judge(self.source.comments, below=True)
-                self.source.comments.clear()
             while groups and (self.notices or not self.plain_table):
                 yield self._careful(groups.pop(0))
             if plain := self._plain(groups):
@@ -246,21 +216,12 @@ class RowTable:
     def _plain(self, groups: list[Rows]) -> ManipulatorGroups | None:
         """Manipulators about which there is nothing to say, read fast; None where there may be something."""
         for rows in groups:
-            name = rows.name
-            if (
-                rows.torn
-                or rows.nameless
-                or rows.count > MAX_JOINTS
-                or not name
-                or len(name) > MAX_NAME
-                or not (name.isascii() and name.isprintable())
-            ):
+            usual = rows.name and len(rows.name) <= MAX_NAME and rows.name.isascii() and rows.name.isprintable()
+            if rows.torn or rows.nameless or rows.count > MAX_JOINTS or not usual:
                 return None
         cells = list(chain.from_iterable(rows.cells for rows in groups))
         sizes = [len(rows.keys) for rows in groups]
-        if not cells or (read := self.plain.read(cells, sizes)) is None:
-            return None
-        if (statements := self._agreed(cells)) is None:
+        if not cells or (read := self.plain.read(cells, sizes)) is None or (statements := self._agreed(cells)) is None:
             return None
         model = statements.manipulator(groups[0].name, (_ANY_ROW,), None)
         names, marks = [rows.name for rows in groups], list(self.source.row_marks(rows.keys[0] for rows in groups))
@@ -317,7 +278,7 @@ class RowTable:
         reader = RowReader(self.units, type_is_given=self.has_type, traced=trace is not None)
         for notice in self.notices:
             reader.add(notice)
-        mark = self._mark(rows.keys[0]) if rows.keys else self.whole
+        mark = self._mark(rows.keys[0]) if rows.keys and not self.one else self.whole
         name = self.name
         if self.robot_column is not None and rows.keys:
             marks = self.source.marks(rows.keys[0], list(map(text_of, rows.cells[0])))
@@ -329,16 +290,7 @@ class RowTable:
             reader.add(_torn(name))
         statements = replace(self.statements)
         read = self._read_rows(rows, statements, reader, table_cells)
-        if self.slides and not any(row and row.type is JointType.PRISMATIC for row in read):
-            errors = [problem for problem in self.slides if problem.severity == "error"]
-            if errors:
-                raise TableError(errors, self.notices)
-            for problem in self.slides:
-                reader.add(problem)
         for problem in table_cells.problems():
-            reader.add(problem)
-        slides = any(row and row.type is JointType.PRISMATIC for row in read)
-        for problem in self.remarks.problems(table_cells, slides=slides, rejected=reader.errors > 0):
             reader.add(problem)
         return manipulator(name, statements, read, reader, mark, trace=trace)
 
@@ -369,6 +321,11 @@ class RowTable:
     def _mark(self, key: Any) -> Mark:  # noqa: ANN401 - a key of the source's own
         (mark,) = self.source.row_marks([key])
         return mark
+
+
+def _means_modified(header: Cell) -> Problem:
+    message = f"the header {shown(header.text)} means the modified (Craig) convention"
+    return Problem(message=message, severity="notice", mark=header.mark, field="convention", found=header.text)
 
 
 def _nameless(robot: Cell, name: str, number: int) -> Problem:

@@ -15,7 +15,6 @@ from dh2urdf.source import Mark, Problem, did_you_mean, listed, shown
 from dh2urdf.stages import Rejected
 from dh2urdf_plugins.readers.comments.top import find_header
 from dh2urdf_plugins.readers.table import read_table
-from dh2urdf_plugins.readers.words.cells import Cell
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -99,8 +98,7 @@ class _Workbook:
     def _read(self, table: SheetRows, name: str) -> Iterator[Manipulator | Rejected]:
         notices = [*self.notices, *_hidden(table), *_comments(table)]
         self.notices = []
-        rows, title = _guarded(table, self.path), table.sheet.title
-        titles = [(title, title), *((text, f"{title}, page header or footer") for text in table.layout.margins)]
+        rows = _guarded(table, self.path)
         for item in read_table(
             rows,
             self.file,
@@ -108,7 +106,6 @@ class _Workbook:
             name=name,
             decimal_comma=True,
             notices=notices,
-            titles=[Cell(text, Mark(file=self.file, place=place)) for text, place in titles],
             trace=self.trace,
         ):
             struck, table.struck = table.struck, []

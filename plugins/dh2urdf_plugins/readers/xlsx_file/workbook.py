@@ -7,7 +7,6 @@ been computed are not among what it gives so, and are read here from the sheet's
 from __future__ import annotations
 
 import posixpath
-import re
 import zipfile
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, NoReturn
@@ -33,8 +32,6 @@ _LONGEST_REFERENCE = 20
 _PROLOG = 2**16
 _STRICT = b"http://purl.oclc.org/ooxml/"
 """What the names of a strict workbook's elements begin with (ISO/IEC 29500-1); openpyxl knows the transitional ones."""
-_MARGIN_CODE = r'&(?:(?P<ampersand>&)|(?P<part>[LCR])|"[^"]*"|K(?:[0-9]{2}[+-][0-9]{3}|[0-9A-Fa-f]{6})|[0-9]+|[A-Za-z])'
-"""What is no text in a header or footer: its parts, fonts, colours, sizes, the page (ECMA-376-1, 18.3.1.46)."""
 _ACCEPTED = "a workbook in the format of Excel 2007 and later (.xlsx)"
 
 
@@ -49,7 +46,6 @@ class SheetLayout:
         uncomputed: by row, the columns of formulas without a value.
         comments: the comments on cells: row, column and text.
         fonts: by row and column, texts of the sheet itself whose parts have fonts of their own.
-        margins: the texts of the headers and footers of its pages, each once.
     """
 
     merged: list[tuple[int, int, int, int]] = field(default_factory=list)
@@ -58,7 +54,6 @@ class SheetLayout:
     uncomputed: dict[int, list[int]] = field(default_factory=dict)
     comments: list[tuple[int, int, str]] = field(default_factory=list)
     fonts: dict[int, dict[int, Any]] = field(default_factory=dict)
-    margins: list[str] = field(default_factory=list)
 
 
 def check_workbook(path: Path) -> None:
@@ -187,7 +182,7 @@ def read_layout(path: Path, part: str) -> SheetLayout:
     """
     layout = SheetLayout()
     with zipfile.ZipFile(path) as archive, archive.open(part) as content:
-        tags = [f"{{*}}{name}" for name in ("row", "col", "mergeCell", "headerFooter")]
+        tags = [f"{{*}}{name}" for name in ("row", "col", "mergeCell")]
         parsed: Any = etree.iterparse(content, events=("end",), tag=tags, resolve_entities=False, no_network=True)
         number = 0
         for _, element in parsed:
@@ -202,17 +197,8 @@ def read_layout(path: Path, part: str) -> SheetLayout:
                     layout.hidden_columns.append((int(element.get("min", "1")), int(element.get("max", "1"))))
                 case "mergeCell":
                     layout.merged.append(_range(element.get("ref", "A1")))
-                case "headerFooter":
-                    texts = [plain for text in element.itertext() for plain in _margin_texts(text)]
-                    layout.margins = list(dict.fromkeys(texts))
     layout.comments = _comments(path, part)
     return layout
-
-
-def _margin_texts(text: str) -> list[str]:
-    """The texts to the left, in the middle and to the right of the header or footer of a page, without their codes."""
-    plain = re.sub(_MARGIN_CODE, lambda code: code["ampersand"] or ("\n" if code["part"] else " "), text)
-    return [" ".join(line.split()) for line in plain.split("\n") if line.strip()]
 
 
 def _comments(path: Path, part: str) -> list[tuple[int, int, str]]:

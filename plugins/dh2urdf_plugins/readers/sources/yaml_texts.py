@@ -12,9 +12,9 @@ from dh2urdf.row_fields import COM, INERTIA
 from dh2urdf.table_text import MESHES, TableText, WrittenTable
 from dh2urdf.table_text.texts import yaml_word
 from dh2urdf_plugins.readers.header.words import read_header
+from dh2urdf_plugins.readers.sources.yaml_forms import with_full_names
 from dh2urdf_plugins.readers.tables.cell_groups import GroupError, split_cell
 from dh2urdf_plugins.readers.words.table_words import statements_of, units_text
-from dh2urdf_plugins.readers.yaml_file.forms import with_full_names
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import re
 from itertools import islice
 from typing import TYPE_CHECKING, NamedTuple
@@ -14,6 +13,7 @@ from dh2urdf_plugins.readers.comments.top import MAX_TITLES, is_header
 from dh2urdf_plugins.readers.header.columns import TURN_ROUND, are_joints
 from dh2urdf_plugins.readers.header.unknown_columns import DIFFERENCES, other_geometry
 from dh2urdf_plugins.readers.header.words import read_header
+from dh2urdf_plugins.readers.sources.texts import DELIMITERS, MAX_HEADER, split
 from dh2urdf_plugins.readers.words.bounds import MAX_TEXT
 from dh2urdf_plugins.readers.words.cells import SPACES
 from dh2urdf_plugins.readers.words.comment_lines import as_typed, is_comment, is_open, is_quoted, without_marker
@@ -21,9 +21,6 @@ from dh2urdf_plugins.readers.words.comment_lines import as_typed, is_comment, is
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Sequence
 
-DELIMITERS = {",": "comma", ";": "semicolon", "\t": "tab"}
-MAX_HEADER = 100_000
-"""Length of the header."""
 _COMMENT_LINES = 1000
 """Lines that a comment, or a header, in quotes may run over."""
 _EMPTY = SPACES + "".join(DELIMITERS) + '"'
@@ -83,7 +80,7 @@ def top_rows(
     likely = max(titles, key=lambda title: _known(title.text))
     found = delimiter or delimiter_of(likely.text)
     if found is None:
-        raise TableError(_no_header(likely.text, likely.number, file, [title.text for title in titles]))
+        raise TableError(_no_header(likely.text, likely.number, file))
     yield from ((above, None) for above in _above(held[: held.index(likely)], file, found))
     yield _cells(likely.text, likely.number, file, found), found
 
@@ -176,13 +173,6 @@ def _open_header(line: str, number: int, file: str) -> Problem:
     )
 
 
-def split(line: str, delimiter: str) -> list[str]:
-    """The cells of one line; a space before a quote is none of the cell."""
-    lines = [f"{part}\n" for part in line.split("\n")]  # of a cell in quotes, perhaps
-    cells = next(csv.reader(lines, delimiter=delimiter, skipinitialspace=True), [])
-    return [cell.strip(SPACES) for cell in cells]
-
-
 def starts_of(line: str, delimiter: str) -> list[int]:
     """The columns, in characters from 1, at which the cells of a line start."""
     starts, quoted = [0], False
@@ -243,40 +233,16 @@ def row_below(lines: Sequence[str], number: int, file: str, delimiter: str) -> t
     return None
 
 
-def _no_header(line: str, number: int, file: str, others: Sequence[str]) -> Problem:
+def _no_header(line: str, number: int, file: str) -> Problem:
     return Problem(
         message=f"this line is no header whose columns are known: {shown(line)}",
         mark=Mark(file=file, line=number),
+        field="columns",
         found=line,
         accepted="a header with at least the columns a, alpha and d, such as `joint,type,a,alpha,d,theta`, with one "
         "delimiter: comma, semicolon or tab",
-        suggestion=_advice(line[:MAX_TEXT]) or next(filter(None, map(_other_form, others[:_FIRST])), None),
+        suggestion=_advice(line[:MAX_TEXT]),
     )
-
-
-_BARS = (
-    "this is a table between bars: take out the lines of dashes and the bars at both ends, and put commas in place of "
-    "the other bars"
-)
-_LATEX = "this is a table of LaTeX: put commas in place of &, and take out \\\\, \\hline and \\begin"
-_ARRAY = (
-    "this is an array of a program: write its rows on lines of their own with commas between the numbers, below a "
-    "header that names the columns, such as `theta,d,a,alpha`: programs differ in their order"
-)
-_WIKI = "this is a table of MediaWiki: put commas in place of || and !!, and take out {|, |-, |} and what begins cells"
-_OTHER_FORMS = (
-    (r"^\s*(?:\{\||!.*!!|\|[-+}])", _WIKI),
-    (r"[─-╿]|^\s*\+[-=]{2}|^\s*\|.*\|\s*$", _BARS),
-    (r"\\\\|\\hline|\\begin\{|[^&]&[^&]*&", _LATEX),
-    (r"^\s*(?:[\w.]+\s*=\s*)?(?:[\w.]+\(\s*)?\[", _ARRAY),
-)
-"""What tables of other programs look like, and what to do about them."""
-_FIRST = 20
-"""Lines that may show it, where a title is above the table."""
-
-
-def _other_form(line: str) -> str | None:
-    return next((advice for pattern, advice in _OTHER_FORMS if re.search(pattern, line[:MAX_TEXT])), None)
 
 
 def _advice(line: str) -> str | None:
@@ -288,8 +254,4 @@ def _advice(line: str) -> str | None:
         return TURN_ROUND
     if any(other_geometry(cell, "column") for delimiter in DELIMITERS for cell in split(line, delimiter)):
         return DIFFERENCES
-    if form := _other_form(line):
-        return form
-    if "  " in line or "|" in line:
-        return "columns aligned with spaces or bars cannot be told apart; put commas between them"
-    return None
+    return "`--columns theta,d,a,alpha` names the columns of numbers without a header, in their order"

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from dh2urdf.documents import decoded, read_bytes, stream_yaml
 from dh2urdf.errors import SCREENFUL, TableError
-from dh2urdf.manipulator import Convention, JointType, Manipulator
+from dh2urdf.manipulator import Convention, Manipulator
 from dh2urdf.row_fields import COM, INERTIA, LIMITS
 from dh2urdf.source import Problem, shown
 from dh2urdf.stages import Rejected
@@ -17,6 +17,7 @@ from dh2urdf_plugins.readers.header.unknown_columns import ignored, meant_key, r
 from dh2urdf_plugins.readers.header.words import bounds_theta, parts_of, read_header
 from dh2urdf_plugins.readers.options import TableOptions, given_by
 from dh2urdf_plugins.readers.rows.rows import RowReader
+from dh2urdf_plugins.readers.sources import yaml_forms as forms
 from dh2urdf_plugins.readers.statements.meshes import MESH_KEYS, Meshes, MeshReader
 from dh2urdf_plugins.readers.statements.shapes import refuse_unknown_keys
 from dh2urdf_plugins.readers.statements.statements import Statements
@@ -25,11 +26,9 @@ from dh2urdf_plugins.readers.tables.tables import manipulator, read_rows
 from dh2urdf_plugins.readers.words.bounds import MAX_JOINTS
 from dh2urdf_plugins.readers.words.cells import Cell
 from dh2urdf_plugins.readers.words.fields import FIELDS, GROUPS
-from dh2urdf_plugins.readers.yaml_file import forms
-from dh2urdf_plugins.readers.yaml_file.comments import CommentLines, judge_comments
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Sequence
+    from collections.abc import Iterator, Sequence
     from pathlib import Path
 
     from dh2urdf.documents import Item, Node
@@ -69,12 +68,10 @@ def read_documents(path: Path, options: TableOptions, trace: Trace | None = None
     count = 0
     previous: Item | None = None
     text = decoded(read_bytes(path, TableError), file, TableError)
-    comments = CommentLines(text)
     for item in stream_yaml(text, file, TableError, items_of="robots", longest_list=MAX_JOINTS):
         if previous is not None:
             count += 1
-            lines = comments.of(_line(previous), _line(item) if _line(item) > _line(previous) else None)
-            yield _Table(previous, f"{path.stem}_{count}", options, lines).manipulator(trace)
+            yield _Table(previous, f"{path.stem}_{count}", options).manipulator(trace)
         previous = item
     if previous is None:
         return
@@ -84,7 +81,7 @@ def read_documents(path: Path, options: TableOptions, trace: Trace | None = None
     if "robots" not in root.value:
         if other := forms.other_reader(root):
             raise TableError(other)
-        yield _Table(previous, path.stem, options, comments.all()).manipulator(trace)
+        yield _Table(previous, path.stem, options).manipulator(trace)
         return
     problems = list(previous.problems)
     refuse_unknown_keys(root, ("robots",), "a file with several manipulators", problems.append)
@@ -95,10 +92,6 @@ def read_documents(path: Path, options: TableOptions, trace: Trace | None = None
         raise TableError(problems)
 
 
-def _line(item: Item) -> int:
-    return item.node.mark.line or 0 if item.node.mark else 0
-
-
 def read_table(item: Item, default_name: str) -> Manipulator | Rejected:
     """The manipulator of a mapping, or everything that is wrong with it."""
     return _Table(item, default_name, TableOptions()).manipulator()
@@ -107,13 +100,9 @@ def read_table(item: Item, default_name: str) -> Manipulator | Rejected:
 class _Table:
     """One manipulator that is being read."""
 
-    def __init__(
-        self, item: Item, default_name: str, options: TableOptions, lines: Iterable[tuple[int, str]] = ()
-    ) -> None:
+    def __init__(self, item: Item, default_name: str, options: TableOptions) -> None:
         self.node = item.node
         self.number: int | None = None  # of the joint that is being read
-        self.typed = True  # as long as no rows without types have been seen
-        self.lines = lines  # of the file, whose comments may be about it
         self.options = options
         self.statements = Statements()
         self.entries = item.node.value if isinstance(item.node.value, dict) else {}
@@ -135,7 +124,6 @@ class _Table:
             self.problems += effort_notice(reader.units, effort.mark)
         if self.ignored:
             self.problems.append(ignored(self.ignored, next(iter(self.ignored.values())), "key"))
-        judge_comments(self.lines, self.node.file, self.statements, typed=self.typed, add=self.problems.append)
         for problem in self.problems:
             reader.add(problem)
         return manipulator(self.name, self.statements, rows, reader, self.node.mark, trace=trace)
@@ -229,13 +217,11 @@ class _Table:
             unused -= {name for name in unused if name in cells and cells[name].mark == common[name].mark}
             found.append((cells, node.mark))
         self.problems += [forms.unused_default(name, common[name]) for name in common if name in unused and found]
-        self.typed = any(cells and "type" in cells for cells, _ in found)
         rows: list[DHRow | None] = []
         for row, node in zip(read_rows(found, reader), joints.value, strict=False):
             entries = node.value if isinstance(node.value, dict) else {}
             meshes = self._meshes(entries, row.joint if row else f"joint_{len(rows) + 1}")
             rows.append(row and replace(row, visual=meshes.visual, collision=meshes.collision))
-        self.typed |= any(row and row.type is JointType.PRISMATIC for row in rows)
         return rows
 
     def _cells(self, node: Node, common: dict[str, Cell], default_name: str) -> dict[str, Cell]:

@@ -14,8 +14,7 @@ from dh2urdf.source import Mark, Problem
 from dh2urdf.table_text import FIELDS, Place, TableText, WrittenTable
 from dh2urdf.table_text.texts import yaml_word
 from dh2urdf_plugins.readers.comments.top import read_top
-from dh2urdf_plugins.readers.csv_file.lines import COMPUTED
-from dh2urdf_plugins.readers.csv_file.rows import CsvRows
+from dh2urdf_plugins.readers.sources.csv_lines import COMPUTED
 from dh2urdf_plugins.readers.tables.cell_groups import GroupError, split_cell
 from dh2urdf_plugins.readers.words.cells import SPACES, text_of
 from dh2urdf_plugins.readers.words.comment_lines import SIGNS
@@ -27,6 +26,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from dh2urdf.quantities import Unit
+    from dh2urdf_plugins.readers.rows.source import RowSource
 
 _QUOTED = frozenset(',;\t"#')
 """Characters that mean something to a reader of CSV where they stand bare."""
@@ -78,13 +78,12 @@ def _written(table: TableText, fields: Sequence[str], rows: Sequence[Mapping[str
     return WrittenTable(content="\n".join([*lines, ""]).encode(), places=tuple(places))
 
 
-def texts(path: Path) -> Iterator[TableText]:
+def texts(source: RowSource, path: Path) -> Iterator[TableText]:
     """The one table of a CSV file; none where it holds several manipulators, or what a table of texts has no place for.
 
     Raises:
         TableError: the file is no table, or its header is wrong.
     """
-    source = CsvRows(path)
     top = read_top(source, Mark(file=str(path)))
     columns = source.start(top.columns)
     fields = [field if field not in ("index", "flip") else None for field in columns.fields]

@@ -8,22 +8,19 @@ from collections import deque
 from itertools import accumulate, chain, islice
 from typing import TYPE_CHECKING, NoReturn
 
-from dh2urdf.errors import SCREENFUL, TableError
+from dh2urdf.errors import TableError
 from dh2urdf.source import Mark, Problem, shown
 from dh2urdf_plugins.readers.comments.declared import comment_below
-from dh2urdf_plugins.readers.csv_file.header import starts_of
+from dh2urdf_plugins.readers.sources.csv_header import starts_of
 from dh2urdf_plugins.readers.statements.text import line_blocks
 from dh2urdf_plugins.readers.words.cells import SPACES
 from dh2urdf_plugins.readers.words.comment_lines import (
     SIGNS,
-    Comment,
     as_typed,
     fills_row,
     is_comment,
     joined,
-    looks_like_row,
     marks_a_comment,
-    sign_of,
 )
 
 if TYPE_CHECKING:
@@ -46,9 +43,7 @@ class CsvLines:
             starts, the lengths of the cells before it do not tell.
         quotes_in_block: whether the latest block has any of them.
         signs_in_block: whether the latest block has a sign that a comment begins with.
-        required: the columns that every row fills: a comment that does so looks like a row, and is worth a notice.
-        notices: of such comments, the first ones.
-        comments: those below the header that nobody has looked at yet.
+        required: the columns that every row fills, unlike a comment that a spreadsheet has put into cells.
         passed: the lines of the comments among the latest rows, which are no empty rows.
     """
 
@@ -61,8 +56,6 @@ class CsvLines:
         self.rest: Iterator[str] = iter(())
         self.signs_in_block = False
         self.required: Sequence[int] = ()
-        self.notices: list[Problem] = []
-        self.comments: list[Comment] = []
         self.passed: set[int] = set()
 
     def __iter__(self) -> Iterator[str]:
@@ -111,19 +104,9 @@ class CsvLines:
         Raises:
             TableError: it says something, which would not hold for the rows above.
         """
-        mark = Mark(file=self.file, line=number)
         self.passed.add(number)
-        self.comments += [comment_below(text, mark) for text in as_typed(line, delimiter)]
-        if len(self.notices) < SCREENFUL and looks_like_row(line, delimiter, self.required):
-            self.notices.append(
-                Problem(
-                    message=f"{shown(line.strip())} is a comment, since it begins with {sign_of(line)}, and no row",
-                    severity="notice",
-                    mark=mark,
-                    found=line,
-                    suggestion="put the first cell in quotes if this is a row",
-                )
-            )
+        for text in as_typed(line, delimiter):
+            comment_below(text, Mark(file=self.file, line=number))
         return True
 
     def _is_quoted_comment(self, cells: Sequence[str]) -> bool:

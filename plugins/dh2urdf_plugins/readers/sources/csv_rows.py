@@ -7,13 +7,12 @@ from typing import TYPE_CHECKING
 
 from dh2urdf.source import Mark, Problem
 from dh2urdf.table_text import REQUIRED, CellRow
-from dh2urdf_plugins.readers.csv_file.header import DELIMITERS, row_below, top_rows
-from dh2urdf_plugins.readers.csv_file.lines import CsvLines
 from dh2urdf_plugins.readers.header.header_rows import completed, headers_in
-from dh2urdf_plugins.readers.tables.cell_rows import BELOW, NOTE_HINT, is_note, other_header, unread_notes
-from dh2urdf_plugins.readers.words.cells import text_of
-from dh2urdf_plugins.readers.words.comment_lines import Comment, joined, marks_a_comment
-from dh2urdf_plugins.readers.words.fields import joint_type
+from dh2urdf_plugins.readers.sources.csv_header import row_below, top_rows
+from dh2urdf_plugins.readers.sources.csv_lines import CsvLines
+from dh2urdf_plugins.readers.sources.texts import DELIMITERS
+from dh2urdf_plugins.readers.tables.cell_rows import is_note, other_header
+from dh2urdf_plugins.readers.words.comment_lines import marks_a_comment
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
@@ -23,9 +22,6 @@ if TYPE_CHECKING:
     from dh2urdf_plugins.readers.header.columns import Columns
     from dh2urdf_plugins.readers.rows.source import Row
 
-_NOTES = 1000
-"""Different texts in columns without a header that are looked at."""
-
 
 class CsvRows:
     """The rows of a CSV file: comment lines of one cell each, the header, and what is below it.
@@ -33,22 +29,17 @@ class CsvRows:
     The key of a row is the number of its line.
 
     Attributes:
-        notices: of comment lines that look like rows, and of notes below the table.
-        comments: those below the header that nobody has looked at yet.
         delimiter: what stands between cells, once the header has been read.
     """
 
     def __init__(self, path: Path) -> None:
         self.lines = CsvLines(path)
-        self.notices = self.lines.notices
-        self.comments = self.lines.comments
         self.delimiter = ","
         self.header: list[str] = []
         self.width = self.needed = 0
-        self.begun = self.ended = False
-        self.below: list[tuple[str, Mark]] = []
-        self.unnamed: list[int] = []
-        self.noted: set[str] = set()
+        self.geometry: list[int] = []
+        self.after_empty = False
+        self.held: list[tuple[int, list[str]]] = []  # notes, as long as no joint follows
 
     def __iter__(self) -> Iterator[CellRow]:
         """The rows down to the header."""
@@ -72,9 +63,8 @@ class CsvRows:
         """Takes the columns of the rows to come."""
         self.header = columns.headers
         self.width = len(columns.headers)
-        self.unnamed = [index for index, header in enumerate(columns.headers) if not header]
         self.needed = max(index for index, header in enumerate(columns.headers) if header) + 1
-        self.lines.required = [columns.fields.index(name) for name in REQUIRED]
+        self.lines.required = self.geometry = [columns.fields.index(name) for name in REQUIRED]
         columns.decimal_comma = self.delimiter != ","
         columns.quoted_commas = self.delimiter == ","
         return columns
@@ -82,41 +72,24 @@ class CsvRows:
     def batches(self) -> Iterator[tuple[Sequence[int], Sequence[Row]]]:
         """The rows that hold anything, and the line at which each starts."""
         for lines, batch in self.lines.records(self.delimiter):
-            for index in self.unnamed:
-                self._look_for_notes(index, lines, batch)
             plain = set(map(len, batch)) == {self.width} and all(map(str.strip, map(itemgetter(0), batch)))
-            if plain and not self.ended:
-                self.begun = True
+            if plain and not self.after_empty and not self.held and not _may_be_note(batch[-1]):
                 yield lines, batch
             else:
-                pairs = [pair for pair in zip(lines, batch, strict=True) if self._is_row(*pair)]
+                pairs = [pair for each in zip(lines, batch, strict=True) for pair in self._joints(*each)]
                 yield [line for line, _ in pairs], [cells for _, cells in pairs]
-        self.notices += unread_notes(BELOW, self.below)
 
-    def _look_for_notes(self, index: int, lines: Sequence[int], batch: Sequence[Row]) -> None:
-        """Takes what a column without a header holds besides numbers, each text once."""
-        for line, cells in zip(lines, batch, strict=True):
-            text = text_of(cells[index]).strip() if index < len(cells) else ""
-            if not text or text.isdecimal() or text in self.noted or len(self.noted) == _NOTES:
-                continue
-            self.noted.add(text)
-            if joint_type(text) is None:  # a type concerns its joint alone
-                self.comments.append(Comment.note(text, Mark(file=self.lines.file, line=line)))
-
-    def _is_row(self, line: int, cells: Sequence[str]) -> bool:
-        """Whether cells are a row: they hold something, and are no note behind an empty row."""
+    def _joints(self, line: int, cells: list[str]) -> list[tuple[int, list[str]]]:
+        """What a line adds to the rows: itself with notes that a joint follows after all, or nothing."""
         if not any(map(str.strip, cells)):
-            self.ended = self.ended or (self.begun and line not in self.lines.passed)
-            return False
-        mark = Mark(file=self.lines.file, line=line)
-        if self.ended and is_note(CellRow(cells, mark), self.lines.required, self.needed):
-            text = joined([cell for cell in cells if cell.strip()]).strip()
-            self.below.append((text, mark))
-            self.comments.append(Comment.note(text, mark))
-            return False
-        self.comments += [Comment.note(cell, mark) for cell in cells[self.width :] if marks_a_comment(cell)]
-        self.begun = True
-        return True
+            self.after_empty = self.after_empty or line not in self.lines.passed
+            return []
+        row = CellRow(cells, Mark(file=self.lines.file, line=line))
+        if is_note(row, self.geometry, self.needed, after_empty=self.after_empty):
+            self.held.append((line, cells))
+            return []
+        joints, self.held, self.after_empty = [*self.held, (line, cells)], [], False
+        return joints
 
     def row_places(self, keys: Iterable[int]) -> Iterable[PlaceInFile]:
         """The lines of rows."""
@@ -134,13 +107,13 @@ class CsvRows:
     def row_problems(self, key: int, texts: Sequence[str], number: int) -> Iterator[Problem]:
         """What is wrong with a row that is another header, or has other cells than the header has columns."""
         row = CellRow(texts, Mark(file=self.lines.file, line=key))
-        if headers_in(row) != self.header and (problem := other_header(row, number, "in a file")):
+        if headers_in(row) != self.header and (problem := other_header(row, number)):
             yield problem
             return
         more = next((text for text in texts[self.width :] if text.strip()), None)
         if len(texts) >= self.needed and (more is None or marks_a_comment(more)):
             return
-        suggestion = NOTE_HINT if is_note(row, self.lines.required, self.needed) else None
+        suggestion = "if this is a note, put an empty row before it, or a # at its beginning"
         if self.delimiter == "," and len(texts) > self.width:
             suggestion = "is there a decimal comma in it, or a comma in a text without quotes?"
         yield Problem(
@@ -150,3 +123,8 @@ class CsvRows:
             accepted=f"one cell for each column, with a {DELIMITERS[self.delimiter]} between them",
             suggestion=suggestion,
         )
+
+
+def _may_be_note(cells: Sequence[str]) -> bool:
+    """Whether a line below the last joint may be a note with as many commas as a joint has."""
+    return cells[0][:1].isalpha() and " " in cells[0]

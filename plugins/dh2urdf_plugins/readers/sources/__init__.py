@@ -1,0 +1,1 @@
+"""What tables come in: files and texts of many forms, each as rows of cells with their places."""

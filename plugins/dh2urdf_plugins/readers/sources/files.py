@@ -1,0 +1,147 @@
+"""The one way into tables that are texts: what a file is, by its suffix or by its first lines, and who reads it."""
+
+from __future__ import annotations
+
+import csv
+import io
+import re
+from contextlib import suppress
+from itertools import chain, islice
+from typing import TYPE_CHECKING
+
+from dh2urdf.columns import ManipulatorGroups
+from dh2urdf.documents import decoded, read_bytes
+from dh2urdf.errors import TableError
+from dh2urdf.source import Mark
+from dh2urdf.table_text import CellRow
+from dh2urdf_plugins.readers.sources.texts import (
+    TextTable,
+    all_tables,
+    chosen,
+    delimiter_of,
+    form_of,
+    grammar_rows,
+    split,
+    tables_of,
+    two_headers,
+)
+from dh2urdf_plugins.readers.statements.text import line_blocks
+from dh2urdf_plugins.readers.tables.cell_rows import CellRows
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+    from pathlib import Path
+
+    from dh2urdf.manipulator import Manipulator
+    from dh2urdf.stages import Rejected
+    from dh2urdf.table_text import TableText, Trace
+    from dh2urdf_plugins.readers.options import TableOptions
+
+FORMS = {".md": "markdown", ".tex": "latex"}
+"""The forms that a suffix says; of other files the first lines say it."""
+_LONGEST = 2**24
+"""Bytes of a text that is no CSV [B]."""
+
+
+def read_file(path: Path, options: TableOptions, trace: Trace | None = None) -> Iterator[Manipulator | Rejected]:
+    """The manipulators of a text of any form; see `read` of the stage ``csv``."""
+    for item in read_file_columns(path, options, trace):
+        if isinstance(item, ManipulatorGroups):
+            yield from item.tables()
+        else:
+            yield item
+
+
+def read_file_columns(
+    path: Path, options: TableOptions, trace: Trace | None = None
+) -> Iterator[Manipulator | ManipulatorGroups | Rejected]:
+    """The same, most of the manipulators of a CSV file in columns."""
+    from dh2urdf_plugins.readers.table import read_table_columns
+
+    form, lines = _form_of(path)
+    if form == "yaml":
+        from dh2urdf_plugins.readers.sources.yaml_reading import read_documents
+
+        yield from read_documents(path, options, trace)
+        return
+    if form == "csv" and not options.columns:
+        from dh2urdf_plugins.readers.sources.csv_rows import CsvRows
+
+        yield from read_table_columns(CsvRows(path), str(path), options, name=path.stem, trace=trace)
+        return
+    file = str(path)
+    if form == "csv" and any(map(delimiter_of, lines)):
+        raise TableError(two_headers(Mark(file=file)))
+    rows = _rows_of(path, form, options, file)
+    yield from read_table_columns(rows, file, options, name=path.stem, decimal_comma=True, trace=trace)
+
+
+def _form_of(path: Path) -> tuple[str, list[str]]:
+    """The form of a file, and its first lines."""
+    lines = list(chain.from_iterable(islice(line_blocks(path), 2)))
+    return FORMS.get(path.suffix.lower()) or form_of(lines), lines
+
+
+def _rows_of(path: Path, form: str, options: TableOptions, file: str) -> list[CellRow]:
+    """The rows of the one table of a text, from what is around it on."""
+    text = decoded(read_bytes(path, TableError, limit=_LONGEST), file, TableError)
+    tables = [_delimited(text, file)] if form == "csv" else tables_of(text, file, form)
+    return list(grammar_rows(chosen(tables, options.table, file), options.column_names, file))
+
+
+def _delimited(text: str, file: str) -> TextTable:
+    """CSV without a header."""
+    marked = [(Mark(file=file, line=at), line) for at, line in enumerate(text.split("\n"), start=1) if line.strip()]
+    lines = [(mark, line) for mark, line in marked if not line.lstrip().startswith("#")]
+    sign = next((sign for sign in ("\t", ";", ",") if lines and sign in lines[0][1]), ",")
+    around = [CellRow([line], mark) for mark, line in marked if line.lstrip().startswith("#")]
+    return TextTable([CellRow(split(line, sign), mark) for mark, line in lines], around)
+
+
+_COMMA = re.compile(r"([-+−–]?\d+),(\d+)")
+_GROUPS = re.compile(r"[-+−–]?[1-9]\d{0,2}(?:,\d{3})+")
+"""A number whose commas may separate thousands: the reader asks which."""
+
+
+def cells_of(text: str) -> list[list[str]]:
+    """The cells of a text of any form, row by row, without what is around them; one line is one cell at least.
+
+    Decimal commas become points where they can be nothing else.
+    """
+    text = text.replace("\r\n", "\n").replace("\r", "\n").rstrip("\n")
+    lines = text.split("\n")
+    form = form_of(lines)
+    rows: list[list[str]] = []
+    if form not in ("csv", "yaml"):
+        with suppress(TableError):  # A program changes the numbers: they are no cells.
+            found = tables_of(text, "", form) if form == "blanks" else all_tables(text, "", form)
+            rows = [[str(cell) for cell in row.cells] for row in found[0].rows] if len(found) == 1 else []
+    if not rows:
+        sign = next((sign for sign in "\t;," if any(sign in line for line in lines)), None)
+        commas = {line.count(",") for line in lines}
+        if sign == "," and (len(commas) > 1 or all(_COMMA.fullmatch(line.strip()) for line in lines)):
+            sign = None
+        cut = csv.reader(io.StringIO(text), delimiter=sign or "\0", skipinitialspace=True)
+        rows = [[" ".join(cell.split()) for cell in row] for row in cut if row] or [[""]]
+    with_commas = {cell for row in rows for cell in row if _COMMA.fullmatch(cell)}
+    if all(map(_GROUPS.fullmatch, with_commas)) or any(re.search(r"\d\.\d", cell) for row in rows for cell in row):
+        return rows
+    return [[_COMMA.sub(r"\1.\2", cell) if cell in with_commas else cell for cell in row] for row in rows]
+
+
+def typed_texts(path: Path) -> Iterator[TableText]:
+    """The tables of a file as their authors typed them; see `WritesTables.texts`."""
+    from dh2urdf_plugins.readers.options import TableOptions
+    from dh2urdf_plugins.readers.sources.csv_texts import texts
+
+    file, form = str(path), _form_of(path)[0]
+    if form == "yaml":
+        from dh2urdf_plugins.readers.sources import yaml_texts as in_yaml
+
+        yield from in_yaml.texts(path)
+    elif form == "csv":
+        from dh2urdf_plugins.readers.sources.csv_rows import CsvRows
+
+        yield from texts(CsvRows(path), path)
+    else:
+        yield from texts(CellRows(_rows_of(path, form, TableOptions(), file), decimal_comma=True), path)

@@ -1,0 +1,426 @@
+r"""Tables in texts that are no CSV: Markdown, LaTeX, columns of blanks, and numbers in brackets as programs have them.
+
+Each becomes rows of cells. What stands around a table becomes comments above it, where the grammar of tables looks for
+the convention and the units.
+"""
+
+from __future__ import annotations
+
+import csv
+import re
+from itertools import groupby
+from typing import TYPE_CHECKING, NamedTuple
+
+from dh2urdf.errors import TableError
+from dh2urdf.quantities import is_unit
+from dh2urdf.source import Mark, Problem
+from dh2urdf.table_text import STATEMENTS, CellRow
+from dh2urdf_plugins.readers.comments.top import is_header
+from dh2urdf_plugins.readers.header.words import read_header
+from dh2urdf_plugins.readers.sources.typesetting import plain_text
+from dh2urdf_plugins.readers.words.bounds import MAX_TEXT
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+
+DELIMITERS = {",": "comma", ";": "semicolon", "\t": "tab"}
+MAX_HEADER = 100_000
+"""Characters of a header, or of a line that is cut into cells one by one."""
+_LOOKED_AT = 1000
+"""Lines that show the form of a text."""
+_FEWEST = 3
+"""Numbers in a row of a table."""
+_MARKERS = ("#", "%", "//")
+_BARS = str.maketrans("│┃║─━═", "|||---") | dict.fromkeys(map(ord, "┌┬┐├┼┤└┴┘╔╦╗╠╬╣╚╩╝"), "+")
+_BAR_RULE = r"[\s|+:=-]+"
+"""A line below the header of a table of Markdown, or between its rows."""
+_KEY = r"\s*(?:- +|\? +)?[\"']?[^\W\d][\w .()-]{0,40}[\"']?\s*:(?:\s|$)|\s*-(?:\s|$)|\s*[\]}{]"
+"""A line of YAML."""
+_ENVIRONMENT = r"\\begin\{(tabular[*xy]?|longtable|tblr|array|[bpvBV]?matrix)\}"
+_COMMAND = r"\\(?:begin|end|label|vspace|small|centering|caption)\b(?:\[[^\]]*\])?(?:\{\w*[:\w]*\})?"
+_RULE = r"\\(?:(?:top|mid|bottom)rule|hline|c(?:mid)?(?:rule|line)(?:\([^)]*\))?\{[^}]*\})|(?<!\\)%.*"
+_GROUP = r"\[([^\[\]{}]*)\]|\{([^\[\]{}]*)\}"
+_CHANGED = (
+    r"[\]}]\s*\)?\s*(?:\.\s*(?:T\b|\w+\()|'(?=\s*(?:;|$))|[*/+-])|(?:deg2rad|radians|transpose|rad2deg)\(\s*[\[(]"
+)
+"""What a program does to the numbers of an array."""
+_ARGUMENTS = {"tabular*": 2, "tabularx": 2, "tabulary": 2} | dict.fromkeys(
+    ("matrix", *map("{}matrix".format, "bpvBV")), 0
+)
+"""Arguments in braces behind an environment's beginning."""
+_POSE = r"\W*(base|tool)\W*:\W*?(\{.*\})\W*"
+_MIXED = r"\s*\[[^\[\],]+,[^\[\],]+\]"
+_CONVENTION = r"(?i)\b(standard|modified) (?:convention|dh parameters)\b"
+_NUMBER = r"[-+−–]?\s*(?:[0-9.]|\\?pi\b|π|np\.|math\.|M_PI|sqrt|[a-zA-Zθα]{1,5}_?\{?[0-9])"
+
+
+class TextTable(NamedTuple):
+    """A table of a text.
+
+    Attributes:
+        rows: its rows, from the top.
+        around: the lines around it.
+    """
+
+    rows: list[CellRow]
+    around: list[CellRow]
+
+
+# --- The form of a text -----------------------------------------------------------------------------------------------
+
+
+def form_of(lines: Sequence[str]) -> str:  # noqa: PLR0911 - one for each form
+    """What a text is: ``csv``, ``markdown``, ``latex``, ``yaml`` (which JSON is too), ``listing`` or ``blanks``.
+
+    Args:
+        lines: its first lines.
+    """
+    some = [line[:MAX_HEADER].translate(_BARS) for line in lines[:_LOOKED_AT] if line.strip()]
+    plain = [line for line in some if not line.lstrip().startswith(_MARKERS)]
+    text = "\n".join(plain)
+    if "\\begin{" in text or ("\\\\" in text and "&" in text):
+        return "latex"
+    if any(line.count("|") > 1 and "-" in line and re.fullmatch(_BAR_RULE, line) for line in plain):
+        return "markdown"
+    start = text.lstrip()[:80]
+    if re.match(r"---(\s|$)|\{\s*[\"'\w]|\[\s*\{\s*[\"'A-Za-z_]", start):
+        return "yaml"
+    if any(map(delimiter_of, plain)) or any(line.count('"') % 2 for line in plain):
+        return "csv"
+    if 2 * sum(map(bool, map(re.compile(_KEY).match, plain))) > len(plain):
+        return "yaml"
+    if len(plain) > 1 and all(line.count("|") > 1 for line in plain):
+        return "markdown"
+    if (
+        re.search(r"[\[{(]", text)
+        and re.search(r"[\[{(]\s*[\[{(]?\s*" + _NUMBER, text)
+        and not _has_spaced_header(plain)
+    ):
+        return "listing"
+    return "csv" if not plain or _has_delimiters(plain) else "blanks"
+
+
+def delimiter_of(line: str) -> str | None:
+    """The delimiter that makes a header of a line; None where none does."""
+    if len(line) > MAX_HEADER:
+        return None
+    found = [sign for sign in DELIMITERS if sign in line and is_header(CellRow(split(line, sign), Mark(file="")))]
+    return max(found, key=lambda sign: len(_fields(split(line, sign))), default=None)
+
+
+def split(line: str, delimiter: str) -> list[str]:
+    """The cells of one line; a space before a quote is none of the cell."""
+    lines = [f"{part}\n" for part in line.split("\n")]  # of a cell in quotes, perhaps
+    return [cell.strip() for cell in next(csv.reader(lines, delimiter=delimiter, skipinitialspace=True), [])]
+
+
+def _fields(cells: Sequence[str]) -> set[str]:
+    return {header.field.name for header in map(read_header, cells) if header.field}
+
+
+def _has_spaced_header(lines: Sequence[str]) -> bool:
+    return any(is_header(CellRow(_spaced(line, single=False), Mark(file=""))) for line in lines if "  " in line)
+
+
+def _has_delimiters(lines: Sequence[str]) -> bool:
+    """Whether lines have tabs or semicolons, or as many commas each."""
+    return any(sign in line for line in lines for sign in "\t;") or (
+        "," in lines[0] and len({line.count(",") for line in lines}) == 1
+    )
+
+
+# --- The tables of a text ---------------------------------------------------------------------------------------------
+
+
+def tables_of(text: str, file: str, form: str) -> list[TextTable]:
+    """The tables of a text that has parameters in them: those with a header, where any has one."""
+    found = all_tables(text, file, form)
+    return [table for table in found if any(map(is_header, table.rows))] or list(filter(_has_numbers, found))
+
+
+def all_tables(text: str, file: str, form: str) -> list[TextTable]:
+    """The tables of a text of some form, but ``csv`` and ``yaml``."""
+    lines = text.split("\n")
+    match form:
+        case "latex":
+            found = list(_latex(text, file))
+        case "markdown":
+            found = list(_markdown(lines, file))
+        case "listing":
+            found = list(_listing(text, file))
+        case _:
+            found = [_blanks(lines, file)]
+    return [table for table in found if table.rows]
+
+
+def _has_numbers(table: TextTable) -> bool:
+    """Whether each row of a table without a header has some numbers."""
+    counts = [sum(re.match(_NUMBER, str(cell)) is not None for cell in row.cells) for row in table.rows]
+    return min(counts, default=0) >= _FEWEST
+
+
+def chosen(tables: Sequence[TextTable], number: int | None, file: str) -> TextTable:
+    """The table that is meant.
+
+    Raises:
+        TableError: there is none, or which of several is not said.
+    """
+    if number is not None and 0 < number <= len(tables):
+        return tables[number - 1]
+    if len(tables) == 1 and number is None:
+        return tables[0]
+    places = ", ".join(f"{at} in line {table.rows[0].mark.line}" for at, table in enumerate(tables, start=1))
+    raise TableError(
+        Problem(
+            message=f"the text has {len(tables)} tables of parameters: {places}" if tables else "the text has no table",
+            mark=Mark(file=file),
+            field="table" if tables else "columns",
+            found=None if number is None else str(number),
+            accepted=f"`--table N`, from 1 to {len(tables)}"
+            if tables
+            else "a header of at least a, alpha and d, and one row for each joint",
+        )
+    )
+
+
+def grammar_rows(table: TextTable, columns: Sequence[str] | None, file: str) -> Iterator[CellRow]:
+    """The rows of a table as the grammar takes them: what is around it, a header, and its rows."""
+    head = next((row for row in table.rows if is_header(row)), None)
+    rows = table.rows[table.rows.index(head) :] if head else table.rows
+    above = [*table.around, *(table.rows[: table.rows.index(head)] if head else [])]
+    yield from (row for row in above if not _is_pose(row))
+    said = {word.lower() for row in table.around for word in re.findall(_CONVENTION, str(row.cells[0]))}
+    if len(said) == 1:
+        yield CellRow([f"# convention: {said.pop()}"], above[0].mark)
+    if head is None:
+        yield named_columns(rows, columns, file)
+        yield from rows
+        return
+    if columns:
+        raise TableError(two_headers(head.mark))
+    texts = [re.sub(_MIXED, "", str(cell)) for cell in head.cells]  # bounds in both units have those of the others
+    poses = list(filter(_is_pose, table.around))
+    if poses or texts != list(head.cells):
+        yield from _units(texts, head.mark)
+    for row in poses:
+        match = re.fullmatch(_POSE, str(row.cells[0]), re.IGNORECASE)
+        yield CellRow([f"# {match[1].lower()}: {match[2]}" if match else None], row.mark)
+    first = _numbers_some(head, rows[1:])
+    yield CellRow(texts[first:], head.mark, (head.marks or [])[first:])
+    for row in rows[1:]:
+        yield row if not first else CellRow(row.cells[first:], row.mark, (row.marks or [])[first:])
+
+
+def named_columns(rows: Sequence[CellRow], columns: Sequence[str] | None, file: str) -> CellRow:
+    """The header of rows without one.
+
+    Raises:
+        TableError: nothing says what the columns are, or there are more or fewer of them.
+    """
+    width = max((len(row.cells) for row in rows), default=0)
+    mark = rows[0].mark if rows else Mark(file=file)
+    if columns and (not rows or width == len(columns)):
+        return CellRow(list(columns), mark, [mark] * len(columns))
+    said = f", and --columns names {len(columns)}" if columns else ", and their order is never guessed"
+    raise TableError(
+        Problem(
+            message=f"the {width} columns have no names{said}",
+            mark=mark,
+            field="columns",
+            accepted="a header, or `--columns` with the names in their order, such as `--columns theta,d,a,alpha`",
+        )
+    )
+
+
+def two_headers(mark: Mark) -> Problem:
+    """What is wrong with a table that names its columns where an option does, too."""
+    return Problem(
+        message="the table names its columns itself",
+        mark=mark,
+        field="columns",
+        accepted="no `--columns`, or a table without a header",
+    )
+
+
+def _is_pose(row: CellRow) -> bool:
+    return re.fullmatch(_POSE, str(row.cells[0]), re.IGNORECASE) is not None
+
+
+def _units(headers: Sequence[str], mark: Mark) -> Iterator[CellRow]:
+    """The units of a header as those of the whole table, which poses and bounds have too."""
+    found = dict.fromkeys(header.unit for header in map(read_header, headers) if header.unit and is_unit(header.unit))
+    if found:
+        yield CellRow([f"# units: [{', '.join(found)}]"], mark)
+
+
+def _numbers_some(head: CellRow, rows: Sequence[CellRow]) -> bool:
+    """Whether the first column numbers the joints that move, and no others."""
+    field = read_header(str(head.cells[0])).field
+    numbers = [bool(row.cells and row.cells[0]) for row in rows]
+    return field is not None and field.name == "index" and not all(numbers)
+
+
+def _comment(line: str, mark: Mark) -> list[CellRow]:
+    """A line around a table as a comment; none where it holds nothing."""
+    text = " ".join(line.strip().lstrip("#%/ ").split())
+    if len(text) > MAX_TEXT:
+        return []
+    if pose := re.fullmatch(_POSE, text.replace("`", "").replace("\\", ""), re.IGNORECASE):
+        return [CellRow([f"{pose[1]}: {pose[2]}"], mark)]
+    text = text if _is_statement(text) else plain_text(text)
+    return [CellRow([f"# {text}"], mark)] if any(map(str.isalnum, text)) else []
+
+
+def _is_statement(text: str) -> bool:
+    """Whether a line declares something under a key, as YAML."""
+    return text.partition(":")[0].strip().casefold() in STATEMENTS
+
+
+def _row(cells: Sequence[str], mark: Mark) -> CellRow:
+    return CellRow([plain_text(cell.strip()) for cell in cells], mark)
+
+
+# --- Forms ------------------------------------------------------------------------------------------------------------
+
+
+def _markdown(lines: Sequence[str], file: str) -> Iterator[TextTable]:
+    """Tables between bars; what is around them holds for each."""
+    marked = [(Mark(file=file, line=at), line.translate(_BARS).strip()) for at, line in enumerate(lines, start=1)]
+    around = [row for mark, line in marked if "|" not in line and line.strip("-=+ ") for row in _comment(line, mark)]
+    for barred, block in groupby(marked, key=lambda each: "|" in each[1]):
+        cut = [
+            (mark, re.split(r"(?<!\\)\|", line.removeprefix("|").removesuffix("|")))
+            for mark, line in (block if barred else ())
+            if not re.fullmatch(_BAR_RULE, line)
+        ]
+        rows = [_row([cell.replace("\\|", "|") for cell in cells], mark) for mark, cells in cut]
+        yield TextTable(rows, around)
+
+
+def _latex(text: str, file: str) -> Iterator[TextTable]:
+    """Environments of LaTeX, or rows alone; what is around them holds for each."""
+    bodies: list[tuple[int, str]] = []
+    outside: list[str] = []
+    end, line, unclosed = 0, 1, set[str]()
+    for found in re.finditer(_ENVIRONMENT, text):
+        name = found[1]
+        close = -1 if name in unclosed or found.start() < end else text.find(f"\\end{{{name}}}", found.end())
+        if close < 0:
+            unclosed |= {name} if found.start() >= end else set()
+            continue
+        line += text.count("\n", end, found.end())
+        outside.append(text[end : found.start()])
+        bodies.append((line, _without_columns(text[found.end() : close], _ARGUMENTS.get(name, 1))))
+        line, end = line + text.count("\n", found.end(), close), close + len(f"\\end{{{name}}}")
+    around = _around_latex("\n".join([*outside, text[end:]]), file) if bodies else []
+    if not bodies:
+        lines = [(at, each) for at, each in enumerate(text.split("\n"), start=1) if each.lstrip().startswith("#")]
+        around = [row for at, each in lines for row in _comment(each, Mark(file=file, line=at))]
+        text = "\n".join("" if each.lstrip().startswith("#") else each for each in text.split("\n"))
+    for start, body in bodies or [(1, text)]:
+        rows, line = [], start
+        for part in re.split(r"\\\\(?: *\[[^\]\n]*\])?|\\tabularnewline", re.sub(_RULE, "", body)):
+            begin = line + part[: len(part) - len(part.lstrip())].count("\n")
+            line += part.count("\n")
+            if part.strip():
+                rows.append(_row(re.split(r"(?<!\\)&", part), Mark(file=file, line=begin)))
+        yield TextTable(rows, around)
+
+
+def _without_columns(body: str, arguments: int) -> str:
+    """The body of a table without the arguments at its beginning, which say how its columns look."""
+    at = depth = 0
+    for at, letter in enumerate(body):
+        if depth == 0 and (letter not in "{[ " or (letter == "{" and not arguments)):
+            return body[at:]
+        arguments -= depth == 0 and letter == "{"
+        depth += (letter in "{[") - (letter in "}]")
+    return body[at:]
+
+
+def _around_latex(text: str, file: str) -> list[CellRow]:
+    """The sentences around a table."""
+    plain = re.sub(r"\\(?:texttt|emph|text\w*)\{((?:[^{}\\]|\\.)*)\}", r"\1", re.sub(_COMMAND, "", text))
+    plain = re.sub(r"\\([&%$#_{}])", r"\1", re.sub(r"(?m)(?<!\\)%.*$", "", plain))
+    return [row for line in plain.replace("--", "-").split("\n") for row in _comment(line, Mark(file=file))]
+
+
+def _listing(text: str, file: str) -> Iterator[TextTable]:
+    """Numbers in brackets, as programs have them: a pair of brackets is a row, or has rows between ``;``."""
+    lines = text.split("\n")
+    comments = [(at, line) for at, line in enumerate(lines, start=1) if line.lstrip().startswith(_MARKERS)]
+    around = [row for at, line in comments for row in _comment(line, Mark(file=file, line=at))]
+    code = "\n".join(re.sub(r"(?:#|//|%).*", "", line) for line in lines)
+    _refuse_changed(code, file)
+    tables: list[list[CellRow]] = []
+    end, line = 0, 1
+    for group in re.finditer(_GROUP, code):
+        between, inner = code[end : group.start()], group[1] or group[2] or ""
+        line, end = line + between.count("\n"), group.end()
+        if inner.lstrip().startswith("("):  # a list of tuples
+            parts = re.findall(r"\(([^()]*)\)", inner)
+        else:
+            parts = re.split(r"[;\n]", inner.replace("...", "")) if ";" in inner or "," not in inner else [inner]
+        cut = [[cell.strip("'\" ") for cell in _items(part)] for part in parts if part.strip(" \t,")]
+        rows = [_row(cells, Mark(file=file, line=line)) for cells in cut if len(cells) > 1]
+        line += inner.count("\n")
+        if rows:
+            goes_on = tables and len(tables[-1][0].cells) == len(rows[0].cells)
+            if not goes_on or ("=" in between and len(tables[-1]) > 1):
+                tables.append([])
+            tables[-1] += rows
+    for rows in tables:
+        header = next((head for _, line in comments if (head := _names(line, len(rows[0].cells), file))), None)
+        yield TextTable([header, *rows] if header else rows, around)
+
+
+def _refuse_changed(code: str, file: str) -> None:
+    """Refuses an array whose numbers a program changes behind the brackets, or before them.
+
+    Raises:
+        TableError: it does.
+    """
+    if found := re.search(_CHANGED, code):
+        raise TableError(
+            Problem(
+                message="the numbers are changed where they are made, and no program is run here",
+                mark=Mark(file=file, line=code.count("\n", 0, found.start()) + 1),
+                found=found[0].strip(),
+                accepted="numbers in brackets as they hold; `--angle-unit deg` says that angles are in degrees",
+            )
+        )
+
+
+def _names(comment: str, width: int, file: str) -> CellRow | None:
+    """A comment that names the columns of a table of numbers: ``# theta, d, a, alpha``."""
+    text = comment.strip().lstrip("#%/ ").strip("[]() ")
+    for cells in (re.split(r"\s*[,;|&]\s*", text), text.split()):
+        row = _row(cells, Mark(file=file))
+        if len(cells) == width and is_header(row) and all(read_header(str(cell)).field for cell in row.cells):
+            return row
+    return None
+
+
+def _items(text: str) -> list[str]:
+    """The items of a row: by commas, or by blanks where there are none."""
+    return text.strip().strip(",").split("," if "," in text else None)
+
+
+def _blanks(lines: Sequence[str], file: str) -> TextTable:
+    """Columns of blanks: two or more between cells, or one where no cell has one in it."""
+    marked = [(Mark(file=file, line=at), line.strip()) for at, line in enumerate(lines, start=1) if line.strip()]
+    table: list[CellRow] = []
+    for single in (False, True):
+        rows = [_row(_spaced(line, single=single), mark) for mark, line in marked if not line.startswith(_MARKERS)]
+        widths = [len(row.cells) for row in rows]
+        width = max(set(widths), key=lambda width: (widths.count(width), width), default=0)
+        found = [row for row in rows if len(row.cells) == width or (len(row.cells) == width - 1 and is_header(row))]
+        if width > 1 and (any(map(is_header, found)) or not table):
+            table = [row if len(row.cells) == width else CellRow(["", *row.cells], row.mark) for row in found]
+    kept = {row.mark.line for row in table}
+    return TextTable(table, [row for mark, line in marked if mark.line not in kept for row in _comment(line, mark)])
+
+
+def _spaced(line: str, *, single: bool) -> list[str]:
+    """The cells of a line with blanks between them."""
+    return line.split() if single else [cell for cell in re.split(r" {2,}|\t", line.strip()) if cell]

@@ -218,21 +218,6 @@ def page(sheet: Worksheet, place: str, text: str) -> None:
     getattr(getattr(sheet, part), side).text = text
 
 
-def test_the_codes_of_a_header_of_a_page_say_nothing(sheet: Worksheet) -> None:
-    """Page, date, file and sheet; the sides are texts of their own, and `&&` is an ampersand."""
-    sheet.oddHeader.left.text = "&A, page &P of &N"
-    sheet.oddHeader.right.text = "a, d &D &T"
-    sheet.oddFooter.center.text = "&F"
-    fill(sheet, HEADER, FIRST, SECOND)
-    assert not read_one().notices
-    sheet.oddFooter.center.text = "R&&D in"
-    sheet.oddFooter.right.text = "cm"
-    save(sheet)
-    xlsx_file.check_workbook(Path("arm.xlsx"))
-    (part,) = xlsx_file.sheet_parts(Path("arm.xlsx")).values()
-    assert xlsx_file.read_layout(Path("arm.xlsx"), part).margins == [", page of", "a, d", "R&D in", "cm"]
-
-
 @pytest.mark.parametrize("is_empty", [True, False])
 def test_a_sheet_that_is_a_chart_is_passed_over(sheet: Worksheet, is_empty: bool) -> None:  # noqa: FBT001 - a parameter of the test
     """One without a chart was an error of Python: 'list' object has no attribute 'find'."""

@@ -156,24 +156,6 @@ def test_any_text_is_read_or_refused(content: str | bytes) -> None:
 # --- Keys -------------------------------------------------------------------------------------------------------------
 
 
-def test_all_duplicate_keys_are_named_with_both_places() -> None:
-    """Two equal keys are an error at the second that tells where the first stands; every pair is reported."""
-    text = refusal("a: 1\nb: {c: 1, c: 2}\na: 3\n")
-    assert "f.yaml:2:11: error: the key 'c' stands here and in line 2, column 5" in text
-    assert "f.yaml:3:1: error: the key 'a' stands here and in line 1, column 1" in text
-
-
-def test_a_key_is_the_same_key_in_quotes() -> None:
-    """`1` and `"1"` are one key: keys are texts."""
-    assert "stands here and in" in refusal("1: a\n'1': b\n")
-    assert plain("{1: a, true: b, 007: c}") == {"1": "a", "true": "b", "007": "c"}
-
-
-def test_a_mapping_as_a_key_is_refused() -> None:
-    """Keys are names."""
-    assert "stands as a key" in refusal("? [a, b]\n: 1\n")
-
-
 # --- Aliases ----------------------------------------------------------------------------------------------------------
 
 
@@ -222,37 +204,7 @@ def test_long_files_may_use_more_aliases() -> None:
     assert len(node.value) == entries + 1
 
 
-@pytest.mark.parametrize("text", ["x: &a [*a]", "x: &a {b: *a}", "x: &a {<<: *a}", "&a [[[*a]]]"])
-def test_an_alias_inside_its_own_value_is_refused(text: str) -> None:
-    """A value cannot hold itself."""
-    assert "inside the value that it stands for" in refusal(text)
-
-
-def test_an_unknown_alias_names_the_nearest_anchor() -> None:
-    """A misspelt alias gets a suggestion."""
-    text = refusal("d: &defaults {}\na: *default\n")
-    assert "f.yaml:2:4" in text
-    assert "did you mean 'defaults'?" in text
-
-
-def test_an_anchor_that_stands_twice_is_refused() -> None:
-    """Which of two anchors of one name an alias means is not left to chance."""
-    assert "'&a' stands twice" in refusal("x: &a 1\ny: &a 2\n")
-
-
 # --- Bounds -----------------------------------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize("text", ["[" * 100_000, "- " * 100_000 + "1", "{a: " * 100_000, "? " * 100_000])
-def test_deep_nesting_is_refused_without_recursion(text: str) -> None:
-    """A hundred thousand open brackets are an error at the first one too many."""
-    assert f"more than {MAX_DEPTH} mappings and lists" in refusal(text)
-
-
-def test_aliases_do_not_deepen_a_document_beyond_the_bound() -> None:
-    """Depth counts what aliases stand for, so `plain` never recurses deeper."""
-    chain = "\n".join(f"k{i}: &a{i} [[[[[*a{i - 1}]]]]]" for i in range(1, 40))
-    assert "stand inside each other" in refusal("k0: &a0 [1]\n" + chain)
 
 
 def test_the_bound_of_depth_itself_is_read() -> None:
@@ -261,48 +213,6 @@ def test_the_bound_of_depth_itself_is_read() -> None:
 
 
 # --- Documents --------------------------------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize("text", ["", "   \n", "# only a comment\n", "---\n", "\ufeff"])
-def test_an_empty_file_says_so(text: str) -> None:
-    """A file without a value is empty, whatever comments it holds."""
-    assert refusal(text) == "f.yaml: error: the file is empty"
-
-
-def test_a_second_document_is_refused() -> None:
-    """One file, one document; an end marker and a directive are no second one."""
-    assert "f.yaml:2:1: error: a second document begins here" in refusal("a: 1\n--- \nb: 2\n")
-    assert plain("%YAML 1.2\n---\na: 1\n...\n") == {"a": 1}
-
-
-@pytest.mark.parametrize(
-    ("text", "tag"),
-    [
-        ("a: !include x", "!include"),
-        ("a: !!python/object/apply:os.system [ls]", "!!python/object/apply:os.system"),
-        ("a: !!str 1", "!!str"),
-        ("!x {a: 1}", "!x"),
-        ("a: ! 12", "!"),
-        ("!!str a: 1", "!!str"),
-    ],
-)
-def test_tags_are_refused_by_name(text: str, tag: str) -> None:
-    """No tag is obeyed, and none is ignored."""
-    assert f"the YAML tag '{tag}' is not accepted" in refusal(text)
-
-
-def test_half_a_character_is_refused() -> None:
-    """A lone half of a surrogate pair is no text; a whole pair, as JSON writes it, is."""
-    assert plain(r'a: "\ud83e\udd16"') == {"a": "🤖"}
-    assert plain(r'a: "\\ud83e\udd16"'.replace(r"\udd16", "x")) == {"a": r"\ud83ex"}
-    for half in (r"\ud83e", r"\udd16\ud83e"):
-        assert "not valid YAML" in refusal(f'a: "{half}"')
-
-
-def test_an_escape_beyond_unicode_is_refused() -> None:
-    """Neither of PyYAML's parsers lets an impossible character through, or anything but a ConfigError out."""
-    assert "not valid YAML" in refusal(r'a: "\UFFFFFFFF"')
-    assert refusal(r'a: "\ud83e\udd16 \UFFFFFFFF"').startswith("f.yaml:1:")
 
 
 def test_documents_are_read_without_libyaml(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -318,12 +228,6 @@ def test_the_error_type_is_the_callers() -> None:
     """A table reader gets its own kind of error."""
     with pytest.raises(TableError):
         load_yaml("a: [", "f", TableError)
-
-
-def test_expect_mapping_says_what_there_is_instead() -> None:
-    """A CSV table in a YAML file is told to be a text where a mapping is wanted."""
-    with pytest.raises(TableError, match="must be a mapping of names and values, not the text 'joint,type"):
-        expect_mapping(read_yaml(INPUTS / "csv_content.yaml"), "a table", TableError)
 
 
 @pytest.mark.parametrize(
@@ -383,3 +287,75 @@ def test_a_long_stream_holds_one_entry_at_a_time() -> None:
         assert held < 2 * len(text)
     finally:
         tracemalloc.stop()
+
+
+REFUSED = {
+    # Syntax: with the place where a person fixes it, and how.
+    "a:\n\t- b": ("2:1", "indent with spaces"),
+    "a: b: c": ("1:5", "quote a text that holds ': '"),
+    "a: 1\n b: 2": ("2:3", "indent the keys of a mapping alike"),
+    "name:arm\nx: 1": ("2:2", "indent the keys of a mapping alike"),
+    "a: 1\nb": ("2:1", "each line of a mapping is `name: value`"),
+    "a: @x": ("1:4", "quote a text that starts with this character"),
+    "a: [1, 2": ("1:4", "close the bracket that opens here"),
+    "a: [1, 2}": ("1:9", "a comma between the values"),
+    "a: {x: 1\nb: 2\n": ("2:2", "comma"),
+    "a: ]": ("1:4", "a bracket or comma is too many"),
+    "x: 1\na: 'abc": ("2:4", "close the quote that opens here"),
+    "a: *": ("1:4", "quote a text that starts with * or &"),
+    r'a: "C:\new\q"': ("1:11", "use single quotes"),
+    "a:\n- b: 1\n - c: 2": ("3:2", "indent the keys"),
+    "%YAML 2.0\n---\na: 1": ("1:1", "remove the line %YAML"),
+    r'a: "\UFFFFFFFF"': ("1:", "not valid YAML"),
+    r'a: "\ud83e"': ("1:", "not valid YAML"),  # half a character
+    r'a: "\udd16\ud83e"': ("1:", "not valid YAML"),
+    # What YAML allows, and nobody means.
+    "a: 1\nb: {c: 1, c: 2}\na: 3\n": ("2:11", "the key 'c' stands here and in line 2, column 5"),
+    "b: 1\na: 1\na: 3\n": ("3:1", "the key 'a' stands here and in line 2, column 1"),
+    "1: a\n'1': b\n": ("2:1", "stands here and in line 1"),
+    "? [a, b]\n: 1\n": ("1:3", "stands as a key"),
+    "": ("", "the file is empty"),
+    "# only a comment\n": ("", "the file is empty"),
+    "\ufeff": ("", "the file is empty"),
+    "a: 1\n--- \nb: 2\n": ("2:1", "a second document begins here"),
+    "a: !include x": ("1:4", "the YAML tag '!include' is not accepted"),
+    "a: !!python/object/apply:os.system [ls]": ("1:4", "the YAML tag '!!python/object/apply:os.system'"),
+    "!!str a: 1": ("1:1", "the YAML tag '!!str'"),
+    "a: ! 12": ("1:4", "the YAML tag '!'"),
+    "x: &a [*a]": ("1:8", "inside the value that it stands for"),
+    "x: &a {<<: *a}": ("1:12", "inside the value that it stands for"),
+    "d: &defaults {}\na: *default\n": ("2:4", "did you mean 'defaults'?"),
+    "x: &a 1\ny: &a 2\n": ("2:4", "'&a' stands twice"),
+    # What would cost too much: without recursion, and counting what aliases stand for.
+    "[" * 100_000: ("1:", f"more than {MAX_DEPTH} mappings and lists"),
+    "{a: " * 100_000: ("1:", f"more than {MAX_DEPTH} mappings and lists"),
+    "k0: &a0 [1]\n" + "\n".join(f"k{i}: &a{i} [[[[[*a{i - 1}]]]]]" for i in range(1, 40)): (
+        "",
+        "stand inside each other",
+    ),
+}
+
+
+@pytest.mark.parametrize(
+    ("text", "place", "says"), [(text, *told) for text, told in REFUSED.items()], ids=range(len(REFUSED))
+)
+def test_what_is_refused(text: str, place: str, says: str) -> None:
+    """The message names the place and what is wrong there."""
+    message = refusal(text)
+    assert message.startswith(f"f.yaml:{place}")
+    assert says in message
+
+
+def test_what_looks_like_it_is_read() -> None:
+    """Keys are texts; an end marker is no second document; JSON writes a character as two escapes."""
+    assert plain("{1: a, true: b, 007: c}") == {"1": "a", "true": "b", "007": "c"}
+    assert plain("%YAML 1.2\n---\na: 1\n...\n") == {"a": 1}
+    assert plain(r'a: "\ud83e\udd16"') == {"a": "🤖"}
+    assert plain(r'a: "\\ud83e\\udd16"') == {"a": r"\ud83e\udd16"}
+
+
+def test_problems_before_a_syntax_error_are_told_too() -> None:
+    """What is known to be wrong is said together with what stopped the reading."""
+    with pytest.raises(ConfigError) as caught:
+        load_yaml("a: !x 1\nb: 2\nb: 3\nc: [1", "f")
+    assert [problem.mark.line for problem in caught.value.problems if problem.mark] == [1, 3, 4]

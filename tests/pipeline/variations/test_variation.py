@@ -23,6 +23,7 @@ from dh2urdf.kinematics import forward_kinematics
 from dh2urdf.kinematics.chain import as_matrices
 from dh2urdf.manipulator import Convention, DHRow, Inertia, JointType, Limits, Manipulator
 from dh2urdf.plugin_system import load
+from dh2urdf.quantities import Dimension
 from dh2urdf.run_file.config import load_config
 from dh2urdf.run_file.plan import make_plan
 from dh2urdf.run_file.variation_section import LAWS
@@ -212,16 +213,6 @@ class TestGrids:
             *(0.3, 0.4)
         ]
 
-    def test_a_grid_is_not_repeated(self) -> None:
-        """More variants than points would be the same again."""
-        (message,) = refused(rule("a", Grid(values=(0.3, 0.4)), 2), count=3)
-        assert "field 'count': the grids have 2 points, and a count of 3 would repeat them" in message
-
-    def test_a_grid_has_an_end(self) -> None:
-        """A product of many grids is refused, not begun."""
-        (message,) = refused(rule("mass", Grid(values=tuple(map(float, range(1, 101))))), count=None)
-        assert "the grids have 10000000000 points" in message
-
 
 class TestTables:
     def test_only_what_varies_changes(self) -> None:
@@ -312,63 +303,74 @@ class TestImpossible:
         }
         assert 0 < len(failed) < 30
 
-    def test_what_must_be_positive_is(self) -> None:
-        """An offset that goes below 0 fails the variant."""
-        (variant,) = variation(rule("mass", Offset(low=-30.0, high=-20.0), 2), count=1).variants()
-        with pytest.raises(ManipulatorError, match="the mass that was drawn is -"):
+    @pytest.mark.parametrize(
+        ("field", "law", "says"),
+        [
+            ("mass", Offset(low=-30.0, high=-20.0), "the mass that was drawn is -"),
+            ("damping", Offset(low=-2.0, high=-1.0), r"the damping that was drawn is -.*\n.*0 or greater"),
+            ("a", Scale(low=1e300, high=1e301), "the a that was drawn is inf"),
+            ("friction", Offset(low=0.0, high=0.0), None),  # A joint that resists nothing is drawn.
+        ],
+    )
+    def test_what_no_arm_has_fails(self, field: str, law: Law, says: str | None) -> None:
+        """The variant alone."""
+        row = replace(ARM.rows[1], a=1e300, damping=0.0, friction=0.0)
+        (variant,) = variation(rule(field, law), table=replace(ARM, rows=(row,)), count=1).variants()
+        if says is None:
+            assert getattr(made(variant).rows[0], field) == 0.0
+            return
+        with pytest.raises(ManipulatorError, match=says):
             made(variant)
 
-    def test_what_must_not_be_negative_is_not(self) -> None:
-        """A joint that resists nothing is drawn, one that resists less is not."""
-        table = replace(ARM, rows=tuple(replace(row, damping=0.0) for row in ARM.rows[:2]))
-        (variant,) = variation(rule("damping", Offset(low=0.0, high=0.0), 1), table=table, count=1).variants()
-        assert made(variant).rows[0].damping == 0.0
-        (variant,) = variation(rule("damping", Offset(low=-2.0, high=-1.0), 1), table=table, count=1).variants()
-        with pytest.raises(ManipulatorError, match=r"the damping that was drawn is -.*\n.*0 or greater"):
-            made(variant)
 
-    def test_what_cannot_be_held_fails(self) -> None:
-        """A product beyond the largest double is not written."""
-        table = replace(ARM, rows=(replace(ARM.rows[1], a=1e300),))
-        (variant,) = variation(rule("a", Scale(low=1e300, high=1e301)), table=table, count=1).variants()
-        with pytest.raises(ManipulatorError, match="the a that was drawn is inf"):
-            made(variant)
+PLACES = (Mark(file="run.yaml", line=9, column=1), Mark(file="run.yaml", line=9, column=5))
+HUNDRED = Grid(values=tuple(map(float, range(1, 101))))
+ANGLES = rule("lower", Uniform(low=-0.2, high=-0.1), units=(Dimension.ANGLE,))
 
 
 class TestBinding:
-    def test_an_unknown_joint(self) -> None:
-        """With its place, the names there are and the one that was probably meant."""
-        places = (Mark(file="run.yaml", line=9, column=1), Mark(file="run.yaml", line=9, column=5))
-        accepted = "accepted: all, a number from 1 to 5, or a name: pan, lift, plate, slide, flange"
-        assert refused(rule("a", SCALE, "lfit", 6, joint_marks=places)) == [
-            f"run.yaml:9:1: error: field 'a': the table of 'arm' has no joint 'lfit'\n    {accepted}\n    did you mean 'lift'?",
-            f"run.yaml:9:5: error: field 'a': the table of 'arm' has no joint '6'\n    {accepted}",
-        ]
-
     @pytest.mark.parametrize(
-        ("rules", "message"),
+        ("rules", "how", "message"),
         [
-            ([rule("lower", UNIFORM, "plate")], "joint 'plate', field 'lower': a fixed joint has no lower"),
-            ([rule("axes", Choices(values=(4,)))], "the table of 'arm' has 3 axes, and 4 are asked for"),
-            ([rule("radius", SCALE, 1)], "joint 'pan', field 'radius': the table gives no radius"),
-            ([rule("mass", SCALE, "pan")], "joint 'pan', field 'mass': the table gives no mass"),
-            ([rule("a", SCALE, 2), rule("a", UNIFORM, "lift")], "a_2 is varied twice"),
-            ([rule("a", SCALE, 2, "lift")], "a_2 is varied twice"),
-            ([rule("axes", Choices(values=(1,))), rule("axes", Choices(values=(2,)))], "axes is varied twice"),
+            (
+                [rule("a", SCALE, "lfit", joint_marks=PLACES[:1])],
+                {},
+                "has no joint 'lfit'\n    accepted: all, a number",
+            ),
+            ([rule("lower", UNIFORM, "plate")], {}, "joint 'plate', field 'lower': a fixed joint has no lower"),
+            ([rule("axes", Choices(values=(4,)))], {}, "the table of 'arm' has 3 axes, and 4 are asked for"),
+            ([rule("radius", SCALE, 1)], {}, "joint 'pan', field 'radius': the table gives no radius"),
+            ([rule("a", SCALE, 2), rule("a", UNIFORM, "lift")], {}, "a_2 is varied twice"),
+            ([rule("a", SCALE, 2, "lift")], {}, "a_2 is varied twice"),
+            ([rule("axes", Choices(values=(1,))), rule("axes", Choices(values=(2,)))], {}, "axes is varied twice"),
             (
                 [rule("type", Choices(values=("prismatic",)), 1), rule("upper", SCALE, 1)],
-                "the type of the joint is drawn too, and upper of the table holds for a revolute joint only",
+                {},
+                "for a revolute joint only",
+            ),
+            ([rule("d", Normal(mean=None, deviation=0.001, low=3.0, high=4.0), 4)], {}, "about the nominal 0.2"),
+            (
+                [ANGLES],
+                {},
+                "'slide', field 'lower': lower of a prismatic joint is a length, and the values here are an",
             ),
             (
-                [rule("d", Normal(mean=None, deviation=0.001, low=3.0, high=4.0), 4)],
-                "the bounds leave hardly anything of a normal distribution about the nominal 0.2",
+                [rule("a", Grid(values=(0.3, 0.4)), 2)],
+                {"count": 3},
+                "have 2 points, and a count of 3 would repeat them",
+            ),
+            ([rule("mass", HUNDRED)], {"count": None}, "the grids have 10000000000 points"),
+            (
+                [rule("a", UNIFORM)],
+                {"table": replace_unchecked(ARM, rows=(ARM.rows[0],) * 21202), "sampling": Sampling.SOBOL},
+                "21202 values are drawn, and Sobol sequences have 21201 dimensions",
             ),
         ],
     )
-    def test_what_the_table_does_not_have(self, rules: Sequence[Rule], message: str) -> None:
-        """One problem, at the rule."""
-        (found,) = refused(*rules)
-        assert found.startswith("run.yaml:4:7: error: ")
+    def test_what_cannot_be_bound(self, rules: Sequence[Rule], how: dict[str, Any], message: str) -> None:
+        """One problem, at its place."""
+        (found,) = refused(*rules, **how)
+        assert found.startswith("run.yaml:")
         assert message in found
 
     def test_a_multiple_of_0_varies_nothing(self) -> None:
@@ -380,25 +382,9 @@ class TestBinding:
         flat = replace(ARM, rows=tuple(replace(row, a=0.0) for row in ARM.rows))
         assert drawn(variation(rule("a", SCALE), table=flat, count=1))[0]["a_1"] == 0
 
-    def test_units_are_those_of_the_joint(self) -> None:
-        """Bounds of all joints with a unit of angles are none for the joint that slides."""
-        from dh2urdf.quantities import Dimension
-
-        (message,) = refused(rule("lower", Uniform(low=-0.2, high=-0.1), units=(Dimension.ANGLE,)))
-        assert (
-            "joint 'slide', field 'lower': lower of a prismatic joint is a length, and the values here are an angle"
-            in (message)
-        )
-
     def test_all_is_said_at_once(self) -> None:
         """Every rule that is wrong has its problem."""
         assert len(refused(rule("a", SCALE, 9), rule("radius", SCALE, 1), rule("axes", Choices(values=(8, 9))))) == 4
-
-    def test_sobol_sequences_have_so_many_dimensions(self) -> None:
-        """Beyond, there are no direction numbers."""
-        table = replace_unchecked(ARM, rows=(ARM.rows[0],) * 21202)
-        (message,) = refused(rule("a", UNIFORM), table=table, sampling=Sampling.SOBOL)
-        assert "21202 values are drawn, and Sobol sequences have 21201 dimensions" in message
 
 
 # --- The run ----------------------------------------------------------------------------------------------------------

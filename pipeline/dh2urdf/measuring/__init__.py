@@ -1,25 +1,351 @@
-"""What a simulator has of an arm, measured and compared with the robot that was written."""
+"""What a simulator holds, beside the robot that was written: the same comparison and the same words for all of them.
+
+A loader asks its simulator what became of the file, in the simulator's own way, and hands the answers over as plain
+numbers; where they differ from the robot by more than the simulator's arithmetic, there is a problem.
+"""
 
 from __future__ import annotations
 
-from dh2urdf import late_names
+import math
+from functools import partial, update_wrapper
+from typing import TYPE_CHECKING, Any, NamedTuple
 
-TYPE_CHECKING = False
+from dh2urdf.errors import LoaderError
+from dh2urdf.kinematics.chain import KinematicChain
+from dh2urdf.kinematics.mass import tensor
+from dh2urdf.manipulator import JointType
+from dh2urdf.robot import Inertial
+from dh2urdf.rotations import RigidTransform, Rotation, Vec3, norm, subtract
+from dh2urdf.source import Problem, shown
+from dh2urdf.stages.load_records import LoadReport, SimulatedArm
+
 if TYPE_CHECKING:
-    from dh2urdf.measuring.comparison import (
-        DOUBLE as DOUBLE,
-        DOUBLE_PRECISION as DOUBLE_PRECISION,
-        Body as Body,
-        Comparison as Comparison,
-        Precision as Precision,
-        pose_error as pose_error,
+    from collections.abc import Callable, Iterator, Mapping, Sequence
+
+    from dh2urdf.robot import Joint, Robot
+    from dh2urdf.stages import Loader
+    from dh2urdf.stages.load_records import LoadRequest
+
+DOUBLE_PRECISION = 2.0**-52
+"""Distance of 1 to the next number in double precision."""
+_ROWS = 4
+_WITHOUT_EXTENT = 1e-12
+"""What a pose of an arm without extent is allowed, and a centre of mass in the origin [m]."""
+
+
+class Body(NamedTuple):
+    """A link as a simulator holds it.
+
+    Attributes:
+        mass: [kg].
+        com: centre of mass in the link frame [m].
+        inertia: about the centre of mass, in the axes of the link frame, row by row [kg·m²].
+    """
+
+    mass: float
+    com: Vec3
+    inertia: Rotation
+
+
+class Precision(NamedTuple):
+    """A simulator's arithmetic: what its answers may differ from what was written.
+
+    Attributes:
+        number: a limit, a mass or a centre of mass, as a share of it.
+        axis: the axis of a joint, which many simulators make a unit vector again.
+        inertia: an element of an inertia, as a share of the trace.
+        position: a position, as a share of the arm's reach.
+        angle: an orientation [rad].
+        name: in words.
+        com: besides, a centre of mass, where the simulator has it in the world frame [m].
+        inertia_about_origin: besides, an element of an inertia as a share of that of the mass at its centre about the
+            link's origin, where the simulator holds the inertia about that.
+    """
+
+    number: float
+    axis: float
+    inertia: float
+    position: float
+    angle: float
+    name: str
+    com: float = 0.0
+    inertia_about_origin: float = 0.0
+
+
+DOUBLE = Precision(number=1e-14, axis=1e-12, inertia=1e-13, position=1e-13, angle=1e-12, name="double precision")
+"""The arithmetic of a simulator that computes in double precision, in a chain of some hundred links."""
+
+
+class Comparison:
+    """What a simulator holds, beside the robot that was written."""
+
+    def __init__(self, simulator: str, request: LoadRequest, precision: Precision = DOUBLE) -> None:
+        self.simulator, self.request, self.robot, self.precision = simulator, request, request.robot, precision
+
+    def problem(self, *, joint: str | None = None, **words: Any) -> Problem:  # noqa: ANN401 - those of a Problem
+        """A problem of this robot, at the row of the joint that it is about."""
+        row = next((each.mark for each in self.robot.joints if each.name == joint), None)
+        return Problem(robot=self.robot.name, mark=row or self.request.mark, joint=joint, **words)
+
+    def joints(self, held: Sequence[Mapping[str, Any]]) -> list[Problem]:
+        """Where the moving joints that the simulator has differ from the robot's.
+
+        Args:
+            held: the joints, each by its name and what a `LoadReport` has of it. A property that the simulator does
+                not have is left out, and not compared.
+        """
+        found = {joint["name"]: joint for joint in held}
+        written_names = {joint.name for joint in self.robot.moving_joints}
+        problems = [
+            self.problem(message=f"{self.simulator} has a joint that was not written", found=name)
+            for name in found
+            if name not in written_names
+        ]
+        for joint in self.robot.moving_joints:
+            if joint.name not in found:
+                problems.append(self.problem(message=f"{self.simulator} has lost the joint", joint=joint.name))
+                continue
+            problems += self._joint(joint, found[joint.name])
+        return problems
+
+    def _joint(self, joint: Joint, held: Mapping[str, Any]) -> Iterator[Problem]:
+        for key, written in written_joint(joint).items():
+            if key in held and not self._same(held[key], written):
+                yield self.problem(
+                    message=f"{self.simulator} has {key} {_shown(held[key])} where {_shown(written)} was written",
+                    joint=joint.name,
+                    field=key,
+                    found=_shown(held[key]),
+                    accepted=_shown(written),
+                )
+
+    def _same(self, found: Any, written: Any) -> bool:  # noqa: ANN401 - words, numbers and vectors
+        if isinstance(written, tuple):
+            return math.dist(found, written) <= self.precision.axis
+        if isinstance(written, float) and found is not None:
+            return bool(abs(found - written) <= self.precision.number * abs(written))
+        return bool(found == written)
+
+    def masses(
+        self, held: Mapping[str, Body], written: Mapping[str, Inertial] | None = None
+    ) -> tuple[dict[str, Any], list[Problem]]:
+        """The mass of the arm and the largest errors of a link's, and where they are larger than they may be.
+
+        Args:
+            held: the links that the simulator has.
+            written: the links that it should have; those of the robot by default.
+        """
+        if written is None:
+            written = {link.name: link.inertial or Inertial(mass=0.0) for link in self.robot.links}
+        problems: list[Problem] = []
+        mass = mass_error = inertia_error = 0.0
+        for name, body in written.items():
+            if name not in held:
+                problems.append(self.problem(message=f"{self.simulator} has lost the link {shown(name)}"))
+                continue
+            if self.is_filled_in(name, body, held[name]):
+                continue
+            found, wanted = held[name], tensor(body.inertia)
+            errors = {
+                "mass": (abs(found.mass - body.mass), self.precision.number * body.mass, "kg"),
+                "com": (
+                    norm(subtract(found.com, body.com)),
+                    self.precision.number * norm(body.com) + self.precision.com + _WITHOUT_EXTENT,
+                    "m",
+                ),
+                "inertia": (
+                    max(abs(is_ - was) for is_, was in zip(found.inertia, wanted, strict=True)),
+                    self.precision.inertia * (wanted[0] + wanted[4] + wanted[8])
+                    + self.precision.inertia_about_origin * body.mass * norm(body.com) ** 2,
+                    "kg·m²",
+                ),
+            }
+            problems += [
+                self.problem(
+                    message=f"{self.simulator} has another {field} of the link {shown(name)}, by {error:.3g} {unit}",
+                    field=field,
+                    found=f"{error:.3g} {unit}",
+                    accepted=f"at most {bound:.3g} {unit}",
+                )
+                for field, (error, bound, unit) in errors.items()
+                if not error <= bound  # NaN is not right either.
+            ]
+            mass += found.mass
+            mass_error = max(mass_error, errors["mass"][0])
+            inertia_error = max(inertia_error, errors["inertia"][0])
+        return {"mass": mass, "mass_error": mass_error, "inertia_error": inertia_error}, problems
+
+    def is_filled_in(self, _name: str, _written: Inertial, _held: Body) -> bool:
+        """Whether a link has a mass that the file gives it for the simulator's sake, and the robot does not."""
+        return False
+
+    def poses(self, frames: Callable[[Sequence[float], Sequence[str]], Mapping[str, RigidTransform]]) -> dict[str, Any]:
+        """The largest errors of every tip, and at which joint vector.
+
+        Args:
+            frames: puts the arm at a joint vector, and says where some links are in the root.
+
+        Raises:
+            LoaderError: they are larger than the simulator's arithmetic.
+        """
+        tolerances = {tip: self._tolerances(tip) for tip in self.request.expected}
+        worst, worst_angle = 0.0, 0.0
+        q_worst: tuple[float, ...] = ()
+        for number, q in enumerate(self.request.poses):
+            measured = frames(q, tuple(tolerances))
+            for tip, allowed in tolerances.items():
+                distance, angle = pose_error(measured[tip], self.request.expected[tip][number])
+                if not (distance <= allowed[0] and angle <= allowed[1]):
+                    raise LoaderError(self._elsewhere(tip, (distance, angle), allowed, q))
+                if distance >= worst:
+                    worst, q_worst = distance, q
+                worst_angle = max(worst_angle, angle)
+        return {
+            "position_error": worst,
+            "angle_error": worst_angle,
+            "tolerance": max((distance for distance, _ in tolerances.values()), default=0.0),
+            "angle_tolerance": max((angle for _, angle in tolerances.values()), default=self.precision.angle),
+            "q": tuple(q_worst),
+            "poses": len(self.request.poses),
+        }
+
+    def _tolerances(self, tip: str) -> tuple[float, float]:
+        """What a tip's position [m] and angle [rad] may be off: the simulator's arithmetic, and the chain's.
+
+        Each frame of a chain is written with the rounding of the frame before and its own, so n joints give a tip
+        n²/2 roundings: nothing for an arm (8e-15 for six axes), 2e-10 for a thousand axes.
+        """
+        chain = len(KinematicChain.between(self.robot, self.robot.root, tip).joints) ** 2 * DOUBLE_PRECISION
+        position = (self.precision.position + chain) * reach(self.robot, tip) + _WITHOUT_EXTENT
+        return position, self.precision.angle + chain
+
+    def _elsewhere(
+        self, tip: str, found: tuple[float, float], allowed: tuple[float, float], q: Sequence[float]
+    ) -> Problem:
+        off = f"{found[0]:.3g} m and {found[1]:.3g} rad"
+        return self.problem(
+            message=f"{self.simulator} has {tip} in another place, {off} away, at q = {_shown(tuple(q))}",
+            found=off,
+            accepted=f"the error of {self.precision.name}, {allowed[0]:.3g} m and {allowed[1]:.3g} rad",
+        )
+
+
+def written_joint(joint: Joint) -> dict[str, Any]:
+    """What a simulator should have of a joint."""
+    bounded = joint.type is not JointType.CONTINUOUS
+    return {
+        "type": joint.type.value,
+        "axis": joint.axis,
+        "lower": joint.limits.lower if bounded else None,
+        "upper": joint.limits.upper if bounded else None,
+        "velocity": joint.limits.velocity,
+        "effort": joint.limits.effort,
+    }
+
+
+def _shown(value: Any) -> str:  # noqa: ANN401 - words, numbers and vectors
+    return f"({', '.join(map(str, value))})" if isinstance(value, tuple) else str(value)
+
+
+def reach(robot: Robot, tip: str) -> float:
+    """The farthest that a link can be from the root [m]: the length of the chain, with its rails drawn out."""
+    length = 0.0
+    for joint in KinematicChain.between(robot, robot.root, tip).joints:
+        length += norm(joint.origin.xyz)
+        if joint.type is JointType.PRISMATIC:
+            length += max(abs(joint.limits.lower or 0.0), abs(joint.limits.upper or 0.0))
+    return length
+
+
+def pose_error(measured: RigidTransform, expected: Sequence[float]) -> tuple[float, float]:
+    """The distance [m] and the angle [rad] between a pose and the row-major 4x4 matrix that it should have.
+
+    The angle follows from the Frobenius norm of the difference of the rotations, 2√2·sin(angle/2), which unlike the
+    usual trace form is exact for small angles too.
+    """
+    expected_rotation = tuple(expected[4 * row + column] for row in range(3) for column in range(3))
+    chord = math.dist(measured.rotation, expected_rotation) / math.sqrt(8.0)
+    return math.dist(measured.translation, expected[3:12:4]), 2.0 * math.asin(min(1.0, chord))
+
+
+# --- An arm that a loader has opened
+
+
+def load_function(loader: Loader[Any]) -> Callable[[LoadRequest, Any], LoadReport]:
+    """The function that opens a file with a loader, and measures the arm where the loader does not."""
+    return update_wrapper(partial(load_opened, loader.open), loader.open)
+
+
+def load_opened(
+    open_arm: Callable[[LoadRequest, Any], SimulatedArm | LoadReport],
+    request: LoadRequest,
+    options: Any,  # noqa: ANN401 - the options of any loader
+) -> LoadReport:
+    """Open a file in a simulator, and compare joints, masses and poses with the robot that was written.
+
+    Raises:
+        LoaderError: the simulator refuses the file, or has another arm.
+        TypeError: `open_arm` gives something else than a `SimulatedArm` or a `LoadReport`.
+        ValueError: a pose is no matrix of four rows of four numbers.
+    """
+    arm = open_arm(request, options)
+    if isinstance(arm, LoadReport):
+        return arm
+    if not isinstance(arm, SimulatedArm):
+        raise TypeError(f"open returned {type(arm).__name__}, neither a SimulatedArm nor a LoadReport")
+    try:
+        return _measured(arm, request)
+    finally:
+        if arm.close is not None:
+            arm.close()
+
+
+def _measured(arm: SimulatedArm, request: LoadRequest) -> LoadReport:
+    allowed = arm.tolerance
+    precision = Precision(
+        number=allowed, axis=allowed, inertia=allowed, position=allowed, angle=allowed, name=arm.simulator
     )
-    from dh2urdf.measuring.opened_arm import load_function as load_function
-else:
-    __all__, __getattr__, __dir__ = late_names(
-        __name__,
-        {
-            "comparison": "Body Comparison DOUBLE DOUBLE_PRECISION Precision pose_error",
-            "opened_arm": "load_function",
-        },
+    comparison = Comparison(arm.simulator, request, precision)
+    joints = tuple(map(_plain, arm.joints))
+    problems = comparison.joints(joints)
+    masses: dict[str, Any] = {}
+    if arm.bodies is not None:
+        bodies = {name: Body(each.mass, each.com, tensor(each.inertia)) for name, each in arm.bodies.items()}
+        masses, others = comparison.masses(bodies)
+        problems += others
+    if problems:
+        raise LoaderError(problems)
+
+    def frames(q: Sequence[float], links: Sequence[str]) -> Mapping[str, RigidTransform]:
+        return {link: _transform(arm.pose(link, q), link) for link in links}
+
+    poses = comparison.poses(frames)
+    return LoadReport(
+        simulator=arm.simulator, version=arm.version, joints=joints, findings=arm.findings, **masses, **poses
     )
+
+
+def _plain(joint: Mapping[str, Any]) -> dict[str, Any]:
+    """A joint with plain numbers, which a report can keep; what nobody compares is left as it is."""
+    found = dict(joint)
+    for name, value in joint.items():
+        if name == "axis":
+            found[name] = tuple(float(number) + 0.0 for number in value)
+        elif name in ("lower", "upper", "velocity", "effort") and value is not None:
+            found[name] = float(value)
+    return found
+
+
+def _transform(matrix: Any, link: str) -> RigidTransform:  # noqa: ANN401 - an array, or lists
+    """A pose as a rigid transform.
+
+    Raises:
+        ValueError: it is no matrix of four rows of four numbers.
+    """
+    if isinstance(matrix, RigidTransform):
+        return matrix
+    rows = [[float(number) for number in row] for row in matrix]
+    if (found := [len(row) for row in rows]) != [_ROWS] * _ROWS:
+        raise ValueError(f"the pose of {link!r} has rows of {found} numbers; accepted: four rows of four")
+    (a, b, c, x), (d, e, f, y), (g, h, i, z), _ = rows
+    return RigidTransform((a, b, c, d, e, f, g, h, i), (x, y, z))

@@ -26,8 +26,7 @@ from dh2urdf.source import Mark, Problem, shown
 from dh2urdf.stages import Rejected
 from dh2urdf.tasks.batch_sizes import BatchSizes
 from dh2urdf.variations.binding import bind
-from dh2urdf.variations.columns import made_variants
-from dh2urdf.variations.variation import Variants, VariationCall
+from dh2urdf.variations.variation import Variants, VariationCall, made_variants
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence

@@ -17,7 +17,7 @@ from dh2urdf.errors import CrashError, LoaderError, PluginError
 from dh2urdf.isolation.loads import KeptChildren, load_in_child
 from dh2urdf.kinematics.expected_poses import ExpectedPoses
 from dh2urdf.kinematics.proof_vectors import joint_vectors
-from dh2urdf.measuring.opened_arm import load_function
+from dh2urdf.measuring import load_function
 from dh2urdf.plugin_system.catalog import load
 from dh2urdf.source import Problem
 from dh2urdf.stage_calls.pools import results_of

@@ -13,8 +13,7 @@ import pytest
 from dh2urdf.errors import LoaderError
 from dh2urdf.kinematics import link_poses
 from dh2urdf.kinematics.chain import as_matrices
-from dh2urdf.measuring import load_function
-from dh2urdf.measuring.opened_arm import load_opened
+from dh2urdf.measuring import load_function, load_opened
 from dh2urdf.robot import Inertial
 from dh2urdf.stages import Loader, LoadReport, LoadRequest, NoOptions, SimulatedArm
 from dh2urdf.testing import plain_robot, reference_manipulators

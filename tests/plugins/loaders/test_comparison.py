@@ -8,8 +8,7 @@ import pytest
 
 from dh2urdf.errors import LoaderError
 from dh2urdf.kinematics.mass import tensor
-from dh2urdf.measuring import DOUBLE, Body
-from dh2urdf.measuring.comparison import written_joint
+from dh2urdf.measuring import DOUBLE, Body, written_joint
 from dh2urdf.rotations import IDENTITY
 from dh2urdf_plugins.loaders.measures import Comparison
 

@@ -6,8 +6,7 @@ import pytest
 from hypothesis import given, strategies as st
 
 from dh2urdf.manipulator import Inertia, JointType, Limits
-from dh2urdf.measuring import pose_error
-from dh2urdf.measuring.comparison import reach
+from dh2urdf.measuring import pose_error, reach
 from dh2urdf.robot import Collision, Inertial, Joint, Link, Origin, Robot, Sphere
 from dh2urdf.rotations import RigidTransform, rotation_from_rpy
 from dh2urdf_plugins.loaders.measures import (

@@ -8,9 +8,8 @@ from dh2urdf.errors import ManipulatorError
 from dh2urdf.manipulator import Convention, DHRow, Inertia, JointType, Limits, Manipulator
 from dh2urdf.source import Mark
 from dh2urdf.variations.binding import bind
-from dh2urdf.variations.columns import variant_columns
 from dh2urdf.variations.laws import Choices, Law, Normal, Scale, Uniform
-from dh2urdf.variations.variation import Rule, Variation, VariationCall
+from dh2urdf.variations.variation import Rule, Variation, VariationCall, variant_columns
 
 ARM = Manipulator(
     name="arm",

@@ -16,7 +16,7 @@ import click
 
 from dh2urdf._version import __version__
 from dh2urdf.cli.shared_options import loaded, option, without_option
-from dh2urdf.errors import Dh2UrdfError, OutputError
+from dh2urdf.errors import Dh2UrdfError
 from dh2urdf.isolation.process import claim
 
 if TYPE_CHECKING:
@@ -202,9 +202,6 @@ def _ended_by(error: Exception, words: list[str], *, debug: bool) -> int:
             trace = "".join(traceback.format_exception(error)) + getattr(error, "traceback", "")
             text = f"{trace}\n{text}"
         return _failed(words, error, error.exit_status, text)
-    if isinstance(error, OSError) and _is_of_an_answer(error):
-        text = f"error: cannot write to standard output: {error.strerror}"
-        return _failed(words, error, OutputError.exit_status, text, "output")
     if debug:
         raise error
     if isinstance(error, OSError):
@@ -217,18 +214,6 @@ def _ended_by(error: Exception, words: list[str], *, debug: bool) -> int:
         "    this is a fault of dh2urdf, not of your table; `dh2urdf --debug …` shows where"
     )
     return _failed(words, error, INTERNAL_ERROR, text, "internal")
-
-
-def _is_of_an_answer(error: OSError) -> bool:
-    """Whether standard output has raised an error: what wrote to it is a module of the command line, or of a library.
-
-    Files have names, and what cannot be read or written by its name was reported where it was met.
-    """
-    place = error.__traceback__
-    while place is not None and place.tb_next is not None:
-        place = place.tb_next
-    writer = str(place.tb_frame.f_globals.get("__name__")) if place is not None else ""
-    return error.filename is None and f"{writer}.".startswith((f"{__name__}.", "click.", "rich."))
 
 
 def _failed(words: list[str], error: BaseException, status: int, text: str, kind: str | None = None) -> int:

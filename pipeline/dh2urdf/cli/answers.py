@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import sys
-from contextlib import contextmanager, nullcontext, redirect_stdout
+from contextlib import contextmanager, nullcontext, redirect_stdout, suppress
 from typing import IO, TYPE_CHECKING, Any
 
 import click
@@ -22,8 +22,18 @@ _STDOUT, _STDERR = 1, 2
 
 
 def answer(what: str | bytes, *, nl: bool = True) -> None:
-    """Print what was asked for, or a part of it."""
-    click.echo(what, file=answers(), nl=nl)
+    """Print what was asked for, or a part of it.
+
+    Raises:
+        OutputError: it cannot be printed.
+    """
+    try:
+        click.echo(what, file=answers(), nl=nl, color=True)
+    except BrokenPipeError:
+        raise
+    except OSError as error:
+        message = f"cannot write to standard output: {error.strerror}"
+        raise OutputError(Problem(message=message)) from error
 
 
 def answers() -> IO[Any]:
@@ -67,7 +77,8 @@ def _kept_apart() -> Iterator[IO[str]]:
             lines.finish()
     finally:
         os.dup2(own.fileno(), _STDOUT)
-        own.close()
+        with suppress(OSError):  # Each answer is flushed, and what cannot be written was reported there.
+            own.close()
 
 
 def _remark(named: str, _line: str) -> None:

@@ -198,14 +198,12 @@ def print_summary(result: Result, report: RunReport, where: str, reports: str, *
     """
     from rich.console import Console
 
-    console = Console(file=answers(), highlight=False)
-    if not console.is_terminal:
-        console = Console(file=answers(), highlight=False, width=140)
     rows = report["manipulators"]
-    if any(row["files"] for row in rows):
-        console.print("largest distance of tool0 from the DH product, in metres:")
-    console.print(_table(rows))
-    lines = []
+    console = Console(file=answers(), width=None if answers().isatty() else 140)
+    with console.capture() as captured:
+        console.print(_table(rows))
+    lines = ["largest distance of tool0 from the DH product, in metres:"] if any(row["files"] for row in rows) else []
+    lines.append(captured.get().rstrip("\n"))
     if (more := sum(result.statuses.values()) - min(len(rows), MOST_ROWS)) > 0:
         lines.append(f"and {more:,} more manipulators")
     words = {"ok": "made", "kept": "unchanged", "skipped": "skipped", "failed": "failed"}
@@ -228,7 +226,7 @@ def print_summary(result: Result, report: RunReport, where: str, reports: str, *
     if not dry_run:
         beside = "" if reports == where else f", report and manifest to {reports}"
         lines.append(f"written to {where}{beside}")
-    console.print("\n".join(lines), markup=False, soft_wrap=True)
+    answer("\n".join(lines))
 
 
 def _table(rows: Sequence[ManipulatorEntry]) -> Table:

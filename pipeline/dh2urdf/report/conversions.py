@@ -39,12 +39,8 @@ _LIMITS = {"limits": ("lower", "upper"), "velocities": ("velocity",), "efforts":
 def filled_in(manipulator: Manipulator, robot: Robot, untyped: Sequence[str] = ()) -> dict[str, tuple[str, ...]]:
     """What was filled in where the table says nothing: the joints or links concerned, by what it is.
 
-    A centre of mass and an inertia that go with a mass that was filled in are not told again.
-
-    Args:
-        manipulator: the table.
-        robot: what was made of it.
-        untyped: names of joints whose type the table does not say.
+    A centre of mass and an inertia that go with a mass that was filled in are not told again. `untyped` are joints
+    whose type the table does not say.
     """
     bodies = {link.name for link in robot.links if link.inertial}
     weighs = {link.name for link in robot.links if link.inertial and link.inertial.mass}
@@ -69,12 +65,7 @@ def filled_in(manipulator: Manipulator, robot: Robot, untyped: Sequence[str] = (
 
 
 def closing_line(conversion: Conversion, place: str) -> str:
-    """One line about a conversion: the arm, its joints, the largest error of the proof, and what was filled in.
-
-    Args:
-        conversion: what became of the table.
-        place: where the description is.
-    """
+    """One line about a conversion to a place: the arm, its joints, the proof, and what was filled in."""
     manipulator, robot = conversion.manipulator, conversion.robot
     proofs = [proof for proof in conversion.proofs.values() if proof]
     proved = "not proved: the format cannot be read back"

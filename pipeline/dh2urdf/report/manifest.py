@@ -55,6 +55,12 @@ def can_write_html() -> bool:
 class ManifestWriter:
     """The manifest of a run on its way.
 
+    Args:
+        rows: an empty file.
+        place: where the manifest will be, which errors name.
+        told: what is needed to do the run again.
+        verdicts: gathers what simulators say; None where none is asked.
+
     Attributes:
         rows: the manifest, open to write and to read.
         reproduction: what is needed to do the run again.
@@ -66,14 +72,6 @@ class ManifestWriter:
     """
 
     def __init__(self, rows: BinaryIO, place: str, told: Reproduction, verdicts: Verdicts | None = None) -> None:
-        """Begin a manifest.
-
-        Args:
-            rows: an empty file.
-            place: where the manifest will be, which errors name.
-            told: what is needed to do the run again.
-            verdicts: gathers what simulators say; None where none is asked.
-        """
         self.rows, self.reproduction = rows, told
         self.verdicts = verdicts or Verdicts({})
         self.index = FailureIndex()
@@ -106,14 +104,14 @@ class ManifestWriter:
         if not self._axes_left:
             return
         groups, singles = batch.first_groups(self._axes_left)
-        found = {
-            place: [(arms, axes_entry(table)) for arms, table in tables_of(what)] for place, what in singles.items()
-        }
+        found: list[tuple[int, tuple[str, ...], AxesEntry]] = [
+            (place, arms, axes_entry(table)) for place, what in singles.items() for arms, table in tables_of(what)
+        ]
         for places, tables in groups:
             facts = map(_entry, kinematic_facts_of_columns(tables))
-            found |= {place: [((), entry)] for place, entry in zip(places, facts, strict=True)}
-        for place in sorted(found):
-            self.axes += [{"name": batch.names[place], "arms": list(arms), **entry} for arms, entry in found[place]]
+            found += [(place, (), entry) for place, entry in zip(places, facts, strict=True)]
+        for place, arms, entry in sorted(found, key=lambda each: each[0]):
+            self.axes.append({"name": batch.names[place], "arms": list(arms), **entry})
         self._axes_left = max(0, self._axes_left - len(batch))
 
 

@@ -6,7 +6,7 @@ import math
 import random
 from collections import Counter
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from dh2urdf.kinematics.proof import TOLERANCE
 from dh2urdf.report.figures import Bars
@@ -31,14 +31,14 @@ _BARS = 24  # of a distribution
 _LOWEST, _HIGHEST = -18, 2  # powers of ten between which errors are counted [m]; below is as good as 0
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Check:
+class Check(NamedTuple):
     """How one file or simulator of a manipulator agrees with the DH product.
 
     Attributes:
         name: of the emitter or loader.
         is_simulator: which of them.
         facts: the proof or the loader's report; None where the file was not looked at.
+        position_error: the largest position error [m].
         angle_tolerance: what the angle error may be [rad].
         verdict: ``same arm``, ``other arm``, ``not measured``, or ``differs`` where the transform does not promise
             more; of a simulator that gave no report ``refused`` or ``not installed``.
@@ -47,13 +47,9 @@ class Check:
     name: str
     is_simulator: bool
     facts: Any
+    position_error: float | None
     angle_tolerance: float | None
     verdict: str
-
-    @property
-    def position_error(self) -> float | None:
-        """The largest position error [m]."""
-        return self.facts["position_error"] if self.facts else None
 
 
 def checks(row: ManipulatorEntry) -> Iterator[Check]:
@@ -63,19 +59,14 @@ def checks(row: ManipulatorEntry) -> Iterator[Check]:
         is_simulator = number >= len(row["proof"])
         allowed = (facts["angle_tolerance"] if is_simulator else TOLERANCE) if facts else None
         failed = {"failed": "refused", "missing": "not installed"}.get(facts["verdict"]) if is_simulator else None
-        if not facts or facts["position_error"] is None or facts["tolerance"] is None:
+        error = facts["position_error"] if facts else None
+        if error is None or facts["tolerance"] is None:
             verdict = "not measured"
-        elif facts["position_error"] <= facts["tolerance"] and (facts["angle_error"] or 0.0) <= (allowed or 0.0):
+        elif error <= facts["tolerance"] and (facts["angle_error"] or 0.0) <= (allowed or 0.0):
             verdict = "same arm"
         else:
             verdict = "other arm" if row["keeps_kinematics"] else "differs"
-        yield Check(
-            name=name,
-            is_simulator=is_simulator,
-            facts=facts,
-            angle_tolerance=allowed,
-            verdict=failed or verdict,
-        )
+        yield Check(name, is_simulator, facts, error, allowed, failed or verdict)
 
 
 @dataclass(slots=True)
@@ -110,8 +101,11 @@ class Overview:
 
     Of a long run it keeps what was drawn for a random sample only, which is the same each time.
 
+    Args:
+        most: how many of the first rows to keep.
+        index: what failed and why; it gets the same rows.
+
     Attributes:
-        index: what failed and why.
         count: how many manipulators there are.
         statuses: how many are ok, failed or skipped.
         first: the rows of the first ones.
@@ -123,12 +117,6 @@ class Overview:
     """
 
     def __init__(self, most: int, index: FailureIndex) -> None:
-        """Begin with nothing.
-
-        Args:
-            most: how many of the first rows to keep.
-            index: gets the same rows.
-        """
         self.index = index
         self.count = self.files = self.size = self.remarks = 0
         self.statuses: Counter[str] = Counter()
@@ -153,9 +141,9 @@ class Overview:
             self.first.append(row)
         found = list(checks(row))
         for check in found:
-            self.errors.setdefault(check.name, Errors())
+            errors = self.errors.setdefault(check.name, Errors())
             if check.facts:
-                self.errors[check.name].add(check)
+                errors.add(check)
         if drawn := row["drawn"]:
             self.drawn += [key for key in drawn if key not in self.drawn][: MOST_DRAWN - len(self.drawn)]
             place = self.count - 1

@@ -53,9 +53,12 @@ def reproduction(
         variations: what is drawn.
     """
     paths = list(files)
-    distributions = {call.plugin.distribution for call in recipe.calls if call.plugin}
+    distributions = {call.plugin.distribution.rpartition(" ")[::2] for call in recipe.calls if call.plugin}
     names = ("name", "of", "count", "seed", "sampling")
     drawn: list[Any] = [{name: _plain(getattr(call, name)) for name in names} for call in variations]
+    stages: Any = [
+        {"kind": call.kind, "stage": call.stage.name, "options": plain_options(call)} for call in recipe.calls
+    ]
     return {
         "command": command,
         "inputs": [_input(path) for path in paths[:MOST_INPUTS]],
@@ -64,12 +67,10 @@ def reproduction(
             "dh2urdf": __version__,
             "Python": platform.python_version(),
             "numpy": version("numpy"),
-            **dict(sorted(each.rpartition(" ")[::2] for each in distributions if each.rpartition(" ")[0])),
+            **dict(sorted(each for each in distributions if each[0])),
         },
         "variations": drawn,
-        "stages": [
-            {"kind": call.kind, "stage": call.stage.name, "options": plain_options(call)} for call in recipe.calls
-        ],
+        "stages": stages,
         "joint_vectors": HOW_DRAWN,
         "citation": CITATION,
     }

@@ -6,7 +6,7 @@ All comes from the rows of the manifest, so that a run that was resumed, or made
 from __future__ import annotations
 
 import re
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from dh2urdf.source import Mark
 
@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 
 MOST_NOTICES = 200
 """Different notices of simulators that are counted one by one; the manifest has the others too."""
+_COUNTS = ("of", "passed", "failed", "missing", "not_in_sample", "no_file")
 _QUOTED = re.compile(r"'[^']*'")
 _NUMBER = re.compile(r"[-+]?\b\d[\w.+-]*")
 _SEVERAL = re.compile(r"…(?:(?:, | and )…| …)+")
@@ -26,28 +27,17 @@ _SEVERAL = re.compile(r"…(?:(?:, | and )…| …)+")
 class Verdicts:
     """Gathers what loaders say while the rows of the manifest pass by.
 
+    Args:
+        loaders: the loaders that the run names, and whether each is optional.
+
     Attributes:
         coverage: how many manipulators each loader was given, and what came of it.
     """
 
     def __init__(self, loaders: Mapping[str, bool]) -> None:
-        """Begin with nothing.
-
-        Args:
-            loaders: the loaders that the run names, and whether each is optional.
-        """
+        none: Any = {"simulator": None, **dict.fromkeys(_COUNTS, 0)}
         self.coverage: dict[str, CoverageEntry] = {
-            name: {
-                "simulator": None,
-                "of": 0,
-                "passed": 0,
-                "failed": 0,
-                "missing": 0,
-                "not_in_sample": 0,
-                "no_file": 0,
-                "optional": optional,
-            }
-            for name, optional in loaders.items()
+            name: none | {"optional": optional} for name, optional in loaders.items()
         }
         self._notices: dict[tuple[str, str], SimulatorNotice] = {}
 

@@ -106,7 +106,7 @@ def _emitter(catalog: Catalog, file: Path | None) -> tuple[Any, Annotates]:
     chosen: Any = catalog.emitter_for(file, "choose a name that ends in .srdf") if file else next(iter(able), None)
     if chosen is not None and (annotates := chosen.can(Annotates)):
         return chosen, annotates
-    suffixes = sorted({suffix for each in able for suffix in each.suffixes})
     message = "collision pairs are not written in this format" if file else "no emitter writes collision pairs"
-    accepted = f"a name that ends in {' or '.join(suffixes)}" if suffixes else None
-    raise ConfigError(Problem(message=message, mark=Mark(file=str(file)) if file else None, accepted=accepted))
+    suffixes = sorted({suffix for each in able for suffix in each.suffixes})
+    mark = Mark(file=str(file)) if file else None
+    raise ConfigError(Problem(message=message, mark=mark, accepted=", ".join(suffixes) or None))

@@ -70,8 +70,9 @@ def command(  # noqa: PLR0917 - click hands everything over by name
     robot: str | None,
     edits: tuple[str, ...],
     settings: tuple[str, ...],
-    as_json: bool,  # noqa: FBT001 - click hands flags over so
-    quiet: bool,  # noqa: FBT001
+    *,
+    as_json: bool,
+    quiet: bool,
     **flags: str | None,
 ) -> int:
     """Turn TABLE into a robot description and prove that it is the same arm.
@@ -92,8 +93,7 @@ def command(  # noqa: PLR0917 - click hands everything over by name
     """
     installed = catalog()
     target = None if output is None or output == DASH else Path(output)
-    into_folder = target is not None and (str(output).endswith("/") or is_folder(target))
-    are_several = len(tables) > 1 or into_folder
+    are_several = len(tables) > 1 or (target is not None and (str(output).endswith("/") or is_folder(target)))
     files = _files_of(tables, target, format_name, installed) if are_several else {tables[0]: target}
     plans: dict[Path, Planned | InputError] = {}
     for table, file in files.items():  # Nothing is written before a wrong word is found.
@@ -122,17 +122,18 @@ def command(  # noqa: PLR0917 - click hands everything over by name
     rows: list[ConversionEntry | None] = []
     failed = 0
     for table, planned in plans.items():
+        source = NAME if str(table) == DASH else str(table)
         try:
             if isinstance(planned, InputError):
                 raise planned
-            row = _carry_out(planned, _source(table), as_json=as_json, quiet=quiet)
+            row = _carry_out(planned, source, as_json=as_json, quiet=quiet)
         except (InputError, ManipulatorError) as error:  # It cannot be read, or no description of it can be made.
             if not are_several or isinstance(error, OutputError):
                 raise
-            click.echo("\n".join(map(printable, str(error).splitlines())), err=True)
             from dh2urdf.conversion.outcome import kind_of
 
-            row = failed_row(_source(table), kind_of(error), error)
+            click.echo("\n".join(map(printable, str(error).splitlines())), err=True)
+            row = failed_row(source, kind_of(error), error)
             failed += 1
         rows.append(row)
     if failed:
@@ -147,15 +148,12 @@ def command(  # noqa: PLR0917 - click hands everything over by name
 def _carry_out(planned: Planned, source: str, *, as_json: bool, quiet: bool) -> ConversionEntry | None:
     """Convert a table, say what became of it, and print the description where it is asked for; its row for --json."""
     made = planned.carry_out(lambda notices: None if quiet else print_notices(notices))
-    file = planned.target
+    file, in_folders = planned.target, any("/" in name for name in made.files)
     if file is None and not as_json:
         answer(made.written[0].files[0].content, nl=False)
     if not quiet:
         click.echo(closing_line(made, "standard output" if file is None else str(file)), err=True)
-    if not as_json:
-        return None
-    in_folders = any("/" in name for name in made.files)
-    return conversion_row(made, source, file if file is None or in_folders else file.parent)
+    return conversion_row(made, source, file if file is None or in_folders else file.parent) if as_json else None
 
 
 def _files_of(
@@ -168,35 +166,29 @@ def _files_of(
         UnknownStageError: there is no such emitter.
     """
     emitter = catalog.get("emitter", format_name) if format_name else catalog.usual("emitter")
-    problems: list[Problem] = []
-
-    def refuse(message: str, accepted: str) -> None:
-        problems.append(Problem(message=message, mark=COMMAND_LINE, accepted=accepted))
-
+    suffix = (*emitter.suffixes, "")[0]
     if folder is None or (is_there(folder) and not is_folder(folder)):
         wrong = f"{len(tables)} tables go into a folder" + (f", and {shown(str(folder))} is a file" if folder else "")
-        refuse(wrong, "-o FOLDER, with any name")
-    elif emitter.suffixes and not is_folder(folder) and folder.name.lower().endswith(emitter.suffixes):
+        raise ConfigError(Problem(message=wrong, mark=COMMAND_LINE, accepted="-o FOLDER, with any name"))
+    if emitter.suffixes and not is_folder(folder) and folder.name.lower().endswith(emitter.suffixes):
         wrong = f"-o {shown(str(folder))} names one file, and there are {len(tables)} tables"
-        refuse(wrong, f"-o FOLDER, such as -o {folder.stem}")
-    suffix = emitter.suffixes[0] if emitter.suffixes else ""
+        accepted = f"-o FOLDER, such as -o {folder.stem}"
+        raise ConfigError(Problem(message=wrong, mark=COMMAND_LINE, accepted=accepted))
     files: dict[Path, Path | None] = {}
     taken: dict[str, Path] = {}
-    for table in () if folder is None or problems else tables:
+    problems = []
+    for table in tables:
         stem = STEM if str(table) == DASH else safe_stem(table.stem)
         first = taken.setdefault(normalize("NFC", stem).casefold(), table)  # as on file systems that ignore case
         if table in files or first != table:
             both = f"and {shown(str(first))} would both become {stem}{suffix}"
             wrong = f"{shown(str(table))} {'is given twice' if table in files else both}"
-            refuse(wrong, "tables whose names differ in more than their folder, their suffix and their case")
+            accepted = "tables whose names differ in more than their folder, their suffix and their case"
+            problems.append(Problem(message=wrong, mark=COMMAND_LINE, accepted=accepted))
         files[table] = folder if emitter.can(WritesFolders) else Path(str(folder), f"{stem}{suffix}")
     if problems:
         raise ConfigError(problems)
     return files
-
-
-def _source(table: Path) -> str:
-    return NAME if str(table) == DASH else str(table)
 
 
 def print_notices(notices: Sequence[Problem]) -> None:

@@ -118,7 +118,7 @@ def test_meshes_are_found_in_packages(cli: Cli, tmp_path: Path) -> None:
     ("words", "message"),
     [
         (("collisions", "two.urdf", "two.urdf"), "2 files are given, and this command takes one"),
-        (("collisions", "two.urdf", "-o", "out.urdf"), "accepted: a name that ends in .srdf"),
+        (("collisions", "two.urdf", "-o", "out.urdf"), "accepted: .srdf"),
         (("collisions", "two.urdf", "-o", "two.urdf"), "two.urdf"),
         (("collisions", "two.urdf", "far:=1"), "a URDF has no macros and takes no arguments"),
     ],

@@ -84,7 +84,7 @@ def whole_tables(
     text = text.strip("\r\n")
     if text.lstrip().startswith("<"):
         return _NO_TABLE
-    if not re.search(r"[\r\n]|^\s*[\[{]|\\begin", text):
+    if not re.search(r"[\r\n]|^\s*(?:- )?[\[{]|\\begin", text):
         return ()
     unread: tuple[Opened, ...] | str = ()
     for options in _declared(units):

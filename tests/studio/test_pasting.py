@@ -140,7 +140,7 @@ def test_cells_have_no_header(text: str, catalog: Catalog) -> None:
         "DH table, lengths in mm\n100 0 0.2\n300 0 0\n",
         "Modified convention, in mm:\n\n| 100 | 0 | 0 |\n| 300 | 0 | 0 |\n",
         r"\caption{In mm}\begin{tabular}{ccc} 100 & 0 & 0 \\ 300 & 0 & 0 \\ \end{tabular}",
-        "- {a: 0.1, alpha: 0, d: 0, unknown: 1}\n- {a: 0.3, alpha: 0, d: 0}\n",
+        "- {a: 0.1, alpha: 0, d: 0, unknown: 1 m}\n- {a: 0.3, alpha: 0, d: 0}\n",
         '<robot name="arm">\n  <link name="base_link"/>\n</robot>',
     ],
 )

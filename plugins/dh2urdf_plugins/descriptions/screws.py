@@ -27,7 +27,7 @@ from dh2urdf.stages import Rejected
 from dh2urdf.table_text import REQUIRED
 from dh2urdf_plugins.descriptions.description import Description
 from dh2urdf_plugins.formats.xml_files import LARGEST
-from dh2urdf_plugins.readers.sources.yaml_reading import read_table
+from dh2urdf_plugins.readers.sources.documents import read_table
 from dh2urdf_plugins.readers.statements.placements import (
     MORE_DIGITS,
     NEARLY_ORTHONORMAL,

@@ -30,7 +30,7 @@ def read(path: Path, options: TableOptions, trace: Trace | None = None) -> Itera
     Raises:
         TableError: the file is no YAML document, or one that holds no table.
     """
-    from dh2urdf_plugins.readers.sources.yaml_reading import read_documents
+    from dh2urdf_plugins.readers.sources.documents import read_documents
 
     return read_documents(path, options, trace)
 

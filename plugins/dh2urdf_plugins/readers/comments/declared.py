@@ -61,7 +61,7 @@ _MEANT = {
     "units": "unitsystem measurementunits",
     "name": "robot manipulator model arm robotname manipulatorname modelname armname",
 }
-_MEANT_BY = {word: key for key, words in _MEANT.items() for word in words.split()}
+MEANT_BY = {word: key for key, words in _MEANT.items() for word in words.split()}
 """Keys that say what a statement says under another name, without case and separators."""
 _PLACED = {
     "tool": "tool tools tcp ee eef flange gripper hand effector endeffector werkzeug flansch greifer endeffektor outil "
@@ -257,7 +257,7 @@ def _refuse_unread(comment: Comment) -> None:
         return
     key, value = plain_key(entry[1]), entry[2].strip()
     is_structured = re.match(_STRUCTURED, value) is not None
-    meant = _MEANT_BY.get(key) or (key if key in STATEMENTS else placement_of(entry[1]))
+    meant = MEANT_BY.get(key) or (key if key in STATEMENTS else placement_of(entry[1]))
     if meant and (is_structured or is_number(value) or meant in ("units", "name")):
         advice = EXAMPLES.get(meant)
         _refuse(

@@ -60,7 +60,7 @@ def read_file_columns(
 
     form, lines = _form_of(path)
     if form == "yaml":
-        from dh2urdf_plugins.readers.sources.yaml_reading import read_documents
+        from dh2urdf_plugins.readers.sources.documents import read_documents
 
         yield from read_documents(path, options, trace)
         return

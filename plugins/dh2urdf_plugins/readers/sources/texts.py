@@ -36,6 +36,7 @@ _BAR_RULE = r"[\s|+:=-]+"
 """A line below the header of a table of Markdown, or between its rows."""
 _KEY = r"\s*(?:- +|\? +)?[\"']?[^\W\d][\w .()-]{0,40}[\"']?\s*:(?:\s|$)|\s*-(?:\s|$)|\s*[\]}{]"
 """A line of YAML."""
+_KEY_OF_LIST = r"\s*[\w -]{1,40}:\s*[\[{]"
 _ENVIRONMENT = r"\\begin\{(tabular[*xy]?|longtable|tblr|array|[bpvBV]?matrix)\}"
 _COMMAND = r"\\(?:begin|end|label|vspace|small|centering|caption)\b(?:\[[^\]]*\])?(?:\{\w*[:\w]*\})?"
 _RULE = r"\\(?:(?:top|mid|bottom)rule|hline|c(?:mid)?(?:rule|line)(?:\([^)]*\))?\{[^}]*\})|(?<!\\)%.*"
@@ -85,7 +86,11 @@ def form_of(lines: Sequence[str]) -> str:  # noqa: PLR0911 - one for each form
     start = text.lstrip()[:80]
     if re.match(r"---(\s|$)|\{\s*[\"'\w]|\[\s*\{\s*[\"'A-Za-z_]", start):
         return "yaml"
-    if any(map(delimiter_of, plain)) or any(line.count('"') % 2 for line in plain):
+    if any(delimiter_of(line) for line in plain if not re.match(_KEY_OF_LIST, line)) or any(
+        line.count('"') % 2 for line in plain
+    ):
+        return "csv"
+    if plain and _has_delimiters(plain) and any(delimiter_of(line) for line in some if line not in plain):
         return "csv"
     if 2 * sum(map(bool, map(re.compile(_KEY).match, plain))) > len(plain):
         return "yaml"

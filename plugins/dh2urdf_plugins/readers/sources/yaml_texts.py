@@ -12,8 +12,7 @@ from dh2urdf.row_fields import COM, INERTIA
 from dh2urdf.table_text import MESHES, TableText, WrittenTable
 from dh2urdf.table_text.texts import yaml_word
 from dh2urdf_plugins.readers.header.words import read_header
-from dh2urdf_plugins.readers.sources.yaml_forms import with_full_names
-from dh2urdf_plugins.readers.tables.cell_groups import GroupError, split_cell
+from dh2urdf_plugins.readers.tables.cell_groups import PARTS, GroupError, split_cell
 from dh2urdf_plugins.readers.words.table_words import statements_of, units_text
 
 if TYPE_CHECKING:
@@ -106,7 +105,7 @@ def _texts(joint: Node) -> Iterator[tuple[str, str]]:
     for key, node in joint.value.items() if isinstance(joint.value, dict) else ():
         field = read_header(key).field
         if field and field.parts:
-            yield from _parts(field, with_full_names(node))
+            yield from _parts(field, node)
         elif field and node.text is not None:
             yield field.name, node.text if node.value is not None else ""
 
@@ -115,7 +114,8 @@ def _parts(field: Field, node: Node) -> Iterator[tuple[str, str]]:
     """The texts of several fields at once, which are a mapping, a list, or a text as in a cell of CSV."""
     if isinstance(node.value, dict):
         names = _GROUPS.get(field.name, field.parts)
-        yield from ((name, inner.text or "") for name, inner in node.value.items() if name in names)
+        named = ((PARTS.get(key, key), inner) for key, inner in node.value.items())
+        yield from ((name, inner.text or "") for name, inner in named if name in names)
     elif isinstance(node.value, list):
         if len(node.value) == len(field.parts):
             yield from zip(field.parts, (inner.text or "" for inner in node.value), strict=True)

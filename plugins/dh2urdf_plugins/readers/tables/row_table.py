@@ -275,7 +275,7 @@ class RowTable:
     def _read_with_care(
         self, rows: Rows, table_cells: TableCells, trace: Trace | None = None
     ) -> Manipulator | Rejected:
-        reader = RowReader(self.units, type_is_given=self.has_type, traced=trace is not None)
+        reader = RowReader(self.units, type_is_given=self.has_type and not self.one, traced=trace is not None)
         for notice in self.notices:
             reader.add(notice)
         mark = self._mark(rows.keys[0]) if rows.keys and not self.one else self.whole
@@ -309,6 +309,8 @@ class RowTable:
                 for problem in problems:
                     reader.add(problem)
             elif cells := table_cells.read(row, self.source.marks(key, texts), number, reader):
+                if self.one:  # what a record does not have is not empty
+                    cells = {name: cell for name, cell in cells.items() if cell.text or cell.mark is not mark}
                 if (robot := cells.pop("robot", None)) and not robot.text and rows.name:
                     reader.add(_nameless(robot, rows.name, number))
                 if convention := cells.pop("convention", None):

@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
 from dh2urdf.manipulator import JointType
 from dh2urdf.output import write_whole
-from dh2urdf.robot import Box, Cylinder, Geometry, Link, Mesh, Sphere
+from dh2urdf.robot import Box, Cylinder, Link, Mesh, Sphere
 from dh2urdf.rotations import RigidTransform, Vec3
-from dh2urdf_plugins.loaders.measures import clipped
+from dh2urdf_plugins.loaders.measures import clipped, vector
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -107,12 +107,7 @@ def best_view(robot: Robot, frames_at: Callable[[JointVector], Frames]) -> View:
     distance = max(distance * _BORDER, 1e-3)
     eye, target = camera.T @ (middle + np.array((0.0, 0.0, distance))), camera.T @ middle
     low, high = points.min(axis=0), points.max(axis=0)
-    return View(q, _vector(eye), _vector(target), distance, _vector(low), _vector(high))
-
-
-def _vector(array: Any) -> Vec3:  # noqa: ANN401 - an array of shape (3,)
-    x, y, z = map(float, array)
-    return (x, y, z)
+    return View(q, vector(eye), vector(target), distance, vector(low), vector(high))
 
 
 def _poses(robot: Robot) -> list[JointVector]:
@@ -121,18 +116,18 @@ def _poses(robot: Robot) -> list[JointVector]:
     Rails are drawn half way out. All are inside the limits.
     """
     joints = robot.moving_joints
+
+    def bent(joint: Joint, bend: float) -> float:
+        lower, upper = joint.limits.lower, joint.limits.upper
+        if joint.type is JointType.PRISMATIC and lower is not None and upper is not None:
+            return (lower + upper) / 2
+        return clipped(joint, bend)
+
     return [
-        tuple(_bent(joint, bend * sides[number % len(sides)]) for number, joint in enumerate(joints))
+        tuple(bent(joint, bend * sides[number % len(sides)]) for number, joint in enumerate(joints))
         for bend in _BENDS
         for sides in product((1, -1), repeat=min(len(joints), _BENT_JOINTS))
     ]
-
-
-def _bent(joint: Joint, bend: float) -> float:
-    lower, upper = joint.limits.lower, joint.limits.upper
-    if joint.type is JointType.PRISMATIC and lower is not None and upper is not None:
-        return (lower + upper) / 2
-    return clipped(joint, bend)
 
 
 def _corners(link: Link) -> Any:  # noqa: ANN401 - an array of shape (n, 3)
@@ -144,22 +139,18 @@ def _corners(link: Link) -> Any:  # noqa: ANN401 - an array of shape (n, 3)
         if isinstance(shape.geometry, Mesh):  # It probably reaches from the link's origin to somewhere.
             points.append(np.zeros((1, 3)))
         rotation, translation = shape.origin.transform
-        ends = np.array([*product((-1.0, 1.0), repeat=3)]) * _half_size(shape.geometry)
+        match shape.geometry:
+            case Box(size=(x, y, z)):
+                half = (x / 2, y / 2, z / 2)
+            case Cylinder(radius=radius, length=length):
+                half = (radius, radius, length / 2)
+            case Sphere(radius=radius):
+                half = (radius, radius, radius)
+            case _:  # a mesh, whose size only its file says
+                half = (0.0, 0.0, 0.0)
+        ends = np.array([*product((-1.0, 1.0), repeat=3)]) * half
         points.append(ends @ np.reshape(rotation, (3, 3)).T + translation)
     return np.concatenate(points)
-
-
-def _half_size(geometry: Geometry) -> Vec3:
-    """Half the edges of the box that encloses a shape [m]; a mesh, whose size only its file says, counts as a point."""
-    match geometry:
-        case Box(size=(x, y, z)):
-            return (x / 2, y / 2, z / 2)
-        case Cylinder(radius=radius, length=length):
-            return (radius, radius, length / 2)
-        case Sphere(radius=radius):
-            return (radius, radius, radius)
-        case _:
-            return (0.0, 0.0, 0.0)
 
 
 def write_png(image: Any, path: Path) -> None:  # noqa: ANN401 - an image of Pillow

@@ -24,16 +24,10 @@ if TYPE_CHECKING:
 
 Value: TypeAlias = Any
 """What an expression comes to."""
-MAX_EXPRESSION = 20_000
-"""Characters of an expression."""
-MAX_SIZE = 1_000_000
-"""Size of a value: its elements, characters and bits together, at all depths."""
-MAX_BITS = 8192
-"""Bits of a whole number."""
-MAX_ARGUMENT = 1000
-"""Width of a text, digits to round to, and argument of a factorial or its relatives."""
-MAX_WORK = 5_000_000
-"""Steps of all expressions and macros of a file, and sizes of the values that they make."""
+MAX_EXPRESSION, MAX_BITS, MAX_ARGUMENT = 20_000, 8192, 1000
+"""Characters of an expression; bits of a whole number; width, digits to round to, and argument of a factorial."""
+MAX_SIZE, MAX_WORK = 1_000_000, 5_000_000
+"""Elements, characters and bits of a value at all depths; and of all values of a file, with the steps to make them."""
 
 _ATTRIBUTES: dict[Value, str] = {
     str: "capitalize casefold center count endswith find format index isalnum isalpha isascii isdecimal isdigit "
@@ -48,7 +42,8 @@ _ATTRIBUTES: dict[Value, str] = {
     range: "count index start step stop",
 }
 """What an expression may ask of data; `pop` is the one thing that changes any, and makes it smaller."""
-_PERCENT = re.compile(r"%(?:\([^)]*\))?[-+ #0]*(\*|[0-9]*)(?:\.(\*|[0-9]*))?[hlL]?[a-zA-Z%]")
+_GROWING = {"center", "join", "ljust", "replace", "rjust", "zfill"}
+"""Methods whose result is at most as large as the product of the sizes of text and arguments."""
 
 
 class ExpressionError(Exception):
@@ -132,12 +127,23 @@ def _attribute(value: Value, name: str, work: Work) -> Value:
     """A method of data, or an entry whose name follows a dot; any other attribute is an `ExpressionError`."""
     for kind, names in _ATTRIBUTES.items():
         if isinstance(value, kind) and name in names.split():
-            found = partial(_METHODS[name], work, value) if name in _METHODS else getattr(value, name)
+            found = getattr(value, name)
+            if isinstance(value, str) and name == "format":
+                found = partial(_Formatter(work).format, value)
+            elif isinstance(value, str) and name in _GROWING:
+                found = partial(_grown, name, value)
             return Function(work, "", found) if callable(found) else found
     is_entry = isinstance(value, Namespace) and name not in dir(value.table)
     if is_entry or (isinstance(value, xacro.YamlDictWrapper) and name not in dir(dict)):
         return value[name]
     raise ExpressionError(f"the attribute {name!r} of a {type(value).__name__} is refused")
+
+
+def _grown(name: str, text: str, *args: Value) -> Value:
+    args = tuple(list(arg) if isinstance(arg, Iterator) else arg for arg in args)
+    sizes = [abs(each) if isinstance(each, int) else len(each) for each in (text, *args)]
+    bounded(math.prod(1 + size for size in sizes), MAX_SIZE, "a size")
+    return getattr(text, name)(*args)
 
 
 class _Formatter(string.Formatter):
@@ -157,7 +163,7 @@ class _Formatter(string.Formatter):
         return str(self._work.made(format(value, format_spec)))
 
 
-# --- Functions, methods and operators that need a bound before they work ----------------------------------------------
+# --- Functions and operators that need a bound before they work -------------------------------------------------------
 
 
 def _product(left: Value, right: Value) -> Value:
@@ -175,9 +181,12 @@ def _power(base: Value, exponent: Value) -> Value:
 
 def _remainder(left: Value, right: Value) -> Value:
     if isinstance(left, str):
-        fields = list(_PERCENT.finditer(left))
-        for width in (width for field in fields for width in field.groups() if width):
-            bounded(math.inf if width == "*" else int(width), MAX_ARGUMENT, "a width")
+        fields = re.findall(r"%(\([^)]*\))?([-+ #0-9.*]*)", left)
+        for key, flags in fields:
+            if "(" in key[1:]:
+                raise ExpressionError("a key with parentheses is refused in a format")
+            for width in re.findall(r"[0-9]+|\*", flags):
+                bounded(math.inf if width == "*" else int(width), MAX_ARGUMENT, "a width")
         bounded(len(fields) * len(str(right)), MAX_SIZE, "a size")  # a mapping may fill in a value many times
     return left % right
 
@@ -196,21 +205,6 @@ def _tokenize(text: str, sep: str = ",; ", *skip_empty: bool) -> Value:
     return xacro.tokenize(text, sep, *skip_empty)
 
 
-def _joined(_work: Work, text: str, parts: Iterable[str]) -> str:
-    parts = list(parts)
-    bounded(sum(map(len, parts)) + len(text) * len(parts), MAX_SIZE, "a size")
-    return text.join(parts)
-
-
-def _replaced(_work: Work, text: str, old: str, new: str, *count: int) -> str:
-    bounded(len(text) + text.count(old) * len(new), MAX_SIZE, "a size")
-    return text.replace(old, new, *count)
-
-
-def _filled(how: str, _work: Work, text: str, width: int, *fill: str) -> Value:
-    return getattr(text, how)(bounded(width, MAX_ARGUMENT, "a width"), *fill)
-
-
 _OWN: dict[str, Callable[..., Value]] = {
     "range": lambda *ends: range(*ends)[: bounded(len(range(*ends)), MAX_SIZE, "a range")],
     "round": lambda number, digits=None: round(number, digits and _of_small(int, digits)),
@@ -223,12 +217,6 @@ _OWN: dict[str, Callable[..., Value]] = {
     "tokenize": _tokenize,
 }
 """What takes the place of functions of xacro, by name."""
-_METHODS: dict[str, Callable[..., Value]] = {
-    **{how: partial(_filled, how) for how in ("center", "ljust", "rjust", "zfill")},
-    "join": _joined,
-    "replace": _replaced,
-    "format": lambda work, text, *args, **named: _Formatter(work).format(text, *args, **named),
-}
 _PYTHONS = (
     "Add:add Sub:sub Div:truediv FloorDiv:floordiv MatMult:matmul RShift:rshift BitOr:or_ BitAnd:and_ BitXor:xor "
     "Not:not_ USub:neg UAdd:pos Invert:invert Eq:eq NotEq:ne Lt:lt LtE:le Gt:gt GtE:ge Is:is_ IsNot:is_not"
@@ -290,9 +278,9 @@ class _Scope:
                 return value(of)[value(index)]
             case ast.Call(called, args, keywords):
                 function, given = value(called), self._items(args)
-                named: Value = {word.arg: value(word.value) for word in keywords}
                 if not isinstance(function, Function):
                     raise ExpressionError(f"calling {type(function).__name__!r} is refused")
+                named: Value = {word.arg: value(word.value) for word in keywords}
                 return function(*given, **named)
             case ast.Lambda(parameters, body):
                 return self._function(parameters, body)

@@ -8,7 +8,7 @@ import pytest
 
 from dh2urdf.errors import LoaderError
 from dh2urdf.isolation.loads import load_in_child
-from dh2urdf_plugins.loaders.drake.loader import load, read_output
+from dh2urdf_plugins.loaders.drake.loader import load
 from dh2urdf_plugins.loaders.simulators import LOADERS, SimulatorOptions
 
 LOADER = next(each for each in LOADERS if each.name == "drake")
@@ -66,39 +66,6 @@ def test_joint_without_actuator_is_a_finding(request_for: Any, planar: Any) -> N
     )
 
 
-@pytest.mark.parametrize(
-    ("written", "instead", "message"),
-    [
-        ('name="elbow"', 'name="shoulder"', "names must be unique"),
-        ('name="hand"', 'name="slider"', "names must be unique"),
-        ('lower="-2" upper="2.5"', 'lower="2.5" upper="-2"', "pos_lower_limits.* failed"),  # SystemExit
-        ('<axis xyz="0 1 0"/>', '<axis xyz="0 0 0"/>', "line 26: .*axis is zero"),
-        ('size="0.4 0.06 0.06"', 'size="0.4 0 0.06"', "Box.* failed"),
-        ("</robot>", '<link name="second_root"/>\n</robot>', "cannot simulate the arm: .*second_root"),
-        ('<parent link="base_link_inertia"/>', '<parent link="hand"/>', "loops"),
-        ("</robot>", "", "line .*Failed to parse XML"),
-        ('<box size="0.4 0.06 0.06"/>', '<mesh filename="nowhere.obj"/>', "nowhere.obj.*does not exist"),
-    ],
-)
-def test_bad_file_is_refused_with_a_reason(
-    request_for: Any, planar: Any, *, written: str, instead: str, message: str
-) -> None:
-    """What Drake raises, and what makes it leave the interpreter, is an error in Drake's own words."""
-    assert written in planar.urdf
-    with pytest.raises(LoaderError, match=message):
-        raise refusal(request_for(planar.urdf.replace(written, instead)))
-
-
-def test_error_is_followed_by_what_was_logged(request_for: Any, planar: Any) -> None:
-    """An impossible inertia, that Drake zeroes, is refused, and its own words about it follow."""
-    with pytest.raises(LoaderError) as caught:
-        run(request_for(planar.urdf.replace('iyy="0.03"', 'iyy="0.3"')))
-    first, logged = caught.value.problems
-    assert "another inertia" in first.message
-    assert logged.message.startswith("Drake printed 'line 30: warning: While parsing inertia matrix")
-    assert "CouldBePhysicallyValid" in logged.message
-
-
 def test_arm_without_effort_falls(request_for: Any, planar: Any) -> None:
     """A joint whose effort is 0 has no motor in the hold test; Drake takes no actuator without effort."""
     joints = tuple(replace(joint, limits=replace(joint.limits, effort=0.0)) for joint in planar.robot.joints)
@@ -111,24 +78,3 @@ def test_friction_is_a_finding(request_for: Any, planar: Any) -> None:
     text = planar.urdf.replace('<axis xyz="0 1 0"/>', '<axis xyz="0 1 0"/>\n<dynamics friction="0.1"/>', 1)
     (message,) = surprises(run(request_for(text)))
     assert message.startswith("Drake printed 'line 27: warning: A joint has specified a non-zero value for")
-
-
-def test_output_is_told_by_message(request_for: Any) -> None:
-    """A logged message is one finding though it has many lines; each comes once, errors keep their severity."""
-    path = request_for().path.resolve()
-    output = (
-        f"Drake logged WARNING: {path}:30: warning: the inertia\n [1 2 3]\nis impossible\n"
-        f"Drake logged WARNING: {path}:30: warning: the inertia\n [1 2 3]\nis impossible\n"
-        "Drake logged ERROR: worse\n"
-    )
-    found = [(problem.severity, problem.message) for problem in read_output(request_for(), output)]
-    assert found == [
-        ("notice", "Drake printed 'line 30: warning: the inertia [1 2 3] is impossible'"),
-        ("error", "Drake printed 'worse'"),
-    ]
-
-
-def test_bare_line_is_a_finding(request_for: Any) -> None:
-    """What was printed past the logger is a finding too, line by line."""
-    found = [problem.message for problem in read_output(request_for(), "one\n\ntwo\n")]
-    assert found == ["Drake printed 'one'", "Drake printed 'two'"]

@@ -15,7 +15,7 @@ from dh2urdf.isolation.loads import load_in_child
 from dh2urdf.kinematics import KinematicChain
 from dh2urdf.robot import Link, Origin
 from dh2urdf_plugins.loaders.gazebo import loader as gazebo
-from dh2urdf_plugins.loaders.gazebo.loader import find_command, load, precision, read_output, require
+from dh2urdf_plugins.loaders.gazebo.loader import find_command, load, precision, require
 from dh2urdf_plugins.loaders.simulators import LOADERS, SimulatorOptions
 
 if TYPE_CHECKING:
@@ -86,51 +86,11 @@ def test_lumped_masses_are_those_of_all_parts(request_for: Any, planar: Any) -> 
 TURNED = '    <origin xyz="0 0.1 0" rpy="0.3 0 0"/>\n    '
 
 
-@pytest.mark.parametrize(
-    ("written", "instead", "messages"),
-    [
-        ('name="elbow"', 'name="shoulder"', ["cannot convert", "'shoulder' is not unique"]),
-        ('lower="-2" upper="2" effort="30"', 'lower="-2" upper="2"', ["cannot convert", "no effort"]),
-        ('iyy="0.03"', 'iyy="0.3"', ["finds the file invalid", "upper_arm has invalid inertia"]),
-        ('<axis xyz="0 1 0"/>', '<axis xyz="0 0 0"/>', ["finds the file invalid", "norm of the xyz vector"]),
-        ('name="elbow"', 'name="forearm"', ["finds the file invalid", "name collision"]),
-        ("</robot>", '<link name="other"/>\n</robot>', ["cannot convert", "Two root links"]),
-        ("</robot>", "", ["cannot convert", "Error parsing XML"]),
-        # What it drops in silence, with all that hangs on it:
-        ('<mass value="1"/>', '<mass value="0"/>', ["lost the joint", "lost the link 'forearm'", "'slider'", "'hand'"]),
-        ('<parent link="base_link_inertia"/>', '<parent link="hand"/>', ["lost the joint"]),
-    ],
-)
-def test_bad_file_is_refused_with_a_reason(
-    request_for: Any, planar: Any, *, written: str, instead: str, messages: list[str]
-) -> None:
-    """What sdformat refuses, and what it loses, is an error; what it printed follows."""
-    assert written in planar.urdf
-    text = str(refusal(request_for(planar.urdf.replace(written, instead))))
-    assert [message for message in messages if message not in text] == []
-    assert "\x1b" not in text
-
-
 def test_warning_is_a_finding(request_for: Any, planar: Any) -> None:
     """What sdformat warns of and fixes, such as swapped limits, is a finding: others may not fix it."""
     text = planar.urdf.replace('lower="-2" upper="2.5"', 'lower="2.5" upper="-2"')
     (message,) = surprises(run(request_for(text)))
     assert re.fullmatch(r"sdformat printed 'Warning .*\[shoulder\] with limits: .*switching the two\.'", message)
-
-
-def test_messages_are_told_once() -> None:
-    """A message with its indented lines is one finding, without colours, and what `ign` declares itself is none."""
-    request: Any = type("Request", (), {"robot": type("Robot", (), {"name": "arm"})})
-    output = (
-        "Library error: libignition-tools-backward.so not found. Improved backtrace generation will be disabled\n"
-        "Error:   link 'a' is not unique.\n         at line 178 in ./urdf_parser/src/model.cpp\n"
-        "\x1b[1;33mWarning [Utils.cc:130]\x1b[0m unused\n"
-        "\x1b[1;33mWarning [Utils.cc:130]\x1b[0m unused\n"
-    )
-    assert [(problem.severity, problem.message) for problem in read_output(request, output)] == [
-        ("error", "sdformat printed 'Error:   link 'a' is not unique. at line 178 in ./urdf_parser/src/model.cpp'"),
-        ("notice", "sdformat printed 'Warning [Utils.cc:130] unused'"),
-    ]
 
 
 @pytest.mark.parametrize("name", ["rtb_Panda", "rtb_Stanford", "threelink3d_oblique"])

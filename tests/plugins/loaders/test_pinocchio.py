@@ -9,7 +9,7 @@ import pytest
 from dh2urdf.errors import LoaderError
 from dh2urdf.isolation.loads import load_in_child
 from dh2urdf_plugins.loaders.pinocchio import loader as pinocchio_loader
-from dh2urdf_plugins.loaders.pinocchio.loader import load, read_output
+from dh2urdf_plugins.loaders.pinocchio.loader import load
 from dh2urdf_plugins.loaders.simulators import LOADERS, SimulatorOptions
 
 LOADER = next(each for each in LOADERS if each.name == "pinocchio")
@@ -31,36 +31,6 @@ def refusal(request: LoadRequest) -> LoaderError:
     with pytest.raises(LoaderError) as caught:
         run(request)
     return caught.value
-
-
-@pytest.mark.parametrize(
-    ("written", "instead", "said"),
-    [
-        ('<limit lower="-2" upper="2.5" effort="60" velocity="3"/>', "", "does not specify limits"),
-        (' effort="60"', "", "no effort"),
-        ('name="elbow"', 'name="shoulder"', "is not unique"),
-        ('<link name="hand">', '<link name="slider">', "is not unique"),
-        ("</robot>", '<link name="other"/></robot>', "Two root links"),
-        ("<robot ", "<", "XML"),
-    ],
-)
-def test_what_the_parser_prints_of_a_faulty_file_is_repeated(
-    request_for: Any, planar: Any, written: str, instead: str, said: str
-) -> None:
-    """A file that Pinocchio refuses fails with the reason, which stands only in what its parser prints."""
-    assert written in planar.urdf
-    error = refusal(request_for(planar.urdf.replace(written, instead, 1)))
-    assert error.problems[0].message == "Pinocchio cannot load the file"
-    assert any(said in problem.message for problem in error.problems[1:]), str(error)
-
-
-def test_error_that_is_only_printed_is_a_finding(request_for: Any, planar: Any) -> None:
-    """Pinocchio loads a file with an inertial that it could not read: the parser's error is told with the difference."""
-    inertia = '<inertia ixx="0.004" ixy="0.0003" ixz="0.0001" iyy="0.03" iyz="-0.0002" izz="0.031"/>'
-    assert inertia in planar.urdf
-    messages = [problem.message for problem in refusal(request_for(planar.urdf.replace(inertia, ""))).problems]
-    assert any("another inertia of the link 'upper_arm'" in message for message in messages)
-    assert any("Pinocchio printed 'Inertial element must have inertia element'" in message for message in messages)
 
 
 # Stretched out along x with the rail at 0.05 m, gravity asks of the shoulder [N·m]:
@@ -103,16 +73,3 @@ def test_arm_too_long_for_its_memory_is_weighed_only(request_for: Any, monkeypat
     assert (report.position_error, report.hold) == (None, {})
     (finding,) = report.findings
     assert (finding.severity, finding.found) == ("notice", "4 moving joints")
-
-
-def test_warnings_and_errors_are_findings(request_for: Any) -> None:
-    """What the parser calls a warning is a notice, what it calls an error is one; each is told once."""
-    output = (
-        "Warning: link 'a' material 'x' undefined.\n         at line 63 in urdf_parser/src/model.cpp\n"
-        "Error:   joint 'b' is not unique.\n         at line 231 in urdf_parser/src/model.cpp\n"
-    )
-    findings = read_output(request_for(), output * 2)
-    assert [(finding.severity, finding.message) for finding in findings] == [
-        ("notice", "Pinocchio printed 'link 'a' material 'x' undefined.'"),
-        ("error", "Pinocchio printed 'joint 'b' is not unique.'"),
-    ]

@@ -9,7 +9,7 @@ from dh2urdf.errors import CrashError, LoaderError
 from dh2urdf.isolation.loads import load_in_child
 from dh2urdf.manipulator import Inertia, JointType, Limits
 from dh2urdf.robot import Inertial, Joint, Link, Robot
-from dh2urdf_plugins.loaders.pybullet.loader import load, read_output
+from dh2urdf_plugins.loaders.pybullet.loader import load
 from dh2urdf_plugins.loaders.simulators import LOADERS, PyBulletOptions
 
 LOADER = next(each for each in LOADERS if each.name == "pybullet")
@@ -64,16 +64,6 @@ def test_crash_is_reported(request_for: Any, planar: Any) -> None:
     """A duplicate joint name, on which PyBullet crashes, fails this manipulator with a sentence."""
     error = refusal(request_for(planar.urdf.replace('name="elbow"', 'name="shoulder"')))
     assert "the loader 'pybullet' crashed (segmentation fault)" in str(error)
-
-
-def test_unloadable_file_tells_what_was_printed(request_for: Any, planar: Any) -> None:
-    """Where PyBullet refuses a file, what it printed through C follows: the reason stands only there."""
-    error = refusal(request_for(planar.urdf.replace('<limit lower="-2" upper="2" effort="30" velocity="3"/>', "")))
-    assert [problem.message for problem in error.problems] == [
-        "PyBullet cannot load the file",
-        "PyBullet printed 'Joint is of type REVOLUTE but it does not specify limits: elbow'",
-        "PyBullet printed 'joint xml is not initialized correctly'",
-    ]
 
 
 def test_picture_shows_the_arm(request_for: Any, tmp_path: Path) -> None:
@@ -149,37 +139,6 @@ def test_arm_without_joints_is_confirmed(request_for: Any) -> None:
     identity = (1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0)
     report = run(request_for(urdf, robot, poses=((),), expected={"tool0": (identity,)}))
     assert (report.position_error, report.joints, report.hold, report.findings) == (0.0, (), {}, ())
-
-
-def test_output_of_a_good_file_has_no_findings(request_for: Any) -> None:
-    """The build time, and the one expected message, about the empty root, are no findings."""
-    output = (
-        "pybullet build time: Jan 29 2025 23:17:20\n"
-        "b3Warning[examples/Importers/ImportURDFDemo/BulletUrdfImporter.cpp,126]:\n"
-        "No inertial data for link, using mass=1, localinertiadiagonal = 1,1,1, identity local inertial frame"
-        "b3Warning[examples/Importers/ImportURDFDemo/BulletUrdfImporter.cpp,126]:\nbase_link"
-    )
-    assert read_output(request_for(), output) == ()
-
-
-def test_other_warnings_are_findings(request_for: Any) -> None:
-    """Every other warning is a finding, each once, in the order of printing; errors keep their severity."""
-    output = (
-        "b3Warning[BulletUrdfImporter.cpp,126]:\nNo inertial data for link, using mass=1"
-        "b3Warning[BulletUrdfImporter.cpp,126]:\nhand"
-        "b3Warning[BulletUrdfImporter.cpp,467]:\nBad inertia tensor properties for link: hand\n"
-        "b3Warning[BulletUrdfImporter.cpp,467]:\nBad inertia tensor properties for link: hand\n"
-        "b3Error[BulletUrdfImporter.cpp,121]:\njoint xml is not initialized correctly\n"
-        "Using 4 threads\n"
-        "cannot connect to X server\n"
-    )
-    found = [(problem.severity, problem.message) for problem in read_output(request_for(), output)]
-    assert found == [
-        ("notice", "PyBullet printed 'No inertial data for link, using mass=1: hand'"),
-        ("notice", "PyBullet printed 'Bad inertia tensor properties for link: hand'"),
-        ("error", "PyBullet printed 'joint xml is not initialized correctly'"),
-        ("notice", "PyBullet printed 'cannot connect to X server'"),
-    ]
 
 
 def test_window_has_no_time_limit() -> None:

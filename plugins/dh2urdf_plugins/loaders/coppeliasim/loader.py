@@ -8,7 +8,6 @@ turn.
 from __future__ import annotations
 
 import fcntl
-import os
 import tempfile
 import time
 from contextlib import closing, contextmanager, suppress
@@ -91,34 +90,20 @@ def turn(key: str, what: str, patience: float) -> Iterator[None]:
         LoaderError: others have used it all the time.
     """
     path = Path(tempfile.gettempdir(), f"dh2urdf-{key}.lock".replace(":", "_"))
+    with suppress(PermissionError):  # Another user's file can be locked, too.
+        path.touch(mode=0o644)
     deadline = time.monotonic() + patience
-    while (lock := _taken(path)) is None:
-        if time.monotonic() > deadline:
-            how = "use fewer workers, or start another one"
-            raise LoaderError(f"{what} was busy with other files for {patience:g} s: {how}")
-        time.sleep(_AGAIN)
-    try:
+    with path.open("rb") as lock:  # The file stays: whoever has it open holds the same lock.
+        while True:
+            try:
+                fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+                break
+            except BlockingIOError:
+                if time.monotonic() > deadline:
+                    how = "use fewer workers, or start another one"
+                    raise LoaderError(f"{what} was busy with other files for {patience:g} s: {how}") from None
+                time.sleep(_AGAIN)
         yield
-    finally:
-        with suppress(OSError):  # Another user's file stays.
-            path.unlink()
-        os.close(lock)
-
-
-def _taken(path: Path) -> int | None:
-    """The lock file, locked; None where somebody else has it, or has just taken it away."""
-    try:
-        lock = os.open(path, os.O_RDONLY)  # Another user's can be locked, too, and is not to be created again.
-    except FileNotFoundError:
-        lock = os.open(path, os.O_RDONLY | os.O_CREAT, 0o644)
-    try:
-        fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        if os.path.samestat(os.fstat(lock), path.stat()):
-            return lock
-    except (BlockingIOError, FileNotFoundError):
-        pass
-    os.close(lock)
-    return None
 
 
 def _silent(options: CoppeliaSimOptions) -> MissingProgramError:

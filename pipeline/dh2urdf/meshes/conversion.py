@@ -6,14 +6,14 @@ What a link weighs is computed of the mesh as it is given, and stays: a conversi
 from __future__ import annotations
 
 from dataclasses import replace
-from functools import lru_cache
+from functools import lru_cache, partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from dh2urdf.errors import ConfigError, CrashError, EmitterError, MissingDependencyError
 from dh2urdf.manipulator import MeshFile
 from dh2urdf.meshes.addresses import file_address
-from dh2urdf.meshes.files import REMEDY, mesh_files, read_mesh
+from dh2urdf.meshes.files import REMEDY, mesh_files, read_mesh, with_shapes
 from dh2urdf.meshes.kinds import MeshConversion
 from dh2urdf.robot import Material, Mesh
 from dh2urdf.source import Problem, did_you_mean, shown
@@ -21,7 +21,7 @@ from dh2urdf.source import Problem, did_you_mean, shown
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
-    from dh2urdf.robot import Collision, Link, Robot, Visual
+    from dh2urdf.robot import Collision, Robot, Visual
     from dh2urdf.rotations import Vec3
 
 ACCEPTED = (
@@ -77,25 +77,9 @@ def converted(robot: Robot, how: MeshConversion) -> Robot:
     """
     if not mesh_files(robot):
         return robot
-    kinds = {id(arm.kind): converted(arm.kind, how) for arm in robot.arms}
-    return replace(
-        robot,
-        links=tuple([_converted_link(link, how) for link in robot.links]),
-        notices=unsettled(robot.notices),
-        arms=tuple([replace(arm, kind=kinds[id(arm.kind)]) for arm in robot.arms]),
-    )
-
-
-def _converted_link(link: Link, how: MeshConversion) -> Link:
-    try:
-        return replace(
-            link,
-            visuals=tuple([made for shape in link.visuals for made in _visuals(shape)]),
-            collisions=tuple([made for shape in link.collisions for made in _collisions(shape, how)]),
-        )
-    except EmitterError as error:
-        of = f"link {shown(link.name)}: "
-        raise EmitterError(replace(each, message=of + each.message) for each in error.problems) from error
+    robot = with_shapes(robot, _visuals, partial(_collisions, how=how))
+    arms = tuple([replace(arm, kind=replace(arm.kind, notices=unsettled(arm.kind.notices))) for arm in robot.arms])
+    return replace(robot, notices=unsettled(robot.notices), arms=arms)
 
 
 def _visuals(shape: Visual) -> Iterator[Visual]:

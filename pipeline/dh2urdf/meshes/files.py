@@ -11,19 +11,21 @@ import re
 from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 from dh2urdf.documents.text_files import LONG_PATH, check_file
-from dh2urdf.errors import ConfigError, OutputError
+from dh2urdf.errors import ConfigError, EmitterError, OutputError
 from dh2urdf.manipulator import MeshFile
 from dh2urdf.output.whole_files import safe_stem
 from dh2urdf.robot import Mesh
 from dh2urdf.source import Problem, shown
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
+    from collections.abc import Callable, Iterable, Iterator
 
-    from dh2urdf.robot import Collision, Geometry, Link, Robot, Visual
+    from dh2urdf.robot import Collision, Robot, Visual
+
+    S = TypeVar("S", Visual, Collision)
 
 FOLDER = "meshes"
 """The folder of the output that holds copies of meshes."""
@@ -84,9 +86,8 @@ def find_mesh(text: str, folder: Path, *, links: bool = False) -> MeshFile:
     except ConfigError as error:
         why = error.problems[0]
         message = f"there is no mesh in {shown(text, LONG_PATH)}: {why.message}"
-        advice = f"it was looked for at {shown(str(path), LONG_PATH)}" + (
-            f"; {why.suggestion}" if why.suggestion else ""
-        )
+        looked = f"it was looked for at {shown(str(path), LONG_PATH)}"
+        advice = "; ".join(filter(None, (looked, why.suggestion)))
         raise ConfigError(Problem(message=message, found=text, accepted=accepted, suggestion=advice)) from None
     if not links:
         _refuse_link(path, folder, text)
@@ -109,16 +110,10 @@ def _refuse_link(path: Path, folder: Path, text: str) -> None:
     said = home if path.is_relative_to(home) else path.parent
     target = Path(os.path.realpath(path))
     if not any(target.is_relative_to(os.path.realpath(root)) for root in (home, said)):
-        raise ConfigError(
-            Problem(
-                message=f"the mesh {shown(text, LONG_PATH)} is a link out of the folder "
-                f"{shown(str(said), LONG_PATH)}, to {shown(str(target), LONG_PATH)}",
-                found=text,
-                accepted="a file, or a link to one in the table's folder",
-                suggestion="copy the file there; or, where you trust the table, set its reader's option "
-                "`mesh_links: true`",
-            )
-        )
+        mesh, there, to = (shown(each, LONG_PATH) for each in (text, str(said), str(target)))
+        message, accepted = f"the mesh {mesh} is a link out of the folder {there}, to {to}", "a file of this folder"
+        advice = "copy the file there; or, where you trust the table, set its reader's option `mesh_links: true`"
+        raise ConfigError(Problem(message=message, found=text, accepted=accepted, suggestion=advice))
 
 
 @lru_cache(maxsize=4096)
@@ -174,25 +169,41 @@ def located(robot: Robot, prefix: str | None) -> Robot:
     """
     if prefix is None or not mesh_files(robot):
         return robot
-    kinds = {id(arm.kind): located(arm.kind, prefix) for arm in robot.arms}
-    return replace(
-        robot,
-        links=tuple([_located_link(link, prefix) for link in robot.links]),
-        arms=tuple([replace(arm, kind=kinds[id(arm.kind)]) for arm in robot.arms]),
-    )
+
+    def named(shape: S) -> list[S]:
+        mesh = shape.geometry
+        if isinstance(mesh, Mesh) and mesh.file:
+            return [replace(shape, geometry=replace(mesh, filename=f"{prefix}{copy_name(mesh.file)}"))]
+        return [shape]
+
+    return with_shapes(robot, named, named)
 
 
-def _located_link(link: Link, prefix: str) -> Link:
-    def named(geometry: Geometry) -> Geometry:
-        if isinstance(geometry, Mesh) and geometry.file:
-            return replace(geometry, filename=prefix + copy_name(geometry.file))
-        return geometry
+def with_shapes(
+    robot: Robot, seen: Callable[[Visual], Iterable[Visual]], touching: Callable[[Collision], Iterable[Collision]]
+) -> Robot:
+    """A robot whose shapes are others.
 
-    return replace(
-        link,
-        visuals=tuple([replace(shape, geometry=named(shape.geometry)) for shape in link.visuals]),
-        collisions=tuple([replace(shape, geometry=named(shape.geometry)) for shape in link.collisions]),
-    )
+    Args:
+        robot: the robot; of a cell, the kinds of its arms are changed too.
+        seen: what takes the place of a visual.
+        touching: what takes the place of a collision.
+
+    Raises:
+        EmitterError: as `seen` and `touching` do, with the name of the link.
+    """
+    kinds = {id(arm.kind): with_shapes(arm.kind, seen, touching) for arm in robot.arms}
+    links = []
+    for link in robot.links:
+        try:
+            visuals = tuple([made for shape in link.visuals for made in seen(shape)])
+            collisions = tuple([made for shape in link.collisions for made in touching(shape)])
+        except EmitterError as error:
+            of = f"link {shown(link.name)}: "
+            raise EmitterError(replace(each, message=of + each.message) for each in error.problems) from error
+        links.append(replace(link, visuals=visuals, collisions=collisions))
+    arms = tuple([replace(arm, kind=kinds[id(arm.kind)]) for arm in robot.arms])
+    return replace(robot, links=tuple(links), arms=arms)
 
 
 def mesh_files(robot: Robot) -> tuple[MeshFile, ...]:

@@ -184,13 +184,11 @@ def _convex_parts(triangles: Any) -> list[bytes]:  # noqa: ANN401 - an array
 def _outside(points: Any, hull: Part) -> Any:  # noqa: ANN401 - arrays
     """How far points lie outside the planes of a convex shape [m]; negative inside."""
     import numpy as np
+    from scipy.spatial import ConvexHull
 
-    a, b, c = (hull.vertices[hull.faces[:, corner]] for corner in range(3))
-    normals = np.cross(b - a, c - a)
-    lengths = np.linalg.norm(normals, axis=1)
-    flat = lengths <= 0.0
-    normals, a = normals[~flat] / lengths[~flat, None], a[~flat]
-    offsets = np.einsum("ij,ij->i", normals, a)
-    step = max(1, _CHUNK // len(offsets))
+    planes = ConvexHull(hull.vertices).equations
+    step = max(1, _CHUNK // len(planes))
     blocks = range(0, len(points), step)
-    return np.concatenate([(points[at : at + step] @ normals.T - offsets).max(axis=1) for at in blocks] or [[]])
+    return np.concatenate(
+        [(points[at : at + step] @ planes[:, :3].T + planes[:, 3]).max(axis=1) for at in blocks] or [[]]
+    )

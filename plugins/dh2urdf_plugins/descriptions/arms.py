@@ -11,7 +11,7 @@ from dh2urdf.manipulator import DHRow, JointType, Limits, Manipulator
 from dh2urdf.robot_check import UNIT
 from dh2urdf.rotations import norm, scale
 from dh2urdf.row_fields import DYNAMICS
-from dh2urdf.source import Mark, Problem, listed, shown
+from dh2urdf.source import Mark, Problem, free_name, listed, shown
 from dh2urdf_plugins.descriptions.bodies import Carried
 from dh2urdf_plugins.extraction.chain import Precision
 from dh2urdf_plugins.extraction.solving import RANDOM_VECTORS, Choices, Solution, chain_difference, solve
@@ -171,20 +171,17 @@ class _Names:
 
     def of(self, joint: Joint) -> tuple[str, str]:
         """The names of a joint and of the link that it moves."""
-        name = joint.name
-        if name in RESERVED:
-            name = self.renamed[joint.name] = self.fresh(f"{name}_joint")
-        link = self.fresh(joint.child, "_link")
-        if link != joint.child:
-            self.renamed[joint.child] = link
+        name = self.fresh(f"{joint.name}_joint") if joint.name in RESERVED else joint.name
+        link = joint.child
+        while link in self._taken:
+            link += "_link"
+        self._taken.add(link)
+        self.renamed |= {old: new for old, new in ((joint.name, name), (joint.child, link)) if old != new}
         return name, link
 
-    def fresh(self, name: str, ending: str = "_") -> str:
+    def fresh(self, name: str) -> str:
         """A name that nothing has."""
-        while name in self._taken:
-            name += ending
-        self._taken.add(name)
-        return name
+        return free_name(name, self._taken)
 
 
 # --- Notices ----------------------------------------------------------------------------------------------------------

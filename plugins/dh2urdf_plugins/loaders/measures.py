@@ -11,13 +11,13 @@ from dh2urdf.kinematics import link_poses
 from dh2urdf.kinematics.mass import GRAVITY, compound, placed
 from dh2urdf.manipulator import JointType
 from dh2urdf.robot import Inertial
-from dh2urdf.rotations import IDENTITY, ZERO, Rotation, Vec3, add, rotate, scale, subtract
+from dh2urdf.rotations import IDENTITY, ZERO, RigidTransform, Rotation, Vec3, add, rotate, scale, subtract
 from dh2urdf.source import Problem, listed, shown
 from dh2urdf.stages import LoadReport
 from dh2urdf_plugins.base_bodies import STILL, is_weightless_base
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping, Sequence
+    from collections.abc import Container, Iterable, Mapping, Sequence
 
     from dh2urdf.measuring import Body
     from dh2urdf.robot import Joint, Robot
@@ -65,29 +65,32 @@ def rotation(matrix: Any) -> Rotation:  # noqa: ANN401 - an array of shape (3, 3
     return (a, b, c, d, e, f, g, h, i)
 
 
-def carriers(robot: Robot) -> dict[str, str]:
-    """Of every link the one that carries it: the outermost of those that fixed joints hold together as one body."""
-    carrier = {link.name: link.name for link in robot.links}
+def carriers(robot: Robot, kept: Container[str] = ()) -> dict[str, tuple[str, RigidTransform]]:
+    """Of every link the one that carries it, and its frame there: fixed joints hold links together as one body.
+
+    Args:
+        robot: the robot.
+        kept: links that stay links of their own, though fixed joints hold them.
+    """
+    found = {link.name: (link.name, IDENTITY) for link in robot.links}
     for joint in robot.joints:  # Parents before children.
-        if joint.type is JointType.FIXED:
-            carrier[joint.child] = carrier[joint.parent]
-    return carrier
+        if joint.type is JointType.FIXED and joint.child not in kept:
+            carrier, frame = found[joint.parent]
+            found[joint.child] = carrier, frame @ joint.origin.transform
+    return found
 
 
-def lumped_bodies(robot: Robot) -> dict[str, Inertial]:
+def lumped_bodies(robot: Robot, kept: Container[str] = ()) -> dict[str, Inertial]:
     """The mass properties of every rigid body, by the name of the link that carries it and in that link's frame.
 
     So a simulator holds them that knows moving bodies only, and adds to each what fixed joints hold to it.
     """
-    carrier = carriers(robot)
-    frame = {link.name: IDENTITY for link in robot.links}
-    for joint in robot.joints:
-        if joint.type is JointType.FIXED:
-            frame[joint.child] = frame[joint.parent] @ joint.origin.transform
-    parts: dict[str, list[Inertial]] = {link: [] for link in carrier.values()}
+    carried = carriers(robot, kept)
+    parts: dict[str, list[Inertial]] = {link: [] for link, _ in carried.values()}
     for link in robot.links:
         if link.inertial and link.inertial.mass:
-            parts[carrier[link.name]].append(placed(link.inertial, frame[link.name]))
+            carrier, frame = carried[link.name]
+            parts[carrier].append(placed(link.inertial, frame))
     return {name: compound(bodies) if bodies else Inertial(mass=0.0) for name, bodies in parts.items()}
 
 
@@ -96,7 +99,7 @@ def touching_pairs(robot: Robot) -> list[tuple[str, str]]:
 
     Links that fixed joints hold together are one body; a body and the next one always meet at their joint.
     """
-    body = carriers(robot)
+    body = {link: carrier for link, (carrier, _) in carriers(robot).items()}
     neighbours = {(body[joint.parent], body[joint.child]) for joint in robot.joints}
     solid = [link.name for link in robot.links if link.collisions]
     return [

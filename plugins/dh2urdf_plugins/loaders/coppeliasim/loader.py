@@ -93,7 +93,7 @@ def turn(key: str, what: str, patience: float) -> Iterator[None]:
     with suppress(PermissionError):  # Another user's file can be locked, too.
         path.touch(mode=0o644)
     deadline = time.monotonic() + patience
-    with path.open("rb") as lock:  # The file stays: whoever has it open holds the same lock.
+    with path.open("rb") as lock:  # The file stays: every process locks the same one.
         while True:
             try:
                 fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)

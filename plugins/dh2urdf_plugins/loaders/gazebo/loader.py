@@ -18,20 +18,18 @@ from typing import TYPE_CHECKING
 
 from dh2urdf.errors import LoaderError, MissingProgramError, ProofError
 from dh2urdf.kinematics import link_poses
-from dh2urdf.kinematics.mass import compound, placed, tensor
-from dh2urdf.manipulator import JointType
+from dh2urdf.kinematics.mass import tensor
 from dh2urdf.measuring import DOUBLE, Body
-from dh2urdf.robot import Inertial
 from dh2urdf.rotations import IDENTITY, RigidTransform, quarter_turns
 from dh2urdf.source import shown
 from dh2urdf_plugins.base_bodies import with_base_bodies
-from dh2urdf_plugins.loaders.measures import Comparison, printed
+from dh2urdf_plugins.loaders.measures import Comparison, carriers, lumped_bodies, printed
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from dh2urdf.measuring import Precision
-    from dh2urdf.robot import Robot
+    from dh2urdf.robot import Inertial, Robot
     from dh2urdf.source import Problem
     from dh2urdf.stages import LoadReport, LoadRequest
     from dh2urdf_plugins.loaders.simulators import SimulatorOptions
@@ -79,7 +77,7 @@ class Arm:
             for link in model.links
             if link.inertial
         }
-        self.carriers = self._carriers()
+        self.carriers = carriers(self.robot, self.links)
 
     def report(self, version: str) -> LoadReport:
         """Measure everything.
@@ -97,31 +95,13 @@ class Arm:
         report = self.comparison.loaded(version, joints, self.links, self._written_bodies())
         return replace(report, **self.comparison.poses(self._frames), findings=self._lumped())
 
-    def _carriers(self) -> dict[str, tuple[str, RigidTransform]]:
-        """Of every link that was written, the link that it became or is lumped into, and its pose there."""
-        above = {joint.child: joint for joint in self.robot.joints}
-        carriers: dict[str, tuple[str, RigidTransform]] = {}
-        for link in self.robot.links:  # Parents before children.
-            joint = above.get(link.name)
-            if link.name in self.links or joint is None or joint.type is not JointType.FIXED:
-                carriers[link.name] = (link.name, IDENTITY)
-            elif joint.parent in carriers:
-                carrier, pose = carriers[joint.parent]
-                carriers[link.name] = (carrier, pose @ joint.origin.transform)
-        return carriers
-
     def _written_bodies(self) -> dict[str, Inertial]:
         """What the links of the model should be: the sums of what they carry."""
-        carried: dict[str, list[Inertial]] = {}
-        for link in with_base_bodies(self.robot).links:  # sdformat has no arm whose base weighs nothing
-            carrier, pose = self.carriers[link.name]
-            parts = carried.setdefault(carrier, [])
-            if link.inertial and link.inertial.mass:
-                parts.append(placed(link.inertial, pose))
+        bodies = lumped_bodies(with_base_bodies(self.robot), self.links)  # it has no arm whose base weighs nothing
         return {
-            name: compound(parts) if parts else Inertial(mass=0.0)
-            for name, parts in carried.items()
-            if parts or name in self.links or name not in self.frames  # No link need be in a mere frame.
+            name: body
+            for name, body in bodies.items()
+            if body.mass or name in self.links or name not in self.frames  # No link need be in a mere frame.
         }
 
     def _frames(self, q: Sequence[float], links: Sequence[str]) -> dict[str, RigidTransform]:

@@ -78,8 +78,7 @@ def left_out(
         RecordValueError: what was written reads back as other arms.
     """
     missing: dict[str, list[str]] = {}
-    read = _read_back(manipulators, content, call, place)
-    for given, again in zip(manipulators, read, strict=True):
+    for given, again in zip(manipulators, _read_back(manipulators, content, call, place), strict=True):
         for inner, value, found in _different(given, again, ""):
             if found is None:
                 owner, _, field = inner.rpartition(".")
@@ -90,13 +89,9 @@ def left_out(
     for field, owners in missing.items():
         rows = sum(owner.startswith("rows[") for owner in owners)
         what = f"{field!r} of {rows} row{'' if rows == 1 else 's'}" if rows else repr(field)
-        notice = Problem(
-            message=f"the format {call.stage.name!r} has no place for {what}: left out",
-            severity="notice",
-            mark=Mark(file=place),
-            suggestion="a YAML table holds everything",
-        )
-        notices.append(notice)
+        message = f"the format {call.stage.name!r} has no place for {what}: left out"
+        advice = "a YAML table holds everything"
+        notices.append(Problem(message=message, severity="notice", mark=Mark(file=place), suggestion=advice))
     return tuple(notices)
 
 

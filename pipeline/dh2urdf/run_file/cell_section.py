@@ -40,7 +40,7 @@ def _cell(given: CellSection, node: Node, field: str, to: Reading) -> CellCall |
     if len(to.problems) > before:
         return None
     with to.noting(node, field):
-        if problems := [*_same_names(arms), *_orphans(arms)]:
+        if problems := [*_wrong_arms(arms)]:
             raise ConfigError(problems)
         return CellCall(name=given.name, arms=_parents_first(arms), mark=node.mark)
     return None
@@ -73,25 +73,21 @@ def _arm(given: ArmSection, node: Node) -> ArmCall:
     )
 
 
-def _same_names(arms: Sequence[ArmCall]) -> Iterator[Problem]:
-    """Names, and prefixes, which every arm's base_link gets, differ."""
+def _wrong_arms(arms: Sequence[ArmCall]) -> Iterator[Problem]:
+    """Names and prefixes differ, and arms that stand on others stand on some of the cell."""
     for what in ("name", "prefix"):
         first: dict[str, ArmCall] = {}
         for arm in arms:
             word = getattr(arm, what)
             if first.setdefault(word, arm) is not arm:
-                yield Problem(
-                    message=f"two arms of this cell have the {what} {shown(word)}",
-                    field="arms",
-                    mark=arm.mark,
-                    found=word,
-                    accepted=f"a {what} of its own for each",
-                    suggestion=f"the first is at {first[word].mark}",
+                message, accepted = (
+                    f"two arms of this cell have the {what} {shown(word)}",
+                    f"a {what} of its own for each",
                 )
-
-
-def _orphans(arms: Sequence[ArmCall]) -> Iterator[Problem]:
-    """Arms that stand on others stand on some of the cell."""
+                advice = f"the first is at {first[word].mark}"
+                yield Problem(
+                    message=message, field="arms", mark=arm.mark, found=word, accepted=accepted, suggestion=advice
+                )
     names = [arm.name for arm in arms]
     for arm in arms:
         if arm.parent is not None and arm.parent not in names:
@@ -119,15 +115,10 @@ def _parents_first(arms: Sequence[ArmCall]) -> tuple[ArmCall, ...]:
                 ordered[arm.name] = arm
         left = [arm for arm in waiting if arm.name not in ordered]
         if len(left) == len(waiting):
-            circle = " and ".join(f"{shown(arm.name)} on {shown(f'{arm.parent}/{arm.link}')}" for arm in left)
-            raise ConfigError(
-                Problem(
-                    message=f"these arms hold each other in a circle: {circle}",
-                    field="arms",
-                    mark=left[0].parent_mark,
-                    found=f"{left[0].parent}/{left[0].link}",
-                    accepted="a parent for each, so that every way leads to the world",
-                )
-            )
+            held = [f"{shown(arm.name)} on {shown(f'{arm.parent}/{arm.link}')}" for arm in left]
+            message = f"these arms hold each other in a circle: {' and '.join(held)}"
+            accepted = "a parent for each, so that every way leads to the world"
+            mark, found = left[0].parent_mark, f"{left[0].parent}/{left[0].link}"
+            raise ConfigError(Problem(message=message, field="arms", mark=mark, found=found, accepted=accepted))
         waiting = left
     return tuple(ordered.values())

@@ -7,6 +7,7 @@ and the schema asks for quotes.
 from __future__ import annotations
 
 from contextlib import suppress
+from dataclasses import fields
 from types import NoneType
 from typing import TYPE_CHECKING, Any, TypeAlias, get_args, get_origin
 
@@ -91,30 +92,15 @@ def table_schema(catalog: Catalog) -> JsonSchema:
 
 
 def section_schema(kind: type[Any]) -> JsonSchema:
-    """The JSON Schema of a section as people write it, with its short forms and without references."""
-    schema = adapter_of(kind).json_schema()
-    return _as_written(schema, kind, schema.get("$defs", {}))
-
-
-def _as_written(schema: JsonSchema, hint: Any, definitions: JsonSchema) -> JsonSchema:  # noqa: ANN401 - a type
-    (kind, *_) = [member for member in members(hint) if member is not NoneType]
-    inner = get_args(kind)
-    schema = _without_null(schema, definitions)
-    if get_origin(kind) is tuple and records_of(inner[0]):
-        entry = _as_written(schema["items"], inner[0], definitions)
-        return {"anyOf": [entry, {"type": "array", "items": entry, "minItems": schema.get("minItems", 0)}]}
-    if get_origin(kind) is dict and records_of(inner[1]):
-        return {
-            "type": "object",
-            "additionalProperties": _as_written(schema["additionalProperties"], inner[1], definitions),
-        }
-    if not records_of(kind):
-        return schema
+    """The JSON Schema of a section as people write it, with its short form and without references."""
+    defaults = {field.name: field.default for field in fields(kind)}
     properties = {}
     for name, key in keys_of(kind).items():
-        properties[name] = _as_written(schema["properties"][name], key.hint, definitions)
+        properties[name] = _value(key.hint)
         if key.help:
             properties[name]["description"] = key.help
+        if isinstance(default := defaults.get(name), (str, int, float)):
+            properties[name]["default"] = getattr(default, "value", default)
         if key.measures:
             _take_texts(properties[name])
     if kind is RuleSection:
@@ -128,20 +114,21 @@ def _as_written(schema: JsonSchema, hint: Any, definitions: JsonSchema) -> JsonS
     return {"anyOf": [properties[SHORT_FORMS[kind]], mapping]} if kind in SHORT_FORMS else mapping
 
 
-def _without_null(schema: JsonSchema, definitions: JsonSchema) -> JsonSchema:
-    """A schema with what it refers to in it: an empty value is as good as none, and needs no words."""
-    schema = {key: value for key, value in schema.items() if key not in {"title", "$defs"}}
-    kinds = [each for each in schema.get("anyOf", ()) if each != NULL]
-    if len(kinds) == 1:
-        del schema["anyOf"]
-        schema = kinds[0] | schema
-    if reference := schema.pop("$ref", None):
-        inner = {key: value for key, value in definitions[reference.removeprefix("#/$defs/")].items() if key != "title"}
-        inner.pop("description", None)
-        schema = inner | schema
-    if schema.get("default", 0) is None or isinstance(schema.get("default"), (list, dict)):
-        del schema["default"]
-    return schema
+def _value(hint: Any) -> JsonSchema:  # noqa: ANN401 - a type
+    """The JSON Schema of a value: a record is a section, pydantic knows the others, and none needs no words."""
+    (kind, *_) = [member for member in members(hint) if member is not NoneType]
+    inner = get_args(kind)
+    if get_origin(kind) is tuple and records_of(inner[0]):
+        entry, least = section_schema(inner[0]), adapter_of(hint).json_schema().get("minItems", 0)
+        return {"anyOf": [entry, {"type": "array", "items": entry, "minItems": least}]}
+    if get_origin(kind) is dict and records_of(inner[1]):
+        return {"type": "object", "additionalProperties": section_schema(inner[1])}
+    if records_of(kind):
+        return section_schema(kind)
+    schema = adapter_of(hint).json_schema()
+    kinds = [each for each in schema.pop("anyOf", ()) if each != NULL]
+    schema |= kinds[0] if len(kinds) == 1 else {"anyOf": kinds} if kinds else {}
+    return {key: value for key, value in schema.items() if key not in {"title", "description"}}
 
 
 # --- Stages -----------------------------------------------------------------------------------------------------------

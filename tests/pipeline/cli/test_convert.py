@@ -236,22 +236,6 @@ class TestRefusals:
         assert files(folder) == set()
 
 
-@pytest.mark.usefixtures("folder")
-@pytest.mark.parametrize(
-    ("words", "told"),
-    [
-        (("--robot", "-o"), "the table holds no manipulator '-o'"),
-        (("-o",), "Option '-o' requires an argument."),
-        (("-x", "out.urdf"), "No such option '-x'."),
-        (("--", "-o"), "2 tables go into a folder"),
-    ],
-)
-def test_a_short_name_is_what_click_takes_it_for(cli: Cli, words: tuple[str, ...], told: str) -> None:
-    """An option's value may look like a short name, and a message has the name that was typed."""
-    answer = cli("convert", "arm.csv", *words, status=2)
-    assert told in answer.stderr
-
-
 def test_a_conversion_that_fails_leaves_no_empty_folder(cli: Cli, folder: Path) -> None:
     """The emitter refuses a name when the folder is there already; one that was there before stays."""
     (folder / "bad.csv").write_text(STANDARD.replace("shoulder", "shoulder pan"))

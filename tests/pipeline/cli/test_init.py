@@ -103,10 +103,8 @@ def test_nothing_is_overwritten(cli: Cli, tmp_path: Path, words: list[str], kind
     ("words", "message"),
     [
         (["arm.parquet"], "accepted: a file name that ends in .csv, .yaml, .yml"),
-        (["arm.json"], "no reader writes tables like 'arm.json'"),
         (["--axes", "3", "--joints", "a,b"], "--axes 3 and --joints, which names 2, contradict each other"),
         (["--joints", "one,one"], "the joint cannot be named 'one'"),
-        (["--name", "\x07"], "name"),
         (["arm.csv", "--run", "ARM.csv"], "the table and the run file have the same name"),
     ],
 )

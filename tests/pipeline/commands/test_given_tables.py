@@ -64,7 +64,6 @@ class TestReading:
     @pytest.mark.parametrize(
         ("source", "error", "says"),
         [
-            ("a,alpha\nd\n", ConfigError, "accepted: reader=NAME, with one of csv"),
             (None, RecordError, "a NoneType is no file"),
             ("", RecordError, "the name of the file is empty"),
             (closed_stream(), RecordError, "cannot be read: I/O operation on closed file"),
@@ -165,15 +164,10 @@ class TestFromDh:
                 "row 1, column theta: error: joint 'joint_1', field 'theta': nan is not",
             ),
             (ARRAY.astype(complex), {"columns": ORDER}, "is of type numpy.complex128"),
-            ([{"a": 1, "alpha": None, "d": 0}], {}, "alpha is empty"),
             ({"a": [1, 2], "alpha": [0], "d": [0, 0]}, {}, "row 2, column alpha: error: joint 'joint_2'"),
             ([{"a": 1, "alpha": 0, "d": 0}], {"columns": ["a"]}, "the columns have names already"),
             (ARRAY, {"columns": ORDER, "types": "R"}, "types= has 1 entries, and the table has 2 rows"),
-            (ARRAY, {"columns": ORDER, "joints": ["a", "a"]}, "'a'"),
-            (ARRAY, {"columns": ORDER, "convention": None}, "Denavit-Hartenberg convention"),
-            (None, {}, "a NoneType is no list of cells"),
             ("arm.csv", {}, "`dh2urdf.read('arm.csv')` reads a file"),
-            (CSV, {"types": "RR"}, "a text says its columns, types and names itself"),
             ({"a": 0.1, "alpha": 0.2, "d": 0.3}, {}, "a float is no list of cells"),
         ],
     )

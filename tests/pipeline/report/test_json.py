@@ -10,7 +10,6 @@ import pytest
 
 from dh2urdf import __version__
 from dh2urdf.conversion.outcome import Outcome, to_line, to_text
-from dh2urdf.errors import OutputError
 from dh2urdf.output.store import open_store
 from dh2urdf.report.manifest import REPORTED, SCHEMA, ManifestWriter, run_report, write_reports, write_timing
 from dh2urdf.tasks.batch_report import BatchReport
@@ -145,24 +144,3 @@ def test_where_there_is_no_table_none_is_written(tmp_path: Path) -> None:
     out = tmp_path / "out"
     write_reports(open_store(out), written_manifest(tmp_path, [ARM], with_table=False), result(batch(ok=1)))
     assert {path.name for path in out.iterdir()} - {".dh2urdf"} == {"report.json", "index.json"}
-
-
-def test_a_folder_that_is_a_file(tmp_path: Path) -> None:
-    """It is told in one line."""
-    (tmp_path / "out").write_text("")
-    store = open_store(tmp_path / "out")
-    with pytest.raises(OutputError, match=r"cannot write to the folder '.*out': it is a file"):
-        write_reports(store, written_manifest(tmp_path, [ARM]), result(batch(ok=1)))
-    with pytest.raises(OutputError, match=r"cannot write to the folder '.*out': it is a file"):
-        write_timing(store, result(batch(ok=1)))
-
-
-def test_a_table_that_cannot_be_written_is_one_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """What pyarrow meets on a full disk is told with the name of the file in the output."""
-
-    def full(*_: object) -> None:
-        raise OSError(28, "No space left on device")
-
-    monkeypatch.setattr("dh2urdf.tasks.manifest_table.ManifestTable.finish", full)
-    with pytest.raises(OutputError, match=r"cannot write '.*/manifest\.parquet': No space left on device"):
-        write_reports(open_store(tmp_path), written_manifest(tmp_path, [ARM]), result(batch(ok=1)))

@@ -26,6 +26,7 @@ MAX_FILES = 1_000_000
 MOST_ENTRIES = 3_000_000
 """Files and folders that one pattern may pass: three times the files that it may match; some ten seconds."""
 _DEEP = "**"
+_NARROWER = f"a pattern of fewer folders, with at most {MAX_FILES} files"
 _HIDDEN = (".", "~$")
 """How names begin that no pattern matches unless it begins so: the second is Excel's, of a workbook that is open."""
 
@@ -55,38 +56,36 @@ def matching(folder: Path, pattern: str) -> Matches:
     search, path = _Search(), Path(pattern)
     parts = path.parts[1:] if path.anchor else path.parts
     parts = tuple([part for part, before in zip(parts, ("", *parts), strict=False) if (part, before) != (_DEEP, _DEEP)])
-    narrower = "a pattern of fewer folders"
     try:
         paths = sorted(set(islice(search.files(path.anchor or str(folder), parts), MAX_FILES + 1)))
     except OSError as error:  # /proc and the like
         told = f"{shown(str(error.filename), LONG_PATH)} cannot be searched: {error.strerror}"
-        raise ConfigError(Problem(message=f"{shown(pattern)}: {told}", accepted=narrower)) from None
-    except _TooManyError:
-        message = f"{shown(pattern)} leads past more than {MOST_ENTRIES:,} files and folders"
-        raise ConfigError(Problem(message=message, accepted=narrower)) from None
-    if len(paths) > MAX_FILES:
-        message = f"more than {MAX_FILES} files match {shown(pattern)}"
-        raise ConfigError(Problem(message=message, accepted=f"at most {MAX_FILES} files for one pattern"))
-    closed = [
-        f"{shown(os.path.normpath(path), LONG_PATH)} cannot be searched: {why}" for path, why in search.closed.items()
-    ]
-    told = "".join([*closed[:1], *([f"; {len(closed) - 1} more folders neither"] if len(closed) > 1 else [])])
+        raise ConfigError(Problem(message=f"{shown(pattern)}: {told}", accepted=_NARROWER)) from None
+    if search.passed > MOST_ENTRIES or len(paths) > MAX_FILES:
+        most = (
+            f"more than {MAX_FILES} files match {shown(pattern)}"
+            if len(paths) > MAX_FILES
+            else f"{shown(pattern)} leads past more than {MOST_ENTRIES:,} files and folders"
+        )
+        raise ConfigError(Problem(message=most, accepted=_NARROWER))
+    told = "".join(
+        f"{shown(os.path.normpath(place), LONG_PATH)} cannot be searched: {why}"
+        for place, why in [*search.closed.items()][:1]
+    )
+    if len(search.closed) > 1:
+        told += f"; {len(search.closed) - 1} more folders neither"
     if not paths:
         message = f"no file matches {shown(pattern)} in the folder {shown(str(folder.absolute()), LONG_PATH)}"
         raise ConfigError(Problem(message=message, suggestion=told or None))
     message = f"files that match {shown(pattern)} may be missing: {told}"
-    return Matches(paths, Problem(message=message, severity="notice", field="inputs") if closed else None)
-
-
-class _TooManyError(Exception):
-    """A pattern passes more files and folders than it may."""
+    return Matches(paths, Problem(message=message, severity="notice", field="inputs") if told else None)
 
 
 class _Search:
     """The search for the files that match a pattern.
 
     Attributes:
-        passed: how many files and folders were looked at.
+        passed: how many files and folders were looked at; it ends after `MOST_ENTRIES`.
         closed: folders that could not be entered, with the reason of each.
     """
 
@@ -95,12 +94,11 @@ class _Search:
         self.closed: dict[str, str] = {}
 
     def files(self, path: str, parts: tuple[str, ...]) -> Iterator[Path]:
-        """The files below a path that match the rest of a pattern, some of them twice where it has two `**`.
+        """Yield the files below a path that match the rest of a pattern, some of them twice where it has two `**`.
 
         Links to folders are followed where a name stands for them, not by `**`.
 
         Raises:
-            _TooManyError: `MOST_ENTRIES` were passed.
             OSError: a folder cannot be searched for another reason than that it is gone or closed.
         """
         if not parts:
@@ -127,7 +125,7 @@ class _Search:
                 for entry in entries:
                     self.passed += 1
                     if self.passed > MOST_ENTRIES:
-                        raise _TooManyError
+                        return
                     yield entry
         except NOT_THERE:
             return  # It has vanished, or is a file.

@@ -5,7 +5,7 @@ from __future__ import annotations
 from contextlib import contextmanager
 from dataclasses import dataclass
 from enum import StrEnum
-from typing import TYPE_CHECKING, NotRequired, Protocol, TypedDict
+from typing import TYPE_CHECKING, NotRequired, TypeAlias, TypedDict
 
 from dh2urdf.output.shards import ShardWriter, shard_stem
 from dh2urdf.output.whole_files import safe_stem
@@ -40,12 +40,8 @@ class Stored(TypedDict):
     offset: NotRequired[int]
 
 
-class Destination(Protocol):
-    """Where the files of a batch go."""
-
-    def put(self, index: int, name: str, content: bytes) -> Stored:
-        """Puts a file of the manipulator of a number in its place, whole; where it is now, for the manifest."""
-        ...
+Put: TypeAlias = "Callable[[int, str, bytes], Stored]"
+"""Puts a file of the manipulator of a number in its place, whole, and returns where that is, for the manifest."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -68,7 +64,7 @@ class Layout:
     @property
     def stem_of(self) -> Callable[[str], str]:
         """What gives the stem of a manipulator's files."""
-        return shard_stem if self.form is Form.SHARDS else safe_stem
+        return shard_stem if self.is_whole else safe_stem
 
     @property
     def whole(self) -> int:
@@ -76,12 +72,12 @@ class Layout:
         return self.size if self.is_whole else 1
 
     def parts(self, count: int) -> list[range]:
-        """The places in a batch of so many, cut where a shard ends; all together where there are none."""
+        """Return the places in a batch of so many, cut where a shard ends; all together where there are none."""
         step = self.size if self.is_whole else max(1, count)
         return [range(start, min(start + step, count)) for start in range(0, count, step)]
 
     def folder(self, index: int) -> str:
-        """The folder or shard of the manipulator of a number; empty where there is none."""
+        """Return the folder or shard of the manipulator of a number; empty where there is none."""
         match self.form:
             case Form.FILES:
                 return ""
@@ -91,42 +87,26 @@ class Layout:
                 return f"{index // self.size:06d}.tar"
 
     def path(self, index: int, name: str) -> str:
-        """The name of a file in the store, shards aside."""
+        """Return the name of a file in the store, shards aside."""
         folder = self.folder(index)
         return f"{folder}/{name}" if folder else name
 
     @contextmanager
-    def place(self, store: Store, first: int) -> Iterator[Destination]:
-        """Where files go: those of the shard that begins with the manipulator of a number, or of any manipulators.
+    def place(self, store: Store, first: int) -> Iterator[Put]:
+        """Yield what puts files into the shard that begins with the manipulator of a number, or each in its place.
 
         Raises:
             OutputError: a file cannot be written.
         """
-        if self.form is not Form.SHARDS:
-            yield _Files(store, self)
+
+        def put(index: int, name: str, content: bytes) -> Stored:
+            path = self.path(index, name)
+            store.write(path, content)
+            return {"path": path}
+
+        if not self.is_whole:
+            yield put
             return
-        name = self.folder(first)
-        with ShardWriter(store, name) as shard:
-            yield _Shard(shard, name)
-
-
-class _Files:
-    """Files of their own."""
-
-    def __init__(self, store: Store, layout: Layout) -> None:
-        self._store, self._layout = store, layout
-
-    def put(self, index: int, name: str, content: bytes) -> Stored:
-        path = self._layout.path(index, name)
-        self._store.write(path, content)
-        return {"path": path}
-
-
-class _Shard:
-    """Members of a tar file."""
-
-    def __init__(self, shard: ShardWriter, name: str) -> None:
-        self._shard, self._name = shard, name
-
-    def put(self, _index: int, name: str, content: bytes) -> Stored:
-        return {"path": name, "shard": self._name, "offset": self._shard.add(name, content)}
+        folder = self.folder(first)
+        with ShardWriter(store, folder) as shard:
+            yield lambda _index, name, content: {"path": name, "shard": folder, "offset": shard.add(name, content)}

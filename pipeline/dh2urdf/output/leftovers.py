@@ -1,9 +1,8 @@
 """Files of the last run into a place that a new run has no part in: they are removed at its end, and nothing else is.
 
-Those of a manipulator that has failed in the new run stay as they were: it has a part in them.
-
-The manifest of the last run names them, with the hashes of their bytes. A file that has other bytes by now is
-somebody's work, and stays; so does one that the new run reads.
+Those of a manipulator that has failed in the new run stay as they were: it has a part in them. The manifest of the last
+run names the files with the hashes of their bytes. A file that has other bytes by now is somebody's work, and stays; so
+does one that the new run reads.
 """
 
 from __future__ import annotations
@@ -22,7 +21,6 @@ from dh2urdf.output.name_set import NameSet
 from dh2urdf.output.whole_files import checked
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
     from io import BytesIO
 
     from dh2urdf.output.store import Store
@@ -30,13 +28,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Leftovers:
-    """What became of the files of the last run that the new one has no part in.
-
-    Attributes:
-        removed: how many were removed.
-        kept: how many were left because the user asked for it.
-        changed: how many were left because they have other bytes than the last run wrote.
-    """
+    """How many files of the last run were removed, kept as the user asked, or kept since they were changed."""
 
     removed: int = 0
     kept: int = 0
@@ -45,15 +37,14 @@ class Leftovers:
     @property
     def told(self) -> str | None:
         """All of it as one line; None where there is nothing to tell."""
-        parts = [
-            *([f"{self.removed:,} removed"] if self.removed else []),
-            *([f"{self.kept:,} kept"] if self.kept else []),
-            *([f"{self.changed:,} kept, since they were changed"] if self.changed else []),
-        ]
+        words = {"removed": self.removed, "kept": self.kept, "kept, since they were changed": self.changed}
+        parts = [f"{count:,} {what}" for what, count in words.items() if count]
         return f"files of an earlier run: {', '.join(parts)}" if parts else None
 
 
-def clear_leftovers(store: Store, reports: Store, rows: BinaryIO, *, keep: bool, keep_meshes: bool) -> Leftovers:
+def clear_leftovers(  # noqa: C901 - own files, members of shards, and copies of meshes
+    store: Store, reports: Store, rows: BinaryIO, *, keep: bool, keep_meshes: bool
+) -> Leftovers:
     """Remove what the manifest of the last run names and a new manifest does not.
 
     Args:
@@ -66,12 +57,15 @@ def clear_leftovers(store: Store, reports: Store, rows: BinaryIO, *, keep: bool,
     Raises:
         OutputError: a file cannot be removed, or the old manifest cannot be read.
     """
-    if not reports.size(MANIFEST) or _is_same(reports, rows):
+    if not reports.size(MANIFEST):
         return Leftovers()
-    named, failed, digests = _of_new(rows)
+    with reports.open(MANIFEST) as old:
+        rows.seek(0)
+        if len({file_digest(cast("BytesIO", each), "sha256").digest() for each in (old, rows)}) == 1:
+            return Leftovers()
+    named, failed, of_meshes = _of_new(rows)
     found: Counter[str] = Counter()
-    shared: dict[str, bool] = {}
-    meshes: dict[str, str] = {}
+    shared: dict[str, bool] = {}  # what several rows name, and whether it is as it was written
     with reports.open(MANIFEST) as stream:
         for row in map(_row, stream):
             if failed.known([row.name]):
@@ -81,8 +75,9 @@ def clear_leftovers(store: Store, reports: Store, rows: BinaryIO, *, keep: bool,
                     _clear(store, name, found, keep=keep, whole=_digest(store, name) == digest)
             for shard, members in row.members.items():
                 shared[shard] = shared.get(shard, True) and _is_whole(store, shard, members)
-            meshes |= {} if keep_meshes else row.meshes
-    shared |= {name: _digest(store, name) == digest for name, digest in meshes.items() if digest not in digests}
+            if not keep_meshes:
+                copies = {name: digest for name, digest in row.meshes.items() if digest not in of_meshes}
+                shared |= {name: _digest(store, name) == digest for name, digest in copies.items()}
     for name, whole in shared.items():
         if not named.known([name.casefold()]):
             _clear(store, name, found, keep=keep, whole=whole)
@@ -90,49 +85,37 @@ def clear_leftovers(store: Store, reports: Store, rows: BinaryIO, *, keep: bool,
 
 
 def _of_new(rows: BinaryIO) -> tuple[NameSet, NameSet, set[str]]:
-    """The files that a new manifest names, the manipulators that failed, and the hashes of the meshes."""
-    named, failed, digests = NameSet(), NameSet(), set[str]()
+    """Return the files that a new manifest names, the manipulators that failed, and the hashes of the meshes."""
+    named, failed, of_meshes = NameSet(), NameSet(), set[str]()
     rows.seek(0)
     for row in map(_row, rows):
         named.add(name.casefold() for name in (*row.files, *row.members, *row.meshes))
         failed.add([row.name] if row.failed else [])
-        digests.update(row.meshes.values())
-    return named, failed, digests
-
-
-def _is_same(store: Store, rows: BinaryIO) -> bool:
-    """Whether the manifest in a store is the new one."""
-    rows.seek(0)
-    with store.open(MANIFEST) as stream:
-        old, new = [file_digest(cast("BytesIO", each), "sha256").digest() for each in (stream, rows)]
-        return old == new
+        of_meshes.update(row.meshes.values())
+    return named, failed, of_meshes
 
 
 def _clear(store: Store, name: str, found: Counter[str], *, keep: bool, whole: bool) -> None:
-    """Removes a file that the last run wrote, if it is there and nobody has changed it."""
+    """Remove a file that the last run wrote, if it is there and nobody has changed it."""
     if store.size(name) is None or store.is_protected(name):
         return
-    if not whole:
-        found["changed"] += 1
-    elif keep:
-        found["kept"] += 1
-    else:
+    if whole and not keep:
         try:
             store.remove(name)
         except OutputError as error:
             hint = "`--keep` leaves files of an earlier run where they are"
             raise OutputError([replace(problem, suggestion=hint) for problem in error.problems]) from error
-        found["removed"] += 1
+    found["changed" if not whole else "kept" if keep else "removed"] += 1
 
 
 def _digest(store: Store, name: str) -> str | None:
-    """The hash of a file; None where it cannot be read."""
+    """Return the hash of a file; None where it cannot be read."""
     with suppress(OutputError):
         return sha256(store.read(name)).hexdigest()
     return None
 
 
-def _is_whole(store: Store, shard: str, members: Iterable[tuple[int, int, str]]) -> bool:
+def _is_whole(store: Store, shard: str, members: list[tuple[int, int, str]]) -> bool:
     """Whether files in a shard have the bytes that they were written with."""
     with suppress(OutputError), store.open(shard) as stream:
         for offset, size, digest in members:

@@ -188,12 +188,15 @@ class LocalStore:
         Raises:
             OutputError: another run is at work here.
         """
-        place = os.path.realpath(self._root)
+        place, message = os.path.realpath(self._root), f"another run is at work in {shown(str(self), 200)}"
+        another = OutputError(Problem(message=message, suggestion="wait until it ends, or write to another folder"))
         if place in _locked:
-            raise self._is_at_work()
+            raise another
         _locked.add(place)
         try:
             lock = self._lock_file()
+            if lock is None:
+                raise another
             try:
                 self.remove_tree(_TEMPORARY)
                 yield
@@ -207,8 +210,8 @@ class LocalStore:
         finally:
             _locked.discard(place)
 
-    def _lock_file(self) -> int:
-        """The descriptor of the lock file, locked until it is closed."""
+    def _lock_file(self) -> int | None:
+        """Return the descriptor of the lock file, locked until it is closed; None where another process has it."""
         # A run that ends removes the file and, if it can, the folder, at any moment: so it may take some tries.
         with reporting_os_errors(self.directory, TO_FOLDER):
             for left in reversed(range(_TRIES)):
@@ -229,18 +232,11 @@ class LocalStore:
                 except OSError as error:
                     if error.errno not in (EACCES, EAGAIN):
                         return lock
-                    os.close(lock)
-                    raise self._is_at_work() from error
+                    left = 0  # noqa: PLW2901 - another run has it
                 os.close(lock)
-        raise self._is_at_work()
-
-    def _is_at_work(self) -> OutputError:
-        return OutputError(
-            Problem(
-                message=f"another run is at work in {shown(str(self), 200)}",
-                suggestion="wait until it ends, or write to another folder",
-            )
-        )
+                if not left:
+                    return None
+        return None
 
     def _path(self, name: str) -> str:
         return f"{self._root}/{checked(name)}"

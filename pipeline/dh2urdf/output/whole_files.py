@@ -227,9 +227,9 @@ def refuse_inputs(targets: Iterable[Path], inputs: Iterable[Path]) -> None:
     Raises:
         OutputError: a target is an input; it names both.
     """
-    read = [(path, _identity(path), _folded(path)) for path in dict.fromkeys(inputs)]
+    read = [(path, *_places(path)) for path in dict.fromkeys(inputs)]
     for target in targets:
-        identity, folded = _identity(target), _folded(target)
+        identity, folded = _places(target)
         for path, its_identity, its_folded in read:
             if folded == its_folded or (identity is not None and identity == its_identity):
                 other = "" if str(path) == str(target) else f", which is {shown(str(target), 200)}"
@@ -243,19 +243,14 @@ def refuse_inputs(targets: Iterable[Path], inputs: Iterable[Path]) -> None:
                 )
 
 
-def _identity(path: Path) -> tuple[int, int] | None:
-    """The file behind a path, whatever the path; None where there is none."""
-    try:
+def _places(path: Path) -> tuple[tuple[int, int] | None, str]:
+    """Return the file behind a path, if there is one, and the path as a file system that ignores case has it."""
+    whole = os.path.join(os.path.realpath(path.parent), path.name)  # noqa: PTH118
+    folded = unicodedata.normalize("NFC", unicodedata.normalize("NFC", whole).casefold())
+    with suppress(OSError, ValueError):
         status = os.stat(path)  # noqa: PTH116 - Path.stat is the same, and twice as slow
-    except (OSError, ValueError):
-        return None
-    return status.st_dev, status.st_ino
-
-
-def _folded(path: Path) -> str:
-    """The place of a path, as a file system that ignores case has it."""
-    folder = os.path.realpath(path.parent)
-    return unicodedata.normalize("NFC", unicodedata.normalize("NFC", os.path.join(folder, path.name)).casefold())  # noqa: PTH118
+        return (status.st_dev, status.st_ino), folded
+    return None, folded
 
 
 def put_in_place(folder: Path, names: Sequence[str], directory: Path) -> None:

@@ -1,4 +1,8 @@
-"""The work on one batch: many manipulators at once where that can be, one by one where not."""
+"""The work of a run: what a worker does with a batch of manipulators.
+
+Manipulators that differ in numbers only are made side by side, a hundred times as fast, where every stage can; the
+rest, and whatever there is something to say about, is made one by one. The bytes are the same either way.
+"""
 
 from __future__ import annotations
 
@@ -30,16 +34,17 @@ from dh2urdf.elementwise import DividedError
 from dh2urdf.errors import InputError, ManipulatorError, OutputError, StageError, TableError
 from dh2urdf.fields import many_unchecked
 from dh2urdf.isolation.loads import KeptChildren
-from dh2urdf.isolation.process import watched
+from dh2urdf.isolation.process import collected_at_the_end, this_process, watched
 from dh2urdf.kinematics.proof import Proof, prove_columns
 from dh2urdf.manipulator import Manipulator
 from dh2urdf.output.journal import Journal
 from dh2urdf.output.layouts import Layout
 from dh2urdf.output.store import Store
+from dh2urdf.plugin_system.attribution import collected_lines
 from dh2urdf.running.earlier_files import EarlierFiles
 from dh2urdf.running.mesh_copies import MeshCopies
 from dh2urdf.source import Mark
-from dh2urdf.stage_calls.calls import blaming
+from dh2urdf.stage_calls.calls import blaming, own_work
 from dh2urdf.stage_calls.column_calls import emit_columns, read_columns, transform_columns
 from dh2urdf.stages import EmitsInColumns, EmittedFile, Emitter, ReadsBack, Rejected
 from dh2urdf.tasks.batch import Batch, Doomed, Single, variants_from
@@ -51,7 +56,7 @@ if TYPE_CHECKING:
 
     from dh2urdf.columns import ManipulatorColumns, RobotColumns
     from dh2urdf.conversion.outcome import ManifestRow
-    from dh2urdf.output.layouts import Destination
+    from dh2urdf.output.layouts import Put
     from dh2urdf.results import FileEntry
     from dh2urdf.source import Problem
     from dh2urdf.stage_calls.calls import Call
@@ -71,8 +76,10 @@ class Depth(Enum):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Assignment:
-    """What is done with every batch of a run.
+class BatchWorker:
+    """Makes the batches of a run, in whatever process.
+
+    What is wrong with a manipulator fails it alone; what is wrong with the run, such as a full disk, is raised.
 
     Attributes:
         recipe: what is done with every manipulator.
@@ -100,11 +107,24 @@ class Assignment:
     has_page: bool = False
     children: KeptChildren = field(default_factory=KeptChildren, compare=False, repr=False)
 
+    @property
+    def distributions(self) -> tuple[str, ...]:
+        """The distributions whose stages are used: see `dh2urdf.stages.Executor`."""
+        return tuple(sorted({call.plugin.distribution_name for call in self.recipe.calls if call.plugin}))
+
+    def __call__(self, batch: Batch) -> BatchReport:
+        """Make a batch, and put it in its place."""
+        is_worker = self.home != this_process()
+        kept = self.children.kept(is_worker=is_worker)
+        with kept, own_work(), collected_at_the_end(), collected_lines(is_worker=is_worker) as lines:
+            report = Work(self, batch).done()
+        return replace(report, printed=tuple(lines))
+
 
 class Work:
     """A batch on its way: what it has to make, what of it an earlier run has made, and the making."""
 
-    def __init__(self, worker: Assignment, batch: Batch) -> None:
+    def __init__(self, worker: BatchWorker, batch: Batch) -> None:
         self.worker, self.recipe, self.batch = worker, worker.recipe, batch
         self.seconds: defaultdict[str, float] = defaultdict(float)
         self.singles = dict(batch.singles)
@@ -255,20 +275,20 @@ class Work:
             journal.close()
         return made
 
-    def _put(self, place: int, outcome: Outcome, target: Destination | None) -> tuple[str, list[FileEntry]]:
+    def _put(self, place: int, outcome: Outcome, put: Put | None) -> tuple[str, list[FileEntry]]:
         """Put the files of a manipulator in their place; its key and where they are."""
         facts: list[FileEntry] = []
         index = self.batch.first + place
         started = time.perf_counter()
-        if target is not None:
+        if put is not None:
             self.copies.put(outcome.meshes)
             for written in outcome.written:
                 for file in written.files:
-                    where = target.put(index, file.name, file.content)
+                    where = put(index, file.name, file.content)
                     digest = sha256(file.content).hexdigest()
                     facts.append({**where, "stage": written.stage, "bytes": len(file.content), "sha256": digest})
             for name, picture in outcome.pictures.items():
-                target.put(index, name, picture)
+                put(index, name, picture)
         self.seconds["write"] += time.perf_counter() - started
         told = bool(outcome.notices or outcome.errors)
         return self.key(place, noticed=told, mark=self.mark(place) if told else None), facts

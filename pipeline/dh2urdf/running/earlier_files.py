@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable
 
     from dh2urdf.conversion.outcome import ManifestRow
-    from dh2urdf.output.layouts import Destination, Layout
+    from dh2urdf.output.layouts import Layout, Put
     from dh2urdf.output.store import Store
     from dh2urdf.results import FileEntry
 
@@ -44,15 +44,15 @@ class EarlierFiles:
         names = [name for row in rows for name in (*(file["path"] for file in row["files"]), *_pictures(row))]
         return list(self._members(index)) == names and self._layout.folder(index) not in self._damaged
 
-    def moved(self, index: int, row: ManifestRow, target: Destination) -> ManifestRow:
+    def moved(self, index: int, row: ManifestRow, put: Put) -> ManifestRow:
         """The row of a manipulator whose files go into a new shard, since the old one has not the same ones."""
         old = self._members(index)
         files: list[FileEntry] = []
         for file in row["files"]:
-            stored = target.put(index, file["path"], old[file["path"]])
+            stored = put(index, file["path"], old[file["path"]])
             files.append({**file, **stored})
         for name in _pictures(row):
-            target.put(index, name, old[name])
+            put(index, name, old[name])
         moved = row.copy()
         moved["files"] = files
         return moved

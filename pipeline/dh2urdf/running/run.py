@@ -35,9 +35,8 @@ from dh2urdf.report.verdicts import Verdicts
 from dh2urdf.run_file.config import load_config
 from dh2urdf.run_file.overrides import ON_THE_COMMAND_LINE, Asked
 from dh2urdf.run_file.plan import Plan, make_plan
-from dh2urdf.running.batch_work import Depth
+from dh2urdf.running.batch_work import BatchWorker, Depth
 from dh2urdf.running.run_inputs import OWN_FILES, refuse_overwriting
-from dh2urdf.running.worker import BatchWorker
 from dh2urdf.source import Problem, printable
 from dh2urdf.stage_calls.calls import Call, a_record, depending_on, fault, items_of, own_work
 from dh2urdf.stage_calls.pools import results_of
@@ -313,19 +312,18 @@ def _undone(worker: BatchWorker, batch: Batch, call: Call[Executor[Any]], error:
 
 
 def _rescued(worker: BatchWorker, batch: Batch, lost: Lost) -> BatchReport:
-    """What becomes of a batch that no worker survives: all of it is made but the manipulators that are the reason."""
+    """Make all of a batch that no worker survives, but the manipulators that are the reason."""
     doomed = dict(_culprits(worker, batch, 0))
     try:
         made = run_in_child(BatchWorker.__call__, worker, batch.without(doomed), timeout=None, encoding=PICKLED)
         return replace(made.value, printed=(*made.value.printed, *unmarked(made.output)))
     except ManipulatorError:
         error = CrashError(f"the batch of {len(batch)} manipulators that it is in cannot be made: {lost.reason}")
-        everything = {place: Doomed(name, error, None) for place, name in enumerate(batch.names)}
-        return worker(batch.without(everything))
+        return worker(batch.without({place: Doomed(name, error, None) for place, name in enumerate(batch.names)}))
 
 
 def _culprits(worker: BatchWorker, batch: Batch, start: int) -> Iterator[tuple[int, Doomed]]:
-    """The manipulators of a batch that end the process which tries to make them, found by halving."""
+    """Yield the manipulators of a batch that end the process which tries to make them, found by halving."""
     count = len(batch)
     limit = worker.recipe.time_limit if count == 1 else None
     # A single one is ended from outside, in time; of several the first that takes too long ends the process itself.

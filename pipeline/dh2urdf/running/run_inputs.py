@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import re
+from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -44,25 +45,28 @@ def refuse_overwriting(plan: Plan) -> None:
 def _refuse_overwriting(plan: Plan, store: Store, suffixes: tuple[str, ...], field: str) -> None:
     if not isinstance(store, LocalStore):
         return
-    problems = []
-    names = set()
+    problems, names = [], set()
     for path in dict.fromkeys(_inputs(plan)):
-        for name in _names_in(store, path):
-            names.add(name)
-            is_shard = plan.layout.form is Form.SHARDS and _SHARD.fullmatch(name)
-            if name.endswith(suffixes) or is_shard or name.startswith(f"{WORKING}/") or name in OWN_FILES:
-                problems.append(
-                    Problem(
-                        message=f"the run would overwrite its input {shown(str(path), 200)} in the output folder "
-                        f"{shown(str(store), 200)}",
-                        field=field,
-                        found=str(path),
-                        accepted="another output folder, or an input of another name",
-                        suggestion="write to another folder: `output: {directory: DIR}`, or `-o DIR`; a file that an "
-                        "earlier run wrote is left out by a narrower pattern, such as *.csv",
-                    )
+        own = set(_names_in(store, path))
+        names |= own
+        if any(
+            name.endswith(suffixes)
+            or name.startswith(f"{WORKING}/")
+            or name in OWN_FILES
+            or (plan.layout.form is Form.SHARDS and _SHARD.fullmatch(name))
+            for name in own
+        ):
+            problems.append(
+                Problem(
+                    message=f"the run would overwrite its input {shown(str(path), 200)} in the output folder "
+                    f"{shown(str(store), 200)}",
+                    field=field,
+                    found=str(path),
+                    accepted="another output folder, or an input of another name",
+                    suggestion="write to another folder: `output: {directory: DIR}`, or `-o DIR`; a file that an "
+                    "earlier run wrote is left out by a narrower pattern, such as *.csv",
                 )
-                break
+            )
     if problems:
         raise ConfigError(problems)
     store.protect(names)
@@ -84,7 +88,7 @@ def _inputs(plan: Plan) -> Iterator[Path]:
 
 
 def _names_in(store: LocalStore, path: Path) -> Iterator[str]:
-    """The names of a file in the folder of a store, in lower case: by its own path, and by links."""
+    """Yield the names of a file in the folder of a store, in lower case: by its own path, and by links."""
     root = os.path.realpath(store.directory)
     by_folder = os.path.join(os.path.realpath(path.parent), path.name)  # noqa: PTH118
     for place in dict.fromkeys((by_folder, os.path.realpath(path))):
@@ -92,8 +96,6 @@ def _names_in(store: LocalStore, path: Path) -> Iterator[str]:
         if name != ".." and not name.startswith("../"):
             yield name.casefold()
     for own in OWN_FILES:
-        try:
+        with suppress(OSError, ValueError):
             if os.path.samefile(path, os.path.join(root, own)):  # noqa: PTH118, PTH121
                 yield own
-        except (OSError, ValueError):
-            continue

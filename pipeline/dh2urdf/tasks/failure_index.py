@@ -17,46 +17,19 @@ MAX_NAMES = 1000
 LONGEST_REASON = 300
 """Characters of a reason; of a longer one the beginning counts."""
 
+_QUOTED = re.compile(r"(?<!\w)('[^']*'|\"[^\"]*\")(?!\w)")
+_NUMBER = re.compile(r"[-+−]?\d+(?:[.,]\d+)*(?:e[-+]?\d+)?|\b(?:nan|inf)\b", re.IGNORECASE)
+_NUMBERS = re.compile(r"#(?:, #)+")
+
 
 @dataclass(slots=True)
 class _Failures:
-    """The failures of one kind.
+    """The failures of one kind: the first names; of each reason how often it was given, and the first message."""
 
-    Attributes:
-        names: the first manipulators.
-        reasons: how often each reason was given, in the order of their first appearance.
-        examples: the first message of each reason.
-        others: failures for reasons beyond those that are told apart.
-    """
-
+    count: int = 0
     names: list[str] = field(default_factory=list)
     reasons: Counter[str] = field(default_factory=Counter)
     examples: dict[str, str] = field(default_factory=dict)
-    others: int = 0
-
-    def add(self, name: str, message: str) -> None:
-        """Counts one."""
-        if len(self.names) < MAX_NAMES:
-            self.names.append(name)
-        reason = pattern(message)
-        if reason not in self.reasons:
-            if len(self.reasons) == MAX_REASONS:
-                self.others += 1
-                return
-            self.examples[reason] = message
-        self.reasons[reason] += 1
-
-    def as_json(self) -> dict[str, Any]:
-        """The failures as plain data, the commonest reasons first."""
-        return {
-            "count": self.reasons.total() + self.others,
-            "reasons": [
-                {"count": count, "pattern": reason, "example": self.examples[reason]}
-                for reason, count in self.reasons.most_common()
-            ],
-            "other_reasons": self.others,
-            "names": self.names,
-        }
 
 
 class FailureIndex:
@@ -67,18 +40,26 @@ class FailureIndex:
         self._failures: dict[str, _Failures] = {}
 
     def add_ok(self, count: int) -> None:
-        """Takes so many rows of the manifest that are ok."""
+        """Take so many rows of the manifest that are ok."""
         self._statuses["ok"] += count
 
     def add(self, row: ManifestRow) -> None:
-        """Takes one row of the manifest."""
+        """Take one row of the manifest."""
         self._statuses[row["status"]] += 1
-        if row["status"] == "failed":
-            message = row["errors"][0]["message"] if row["errors"] else ""
-            self._failures.setdefault(row["kind"] or "", _Failures()).add(row["name"], message)
+        if row["status"] != "failed":
+            return
+        message = row["errors"][0]["message"] if row["errors"] else ""
+        found = self._failures.setdefault(row["kind"] or "", _Failures())
+        found.count += 1
+        if len(found.names) < MAX_NAMES:
+            found.names.append(row["name"])
+        reason = pattern(message)
+        if reason in found.reasons or len(found.reasons) < MAX_REASONS:
+            found.reasons[reason] += 1
+            found.examples.setdefault(reason, message)
 
     def as_json(self) -> dict[str, Any]:
-        """The index as plain data.
+        """Return the index as plain data.
 
         ::
 
@@ -103,21 +84,27 @@ class FailureIndex:
               }
             }
         """
-        kinds = sorted(self._failures.items(), key=lambda item: -item[1].reasons.total() - item[1].others)
+        kinds = sorted(self._failures.items(), key=lambda item: -item[1].count)
         return {
             "manipulators": self._statuses.total(),
             "ok": self._statuses["ok"],
             "failed": self._statuses["failed"],
-            "failures": {kind: failures.as_json() for kind, failures in kinds},
+            "failures": {
+                kind: {
+                    "count": found.count,
+                    "reasons": [
+                        {"count": count, "pattern": reason, "example": found.examples[reason]}
+                        for reason, count in found.reasons.most_common()
+                    ],
+                    "other_reasons": found.count - found.reasons.total(),
+                    "names": found.names,
+                }
+                for kind, found in kinds
+            },
         }
 
 
-_QUOTED = re.compile(r"(?<!\w)('[^']*'|\"[^\"]*\")(?!\w)")
-_NUMBER = re.compile(r"[-+−]?\d+(?:[.,]\d+)*(?:e[-+]?\d+)?|\b(?:nan|inf)\b", re.IGNORECASE)
-_NUMBERS = re.compile(r"#(?:, #)+")
-
-
 def pattern(message: str) -> str:
-    """A message without what differs from manipulator to manipulator: quoted text is '…', a number or several are #."""
+    """Return a message without what differs between manipulators: quoted text is '…', a number or several are #."""
     without = _NUMBER.sub("#", _QUOTED.sub("'…'", message[: 4 * LONGEST_REASON]))
     return _NUMBERS.sub("#", without)[:LONGEST_REASON]

@@ -8,12 +8,11 @@ from __future__ import annotations
 import io
 from importlib.util import find_spec
 from itertools import islice
-from typing import TYPE_CHECKING, Any, BinaryIO, NamedTuple, get_args, get_origin, get_type_hints, is_typeddict
+from typing import TYPE_CHECKING, Any, BinaryIO, NamedTuple
 
 import orjson
 
 from dh2urdf.errors import MissingDependencyError
-from dh2urdf.results import ManipulatorEntry
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
@@ -73,12 +72,12 @@ def _see(kinds: dict[str, type], name: str, kind: type) -> None:
 
 def _flat(row: ManifestRow) -> dict[str, Any]:
     """A row of the table by the names of its columns."""
-    every: Any = row
-    proofs = [(stage, proof) for stage, proof in row["proof"].items() if proof]
-    flat: dict[str, Any] = {name: every[name] for name in _PLAIN}
+    whole: Any = row
+    proofs: list[tuple[str, Any]] = [(stage, proof) for stage, proof in row["proof"].items() if proof]
+    flat: dict[str, Any] = {name: whole[name] for name in _PLAIN}
     flat["files"] = row["files"]
-    flat["position_error"] = _largest([proof["position_error"] for _, proof in proofs])
-    flat["angle_error"] = _largest([proof["angle_error"] for _, proof in proofs])
+    for name in ("position_error", "angle_error"):  # the largest that is there
+        flat[name] = max((every[name] for _, every in proofs if every[name] is not None), default=None)
     flat["proved"] = [stage for stage, _ in proofs]
     flat["errors"] = errors = [problem["message"] for problem in row["errors"]]
     flat["error"] = errors[0] if errors else None
@@ -90,11 +89,6 @@ def _flat(row: ManifestRow) -> dict[str, Any]:
     for name, why in row.get("not_loaded", {}).items():
         flat[f"loaders.{name}.verdict"] = why
     return flat
-
-
-def _largest(numbers: Sequence[float | None]) -> float | None:
-    """The largest number that is there; None where none is."""
-    return max([number for number in numbers if number is not None], default=None)
 
 
 def _leaves(prefix: str, facts: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
@@ -165,13 +159,13 @@ class ManifestTable:
             OSError: the file cannot be written.
         """
         self._write(self._waiting)
-        self._close()
         if self._is_outgrown:
+            self._close()
             self._is_outgrown = False
             manifest.seek(0)
             while some := [orjson.loads(line) for line in islice(manifest, ROW_GROUP)]:
                 self._write(table_rows(some).lines)
-            self._close()
+        self._close()
 
     def _write(self, lines: Sequence[bytes]) -> None:
         """Write a row group, if the columns are those of the groups before.
@@ -213,8 +207,11 @@ class ManifestTable:
 
         text, number, texts = pa.string(), pa.float64(), pa.list_(pa.string())
         kinds = {bool: pa.bool_(), float: number, str: text, object: text, list: texts}
+        file = {"path": text, "stage": text, "bytes": pa.int64(), "sha256": text, "shard": text, "offset": pa.int64()}
         types = {
-            **_types(ManipulatorEntry, *_PLAIN, "files"),
+            **dict.fromkeys(_PLAIN, text),
+            "keeps_kinematics": pa.bool_(),
+            "files": pa.list_(pa.struct(file)),
             **dict.fromkeys(("position_error", "angle_error"), number),
             "proved": texts,
             "error": text,
@@ -223,22 +220,3 @@ class ManifestTable:
         for some in _OF_SOME_RUNS:
             types |= {name: kinds[kind] for name, kind in self._kinds.items() if name.startswith(some)}
         return pa.schema(types)
-
-
-def _types(record: type, *names: str) -> dict[str, pa.DataType]:
-    """The types of some keys of a record of `dh2urdf.results`, of all where none is named."""
-    hints = get_type_hints(record)
-    return {name: _type(hints[name]) for name in names or hints}
-
-
-def _type(hint: Any) -> pa.DataType:  # noqa: ANN401 - any type
-    """The type of a column for values of a type, or null."""
-    import pyarrow as pa
-
-    if is_typeddict(hint):
-        return pa.struct(_types(hint))
-    parts = get_args(hint)
-    if get_origin(hint) is list:
-        return pa.list_(_type(parts[0]))
-    kinds = {bool: pa.bool_(), int: pa.int64(), float: pa.float64()}
-    return next((column for kind, column in kinds.items() if kind in (hint, *parts)), pa.string())

@@ -54,8 +54,8 @@ def test_a_batch_is_cut_where_a_shard_ends(layout: Layout, whole: int, parts: li
 def test_files_of_their_own_are_there_at_once(store: Store, form: Form) -> None:
     """Each as soon as it is put, with its name in the store."""
     layout = Layout(form=form, size=2)
-    with layout.place(store, 3) as place:
-        where = place.put(3, "arm.urdf", b"<robot/>")
+    with layout.place(store, 3) as put:
+        where = put(3, "arm.urdf", b"<robot/>")
         assert where == {"path": {Form.FILES: "arm.urdf", Form.FOLDERS: "00001/arm.urdf"}[form]}
         assert store.read(where["path"]) == b"<robot/>"
 
@@ -63,8 +63,8 @@ def test_files_of_their_own_are_there_at_once(store: Store, form: Form) -> None:
 def test_a_member_of_a_shard_is_read_at_its_offset(store: Store) -> None:
     """The manifest says in which shard it is, and where its content begins."""
     layout = Layout(form=Form.SHARDS, size=2)
-    with layout.place(store, 2) as place:
-        facts = [place.put(2, "a.urdf", b"<robot/>"), place.put(3, "b.urdf", b"<robot name='b'/>")]
+    with layout.place(store, 2) as put:
+        facts = [put(2, "a.urdf", b"<robot/>"), put(3, "b.urdf", b"<robot name='b'/>")]
         assert store.size("000001.tar") is None
     assert [fact["path"] for fact in facts] == ["a.urdf", "b.urdf"]
     contents = [store.read(fact["shard"])[fact["offset"] :][:size] for fact, size in zip(facts, (8, 17), strict=True)]
@@ -76,8 +76,8 @@ def test_a_shard_that_fails_is_not_there(tmp_path: Path) -> None:
     store = open_store(tmp_path)
 
     def fail() -> None:
-        with Layout(form=Form.SHARDS).place(store, 0) as place:
-            place.put(0, "a.urdf", b"<robot/>")
+        with Layout(form=Form.SHARDS).place(store, 0) as put:
+            put(0, "a.urdf", b"<robot/>")
             raise ZeroDivisionError
 
     with pytest.raises(ZeroDivisionError):

@@ -54,8 +54,7 @@ FAULTS = [
 def workspace(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A sound description package and a sound MoveIt package of a UR5."""
     import dh2urdf
-    from dh2urdf_plugins.packages.ros2 import EMITTER
-    from dh2urdf_plugins.packages.ros2.options import Ros2Options
+    from dh2urdf_plugins.packages.ros2 import EMITTER, Ros2Options
     from dh2urdf_plugins.transforms.alpha_swap import alpha_swap
     from dh2urdf_plugins.transforms.alpha_swap_options import AlphaSwapOptions
 

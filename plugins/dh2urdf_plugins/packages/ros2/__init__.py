@@ -2,21 +2,111 @@
 
 from __future__ import annotations
 
+import math
+import re
+from dataclasses import dataclass, field
+from typing import Literal, TypeAlias
+
+from dh2urdf.errors import ConfigError
+from dh2urdf.source import Problem
 from dh2urdf.stages import Emitter, GivesNotices, ReadsBack, WritesFolders
 from dh2urdf_plugins.formats import checks, read_foreign_xacro
 from dh2urdf_plugins.late import Late
-from dh2urdf_plugins.packages.ros2.options import Ros2Options
+from dh2urdf_plugins.packages.srdf import SrdfOptions
+
+Interface: TypeAlias = Literal["position", "velocity", "effort"]
+HardwareName: TypeAlias = Literal["mock", "gazebo", "topic", "none"]
+
+PLUGINS: dict[HardwareName, str] = {
+    "mock": "mock_components/GenericSystem",
+    "gazebo": "gz_ros2_control/GazeboSimSystem",
+    "topic": "topic_based_ros2_control/TopicBasedSystem",
+}
+"""The hardware plugins of ros2_control by the option that chooses them."""
+
+NO_LICENSE = "TODO: License declaration"
+NO_MAINTAINER, NO_EMAIL = "user", "user@todo.todo"
+"""What `ros2 pkg create` writes for what a person does not give."""
+_EMAIL = re.compile(r"[-\w%+]+(\.[-\w%+]+)*@[-a-zA-Z0-9%]+(\.[-a-zA-Z0-9%]+)*\.[a-zA-Z]{2,}", re.ASCII)  # catkin_pkg's
+_ACCEPTED = {
+    "maintainer": "a name in one line, such as Ada Lovelace",
+    "email": "one address, such as ada@lab.org",
+    "license": "an SPDX identifier, such as BSD-3-Clause",
+}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Ros2Options(SrdfOptions):
+    """How the packages are named, what they drive, and how MoveIt plans."""
+
+    package: str = field(
+        default="",
+        metadata={"help": "name of the robot in the names of its packages; by default that of the table"},
+    )
+    maintainer: str = field(default="", metadata={"help": "name of the maintainer in package.xml"})
+    email: str = field(default="", metadata={"help": "address of the maintainer in package.xml"})
+    license: str = field(default="", metadata={"help": "license in package.xml, as an SPDX identifier"})
+    version: str = field(default="0.1.0", metadata={"help": "version in package.xml: three numbers"})
+    hardware: HardwareName = field(
+        default="mock",
+        metadata={"help": "hardware of ros2_control that is the default of the description; none: no ros2_control"},
+    )
+    command_interfaces: tuple[Interface, ...] = field(
+        default=("position",),
+        metadata={
+            "help": "what the hardware takes for each joint: position, and on request velocity and effort; the "
+            "trajectory controller commands positions"
+        },
+    )
+    moveit: bool = field(
+        default=False,
+        metadata={"help": "also write the configuration of MoveIt, which trials, seed, min_distance and group are for"},
+    )
+    acceleration: float | None = field(
+        default=None,
+        metadata={
+            "help": "largest acceleration of all joints for MoveIt [rad/s², m/s²]; by default each joint reaches its "
+            "full velocity in 0.5 s"
+        },
+    )
+
+    @property
+    def controlled(self) -> bool:
+        """Whether ros2_control is in the description."""
+        return self.hardware != "none"
+
+    def __post_init__(self) -> None:
+        """Refuses what no package can have.
+
+        Raises:
+            ConfigError: a text or a number is not accepted.
+        """
+        SrdfOptions.__post_init__(self)
+        for name, accepted in _ACCEPTED.items():
+            text = getattr(self, name)
+            if text and not (text.isprintable() and text.strip() and (name != "email" or _EMAIL.fullmatch(text))):
+                message = f"package.xml cannot have this {name}: colcon, rosdep and bloom refuse it"
+                raise ConfigError(Problem(message=message, field=name, found=text, accepted=accepted))
+        given = self.command_interfaces
+        if "position" not in given or len(set(given)) < len(given):
+            message = "one is given twice" if "position" in given else "the trajectory controller commands positions"
+            accepted, found = "position, and beside it velocity, effort, or both", ", ".join(given)
+            raise ConfigError(Problem(message=message, field="command_interfaces", found=found, accepted=accepted))
+        if self.acceleration is not None and not (math.isfinite(self.acceleration) and self.acceleration > 0.0):
+            message, found = "this is no acceleration that a joint can plan with", f"{self.acceleration:.9g}"
+            accepted = "a finite number greater than 0 [rad/s², m/s²]"
+            raise ConfigError(Problem(message=message, field="acceleration", found=found, accepted=accepted))
+
 
 _PACKAGES = f"{__name__}.packages"
 
 
 def folders(stem: str, options: Ros2Options) -> tuple[str, ...]:
     """The packages of a robot."""
-    from dh2urdf_plugins.packages.ros2.moveit_package import moveit_name
     from dh2urdf_plugins.packages.ros2.package_files import package_stem
 
     name = package_stem(stem, options.package)
-    return (f"{name}_description", *([moveit_name(name)] if options.moveit else ()))
+    return (f"{name}_description", *([f"{name}_moveit_config"] if options.moveit else ()))
 
 
 EMITTER = Emitter(

@@ -25,7 +25,7 @@ from dh2urdf_plugins.formats.xacro.writer import (
     as_text,
     property_name,
 )
-from dh2urdf_plugins.packages.ros2.options import PLUGINS, HardwareName
+from dh2urdf_plugins.packages.ros2 import PLUGINS, HardwareName
 from dh2urdf_plugins.packages.ros2.yaml_files import (
     LIMIT_KEYS,
     follows_whole_table,
@@ -36,7 +36,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
     from dh2urdf.robot import Arm, Inertial, Joint, Robot
-    from dh2urdf_plugins.packages.ros2.options import Ros2Options
+    from dh2urdf_plugins.packages.ros2 import Ros2Options
 
 _GAZEBO = ("gz_ros2_control-system", "gz_ros2_control::GazeboSimROS2ControlPlugin")
 

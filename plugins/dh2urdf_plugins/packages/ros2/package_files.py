@@ -1,9 +1,4 @@
-"""The files that make a folder a package: package.xml, CMakeLists.txt, the README and what goes with them.
-
-Names that ROS accepts: of packages (REP 144), links and joints.
-
-What shows a robot in ROS 2, and the test that a package runs: a launch file, a view of RViz, expected poses.
-"""
+"""The files that make a folder a package, and what shows and tests a robot in ROS 2; names that ROS accepts."""
 
 from __future__ import annotations
 
@@ -21,23 +16,33 @@ from dh2urdf.rotations import norm
 from dh2urdf.source import Problem, markdown_text, shown
 from dh2urdf_plugins.home_pose import initial_position
 from dh2urdf_plugins.packages import templates
-from dh2urdf_plugins.packages.ros2.options import NO_EMAIL, NO_LICENSE, NO_MAINTAINER
+from dh2urdf_plugins.packages.ros2 import NO_EMAIL, NO_LICENSE, NO_MAINTAINER
 from dh2urdf_plugins.packages.ros2.yaml_files import follows_whole_table
 from dh2urdf_plugins.ros_conventions import PACKAGE_NAME
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
+    from collections.abc import Iterable, Iterator, Sequence
 
     from dh2urdf.robot import Joint, Robot
-    from dh2urdf.rotations import RigidTransform
+    from dh2urdf_plugins.packages.ros2 import Ros2Options
     from dh2urdf_plugins.packages.ros2.description_xacro import Kind
-    from dh2urdf_plugins.packages.ros2.options import Ros2Options
 
 
-_NAME = re.compile(r"[A-Za-z0-9_-]+")
-_NODE = re.compile(r"(?:[A-Za-z_][A-Za-z0-9_]*)?")
+VIEWING = (
+    *("joint_state_publisher", "joint_state_publisher_gui", "launch", "launch_ros"),
+    *("robot_state_publisher", "rviz2", "xacro"),
+)
+CONTROLLING = ("controller_manager", "joint_state_broadcaster", "joint_trajectory_controller")
+TESTING = ("ament_cmake_pytest", "liburdfdom-tools", "xacro")
 _SHORTEST = 2
 _SUFFIX = "_description"
+_PARTS = (0.5, 0.2, 0.9)
+"""Where between their limits the joints are in the test of a package."""
+_UNLIMITED = 3.0
+"""The bound of a joint without limits in that test [rad]."""
+
+
+# --- Names ------------------------------------------------------------------------------------------------------------
 
 
 def package_stem(stem: str, package: str) -> str:
@@ -58,10 +63,9 @@ def robot_name(stem: str, package: str) -> str:
     name = package_stem(stem, package)
     if PACKAGE_NAME.fullmatch(name) and len(name) >= _SHORTEST:
         return name
-    message = f"a ROS package cannot be named {shown(f'{name}{_SUFFIX}')}"
     raise EmitterError(
         Problem(
-            message=message,
+            message=f"a ROS package cannot be named {shown(f'{name}{_SUFFIX}')}",
             found=name,
             field="package",
             accepted="two or more lower-case letters, digits and single `_`; the first is a letter (REP 144)",
@@ -72,58 +76,28 @@ def robot_name(stem: str, package: str) -> str:
 
 def proposed_name(name: str) -> str:
     """The name that REP 144 allows and that is nearest to another."""
-    near = re.sub(r"[^a-z0-9]+", "_", _without_accents(name).lower()).strip("_")
+    near = _near(name.lower(), "[^a-z0-9]+").strip("_")
     if not near:
         return "my_arm"
     return near if near[0].isalpha() and len(near) >= _SHORTEST else f"arm_{near}"
 
 
-def _without_accents(name: str) -> str:
-    return "".join(letter for letter in unicodedata.normalize("NFKD", name) if not unicodedata.combining(letter))
-
-
-def check_names(robot: Robot) -> None:
+def check_names(robot: Robot, *, prefixes: bool) -> None:
     """Checks that the names of links, joints and materials are safe in YAML keys, parameters and frames.
 
     Raises:
         EmitterError: some are not; the error proposes a name for each.
     """
-    named = [("link", link.name) for link in robot.links] + [("joint", joint.name) for joint in robot.joints]
+    if problems := [*_problems(robot), *(_problems_of_prefixes(robot) if prefixes else ())]:
+        raise EmitterError(problems)
+
+
+def _problems(robot: Robot) -> Iterator[Problem]:
     materials = [visual.material.name for link in robot.links for visual in link.visuals if visual.material]
-    named += [("material", name) for name in dict.fromkeys(materials)]
-    if problems := list(_problems(named)):
-        raise EmitterError(problems)
-
-
-def check_prefixes(robot: Robot) -> None:
-    """Checks that the prefixes of arms can begin the names of controllers, which are nodes.
-
-    A node has letters, digits and ``_`` in its name, and no digit at its beginning (rmw_validate_node_name).
-
-    Raises:
-        EmitterError: some cannot; the error proposes others.
-    """
-    problems = []
-    for arm in robot.arms:
-        if not _NODE.fullmatch(arm.prefix):
-            near = re.sub(r"[^A-Za-z0-9_]+", "_", _without_accents(arm.prefix))
-            near = near if _NODE.fullmatch(near) else f"arm_{near}"
-            problems.append(
-                Problem(
-                    message=f"the arm {shown(arm.name)} has a prefix that no controller of ROS can be named with",
-                    found=arm.prefix,
-                    accepted="letters, digits and `_`; the first is no digit",
-                    suggestion=f"set `prefix: {near}` for the arm of the cell",
-                )
-            )
-    if problems:
-        raise EmitterError(problems)
-
-
-def _problems(named: Iterable[tuple[str, str]]) -> Iterable[Problem]:
-    for what, name in named:
-        if not _NAME.fullmatch(name):
-            near = re.sub(r"[^A-Za-z0-9_-]+", "_", _without_accents(name)).strip("_") or what
+    named = [("link", link.name) for link in robot.links] + [("joint", joint.name) for joint in robot.joints]
+    for what, name in [*named, *(("material", name) for name in dict.fromkeys(materials))]:
+        if not re.fullmatch(r"[A-Za-z0-9_-]+", name):
+            near = _near(name, "[^A-Za-z0-9_-]+").strip("_") or what
             yield Problem(
                 message=f"the {what} {shown(name)} has a name that ROS cannot use everywhere",
                 found=name,
@@ -132,17 +106,26 @@ def _problems(named: Iterable[tuple[str, str]]) -> Iterable[Problem]:
             )
 
 
-VIEWING = (
-    "joint_state_publisher",
-    "joint_state_publisher_gui",
-    "launch",
-    "launch_ros",
-    "robot_state_publisher",
-    "rviz2",
-    "xacro",
-)
-CONTROLLING = ("controller_manager", "joint_state_broadcaster", "joint_trajectory_controller")
-TESTING = ("ament_cmake_pytest", "liburdfdom-tools", "xacro")
+def _problems_of_prefixes(robot: Robot) -> Iterator[Problem]:
+    """Prefixes begin the names of controllers, which are nodes: letters, digits, ``_`` (rmw_validate_node_name)."""
+    for arm in robot.arms:
+        if arm.prefix and not re.fullmatch("[A-Za-z_][A-Za-z0-9_]*", arm.prefix):
+            near = _near(arm.prefix, "[^A-Za-z0-9_]+")
+            yield Problem(
+                message=f"the arm {shown(arm.name)} has a prefix that no controller of ROS can be named with",
+                found=arm.prefix,
+                accepted="letters, digits and `_`; the first is no digit",
+                suggestion=f"set `prefix: {f'arm_{near}' if near[:1].isdigit() else near}` for the arm of the cell",
+            )
+
+
+def _near(name: str, others: str) -> str:
+    """A name without accents, and with ``_`` for each run of other characters."""
+    bare = "".join(letter for letter in unicodedata.normalize("NFKD", name) if not unicodedata.combining(letter))
+    return re.sub(others, "_", bare)
+
+
+# --- Packages ---------------------------------------------------------------------------------------------------------
 
 
 def filled(template: str, **words: str) -> bytes:
@@ -154,9 +137,8 @@ def package_xml(
     package: str, description: str, options: Ros2Options, needed: Iterable[str], tested: Iterable[str]
 ) -> bytes:
     """``package.xml`` in format 3 (REP 149)."""
-    depends = [
-        f"<{tag}>{name}</{tag}>" for tag, names in (("exec_depend", needed), ("test_depend", tested)) for name in names
-    ]
+    depends = [f"<exec_depend>{name}</exec_depend>" for name in needed]
+    depends += [f"<test_depend>{name}</test_depend>" for name in tested]
     return filled(
         "package.xml",
         NAME=package,
@@ -175,15 +157,11 @@ def cmake_lists(package: str, folders: Iterable[str], test: str, names: Iterable
     return filled("CMakeLists.txt", PACKAGE=package, FOLDERS=" ".join(sorted(folders)), FILES=files, TEST=test)
 
 
-def changelog(package: str, version: str) -> bytes:
-    """``CHANGELOG.rst`` in the form that catkin_pkg reads (REP 132)."""
+def changelog_and_license(package: str, options: Ros2Options) -> dict[str, bytes]:
+    """``CHANGELOG.rst`` as catkin_pkg reads it (REP 132), and the identifier of a license, whose text a person adds."""
     line = "^" * len(f"Changelog for package {package}")
-    return filled("CHANGELOG.rst", LINE=line, PACKAGE=package, VERSION=version)
-
-
-def license_file(options: Ros2Options) -> bytes:
-    """``LICENSE``: the identifier of the license, whose text is the maintainer's to add."""
-    return f"SPDX-License-Identifier: {options.license}\n".encode()
+    files = {"CHANGELOG.rst": filled("CHANGELOG.rst", LINE=line, PACKAGE=package, VERSION=options.version)}
+    return files | ({"LICENSE": f"SPDX-License-Identifier: {options.license}\n".encode()} if options.license else {})
 
 
 def readme(package: str, name: str, robot: Robot, kinds: Sequence[Kind], options: Ros2Options) -> bytes:
@@ -207,10 +185,7 @@ def readme(package: str, name: str, robot: Robot, kinds: Sequence[Kind], options
     )
 
 
-_PARTS = (0.5, 0.2, 0.9)
-"""Where between their limits the joints are in the test of a package."""
-_UNLIMITED = 3.0
-"""The bound of a joint without limits in that test [rad]."""
+# --- View and test ----------------------------------------------------------------------------------------------------
 
 
 def launch_file(package: str, name: str, robot: Robot) -> bytes:
@@ -228,17 +203,8 @@ def launch_file(package: str, name: str, robot: Robot) -> bytes:
     )
 
 
-def rviz_file(robot: Robot) -> bytes:
-    """``view_robot.rviz``: the robot from a distance that suits its size."""
-    return _view("view_robot.rviz", robot)
-
-
-def planning_view(robot: Robot) -> bytes:
-    """``moveit.rviz``: the same view, with MoveIt's panel for plans."""
-    return _view("moveit.rviz", robot)
-
-
-def _view(template: str, robot: Robot) -> bytes:
+def view(template: str, robot: Robot) -> bytes:
+    """A view of RViz: the robot from a distance that suits its size."""
     size = max(total(norm(joint.origin.xyz) for joint in robot.joints) / max(len(robot.arms), 1), 0.1)
     numbers = {"CELL": size / 5.0, "MARKER": size / 3.0, "DISTANCE": 2.0 * size, "HEIGHT": size / 3.0}
     return filled(template, ROOT=robot.root, **{name: f"{value:.3g}" for name, value in numbers.items()})
@@ -252,7 +218,12 @@ def test_file(package: str, name: str, robot: Robot) -> bytes:
     for part in (None, *_PARTS):
         values = {joint.name: _value(joint, part, place) for place, joint in enumerate(robot.moving_joints)}
         frames = link_poses(robot, values)
-        poses.append((values, {tool: _rows(frames[tool]) for tool in tools}))
+        rows = {}
+        for tool in tools:
+            r, t = frames[tool]
+            top = [[*(x + 0.0 for x in r[3 * i : 3 * i + 3]), t[i] + 0.0] for i in range(3)]
+            rows[tool] = [*top, [0.0, 0.0, 0.0, 1.0]]
+        poses.append((values, rows))
     return filled(
         "test_description.py",
         PACKAGE=package,
@@ -271,8 +242,3 @@ def _value(joint: Joint, part: float | None, place: int) -> float:
         lower, upper = -_UNLIMITED, _UNLIMITED
     part = part if place % 2 else 1.0 - part
     return round(lower + part * (upper - lower), 6)
-
-
-def _rows(pose: RigidTransform) -> list[list[float]]:
-    r, t = pose
-    return [*([*(x + 0.0 for x in r[3 * i : 3 * i + 3]), t[i] + 0.0] for i in range(3)), [0.0, 0.0, 0.0, 1.0]]

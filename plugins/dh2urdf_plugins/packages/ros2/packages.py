@@ -1,64 +1,53 @@
-"""The stage ``ros2``: a description package for every robot or cell."""
+"""The packages of a robot or a cell: its description, and the configuration of MoveIt that goes with it.
+
+The files for MoveIt are those that its setup assistant writes and that ``moveit_configs_utils`` looks for
+(moveit/moveit2).
+"""
 
 from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import PurePosixPath
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
+
+from lxml import etree
 
 from dh2urdf.errors import EmitterError
-from dh2urdf.manipulator import JointType
+from dh2urdf.manipulator import WORLD, JointType
 from dh2urdf.meshes import copy_name, read_mesh
-from dh2urdf.robot import Collision, Joint, Link, Mesh, Origin, Visual
+from dh2urdf.robot import Joint, Link, Mesh, Origin
 from dh2urdf.rotations import IDENTITY
-from dh2urdf.source import Problem
+from dh2urdf.source import Problem, markdown_text, shown
 from dh2urdf.stages import EmittedFile
 from dh2urdf_plugins.formats.urdf.profiles import PROFILES, adapted, notices_of
-from dh2urdf_plugins.formats.urdf.writer import check_lines
+from dh2urdf_plugins.formats.urdf.writer import check_lines, serialise
+from dh2urdf_plugins.formats.xacro.writer import NAMESPACE, XacroNotation, append_element
+from dh2urdf_plugins.packages.ros2 import package_files as files, yaml_files as yamls
 from dh2urdf_plugins.packages.ros2.description_xacro import (
     Kind,
     arms_of,
     control_file,
     macro_file,
+    positions_argument,
     top_file,
 )
-from dh2urdf_plugins.packages.ros2.moveit_package import moveit_name, moveit_notices, moveit_package
-from dh2urdf_plugins.packages.ros2.package_files import (
-    CONTROLLING,
-    TESTING,
-    VIEWING,
-    changelog,
-    check_names,
-    check_prefixes,
-    cmake_lists,
-    launch_file,
-    license_file,
-    package_xml,
-    proposed_name,
-    readme,
-    robot_name,
-    rviz_file,
-    test_file,
-)
-from dh2urdf_plugins.packages.ros2.yaml_files import (
-    arm_joints,
-    controllers,
-    dh_file,
-    follows_whole_table,
-    initial_positions,
-    joint_limits,
-    physical_parameters,
-)
+from dh2urdf_plugins.packages.srdf import srdf
+from dh2urdf_plugins.packages.srdf.semantics import groups
 from dh2urdf_plugins.ros_conventions import VERSION
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
     from dh2urdf.robot import Robot
-    from dh2urdf_plugins.packages.ros2.options import Ros2Options
+    from dh2urdf_plugins.packages.ros2 import Ros2Options
 
 
 BASE = "base"
+PLANNING = (
+    *("moveit_configs_utils", "moveit_kinematics", "moveit_planners", "moveit_ros_move_group"),
+    *("moveit_ros_visualization", "moveit_setup_assistant", "moveit_simple_controller_manager"),
+    *("robot_state_publisher", "rviz2", "tf2_ros", "xacro"),
+)
 
 
 def packages_of(robot: Robot, stem: str, options: Ros2Options) -> tuple[EmittedFile, ...]:
@@ -72,22 +61,19 @@ def packages_of(robot: Robot, stem: str, options: Ros2Options) -> tuple[EmittedF
         accepted = "three numbers with dots between them, such as 1.2.0 (REP 149)"
         message = "this is not the version of a ROS package"
         raise EmitterError(Problem(message=message, field="version", found=options.version, accepted=accepted))
-    name = robot_name(stem, options.package)
-    check_names(robot)
-    if options.controlled or options.moveit:
-        check_prefixes(robot)
+    name = files.robot_name(stem, options.package)
+    files.check_names(robot, prefixes=options.controlled or options.moveit)
     package = f"{name}_description"
     copies: dict[str, bytes] = {}
     robot = _with_meshes(adapted(_with_base(robot), PROFILES["ros"]), package, copies)
-    kinds = _kinds(robot, name)
-    contents = dict(_description(robot, kinds, name, package, options))
+    contents = dict(_description(robot, _kinds(robot, name), name, package, options))
     contents.update(sorted(copies.items()))
     folders = {PurePosixPath(path).parts[0] for path in contents if "/" in path} - {"test"}
-    contents["CMakeLists.txt"] = cmake_lists(package, folders, "test_description")
+    contents["CMakeLists.txt"] = files.cmake_lists(package, folders, "test_description")
     written = {f"{package}/{path}": content for path, content in contents.items()}
     if options.moveit:
-        files = moveit_package(robot, name, package, options)
-        written.update({f"{moveit_name(name)}/{path}": content for path, content in files.items()})
+        moveit = f"{name}_moveit_config"
+        written.update((f"{moveit}/{path}", content) for path, content in _moveit(robot, name, moveit, options))
     for path in (path for path in written if path.endswith(".xacro")):
         check_lines(written[path])
     return tuple(EmittedFile(name=path, content=content) for path, content in written.items())
@@ -101,7 +87,7 @@ def _kinds(robot: Robot, name: str) -> list[Kind]:
     taken = {name}
     for arm in robot.arms:
         if all(kind.robot is not arm.kind for kind in kinds):
-            macro = first = proposed_name(arm.kind.name)
+            macro = first = files.proposed_name(arm.kind.name)
             number = 1
             while taken.intersection(macros := {macro, f"{macro}_at", f"{macro}_ros2_control"}):
                 number += 1
@@ -119,27 +105,83 @@ def _description(
     yield f"urdf/{name}.urdf.xacro", top_file(robot, kinds, package, options)
     for kind in kinds:
         yield f"urdf/{kind.macro}_macro.xacro", macro_file(kind, package)
-        if follows_whole_table(kind.robot):
-            yield f"{kind.folder}/dh.yaml", dh_file(kind.robot)
-        yield f"{kind.folder}/joint_limits.yaml", joint_limits(kind.robot)
-        yield f"{kind.folder}/physical_parameters.yaml", physical_parameters(kind.robot)
+        if yamls.follows_whole_table(kind.robot):
+            yield f"{kind.folder}/dh.yaml", yamls.dh_file(kind.robot)
+        yield f"{kind.folder}/joint_limits.yaml", yamls.joint_limits(kind.robot)
+        yield f"{kind.folder}/physical_parameters.yaml", yamls.physical_parameters(kind.robot)
         if controlled:
             yield f"urdf/{kind.macro}.ros2_control.xacro", control_file(kind, package, options)
-            yield f"{kind.folder}/initial_positions.yaml", initial_positions(kind.robot)
+            yield f"{kind.folder}/initial_positions.yaml", yamls.initial_positions(kind.robot)
     if controlled:
-        yield "config/ros2_controllers.yaml", controllers(arm_joints(robot))
-    yield "launch/view_robot.launch.py", launch_file(package, name, robot)
-    yield "rviz/view_robot.rviz", rviz_file(robot)
-    yield "test/test_description.py", test_file(package, name, robot)
-    needed = sorted({*VIEWING, *(CONTROLLING if controlled else ())})
-    yield "package.xml", package_xml(package, f"The description of {robot.name}", options, needed, TESTING)
-    yield "README.md", readme(package, name, robot, kinds, options)
-    yield "CHANGELOG.rst", changelog(package, options.version)
-    if options.license:
-        yield "LICENSE", license_file(options)
+        yield "config/ros2_controllers.yaml", yamls.controllers(yamls.arm_joints(robot))
+    yield "launch/view_robot.launch.py", files.launch_file(package, name, robot)
+    yield "rviz/view_robot.rviz", files.view("view_robot.rviz", robot)
+    yield "test/test_description.py", files.test_file(package, name, robot)
+    needed = sorted({*files.VIEWING, *(files.CONTROLLING if controlled else ())})
+    summary = f"The description of {robot.name}"
+    yield "package.xml", files.package_xml(package, summary, options, needed, files.TESTING)
+    yield "README.md", files.readme(package, name, robot, kinds, options)
+    yield from files.changelog_and_license(package, options).items()
 
 
-# --- The frame of the controller --------------------------------------------------------------------------------------
+# --- MoveIt -----------------------------------------------------------------------------------------------------------
+
+
+def _moveit(robot: Robot, name: str, package: str, options: Ros2Options) -> Iterator[tuple[str, bytes]]:
+    """The files of the MoveIt package by their places in it.
+
+    Raises:
+        EmitterError: nothing of the robot moves, or a mesh cannot be read.
+        MissingDependencyError: what finds collision pairs is not installed.
+    """
+    if not robot.moving_joints:
+        message = "MoveIt plans for joints that move, and this robot has none"
+        raise EmitterError(Problem(message=message, field="moveit", accepted="a robot with a moving joint, or false"))
+    arms, description, controlled = yamls.arm_joints(robot), f"{name}_description", options.controlled
+    yield f"config/{name}.srdf", srdf(robot, options, options.group)
+    yield f"config/{name}.urdf.xacro", _shown_description(robot, name, package, options)
+    yield "config/kinematics.yaml", yamls.kinematics(groups(robot, options.group))
+    yield "config/joint_limits.yaml", yamls.planning_limits(robot.moving_joints, options.acceleration)
+    yield "config/moveit_controllers.yaml", yamls.moveit_controllers(arms)
+    if controlled:
+        yield "config/ros2_controllers.yaml", yamls.controllers(arms)
+        for prefix, arm in arms_of(robot):
+            yield f"config/{prefix}initial_positions.yaml", yamls.initial_positions(arm)
+    yield "config/pilz_cartesian_limits.yaml", files.filled("pilz_cartesian_limits.yaml")
+    yield "config/moveit.rviz", files.view("moveit.rviz", robot)
+    # The launch files are named by the functions of `moveit_configs_utils.launches` that they call.
+    launches = ["move_group", "moveit_rviz", "rsp", "setup_assistant"]
+    launches += ["static_virtual_joint_tfs"] if robot.root != WORLD else []
+    for what in [*launches, *(("demo", "spawn_controllers") if controlled else ())]:
+        launch = files.filled("moveit.launch.py", PACKAGE=package, NAME=name, WHAT=what)
+        yield f"launch/{what}.launch.py", launch
+    yield "test/test_moveit_config.py", files.filled("test_moveit_config.py", NAME=name)
+    yield ".setup_assistant", yamls.setup_assistant(name, description, options)
+    needed = sorted({description, *PLANNING, *(files.CONTROLLING if controlled else ())})
+    tested = ("ament_cmake_pytest", "python3-yaml", "xacro")
+    summary = f"The configuration of MoveIt for {robot.name}"
+    yield "package.xml", files.package_xml(package, summary, options, needed, tested)
+    folders = ("config", "launch")
+    yield "CMakeLists.txt", files.cmake_lists(package, folders, "test_moveit_config", (".setup_assistant",))
+    start = files.filled("moveit_demo.md", PACKAGE=package).decode() if controlled else ""
+    words = {"PACKAGE": package, "DESCRIPTION": description, "ROBOT": markdown_text(robot.name), "START": start}
+    yield "README.md", files.filled("moveit_README.md", **words)
+    yield from files.changelog_and_license(package, options).items()
+
+
+def _shown_description(robot: Robot, name: str, package: str, options: Ros2Options) -> bytes:
+    """The description that MoveIt shows: that of the other package, with hardware that a demonstration can run."""
+    top = etree.Element("robot", name=XacroNotation().text(robot.name), nsmap={"xacro": NAMESPACE})
+    if options.controlled:
+        append_element(top, "arg", name="hardware", default="mock")
+        for prefix, _ in arms_of(robot):
+            place = f"$(find {package})/config/{prefix}initial_positions.yaml"
+            append_element(top, "arg", name=positions_argument(prefix), default=place)
+    append_element(top, "include", filename=f"$(find {name}_description)/urdf/{name}.urdf.xacro")
+    return serialise(top)
+
+
+# --- The frame of the controller, and meshes --------------------------------------------------------------------------
 
 
 def _with_base(robot: Robot) -> Robot:
@@ -161,51 +203,65 @@ def _with_base(robot: Robot) -> Robot:
     return replace(robot, links=tuple(links), joints=tuple(joints), arms=arms)
 
 
-# --- Meshes -----------------------------------------------------------------------------------------------------------
-
-
 def _with_meshes(robot: Robot, package: str, copies: dict[str, bytes]) -> Robot:
     """A robot whose meshes are files of the package; takes the contents of these files."""
-    kinds = {id(arm.kind): _with_meshes(arm.kind, package, copies) for arm in robot.arms}
-    links = tuple(_with_mesh(link, package, copies) for link in robot.links)
-    return replace(robot, links=links, arms=tuple(replace(arm, kind=kinds[id(arm.kind)]) for arm in robot.arms))
 
-
-def _with_mesh(link: Link, package: str, copies: dict[str, bytes]) -> Link:
-    def named(shape: Visual | Collision, folder: str) -> Mesh | None:
+    def named(shape: Any, folder: str) -> Any:  # noqa: ANN401 - a Visual or a Collision
         mesh = shape.geometry
         if not isinstance(mesh, Mesh) or mesh.file is None:
-            return None
+            return shape
         path = f"meshes/{folder}/{copy_name(mesh.file)}"
         copies[path] = read_mesh(mesh.file)
-        return replace(mesh, filename=f"package://{package}/{path}")
+        return replace(shape, geometry=replace(mesh, filename=f"package://{package}/{path}"))
 
-    return replace(
-        link,
-        visuals=tuple(replace(each, geometry=named(each, "visual") or each.geometry) for each in link.visuals),
-        collisions=tuple(replace(each, geometry=named(each, "collision") or each.geometry) for each in link.collisions),
-    )
+    kinds = {id(arm.kind): _with_meshes(arm.kind, package, copies) for arm in robot.arms}
+    links = [
+        replace(
+            link,
+            visuals=tuple(named(each, "visual") for each in link.visuals),
+            collisions=tuple(named(each, "collision") for each in link.collisions),
+        )
+        for link in robot.links
+    ]
+    arms = tuple(replace(arm, kind=kinds[id(arm.kind)]) for arm in robot.arms)
+    return replace(robot, links=tuple(links), arms=arms)
+
+
+# --- Notices ----------------------------------------------------------------------------------------------------------
 
 
 def notices_of_packages(robot: Robot, options: Ros2Options) -> list[Problem]:
-    """What a person should know of the package, such as what package.xml still needs."""
-    missing = [name for name in ("maintainer", "email", "license") if not getattr(options, name)]
+    """What a person should know of the packages, such as what package.xml still needs."""
     found = notices_of(robot, "ros")
-    if missing:
+    if missing := [name for name in ("maintainer", "email", "license") if not getattr(options, name)]:
         found.append(
-            Problem(
-                message=f"package.xml has no {', '.join(missing)}: it has what `ros2 pkg create` writes instead",
-                severity="notice",
-                suggestion="set the options " + ", ".join(f"`{name}`" for name in missing),
+            _notice(
+                f"package.xml has no {', '.join(missing)}: it has what `ros2 pkg create` writes instead",
+                "set the options " + ", ".join(f"`{name}`" for name in missing),
             )
         )
     for prefix, kind in arms_of(robot):
         table = kind.manipulator
         if table is not None and table.base != IDENTITY and BASE in {row.link for row in table.rows}:
-            message = (
-                f"{prefix}{BASE} is the name of a link of the table: no frame of the controller is written (REP 199)"
-            )
-            found.append(Problem(message=message, severity="notice", suggestion="give the link another name"))
-    if options.moveit:
-        found += moveit_notices(robot, options)
-    return found
+            message = f"{prefix}{BASE} is the name of a link of the table: no frame of the controller is written"
+            found.append(_notice(f"{message} (REP 199)", "give the link another name"))
+    return [*found, *(_notices_of_moveit(robot, options) if options.moveit else ())]
+
+
+def _notices_of_moveit(robot: Robot, options: Ros2Options) -> Iterator[Problem]:
+    if options.acceleration is None:
+        message = f"no table has accelerations: MoveIt gets those that reach full velocity in {yamls.SPEED_UP} s"
+        yield _notice(message, "set the option `acceleration`, or edit joint_limits.yaml")
+    for name in (joint.name for joint in robot.moving_joints if yamls.is_no_text_to_launch(joint.name)):
+        message = f"MoveIt does not start with the joint {shown(name)}: launch_ros hands the name on without quotes, "
+        message += "and ROS then reads a truth value or a number"
+        yield _notice(message, f"rename the joint, for example to {shown(f'joint_{name}')}")
+    for group in groups(robot, options.group):
+        if (count := len(group.joints)) < yamls.SPACE:
+            joints = f"{count} joint{'' if count == 1 else 's'}"
+            message = f"the group {group.name!r} has {joints}: MoveIt finds positions for it, and leaves orientations "
+            yield _notice(f"{message}free")
+
+
+def _notice(message: str, suggestion: str | None = None) -> Problem:
+    return Problem(message=message, severity="notice", suggestion=suggestion)

@@ -1,9 +1,7 @@
-"""The YAML files of a description package: the numbers that a person replaces without touching a xacro.
+"""The YAML files of a description package, which a person replaces without touching a xacro, and those of MoveIt.
 
 ROS parameters are typed, and xacro reads YAML as numbers: each real number is written as a float, ``3.0`` and not
 ``3``.
-
-The YAML files of a MoveIt package: kinematics, limits, controllers, and what the setup assistant reads.
 """
 
 from __future__ import annotations
@@ -14,14 +12,14 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 from dh2urdf_plugins.formats.urdf.writer import INERTIA, LIMITS_OF
 from dh2urdf_plugins.home_pose import initial_position
-from dh2urdf_plugins.packages.ros2.options import NO_EMAIL, NO_MAINTAINER
+from dh2urdf_plugins.packages.ros2 import NO_EMAIL, NO_MAINTAINER
 from dh2urdf_plugins.ros_conventions import CONTROLLER_MANAGER
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from dh2urdf.robot import Joint, Parameter, Robot
-    from dh2urdf_plugins.packages.ros2.options import Ros2Options
+    from dh2urdf_plugins.packages.ros2 import Ros2Options
     from dh2urdf_plugins.packages.srdf.semantics import Group
 
 
@@ -29,15 +27,15 @@ LIMIT_KEYS = {"lower": "min_position", "upper": "max_position", "velocity": "max
 """The key of each limit in joint_limits.yaml, as MoveIt and ros2_control name it."""
 UPDATE_RATE = 100
 """Cycles of the controller manager [1/s]."""
-STATE_BROADCASTER = "joint_state_broadcaster"
+SPACE = 6
+"""The freedoms of a pose: a group with fewer joints reaches positions only."""
+SPEED_UP = 0.5
+"""How long a joint takes to its full velocity where no acceleration is given [s]."""
+_ACCELERATION = 1.0
+"""The acceleration of a joint without a velocity [rad/s² or m/s²]."""
 
 ArmJoints: TypeAlias = tuple[str, "Sequence[Joint]"]
 """The prefix of an arm, and its moving joints, whose names are without the prefix."""
-
-_SHORT_BOOLEANS = {"y", "Y", "n", "N"}
-_HEXADECIMAL = re.compile(r"[-+]?0[xX][0-9a-fA-F.]+(?:[pP][-+]?[0-9]+)?")
-_TEXT = "tag:yaml.org,2002:str"
-_OF_A_ROW = re.compile(r"(.+)_[0-9]+")
 
 
 def yaml_file(content: Mapping[str, Any], *comment: str) -> bytes:
@@ -47,13 +45,14 @@ def yaml_file(content: Mapping[str, Any], *comment: str) -> bytes:
     class Dumper(yaml.SafeDumper):
         """Quotes what ROS would not read as a text."""
 
-    Dumper.add_representer(
-        str, lambda dumper, text: dumper.represent_scalar(_TEXT, text, style="'" if is_no_text(text) else None)
-    )
-    text = yaml.dump(
+    def text(dumper: Any, word: str) -> Any:  # noqa: ANN401 - types of yaml
+        return dumper.represent_scalar("tag:yaml.org,2002:str", word, style="'" if is_no_text(word) else None)
+
+    Dumper.add_representer(str, text)
+    written = yaml.dump(
         _plain(content), Dumper=Dumper, sort_keys=False, default_flow_style=None, width=110, allow_unicode=True
     )
-    return "".join([*(f"# {line}\n" for line in comment), text]).encode()
+    return "".join([*(f"# {line}\n" for line in comment), written]).encode()
 
 
 def is_no_text(word: str) -> bool:
@@ -62,7 +61,7 @@ def is_no_text(word: str) -> bool:
     Its parser of parameters takes ``y`` and ``n`` for truth values, and for a number what `strtoll` and `strtod` of C
     take: ``1e3``, ``0x1p3``, ``inf`` (`get_value` in rcl_yaml_param_parser/src/parse.c).
     """
-    if word in _SHORT_BOOLEANS or _HEXADECIMAL.fullmatch(word):
+    if re.fullmatch(r"[yYnN]|[-+]?0[xX][0-9a-fA-F.]+(?:[pP][-+]?[0-9]+)?", word):
         return True
     try:
         float(word)
@@ -87,13 +86,12 @@ def _plain(value: Any) -> Any:  # noqa: ANN401 - what YAML has
     return float(value) + 0.0 if isinstance(value, float) else value
 
 
-# --- The table --------------------------------------------------------------------------------------------------------
+# --- The arm ----------------------------------------------------------------------------------------------------------
 
 
 def parameter_key(parameter: Parameter) -> str:
     """The key of a parameter in the row of its joint: ``a`` for ``a_1``."""
-    match = _OF_A_ROW.fullmatch(parameter.name)
-    return match[1] if match else parameter.name
+    return re.sub(r"(.)_[0-9]+\Z", r"\1", parameter.name, flags=re.DOTALL)
 
 
 def follows_whole_table(robot: Robot) -> bool:
@@ -105,25 +103,17 @@ def follows_whole_table(robot: Robot) -> bool:
 
 
 def dh_file(robot: Robot) -> bytes:
-    """``dh.yaml``: the rows of the table, by the names of their joints, with a hash of their numbers."""
+    """``dh.yaml``: the rows of the table, by the names of their joints, with a hash that changes with each number."""
     rows: dict[str, dict[str, float]] = {}
     for parameter in robot.parameters:
         rows.setdefault(parameter.joint, {})[parameter_key(parameter)] = parameter.value
+    numbers = ";".join(f"{joint}:{key}={value!r}" for joint, row in rows.items() for key, value in row.items())
     return yaml_file(
-        {"dh": {"hash": table_hash(rows), "joints": rows}},
+        {"dh": {"hash": f"dh_{sha256(numbers.encode()).hexdigest()[:20]}", "joints": rows}},
         f"The Denavit-Hartenberg rows of {robot.name}: a and d in m, alpha and theta in rad. Joint offsets, the",
         "base and the tool are in the macro. A file of the same form with the numbers of a calibration takes the place",
         "of this one: pass its path as `dh_file`. `hash` identifies the numbers, so that a driver can compare them.",
     )
-
-
-def table_hash(rows: Mapping[str, Mapping[str, float]]) -> str:
-    """A hash of the numbers of a table, which changes with each of them."""
-    text = ";".join(f"{joint}:{key}={value!r}" for joint, row in rows.items() for key, value in row.items())
-    return f"dh_{sha256(text.encode()).hexdigest()[:20]}"
-
-
-# --- Limits and bodies ------------------------------------------------------------------------------------------------
 
 
 def joint_limits(robot: Robot) -> bytes:
@@ -149,18 +139,16 @@ def physical_parameters(robot: Robot) -> bytes:
         for link in robot.links
         if link.inertial and link.inertial.mass
     }
-    joints = {joint.name: resistances(joint) for joint in robot.moving_joints if resistances(joint)}
+    joints = {}
+    for joint in robot.moving_joints:
+        given = {"damping": joint.damping, "friction": joint.friction}
+        if said := {name: value for name, value in given.items() if value is not None}:
+            joints[joint.name] = said
     return yaml_file(
         {"links": links, "joints": joints},
         "Masses in kg, centres of mass in m in the frame of the link, inertias in kg·m² about the centre of mass with",
         "the axes of that frame; damping in N·m·s/rad or N·s/m, friction in N·m or N.",
     )
-
-
-def resistances(joint: Joint) -> dict[str, float]:
-    """The damping and the friction of a joint, where the table gives them."""
-    given = {"damping": joint.damping, "friction": joint.friction}
-    return {name: value for name, value in given.items() if value is not None}
 
 
 # --- ros2_control -----------------------------------------------------------------------------------------------------
@@ -184,17 +172,13 @@ def arm_joints(robot: Robot) -> list[ArmJoints]:
 
 
 def controllers(arms: Sequence[ArmJoints]) -> bytes:
-    """``ros2_controllers.yaml``: a trajectory controller for each arm, and the broadcaster of joint states.
-
-    Args:
-        arms: the prefix and the moving joints of each arm.
-    """
+    """``ros2_controllers.yaml``: a trajectory controller for each arm, and the broadcaster of joint states."""
+    trajectory = {"type": "joint_trajectory_controller/JointTrajectoryController"}
     manager: dict[str, Any] = {
         "update_rate": UPDATE_RATE,
-        STATE_BROADCASTER: {"type": "joint_state_broadcaster/JointStateBroadcaster"},
+        "joint_state_broadcaster": {"type": "joint_state_broadcaster/JointStateBroadcaster"},
+        **{controller_name(prefix): dict(trajectory) for prefix, _ in arms},
     }
-    for prefix, _ in arms:
-        manager[controller_name(prefix)] = {"type": "joint_trajectory_controller/JointTrajectoryController"}
     content: dict[str, Any] = {"controller_manager": {"ros__parameters": manager}}
     for prefix, joints in arms:
         content[controller_name(prefix)] = {
@@ -208,19 +192,7 @@ def controllers(arms: Sequence[ArmJoints]) -> bytes:
     return yaml_file(content, "The controllers of the robot, for the controller manager of ros2_control.")
 
 
-SPACE = 6
-"""The freedoms of a pose: a group with fewer joints reaches positions only."""
-SPEED_UP = 0.5
-"""How long a joint takes to its full velocity where no acceleration is given [s]."""
-_ACCELERATION = 1.0
-"""The acceleration of a joint without a velocity [rad/s² or m/s²]."""
-_SCALING = 0.1
-_RESOLUTION, _TIMEOUT = 0.005, 0.05
-
-
-def reaches_positions_only(group: Group) -> bool:
-    """Whether a group has too few joints for every pose."""
-    return len(group.joints) < SPACE
+# --- MoveIt -----------------------------------------------------------------------------------------------------------
 
 
 def kinematics(groups: Sequence[Group]) -> bytes:
@@ -229,37 +201,31 @@ def kinematics(groups: Sequence[Group]) -> bytes:
     for group in groups:
         solvers[group.name] = {
             "kinematics_solver": "kdl_kinematics_plugin/KDLKinematicsPlugin",
-            "kinematics_solver_search_resolution": _RESOLUTION,
-            "kinematics_solver_timeout": _TIMEOUT,
+            "kinematics_solver_search_resolution": 0.005,
+            "kinematics_solver_timeout": 0.05,
+            **({"position_only_ik": True} if len(group.joints) < SPACE else {}),
         }
-        if reaches_positions_only(group):
-            solvers[group.name]["position_only_ik"] = True
     return yaml_file(solvers, "The solver of the inverse kinematics of each group.")
 
 
 def planning_limits(joints: Sequence[Joint], acceleration: float | None) -> bytes:
     """``joint_limits.yaml`` of MoveIt: what the description does not have of velocities and accelerations."""
-    content = {
-        "default_velocity_scaling_factor": _SCALING,
-        "default_acceleration_scaling_factor": _SCALING,
-        "joint_limits": {joint.name: _planning_limits(joint, acceleration) for joint in joints},
-    }
+    limits = {}
+    for joint in joints:
+        velocity = float(joint.limits.velocity or 0.0)
+        default = velocity / SPEED_UP if velocity else _ACCELERATION
+        limits[joint.name] = {
+            "has_velocity_limits": velocity > 0.0,
+            "max_velocity": velocity,
+            "has_acceleration_limits": True,
+            "max_acceleration": default if acceleration is None else float(acceleration),
+        }
+    scaling = {f"default_{what}_scaling_factor": 0.1 for what in ("velocity", "acceleration")}
     return yaml_file(
-        content,
+        {**scaling, "joint_limits": limits},
         "Velocities in rad/s or m/s, accelerations in rad/s² or m/s². A request may set its own scaling factors, up to",
         "1.0; those below are the ones of a request without any.",
     )
-
-
-def _planning_limits(joint: Joint, acceleration: float | None) -> dict[str, Any]:
-    velocity = float(joint.limits.velocity or 0.0)
-    default = velocity / SPEED_UP if velocity else _ACCELERATION
-    return {
-        "has_velocity_limits": velocity > 0.0,
-        "max_velocity": velocity,
-        "has_acceleration_limits": True,
-        "max_acceleration": default if acceleration is None else float(acceleration),
-    }
 
 
 def moveit_controllers(arms: Sequence[ArmJoints]) -> bytes:
@@ -272,12 +238,10 @@ def moveit_controllers(arms: Sequence[ArmJoints]) -> bytes:
             "default": True,
             "joints": [f"{prefix}{joint.name}" for joint in joints],
         }
-    content = {
-        "moveit_controller_manager": f"{CONTROLLER_MANAGER}/MoveItSimpleControllerManager",
-        CONTROLLER_MANAGER: manager,
-    }
+    plugin = f"{CONTROLLER_MANAGER}/MoveItSimpleControllerManager"
     return yaml_file(
-        content, "The controllers that execute what MoveIt plans; they are those of ros2_controllers.yaml."
+        {"moveit_controller_manager": plugin, CONTROLLER_MANAGER: manager},
+        "The controllers that execute what MoveIt plans; they are those of ros2_controllers.yaml.",
     )
 
 
@@ -286,14 +250,13 @@ def setup_assistant(name: str, description: str, options: Ros2Options) -> bytes:
 
     The time is that of no run, so that the same robot gives the same bytes.
     """
-    settings = {
-        "author_name": options.maintainer or NO_MAINTAINER,
-        "author_email": options.email or NO_EMAIL,
-        "generated_timestamp": 0,
-    }
     content = {
         "urdf": {"package": description, "relative_path": f"urdf/{name}.urdf.xacro"},
         "srdf": {"relative_path": f"config/{name}.srdf"},
-        "package_settings": settings,
+        "package_settings": {
+            "author_name": options.maintainer or NO_MAINTAINER,
+            "author_email": options.email or NO_EMAIL,
+            "generated_timestamp": 0,
+        },
     }
     return yaml_file({"moveit_setup_assistant_config": content})

@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 import dh2urdf
-from dh2urdf_plugins.packages.ros2 import EMITTER
-from dh2urdf_plugins.packages.ros2.options import Ros2Options
+from dh2urdf_plugins.packages.ros2 import EMITTER, Ros2Options
 from dh2urdf_plugins.transforms.alpha_swap import alpha_swap
 from dh2urdf_plugins.transforms.alpha_swap_options import AlphaSwapOptions
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import pytest
 import yaml
 
-from dh2urdf_plugins.packages.ros2.options import Ros2Options
+from dh2urdf_plugins.packages.ros2 import Ros2Options
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -14,8 +14,7 @@ from lxml import etree
 from dh2urdf.errors import ConfigError, EmitterError
 from dh2urdf.manipulator import JointType
 from dh2urdf.stages import Expansion, GivesNotices
-from dh2urdf_plugins.packages.ros2 import EMITTER
-from dh2urdf_plugins.packages.ros2.options import Ros2Options
+from dh2urdf_plugins.packages.ros2 import EMITTER, Ros2Options
 from dh2urdf_plugins.xacro_fence.expansion import expand_foreign
 
 if TYPE_CHECKING:

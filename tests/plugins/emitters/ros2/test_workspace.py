@@ -15,7 +15,7 @@ import yaml
 from lxml import etree
 
 from dh2urdf.errors import ConfigError
-from dh2urdf_plugins.packages.ros2.options import Ros2Options
+from dh2urdf_plugins.packages.ros2 import Ros2Options
 from dh2urdf_plugins.packages.ros2.package_files import package_xml
 
 if TYPE_CHECKING:

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 from dh2urdf.table_text import TableText
+from dh2urdf_plugins.packages.table import TableOptions
 from dh2urdf_plugins.packages.table.notation import latex_file, markdown_file
-from dh2urdf_plugins.packages.table.options import TableOptions
 from dh2urdf_studio import pasting
 from dh2urdf_studio.editing import edits
 from dh2urdf_studio.editing.opening import tables_of

@@ -14,7 +14,7 @@ from lxml import etree
 from dh2urdf.errors import EmitterError
 from dh2urdf.manipulator import WORLD, JointType
 from dh2urdf.quantities import format_numbers
-from dh2urdf.robot import Box, Cylinder, Mesh, Sphere
+from dh2urdf.robot import Box, Cylinder, Mesh, Sphere, Visual
 from dh2urdf.rotations import ZERO
 from dh2urdf.source import Problem
 from dh2urdf_plugins.formats.mjcf.home_contacts import touching_at_home
@@ -25,7 +25,7 @@ from dh2urdf_plugins.home_pose import initial_position
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterable, Iterator
 
-    from dh2urdf.robot import Collision, Geometry, Inertial, Joint, Link, Origin, Robot, Visual
+    from dh2urdf.robot import Collision, Geometry, Inertial, Joint, Link, Origin, Robot
 
 DEEPEST = 490
 """Bodies, one within the other, that MuJoCo reads: its XML parser takes 500 elements, the outermost included."""
@@ -67,11 +67,6 @@ class _Model:
         self._meshes: dict[Mesh, str] = {}
 
     def tree(self) -> etree._Element:
-        """The whole file.
-
-        Raises:
-            EmitterError: XML cannot hold one of the names, or MuJoCo cannot read the arm.
-        """
         root = etree.Element("mujoco", {"model": self._notation.text(self._robot.name)})
         # Roll, pitch and yaw as in URDF: about fixed axes, which are capital letters here.
         etree.SubElement(root, "compiler", {"angle": "radian", "eulerseq": "XYZ"})
@@ -126,24 +121,18 @@ class _Model:
                 etree.SubElement(holder, "site", place)
                 continue
             if depth[link.name] > DEEPEST:
-                raise self._error(
-                    "MuJoCo reads no chain of so many links",
-                    joint,
-                    accepted=f"at most {DEEPEST} links, one after the other; it reads longer ones from a URDF",
-                )
+                accepted = f"at most {DEEPEST} links, one after the other; it reads longer ones from a URDF"
+                raise self._error("MuJoCo reads no chain of so many links", joint, accepted=accepted)
             body = bodies[link.name] = etree.SubElement(holder, "body", place)
             if is_frame:  # It holds something, which a site cannot, and is looked for among the sites all the same.
                 etree.SubElement(body, "site", {"name": place["name"]})
-            self._append_content(body, link, joint)
-
-    def _append_content(self, body: etree._Element, link: Link, joint: Joint | None) -> None:
-        if link.inertial and link.inertial.mass:
-            if link.name in self._carried:
-                body.set("gravcomp", "1")
-            etree.SubElement(body, "inertial", self._mass_properties(link.inertial))
-        if joint and joint.type is not JointType.FIXED:
-            etree.SubElement(body, "joint", self._joint(joint))
-        self._append_shapes(body, link)
+            if link.inertial and link.inertial.mass:
+                if link.name in self._carried:
+                    body.set("gravcomp", "1")
+                etree.SubElement(body, "inertial", self._mass_properties(link.inertial))
+            if moves and joint:
+                etree.SubElement(body, "joint", self._joint(joint))
+            self._append_shapes(body, link)
 
     def _joint(self, joint: Joint) -> dict[str, str]:
         limits, numbers = joint.limits, self._notation.numbers
@@ -173,25 +162,17 @@ class _Model:
         return attributes
 
     def _mass_properties(self, inertial: Inertial) -> dict[str, str]:
-        inertia, numbers = inertial.inertia, self._notation.numbers
-        diagonal, others = (inertia.ixx, inertia.iyy, inertia.izz), (inertia.ixy, inertia.ixz, inertia.iyz)
-        return {
-            "pos": numbers(inertial.com),
-            "mass": numbers((inertial.mass,)),
-            "fullinertia": numbers((*diagonal, *others)),
-        }
+        i, numbers = inertial.inertia, self._notation.numbers
+        tensor = numbers((i.ixx, i.iyy, i.izz, i.ixy, i.ixz, i.iyz))
+        return {"pos": numbers(inertial.com), "mass": numbers((inertial.mass,)), "fullinertia": tensor}
 
     def _append_shapes(self, body: etree._Element, link: Link) -> None:
-        for visual in link.visuals:
-            geom = self._append_geom(body, "visual", visual)
-            if visual.material:
-                geom.set("rgba", self._notation.numbers(visual.material.rgba))
-        for collision in link.collisions:
-            self._append_geom(body, "collision", collision)
-
-    def _append_geom(self, body: etree._Element, kind: str, shape: Visual | Collision) -> etree._Element:
-        attributes = {"class": kind, **self._geometry(shape.geometry), **self._pose(shape.origin)}
-        return etree.SubElement(body, "geom", attributes)
+        shapes: list[tuple[str, Visual | Collision]] = [("visual", visual) for visual in link.visuals]
+        for kind, shape in [*shapes, *(("collision", collision) for collision in link.collisions)]:
+            attributes = {"class": kind, **self._geometry(shape.geometry), **self._pose(shape.origin)}
+            geom = etree.SubElement(body, "geom", attributes)
+            if isinstance(shape, Visual) and shape.material:
+                geom.set("rgba", self._notation.numbers(shape.material.rgba))
 
     def _geometry(self, geometry: Geometry) -> dict[str, str]:
         """Type and size of a shape; MuJoCo counts from the middle."""

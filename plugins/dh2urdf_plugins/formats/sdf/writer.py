@@ -19,10 +19,10 @@ from dh2urdf.robot import Box, Cylinder, Mesh, Sphere
 from dh2urdf.rotations import ZERO
 from dh2urdf.source import Problem, shown
 from dh2urdf_plugins.base_bodies import with_base_bodies
-from dh2urdf_plugins.formats.urdf.writer import Notation, serialise
+from dh2urdf_plugins.formats.urdf.writer import INERTIA, Notation, serialise
 
 if TYPE_CHECKING:
-    from dh2urdf.robot import Collision, Geometry, Inertial, Joint, Link, Origin, Robot, Visual
+    from dh2urdf.robot import Collision, Geometry, Joint, Link, Origin, Robot, Visual
 
 VERSION = "1.7"
 MODEL = "__model__"
@@ -51,11 +51,6 @@ class _Model:
         self._first = next(name for name, carrier in self._carriers.items() if name == carrier)
 
     def tree(self) -> etree._Element:
-        """The whole file.
-
-        Raises:
-            EmitterError: SDF cannot hold one of the names.
-        """
         sdf = etree.Element("sdf", {"version": VERSION})
         model = etree.SubElement(sdf, "model", {"name": self._name(self._robot.name)})
         bodies: dict[str, etree._Element] = {}
@@ -72,11 +67,7 @@ class _Model:
         return sdf
 
     def _find_carriers(self) -> dict[str, str]:
-        """Of every link the body that it is or, where it has no mass, is fixed to: a link, or the model itself.
-
-        Raises:
-            EmitterError: no mass is where SDF needs one.
-        """
+        """Of every link the body that it is or, where it has no mass, is fixed to: a link, or the model itself."""
         carriers: dict[str, str] = {}
         for link in self._robot.links:  # Parents before children.
             joint = self._joint_to.get(link.name)
@@ -97,23 +88,24 @@ class _Model:
     def _append_link(self, model: etree._Element, link: Link, joint: Joint | None) -> etree._Element:
         element = etree.SubElement(model, "link", {"name": self._name(link.name, joint)})
         if joint:
-            self._append_pose(element, joint.origin, self._reference(joint.parent))
+            self._append_pose(element, joint.origin, _reference(joint.parent))
         if link.inertial:
-            self._append_inertial(element, link.inertial)
+            inertial = etree.SubElement(element, "inertial")
+            self._append_numbers(inertial, "pose", *link.inertial.com, *ZERO)
+            self._append_numbers(inertial, "mass", link.inertial.mass)
+            inertia = etree.SubElement(inertial, "inertia")
+            for name in INERTIA:
+                self._append_numbers(inertia, name, getattr(link.inertial.inertia, name))
         return element
 
     def _append_frame(self, model: etree._Element, link: Link, joint: Joint | None) -> None:
         """Appends a frame; it is attached to a body, for Drake misplaces one that is attached to another frame."""
         frame = etree.SubElement(model, "frame", {"name": self._name(link.name, joint)})
         if joint:
-            carrier, reference = self._carriers[link.name], self._reference(joint.parent)
+            carrier, reference = self._carriers[link.name], _reference(joint.parent)
             if carrier != MODEL:
                 frame.set("attached_to", carrier)
             self._append_pose(frame, joint.origin, None if reference == carrier else reference)
-
-    def _reference(self, link: str) -> str | None:
-        """What a pose in the frame of a link is relative to; None for the model, which stands for the world."""
-        return None if link == WORLD else link
 
     def _append_joint(self, model: etree._Element, link: Link, joint: Joint | None) -> None:
         """Appends the joint that holds a body; on the world none, where nothing is to hold it there."""
@@ -133,31 +125,19 @@ class _Model:
     def _append_axis(self, parent: etree._Element, joint: Joint) -> None:
         axis = etree.SubElement(parent, "axis")
         self._append_numbers(axis, "xyz", *joint.axis)
-        limit = etree.SubElement(axis, "limit")
-        for name in ("lower", "upper", "effort", "velocity"):
-            value = getattr(joint.limits, name)
-            if value is not None:
-                self._append_numbers(limit, name, value)
+        limits = [(name, getattr(joint.limits, name)) for name in ("lower", "upper", "effort", "velocity")]
         losses = [(name, getattr(joint, name)) for name in ("damping", "friction")]
-        if any(value is not None for _, value in losses):
-            dynamics = etree.SubElement(axis, "dynamics")
-            for name, value in losses:
-                if value is not None:
-                    self._append_numbers(dynamics, name, value)
-
-    def _append_inertial(self, parent: etree._Element, inertial: Inertial) -> None:
-        element = etree.SubElement(parent, "inertial")
-        self._append_numbers(element, "pose", *inertial.com, *ZERO)
-        self._append_numbers(element, "mass", inertial.mass)
-        inertia = etree.SubElement(element, "inertia")
-        for name in ("ixx", "ixy", "ixz", "iyy", "iyz", "izz"):
-            self._append_numbers(inertia, name, getattr(inertial.inertia, name))
+        for tag, numbers in (("limit", limits), ("dynamics", losses)):
+            said = [(name, value) for name, value in numbers if value is not None]
+            element = etree.SubElement(axis, tag) if said or tag == "limit" else axis
+            for name, value in said:
+                self._append_numbers(element, name, value)
 
     def _append_shapes(self, body: etree._Element, link: Link) -> None:
         """Appends the shapes of a link to the body that carries it."""
         relative_to = None
         if self._carriers[link.name] != link.name:
-            relative_to = self._reference(link.name) or MODEL
+            relative_to = _reference(link.name) or MODEL
         for visual in link.visuals:
             element = self._append_shape(body, "visual", visual, relative_to)
             if visual.material:
@@ -181,8 +161,7 @@ class _Model:
             case Box(size=size):
                 self._append_numbers(etree.SubElement(parent, "box"), "size", *size)
             case Cylinder(radius=radius, length=length):
-                cylinder = etree.SubElement(parent, "cylinder")
-                self._append_numbers(cylinder, "radius", radius)
+                self._append_numbers(cylinder := etree.SubElement(parent, "cylinder"), "radius", radius)
                 self._append_numbers(cylinder, "length", length)
             case Sphere(radius=radius):
                 self._append_numbers(etree.SubElement(parent, "sphere"), "radius", radius)
@@ -210,12 +189,10 @@ class _Model:
         return self._notation.text(name)
 
     def _error(self, message: str, joint: Joint | None = None, **words: Any) -> EmitterError:  # noqa: ANN401 - those of a Problem
-        return EmitterError(
-            Problem(
-                message=message,
-                robot=self._robot.name,
-                joint=joint.name if joint else None,
-                mark=joint.mark if joint else None,
-                **words,
-            )
-        )
+        name, mark = (joint.name, joint.mark) if joint else (None, None)
+        return EmitterError(Problem(message=message, robot=self._robot.name, joint=name, mark=mark, **words))
+
+
+def _reference(link: str) -> str | None:
+    """What a pose in the frame of a link is relative to; None for the model, which stands for the world."""
+    return None if link == WORLD else link

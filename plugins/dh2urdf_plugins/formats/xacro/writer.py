@@ -45,7 +45,7 @@ from dh2urdf_plugins.formats.urdf.writer import (
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping, Sequence
 
-    from dh2urdf.robot import Parameter, Robot
+    from dh2urdf.robot import Arm, Parameter, Robot
     from dh2urdf_plugins.formats.urdf import ProfileName
 
 NAMESPACE = "http://www.ros.org/wiki/xacro"
@@ -156,18 +156,13 @@ def xacro_files(robot: Robot, stem: str, profile_name: ProfileName, *, single_fi
         etree.SubElement(top, "link", {"name": notation.text(robot.root)})
         for arm in robot.arms:
             name = next(name for name, kind in macros.items() if kind is arm.kind)
-            words = {"prefix": as_text(notation.text(arm.prefix)), "parent": as_text(notation.text(arm.parent))}
-            call = append_element(top, name, **words)
-            origin = {"xyz": notation.lengths(arm.placement.xyz), "rpy": notation.angles(arm.placement.rpy)}
-            etree.SubElement(call, "origin", origin)
+            append_call_of_arm(top, name, arm, notation)
     else:
         append_call(top, *macros)
+    main = EmittedFile(name=f"{stem}.urdf.xacro", content=serialise(top, robot.comment))
     if single_file:
-        return (EmittedFile(name=f"{stem}.urdf.xacro", content=serialise(top, robot.comment)),)
-    return (
-        EmittedFile(name=f"{stem}.urdf.xacro", content=serialise(top, robot.comment)),
-        EmittedFile(name=f"{stem}_macro.xacro", content=serialise(library, robot.comment)),
-    )
+        return (main,)
+    return main, EmittedFile(name=f"{stem}_macro.xacro", content=serialise(library, robot.comment))
 
 
 def macros_of(robot: Robot, stem: str) -> dict[str, Robot]:
@@ -200,10 +195,7 @@ def append_arguments(top: etree._Element, defaults: Mapping[str, str]) -> None:
 def append_call(top: etree._Element, macro: str, files: Iterable[str] = ()) -> None:
     """Appends the call of a macro with the arguments of the file, and the link that the caller wants the arm on.
 
-    Args:
-        top: the file.
-        macro: the name of the macro.
-        files: further arguments, which the macro takes by the same names.
+    `files` are further arguments, which the macro takes by the same names.
     """
     mounted = append_element(top, "unless", value="${'$(arg parent)' == ''}")
     etree.SubElement(mounted, "link", {"name": "$(arg parent)"})
@@ -211,14 +203,15 @@ def append_call(top: etree._Element, macro: str, files: Iterable[str] = ()) -> N
     etree.SubElement(call, "origin", {"xyz": "$(arg xyz)", "rpy": "$(arg rpy)"})
 
 
-def append_placed_macro(parent: etree._Element, macro: str, files: Mapping[str, str] | None = None) -> None:
-    """Appends a second macro of the same arm, for a call without a block.
+def append_call_of_arm(top: etree._Element, macro: str, arm: Arm, notation: Notation) -> None:
+    """Appends the call of a macro for an arm of a cell."""
+    words = {"prefix": as_text(notation.text(arm.prefix)), "parent": as_text(notation.text(arm.parent))}
+    origin = {"xyz": notation.lengths(arm.placement.xyz), "rpy": notation.angles(arm.placement.rpy)}
+    etree.SubElement(append_element(top, macro, **words), "origin", origin)
 
-    Args:
-        parent: the library.
-        macro: the name of the first macro.
-        files: its further parameters, with their defaults.
-    """
+
+def append_placed_macro(parent: etree._Element, macro: str, files: Mapping[str, str] | None = None) -> None:
+    """Appends a second macro of the same arm, for a call without a block; `files` are further parameters."""
     files = files or {}
     append_comment(
         parent,
@@ -243,14 +236,19 @@ def as_text(text: str) -> str:
     return text if "_" in text.strip("'") or text == "world" else f"'{text}'"
 
 
-def _append_macro(parent: etree._Element, robot: Robot, name: str, profile: Profile) -> None:
-    notation = XacroNotation(robot.parameters)
+def append_macro(library: etree._Element, name: str, parameters: str = "") -> etree._Element:
+    """Appends a macro of an arm, which is empty so far, below a comment with a call; it may have more parameters."""
     append_comment(
-        parent,
+        library,
         f'Call it as <xacro:{name} prefix="left_" parent="world"><origin xyz="0 0 0" rpy="0 0 0"/></xacro:{name}>; '
         "without a parent the arm is mounted on nothing, and origin is not used.",
     )
-    macro = append_element(parent, "macro", name=name, params=MACRO_PARAMETERS)
+    return append_element(library, "macro", name=name, params=f"{MACRO_PARAMETERS} {parameters}".strip())
+
+
+def _append_macro(parent: etree._Element, robot: Robot, name: str, profile: Profile) -> None:
+    notation = XacroNotation(robot.parameters)
+    macro = append_macro(parent, name)
     _append_properties(macro, robot)
     append_mounting(macro, robot, notation)
     append_robot(macro, robot, notation, shared_materials=profile.shared_materials)
@@ -291,15 +289,9 @@ def property_name(parameter: Parameter) -> str:
     """
     name = parameter.name
     if not name.isidentifier() or iskeyword(name) or name.startswith("__") or name in _WORDS_IN_USE:
-        raise EmitterError(
-            Problem(
-                message=f"the parameter {shown(name)} cannot be a xacro property",
-                joint=parameter.joint,
-                found=name,
-                accepted="an identifier that is none of Python's keywords and none of "
-                + ", ".join(sorted(_WORDS_IN_USE)),
-            )
-        )
+        message = f"the parameter {shown(name)} cannot be a xacro property"
+        accepted = f"an identifier that is none of Python's keywords and none of {', '.join(sorted(_WORDS_IN_USE))}"
+        raise EmitterError(Problem(message=message, joint=parameter.joint, found=name, accepted=accepted))
     return name
 
 

@@ -13,13 +13,14 @@ from lxml import etree
 
 from dh2urdf_plugins.formats.urdf.writer import INERTIA, append_comment, append_robot, serialise
 from dh2urdf_plugins.formats.xacro.writer import (
-    MACRO_PARAMETERS,
     NAMESPACE,
     PLACEMENT,
     XacroNotation,
     append_arguments,
     append_call,
+    append_call_of_arm,
     append_element,
+    append_macro,
     append_mounting,
     append_placed_macro,
     as_text,
@@ -33,9 +34,9 @@ from dh2urdf_plugins.packages.ros2.yaml_files import (
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
+    from collections.abc import Sequence
 
-    from dh2urdf.robot import Arm, Inertial, Joint, Robot
+    from dh2urdf.robot import Inertial, Joint, Robot
     from dh2urdf_plugins.packages.ros2 import Ros2Options
 
 _GAZEBO = ("gz_ros2_control-system", "gz_ros2_control::GazeboSimROS2ControlPlugin")
@@ -98,31 +99,20 @@ def macro_file(kind: Kind, package: str) -> bytes:
     robot, name = kind.robot, kind.macro
     notation = _PackageNotation(robot)
     library = _library()
-    append_comment(
-        library,
-        f'Call it as <xacro:{name} prefix="left_" parent="world"><origin xyz="0 0 0" rpy="0 0 0"/></xacro:{name}>; '
-        "without a parent the arm is mounted on nothing, and origin is not used.",
-    )
-    files = kind.files
-    defaults = " ".join(f"{each}:='{kind.default(package, file)}'" for each, file in files.items())
-    macro = append_element(library, "macro", name=name, params=f"{MACRO_PARAMETERS} {defaults}")
-    _append_table(macro, robot)
+    files = {each: kind.default(package, file) for each, file in kind.files.items()}
+    macro = append_macro(library, name, " ".join(f"{each}:='{default}'" for each, default in files.items()))
+    if follows_whole_table(robot):
+        append_comment(macro, "The rows of the table, which origins and shapes follow.")
+        append_element(macro, "property", name="dh", value="${xacro.load_yaml(dh_file)['dh']['joints']}")
+        for parameter in robot.parameters:
+            value = f"${{dh['{parameter.joint}']['{parameter_key(parameter)}']}}"
+            append_element(macro, "property", name=property_name(parameter), value=value)
     append_element(macro, "property", name="limits", value="${xacro.load_yaml(limits_file)['joint_limits']}")
     append_element(macro, "property", name="physical", value="${xacro.load_yaml(physical_file)}")
     append_mounting(macro, robot, notation)
     append_robot(macro, robot, notation)
-    append_placed_macro(library, name, {each: kind.default(package, file) for each, file in files.items()})
+    append_placed_macro(library, name, files)
     return serialise(library, robot.comment)
-
-
-def _append_table(macro: etree._Element, robot: Robot) -> None:
-    if not follows_whole_table(robot):
-        return
-    append_comment(macro, "The rows of the table, which origins and shapes follow.")
-    append_element(macro, "property", name="dh", value="${xacro.load_yaml(dh_file)['dh']['joints']}")
-    for parameter in robot.parameters:
-        value = f"${{dh['{parameter.joint}']['{parameter_key(parameter)}']}}"
-        append_element(macro, "property", name=property_name(parameter), value=value)
 
 
 def control_file(kind: Kind, package: str, options: Ros2Options) -> bytes:
@@ -182,45 +172,26 @@ def top_file(robot: Robot, kinds: Sequence[Kind], package: str, options: Ros2Opt
     if robot.arms:
         etree.SubElement(top, "link", {"name": notation.text(robot.root)})
     else:
-        _append_alone(top, kinds[0], files, controlled=controlled)
+        append_call(top, kinds[0].macro, files)
+        _append_control(top, kinds[0].macro, "'$(arg prefix)'", "", controlled=controlled)
     for arm in robot.arms:
-        kind = next(each for each in kinds if each.robot is arm.kind)
-        _append_arm(top, arm, kind, notation, controlled=controlled)
-    if controlled:
-        _append_gazebo(top, package)
+        macro = next(each.macro for each in kinds if each.robot is arm.kind)
+        append_call_of_arm(top, macro, arm, notation)
+        _append_control(top, macro, as_text(notation.text(arm.prefix)), arm.prefix, controlled=controlled)
+    if controlled:  # The plugin of Gazebo, which is there when its hardware is chosen.
+        chosen = append_element(top, "if", value="${hardware == 'gazebo'}")
+        file, name = _GAZEBO
+        plugin = etree.SubElement(etree.SubElement(chosen, "gazebo"), "plugin", {"filename": file, "name": name})
+        etree.SubElement(plugin, "parameters").text = f"$(find {package})/config/ros2_controllers.yaml"
     return serialise(top, robot.comment)
 
 
-def _controlled(top: etree._Element) -> etree._Element:
-    """What is there unless the hardware is `none`."""
-    return append_element(top, "if", value="${hardware_plugin != ''}")
-
-
-def _append_alone(top: etree._Element, kind: Kind, files: Iterable[str], *, controlled: bool) -> None:
-    """Appends the calls of one arm."""
-    append_call(top, kind.macro, files)
+def _append_control(top: etree._Element, macro: str, prefix: str, own: str, *, controlled: bool) -> None:
+    """Appends the ros2_control of an arm, which is there unless the hardware is `none`."""
     if controlled:
-        words = {"plugin": "${hardware_plugin}", "initial_positions_file": "$(arg initial_positions_file)"}
-        append_element(_controlled(top), f"{kind.macro}_ros2_control", prefix="'$(arg prefix)'", **words)
-
-
-def _append_arm(top: etree._Element, arm: Arm, kind: Kind, notation: XacroNotation, *, controlled: bool) -> None:
-    prefix = as_text(notation.text(arm.prefix))
-    call = append_element(top, kind.macro, prefix=prefix, parent=as_text(notation.text(arm.parent)))
-    origin = {"xyz": notation.lengths(arm.placement.xyz), "rpy": notation.angles(arm.placement.rpy)}
-    etree.SubElement(call, "origin", origin)
-    if controlled:
-        positions = f"$(arg {positions_argument(arm.prefix)})"
+        positions = f"$(arg {positions_argument(own)})"
         words = {"prefix": prefix, "plugin": "${hardware_plugin}", "initial_positions_file": positions}
-        append_element(_controlled(top), f"{kind.macro}_ros2_control", **words)
-
-
-def _append_gazebo(top: etree._Element, package: str) -> None:
-    """Appends the plugin of Gazebo, which is there when its hardware is chosen."""
-    chosen = append_element(top, "if", value="${hardware == 'gazebo'}")
-    file, name = _GAZEBO
-    plugin = etree.SubElement(etree.SubElement(chosen, "gazebo"), "plugin", {"filename": file, "name": name})
-    etree.SubElement(plugin, "parameters").text = f"$(find {package})/config/ros2_controllers.yaml"
+        append_element(append_element(top, "if", value="${hardware_plugin != ''}"), f"{macro}_ros2_control", **words)
 
 
 def _library() -> etree._Element:

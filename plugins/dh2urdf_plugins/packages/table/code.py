@@ -33,13 +33,17 @@ if TYPE_CHECKING:
 
     from dh2urdf.manipulator import DHRow, Manipulator
     from dh2urdf.rotations import RigidTransform
+    from dh2urdf_plugins.packages.table import Format
 
 _NOT_A_NAME = re.compile(r"[^A-Za-z0-9]+")
 _STRING = re.compile(r'"(?:\\.|[^"\\])*"')
 _MATLAB_NAMES = ("body", "joint", "pi", "inf")
 _TOOLBOX_NAMES = ("np", "pi", "inf", "DHRobot", "SE3")
-_NOT_IN_MATLAB = ("velocity", "effort", "radius", "damping", "friction", "armature", "visual", "collision")
-_NOT_IN_TOOLBOX = ("velocity", "effort", "radius", "visual", "collision")
+_WITHOUT = {
+    "matlab": ("a rigidBodyTree", ("velocity", "effort", "radius", "damping", "friction", "armature")),
+    "roboticstoolbox": ("a DHRobot", ("velocity", "effort", "radius")),
+}
+"""By format: what its object is called, and the fields that it has no place for beside meshes."""
 _WEIGHTLESS = "body.Mass = 0;\nbody.Inertia = [0 0 0 0 0 0];"
 """What a body without a mass needs: MATLAB gives it 1 kg."""
 
@@ -132,11 +136,6 @@ def _quoted(text: str) -> str:
     """A text of MATLAB."""
     quoted = " ".join(text.split()).replace("'", "''")
     return f"'{quoted}'"
-
-
-def left_out_of_matlab(arms: Sequence[Manipulator]) -> Iterator[Problem]:
-    """What a rigidBodyTree has no place for, as notices."""
-    yield from _left_out(arms, _NOT_IN_MATLAB, "a rigidBodyTree")
 
 
 # --- Robotics Toolbox for Python --------------------------------------------------------------------------------------
@@ -241,20 +240,6 @@ def _array(rows: Sequence[Sequence[str]]) -> str:
     return f"np.array([{', '.join(lists)}])"
 
 
-def left_out_of_toolbox(arms: Sequence[Manipulator]) -> Iterator[Problem]:
-    """What a DHRobot has no place for, as notices."""
-    yield from _left_out(arms, _NOT_IN_TOOLBOX, "a DHRobot")
-    held = ("mass", "com", "inertia")
-    if any(
-        getattr(row, name) is not None
-        for arm in arms
-        for row in arm.rows
-        for name in held
-        if row not in arm.moving_rows
-    ):
-        yield Problem(message="a DHRobot has no fixed links: the masses of fixed rows are left out", severity="notice")
-
-
 # --- Both -------------------------------------------------------------------------------------------------------------
 
 
@@ -305,24 +290,27 @@ def _variables(arms: Sequence[Manipulator], reserved: Iterable[str]) -> Iterator
         yield name, arm
 
 
-def _left_out(arms: Sequence[Manipulator], fields: Iterable[str], what: str) -> Iterator[Problem]:
-    """A notice of the fields that some rows have and that code has no place for."""
+def left_out_of_code(name: Format, arms: Sequence[Manipulator]) -> Iterator[Problem]:
+    """What the arms have and a rigidBodyTree or a DHRobot has no place for, as notices."""
+    if name not in _WITHOUT:
+        return
+    what, fields = _WITHOUT[name]
+    rows = [row for arm in arms for row in arm.rows]
+    owners = [owner for row in rows for owner in (row, row.limits)]
     found = [
-        field
-        for field in fields
-        if any(
-            getattr(owner, field, None) is not None for arm in arms for row in arm.rows for owner in (row, row.limits)
-        )
+        each
+        for each in (*fields, "visual", "collision")
+        if any(getattr(owner, each, None) is not None for owner in owners)
     ]
+    of_arms = {"base mass": "base_mass", "payload": "payload", "base meshes": "base_visual base_collision"}
     found += [
-        name
-        for name, values in (
-            ("base mass", [arm.base_mass for arm in arms]),
-            ("payload", [arm.payload for arm in arms]),
-            ("base meshes", [arm.base_visual or arm.base_collision for arm in arms]),
-        )
-        if any(value is not None for value in values)
+        word
+        for word, names in of_arms.items()
+        if any(getattr(arm, each) is not None for arm in arms for each in names.split())
     ]
     if found:
         message = f"{what} has no place for {', '.join(found)}: left out"
         yield Problem(message=message, severity="notice", suggestion="a YAML table holds everything")
+    fixed = [row for arm in arms for row in arm.rows if row not in arm.moving_rows]
+    if name == "roboticstoolbox" and any((row.mass, row.com, row.inertia) != (None, None, None) for row in fixed):
+        yield Problem(message="a DHRobot has no fixed links: the masses of fixed rows are left out", severity="notice")

@@ -19,22 +19,17 @@ from dh2urdf.rotations import IDENTITY
 from dh2urdf.row_fields import INERTIA, LIMITS
 from dh2urdf.source import Problem, listed, shown
 from dh2urdf.stages import EmittedFile
-from dh2urdf_plugins.packages.table.code import (
-    left_out_of_matlab,
-    left_out_of_toolbox,
-    matlab_file,
-    toolbox_file,
-)
+from dh2urdf_plugins.packages.table import SUFFIXES
+from dh2urdf_plugins.packages.table.code import left_out_of_code, matlab_file, toolbox_file
 from dh2urdf_plugins.packages.table.notation import latex_file, markdown_file
-from dh2urdf_plugins.packages.table.options import SUFFIXES
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Sequence
+    from collections.abc import Callable, Iterable, Iterator, Sequence
 
-    from dh2urdf.manipulator import DHRow, Inertia, LinkGeometry, Manipulator, MeshShape, Payload
+    from dh2urdf.manipulator import DHRow, Inertia, LinkGeometry, Manipulator, MeshShape
     from dh2urdf.robot import Robot
     from dh2urdf.rotations import RigidTransform
-    from dh2urdf_plugins.packages.table.options import Format, TableOptions
+    from dh2urdf_plugins.packages.table import Format, TableOptions
 
 
 _READ_BACK = ("yaml", "csv", "json")
@@ -86,44 +81,19 @@ def _formats(options: TableOptions) -> tuple[Format, ...]:
 
 
 def _content(name: Format, arms: Sequence[Manipulator], options: TableOptions) -> bytes:
-    """A file in a format.
-
-    Raises:
-        EmitterError: the format cannot hold the tables.
-    """
-    match name:
-        case "yaml" | "csv":
-            with _as_emitter_errors():
-                return table_content(name, arms, length_unit=options.length_unit, angle_unit=options.angle_unit)
-        case "json":
-            return json_file(arms)
-        case "markdown":
-            return markdown_file(arms, options)
-        case "latex":
-            return latex_file(arms, options)
-        case "matlab":
-            return matlab_file(arms)
-        case "roboticstoolbox":
-            return toolbox_file(arms)
+    """A file in a format."""
+    if name in _WRITERS:
+        return _WRITERS[name](arms, options)
+    with _as_emitter_errors():
+        return table_content(name, arms, length_unit=options.length_unit, angle_unit=options.angle_unit)
 
 
 def _left_out(name: Format, arms: Sequence[Manipulator], options: TableOptions) -> Iterable[Problem]:
-    """Notices of what a format leaves out; a file that our readers read is read back.
-
-    Raises:
-        EmitterError: the format cannot hold the tables, or what was written reads back as other arms.
-    """
-    match name:
-        case "yaml" | "csv" | "json":
-            reader = "csv" if name == "csv" else "yaml"
-            with _as_emitter_errors():
-                return left_out_of(reader, arms, _content(name, arms, options))
-        case "matlab":
-            return left_out_of_matlab(arms)
-        case "roboticstoolbox":
-            return left_out_of_toolbox(arms)
-        case "markdown" | "latex":
-            return ()
+    """Notices of what a format leaves out; a file that our readers read is read back."""
+    if name not in _READ_BACK:
+        return left_out_of_code(name, arms)
+    with _as_emitter_errors():
+        return left_out_of("csv" if name == "csv" else "yaml", arms, _content(name, arms, options))
 
 
 @contextmanager
@@ -135,29 +105,22 @@ def _as_emitter_errors() -> Iterator[None]:
 
 
 def notices_of_tables(robot: Robot, options: TableOptions) -> list[Problem]:
-    """What the formats leave out, and that a table does not say where the arms of a cell are."""
+    """What the formats leave out, that a table does not say where the arms of a cell are, and has no other links."""
     arms = manipulators_of(robot)
     found = [notice for name in _formats(options) for notice in _left_out(name, arms, options)]
-    return [*found, *_of_a_cell(robot, len(arms)), *_of_other_links(robot, arms)]
-
-
-def _of_other_links(robot: Robot, arms: Sequence[Manipulator]) -> Iterator[Problem]:
-    """Of links that the table does not have, such as a camera that an edit has mounted."""
-    if robot.arms or not arms:
-        return
-    known = {*_LINKS, *(row.link for row in arms[0].rows)}
-    if others := [link.name for link in robot.links if link.name not in known]:
-        message = f"a table has no place for {listed([shown(name) for name in others], _MOST_LINKS)}"
-        yield Problem(message=message, severity="notice", suggestion="a URDF, SDF or MJCF describes the whole robot")
-
-
-def _of_a_cell(robot: Robot, count: int) -> Iterator[Problem]:
+    message = what = ""
     if robot.arms:
-        message = (
-            f"the tables are those of {count} kind{'' if count == 1 else 's'} of arms; they do not say where the "
-            f"{len(robot.arms)} arms of the cell are"
-        )
-        yield Problem(message=message, severity="notice", suggestion="a URDF, SDF or MJCF describes the whole cell")
+        kinds = f"{len(arms)} kind{'' if len(arms) == 1 else 's'} of arms"
+        message = f"the tables are those of {kinds}; they do not say where the {len(robot.arms)} arms of the cell are"
+        what = "cell"
+    elif arms:
+        known = {*_LINKS, *(row.link for row in arms[0].rows)}
+        if others := [shown(link.name) for link in robot.links if link.name not in known]:
+            message, what = f"a table has no place for {listed(others, _MOST_LINKS)}", "robot"
+    if message:
+        how = f"a URDF, SDF or MJCF describes the whole {what}"
+        found.append(Problem(message=message, severity="notice", suggestion=how))
+    return found
 
 
 def json_file(arms: Sequence[Manipulator]) -> bytes:
@@ -168,6 +131,7 @@ def json_file(arms: Sequence[Manipulator]) -> bytes:
 
 
 def _table(arm: Manipulator) -> dict[str, Any]:
+    payload, drawn = arm.payload, {None: None, True: "all", False: "none"}
     base = _said(
         matrix=_matrix(arm.base),
         mass=arm.base_mass,
@@ -180,11 +144,11 @@ def _table(arm: Manipulator) -> dict[str, Any]:
         convention=str(arm.convention),
         units={"length": "m", "angle": "rad"},
         base=base,
-        tool=_said(matrix=_matrix(arm.tool)) or None,
-        payload=_payload(arm.payload),
-        defaults=_said(geometry=_geometry(arm.geometry), density=arm.density) or None,
-        visuals=_drawn(arm.visuals),
-        collisions=_drawn(arm.collisions),
+        tool=_said(matrix=_matrix(arm.tool)),
+        payload=payload and _said(mass=payload.mass, com=payload.com, inertia=_inertia(payload.inertia)),
+        defaults=_said(geometry=_geometry(arm.geometry), density=arm.density),
+        visuals=drawn[arm.visuals],
+        collisions=drawn[arm.collisions],
         joints=[_row(row) for row in arm.rows],
     )
 
@@ -194,20 +158,14 @@ def _row(row: DHRow) -> dict[str, Any]:
         name=row.joint,
         link=row.link,
         type=str(row.type),
-        a=row.a,
-        alpha=row.alpha,
-        d=row.d,
-        theta=row.theta,
+        **{name: getattr(row, name) for name in ("a", "alpha", "d", "theta")},
         offset=row.offset or None,
         sign=row.sign if row.sign != 1 else None,
-        limits=_said(**{name: getattr(row.limits, name) for name in LIMITS}) or None,
+        limits=_said(**{name: getattr(row.limits, name) for name in LIMITS}),
         mass=row.mass,
         com=row.com,
         inertia=_inertia(row.inertia),
-        radius=row.radius,
-        damping=row.damping,
-        friction=row.friction,
-        armature=row.armature,
+        **{name: getattr(row, name) for name in ("radius", "damping", "friction", "armature")},
         visual=_mesh(row.visual),
         collision=_mesh(row.collision),
     )
@@ -229,20 +187,22 @@ def _inertia(inertia: Inertia | None) -> dict[str, Any] | None:
     return {name: getattr(inertia, name) for name in INERTIA} if inertia else None
 
 
-def _payload(payload: Payload | None) -> dict[str, Any] | None:
-    return _said(mass=payload.mass, com=payload.com, inertia=_inertia(payload.inertia)) if payload else None
-
-
-def _geometry(geometry: LinkGeometry) -> dict[str, Any] | None:
-    return _said(shape=geometry.shape, radius=geometry.radius) or None
+def _geometry(geometry: LinkGeometry) -> dict[str, Any]:
+    return _said(shape=geometry.shape, radius=geometry.radius)
 
 
 def _mesh(shape: MeshShape | None) -> dict[str, Any] | None:
     if shape is None:
         return None
-    scale = shape.scale if shape.scale != (1.0, 1.0, 1.0) else None
+    scale = None if shape.scale == (1.0, 1.0, 1.0) else shape.scale
     return _said(file=shape.file.path, scale=scale, matrix=_matrix(shape.pose))
 
 
-def _drawn(whether: bool | None) -> str | None:  # noqa: FBT001 - a field of three values
-    return None if whether is None else "all" if whether else "none"
+_WRITERS: dict[Format, Callable[[Sequence[Manipulator], TableOptions], bytes]] = {
+    "json": lambda arms, _: json_file(arms),
+    "markdown": markdown_file,
+    "latex": latex_file,
+    "matlab": lambda arms, _: matlab_file(arms),
+    "roboticstoolbox": lambda arms, _: toolbox_file(arms),
+}
+"""What writes the formats that no reader has."""

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from dh2urdf.manipulator import DHRow, Manipulator
-    from dh2urdf_plugins.packages.table.options import TableOptions
+    from dh2urdf_plugins.packages.table import TableOptions
 
 _SUBSCRIPTS = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
 _ESCAPES = {

@@ -17,7 +17,7 @@ import pytest
 
 from dh2urdf.errors import EmitterError
 from dh2urdf.manipulator import DHRow, JointType, Manipulator
-from dh2urdf_plugins.packages.table.code import left_out_of_matlab, left_out_of_toolbox, matlab_file, toolbox_file
+from dh2urdf_plugins.packages.table.code import left_out_of_code, matlab_file, toolbox_file
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
@@ -168,14 +168,14 @@ def test_what_code_has_no_place_for(arm: Manipulator) -> None:
     """It is named; an arm without it gives no notice."""
     rows = (replace(arm.rows[0], mass=1.0), replace(arm.rows[1], limits=replace(arm.rows[1].limits, effort=5.0)))
     given = replace(arm, rows=rows, base_mass=3.0)
-    assert [notice.message for notice in left_out_of_toolbox([given])] == [
+    assert [notice.message for notice in left_out_of_code("roboticstoolbox", [given])] == [
         "a DHRobot has no place for effort, base mass: left out",
         "a DHRobot has no fixed links: the masses of fixed rows are left out",
     ]
-    assert [notice.message for notice in left_out_of_matlab([given])] == [
+    assert [notice.message for notice in left_out_of_code("matlab", [given])] == [
         "a rigidBodyTree has no place for effort, damping, friction, armature, base mass: left out"
     ]
-    assert not list(left_out_of_toolbox([arm]))
+    assert not list(left_out_of_code("roboticstoolbox", [arm]))
 
 
 @pytest.mark.skipif(not importlib.util.find_spec("roboticstoolbox"), reason="roboticstoolbox-python is not installed")

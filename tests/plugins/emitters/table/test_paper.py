@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING
 import pytest
 
 from dh2urdf.manipulator import Convention, Manipulator
+from dh2urdf_plugins.packages.table import TableOptions
 from dh2urdf_plugins.packages.table.notation import escaped, latex_file, markdown_file
-from dh2urdf_plugins.packages.table.options import TableOptions
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -81,6 +81,8 @@ def command(  # noqa: PLR0917 - click hands everything over by name
 ) -> int:
     """Print the DH table of ROBOT, a URDF, xacro, SDF or MJCF of any origin, or write it; `-` is standard input.
 
+    ROBOT may also be a table: its own arm is printed in either convention, with the rows that a person would write.
+
     The joints keep their names, order, directions and zeros: T(base → tip) is that of ROBOT for every joint vector. The
     table is measured against ROBOT's chain, and the file that -o writes is read back before it is put in place. What a
     table has no place for is named on standard error, and in the comments of the file. `dh2urdf convert` accepts ROBOT
@@ -91,6 +93,7 @@ def command(  # noqa: PLR0917 - click hands everything over by name
     dh2urdf extract ur5.urdf -o ur5.yaml --tip-link tool0
     dh2urdf extract panda.urdf -o panda.csv --convention modified --length-unit mm --angle-unit deg
     dh2urdf extract ur.urdf.xacro ur_type:=ur10 name:=arm --package-path ~/ws/src
+    dh2urdf extract arm.csv --convention modified
     dh2urdf extract robot.urdf --tips
     dh2urdf extract robot.urdf -o chains.yaml --tip-link '*'
     xacro robot.urdf.xacro | dh2urdf extract - --from urdf

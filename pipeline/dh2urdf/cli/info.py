@@ -45,24 +45,28 @@ if TYPE_CHECKING:
 @set_option("Any other option of the reader.")
 @option("--json", "form", flag_value="json", help="Print it as JSON.")
 @option("--markdown", "form", flag_value="markdown", help="Print it as Markdown.")
+@option("--cells", is_flag=True, help="A line for each field: its value, as typed, its unit, and the cell.")
 @without_option
-def command(
+def command(  # noqa: PLR0917 - click hands everything over by name
     table: Path,
     reader_name: str | None,
     robot: str | None,
     settings: tuple[str, ...],
     form: str | None,
+    cells: bool,  # noqa: FBT001 - click hands flags over so
     **flags: str | None,
 ) -> int:
-    """Print what is understood of TABLE: every value in SI units, as it is typed, its unit, and the cell.
+    """Print what is understood of TABLE: as a paper prints it, a row for each joint, in m and rad.
 
-    What TABLE does not say is marked: as a default, or as computed by the transform; values of a reader that does not
-    tell cells from defaults, as most readers of plugins, are marked as read. The pose of tool0 at zero, a bound of its
+    What TABLE does not say is marked with a star. With --cells there is a line for each field: its value, as it is
+    typed, its unit, and the cell; or where else it comes from: a default, the transform, or a reader that does not tell
+    cells from defaults, as most readers of plugins. The pose of tool0 at zero, a bound of its
     distance and the mass of the arm are those that `dh2urdf convert` proves and writes. Of several manipulators there
     is a line each; `--robot` shows one. TABLE may be -, which is standard input.
 
     \b
     dh2urdf info ur5.csv
+    dh2urdf info ur5.csv --cells
     dh2urdf info arms.csv --robot ur10 --json > ur10.json
     dh2urdf info panda.yaml --markdown > panda.md
     dh2urdf info arms.xlsx --set sheet=Left
@@ -81,9 +85,9 @@ def command(
 
         answer(to_text(report), nl=False)
     elif form == "markdown":
-        answer("\n".join(markdown(report)))
+        answer("\n".join(markdown(report, cells=cells)))
     else:
-        answer(in_lines(report, terminal=answers().isatty()))
+        answer(in_lines(report, terminal=answers().isatty(), cells=cells))
     return status
 
 

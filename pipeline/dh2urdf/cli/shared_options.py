@@ -206,8 +206,17 @@ class StageCommand(click.Command):
                 text = str(data.get("help", ""))
                 first = text[:1] if text[1:2] == " " else text[:1].upper()  # d is no D
                 names = [f"--{field.name.replace('_', '-')}", f"{kind}{_BETWEEN}{field.name}"]
-                flags[field.name] = click.Option(names, metavar=str(data["flag"]), help=f"{first}{text[1:]}.")
+                several: dict[str, Any] = {"multiple": True, "callback": _as_list} if data.get("repeatable") else {}
+                given_help = f"{first}{text[1:]}."
+                flags[field.name] = click.Option(names, metavar=str(data["flag"]), help=given_help, **several)
         return list(flags.values())
+
+
+def _as_list(_context: click.Context, _parameter: click.Parameter, words: Sequence[str]) -> str | None:
+    """The words of a repeatable option, as a list in one word."""
+    import json
+
+    return json.dumps(list(words), ensure_ascii=False) if words else None
 
 
 def given_options(flags: Mapping[str, Any]) -> dict[str, dict[str, str | None]]:

@@ -27,6 +27,10 @@ if TYPE_CHECKING:
     from dh2urdf.stage_calls.calls import Call
 
 
+REWRITES = "in_convention"
+"""The option of readers of tables that gives the same arm in a convention, with other rows."""
+
+
 def description_reader(
     catalog: Catalog,
     path: Path,
@@ -44,9 +48,12 @@ def description_reader(
         InputError: no installed reader takes the file.
     """
     stage = chosen_reader(catalog, path, reader, mark)
-    if stage.can(ReadsDescriptions) is None:
+    is_table = stage.can(ReadsDescriptions) is None
+    if is_table and REWRITES in stage.options.__dataclass_fields__:
+        given = {REWRITES if key == "convention" else key: word for key, word in (given or {}).items()}
+    elif is_table:
         names = [item.stage.name for item in catalog.provided("reader") if item.stage.can(ReadsDescriptions)]
-        message = f"the reader {stage.name!r} reads tables, and a table is extracted of a robot description"
+        message = f"the reader {stage.name!r} reads neither robot descriptions nor tables that it can rewrite"
         accepted = f"a file in the format {', '.join(names)}"
         raise ConfigError(Problem(message=message, mark=mark, found=str(path), accepted=accepted))
     if given and "arguments" in given and "arguments" not in stage.options.__dataclass_fields__:

@@ -5,12 +5,13 @@ from __future__ import annotations
 import math
 import random
 from dataclasses import dataclass, replace
+from itertools import product
 from typing import TYPE_CHECKING
 
 from dh2urdf.errors import ConfigError
 from dh2urdf.kinematics.chain import KinematicChain, angle_error, forward_kinematics, position_error
 from dh2urdf.kinematics.screws import Mismatch, align, screws_of_chain, screws_of_table
-from dh2urdf.manipulator import FLANGE, TOOL, JointType, Manipulator
+from dh2urdf.manipulator import FLANGE, TOOL, Convention, JointType, Manipulator
 from dh2urdf.quantities.number_text import format_number
 from dh2urdf.quantities.units import UNITS
 from dh2urdf.rotations import HALF_PI, IDENTITY, RigidTransform, Vec3
@@ -115,7 +116,12 @@ def compare(
         return replace(result, first_difference=apart)
     difference = _difference(chain, manipulator, moving)
     result = replace(result, difference=difference)
-    return result if difference.is_none else _with_correction(result, chain, manipulator, moving)
+    if difference.is_none:
+        return result
+    found = _with_correction(result, chain, manipulator, moving)
+    if found.first_difference is None or not (meant := _read_otherwise(chain, manipulator, moving)):
+        return found
+    return replace(found, first_difference=f"{found.first_difference}; {meant}")
 
 
 # Which chain.
@@ -199,6 +205,40 @@ def _with_correction(
     candidates = [_corrected(manipulator, alignment, zero) for alignment in found]
     corrected = min(candidates, key=lambda candidate: len(changes(manipulator, candidate)))
     return replace(result, corrected=corrected, remaining=_difference(chain, corrected, moving), first_difference=apart)
+
+
+_FACTORS = (1.0, 0.001, 0.01, 0.0254, 0.1, 10.0, 25.4, 100.0, 1000.0, 1 / 0.0254, 1 / 25.4)
+"""What lengths of a table are times where they were read in another unit than theirs."""
+_TURNS = ((1.0, ""), (math.pi / 180, "angles in degrees"), (180 / math.pi, "angles in rad"))
+
+
+def _read_otherwise(chain: KinematicChain, manipulator: Manipulator, moving: Sequence[Joint]) -> str | None:
+    """In which other convention or units the table would be the arm of the description; None where in none."""
+    wanted, zero = screws_of_chain(chain), chain.forward_kinematics((0.0,) * len(moving))
+    conventions = sorted(Convention, key=lambda each: each is not manipulator.convention)
+    for convention, factor, (turn, angles) in product(conventions, _FACTORS, _TURNS):
+        other = _scaled(replace(manipulator, convention=convention), factor, turn)
+        if other == manipulator or isinstance(aligned := align(wanted, screws_of_table(other), TOLERANCE), Mismatch):
+            continue
+        said = [f"the {convention} convention"] if convention is not manipulator.convention else []
+        said += [f"lengths times {factor:.4g}"] if factor != 1.0 else []
+        said += [angles] if angles else []
+        needed = min(len(changes(other, _corrected(other, alignment, zero))) for alignment in aligned)
+        more = ", with another base, tool, sign or offset" if needed else ""
+        return f"read with {' and '.join(said)}, the table is the arm of the description{more}"
+    return None
+
+
+def _scaled(manipulator: Manipulator, factor: float, turn: float) -> Manipulator:
+    """The table as if its lengths were in another unit, and its angles."""
+
+    def scaled(row: DHRow) -> DHRow:
+        offset = row.offset * (factor if row.type is JointType.PRISMATIC else turn)
+        return replace(
+            row, a=row.a * factor, d=row.d * factor, alpha=row.alpha * turn, theta=row.theta * turn, offset=offset
+        )
+
+    return replace(manipulator, rows=tuple(map(scaled, manipulator.rows)))
 
 
 def _parting(mismatch: Mismatch, moving: Sequence[Joint]) -> str:

@@ -22,6 +22,8 @@ if TYPE_CHECKING:
 
 T = TypeVar("T")
 MAX_SYMBOLS = 1000
+MAX_LINE = 1000
+"""Characters of a comment that are looked at."""
 _NAME = r"[^\W\d_]\w{0,15}(?:\{\w{1,8}\})?"
 _DEFINITION = rf"(?<![\w.\\])({_NAME})\s?(?:=|:(?=\s))\s?([-+.0-9][^,;=:]*|[^\W\d_]\w*\s?[-+*/][^,;=:]*)"
 """A name and what it stands for, in prose too: ``L1 = 91 mm``."""
@@ -49,9 +51,15 @@ class Symbols(dict[str, Intermediate]):
         """The names but for one, which is a joint variable in some row."""
         if key not in self:
             return self
+        others = self.copy()
+        del others[key]
+        return others
+
+    def copy(self) -> Symbols:
+        """The same names, to which others may be added; which of them are used is known here, too."""
         others = Symbols()
-        others.update({name: value for name, value in self.items() if name != key})
-        others.used = self.used
+        others.update(self)
+        others.places, others.used = {**self.places}, self.used
         return others
 
     def define(self, name: str, text: str, mark: Mark, *, decimal_comma: bool = False) -> Problem | None:
@@ -109,4 +117,4 @@ class Symbols(dict[str, Intermediate]):
 
 def plain_line(line: str) -> str:
     """A comment without typesetting, as far as it is short enough to define anything."""
-    return " ".join(plain_text(line[:2000]).split(" "))
+    return re.sub(r"\s(?:and|und|et|y)\s", ", ", plain_text(line[:MAX_LINE]))

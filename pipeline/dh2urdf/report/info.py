@@ -9,12 +9,14 @@ from typing import TYPE_CHECKING, Any, Final, Literal
 from dh2urdf._version import __version__
 from dh2urdf.kinematics.chain import forward_kinematics, joint_variables
 from dh2urdf.manipulator import JointType, Manipulator
+from dh2urdf.quantities.units import UNITS
 from dh2urdf.report.conversions import BASE, counted, filled_in
 from dh2urdf.report.manifest import axes_entry
 from dh2urdf.rotations import norm
 from dh2urdf.row_fields import COM, INERTIA, LIMITS, NUMBERS, ROW_FIELDS, SI_UNITS
 from dh2urdf.source import markdown_text, printable
 from dh2urdf.table_text import Trace
+from dh2urdf.table_text.texts import number_in
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -45,6 +47,10 @@ _KINDS = {"turn_rate": "angular speed", "linear_damping": "linear damping"}
 """Kinds of quantities, as a sentence names them."""
 _CALLED = {"geometry": "shape of the links", "base_mass": "mass of the base", "base_geometry": "shape of the base"}
 _STATED_UNITS = {"density": "kg/m³", "base_mass": "kg", "com": "m"}
+_LONGEST = 11
+"""Characters of an angle as a multiple of pi; a longer one is a number of nine digits."""
+_MARK = "*"
+"""What is behind a value that the table does not say."""
 _MATRIX = "T(base_link → tool0) at q = 0:"
 
 
@@ -235,8 +241,14 @@ def _place(mark: Mark | None) -> str | None:
 # --- As text ----------------------------------------------------------------------------------------------------------
 
 
-def in_lines(report: InfoReport, *, terminal: bool) -> str:
-    """A report in lines: facts, a line for each field, notices; on a terminal they fit, and defaults are dim."""
+def in_lines(report: InfoReport, *, terminal: bool, cells: bool = False) -> str:
+    """A report in lines: the table as a paper prints it, facts, notices; on a terminal, what is filled in is dim.
+
+    Args:
+        report: the report.
+        terminal: whether lines are to fit into a terminal.
+        cells: whether there is a line for each field in place of a row for each joint.
+    """
     from rich.console import Console
     from rich.markup import escape
     from rich.table import Table
@@ -246,24 +258,30 @@ def in_lines(report: InfoReport, *, terminal: bool) -> str:
         return "\n".join(_arms(report))
     console = Console(force_terminal=terminal, highlight=False)
     console.width = min(console.width, WIDTH) if terminal else 100_000
+    head, rows = (HEAD, list(_rows(detail))) if cells else _as_printed(detail)
     table = Table(box=None, pad_edge=False)
-    for name in HEAD:
-        table.add_column(name, overflow="fold")
+    for name in head:
+        table.add_column(escape(name), overflow="fold")
     before = ""
-    for (joint, *cells), is_typed in _rows(detail):
-        if terminal and before and joint != before:
+    for (joint, *others), is_typed in rows:
+        if terminal and before and joint != before and cells:
             table.add_section()
         named = "" if terminal and joint == before else joint
         before = joint
-        table.add_row(*map(escape, (named, *cells)), style=None if is_typed or not terminal else "dim")
+        table.add_row(*map(escape, (named, *others)), style=None if is_typed or not terminal else "dim")
+    facts = "\n".join(_facts(report["source"], detail))
     with console.capture() as captured:
-        console.print("\n".join(_facts(report["source"], detail)), markup=False)
+        if cells:
+            console.print(facts, markup=False)
         console.print(table)
+        if not cells:
+            legend = [f"{_MARK} filled in: the table does not say it"] if _is_marked(rows) else []
+            console.print("\n".join(["", *legend, facts]), markup=False)
         console.print("\n".join(_notices(detail)), markup=False)
     return "\n".join(line.rstrip() for line in captured.get().splitlines())
 
 
-def markdown(report: InfoReport) -> Iterator[str]:
+def markdown(report: InfoReport, *, cells: bool = False) -> Iterator[str]:
     """A report as Markdown."""
     detail = report["detail"]
     if detail is None:
@@ -272,13 +290,69 @@ def markdown(report: InfoReport) -> Iterator[str]:
         return
     facts = list(_facts(report["source"], detail))
     matrix = facts.index(_MATRIX)
+    head, rows = (HEAD, list(_rows(detail))) if cells else _as_printed(detail)
+    table = [f"| {' | '.join(map(markdown_text, head))} |", f"|{'---|' * len(head)}"]
+    table += [f"| {' | '.join(map(markdown_text, row))} |" for row, _ in rows]
     yield from (f"# {markdown_text(detail['name'])}", "")
+    if not cells:
+        yield from (*table, "")
+        if _is_marked(rows):
+            yield from (f"\\{_MARK} filled in: the table does not say it", "")
     yield from (f"- {markdown_text(line)}" for line in facts[:matrix])
     yield from ("", _MATRIX, "", "```text", *facts[matrix + 1 :], "```", "")
-    yield from (f"| {' | '.join(HEAD)} |", f"|{'---|' * len(HEAD)}")
-    yield from (f"| {' | '.join(map(markdown_text, row))} |" for row, _ in _rows(detail))
+    if cells:
+        yield from table
     if notices := [f"- {markdown_text(line)}" for line in _notices(detail) if line]:
         yield from ("", *notices)
+
+
+def _as_printed(detail: Detail) -> tuple[tuple[str, ...], list[tuple[tuple[str, ...], bool]]]:
+    """The table as a paper prints it: a row for each joint, units in the header, what is filled in with a mark."""
+    joints = [{field["field"]: field for field in joint["fields"]} for joint in detail["joints"]]
+    typed = {name for joint in joints for name, field in joint.items() if field["from"] in (CELL, READ)}
+    others = [name for name in (*LIMITS, "mass", *_OPTIONAL) if name in typed]
+    units = {name: {joint[name]["unit"] for joint in joints if name in joint} for name in ("theta", "d", *others)}
+    head = ["joint", "type", "theta [rad]", "d [m]", "a [m]", "alpha [rad]"]
+    head += [f"{name} [{', '.join(sorted(units[name]))}]" for name in others]
+    rows, moving = list[tuple[tuple[str, ...], bool]](), 0
+    for fields in joints:
+        kind = JointType(str(fields["type"]["value"]))
+        moving += kind is not JointType.FIXED
+        home = None if kind is JointType.FIXED else "d" if kind is JointType.PRISMATIC else "theta"
+        cells = [_printed(fields[name]) for name in ("joint", "type")]
+        cells += [
+            _variable(fields, name, moving) if name == home else _printed(fields[name])
+            for name in ("theta", "d", "a", "alpha")
+        ]
+        cells += [_printed(fields[name]) if name in fields else "" for name in others]
+        rows.append((tuple(map(printable, cells)), True))
+    return tuple(head), rows
+
+
+def _printed(field: FieldEntry) -> str:
+    """A value as a paper prints it, with a mark where it is filled in."""
+    value = field["value"]
+    is_filled = field["from"] in (DEFAULT, COMPUTED) and field["field"] != "joint"
+    return f"{value if isinstance(value, str) else _number(value, field['unit'])}{_MARK if is_filled else ''}"
+
+
+def _number(value: float, unit: str) -> str:
+    text = number_in(value, UNITS["rad"]) if unit == "rad" else ""
+    return text if 0 < len(text) <= _LONGEST else f"{value + 0.0:.9g}"
+
+
+def _variable(fields: Mapping[str, FieldEntry], home: str, number: int) -> str:
+    """A joint variable as a paper prints it: ``q2 + pi/2``."""
+    names = (home, "offset", "sign")
+    at, offset, sign = (float(fields[name]["value"]) if name in fields else 0.0 for name in names)
+    variable = f"{'-' if sign < 0 else ''}q{number}"
+    if not (total := at + offset):
+        return variable
+    return f"{variable} {'-' if total < 0 else '+'} {_number(abs(total), fields[home]['unit'])}"
+
+
+def _is_marked(rows: Iterable[tuple[tuple[str, ...], bool]]) -> bool:
+    return any(cell.endswith(_MARK) for cells, _ in rows for cell in cells[1:])
 
 
 def _arms(report: InfoReport) -> Iterator[str]:

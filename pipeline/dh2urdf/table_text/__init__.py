@@ -26,7 +26,7 @@ FIELDS = (
     *(name for name in NUMBERS if name not in {*GEOMETRY, "mass"}),
 )
 """The fields of a row, in the order of their columns."""
-STATEMENTS = ("name", "convention", "units", "base", "tool", "payload", "defaults")
+STATEMENTS = ("name", "convention", "units", "base", "tool", "payload", "defaults", "symbols")
 """What a table may declare of itself."""
 METADATA = "dh2urdf."
 """What the keys of these begin with among the metadata of a data frame or a Parquet file."""

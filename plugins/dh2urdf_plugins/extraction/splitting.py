@@ -11,13 +11,14 @@ import math
 from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple
 
-from dh2urdf.kinematics import dh_frames, row_transform
+from dh2urdf.errors import TableError
+from dh2urdf.kinematics import angle_error, dh_frames, forward_kinematics, position_error, row_transform
 from dh2urdf.kinematics.mass import rotated
 from dh2urdf.manipulator import Convention, DHRow, JointType
 from dh2urdf.rotations import IDENTITY, ZERO, RigidTransform, add, multiply, rotate, rotation_x, transpose
 from dh2urdf.source import Problem, free_name, shown
 from dh2urdf_plugins.extraction.chain import Axis, Chain, Precision, decompose, seen_from
-from dh2urdf_plugins.extraction.ends import STEEPEST
+from dh2urdf_plugins.extraction.ends import STEEPEST, place_sliding_axes
 from dh2urdf_plugins.extraction.rows import rows_of
 
 if TYPE_CHECKING:
@@ -32,6 +33,8 @@ NEARLY = 0.1
 """Below which angle axes are nearly parallel [rad]."""
 TOLERANCE = 1e-12
 """How far a table with split links may be from the given one [m, rad]."""
+LARGEST = 1e-9
+"""How far a table in another convention may be from the given one [m, rad]."""
 
 
 class NearlyParallel(NamedTuple):
@@ -125,19 +128,50 @@ def with_split_links(manipulator: Manipulator) -> tuple[Manipulator, list[Proble
     split, pairs = split_links(chain, precision, length, TOLERANCE, "split")
     if not any(pair.split for pair in pairs):
         return manipulator, []
-    numbers = rows_of(split, manipulator.convention, precision, length, origins="fewest")
+    table = _rewritten(manipulator, split, manipulator.convention, precision, length)
+    return table, [pair.notice() for pair in pairs if pair.split]
+
+
+def in_convention(manipulator: Manipulator, convention: Convention) -> Manipulator:
+    """The same arm with other rows: those that a person would write in a convention.
+
+    Joint values, directions, limits and bodies mean the same; signs and offsets are in the turns of the rows.
+
+    Raises:
+        TableError: no such table is within a nanometre of the given one.
+    """
+    given = _chain(manipulator)
+    length = given.length
+    precision = Precision.of(TOLERANCE, max(length, *(abs(row.d) for row in manipulator.rows)))
+    chain, _ = split_links(place_sliding_axes(given, precision, length), precision, length, TOLERANCE, "auto")
+    table = _rewritten(manipulator, chain, convention, precision, length)
+    for value in (0.0, 0.7, -1.3):
+        q = [value * (1.0 + 0.1 * number) for number in range(len(manipulator.moving_rows))]
+        one, other = forward_kinematics(manipulator, q), forward_kinematics(table, q)
+        far = max(position_error(one, other), angle_error(one, other))
+        if not far <= LARGEST:
+            message = f"the table in the {convention} convention is {far:.2g} m, rad from the given one"
+            raise TableError(Problem(message=message, mark=manipulator.mark, robot=manipulator.name))
+    return table
+
+
+def _rewritten(
+    manipulator: Manipulator, chain: Chain, convention: Convention, precision: Precision, length: float
+) -> Manipulator:
+    """A table with the rows of a chain, which is its own, with fixed axes where a link is split."""
+    numbers = rows_of(chain, convention, precision, length, origins="fewest")
     taken = {name for row in manipulator.rows for name in (row.joint, row.link)}
     given, rows = iter(manipulator.rows), list[DHRow]()
     row: DHRow | None = None
-    for axis, found in zip(split.axes, numbers.rows, strict=True):
+    for axis, found in zip(chain.axes, numbers.rows, strict=True):
         if row is not None and axis.joint == row.joint:
             joint, link = (free_name(f"{name}_split", taken) for name in (row.joint, row.link))
             rows.append(DHRow(joint=joint, link=link, type=JointType.FIXED, mass=0.0, mark=row.mark, **found._asdict()))
         else:
             row = next(given)
             rows.append(replace(row, **found._asdict(), offset=0.0, sign=1))
-    table = replace(manipulator, rows=tuple(rows), base=numbers.base, tool=numbers.tool)
-    return _with_bodies(manipulator, table), [pair.notice() for pair in pairs if pair.split]
+    table = replace(manipulator, convention=convention, rows=tuple(rows), base=numbers.base, tool=numbers.tool)
+    return _with_bodies(manipulator, table)
 
 
 def _chain(manipulator: Manipulator) -> Chain:

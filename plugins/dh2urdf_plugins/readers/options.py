@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 from dh2urdf.errors import TableError
 
@@ -12,8 +12,8 @@ if TYPE_CHECKING:
     from dh2urdf.source import Problem
 
 
-def _flag(value: str, text: str) -> Any:  # noqa: ANN401 - what dataclasses take for a default
-    return field(default=None, metadata={"flag": value, "help": text})
+def _flag(value: str, text: str, *, repeatable: bool = False) -> Any:  # noqa: ANN401 - what dataclasses take for a default
+    return field(default=None, metadata={"flag": value, "help": text, "repeatable": repeatable})
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -34,6 +34,16 @@ class TableOptions:
     )
     payload: str | dict[str, Any] | None = _flag(
         "YAML", "what the arm carries at tool0: {mass: 2.5, com: [0, 0, 0.05], inertia: …}"
+    )
+    symbol: str | dict[str, Any] | list[Any] | None = _flag(
+        "NAME=LENGTH", "what a name in cells stands for, such as L1=91mm; repeatable", repeatable=True
+    )
+    ignore: str | list[Any] | None = _flag("COLUMN", "a column that is left out; repeatable", repeatable=True)
+    rounded_pi: Literal["keep", "repair"] = field(
+        default="keep", metadata={"flag": "R", "help": "repair reads 1.5708 in an angle as pi/2"}
+    )
+    in_convention: Literal["standard", "modified"] | None = field(
+        default=None, metadata={"help": "the same arm in this convention, with other rows: standard or modified"}
     )
     calibration: Path | None = _flag("FILE", "differences that are added to the rows: a calibration.conf, or a table")
     columns: str | list[Any] | None = _flag(
@@ -79,6 +89,12 @@ class XlsxOptions(TableOptions):
     sheet: str | None = field(
         default=None, metadata={"help": "title of the sheet to read; every sheet with a table by default"}
     )
+
+
+def ignored_columns(options: TableOptions) -> frozenset[str]:
+    """The headers of the columns that are left out."""
+    given = options.ignore if isinstance(options.ignore, list) else [options.ignore]
+    return frozenset(str(header).strip() for header in given if header is not None)
 
 
 def given_by(options: TableOptions) -> dict[str, Any]:

@@ -15,7 +15,7 @@ from dh2urdf.errors import TableError
 from dh2urdf.source import Mark
 from dh2urdf.table_text import CellRow
 from dh2urdf_plugins.readers.comments.top import read_top
-from dh2urdf_plugins.readers.options import TableOptions
+from dh2urdf_plugins.readers.options import TableOptions, ignored_columns
 from dh2urdf_plugins.readers.rows.source import RowSource
 from dh2urdf_plugins.readers.tables.cell_rows import CellRows
 from dh2urdf_plugins.readers.tables.row_table import RowTable
@@ -103,7 +103,7 @@ def read_table_columns(
     whole = Mark(file=file)
     source = rows if isinstance(rows, RowSource) else CellRows(rows, decimal_comma=decimal_comma)
     try:
-        top = read_top(source, whole, statements)
+        top = read_top(source, whole, statements, ignore=ignored_columns(options))
     except TableError as error:
         raise TableError(error.problems, [*notices, *error.notices]) from error
     table = RowTable(Cell(PurePath(file).stem if name is None else name, whole), options, top, source, trace)

@@ -9,10 +9,13 @@ import sys
 from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
 import pytest
 
 import dh2urdf
 from dh2urdf.errors import InputError, OutputError
+from dh2urdf.kinematics import dh_frames
+from dh2urdf.rotations import add, rotate
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -256,6 +259,42 @@ class TestWritten:
     def test_what_cannot_be(self, cli: Cli, ur5: Path, words: list[str], message: str) -> None:
         answer = cli("extract", str(ur5), *words, status=2)
         assert message in answer.stderr
+
+
+@pytest.mark.parametrize("convention", ["standard", "modified"])
+@pytest.mark.parametrize(
+    "rows",
+    [
+        "q1,0.4,0.3,0\n-q2 + pi/3,0,0.2,pi\n0,d3 + 0.1,0.05,0\n",  # a SCARA
+        "q1 - pi/2,0.333,0.0825,-pi/2\npi/4 - q2,0.1,-0.2,pi/3\nq3,0,0,pi/2\nq4,0.2,0.1,0.3\n",
+        "q1,0.1,0,pi/2\n0.2,0.3,0.1,0.4\nq3,0.1,0,0\n",  # a fixed row between
+    ],
+)
+def test_a_table_in_the_other_convention_is_the_same_arm(cli: Cli, tmp_path: Path, rows: str, convention: str) -> None:
+    """Bodies, limits and joint values mean the same."""
+    other = "modified" if convention == "standard" else "standard"
+    table, out = tmp_path / "arm.csv", tmp_path / "out.yaml"
+    count = rows.count("\n")
+    types = ["P" if "d3" in row else "R" if "q" in row else "F" for row in rows.splitlines()]
+    text = "".join(f"{kind},{row},0.5,0.01,0.02,0.03\n" for kind, row in zip(types, rows.splitlines(), strict=True))
+    table.write_text(
+        f"# convention: {convention}\n# tool: {{xyz: [0.1, 0, 0.2]}}\ntype,theta,d,a,alpha,mass,com_x,com_y,com_z\n{text}"
+    )
+    cli("extract", str(table), "--convention", other, "-o", str(out))
+    given, found = dh2urdf.read(table), dh2urdf.read(out)
+    assert found.convention == other
+    assert len(found.rows) == count
+    for value in (0.0, 0.7, -1.3):
+        q = [value * (1 + 0.1 * k) for k in range(len(given.moving_rows))]
+        assert np.abs(given.fk(q) - found.fk(q)).max() < 1e-9
+        for one, two, row, same in zip(
+            dh_frames(given, q)[1:], dh_frames(found, q)[1:], given.rows, found.rows, strict=True
+        ):
+            np.testing.assert_allclose(
+                add(one.translation, rotate(one.rotation, row.com)),
+                add(two.translation, rotate(two.rotation, same.com)),
+                atol=1e-9,
+            )
 
 
 def _rows(path: Path) -> list[str]:

@@ -163,9 +163,9 @@ class TestOtherTables:
         ):
             book.active.append(row)
         book.save(tmp_path / "arm.xlsx")
-        text = cli("info", "arm.xlsx").stdout
+        text = cli("info", "arm.xlsx", "--cells").stdout
         assert re.search(r"^one +a +0\.1 m +'100' +mm +arm\.xlsx:Sheet2!B3$", text, re.MULTILINE)
-        assert re.search(r"^notice: arm\.xlsx:Sheet2!C3: joint 'one': ", text, re.MULTILINE)
+        assert re.search(r"^notice: arm\.xlsx:Sheet2!C3: ", text, re.MULTILINE)
         assert "convention: standard (said at arm.xlsx:Sheet2!A1)" in text
 
     def test_a_payload_is_told(self, cli: Cli, tmp_path: Path) -> None:
@@ -217,11 +217,28 @@ class TestSeveral:
 class TestForms:
     def test_a_pipe_gets_plain_lines(self, cli: Cli) -> None:
         """One line for each field, with the same words as the JSON."""
-        text = cli("info", "arm.csv").stdout
+        text = cli("info", "arm.csv", "--cells").stdout
         assert re.search(r"^waist +alpha +1\.57079633 rad \(90°\) +'90' +deg +arm\.csv:5:27$", text, re.MULTILINE)
         assert re.search(r"^shoulder +type +revolute +default$", text, re.MULTILINE)
         assert "\x1b" not in text
         assert "┃" not in text
+
+    @pytest.mark.parametrize("form", [(), ("--markdown",)])
+    def test_the_table_is_as_a_paper_prints_it(self, cli: Cli, folder: Path, form: tuple[str, ...]) -> None:
+        """A row for each joint, units in the header, a star behind what the table does not say, and then the facts."""
+        (folder / "scara.csv").write_text(
+            "# convention: standard\ntheta,d [mm],a [mm],alpha\nq1 + pi/2,410,-0.5,pi/2\n-q2,0,440,pi\n0,d3,0,0\n"
+        )
+        text = cli("info", "scara.csv", *form).stdout
+        lines = [re.split(r" {2,}|(?<!\\)\|", line.strip("| ").replace("\\", "")) for line in text.splitlines()]
+        rows = [[cell.strip() for cell in line] for line in lines if line[0].strip().startswith("joint")]
+        assert rows[:4] == [
+            ["joint", "type", "theta [rad]", "d [m]", "a [m]", "alpha [rad]"],
+            ["joint_1", "revolute*", "q1 + pi/2", "0.41", "-0.0005", "pi/2"],
+            ["joint_2", "revolute*", "-q2", "0", "0.44", "pi"],
+            ["joint_3", "prismatic*", "0", "q3", "0", "0"],
+        ]
+        assert text.index("filled in: the table does not say it") < text.index("convention: standard (said at")
 
     def test_a_terminal_gets_a_table_that_fits(self, folder: Path) -> None:
         """No line is longer than 100 characters, and each cell is there."""
@@ -229,7 +246,7 @@ class TestForms:
         if pid == 0:
             os.chdir(folder)
             os.environ.update({"TERM": "xterm", "COLUMNS": "200"})
-            code = "from dh2urdf.cli import main; main(['info', 'arm.csv'])"
+            code = "from dh2urdf.cli import main; main(['info', 'arm.csv', '--cells'])"
             os.execv(sys.executable, [sys.executable, "-c", code])  # noqa: S606 - our own command
         printed = b""
         try:
@@ -246,9 +263,9 @@ class TestForms:
 
     def test_markdown(self, cli: Cli, folder: Path) -> None:
         """A table with a row for each field; what would be markup is escaped."""
-        text = cli("info", "arm.csv", "--markdown").stdout
+        text = cli("info", "arm.csv", "--markdown", "--cells").stdout
         assert text.startswith("# arm\n")
         assert "| joint | field | value | as typed | read in | place |\n|---|---|---|---|---|---|\n" in text
         assert "| waist | alpha | 1.57079633 rad (90°) | '90' | deg | arm.csv:5:27 |" in text
         (folder / "a|b.csv").write_text(ARM)
-        assert "a&#124;b.csv:5:27 |" in cli("info", "a|b.csv", "--markdown").stdout
+        assert "a&#124;b.csv:5:27 |" in cli("info", "a|b.csv", "--markdown", "--cells").stdout

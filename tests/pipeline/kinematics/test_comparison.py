@@ -9,7 +9,7 @@ import re
 from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
@@ -157,6 +157,34 @@ def test_the_place_where_two_arms_part_is_named() -> None:
     assert found.first_difference is not None
     assert "part at joint 5, 'wrist_2" in found.first_difference
     assert re.search(r"another direction, by 0\.37\d* rad", found.first_difference)
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        ({"convention": Convention.MODIFIED}, "read with the standard convention, the table"),
+        ({"lengths": 1000.0}, "read with lengths times 0.001, the table"),
+        ({"lengths": 1 / 0.0254}, "read with lengths times 0.0254, the table"),
+        ({"lengths": 0.1}, "read with lengths times 10, the table"),
+        ({"angles": 180 / math.pi}, "read with angles in degrees, the table"),
+        (
+            {"convention": Convention.MODIFIED, "lengths": 1000.0},
+            "read with the standard convention and lengths times 0.001, the table",
+        ),
+    ],
+)
+def test_a_table_in_another_convention_or_unit_is_the_same_arm(change: dict[str, Any], said: str) -> None:
+    """Both are tried before it is another arm; an arm that is another in each of them is that."""
+    table, lengths, angles = ur5(), change.pop("lengths", 1.0), change.pop("angles", 1.0)
+    rows = [
+        replace(row, a=row.a * lengths, d=row.d * lengths, alpha=row.alpha * angles, theta=row.theta * angles)
+        for row in table.rows
+    ]
+    found = compare(robot_of(table), replace(table, rows=tuple(rows), **change))
+    assert found.first_difference is not None
+    assert found.first_difference.endswith(f"{said} is the arm of the description")
+    other = (replace(table.rows[0], alpha=1.3), *table.rows[1:])
+    assert "read with" not in (compare(robot_of(replace(table, rows=other)), table).first_difference or "")
 
 
 # --- Which chain ------------------------------------------------------------------------------------------------------

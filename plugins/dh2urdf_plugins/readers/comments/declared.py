@@ -32,6 +32,7 @@ EXAMPLES = {
     "tool": "# tool: {xyz: [0, 0, 0.1]}",
     "payload": "# payload: {mass: 2.5, com: [0, 0, 0.05], inertia: {ixx: 0.01, iyy: 0.01, izz: 0.004}}",
     "defaults": "# defaults: {geometry: {shape: cylinder, radius: 0.04}, density: 2700}",
+    "symbols": "# symbols: {L1: 91 mm, a2: 0.35}",
 }
 MAX_STATEMENT = 10_000
 """Length of a comment line that says something."""

@@ -12,7 +12,7 @@ from dh2urdf.errors import TableError
 from dh2urdf.source import Mark, Problem, listed, shown
 from dh2urdf.table_text import STATEMENTS
 from dh2urdf_plugins.readers.comments.declared import is_statement_key, name_said, statements_in
-from dh2urdf_plugins.readers.header.columns import TURN_ROUND, Columns, are_joints, name_columns
+from dh2urdf_plugins.readers.header.columns import TURN_ROUND, Columns, are_joints, marked_as_left_out, name_columns
 from dh2urdf_plugins.readers.header.header_rows import headers_in, join_headers, text_in
 from dh2urdf_plugins.readers.header.unknown_columns import DIFFERENCES, other_geometry
 from dh2urdf_plugins.readers.header.words import read_header
@@ -22,7 +22,7 @@ from dh2urdf_plugins.readers.words.comment_lines import Comment, is_comment, joi
 from dh2urdf_plugins.readers.words.fields import convention_of
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping, Sequence
+    from collections.abc import Collection, Iterable, Mapping, Sequence
 
     from dh2urdf.table_text import CellRow
 
@@ -53,7 +53,13 @@ class Top:
     notices: list[Problem] = field(default_factory=list)
 
 
-def read_top(rows: Iterable[CellRow], whole: Mark, statements: Mapping[str, Node] | None = None) -> Top:
+def read_top(
+    rows: Iterable[CellRow],
+    whole: Mark,
+    statements: Mapping[str, Node] | None = None,
+    *,
+    ignore: Collection[str] = (),
+) -> Top:
     """Everything above the first row; the rows behind the header are not touched.
 
     The header is the first row that names two of a, alpha, d and theta. A row above it is a comment, with or without a
@@ -63,6 +69,7 @@ def read_top(rows: Iterable[CellRow], whole: Mark, statements: Mapping[str, Node
         rows: the rows of the table from the top.
         whole: the place of the table as a whole.
         statements: what the file says outside its rows, by key.
+        ignore: the headers of columns that are left out.
 
     Raises:
         TableError: there is no header, or it is wrong, or a comment is.
@@ -90,7 +97,7 @@ def read_top(rows: Iterable[CellRow], whole: Mark, statements: Mapping[str, Node
         top.titles[-1:] = [unused] if any(unused.cells) else []
     if isinstance(rows, HeaderRows):
         header = rows.complete(header)
-    texts = headers_in(header)
+    texts = marked_as_left_out(header, ignore)
     columns = name_columns(texts, header.marks or [header.mark] * len(texts), header.mark)
     return Top(columns, top.said, top.comments, [*top.notices, *_title_notices(top.titles)])
 

@@ -10,6 +10,7 @@ from dh2urdf.errors import TableError
 from dh2urdf.quantities import Dimension, QuantityError, Unit, find_unit, is_unit
 from dh2urdf.source import Mark, Problem, listed, shown
 from dh2urdf.table_text import REQUIRED
+from dh2urdf_plugins.readers.header.header_rows import headers_in
 from dh2urdf_plugins.readers.header.unknown_columns import Refusal, ignored, is_number, refusal
 from dh2urdf_plugins.readers.header.words import Header, bounds_theta, misspelt, parts_of, read_header
 from dh2urdf_plugins.readers.words.fields import FIELDS
@@ -17,7 +18,9 @@ from dh2urdf_plugins.readers.words.unheld import IGNORED, THETA_OFFSETS
 from dh2urdf_plugins.readers.words.word_keys import key_of
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
+    from collections.abc import Collection, Iterable, Sequence
+
+    from dh2urdf.table_text import CellRow
 
 _INDEX_J = r"(?i)[jⱼ][\s)}\]]*(?:[\[(].*)?$"
 """The index of Khalil and Kleinfinger."""
@@ -77,6 +80,21 @@ class Columns:
         """The header of the column that holds a field."""
         holding = (k for k, field_ in enumerate(self.fields) if field_ and name in parts_of(FIELDS[field_]))
         return self.headers[next(holding)]
+
+
+def marked_as_left_out(header: CellRow, names: Collection[str]) -> list[str]:
+    """The headers of a row, with the mark of a column that is left out before some.
+
+    Raises:
+        TableError: there is no such column.
+    """
+    headers = headers_in(header)
+    for name in names:
+        if name not in headers:
+            message = f"no column is called {shown(name)}, which is to be ignored"
+            accepted = ", ".join(headers)
+            raise TableError(Problem(message=message, mark=header.mark, field="ignore", found=name, accepted=accepted))
+    return [f"_{text}" if text in names else text for text in headers]
 
 
 def name_columns(headers: Sequence[str], marks: Sequence[Mark], mark: Mark) -> Columns:

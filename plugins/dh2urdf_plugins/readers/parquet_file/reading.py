@@ -49,6 +49,7 @@ if TYPE_CHECKING:
     from dh2urdf_plugins.readers.header.columns import Columns
     from dh2urdf_plugins.readers.rows.source import Row
     from dh2urdf_plugins.readers.words.cells import Value
+    from dh2urdf_plugins.readers.words.comment_lines import Comment
 
 _ATTRIBUTES = "PANDAS_ATTRS"
 """The metadata that pandas writes for the attributes of a data frame."""
@@ -195,6 +196,7 @@ class _ParquetRows:
     """The rows of a file; the key of a row is its number, counted from 1."""
 
     def __init__(self, file: Any, fields: list[Any], path: str) -> None:  # noqa: ANN401 - a ParquetFile and its columns
+        self.below: list[Comment] = []
         self.file = file
         self.fields = fields
         self.path = path

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from dh2urdf.quantities import Dimension, Quantity, QuantityError, accepted_units, evaluate
@@ -43,7 +44,7 @@ class RowCells:
 
     def __init__(self, units: Units) -> None:
         """Starts a manipulator in a table of these units."""
-        self.units = units
+        self.units = replace(units, symbols=units.symbols.copy())  # a cell defines a name for its own manipulator
         self._angle = units.in_functions
         self.problems: list[Problem] = []
         self.errors = 0

@@ -108,7 +108,7 @@ class RowReader(RowCells):
                 {
                     name: Said(text=cell.text, mark=cell.mark, unit=self._read_in.get(name))
                     for name, cell in cells.items()
-                    if cell.text
+                    if cell.text and not (name == "type" and cell.mark is mark)  # it follows from the variables
                 }
             )
         if number == self.last and self.rounded:

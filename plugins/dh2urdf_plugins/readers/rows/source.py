@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from dh2urdf.table_text import CellRow
     from dh2urdf_plugins.readers.header.columns import Columns
     from dh2urdf_plugins.readers.words.cells import Value
+    from dh2urdf_plugins.readers.words.comment_lines import Comment
 
 Row: TypeAlias = "Sequence[Value]"
 """The cells of a row, one for each column."""
@@ -24,7 +25,12 @@ class RowSource(Protocol):
     """A file of rows, as its format gives them: those down to the header one by one, and the others by the hundred.
 
     The key of a row is what the format knows its place by: the number of a line, or more.
+
+    Attributes:
+        below: comments and notes below the header, which may define names for lengths.
     """
+
+    below: list[Comment]
 
     def __iter__(self) -> Iterator[CellRow]:
         """The rows down to the header."""

@@ -27,6 +27,10 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
     from pathlib import Path
 
+    from dh2urdf_plugins.readers.words.comment_lines import Comment
+
+MAX_BELOW = 1000
+"""Comments below the header that are kept, for the names that they may define."""
 
 COMPUTED = "=+@-"
 """How a cell begins that a spreadsheet computes. `texts` writes names of that kind as texts, behind an apostrophe."""
@@ -57,6 +61,7 @@ class CsvLines:
         self.signs_in_block = False
         self.required: Sequence[int] = ()
         self.passed: set[int] = set()
+        self.below: list[Comment] = []  # comments below the header that may define names
 
     def __iter__(self) -> Iterator[str]:
         """The lines as they are, one by one: the top of the file."""
@@ -106,7 +111,9 @@ class CsvLines:
         """
         self.passed.add(number)
         for text in as_typed(line, delimiter):
-            comment_below(text, Mark(file=self.file, line=number))
+            comment = comment_below(text, Mark(file=self.file, line=number))
+            if "=" in comment.line and len(self.below) < MAX_BELOW:
+                self.below.append(comment)
         return True
 
     def _is_quoted_comment(self, cells: Sequence[str]) -> bool:

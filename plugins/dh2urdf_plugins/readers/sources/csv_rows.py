@@ -12,7 +12,7 @@ from dh2urdf_plugins.readers.sources.csv_header import row_below, top_rows
 from dh2urdf_plugins.readers.sources.csv_lines import CsvLines
 from dh2urdf_plugins.readers.sources.texts import DELIMITERS
 from dh2urdf_plugins.readers.tables.cell_rows import is_note, other_header
-from dh2urdf_plugins.readers.words.comment_lines import marks_a_comment
+from dh2urdf_plugins.readers.words.comment_lines import Comment, joined, marks_a_comment
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
@@ -34,6 +34,7 @@ class CsvRows:
 
     def __init__(self, path: Path) -> None:
         self.lines = CsvLines(path)
+        self.below = self.lines.below
         self.delimiter = ","
         self.header: list[str] = []
         self.width = self.needed = 0
@@ -78,6 +79,7 @@ class CsvRows:
             else:
                 pairs = [pair for each in zip(lines, batch, strict=True) for pair in self._joints(*each)]
                 yield [line for line, _ in pairs], [cells for _, cells in pairs]
+        self.below += (Comment.of(joined(cells), Mark(file=self.lines.file, line=line)) for line, cells in self.held)
 
     def _joints(self, line: int, cells: list[str]) -> list[tuple[int, list[str]]]:
         """What a line adds to the rows: itself with notes that a joint follows after all, or nothing."""

@@ -17,11 +17,11 @@ from dh2urdf.manipulator import Manipulator
 from dh2urdf.row_fields import COM, INERTIA, LIMITS
 from dh2urdf.source import Mark, Problem, did_you_mean, shown
 from dh2urdf.stages import Rejected
-from dh2urdf.table_text import CellRow
+from dh2urdf.table_text import CellRow, STATEMENTS
 from dh2urdf_plugins.readers.comments.declared import MEANT_BY, plain_key
 from dh2urdf_plugins.readers.comments.top import read_top
 from dh2urdf_plugins.readers.header.words import read_header
-from dh2urdf_plugins.readers.options import TableOptions
+from dh2urdf_plugins.readers.options import TableOptions, ignored_columns
 from dh2urdf_plugins.readers.sources.texts import named_columns
 from dh2urdf_plugins.readers.statements.meshes import MESH_KEYS, MeshReader
 from dh2urdf_plugins.readers.tables.cell_groups import ACCEPTED, PARTS, GroupError, split_cell
@@ -41,7 +41,7 @@ if TYPE_CHECKING:
     from dh2urdf.table_text import Trace
     from dh2urdf_plugins.readers.statements.meshes import Meshes
 
-KEYS = ("name", "convention", "units", "base", "tool", "payload", "defaults", "visuals", "collisions", "joints")
+KEYS = (*STATEMENTS, "visuals", "collisions", "joints")
 """Keys of a manipulator."""
 NOT_IN_A_JOINT = ("robot", "convention")
 """Fields that a table of one manipulator has no column for."""
@@ -60,7 +60,7 @@ _OTHERS = {
     "screws": ("a file of screw axes", None, None),
 }
 """Readers of other YAML files: what they read, and a key with a key in it that shows it."""
-_SENTENCE = r"#+\s*(?![\w .-]{1,40}[:=])(.*)"
+_SENTENCE = r"#+\s*(?![\w .-]{1,40}:)(.*)"
 """A comment, and no key that somebody took out by making it one."""
 
 
@@ -129,7 +129,7 @@ def _manipulator(
     place = item.node.mark
     try:
         source = CellRows([*comments, *table.rows(options)], prose=False)
-        top = read_top(source, place, table.said)
+        top = read_top(source, place, table.said, ignore=ignored_columns(options))
         reader = RowTable(Cell(default_name, place), options, top, source, trace, one=True)
         found = _one(reader)
     except TableError as error:

@@ -12,12 +12,11 @@ from itertools import groupby
 from typing import TYPE_CHECKING, NamedTuple
 
 from dh2urdf.errors import TableError
-from dh2urdf.quantities import is_unit
+from dh2urdf.quantities import is_unit, plain_text
 from dh2urdf.source import Mark, Problem
 from dh2urdf.table_text import STATEMENTS, CellRow
 from dh2urdf_plugins.readers.comments.top import is_header
 from dh2urdf_plugins.readers.header.words import read_header
-from dh2urdf_plugins.readers.sources.typesetting import plain_text
 from dh2urdf_plugins.readers.words.bounds import MAX_TEXT
 
 if TYPE_CHECKING:

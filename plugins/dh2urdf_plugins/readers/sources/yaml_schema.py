@@ -91,6 +91,7 @@ def _table() -> dict[str, Any]:
                 "tool": {"$ref": "#/$defs/transform", "description": "last DH frame to tool0"},
                 "payload": {"$ref": "#/$defs/payload", "description": "what the arm carries at tool0"},
                 "defaults": {**joint, "properties": defaults},
+                "symbols": {"type": "object", "description": "what names in cells stand for: {L1: 91 mm}"},
                 "visuals": {"enum": ["all", "none"], "description": "whether links are seen"},
                 "collisions": {"enum": ["all", "none"], "description": "whether links touch"},
                 "joints": {"type": "array", "items": {"$ref": "#/$defs/joint"}, "minItems": 1},

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from dh2urdf.documents import load_yaml
 from dh2urdf.errors import TableError
 from dh2urdf.manipulator import Convention, LinkGeometry, Manipulator, MeshShape, Payload
-from dh2urdf.quantities import UNITS, Dimension, QuantityError, Unit, accepted_units, find_unit, unit_word
+from dh2urdf.quantities import UNITS, Dimension, QuantityError, Symbols, Unit, accepted_units, find_unit, unit_word
 from dh2urdf.rotations import IDENTITY, RigidTransform
 from dh2urdf.source import Mark, Problem, did_you_mean, shown
 from dh2urdf.table_text import Said
@@ -51,6 +51,9 @@ class Statements:
         visuals: whether links are seen.
         collisions: whether links touch.
         placed: where base, tool, payload, shapes, masses and visuals are declared.
+        symbols: what names of lengths and angles stand for.
+        in_convention: the convention that the table is rewritten in.
+        repair_pi: whether an angle that is nearly a multiple of π/2 is one.
         bare: the numbers among them that are in the SI unit since nothing says their unit, as `Units` has them.
     """
 
@@ -71,6 +74,9 @@ class Statements:
     collisions: bool | None = None
     placed: dict[str, Mark] = field(default_factory=dict)
     bare: dict[Dimension, tuple[str, Cell]] = field(default_factory=dict)
+    symbols: Symbols = field(default_factory=Symbols)
+    repair_pi: bool = False
+    in_convention: Convention | None = None
 
     def manipulator(
         self, name: str, rows: tuple[DHRow, ...], mark: Mark | None, notices: tuple[Problem, ...] = ()
@@ -110,7 +116,8 @@ class Statements:
     def units(self) -> Units:
         """The units of numbers that name none."""
         stated = {dimension: unit for dimension, (unit, _) in self.stated.items()}
-        return replace(table_units(stated, self.columns), bare=self.bare)
+        units = table_units(stated, self.columns)
+        return replace(units, bare=self.bare, symbols=self.symbols, repair_pi=self.repair_pi)
 
     def declare_convention(self, cell: Cell, add: Callable[[Problem], None]) -> None:
         """Takes a word for the convention."""
@@ -262,6 +269,10 @@ class Statements:
 
             units = {name: options[name] for name in ("length_unit", "angle_unit", "units")}
             self.calibration = CalibrationFile(options["calibration"], units)
+        self.repair_pi = options["rounded_pi"] == "repair"
+        self.in_convention = Convention(options["in_convention"]) if options["in_convention"] else None
+        if options["symbol"] is not None and (node := _option_node("symbol", options["symbol"], add)):
+            self.declare_symbols(node, add)
         if options["convention"] is not None:
             self.declare_convention(Cell(options["convention"], mark), add)
         if options["length_unit"] is not None:
@@ -270,6 +281,17 @@ class Statements:
             self.declare_unit(Cell(options["angle_unit"], mark), "angle", add)
         if options["units"] is not None and (node := _option_node("units", options["units"], add)):
             self.declare_units(node, add)
+
+    def declare_symbols(self, node: Node, add: Callable[[Problem], None]) -> None:
+        """Takes `symbols`: a mapping such as ``{L1: 91 mm}``, or texts such as ``L1=91mm``."""
+        items = node.value if isinstance(node.value, list) else [node]
+        texts = [(item.text or "").partition("=") for item in items]
+        named = [(name.strip(), text.strip(), item.mark) for (name, _, text), item in zip(texts, items, strict=True)]
+        if isinstance(node.value, dict):
+            named = [(key, item.text or item.describe(), item.mark) for key, item in node.value.items()]
+        for name, text, mark in named:
+            if problem := self.symbols.define(name, text, mark):
+                add(problem)
 
     def declare_defaults(self, node: Node, add: Callable[[Problem], None], other_keys: Iterable[str] = ()) -> None:
         """Takes `defaults`: the links' geometry and density."""

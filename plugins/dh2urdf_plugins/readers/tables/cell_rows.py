@@ -15,7 +15,7 @@ from dh2urdf_plugins.readers.header.header_rows import completed, headers_in, is
 from dh2urdf_plugins.readers.header.unknown_columns import is_number, stray_number
 from dh2urdf_plugins.readers.header.words import read_header
 from dh2urdf_plugins.readers.words.cells import LINE_END, SPACES
-from dh2urdf_plugins.readers.words.comment_lines import is_comment
+from dh2urdf_plugins.readers.words.comment_lines import Comment, is_comment
 from dh2urdf_plugins.readers.words.fields import FIELDS
 
 if TYPE_CHECKING:
@@ -56,6 +56,7 @@ class CellRows:
         self.rows = iter(rows)
         self.decimal_comma = decimal_comma
         self.prose = prose
+        self.below: list[Comment] = []
         self.fields: list[str | None] = []
         self.header: list[str] = []
         self.named: list[bool] = []
@@ -92,7 +93,7 @@ class CellRows:
 
     def batches(self) -> Iterator[tuple[Sequence[CellRow], Sequence[Row]]]:
         """The rows that hold anything and are no comments and no notes."""
-        rows = without_notes(self.rows, self.fields) if self.prose else self.rows
+        rows = without_notes(self.rows, self.fields, self.below) if self.prose else self.rows
         while batch := list(islice(rows, _BATCH)):
             yield batch, [self._values(row) for row in batch]
 
@@ -145,7 +146,7 @@ class CellRows:
         return values + [""] * (width - len(values)) + strays
 
 
-def without_notes(rows: Iterable[CellRow], fields: Sequence[str | None]) -> Iterator[CellRow]:
+def without_notes(rows: Iterable[CellRow], fields: Sequence[str | None], below: list[Comment]) -> Iterator[CellRow]:
     """Rows without those that are empty, comments, or notes below the last joint.
 
     Raises:
@@ -159,13 +160,14 @@ def without_notes(rows: Iterable[CellRow], fields: Sequence[str | None]) -> Iter
         if not texts:
             after_empty = True
         elif is_comment(texts[0]):
-            comment_below(comment_text(row), row.mark)
+            below.append(comment_below(comment_text(row), row.mark))
         elif is_note(row, geometry, len(fields), after_empty=after_empty):
             held.append(row)
         else:
             yield from held
             yield row
             held, after_empty = [], False
+    below += (Comment.of(comment_text(row), row.mark) for row in held)
 
 
 def is_note(row: CellRow, geometry: Iterable[int], width: int, *, after_empty: bool) -> bool:

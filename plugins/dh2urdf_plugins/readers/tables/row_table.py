@@ -44,6 +44,7 @@ if TYPE_CHECKING:
     from dh2urdf_plugins.readers.plain.rows import PlainRows
     from dh2urdf_plugins.readers.rows.source import Row, RowSource
     from dh2urdf_plugins.readers.words.cells import Value
+    from dh2urdf_plugins.readers.words.comment_lines import Comment
 
 _ANY_ROW = DHRow(joint="joint_1", link="link_1", a=0.0, alpha=0.0, d=0.0)
 """A row that takes the place of all rows, where only what holds for each of them counts."""
@@ -82,6 +83,7 @@ class RowTable:
         self.source = source
         self.columns = columns = source.start(top.columns)
         self.statements = Statements()
+        self._define(top.comments, top.statements.get("symbols"))
         self.notices: list[Problem] = [*top.notices, *columns.notices]
         self.name = self._state(top.statements, options) or name
         self.units = self.statements.units()
@@ -91,7 +93,8 @@ class RowTable:
         self.convention_column = self._column("convention")
         self.trace = trace
         said = self.statements.convention is not None or self.convention_column is not None
-        self.plain_table = said and trace is None and options.calibration is None and not one
+        others = (trace, options.calibration, options.in_convention)
+        self.plain_table = said and not one and others == (None, None, None)
         self.has_type = "type" in columns.fields
         self.cells = TableCells(columns, self.units)
         self.seen = NameSet()
@@ -102,6 +105,22 @@ class RowTable:
         from dh2urdf_plugins.readers.plain.rows import PlainRows
 
         return PlainRows(self.columns, self.units, shortest_plain(self.statements))
+
+    def _define(self, comments: list[Comment], said: Node | None = None) -> None:
+        """Takes the names for lengths that a statement and comments define, and forgets the comments.
+
+        Raises:
+            TableError: one is defined twice.
+        """
+        symbols, comma = self.statements.symbols, self.columns.decimal_comma
+        problems = list[Problem]()
+        if said:
+            self.statements.declare_symbols(said, problems.append)
+        for note in comments:
+            problems += symbols.take_line(note.line, note.whole, decimal_comma=comma)
+        comments.clear()
+        if problems:
+            raise TableError(problems)
 
     def _column(self, name: str) -> int | None:
         return self.columns.fields.index(name) if name in self.columns.fields else None
@@ -151,6 +170,8 @@ class RowTable:
         any_rows = False
         for groups in self._groups():
             any_rows = any_rows or bool(groups)
+            self._define(self.source.below)
+            self.plain_table &= not self.statements.symbols or self.robot_column is not None
             while groups and (self.notices or not self.plain_table):
                 yield self._careful(groups.pop(0))
             if plain := self._plain(groups):
@@ -292,6 +313,8 @@ class RowTable:
         read = self._read_rows(rows, statements, reader, table_cells)
         for problem in table_cells.problems():
             reader.add(problem)
+        if self.robot_column is None and not reader.errors and (unused := self.statements.symbols.unused()):
+            reader.add(unused)
         return manipulator(name, statements, read, reader, mark, trace=trace)
 
     def _read_rows(

@@ -83,7 +83,12 @@ def manipulator(
             tuple(problem for problem in problems if problem.severity == severity) for severity in ("error", "notice")
         )
         return Rejected(name=name.text, problems=errors, mark=mark, notices=notices)
-    return _in_four_parameters(statements.manipulator(name.text, tuple(arm), mark, tuple(problems)), reader, trace)
+    found = statements.manipulator(name.text, tuple(arm), mark, tuple(problems))
+    if statements.in_convention is None:
+        return _in_four_parameters(found, reader, trace)
+    from dh2urdf_plugins.extraction.splitting import in_convention
+
+    return in_convention(with_four_parameters(found, reader.extras), statements.in_convention)
 
 
 def _problems_of_all_rows(reader: RowReader, statements: Statements) -> Iterator[Problem]:

@@ -17,7 +17,7 @@ from dh2urdf.manipulator import Manipulator
 from dh2urdf.row_fields import COM, INERTIA, LIMITS
 from dh2urdf.source import Mark, Problem, did_you_mean, shown
 from dh2urdf.stages import Rejected
-from dh2urdf.table_text import CellRow, STATEMENTS
+from dh2urdf.table_text import STATEMENTS, CellRow
 from dh2urdf_plugins.readers.comments.declared import MEANT_BY, plain_key
 from dh2urdf_plugins.readers.comments.top import read_top
 from dh2urdf_plugins.readers.header.words import read_header

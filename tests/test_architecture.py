@@ -419,7 +419,7 @@ BUDGETS = {
     "plugins/dh2urdf_plugins/formats": 4421,
     "plugins/dh2urdf_plugins/loaders": 2760,
     "plugins/dh2urdf_plugins/packages": 2347,
-    "plugins/dh2urdf_plugins/readers": 13850,
+    "plugins/dh2urdf_plugins/readers": 11209,
     "plugins/dh2urdf_plugins/transforms": 2360,
     "plugins/dh2urdf_plugins/xacro_fence": 790,
     "plugins/dh2urdf_studio": 7660,

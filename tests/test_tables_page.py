@@ -16,6 +16,7 @@ import numpy as np
 import openpyxl
 import pyarrow as pa
 import pytest
+from dh2urdf_plugins.readers.words.word_keys import key_of
 from pyarrow import parquet as pq
 
 from dh2urdf import errors
@@ -34,7 +35,6 @@ from dh2urdf_plugins.readers.statements import plausibility, text
 from dh2urdf_plugins.readers.table import TableOptions
 from dh2urdf_plugins.readers.tables import tables
 from dh2urdf_plugins.readers.words import bounds as table_bounds, fields, names, unheld
-from dh2urdf_plugins.readers.words.word_keys import key_of
 from dh2urdf_plugins.readers.xlsx_file import workbook as xlsx_file
 
 if TYPE_CHECKING:

@@ -103,7 +103,8 @@ def read_table_columns(
     whole = Mark(file=file)
     source = rows if isinstance(rows, RowSource) else CellRows(rows, decimal_comma=decimal_comma)
     try:
-        top = read_top(source, whole, statements, ignore=ignored_columns(options))
+        ignore = ignored_columns(options)
+        top = read_top(source, whole, statements, convention=options.convention, ignore=ignore)
     except TableError as error:
         raise TableError(error.problems, [*notices, *error.notices]) from error
     table = RowTable(Cell(PurePath(file).stem if name is None else name, whole), options, top, source, trace)

@@ -224,7 +224,6 @@ def test_columns_are_called_as_in_csv(read_one: Callable[..., Manipulator]) -> N
     (row,) = arm.rows
     assert (row.type, row.a, row.alpha, row.d) == (JointType.PRISMATIC, 0.0, 1.5707963267948966, 0.05)
     assert [notice.message.split(":")[0] for notice in arm.notices] == [
-        "a has no unit, while the unit of d is mm",
         "the column 'remark' is left out",
     ]
 
@@ -252,7 +251,7 @@ def test_words_may_be_numbers(read: Callable[..., Items]) -> None:
     columns = {
         "robot": [7.0, 7.0, 8.5],
         "joint": [1, 2, 3],
-        "type": [0, 1, 0],
+        "sigma": [0, 1, 0],
         "flip": [True, False, None],
         **{name: cells * 3 for name, cells in RADIANS.items()},
     }

@@ -65,23 +65,6 @@ def test_json_and_mappings_say_it(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("suffix", [".csv", ".yaml"])
-@pytest.mark.parametrize(
-    ("text", "message"),
-    [
-        ("{mass: 1}", "the payload has no com, so its centre of mass is at tool0, and no inertia, so that of a solid"),
-        (
-            "{mass: 1, com: [0, 0, 0]}",
-            "the payload has no inertia, so that of a solid ball of the density of the links",
-        ),
-    ],
-)
-def test_what_is_filled_in_is_said(text: str, message: str, suffix: str, tmp_path: Path) -> None:
-    """By a notice."""
-    (notice,) = accepted(read(table(text, suffix), tmp_path, suffix)).notices
-    assert notice.message.startswith(message)
-
-
-@pytest.mark.parametrize("suffix", [".csv", ".yaml"])
 def test_two_payloads_are_refused(suffix: str, tmp_path: Path) -> None:
     """And so are two masses of the base; a mass in an option goes with a transform in the table."""
     from dh2urdf.errors import TableError

@@ -98,14 +98,6 @@ class TestTheTop:
         row = read_one(said, HEADER, ["j", "R", 100, 90, 0]).rows[0]
         assert (row.a, row.alpha) == (0.1, math.pi / 2)
 
-    def test_titles_get_one_notice(self) -> None:
-        """What is above the header and says nothing that is known is repeated."""
-        (notice,) = read_one(["UR5, rev. B"], ["measured", 2020.0], HEADER, FIRST).notices
-        assert str(notice).startswith(
-            "arm.ods:Sheet1!A1: notice: manipulator 'arm': nothing is read from what is above the header: "
-            "'UR5, rev. B', 'measured, 2020'\n"
-        )
-
     def test_statements_from_outside(self) -> None:
         """A file that has metadata hands them over; the rows may not say them again."""
         from dh2urdf.documents import load_yaml
@@ -231,8 +223,8 @@ def test_notes_below_the_table(form: str, rows: str, said: str | None, tmp_path:
 @pytest.mark.parametrize(
     ("header", "cells", "said"),
     [
-        (",a,alpha,d", ["0,0.3,0,0", "1,0.3,0,0"], "is left out"),
-        (",a,alpha,d", ["1,0.3,0,0", "2,0.3,0,0"], "is left out"),
+        (",a,alpha,d", ["0,0.3,0,0", "1,0.3,0,0"], None),
+        (",a,alpha,d", ["1,0.3,0,0", "2,0.3,0,0"], None),
         (",a,alpha,d", ["425,0.3,0,0", "426,0.3,0,0"], "'425' is in a column without a header"),
         (",a,alpha,d", ["0,0.3,0,0", "0.5,0.3,0,0"], "'0.5' is in a column without a header"),
         ("a,,alpha,d", ["0.3,0.1,0,0", "0.3,0.2,0,0"], "'0.1' is in a column without a header"),

@@ -447,7 +447,7 @@ def test_truth_values_are_words(sheet: Worksheet) -> None:
 
 def test_whole_numbers_are_exact(sheet: Worksheet) -> None:
     """A number that no double holds is read as the text that it is."""
-    fill(sheet, HEADER, ["j1", 0, 1, 0, 0])
+    fill(sheet, HEADER, ["j1", "R", 1, 0, 0])
     row = read_one().rows[0]
     assert (row.a, str(row.type)) == (1.0, "revolute")
 

@@ -68,7 +68,7 @@ def test_tables_that_are_refused_are_not_valid(name: str) -> None:
         "{joints: [{A: 0, Twist: 90deg, d_: 0, Joint Name: 7, SIGN: -1, q_min: -1, qmax: 1}]}",
         "{convention: Modified DH, joints: [{Link-Length: 0, alpha: 0, d: 0}]}",
         "{defaults: {alpha: 0, geometry: {shape: box}}, joints: [{a: 0, d: 1 mm, type: Prismatic}]}",
-        "{tool: [[1,0,0,0],[0,1,0,0],[0,0,1,0],[0,0,0,1]], joints: [{a: 0, alpha: 0, d: 0, type: 1}], units: 'mm,deg'}",
+        "{tool: [[1,0,0,0],[0,1,0,0],[0,0,1,0],[0,0,0,1]], joints: [{a: 0, alpha: 0, d: 0, sigma: 1}], units: 'mm,deg'}",
         "{base: {xyz: [0, 0, 1], mass: 3}, joints: [{a: 0, alpha: 0, d: 0, limits: {lower: -1, upper: 1}}]}",
         "{joints: [{a: 0, alpha: 0, d: 1, mass: 1, com: [0, 0, 0], inertia: {ixx: 1, iyy: 1, izz: 1}}]}",
     ],

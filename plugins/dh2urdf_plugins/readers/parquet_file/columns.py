@@ -8,8 +8,7 @@ from dh2urdf.errors import TableError
 from dh2urdf.source import Mark, Problem, shown
 from dh2urdf_plugins.readers.header.words import read_header
 from dh2urdf_plugins.readers.words.cells import text_of
-from dh2urdf_plugins.readers.words.fields import FIELDS, GROUPS
-from dh2urdf_plugins.readers.words.unheld import IGNORED
+from dh2urdf_plugins.readers.words.fields import FIELDS, GROUPS, IGNORED
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

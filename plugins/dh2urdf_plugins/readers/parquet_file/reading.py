@@ -19,8 +19,8 @@ from dh2urdf.documents import check_file, load_yaml, refuse_other_kind
 from dh2urdf.errors import MissingDependencyError, TableError
 from dh2urdf.source import Mark, Problem, did_you_mean, shown
 from dh2urdf.table_text import METADATA, STATEMENTS, CellRow
-from dh2urdf_plugins.readers.comments.declared import MAX_STATEMENT
-from dh2urdf_plugins.readers.comments.phrases import unit_of_measure
+from dh2urdf_plugins.readers.comments.declared import declared_key
+from dh2urdf_plugins.readers.comments.sentences import names_measure, said_in
 from dh2urdf_plugins.readers.header.header_rows import completed
 from dh2urdf_plugins.readers.header.words import read_header
 from dh2urdf_plugins.readers.parquet_file.columns import (
@@ -36,6 +36,7 @@ from dh2urdf_plugins.readers.parquet_file.columns import (
 )
 from dh2urdf_plugins.readers.parquet_file.sizes import refuse_large, refuse_many_columns, refuse_one_manipulator
 from dh2urdf_plugins.readers.table import TableOptions, read_table_columns
+from dh2urdf_plugins.readers.words.comment_lines import Comment
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Sequence
@@ -49,7 +50,6 @@ if TYPE_CHECKING:
     from dh2urdf_plugins.readers.header.columns import Columns
     from dh2urdf_plugins.readers.rows.source import Row
     from dh2urdf_plugins.readers.words.cells import Value
-    from dh2urdf_plugins.readers.words.comment_lines import Comment
 
 _ATTRIBUTES = "PANDAS_ATTRS"
 """The metadata that pandas writes for the attributes of a data frame."""
@@ -158,7 +158,9 @@ def _refuse_without_prefix(name: str, text: str, file: str) -> None:
     """
     prefixed = re.match(_ALMOST, name)
     word = (name[prefixed.end() :] if prefixed else name).casefold()
-    key = "units" if unit_of_measure(word, text[:MAX_STATEMENT]) else word
+    mark = Mark(file=file)
+    says_unit = said_in(Comment(f"{word.replace('_', ' ')}: {text[:200]}", mark, word, mark))
+    key = "units" if says_unit and says_unit.units and names_measure(word) else declared_key(word) or word
     if key in STATEMENTS and (prefixed or key != "name"):
         raise TableError(
             Problem(

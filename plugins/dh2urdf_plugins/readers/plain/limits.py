@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from operator import le, sub
+from itertools import chain
+from operator import le
 from typing import TYPE_CHECKING, Any
 
 from dh2urdf.manipulator import JointType, Limits, new_limits
@@ -16,21 +17,11 @@ from dh2urdf_plugins.readers.plain.numbers import (
     plain_quantity,
 )
 from dh2urdf_plugins.readers.rows.rows import LARGEST_LIMIT, NO_LIMITS
-from dh2urdf_plugins.readers.words.bounds import (
-    FASTEST_SLIDE,
-    FASTEST_TURN,
-    LONGEST_ARM,
-    NARROWEST_RANGE,
-    REMEMBERED,
-    SHORTEST_STROKE,
-    SMALL_ANGLE,
-    STRONGEST,
-    WIDEST_LIMIT,
-)
+from dh2urdf_plugins.readers.words.bounds import REMEMBERED
 from dh2urdf_plugins.readers.words.cells import SPACES, text_of
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping, Sequence
+    from collections.abc import Mapping, Sequence
 
     from dh2urdf_plugins.readers.words.cells import Units, Value
 
@@ -49,11 +40,7 @@ class PlainLimits:
         self.kinds = kinds
         self.columns = {name: columns[name] for name in LIMITS if name in columns}
         self.numbers = {name: PlainNumbers(name, units) for name in self.columns}
-        self.bounds = tuple(
-            WIDEST_LIMIT if units.angle or name in units.columns else LARGEST_LIMIT for name in ("lower", "upper")
-        )
-        rate = units.columns.get("velocity") or units.of(Dimension.TURN_RATE)
-        self.slowest = SMALL_ANGLE if rate and rate.degrees else 0.0  # of joints that turn [rad/s]
+        self.bounds = tuple(LARGEST_LIMIT for name in ("lower", "upper"))
         # A speed of joints that turn, or that slide, has no unit but that of its cell.
         self.bare_speed = {linear: is_bare_speed(units, columns, linear=linear) for linear in (False, True)}
         self.known: dict[tuple[Any, ...], Limits] = {}
@@ -104,20 +91,13 @@ class PlainLimits:
         if kinds & {JointType.FIXED, JointType.CONTINUOUS} or not math.isfinite(sum(map(sum, numbers.values()))):
             return None
         lower, upper, velocity, effort = map(numbers.get, LIMITS)
-        smallest, largest = (
-            min(bound, LONGEST_ARM) if JointType.PRISMATIC in kinds else bound for bound in self.bounds
-        )
+        smallest, largest = (math.inf, math.inf) if kinds == {JointType.PRISMATIC} else self.bounds
         if lower and upper:
             if not (-smallest <= min(lower) and max(upper) <= largest and all(map(le, lower, upper))):
                 return None
         elif lower or upper:
             return None
-        slides, turns = JointType.PRISMATIC in kinds, JointType.REVOLUTE in kinds
-        ranges = list(map(sub, upper, lower)) if upper and lower else []
-        if slides and any(map(_is_short, ranges)):
-            return None
-        slowest = self.slowest if turns else 0.0
-        if not _are_usual(ranges if turns else (), velocity or (), effort or (), slowest, linear=slides):
+        if min(chain(velocity or (), effort or ()), default=1.0) <= 0:
             return None
         count = max(map(len, numbers.values()))
         nothing = [None] * count
@@ -142,16 +122,12 @@ class PlainLimits:
         if self._are_in_doubt(cells, linear=linear):
             return None
         lower, upper, velocity, effort = map(values.get, LIMITS)
-        smallest, largest = (LONGEST_ARM, LONGEST_ARM) if linear else self.bounds
+        smallest, largest = (math.inf, math.inf) if linear else self.bounds
         bounded = lower is not None and upper is not None and -smallest <= lower <= upper <= largest
         free = lower is None and upper is None
         if kind is JointType.FIXED or not (free or (bounded and kind is not JointType.CONTINUOUS)):
             return None
-        ranges = () if lower is None or upper is None else (upper - lower,)
-        speeds, efforts = (() if number is None else (number,) for number in (velocity, effort))
-        is_short = linear and any(map(_is_short, ranges))
-        slowest = 0.0 if linear else self.slowest
-        if is_short or not _are_usual(() if linear else ranges, speeds, efforts, slowest, linear=linear):
+        if any(number is not None and number <= 0 for number in (velocity, effort)):
             return None
         return Limits(lower=lower, upper=upper, velocity=velocity, effort=effort)
 
@@ -165,24 +141,6 @@ class PlainLimits:
             for name, cell in zip(self.columns, cells, strict=True)
             if name in ("lower", "upper")
         )
-
-
-def _is_short(stroke: float) -> bool:
-    """Whether the range of a joint that slides is worth a word."""
-    return 0 < stroke < SHORTEST_STROKE
-
-
-def _are_usual(
-    ranges: Iterable[float], speeds: Sequence[float], efforts: Sequence[float], slowest: float, *, linear: bool
-) -> bool:
-    """Whether ranges of joints that turn, and speeds and efforts, are of a size that needs no word."""
-    fastest = FASTEST_SLIDE if linear else FASTEST_TURN
-    return (
-        min(ranges, default=1.0) >= NARROWEST_RANGE
-        and min(speeds, default=1.0) > 0
-        and slowest <= min(speeds, default=1.0) <= max(speeds, default=1.0) < fastest
-        and 0 < min(efforts, default=1.0) <= max(efforts, default=1.0) <= STRONGEST
-    )
 
 
 def is_bare_speed(units: Units, columns: Mapping[str, int], *, linear: bool) -> bool:

@@ -12,7 +12,7 @@ import re
 from collections import defaultdict
 from itertools import accumulate, chain, pairwise
 from math import remainder
-from operator import add, gt, methodcaller
+from operator import add, methodcaller
 from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar
 
 from dh2urdf.columns import column
@@ -22,19 +22,18 @@ from dh2urdf.row_fields import LIMITS
 from dh2urdf.table_text import GEOMETRY
 from dh2urdf_plugins.readers.header.header_rows import is_beside
 from dh2urdf_plugins.readers.header.units import group_of
-from dh2urdf_plugins.readers.header.unknown_columns import is_number, is_turned_variable, unread
+from dh2urdf_plugins.readers.header.unknown_columns import is_number, is_value
+from dh2urdf_plugins.readers.header.words import read_header
 from dh2urdf_plugins.readers.plain.limits import PlainLimits
 from dh2urdf_plugins.readers.plain.numbers import PlainNumbers, foreign_unit, names_foreign_unit
 from dh2urdf_plugins.readers.plain.sample import PlainSample
 from dh2urdf_plugins.readers.rows.cells import FULL_TURN, NEARLY
 from dh2urdf_plugins.readers.rows.joint_rows import AXIS, NUMBER
-from dh2urdf_plugins.readers.rows.names import is_no_joint
-from dh2urdf_plugins.readers.statements.plausibility import longest_plain
-from dh2urdf_plugins.readers.words.bounds import REMEMBERED, SMALL_ANGLE, SMALLEST_LENGTH, are_radians
-from dh2urdf_plugins.readers.words.cells import LINE_END, SPACES, Cell, text_of
-from dh2urdf_plugins.readers.words.decimal_signs import PlainPoints
-from dh2urdf_plugins.readers.words.fields import FIELDS, joint_type
-from dh2urdf_plugins.readers.words.names import MAX_NAME, RESERVED, order_fault
+from dh2urdf_plugins.readers.statements.plausibility import LONGEST_ARM, SHORTEST_ARM
+from dh2urdf_plugins.readers.words.bounds import REMEMBERED
+from dh2urdf_plugins.readers.words.cells import LINE_END, SPACES, text_of
+from dh2urdf_plugins.readers.words.fields import FIELDS, is_no_joint, joint_type, unheld
+from dh2urdf_plugins.readers.words.names import MAX_NAME, RESERVED
 
 if TYPE_CHECKING:
     from collections.abc import Hashable, Iterable, Iterator, Mapping, Sequence
@@ -54,28 +53,26 @@ _HASH = methodcaller("startswith", "#")
 class PlainRows:
     """Reads the rows of manipulators that are behind each other, where they are plain."""
 
-    def __init__(self, columns: Columns, units: Units, shortest: float) -> None:
+    def __init__(self, columns: Columns, units: Units) -> None:
         """Takes what holds for all rows of a table.
 
         Args:
             columns: its columns.
             units: the units of its numbers.
-            shortest: how long an arm is at least so that there is nothing to report about it [m].
         """
         self.units = units
-        self.shortest = shortest
-        self.mark, self.headers = columns.mark, columns.headers
+        self.headers = columns.headers
         self.width = len(columns.fields)
         self.holding_numbers = columns.numbers
         self.column = {name: index for index, name in enumerate(columns.fields) if name}
         self.silent = columns.silent  # to be spoken of as soon as one of them holds anything
         others = set(range(self.width)) - {*self.column.values(), *columns.ignored}
-        self.others = {index: set[str]() for index in sorted(others - columns.unheld.keys())}
+        self.others = {index: set[str]() for index in sorted(others)}
         self.strays = {k for k in self.others if not columns.headers[k] and not is_beside(k, columns.headers)}
         # Without a column of types, one that no field knows may hold them.
         known = "type" in self.column or not any(columns.headers[index] for index in self.others)
         turned = columns.of_theta and {"theta", "offset"} & self.column.keys()
-        plain = known and not (turned or columns.unheld) and not set(self.column) - {*_WORDS, *GEOMETRY, *LIMITS}
+        plain = known and not turned and not set(self.column) - {*_WORDS, *GEOMETRY, *LIMITS}
         self.numbers = {name: PlainNumbers(name, units) for name in GEOMETRY if name in self.column}
         # A column that is an angle in one row and a length in the next is read as one only where both are in SI units,
         # and as angles only where its header does not say otherwise.
@@ -85,14 +82,10 @@ class PlainRows:
             name in units.columns or foreign_unit(units, name) or foreign_unit(units, name, linear=True)
             for name in mixed
         ) and not _doubtful(units, mixed, linear=True)
-        foreign = {name: unit for name in self.numbers if (unit := foreign_unit(units, name))}
-        self.degrees = {name for name, unit in foreign.items() if unit.degrees}
-        self.foreign_lengths = {"a", "d"} & foreign.keys()
-        self.kinds: dict[str, JointType] = {"": JointType.REVOLUTE}  # the word of a table without types
+        self.kinds: dict[str, JointType] = {"": JointType.REVOLUTE, **columns.types}  # "": a table without types
         self.names: set[tuple[tuple[str, ...], tuple[str, ...]]] = set()
         self.sample = PlainSample()
         self.limits = PlainLimits(self.column, units, self.kinds)
-        self.points = PlainPoints(self.column, units)
 
     def read(
         self, rows: Sequence[Sequence[Value]], sizes: Sequence[int]
@@ -131,7 +124,7 @@ class PlainRows:
         kinds = [self.kinds[word] for word in words]
         plain = "offset" not in values or self._are_plain_offsets(kinds, offset, columns[self.column["offset"]])
         in_doubt = self._are_foreign(columns) or self._are_mixed(columns, values)
-        if in_doubt or not (plain and self.points.are_sure(columns, sizes)):
+        if in_doubt or not plain:
             return None
         geometry = {"a": a, "alpha": alpha, "d": d, "theta": theta, "offset": offset}
         return [
@@ -149,7 +142,7 @@ class PlainRows:
             if index in self.strays and not _count(columns[index]):
                 return False
             new = set(columns[index]) - known
-            if any(unread(Cell(text.strip(), self.mark), self.headers[index], None) for text in new):
+            if unheld(read_header(self.headers[index]).key) or any(map(is_value, map(str.strip, new))):
                 return False
             if "type" not in self.column and any(map(joint_type, map(str.strip, new))):
                 return False
@@ -208,9 +201,7 @@ class PlainRows:
             and alike.isdisjoint(RESERVED)
             and alike.isdisjoint(ends)
             and list(map(str.strip, names)) == list(names)
-            and not (order_fault(joints) or order_fault(links))
             and not any(map(_HASH, names))
-            and not any(map(is_turned_variable, names))
             and not any(re.fullmatch(NUMBER, name) for name in names)  # a column of numbers counts the joints
             and not all(re.fullmatch(AXIS, joint) for joint in joints)  # which may be no names
             and ("type" in self.column or not any(map(is_no_joint, alike)))
@@ -257,12 +248,10 @@ class PlainRows:
             if not (math.isfinite(sum(angles)) and min(angles) >= -FULL_TURN and max(angles) <= FULL_TURN):
                 return False
             # Somewhat more than what is nearly a quarter turn to `RowReader`: it counts x in rad, not in turns.
-            close = max(NEARLY * HALF_PI * FULL_TURN, SMALL_ANGLE if name in self.degrees else 0.0)
+            close = NEARLY * HALF_PI * FULL_TURN
             some = [x for x in angles if not close < x % HALF_PI < HALF_PI - close]  # a few more: no call for each
             near = [x for x in some if abs(remainder(x, HALF_PI)) <= NEARLY * HALF_PI * abs(x)]
             if not all(x == 0 or quarter_turns(x) is not None for x in near):
-                return False
-            if name in self.degrees and any(are_radians(x) for x in some if -SMALL_ANGLE < x < SMALL_ANGLE):
                 return False
         return True
 
@@ -277,26 +266,15 @@ class PlainRows:
                 return False
         return not any(value and kind is JointType.FIXED for kind, value in zip(kinds, offset, strict=True))
 
-    def _are_plain_lengths(self, a: list[float], d: list[float], sizes: Sequence[int]) -> bool:
-        """Whether every arm is of a length that needs no word, and its numbers are of such."""
-        return self._are_usual_sizes(a, d, sizes) and self._are_of_their_unit(a, d, sizes)
-
-    def _are_usual_sizes(self, a: list[float], d: list[float], sizes: Sequence[int]) -> bool:
+    @staticmethod
+    def _are_plain_lengths(a: list[float], d: list[float], sizes: Sequence[int]) -> bool:
+        """Whether every arm is of a length that needs no word."""
         size, largest = sizes[0], max(map(abs, (max(a), min(a), max(d), min(d))))
         first = min(d[::size]) if sizes == [size] * len(sizes) else 0.0
-        if first >= self.shortest and 2.0 * size * largest <= longest_plain(size) and math.isfinite(sum(a) + sum(d)):
+        if first >= SHORTEST_ARM and 2.0 * size * largest <= LONGEST_ARM and math.isfinite(sum(a) + sum(d)):
             return True  # so much is sure of every arm without its own sum
         totals = list(map(sum, _by_arm(list(map(add, map(abs, a), map(abs, d))), sizes)))
-        if math.isnan(sum(totals)) or min(totals) < self.shortest:
-            return False
-        return not (max(totals) > longest_plain(1) and any(map(gt, totals, map(longest_plain, sizes))))
-
-    def _are_of_their_unit(self, a: list[float], d: list[float], sizes: Sequence[int]) -> bool:
-        for lengths in (lengths for name, lengths in (("a", a), ("d", d)) if name in self.foreign_lengths):
-            largest = (max(map(abs, numbers)) for numbers in _by_arm(lengths, sizes))
-            if not all(length >= SMALLEST_LENGTH or length == 0 for length in largest):
-                return False
-        return True
+        return not math.isnan(sum(totals)) and min(totals) >= SHORTEST_ARM and max(totals) <= LONGEST_ARM
 
 
 def _forms(

@@ -13,9 +13,8 @@ from typing import TYPE_CHECKING
 from dh2urdf.manipulator import JointType
 from dh2urdf.quantities import Dimension, QuantityError, evaluate, plain_text, unwrapped
 from dh2urdf.source import Problem, shown
-from dh2urdf_plugins.readers.rows.names import is_no_joint
 from dh2urdf_plugins.readers.words.cells import Cell
-from dh2urdf_plugins.readers.words.fields import ACCEPTED_TYPES, FIELDS, joint_type
+from dh2urdf_plugins.readers.words.fields import ACCEPTED_TYPES, FIELDS, is_no_joint, joint_type
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence

@@ -11,13 +11,13 @@ from dh2urdf.manipulator import ENDS, DHRow, Inertia, JointType, Limits
 from dh2urdf.quantities import Dimension, accepted_units
 from dh2urdf.rotations import HALF_PI, rounded_quarter_turn
 from dh2urdf.row_fields import COM, INERTIA, NUMBERS, ROW_FIELDS
-from dh2urdf.source import Mark, Problem, did_you_mean, shown
+from dh2urdf.source import Mark, Problem, shown
 from dh2urdf.table_text import REQUIRED, Said
 from dh2urdf_plugins.readers.header.units import SI
 from dh2urdf_plugins.readers.rows.cells import FULL_TURN, RowCells, meant_by
 from dh2urdf_plugins.readers.rows.six_parameters import Extra
 from dh2urdf_plugins.readers.words.bounds import MEASURABLE_ARM
-from dh2urdf_plugins.readers.words.fields import ACCEPTED_FLIPS, ACCEPTED_TYPES, TYPE_CHOICES, flip_of, joint_type
+from dh2urdf_plugins.readers.words.fields import ACCEPTED_FLIPS, ACCEPTED_TYPES, flip_of, joint_type, type_advice
 from dh2urdf_plugins.readers.words.names import RowNames
 
 if TYPE_CHECKING:
@@ -122,8 +122,10 @@ class RowReader(RowCells):
         if cell and cell.text:
             kind = joint_type(cell.text)
             if kind is None:
-                near = did_you_mean(cell.text, [word for word in TYPE_CHOICES if len(word) > 1])
-                self._error(f"{shown(cell.text)} is no type of joint", "type", accepted=ACCEPTED_TYPES, suggestion=near)
+                advice = type_advice(cell.text)
+                self._error(
+                    f"{shown(cell.text)} is no type of joint", "type", accepted=ACCEPTED_TYPES, suggestion=advice
+                )
             return kind or JointType.REVOLUTE
         if self.type_is_given or cell:
             self._notice("the type is empty; the joint is taken as revolute", "type")

@@ -11,7 +11,6 @@ from dh2urdf.source import Mark, Problem, shown
 from dh2urdf.table_text import REQUIRED, STATEMENTS, CellRow
 from dh2urdf_plugins.readers.comments.top import MAX_TITLES, is_header
 from dh2urdf_plugins.readers.header.columns import TURN_ROUND, are_joints
-from dh2urdf_plugins.readers.header.unknown_columns import DIFFERENCES, other_geometry
 from dh2urdf_plugins.readers.header.words import read_header
 from dh2urdf_plugins.readers.sources.texts import DELIMITERS, MAX_HEADER, split
 from dh2urdf_plugins.readers.words.bounds import MAX_TEXT
@@ -252,6 +251,4 @@ def _advice(line: str) -> str | None:
         return f"write `# {text}`: what holds for all rows is in comment lines"
     if any(are_joints(split(line, delimiter)) for delimiter in DELIMITERS):
         return TURN_ROUND
-    if any(other_geometry(cell, "column") for delimiter in DELIMITERS for cell in split(line, delimiter)):
-        return DIFFERENCES
     return "`--columns theta,d,a,alpha` names the columns of numbers without a header, in their order"

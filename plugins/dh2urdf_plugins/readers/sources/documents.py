@@ -18,7 +18,7 @@ from dh2urdf.row_fields import COM, INERTIA, LIMITS
 from dh2urdf.source import Mark, Problem, did_you_mean, shown
 from dh2urdf.stages import Rejected
 from dh2urdf.table_text import STATEMENTS, CellRow
-from dh2urdf_plugins.readers.comments.declared import MEANT_BY, plain_key
+from dh2urdf_plugins.readers.comments.declared import declared_key
 from dh2urdf_plugins.readers.comments.top import read_top
 from dh2urdf_plugins.readers.header.words import read_header
 from dh2urdf_plugins.readers.options import TableOptions, ignored_columns
@@ -29,9 +29,8 @@ from dh2urdf_plugins.readers.tables.cell_rows import CellRows
 from dh2urdf_plugins.readers.tables.row_table import RowTable
 from dh2urdf_plugins.readers.words.bounds import MAX_JOINTS
 from dh2urdf_plugins.readers.words.cells import Cell
-from dh2urdf_plugins.readers.words.fields import FIELDS, GROUPS, flip_of
+from dh2urdf_plugins.readers.words.fields import FIELDS, GROUPS, IGNORED, flip_of
 from dh2urdf_plugins.readers.words.table_words import flow_text
-from dh2urdf_plugins.readers.words.unheld import IGNORED
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -129,7 +128,7 @@ def _manipulator(
     place = item.node.mark
     try:
         source = CellRows([*comments, *table.rows(options)], prose=False)
-        top = read_top(source, place, table.said, ignore=ignored_columns(options))
+        top = read_top(source, place, table.said, convention=options.convention, ignore=ignored_columns(options))
         reader = RowTable(Cell(default_name, place), options, top, source, trace, one=True)
         found = _one(reader)
     except TableError as error:
@@ -204,7 +203,7 @@ class _Document:
             self.said["units"] = replace(node, value={**known, kind: node}, text=None)
         elif key in KEYS:
             self.said[key] = node
-        elif declared := MEANT_BY.get(plain_key(key)):
+        elif declared := declared_key(key):
             self.said.setdefault(declared, node)
         elif key.casefold() == "columns" or (key.casefold() in ("dof", "version") and node.text):
             return

@@ -14,13 +14,19 @@ from dh2urdf.quantities import DEGREE_SIGNS, UNITS
 from dh2urdf.row_fields import COM, INERTIA, LIMITS
 from dh2urdf.table_text import REQUIRED
 from dh2urdf_plugins.readers.header.units import UNIT_KEYS
-from dh2urdf_plugins.readers.header.words import SHORTEST_CORE, spellings
+from dh2urdf_plugins.readers.header.words import SHORTEST_CORE
 from dh2urdf_plugins.readers.sources.documents import NOT_IN_A_JOINT
 from dh2urdf_plugins.readers.statements.meshes import MESH_KEYS
 from dh2urdf_plugins.readers.statements.shapes import SHAPES
-from dh2urdf_plugins.readers.words.fields import CONVENTION_CHOICES, FIELDS, GROUPS, TYPE_CHOICES
-from dh2urdf_plugins.readers.words.unheld import IGNORED
-from dh2urdf_plugins.readers.words.word_keys import key_of
+from dh2urdf_plugins.readers.words.fields import (
+    FIELDS,
+    GROUPS,
+    IGNORED,
+    convention_words,
+    key_of,
+    spellings,
+    type_words,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -80,7 +86,7 @@ def _table() -> dict[str, Any]:
             {
                 "name": {**_NAME, "description": "name of the manipulator; the file's name if absent"},
                 "convention": {
-                    **_words(CONVENTION_CHOICES),
+                    **_words(convention_words()),
                     "description": "standard or modified; never guessed",
                 },
                 "units": units,
@@ -150,7 +156,7 @@ def _value(name: str) -> dict[str, Any]:
     if name in ("joint", "link"):
         return _NAME
     if name == "type":
-        return _either(_words(TYPE_CHOICES), {"enum": [0, 1]})
+        return _either(_words(type_words()), {"enum": [0, 1, 2]})
     if name == "flip":
         return {"type": ["boolean", "string"]}
     return _NUMBER if name in REQUIRED else _NUMBER_OR_NONE

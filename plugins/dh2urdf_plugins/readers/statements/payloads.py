@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from typing import TYPE_CHECKING
 
 from dh2urdf.manipulator import Inertia, Payload
@@ -11,7 +10,6 @@ from dh2urdf.row_fields import INERTIA
 from dh2urdf.source import Problem
 from dh2urdf_plugins.readers.statements.placements import TransformReader
 from dh2urdf_plugins.readers.statements.shapes import ShapeReader, refuse_unknown_keys
-from dh2urdf_plugins.readers.words.bounds import SMALLEST_LENGTH
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -56,14 +54,6 @@ class PayloadReader:
         tensor = self._tensor(node.value["inertia"]) if "inertia" in node.value else None
         if self.errors or mass is None or com is None:
             return None
-        distance, unit = math.hypot(*com), self.units.of(Dimension.LENGTH)
-        if unit and not unit.is_si and 0 < distance < SMALLEST_LENGTH:
-            message = f"payload.com is {1000 * distance:.4g} mm away, and the unit of lengths is {unit.symbol}"
-            suggestion = "if it is in metres, say so: '0.05 m'"
-            mark, field = node.value["com"].mark, "payload.com"
-            self.add(Problem(message=message, severity="notice", mark=mark, field=field, suggestion=suggestion))
-        if "com" not in node.value or tensor is None:
-            self.add(_filled_in(node, com="com" not in node.value, inertia=tensor is None))
         return Payload(mass=mass, com=com, inertia=tensor)
 
     def _tensor(self, node: Node) -> Inertia | None:
@@ -96,18 +86,3 @@ class PayloadReader:
 
     def _error(self, node: Node, field: str, message: str, accepted: str) -> None:
         self.add(Problem(message=message, mark=node.mark, field=field, found=node.text, accepted=accepted))
-
-
-def _filled_in(node: Node, *, com: bool, inertia: bool) -> Problem:
-    """A notice of what the payload does not say."""
-    said = [
-        *(["no com, so its centre of mass is at tool0"] if com else ()),
-        *(["no inertia, so that of a solid ball of the density of the links is used"] if inertia else ()),
-    ]
-    return Problem(
-        message=f"the payload has {', and '.join(said)}",
-        severity="notice",
-        mark=node.mark,
-        field="payload",
-        suggestion=f"write {ACCEPTED}",
-    )

@@ -5,13 +5,13 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from dh2urdf.quantities import Dimension, Quantity, QuantityError, Unit, evaluate
+from dh2urdf.quantities import Dimension, QuantityError, Unit, evaluate
 from dh2urdf.rotations import RigidTransform, Rotation, Vec3, nearest_rotation
 from dh2urdf.source import Mark, Problem, shown
 from dh2urdf_plugins.readers.header.units import refuse_doubt
-from dh2urdf_plugins.readers.rows.cells import ACCEPTED_ANGLE, FULL_TURN, LARGEST_ANGLE, meant_by
+from dh2urdf_plugins.readers.rows.cells import ACCEPTED_ANGLE, FULL_TURN, LARGEST_ANGLE
 from dh2urdf_plugins.readers.statements.shapes import refuse_unknown_keys
-from dh2urdf_plugins.readers.words.bounds import LONGEST_ARM, MEASURABLE_ARM, SMALLEST_LENGTH, are_radians
+from dh2urdf_plugins.readers.words.bounds import MEASURABLE_ARM
 from dh2urdf_plugins.readers.words.cells import Cell
 
 if TYPE_CHECKING:
@@ -24,9 +24,6 @@ ORTHONORMAL = 1e-9
 """Largest |RᵀR − 1| of a rotation that is taken without a word."""
 NEARLY_ORTHONORMAL = 1e-4
 """Largest |RᵀR − 1| of one that is corrected, with a notice: four digits, as in 0.7071."""
-
-LONGEST = {"base": LONGEST_ARM}
-"""Translation that a careful person would look at twice [m]; a tenth of it for what an arm carries."""
 
 _SIZE = 4
 _ROUNDED = 0.1
@@ -67,7 +64,7 @@ class TransformReader:
         return None if transform is None or self._is_beyond(transform, node, what) else transform
 
     def _is_beyond(self, transform: RigidTransform, node: Node, what: str) -> bool:
-        """Whether a transform leads too far to be computed with; a long way is worth a notice."""
+        """Whether a transform leads too far to be computed with."""
         distance = math.hypot(*transform.translation)
         if distance > MEASURABLE_ARM:
             self._error(
@@ -77,21 +74,6 @@ class TransformReader:
                 accepted=f"a translation of at most {MEASURABLE_ARM:g} m",
             )
             return True
-        if distance > LONGEST.get(what, LONGEST_ARM / 10):
-            self.add(
-                Problem(
-                    message=f"{what} is {distance:.4g} m away",
-                    severity="notice",
-                    mark=node.mark,
-                    field=what,
-                    suggestion="if its xyz is in mm, declare it: `units: {length: mm}`, or write '300 mm'",
-                )
-            )
-        unit = self.units.of(Dimension.LENGTH)
-        if unit and not unit.is_si and 0 < distance < SMALLEST_LENGTH:
-            message = f"{what} is {1000 * distance:.4g} mm away, and the unit of lengths is {unit.symbol}"
-            suggestion = "if its xyz is in metres, say so: '0.3 m'"
-            self.add(Problem(message=message, severity="notice", mark=node.mark, field=what, suggestion=suggestion))
         return False
 
     def _error(
@@ -172,23 +154,7 @@ class TransformReader:
             message = f"{shown(node.text)} is more than a thousand turns"
             self._error(node.mark, field, message, found=node.text, accepted=ACCEPTED_ANGLE)
             return None
-        if dimension is Dimension.ANGLE:
-            self._odd_angle(node, field, quantity, unit)
         return quantity.value
-
-    def _odd_angle(self, node: Node, field: str, quantity: Quantity, unit: Unit | None) -> None:
-        """Adds a notice of an angle that hardly is in the unit that it is read in."""
-        text = (node.text or "").strip()
-        message, suggestion = f"{shown(text)} is more than a full turn", None
-        if abs(quantity.value) <= FULL_TURN:
-            if unit and unit.degrees and not quantity.has_unit and are_radians(quantity.value):
-                message = f"{shown(text)} is a part of π, and the unit of angles is deg"
-                suggestion = f"if it is in rad, say so: '{text} rad'"
-            elif meant := meant_by(quantity.value):
-                message, suggestion = f"{shown(text)} is kept as it is; {meant} was probably meant", f"write {meant}"
-            else:
-                return
-        self.add(Problem(message=message, severity="notice", mark=node.mark, field=field, suggestion=suggestion))
 
     def _matrix(self, node: Node, what: str) -> RigidTransform | None:
         rows = [row.value for row in node.value] if isinstance(node.value, list) else []

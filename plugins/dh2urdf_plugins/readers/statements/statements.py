@@ -2,20 +2,37 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 from dh2urdf.documents import load_yaml
 from dh2urdf.errors import TableError
 from dh2urdf.manipulator import Convention, LinkGeometry, Manipulator, MeshShape, Payload
-from dh2urdf.quantities import UNITS, Dimension, QuantityError, Symbols, Unit, accepted_units, find_unit, unit_word
+from dh2urdf.quantities import (
+    UNITS,
+    Dimension,
+    QuantityError,
+    Symbols,
+    Unit,
+    accepted_units,
+    find_unit,
+    is_unit,
+    unit_word,
+)
 from dh2urdf.rotations import IDENTITY, RigidTransform
 from dh2urdf.source import Mark, Problem, did_you_mean, shown
 from dh2urdf.table_text import Said
 from dh2urdf_plugins.readers.header.columns import Columns
-from dh2urdf_plugins.readers.header.units import KEY_OF, UNIT_KEYS, table_units
+from dh2urdf_plugins.readers.header.units import KEY_OF, SI, UNIT_KEYS, table_units
 from dh2urdf_plugins.readers.words.cells import Cell, Units
-from dh2urdf_plugins.readers.words.fields import ACCEPTED_CONVENTIONS, CONVENTION_CHOICES, convention_of
+from dh2urdf_plugins.readers.words.fields import (
+    ACCEPTED_CONVENTIONS,
+    convention_of,
+    convention_words,
+    key_of,
+    keys_in,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping
@@ -24,6 +41,8 @@ if TYPE_CHECKING:
     from dh2urdf.manipulator import DHRow
     from dh2urdf_plugins.calibrations.calibration import CalibrationFile  # noqa: TC004 - only the tables with one need it
 
+_OF_SI = (Dimension.LENGTH, Dimension.ANGLE)
+_BETWEEN = r"\s*[/&]\s*|\s+(?:and|und|et|y|e)\s+|\s+"
 OPTIONS = "an option"
 """What marks name as the file of an option."""
 
@@ -131,7 +150,7 @@ class Statements:
                     field="convention",
                     found=cell.text,
                     accepted=ACCEPTED_CONVENTIONS,
-                    suggestion=did_you_mean(cell.text, [word for word in CONVENTION_CHOICES if len(word) > len("dh")])
+                    suggestion=did_you_mean(cell.text, [word for word in convention_words() if len(word) > len("dh")])
                     if cell.text
                     else None,
                 )
@@ -155,13 +174,14 @@ class Statements:
                 )
             )
 
-    def declare_unit(self, cell: Cell, key: str, add: Callable[[Problem], None]) -> None:
+    def declare_unit(self, cell: Cell, key: str, add: Callable[[Problem], None], *, said: str | None = None) -> None:
         """Takes a declaration of a unit.
 
         Args:
             cell: the word for it.
             key: what it is the unit of, as `UNIT_KEYS` has it.
             add: takes what is wrong with it.
+            said: the sentence that it is in.
         """
         unit: Unit | None = None
         fault: QuantityError | None = None
@@ -183,11 +203,12 @@ class Statements:
             )
         if not unit:
             return
-        said = self.stated.setdefault(unit.dimension, (unit, cell.mark))
-        if said[0] != unit:
+        earlier = self.stated.setdefault(unit.dimension, (unit, cell.mark))
+        if earlier[0] != unit:
             add(
                 Problem(
-                    message=f"{shown(cell.text)} contradicts the unit {said[0].symbol} that {said[1]} declares",
+                    message=f"{shown(said or cell.text)} contradicts the unit {earlier[0].symbol} that "
+                    f"{earlier[1]} declares",
                     mark=cell.mark,
                     field=f"units.{key}",
                     found=cell.text,
@@ -197,8 +218,6 @@ class Statements:
 
     def declare_units(self, node: Node, add: Callable[[Problem], None]) -> None:
         """Takes `units`: a mapping such as ``{length: mm, effort: [Nm, N]}``, or bare words such as ``mm, deg``."""
-        from dh2urdf_plugins.readers.statements.unit_words import MEANT_KEYS, words_of_units
-
         if isinstance(node.value, dict):
             for key, item in node.value.items():
                 if key not in UNIT_KEYS:
@@ -209,7 +228,7 @@ class Statements:
                             field=f"units.{key}",
                             found=key,
                             accepted=", ".join(UNIT_KEYS),
-                            suggestion=MEANT_KEYS.get(key.casefold()) or did_you_mean(key, UNIT_KEYS),
+                            suggestion=_unit_key(key),
                         )
                     )
                     continue
@@ -220,6 +239,9 @@ class Statements:
                     add(Problem(message=message, mark=item.mark, field=f"units.{key}", accepted="the name of a unit"))
                 for word in words:
                     self.declare_unit(word, key, add)
+            return
+        if isinstance(node.value, str) and key_of(node.value.casefold()) in keys_in("values", "si"):
+            self.stated |= {UNITS[SI[each]].dimension: (UNITS[SI[each]], node.mark) for each in _OF_SI}
             return
         words = words_of_units(node)
         known = [UNITS.get(unit_word(word.text)) for word in words]
@@ -243,6 +265,8 @@ class Statements:
         from dh2urdf_plugins.readers.statements.meshes import MESH_KEYS
         from dh2urdf_plugins.readers.statements.placements import PLACED, TransformReader
 
+        if _is_nothing(node):
+            return
         body = ("mass", "geometry", *MESH_KEYS) if what == "base" else ()
         transform = TransformReader(self.units(), add).read(node, what, other_keys=body)
         if body:
@@ -343,6 +367,8 @@ class Statements:
         """Takes `payload`: what the arm carries at tool0."""
         from dh2urdf_plugins.readers.statements.payloads import PayloadReader
 
+        if _is_nothing(node):
+            return
         payload = PayloadReader(self.units(), add).read(node)
         if self.payload is not None and payload is not None and self.payload != payload:
             self._said_twice("payload", node, add)
@@ -375,3 +401,36 @@ def _option_node(what: str, value: str | dict[str, Any] | list[Any], add: Callab
         for problem in error.problems:
             add(replace(problem, field=what))
         return None
+
+
+def _is_nothing(node: Node) -> bool:
+    """Whether a value says that there is no such thing: ``none``, ``identity``."""
+    return isinstance(node.value, str) and key_of(node.value.casefold()) in keys_in("values", "identity")
+
+
+def _unit_key(key: str) -> str | None:
+    """What a key of `units` probably means."""
+    word = key_of(key.casefold())
+    meant = next((name for name in UNIT_KEYS if word in keys_in("unit_keys", name)), None)
+    return f"did you mean {meant!r}?" if meant else did_you_mean(key, UNIT_KEYS)
+
+
+def words_of_units(node: Node) -> list[Cell]:
+    """The units that a text or a list names: at its commas, or at spaces and such where that makes units of all."""
+    if isinstance(node.value, list):
+        return [word for item in node.value for word in words_of_units(item)]
+    return [Cell(word, node.mark) for word in unit_words(node.text or "")] if node.value else []
+
+
+def unit_words(text: str) -> list[str]:
+    """The units that a text names."""
+    return [word for part in re.split("[,;]", text) if part.strip() for word in _units_of(part.strip())]
+
+
+def _units_of(part: str) -> list[str]:
+    """The units of a part: one, or several with spaces, with a slash as in ``mm/deg`` or with a word between them."""
+    if is_unit(part):
+        return [part]
+    several = re.split(_BETWEEN, part)
+    units = [UNITS.get(unit_word(word)) for word in several]
+    return several if all(unit and unit.dimension in _OF_SI for unit in units) else part.split()

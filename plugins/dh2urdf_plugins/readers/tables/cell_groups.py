@@ -151,10 +151,6 @@ def _both(lower: str, upper: str, unit: str | None) -> dict[str, str]:
 
 
 def _not_two(text: str) -> GroupError:
-    from dh2urdf_plugins.readers.words.no_numbers import advice_for
-
-    if advice := advice_for("limits", text):
-        return GroupError(f"{shown(text)} has no bounds", advice)
     if re.fullmatch(r"[0-9]+(?:[.,][0-9]+)?[^0-9]{0,4}", text):
         return GroupError(
             f"{shown(text)} is one number, and a range has two",

@@ -5,16 +5,24 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING
 
-from dh2urdf.quantities import DEGREE_SIGNS, is_unit, is_zero
+from dh2urdf.quantities import DEGREE_SIGNS, is_unit
 from dh2urdf.source import Mark, Problem, shown
 from dh2urdf.table_text import REQUIRED
 from dh2urdf_plugins.readers.header.header_rows import is_beside
-from dh2urdf_plugins.readers.header.unknown_columns import is_number, left_out, refused, stray_number, unread
+from dh2urdf_plugins.readers.header.unknown_columns import (
+    Refusal,
+    is_number,
+    left_out,
+    refusal,
+    refused,
+    stray_number,
+)
+from dh2urdf_plugins.readers.header.words import read_header
 from dh2urdf_plugins.readers.rows.joint_rows import LABEL
 from dh2urdf_plugins.readers.words.bounds import MAX_TEXT
 from dh2urdf_plugins.readers.words.cells import SPACES, Cell, text_of
 from dh2urdf_plugins.readers.words.comment_lines import SPREADSHEET_ERROR
-from dh2urdf_plugins.readers.words.decimal_signs import DecimalSigns, largest
+from dh2urdf_plugins.readers.words.decimal_signs import DecimalSigns
 from dh2urdf_plugins.readers.words.fields import FIELDS, GROUPS
 
 if TYPE_CHECKING:
@@ -22,7 +30,7 @@ if TYPE_CHECKING:
 
     from dh2urdf_plugins.readers.header.columns import Columns
     from dh2urdf_plugins.readers.rows.rows import RowReader
-    from dh2urdf_plugins.readers.words.cells import Units, Value
+    from dh2urdf_plugins.readers.words.cells import Value
 
 _DECIMAL_COMMA = (
     rf"[-+−]?[0-9]*,[0-9]+(?:[eE][-+]?[0-9]+)?\s*(?:[^\W\d_]{{1,3}}|[{DEGREE_SIGNS}])?(?:[/·][^\W\d_]{{1,3}})?"
@@ -34,16 +42,16 @@ class TableCells:
 
     Args:
         columns: the columns of the table.
-        units: its units.
     """
 
-    def __init__(self, columns: Columns, units: Units) -> None:
+    def __init__(self, columns: Columns) -> None:
         self.columns = columns
         self.left_out = set[int]()
         self.refused: dict[int, Problem] = {}  # of the manipulator: the first cell of each column that is refused
-        self.signs = DecimalSigns(largest(columns.fields, units))
+        self.signs = DecimalSigns()
         headers = columns.headers
         self.strays = {k for k, header in enumerate(headers) if not header and not is_beside(k, headers)}
+        self.reasons: dict[int, Refusal] = {}
         self.first_counts: dict[int, int] = {}  # of the manipulator: where a column without a header begins to count
         self.has_type = "type" in columns.fields
 
@@ -69,12 +77,14 @@ class TableCells:
             if problem := _unreadable(cell, name, joint):
                 reader.add(problem)
                 return None
+            if name == "type" and (kind := columns.types.get(cell.text.casefold())):
+                cell = cell._replace(text=kind.value)
             if name in ("joint", "link") and "#" in cell.text and re.match(SPREADSHEET_ERROR, cell.text):
                 reader.add(_spreadsheet_error(cell, name, joint))
             found = self._split(cell, name, number, reader) if name in GROUPS else {name: cell}
             for part, of_part in found.items():
                 is_text = FIELDS[part].dimension is not None and isinstance(value, str)
-                cells[part] = self._number(of_part, part, number) if is_text else of_part
+                cells[part] = self._number(of_part) if is_text else of_part
         return cells
 
     def problems(self) -> list[Problem]:
@@ -82,7 +92,7 @@ class TableCells:
 
         The notice of columns that are left out comes with the first manipulator that has something in them.
         """
-        found, columns = sorted(self.left_out), self.columns
+        found, columns = sorted(self.left_out - self.refused.keys()), self.columns
         problems = [*self.refused.values(), *filter(None, [self.signs.problem()])]
         columns.silent.difference_update(found)
         for each in (self.left_out, self.refused, self.first_counts):
@@ -108,26 +118,24 @@ class TableCells:
     # --- Columns that no field knows ----------------------------------------------------------------------------------
 
     def _unknown(self, cell: Cell, index: int, number: int, cells: dict[str, Cell]) -> None:
-        """Refuses quantities in a column that names no field."""
-        columns = self.columns
+        """Notes that a column that names no field holds something, and refuses values in it."""
         if not cell.text:
             return
+        header, problem = self.columns.headers[index], None
+        counts = is_number(cell.text) and self._counts(cell.text, index, number)
+        why = self.reasons.get(index) or refusal(header, read_header(header))
+        self.reasons[index] = why
         if not (self.has_type or cell.text.isdigit()):
-            cells[f"{LABEL}{columns.headers[index]}"] = cell  # which may be its type
-        if len(cell.text) > MAX_TEXT:
-            problem = None
-        elif index in columns.unheld:
-            problem = refused(cell, columns.headers[index], columns.unheld[index], f"joint_{number}", number=number)
-        elif index in self.strays and is_number(cell.text):
-            stray = not self._counts(cell.text, index, number)
+            cells[f"{LABEL}{header}"] = cell  # which may be its type
+        if not header:
+            stray = index in self.strays and is_number(cell.text) and not counts
             problem = stray_number(cell.text, cell.mark, f"joint_{number}") if stray else None
-        else:
-            problem = unread(cell, columns.headers[index], number)
-        if index in columns.silent:
+        elif len(cell.text) <= MAX_TEXT and (why.any_text or not counts):
+            problem = refused(cell, header, why, f"joint_{number}", number=number)
+        if problem:
+            self.refused.setdefault(index, problem)
+        if index in self.columns.silent and not counts:
             self.left_out.add(index)
-        first = self.refused.get(index)
-        if problem and (first is None or (is_zero(first.found or "") and not is_zero(problem.found or ""))):
-            self.refused[index] = problem
 
     def _counts(self, text: str, index: int, number: int) -> bool:
         """Whether a number without a header counts the rows: from 0 or 1, or through all manipulators of the table."""
@@ -135,23 +143,23 @@ class TableCells:
             return False
         before = int(text) - number
         return before == self.first_counts.setdefault(index, before) and (
-            before in (-1, 0) or "robot" in self.columns.fields
+            before in (-1, 0) or (index in self.strays and "robot" in self.columns.fields)
         )
 
     # --- Cells that a field knows -------------------------------------------------------------------------------------
 
-    def _number(self, cell: Cell, name: str, number: int) -> Cell:
+    def _number(self, cell: Cell) -> Cell:
         """A number as text, whose decimal sign is remembered where it may be a comma.
 
         Between commas a number with a decimal comma is in quotes: so a German spreadsheet writes it.
         """
         if self.columns.decimal_comma:
-            self.signs.note(cell, name, number)
+            self.signs.note(cell)
         elif self.columns.quoted_commas and "," in cell.text and re.fullmatch(_DECIMAL_COMMA, cell.text):
-            self.signs.note(cell, name, number)
+            self.signs.note(cell)
             return cell._replace(text=cell.text.replace(",", "."))
         elif self.columns.quoted_commas and "." in cell.text:
-            self.signs.note_point(cell)
+            self.signs.note(cell)
         return cell
 
     def _split(self, cell: Cell, name: str, number: int, reader: RowReader) -> dict[str, Cell]:

@@ -20,11 +20,12 @@ from dh2urdf.manipulator import Convention, DHRow, Manipulator
 from dh2urdf.output import NameSet
 from dh2urdf.source import Problem, shown
 from dh2urdf.stages import Rejected
-from dh2urdf_plugins.readers.header.units import unit_notices, unit_problems
+from dh2urdf_plugins.readers.comments.sentences import declare, declare_types
+from dh2urdf_plugins.readers.header.units import unit_problems
 from dh2urdf_plugins.readers.options import given_by
 from dh2urdf_plugins.readers.rows.rows import RowReader
 from dh2urdf_plugins.readers.rows.source import Rows
-from dh2urdf_plugins.readers.statements.plausibility import shortest_plain
+from dh2urdf_plugins.readers.statements.plausibility import far_away
 from dh2urdf_plugins.readers.statements.statements import Statements
 from dh2urdf_plugins.readers.tables.cells import TableCells
 from dh2urdf_plugins.readers.tables.tables import manipulator, read_rows, stopped, too_many_joints
@@ -84,11 +85,10 @@ class RowTable:
         self.columns = columns = source.start(top.columns)
         self.statements = Statements()
         self._define(top.comments, top.statements.get("symbols"))
-        self.notices: list[Problem] = [*top.notices, *columns.notices]
+        self.notices: list[Problem] = [*columns.notices]
+        self.sentences = top.sentences
         self.name = self._state(top.statements, options) or name
         self.units = self.statements.units()
-        stated = {dimension: unit for dimension, (unit, _) in self.statements.stated.items()}
-        self.notices += unit_notices(columns, stated, self.units)
         self.robot_column = self._column("robot")
         self.convention_column = self._column("convention")
         self.trace = trace
@@ -96,7 +96,9 @@ class RowTable:
         others = (trace, options.calibration, options.in_convention)
         self.plain_table = said and not one and others == (None, None, None)
         self.has_type = "type" in columns.fields
-        self.cells = TableCells(columns, self.units)
+        self.cells = TableCells(columns)
+        self.plain_table &= self.has_type or not any(sentence.types for sentence in self.sentences)
+        self.plain_table &= far_away(self.statements.base, self.statements.tool) is None
         self.seen = NameSet()
 
     @cached_property
@@ -104,7 +106,7 @@ class RowTable:
         """What reads rows fast; most tables of one manipulator are read with care, and never import it."""
         from dh2urdf_plugins.readers.plain.rows import PlainRows
 
-        return PlainRows(self.columns, self.units, shortest_plain(self.statements))
+        return PlainRows(self.columns, self.units)
 
     def _define(self, comments: list[Comment], said: Node | None = None) -> None:
         """Takes the names for lengths that a statement and comments define, and forgets the comments.
@@ -135,12 +137,11 @@ class RowTable:
             statements.declare_convention(Cell(convention.text or "", convention.mark), add)
         if columns.modified is not None:
             header = Cell(columns.headers[columns.modified], columns.mark)
-            if statements.convention is None and options.convention is None:
-                self.notices.append(_means_modified(header))
             statements.declare_implied_convention(Convention.MODIFIED, header, add)
         statements.declare_options(given, add)
         problems += unit_problems(columns, statements.stated.values())
         statements.columns = columns
+        declare(self.sentences, statements, add, by_row="convention" in columns.fields)
         for what in ("base", "tool"):
             if node := said.get(what):
                 statements.declare_transform(node, what, add)
@@ -156,11 +157,9 @@ class RowTable:
             raise TableError(errors, self.notices)
         return self._name(said.get("name"))
 
-    def _name(self, name: Node | None) -> Cell | None:
+    @staticmethod
+    def _name(name: Node | None) -> Cell | None:
         """The name that the table says."""
-        if name and "robot" in self.columns.fields:
-            message = f"the name {shown(name.text or '')} has no effect: the column robot names each manipulator"
-            self.notices.append(Problem(message=message, severity="notice", mark=name.mark, field="name"))
         return Cell("" if name.value is None else name.text or "", name.mark) if name else None
 
     # --- Rows ---------------------------------------------------------------------------------------------------------
@@ -269,7 +268,7 @@ class RowTable:
 
             head = Rows(groups[index].name, groups[index].keys[:HEAD], groups[index].cells[:HEAD])
             (arm,) = arms.part(index, index + 1).tables()
-            compare(arm, self._read_with_care(head, TableCells(self.columns, self.units)), head.count)
+            compare(arm, self._read_with_care(head, TableCells(self.columns)), head.count)
         return arms
 
     def _agreed(self, cells: list[Row]) -> Statements | None:
@@ -341,6 +340,7 @@ class RowTable:
                 found[-1] = (cells, mark)
             if stopped(reader):
                 return [None]
+        declare_types(self.sentences, found, reader.add)
         return read_rows(found, reader) if found or not rows.keys else [None]
 
     def _mark(self, key: Any) -> Mark:  # noqa: ANN401 - a key of the source's own

@@ -5,22 +5,15 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from dh2urdf.errors import TableError
-from dh2urdf.manipulator import JointType
-from dh2urdf.row_fields import LIMITS
-from dh2urdf.source import Mark, Problem, shown
+from dh2urdf.source import Mark, Problem
 from dh2urdf.stages import Rejected
 from dh2urdf_plugins.readers.header.units import bare_beside_cells
-from dh2urdf_plugins.readers.header.unknown_columns import is_turned_variable
 from dh2urdf_plugins.readers.rows.joint_rows import settle
 from dh2urdf_plugins.readers.rows.rows import MAX_PROBLEMS
 from dh2urdf_plugins.readers.rows.six_parameters import extra_problems, with_four_parameters
-from dh2urdf_plugins.readers.statements.plausibility import arm_length, plausibility
+from dh2urdf_plugins.readers.statements.plausibility import arm_length, size_notice
 from dh2urdf_plugins.readers.words.bounds import MAX_JOINTS, MEASURABLE_ARM
 from dh2urdf_plugins.readers.words.names import name_fault, name_problems
-
-FEWEST_MERGED = 3
-"""Joints of which the first may have a cell that was merged with those of the others."""
-BOUNDS = ("lower", "upper")
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
@@ -94,16 +87,6 @@ def manipulator(
 def _problems_of_all_rows(reader: RowReader, statements: Statements) -> Iterator[Problem]:
     if reader.names:
         yield from name_problems(reader.names)
-    for row in reader.names:
-        for kind, name, mark in (("joint", row.joint, row.joint_mark), ("link", row.link, row.link_mark)):
-            if is_turned_variable(name):
-                yield Problem(
-                    message=f"{shown(name)} is a joint variable with an offset or a sign, and no name of a {kind}",
-                    mark=mark,
-                    field=kind,
-                    found=name,
-                    accepted="the variable in the column theta, or in d of a joint that slides",
-                )
     yield from bare_beside_cells(reader.units, reader.foreign, reader.bare)
     yield from extra_problems(reader.extras, statements.convention and statements.convention[0])
 
@@ -167,8 +150,8 @@ def _look_at_sizes(rows: Sequence[DHRow], statements: Statements, reader: RowRea
                 accepted=f"an arm of at most {MEASURABLE_ARM:g} m",
             )
         )
-    for problem in plausibility(rows, statements, reader.units) if rows and not reader.errors else ():
-        reader.add(problem)
+    if not reader.errors and (notice := size_notice(rows, reader.units, statements.base, statements.tool)):
+        reader.add(notice)
 
 
 def read_rows(rows: Sequence[tuple[dict[str, Cell] | None, Mark]], reader: RowReader) -> list[DHRow | None]:
@@ -184,32 +167,7 @@ def read_rows(rows: Sequence[tuple[dict[str, Cell] | None, Mark]], reader: RowRe
         read.append(row)
         if stopped(reader):
             break
-    if problem := _first_alone(rows, read):
-        reader.add(problem)
     return read
-
-
-def _first_alone(rows: Sequence[tuple[dict[str, Cell] | None, Mark]], read: Sequence[DHRow | None]) -> Problem | None:
-    """A notice of limits that only the cells of the first joint have, as if a spreadsheet had merged them."""
-    moving = [(cells, row.type) for (cells, _), row in zip(rows, read, strict=False) if cells and row]
-    moving = [(cells, kind) for cells, kind in moving if kind is not JointType.FIXED]
-    names = []
-    for name in LIMITS:
-        bounded = [cells for cells, kind in moving if kind is not JointType.CONTINUOUS or name not in BOUNDS]
-        texts = [cells[name].text if name in cells else name for cells in bounded]
-        if len(texts) >= FEWEST_MERGED and texts[0] and not any(texts[1:]) and name in bounded[0]:
-            names.append(name)
-    if not names:
-        return None
-    first = next(cells for cells, _ in moving if names[0] in cells and cells[names[0]].text)
-    are = "are" if len(names) > 1 else "is"
-    return Problem(
-        message=f"{' and '.join(names)} {are} given for the first joint alone, and the cells below are empty",
-        severity="notice",
-        mark=first[names[0]].mark,
-        field=names[0],
-        suggestion="a spreadsheet that has merged cells leaves all but the first of them empty: fill them",
-    )
 
 
 def stopped(reader: RowReader) -> bool:

@@ -1,14 +1,81 @@
-"""The fields of a table: the one list of headers, of which readers, schema and docs are made, and words in cells."""
+"""The words of `vocabulary.toml`: what headers, cells and comments of tables mean.
+
+No word is in code. The file is read when the first word is asked for that no name of the project is: a table with
+the headers `joint, type, a, alpha, d` never needs it.
+"""
 
 from __future__ import annotations
 
+import tomllib
+import unicodedata
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, lru_cache
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from dh2urdf.manipulator import Convention, JointType
 from dh2urdf.quantities import Dimension
 from dh2urdf.row_fields import COM, INERTIA, ROW_FIELDS, RowField
-from dh2urdf_plugins.readers.words.word_keys import key_of, keys_of
+from dh2urdf.source import did_you_mean
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+# --- How words are compared -------------------------------------------------------------------------------------------
+
+_SPACES = "\t\n\v\f\r\x1c\x1d\x1e\x1f \x85\xa0\u1680\u2028\u2029\u202f\u205f\u3000"
+_SEPARATORS = f"{_SPACES}_.*{{}}'’-"
+_DOT_WORDS = {"\u0307": "dot", "\u0308": "ddot"}
+_DOTS = {f"{letter}{dots}": f"{letter}{word}" for letter in "qθτ" for dots, word in _DOT_WORDS.items()}
+_GREEK = str.maketrans({"α": "alpha", "θ": "theta", "σ": "sigma", "β": "beta", "γ": "gamma", "φ": "phi", "τ": "tau"})
+_GREEK |= str.maketrans({"ω": "omega", "μ": "mu", "ı": "i", "ё": "е", "№": "no"})  # with letters of other alphabets
+_WITHOUT_DOTS = str.maketrans({"ä": "ae", "ö": "oe", "ü": "ue"})
+_KEY = _GREEK | dict.fromkeys((*map(ord, _SEPARATORS), *range(0x2000, 0x200B), *range(0x300, 0x370)))
+"""Without separators, among them all white space, and without accents."""
+
+
+def key_of(plain: str) -> str:
+    """A word without separators and accents, by which words are compared; its case is the caller's matter."""
+    if plain.isascii():
+        if plain.isalpha():
+            return plain
+    else:
+        plain = unicodedata.normalize("NFD", plain)
+        if not _DOT_WORDS.keys().isdisjoint(plain):
+            for dotted, word in _DOTS.items():
+                plain = plain.replace(dotted, word)
+    return plain.translate(_KEY)
+
+
+def keys_of(word: str) -> set[str]:
+    """The keys by which a word of the vocabulary is known: with ``ä`` written as ``a`` or as ``ae``."""
+    word = word.casefold()
+    twin = word if word.isascii() else word.translate(_WITHOUT_DOTS)
+    return {key_of(word), key_of(twin)}
+
+
+@cache
+def vocabulary() -> dict[str, Any]:
+    """The file, as TOML."""
+    with Path(__file__).with_name("vocabulary.toml").open("rb") as file:
+        return tomllib.load(file)
+
+
+def words_in(text: str) -> tuple[str, ...]:
+    """The words of a line of the vocabulary."""
+    return tuple(" ".join(text.split()).split(", ")) if text else ()
+
+
+@cache
+def keys_in(section: str, name: str) -> frozenset[str]:
+    """The keys of the words of one line: ``keys_in("sentences", "length")``."""
+    return frozenset(key for word in words_in(vocabulary()[section].get(name, "")) for key in keys_of(word))
+
+
+# --- Fields -----------------------------------------------------------------------------------------------------------
+
+_AXES = dict.fromkeys(COM, "com_*") | dict.fromkeys(INERTIA, "i*")
+"""The fields of one axis, and the section that has the words of all of them."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -17,168 +84,64 @@ class Field:
 
     Attributes:
         name: what the project calls it.
-        headers: what tables call it, in English words and symbols.
         dimension: what it measures; None for words.
         linear: what it measures in the row of a prismatic joint, where that is something else.
-        around: words that may stand before or behind its headers and say nothing new: ``max`` of ``max speed``.
         parts: the fields that a cell of it holds, where it is several.
     """
 
     name: str
-    headers: tuple[str, ...]
     dimension: Dimension | None = None
     linear: Dimension | None = None
-    around: tuple[str, ...] = ()
     parts: tuple[str, ...] = ()
 
     @property
-    def others(self) -> dict[str, tuple[str, ...]]:
-        """What tables call it in other languages, by language."""
-        from dh2urdf_plugins.readers.words.other_words import other_headers
+    def languages(self) -> dict[str, tuple[str, ...]]:
+        """What tables call it, by language."""
+        fields, axes = vocabulary()["fields"], self.name.removeprefix("com_").removeprefix("i")
+        section = fields.get(self.name) or fields.get(_AXES.get(self.name, ""), {"en": self.name})
+        forms = (axes, axes[::-1], axes.translate(str.maketrans("xyz", "123"))) if "i" in self.name[:1] else (axes,)
+        found = {}
+        for language, words in section.items():
+            if language != "around":
+                each = [word.replace("*", form) for word in words_in(words) for form in forms if "*" in word]
+                found[language] = tuple(dict.fromkeys(each)) if self.name in _AXES else words_in(words)
+        return found
 
-        return other_headers().get(self.name, {})
+    @property
+    def headers(self) -> tuple[str, ...]:
+        """What tables call it in English words and symbols."""
+        return tuple(dict.fromkeys((*self.languages["en"], *((self.name,) if self.name in _AXES else ()))))
 
     @property
     def words(self) -> tuple[str, ...]:
         """All of its headers, in every language."""
-        return (*self.headers, *(word for words in self.others.values() for word in words))
+        return (*self.headers, *(word for key, words in self.languages.items() if key != "en" for word in words))
+
+    @property
+    def around(self) -> tuple[str, ...]:
+        """Words that may stand before or behind its headers and say nothing new: ``max`` of ``max speed``."""
+        fields = vocabulary()["fields"]
+        return words_in(fields.get(_AXES.get(self.name, self.name), {}).get("around", ""))
 
 
-_OF = "of, the, de, du, des, la, le, del, della, dell, di, da, do, 的"
-_JOINT = "joint, axis, gelenk, achse, achs, achsen, axe, articulation, articulaire"
-_JOINT += ", eje, articulación, articular, asse, giunto, junta, articulação, eixo, 关节, 轴"
-_LINK = "link, body, glied, corps, segment, eslabón, cuerpo, membro, corpo, elo, 连杆, 杆件"
-_MOST = "max, maximum, limit, maximal, maximale, maximales, maximaler, maxi"
-_MOST += ", máximo, máxima, massimo, massima, limite, límite, 最大"
-_BOUND = "limit, limits, bound, position, pos, angle, value, q, theta, travel"
-_BOUND += ", grenze, grenzwert, gelenkgrenze, winkel, anschlag, limite, borne, butée, angle articulaire"
-_BOUND += ", límite, ángulo, valor, angolo, finecorsa, ângulo, 限位, 角度"
-_CENTRES = "com, cog, center of mass, centre of mass, center of gravity, centre of gravity"
-_TENSORS = "inertia, inertia tensor, inertia matrix, tensor of inertia, moment of inertia, moments of inertia"
+_NAMES = (
+    *("robot", "convention", "index", "joint", "link", "type", "a", "alpha", "d", "theta", "offset", "beta", "gamma"),
+    *("b", "sign", "flip", "limits", "lower", "upper", "velocity", "effort", "mass", "com", *COM, "inertia", *INERTIA),
+    *("radius", "damping", "friction", "armature"),
+)
+_PARTS = {"limits": ("lower", "upper"), "com": COM, "inertia": INERTIA}
+_OTHERS = {"sign": RowField(Dimension.NUMBER), "b": RowField(Dimension.LENGTH)}
+_OTHERS |= dict.fromkeys(("beta", "gamma"), RowField(Dimension.ANGLE))
 
 
-def _words(text: str) -> tuple[str, ...]:
-    return tuple(text.split(", ")) if text else ()
+def _field(name: str) -> Field:
+    parts = _PARTS.get(name, ())
+    number = ROW_FIELDS.get(parts[0] if parts else name) or _OTHERS.get(name, RowField(None))
+    return Field(name, number.dimension, number.linear, parts)
 
 
-def _field(
-    name: str,
-    headers: str,
-    *,
-    dimension: Dimension | None = None,
-    around: str = "",
-    parts: tuple[str, ...] = (),
-) -> Field:
-    """A field; what it measures is that of the number in `ROW_FIELDS`, or of its first part."""
-    number = ROW_FIELDS.get(parts[0] if parts else name, RowField(dimension))
-    return Field(name, _words(headers), number.dimension, number.linear, _words(around), parts)
-
-
-def _com(axis: str) -> Field:
-    of_words = (f"{word} {axis}, {axis} {word}" for word in _words(_CENTRES))
-    headers = f"com_{axis}, c{axis}, {axis}c, cg{axis}, {axis}cg, {', '.join(of_words)}"
-    return _field(f"com_{axis}", headers, around=_LINK)
-
-
-def _moment(name: str) -> Field:
-    axes = name[1:]
-    numbers = axes.translate(str.maketrans("xyz", "123"))
-    twins = {axes, axes[::-1]}
-    headers = ", ".join([name, *(f"i{twin}" for twin in twins - {axes}), f"j{axes}", f"i{numbers}", f"inertia {axes}"])
-    return _field(name, headers, around=_LINK)
-
-
-def _fields() -> dict[str, Field]:
-    fields = [
-        _field("robot", "robot, manipulator, model, robot name, manipulator name, model name, arm, arm name"),
-        _field("convention", "convention, dh convention"),
-        _field(
-            "index",
-            "i, #, index, no, nr, number, num, n°, joint number, joint no, joint nr, joint index, joint #, "
-            "axis number, axis no",
-        ),
-        _field("joint", "joint, joint name, name, joint id, axis, axis name, joints"),
-        _field("link", "link, link name, body, links"),
-        _field("type", "type, joint type, kind, sigma, σ, r/p, p/r, type of joint, axis type"),
-        _field("a", "a, r, link length, length"),
-        _field("alpha", "alpha, α, twist, link twist, twist angle, link twist angle"),
-        _field("d", "d, link offset, joint distance"),
-        _field("theta", "theta, θ, th, joint angle, theta offset, offset theta, theta const, joint angle offset"),
-        _field("offset", "offset, joint offset"),
-        _field("beta", "beta, β", dimension=Dimension.ANGLE),
-        _field("gamma", "gamma, γ", dimension=Dimension.ANGLE),
-        _field("b", "b", dimension=Dimension.LENGTH),
-        _field(
-            "sign",
-            "sign, direction, dir, polarity, rotation direction, direction of rotation",
-            dimension=Dimension.NUMBER,
-            around=_JOINT,
-        ),
-        _field("flip", "flip, flipped, inverted, reversed"),
-        _field(
-            "limits",
-            "limits, limit, range, qlim, range of motion, motion range, working range, stroke, travel",
-            around=f"{_JOINT}, {_OF}, motion, movement, position, angle, angular, q, theta",
-            parts=("lower", "upper"),
-        ),
-        _field(
-            "lower",
-            "lower, q_min, min, lower limit, limit lower, low, lo, minimum, q_lo, lower bound",
-            around=f"{_JOINT}, {_OF}, {_BOUND}",
-        ),
-        _field(
-            "upper",
-            "upper, q_max, max, upper limit, limit upper, high, hi, maximum, q_hi, upper bound",
-            around=f"{_JOINT}, {_OF}, {_BOUND}",
-        ),
-        _field(
-            "velocity",
-            "velocity, speed, vel, omega, max velocity, velocity limit, v_max, qd_max, q_dot_max, dot_q_max, dq_max, "
-            "theta_dot_max, dtheta_max",
-            around=f"{_JOINT}, {_MOST}, {_OF}, angular, rotational, rotation",
-        ),
-        _field(
-            "effort",
-            "effort, torque, force, tau, max effort, effort limit, peak torque",
-            around=f"{_JOINT}, {_MOST}, {_OF}",
-        ),
-        _field(
-            "mass",
-            "mass, m, m_i, weight",
-            around=f"{_LINK}, {_OF}",
-        ),
-        _field(
-            "com",
-            f"{_CENTRES}, com position",
-            around=f"{_LINK}, {_OF}, position, location, vector, xyz",
-            parts=COM,
-        ),
-        *map(_com, "xyz"),
-        _field(
-            "inertia",
-            _TENSORS,
-            around=f"{_LINK}, {_OF}",
-            parts=INERTIA,
-        ),
-        *map(_moment, INERTIA),
-        _field("radius", "radius", around=_LINK),
-        _field(
-            "damping",
-            "damping, viscous friction, viscous damping, damping coefficient, viscous friction coefficient",
-            around=f"{_JOINT}",
-        ),
-        _field(
-            "friction",
-            "friction, coulomb friction, dry friction, friction loss",
-            around=f"{_JOINT}",
-        ),
-        _field("armature", "armature, reflected inertia, reflected rotor inertia"),
-    ]
-    known = {each.name: each for each in fields}
-    return known | {name: _field(name, name) for name in ROW_FIELDS if name not in known}
-
-
-FIELDS = _fields()
+FIELDS = {name: _field(name) for name in dict.fromkeys((*_NAMES, *ROW_FIELDS))}
+"""The fields of a table, in the order of the documentation."""
 GROUPS = {name: each for name, each in FIELDS.items() if each.parts}
 """Fields whose cells hold several others."""
 
@@ -189,72 +152,179 @@ def header_fields() -> dict[str, Field]:
     return {key: each for each in FIELDS.values() for word in each.words for key in keys_of(word)}
 
 
-# --- Words ------------------------------------------------------------------------------------------------------------
+# --- Words in cells ---------------------------------------------------------------------------------------------------
 
-_TYPES = {
-    JointType.REVOLUTE: ("revolute", "r", "rotational", "rotary", "rotation", "hinge", "0"),
-    JointType.PRISMATIC: ("prismatic", "p", "linear", "t", "translational", "translation", "sliding", "1"),
-    JointType.CONTINUOUS: ("continuous", "c"),
-    JointType.FIXED: ("fixed", "f", "static", "rigid"),
-}
-_CONVENTIONS = {
-    Convention.STANDARD: ("standard", "dh", "sdh", "classic", "classical", "distal", "spong", "paul"),
-    Convention.MODIFIED: ("modified", "mdh", "modified dh", "craig", "proximal"),
-}
-_TYPE_WORDS = {word: kind for kind, words in _TYPES.items() for word in words}
-_CONVENTION_WORDS = {key_of(word): kind for kind, words in _CONVENTIONS.items() for word in words} | {
-    "standarddh": Convention.STANDARD,
-    "classicdh": Convention.STANDARD,
-    "denavithartenberg": Convention.STANDARD,
-    "modifieddenavithartenberg": Convention.MODIFIED,
-}
-_OF_ALL = frozenset(("dh", "denavit", "hartenberg", "convention", "notation", "parameters"))
-"""Words that the names of both conventions may have."""
-_FLIP_WORDS = {
-    **dict.fromkeys(_words("true, yes, 1, wahr, ja, vrai, oui, verdadero, sí, vero, sì, si"), True),
-    **dict.fromkeys(_words("false, no, 0, falsch, nein, faux, non, falso"), False),
-}
-
-_NOUNS = ("joint", "关节")
-"""The nouns that may follow a type: ``prismatic joint``."""
-
-ACCEPTED_TYPES = "; ".join(", ".join(words) for words in _TYPES.values())
+ACCEPTED_TYPES = "revolute, rotational or R; prismatic, linear or P; continuous; fixed"
 ACCEPTED_CONVENTIONS = (
-    f"{', '.join(_CONVENTIONS[Convention.STANDARD])} for A = Rz(theta) Tz(d) Tx(a) Rx(alpha); "
-    f"{', '.join(_CONVENTIONS[Convention.MODIFIED])} for A = Rx(alpha) Tx(a) Rz(theta) Tz(d)"
+    "standard (classic, distal, Paul, Spong) for A = Rz(theta) Tz(d) Tx(a) Rx(alpha); "
+    "modified (Craig, proximal) for A = Rx(alpha) Tx(a) Rz(theta) Tz(d)"
 )
 ACCEPTED_FLIPS = "true or false"
-TYPE_CHOICES = tuple(_TYPE_WORDS)
-CONVENTION_CHOICES = tuple(_CONVENTION_WORDS)
+_TYPES = {form: kind for kind in JointType for form in (kind.value, kind.value[0])}
+_CONVENTIONS = {kind.value: kind for kind in Convention}
 
 
+@cache
+def type_words() -> dict[str, JointType]:
+    """The words for types of joints, with the type of each."""
+    return {
+        word: JointType(kind)
+        for kind, lines in vocabulary()["types"].items()
+        for line in lines.values()
+        for word in words_in(line)
+    }
+
+
+@cache
+def convention_words() -> dict[str, Convention]:
+    """The words for conventions, with the convention of each."""
+    return {
+        word: Convention(kind)
+        for kind, lines in vocabulary()["conventions"].items()
+        for line in lines.values()
+        for word in words_in(line)
+    }
+
+
+@cache
+def _type_keys() -> dict[str, JointType]:
+    return {key: kind for word, kind in type_words().items() for key in keys_of(word)}
+
+
+@cache
+def _convention_keys() -> dict[str, Convention]:
+    return {key: kind for word, kind in convention_words().items() for key in keys_of(word)}
+
+
+@lru_cache(maxsize=1024)
 def joint_type(text: str) -> JointType | None:
     """The joint type that a word means."""
-    word = text.strip().casefold()
-    key = key_of(word) if any(map(str.isalpha, word)) else word  # `-1` is not 1
-    key = next((key.removesuffix(noun) for noun in _NOUNS if key.endswith(noun)), key)
-    if key in _TYPE_WORDS:
-        return _TYPE_WORDS[key]
-    from dh2urdf_plugins.readers.words.other_words import OTHER_TYPES
+    key = key_of(text.strip().casefold())
+    if key in _TYPES or not any(map(str.isalpha, key)):
+        return _TYPES.get(key)
+    nouns = keys_in("around", "types")
+    return _type_keys().get(next((key.removesuffix(noun) for noun in nouns if key.endswith(noun) and key != noun), key))
 
-    return OTHER_TYPES.get(key)
+
+def type_advice(text: str) -> str | None:
+    """What to do about a word that is no type of joint."""
+    if text.strip() in ("0", "1", "2"):
+        return "0 and 1 have two meanings: write R and P, or call the column sigma, where 0 turns and 1 slides"
+    return did_you_mean(text, [word for word in type_words() if len(word) > 1])
 
 
 def convention_of(text: str) -> Convention | None:
-    """The convention that a word means."""
-    key = key_of(text.strip().casefold()).removesuffix("convention")
-    if key in _CONVENTION_WORDS:
-        return _CONVENTION_WORDS[key]
-    from dh2urdf_plugins.readers.words.other_words import OTHER_CONVENTIONS
-
-    if key in OTHER_CONVENTIONS:
-        return OTHER_CONVENTIONS[key]
+    """The convention that a word means, or several that mean the same: ``modified DH (Craig)``."""
+    key = key_of(text.strip().casefold())
+    if key in _CONVENTIONS:
+        return _CONVENTIONS[key]
+    known, both = _convention_keys(), keys_in("around", "conventions")
+    if key in known:
+        return known[key]
     words = "".join(letter if letter.isalnum() else " " for letter in text.casefold()).split()
-    known = _CONVENTION_WORDS | OTHER_CONVENTIONS
-    named = {known.get(key_of(word)) for word in words if word not in _OF_ALL}  # `modified DH (Craig)`
+    named = {known.get(word) for word in map(key_of, words) if word not in both}
     return named.pop() if len(named) == 1 else None
 
 
 def flip_of(text: str) -> bool | None:
     """The truth value that a word means."""
-    return _FLIP_WORDS.get(text.strip().casefold())
+    word = text.strip().casefold()
+    flips = vocabulary()["flips"]
+    return next((name == "true" for name in ("true", "false") if word in words_in(flips[name])), None)
+
+
+def is_no_joint(name: str) -> bool:
+    """Whether a row is by its whole name none of a joint: ``total``, ``tool frame``."""
+    if len(name) > _LONGEST_NAME:
+        return False
+    key, words = key_of(name.strip().casefold()).translate(_JOINERS), keys_in("rows", "no_joints")
+    beside = keys_in("rows", "beside")
+    return key in words or any(key.removesuffix(word) in words or key.removeprefix(word) in words for word in beside)
+
+
+_LONGEST_NAME = 60
+_JOINERS = dict.fromkeys(map(ord, ":"))
+
+
+# --- Headers that are no field ----------------------------------------------------------------------------------------
+
+IGNORED = "_"
+"""What the header of a column begins with that its author wants to be left out."""
+GEOMETRY = "0 in this column, or a table of a, alpha, d and theta (or offset) without it"
+
+
+class Unheld(NamedTuple):
+    """What a header means that no field holds.
+
+    Attributes:
+        reason: what it is.
+        accepted: what to write in its place.
+        counts: whether it may hold the number of the row.
+        if_no: whether only a no says anything: that a joint is not ``active``.
+    """
+
+    reason: str
+    accepted: str = GEOMETRY
+    counts: bool = False
+    if_no: bool = False
+
+
+@cache
+def _unheld() -> dict[str, Unheld]:
+    held = {key for name in FIELDS for key in keys_of(name)}
+    return {
+        key: Unheld(
+            each["is"].strip(),
+            " ".join(each.get("write", GEOMETRY).split()),
+            each.get("counts", False),
+            each.get("if_no", False),
+        )
+        for each in vocabulary()["unheld"]
+        for word in words_in(each["words"])
+        for key in keys_of(word)
+        if key not in held
+    }
+
+
+def unheld(key: str) -> Unheld | None:
+    """What a header means that no field holds, by its key: ``passive?`` and ``isfixed`` are known, too."""
+    asked = key.strip("?")
+    return _unheld().get(asked) or _unheld().get(asked.removeprefix("is"))
+
+
+def spellings(field: Field) -> list[str]:
+    """The headers of a field as a schema has them: each as it is written, and with ``ae`` for ``ä``."""
+    return [form for word in field.words for form in sorted({word, *keys_of(word)}, key=lambda form: form != word)]
+
+
+def parts_of(field: Field) -> tuple[str, ...]:
+    """The fields that a column of a field gives: itself, or those that share its cells."""
+    return field.parts or (field.name,)
+
+
+def one_slip(left: str, right: str) -> bool:
+    """Whether two words differ by one letter more, less, other, or by two neighbours exchanged."""
+    if left == right or abs(len(left) - len(right)) > 1:
+        return False
+    start = next((k for k, (x, y) in enumerate(zip(left, right, strict=False)) if x != y), min(len(left), len(right)))
+    rest, other = left[start:], right[start:]
+    return (
+        rest[1:] == other[1:]
+        or rest[1:] == other
+        or rest == other[1:]
+        or (rest[:2] == other[1::-1] and rest[2:] == other[2:])
+    )
+
+
+def near(word: str, words: Iterable[str]) -> str | None:
+    """The first of some words that a word misses by one slip, or by two where it is long."""
+    for known in words:
+        if one_slip(word, known):
+            return known
+        if len(known) >= _LONG and any(one_slip(word[:k] + word[k + 1 :], known) for k in range(len(word))):
+            return known
+    return None
+
+
+_LONG = 7
+"""Letters of a key that two slips do not make another word."""

@@ -1,0 +1,234 @@
+"""Sentences in comments that declare a convention, units, or the types of the joints: `lengths in mm`, `an RRP arm`.
+
+A sentence declares where nothing else does, and a notice names it. Everything else in a comment is prose, and is passed
+over in silence.
+"""
+
+from __future__ import annotations
+
+import re
+import unicodedata
+from functools import lru_cache
+from typing import TYPE_CHECKING, NamedTuple
+
+from dh2urdf.manipulator import Convention
+from dh2urdf.quantities import UNITS, unit_word
+from dh2urdf.source import Problem, listed, shown
+from dh2urdf_plugins.readers.header.units import KEY_OF
+from dh2urdf_plugins.readers.words.cells import Cell
+from dh2urdf_plugins.readers.words.fields import header_fields, joint_type, key_of, keys_in
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable, Mapping, Sequence
+
+    from dh2urdf.quantities import Unit
+    from dh2urdf.source import Mark
+    from dh2urdf_plugins.readers.statements.statements import Statements
+    from dh2urdf_plugins.readers.words.comment_lines import Comment
+
+_TOKENS = r"°(?:/[a-z]+)?|[^\W\d_]+(?:[/·][^\W\d_]+[²2]?)*[²³]?|[0-9][0-9.,]*|\S"
+_CHINESE = r"([\u3040-\u30ff\u4e00-\u9fff\uac00-\ud7a3]+)"
+_TYPES = r"(?<![\w-])[RP](?:-?[RP])+(?![\w-])"
+_OPENING = frozenset("[({:=：>")
+_LISTING = frozenset(",;/&|-–—")
+"""What is between the units of a list: ``mm, deg``."""
+_ENDS = frozenset(",;/)]}&|.")
+_MEASURES = ("length", "angle", "mass", "inertia", "effort", "velocity")
+_FOREIGN = ("mm", "cm", "deg", "rad")
+"""Units that have words of their own in `vocabulary.toml`."""
+_WHOLE = frozenset(("a", "alpha", "d", "theta", "joint", "link", "index", "type", "robot", "convention"))
+"""Fields that a sentence about all lengths or angles may name."""
+_LENGTHS = frozenset(("a", "d"))
+
+
+class Sentence(NamedTuple):
+    """What a sentence declares.
+
+    Attributes:
+        comment: the comment that it is.
+        convention: the convention.
+        units: units by their keys.
+        types: the types of all joints, a letter each.
+    """
+
+    comment: Comment
+    convention: Convention | None
+    units: Mapping[str, str]
+    types: str
+
+
+def sentences_in(comments: Iterable[Comment]) -> list[Sentence]:
+    """The sentences among comments that declare something."""
+    return [sentence for comment in comments if (sentence := said_in(comment))]
+
+
+def said_in(comment: Comment) -> Sentence | None:
+    """What a comment declares as a sentence; None where it is prose."""
+    convention, units, types = _read(comment.text)
+    return Sentence(comment, convention, units, types) if convention or units or types else None
+
+
+def names_measure(key: str) -> bool:
+    """Whether a key is about units or what has them: ``length_unit``."""
+    return any(_is(name, word) for word in re.split(r"[\W_]+", key) for name in (*_MEASURES, "before"))
+
+
+@lru_cache(maxsize=1024)
+def _read(text: str) -> tuple[Convention | None, Mapping[str, str], str]:
+    spaced = re.sub(_CHINESE, r" \1 ", unicodedata.normalize("NFC", text)) if not text.isascii() else text
+    tokens = [part for token in re.findall(_TOKENS, spaced) for part in _split(token)]
+    letters = re.findall(_TYPES, text)
+    return _convention(tokens), _units(tokens), letters[0].replace("-", "") if len(letters) == 1 else ""
+
+
+def _split(token: str) -> list[str]:
+    """A token, or several: ``deg/s`` is one unit, ``mm/deg`` are two."""
+    if "/" not in token or len(token) == 1 or _unit(token):
+        return [token]
+    return [part for piece in token.split("/") for part in (piece, "/")][:-1]
+
+
+def _is(section: str, token: str) -> bool:
+    """Whether a token is one of the words of a line, or, in a script without blanks, has one of them in it."""
+    keys, key = keys_in("sentences", section), key_of(token.casefold())
+    return key in keys or (
+        bool(re.fullmatch(_CHINESE, token)) and any(word in token for word in keys if not word.isascii())
+    )
+
+
+def _convention(tokens: Sequence[str]) -> Convention | None:
+    """The convention that a sentence names, and no other, beside a word that shows what it is about."""
+    words = [token for token in tokens if token[:1].isalpha()]
+    named = {each for each in Convention for place, word in enumerate(words) if _names(each, words, place, word)}
+    about = len(words) == 1 or any(_is("of_conventions", word) for word in words)
+    is_dashed = any(tokens[k : k + 3] in (["D", "-", "H"], ["d", "-", "h"]) for k in range(len(tokens)))
+    if len(named) != 1 or not (about or is_dashed) or any(_is("not", word) for word in words):
+        return None
+    return named.pop()
+
+
+def _names(convention: Convention, words: Sequence[str], place: int, word: str) -> bool:
+    """Whether a word is one for a convention, and not `modified on …`."""
+    return _is(convention.value, word) and not (words[place + 1 :] and _is("happened", words[place + 1]))
+
+
+def _units(tokens: Sequence[str]) -> dict[str, str]:
+    """The units that a sentence names of all lengths, angles and so on: one of each at most."""
+    fields = {field.name for token in tokens if (field := header_fields().get(key_of(token.casefold())))}
+    named = {name for name in _MEASURES if any(_is(name, token) for token in tokens)}
+    if fields - _WHOLE and not named:
+        return {}  # `joint limits in degrees` says nothing of other angles
+    found: dict[str, set[str]] = {}
+    alone = all(_unit(token) or token in _LISTING | _OPENING | _ENDS for token in tokens)
+    has_unit_word = any(_is("before", token) and len(token) > 2 for token in tokens)  # noqa: PLR2004 - no preposition
+    last: int | None = None  # the place of the latest unit
+    for place, token in enumerate(tokens):
+        unit = _unit(token)
+        key = KEY_OF.get(unit.dimension) if unit else None
+        if not unit or not key or _is("no_units", token):
+            continue
+        behind = tokens[place + 1] if place + 1 < len(tokens) else "."
+        if (token.casefold() == "in" and behind not in _ENDS) or _is("of", behind):
+            continue
+        start = place - 1
+        while start >= 0 and (_is("between", tokens[start]) or (has_unit_word and tokens[start] == "1")):
+            start -= 1
+        before = tokens[start] if start >= 0 else ""
+        listed_alone = before in _LISTING and (behind in _ENDS or _is("between", behind)) and len(token) > 1
+        joined = start == last and place - start > 1  # `mm and deg`
+        follows = joined or (last is not None and start <= last + 1 and before in _LISTING)
+        opened = before in _OPENING or _is("before", before) or any(_is(name, before) for name in _MEASURES)
+        of_field = before in _LISTING and start > 0 and tokens[start - 1].casefold() in _WHOLE  # `a/mm`
+        if alone or follows or opened or of_field or listed_alone:
+            found.setdefault(key, set()).add(unit.symbol)
+            last = place
+    if len(fields & _LENGTHS) == 1 and "length" not in named:
+        found.pop("length", None)  # `a in mm` says nothing of d
+    return {key: units.pop() for key, units in found.items() if len(units) == 1}
+
+
+@lru_cache(maxsize=1024)
+def _unit(token: str) -> Unit | None:
+    """The unit that a word stands for, in any language."""
+    plain = token.casefold()
+    name = next((name for name in _FOREIGN if key_of(plain) in keys_in("sentences", name)), None)
+    return UNITS[name] if name else UNITS.get(unit_word(token)) or UNITS.get(unit_word(plain))
+
+
+# --- What they declare ------------------------------------------------------------------------------------------------
+
+
+def declare(
+    sentences: Sequence[Sentence], statements: Statements, add: Callable[[Problem], None], *, by_row: bool = False
+) -> None:
+    """Takes what sentences declare where nothing else does, with a notice; refuses what contradicts the table.
+
+    Args:
+        sentences: those of the table.
+        statements: what the table and the options declare.
+        add: what takes the problems.
+        by_row: whether each row has its convention.
+    """
+    taken: dict[str, str] = {}
+    header_units = statements.columns.units if statements.columns else {}
+    for sentence in sentences:
+        cell = Cell(sentence.comment.line, sentence.comment.whole)
+        if sentence.convention and not by_row:
+            if statements.convention is None:
+                taken.setdefault(cell.text, f"convention: {sentence.convention}")
+            statements.declare_implied_convention(sentence.convention, cell, add)
+        for key, symbol in sentence.units.items():
+            unit = UNITS[unit_word(symbol)]
+            of_headers = {each.symbol for each in header_units.values() if each.dimension is unit.dimension}
+            read = statements.units().of(unit.dimension)
+            is_new = symbol != read.symbol if read else not unit.is_si
+            if unit.dimension not in statements.stated and symbol not in of_headers and is_new:
+                taken[cell.text] = ", ".join(filter(None, (taken.get(cell.text), f"{key}: {symbol}")))
+            if symbol not in of_headers:
+                statements.declare_unit(Cell(symbol, cell.mark), key, add, said=cell.text)
+    if taken:
+        says = [f"{shown(line)} ({said})" for line, said in taken.items()]
+        place = next(each.comment.whole for each in sentences if each.comment.line in taken)
+        add(
+            Problem(
+                message=f"{listed(says)} {'declares' if len(says) == 1 else 'declare'} this, as nothing else does",
+                severity="notice",
+                mark=place,
+                suggestion="declare it under a key: `convention: …`, `units: {length: …, angle: …}`",
+            )
+        )
+
+
+def declare_types(
+    sentences: Sequence[Sentence],
+    rows: Sequence[tuple[dict[str, Cell] | None, Mark]],
+    add: Callable[[Problem], None],
+) -> None:
+    """Gives the rows of a table without types those that a sentence declares, a letter each.
+
+    Args:
+        sentences: those of the table.
+        rows: the cells of each row by field, which are changed, and its place.
+        add: what takes the notice.
+    """
+    said = [each for each in sentences if len(each.types) == len(rows)]
+    if not said or any(cells is None or "type" in cells for cells, _ in rows):
+        return
+    first = said[0]
+    if others := [each for each in said if each.types != first.types]:
+        message = f"{shown(others[0].comment.line)} contradicts {shown(first.comment.line)}"
+        add(Problem(message=message, mark=others[0].comment.whole, field="type", accepted="a column of types"))
+    for (cells, _), letter in zip(rows, first.types, strict=True):
+        kind = joint_type(letter)
+        if cells is not None and kind:
+            cells["type"] = Cell(kind.value, first.comment.whole)
+    message = f"{shown(first.comment.line)} declares the types of the joints: {first.types}"
+    add(
+        Problem(
+            message=message,
+            severity="notice",
+            mark=first.comment.whole,
+            field="type",
+            suggestion="write a column of types: R or P in each row",
+        )
+    )

@@ -14,8 +14,8 @@ from typing import TYPE_CHECKING, Any, Literal, TypeVar, overload
 from dh2urdf.columns import ManipulatorGroups
 from dh2urdf.conversion.robots import keeps_kinematics
 from dh2urdf.errors import EmitterError, ProofError, RecordError, TableError
-from dh2urdf.kinematics.expected_poses import proof_vectors
 from dh2urdf.kinematics.proof import TOLERANCE, Proof, prove
+from dh2urdf.kinematics.proof_vectors import proof_vectors
 from dh2urdf.manipulator import Manipulator
 from dh2urdf.meshes.files import RELATIVE, copy_path, located, mesh_files, prefix_of, read_mesh
 from dh2urdf.meshes.kinds import MeshConversion
@@ -44,10 +44,11 @@ from dh2urdf.stages import (
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
 
-    from dh2urdf.kinematics.expected_poses import ExpectedPoses, Poses
+    from dh2urdf.kinematics.expected_poses import ExpectedPoses
+    from dh2urdf.kinematics.proof_vectors import Poses
     from dh2urdf.table_text import Trace
 
-O = TypeVar("O")  # noqa: E741 - the options type of a stage
+I = TypeVar("I")  # noqa: E741 - what a reader yields
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -427,33 +428,22 @@ def read_items(
         raise TableError(_changed(path))
 
 
-@overload
-def checked_items(
-    items: Iterator[Manipulator | Rejected], call: Call[Reader[Any]]
-) -> Iterator[Manipulator | Rejected]: ...
-@overload
-def checked_items(
-    items: Iterator[Manipulator | ManipulatorGroups | Rejected], call: Call[Reader[Any]], *, columns: bool
-) -> Iterator[Manipulator | ManipulatorGroups | Rejected]: ...
-def checked_items(
-    items: Iterator[Manipulator | ManipulatorGroups | Rejected], call: Call[Reader[Any]], *, columns: bool = False
-) -> Iterator[Manipulator | ManipulatorGroups | Rejected]:
+def checked_items(items: Iterator[I], call: Call[Reader[Any]], *, columns: bool = False) -> Iterator[I]:
     """What a reader yields, each looked at.
 
     Raises:
         TableError: the file as a whole cannot be read.
         StageError: the reader raised or gave something else.
     """
-    end = Rejected(name="", problems=())
+    end = object()
     while True:
         with blaming(call):  # What is done with an item is not the reader's work.
-            item = next(items, end)
+            item: Any = next(items, end)
             if item is end:
                 return
-            if isinstance(item, Rejected):
-                if not item.problems:
-                    raise ValueError(f"it rejected {shown(item.name)} and did not say why")
-            elif isinstance(item, ManipulatorGroups) and columns:
+            if isinstance(item, Rejected) and not item.problems:
+                raise ValueError(f"it rejected {shown(item.name)} and did not say why")
+            if isinstance(item, ManipulatorGroups) and columns:
                 from dh2urdf.stage_calls.column_calls import checked_groups
 
                 checked_groups(item)

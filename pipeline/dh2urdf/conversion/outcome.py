@@ -131,7 +131,7 @@ def kind_of(error: Exception) -> str:
 
 
 def as_written(row: ManifestRow) -> tuple[ManifestRow, bytes]:
-    """A row and its line of JSON, texts spelled out in both as the line has them."""
+    """Return a row and its line of JSON, texts spelled out in both as the line has them."""
     try:
         return row, orjson.dumps(row, option=_LINE)
     except orjson.JSONEncodeError:
@@ -140,24 +140,20 @@ def as_written(row: ManifestRow) -> tuple[ManifestRow, bytes]:
 
 
 def to_line(data: Any) -> bytes:  # noqa: ANN401 - plain data
-    """Plain data as one line of JSON."""
-    return _to_json(data, _LINE)
+    """Return plain data as one line of JSON."""
+    return as_written(data)[1]
 
 
 def to_text(data: Any) -> bytes:  # noqa: ANN401 - plain data
-    """Plain data as indented JSON with a newline at its end."""
-    return _to_json(data, orjson.OPT_INDENT_2 | orjson.OPT_APPEND_NEWLINE | orjson.OPT_NON_STR_KEYS)
-
-
-def _to_json(data: Any, options: int) -> bytes:  # noqa: ANN401 - plain data
+    """Return plain data as indented JSON with a newline at its end."""
     try:
-        return orjson.dumps(data, option=options)
+        return orjson.dumps(data, option=_LINE | orjson.OPT_INDENT_2)
     except orjson.JSONEncodeError:
-        return orjson.dumps(_in_utf_8(data), option=options)
+        return orjson.dumps(_in_utf_8(data), option=_LINE | orjson.OPT_INDENT_2)
 
 
 def _in_utf_8(value: Any) -> Any:  # noqa: ANN401 - plain data
-    """The same data, lone surrogates spelled out: the name of a file may hold bytes that are no UTF-8."""
+    """Return the same data, lone surrogates spelled out: the name of a file may hold bytes that are no UTF-8."""
     if isinstance(value, str):
         return value.encode("utf-8", "backslashreplace").decode("utf-8")
     if isinstance(value, dict):

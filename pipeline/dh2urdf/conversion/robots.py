@@ -26,45 +26,23 @@ if TYPE_CHECKING:
 def make_item(
     item: Manipulator | Cell, transform: Call[Transform[Any]], edits: Sequence[Call[Edit[Any]]] = ()
 ) -> tuple[Robot, ExpectedPoses]:
-    """The robot of a manipulator or cell, checked, and what its tables declare about it after the edits.
+    """Return the robot of a manipulator or cell, checked, and what its tables declare about it after the edits.
+
+    Notices about an arm of a cell go with its manipulator. Edits change each arm, not the cell.
 
     Raises:
-        ManipulatorError: as `make_robot` and `make_cell`.
+        ManipulatorError: a stage refuses an arm, the arms of a cell do not go together, or the robot breaks a rule.
     """
     if isinstance(item, Manipulator):
         table = edited_table(item, edits)
         return _robot_of(table, item, transform, edits), ExpectedPoses.of(table)
-    return make_cell(item, transform, edits)
-
-
-def make_robot(
-    manipulator: Manipulator, transform: Call[Transform[Any]], edits: Sequence[Call[Edit[Any]]] = ()
-) -> Robot:
-    """The robot of a manipulator, checked, with the table that it was made of.
-
-    Raises:
-        ManipulatorError: an edit or the transform refuses the manipulator, or the robot breaks a rule.
-    """
-    return make_item(manipulator, transform, edits)[0]
-
-
-def make_cell(
-    cell: Cell, transform: Call[Transform[Any]], edits: Sequence[Call[Edit[Any]]] = ()
-) -> tuple[Robot, ExpectedPoses]:
-    """The robot of a cell, checked, and what its tables declare about it.
-
-    Notices about an arm go with its manipulator. Edits change each arm, not the cell.
-
-    Raises:
-        ManipulatorError: a stage refuses an arm, the arms do not go together, or the robot breaks a rule.
-    """
     from dh2urdf.cells.cell import cannot_be, compose, expected_poses_of
 
     robots: dict[str, Robot] = {}
     tables: dict[str, Manipulator] = {}
     problems: list[Problem] = []
-    for arm in {arm.of: arm for arm in reversed(cell.call.arms)}.values():
-        table = cell.manipulators[arm.of]
+    for arm in {arm.of: arm for arm in reversed(item.call.arms)}.values():
+        table = item.manipulators[arm.of]
         try:
             tables[arm.of] = edited_table(table, edits)
             robots[arm.of] = _robot_of(tables[arm.of], table, transform, edits)
@@ -72,10 +50,17 @@ def make_cell(
             problems += cannot_be(arm, error.problems)
     if problems:
         raise RobotError(problems)
-    edited = replace(cell, manipulators=tables)
+    edited = replace(item, manipulators=tables)
     composed = compose(edited, robots)
-    robot = replace(composed, notices=(*composed.notices, *_found_wrong(composed, cell.mark)))
+    robot = replace(composed, notices=(*composed.notices, *_found_wrong(composed, item.mark)))
     return robot, expected_poses_of(edited, robots)
+
+
+def make_robot(
+    manipulator: Manipulator, transform: Call[Transform[Any]], edits: Sequence[Call[Edit[Any]]] = ()
+) -> Robot:
+    """Return the robot of a manipulator, as `make_item`."""
+    return make_item(manipulator, transform, edits)[0]
 
 
 def edited_table(manipulator: Manipulator, edits: Iterable[Call[Edit[Any]]]) -> Manipulator:

@@ -130,7 +130,7 @@ class RemoteStore:
         return nullcontext()
 
     def _open_system(self) -> tuple[Any, str]:
-        """The file system of fsspec and the path of the address in it."""
+        """Return the file system of fsspec and the path of the address in it."""
         process, system, root = self._system
         if process == os.getpid():
             system.invalidate_cache()  # What it remembers of folders may have changed since.
@@ -148,13 +148,9 @@ class RemoteStore:
                 raise self._lacks(getattr(error.__cause__ or error, "name", None) or self._scheme) from error
         root = root.rstrip("/")
         if not root or has_magic(root):
-            raise OutputError(
-                Problem(
-                    message=f"nothing can be written to {shown(str(self), 200)}",
-                    found=str(self),
-                    accepted="an address with a name behind it and none of * ? [ in it, such as s3://bucket/prefix",
-                )
-            )
+            accepted = "an address with a name behind it and none of * ? [ in it, such as s3://bucket/prefix"
+            message = f"nothing can be written to {shown(str(self), 200)}"
+            raise OutputError(Problem(message=message, found=str(self), accepted=accepted))
         if limits:
             system.retries = 1  # Each request has its own tries.
         self._system = os.getpid(), system, root

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
         Provided as Provided,
         load as load,
     )
-    from dh2urdf.plugin_system.options import describe_options as describe_options
+    from dh2urdf.plugin_system.option_types import describe_options as describe_options
     from dh2urdf.plugin_system.task_window import handed_over as handed_over
 else:
     __all__, __getattr__, __dir__ = late_names(
@@ -22,7 +22,7 @@ else:
         {
             "attribution": "MARK unmarked",
             "catalog": "Catalog KINDS Provided RECORDS load",
-            "options": "describe_options",
+            "option_types": "describe_options",
             "task_window": "handed_over",
         },
     )

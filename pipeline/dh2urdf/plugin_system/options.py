@@ -6,13 +6,12 @@ A run file gives nodes, the command line gives words; both come through `make_op
 from __future__ import annotations
 
 import re
+from contextlib import suppress
 from typing import TYPE_CHECKING, TypeVar
 
 from dh2urdf.documents.document import Node, expect_mapping, load_yaml
 from dh2urdf.errors import BrokenPluginError, InputError
 from dh2urdf.plugin_system.discovery import UNKNOWN, reason_of, traceback_of
-from dh2urdf.plugin_system.option_types import describe_options
-from dh2urdf.plugin_system.validator import record_of
 from dh2urdf.source import Mark
 
 if TYPE_CHECKING:
@@ -20,8 +19,6 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from dh2urdf.plugin_system.discovery import Plugin
-
-__all__ = ["COMMAND_LINE", "describe_options", "make_options", "word_node"]
 
 O = TypeVar("O")  # noqa: E741 - the options type of a stage
 COMMAND_LINE = Mark(file="command line")
@@ -54,6 +51,11 @@ def make_options(
         BrokenPluginError: the stage's options type itself does not work.
     """
     try:
+        if not given:
+            with suppress(TypeError):  # An option has to be given.
+                return options_type()
+        from dh2urdf.plugin_system.validator import record_of  # which takes as long as the conversion of a table
+
         if not isinstance(given, Node):
             place = mark or COMMAND_LINE
             words = {name: word_node(word, place.file) for name, word in (given or {}).items()}

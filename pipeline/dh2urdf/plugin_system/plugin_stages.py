@@ -111,7 +111,8 @@ class PluginStages:
         else:
             given = [plugin.module] if only or isinstance(plugin.module, _GIVEN[kind]) else []
         for record in given:
-            check_record(kind, record, source)
+            if not plugin.is_builtin:  # The tests check the others.
+                check_record(kind, record, source)
             if only in (None, record.name):
                 yield record
         names = [record.name for record in given]

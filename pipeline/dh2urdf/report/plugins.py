@@ -8,7 +8,7 @@ from dh2urdf._version import __version__
 from dh2urdf.errors import BrokenPluginError, IncompatiblePluginError
 from dh2urdf.hookspecs import INTERFACE_VERSION
 from dh2urdf.plugin_system.catalog import KINDS
-from dh2urdf.plugin_system.options import describe_options
+from dh2urdf.plugin_system.option_types import describe_options
 from dh2urdf.stage_calls.calls import Call, depending_on
 
 if TYPE_CHECKING:

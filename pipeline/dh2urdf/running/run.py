@@ -137,7 +137,8 @@ def execute(
     store, reports = plan.store, plan.report_store
     with (
         reporting_the_disk(str(store)),
-        _locked(store, reports),
+        store.lock(),
+        nullcontext() if reports is store else reports.lock(),
         _earlier(reports, resume=resume) as earlier,
         reports.scratch() as folder,
     ):
@@ -175,15 +176,8 @@ def execute(
 
 
 @contextmanager
-def _locked(store: Store, reports: Store) -> Iterator[None]:
-    """Both places of a run, or the one that is both."""
-    with store.lock(), nullcontext() if reports is store else reports.lock():
-        yield
-
-
-@contextmanager
 def _earlier(store: Store, *, resume: bool) -> Iterator[Earlier | None]:
-    """What earlier runs have done, where the run goes on from there; otherwise that is forgotten."""
+    """Yield what earlier runs have done, where the run goes on from there; otherwise that is forgotten."""
     if resume:
         with earlier_rows(store) as earlier:
             yield earlier

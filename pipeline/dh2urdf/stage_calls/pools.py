@@ -23,26 +23,21 @@ def results_of(
     tasks: Iterable[Any],
     options: Any,  # noqa: ANN401 - the options of any executor
 ) -> Iterator[Any]:
-    """Results of a function over tasks, in the order of the tasks, as `Executor.map` has them."""
+    """Return results of a function over tasks, in the order of the tasks, as `Executor.map` has them."""
     if executor.map is not None:
         return executor.map(function, tasks, options)
-    if executor.pool is None:
+    make = executor.pool
+    if make is None:
         raise TypeError(f"the executor {executor.name!r} has neither map nor pool")
-    return _from_a_pool(executor, function, tasks, options)
 
+    def from_a_pool() -> Iterator[Any]:
+        workers = getattr(options, "workers", None)
+        workers = workers if isinstance(workers, int) and workers > 0 else os.cpu_count() or 1
+        with _Pool(lambda: make(options), function) as pool:
+            for promise in handed_over(tasks, pool.submit, lambda: AHEAD * workers):
+                yield pool.result(*promise)
 
-def _from_a_pool(
-    executor: Executor[Any],
-    function: Callable[[Any], Any],
-    tasks: Iterable[Any],
-    options: Any,  # noqa: ANN401
-) -> Iterator[Any]:
-    """Results of tasks that are submitted to a pool, a few ahead."""
-    workers = getattr(options, "workers", None)
-    workers = workers if isinstance(workers, int) and workers > 0 else os.cpu_count() or 1
-    with _Pool(lambda: executor.pool(options), function) as pool:  # type: ignore[misc]  # it is not None
-        for promise in handed_over(tasks, pool.submit, lambda: AHEAD * workers):
-            yield pool.result(*promise)
+    return from_a_pool()
 
 
 class _Pool:
@@ -51,19 +46,18 @@ class _Pool:
     def __init__(self, make: Callable[[], AbstractContextManager[Any]], function: Callable[[Any], Any]) -> None:
         self._make, self._function = make, function
         self._stack = ExitStack()
-        self._pool: Any = None
         self._under_way: set[Any] = set()
+        self._enter()
 
-    def __enter__(self) -> Self:
-        self._pool = self._entered()
-        return self
-
-    def _entered(self) -> Any:  # noqa: ANN401 - whatever has the interface
-        made = self._make()
+    def _enter(self) -> None:
+        made: Any = self._make()
         if not (hasattr(made, "__enter__") and hasattr(made, "submit")):
             given = None if made is None else type(made).__name__
             raise TypeError(f"it gave {given}, not a pool: a context manager with `submit`")
-        return self._stack.enter_context(made)
+        self._pool = self._stack.enter_context(made)
+
+    def __enter__(self) -> Self:
+        return self
 
     def __exit__(self, *_: object) -> None:
         for future in self._under_way:  # What has not begun need not be done for nobody.
@@ -71,7 +65,7 @@ class _Pool:
         self._stack.close()
 
     def submit(self, task: Any) -> tuple[Any, Any, Any]:  # noqa: ANN401 - a task is the caller's
-        """The pool that a task is submitted to, the task, and its future; None where the pool is broken."""
+        """Return the pool that a task is submitted to, the task, and its future; None where the pool is broken."""
         from concurrent.futures import BrokenExecutor
 
         with suppress(BrokenExecutor):
@@ -81,7 +75,7 @@ class _Pool:
         return self._pool, task, None
 
     def result(self, pool: Any, task: Any, future: Any) -> Any:  # noqa: ANN401 - the result of the caller's function
-        """The result of a task; Lost for one that ends the worker which it has for itself."""
+        """Return the result of a task; Lost for one that ends the worker which it has for itself."""
         from concurrent.futures import BrokenExecutor
 
         self._under_way.discard(future)
@@ -91,7 +85,7 @@ class _Pool:
         if pool is self._pool:
             self._stack.close()
             self._under_way.clear()
-            self._pool = self._entered()
+            self._enter()
         # Alone in a pool, it is known whether it was this task.
         with self._make() as alone:
             try:

@@ -16,11 +16,11 @@ import dh2urdf
 from dh2urdf.cells.cell import ArmCall, Cell, CellCall, compose, expected_poses_of, with_tables
 from dh2urdf.cells.wanted_tables import WantedTables
 from dh2urdf.conversion.one_manipulator import Call
-from dh2urdf.conversion.robots import make_cell
+from dh2urdf.conversion.robots import make_item
 from dh2urdf.errors import RobotError
 from dh2urdf.kinematics.chain import as_matrices
-from dh2urdf.kinematics.expected_poses import proof_vectors
 from dh2urdf.kinematics.proof import prove
+from dh2urdf.kinematics.proof_vectors import proof_vectors
 from dh2urdf.manipulator import Convention, DHRow, JointType, Limits, Manipulator
 from dh2urdf.robot import Joint, Link, Origin, Robot
 from dh2urdf.robot_check import check_robot
@@ -239,7 +239,7 @@ class TestExpectedPoses:
 
     def test_a_joint_vector_has_the_moving_joints_of_the_robot_in_order(self) -> None:
         """So a simulator's joints can be set one by one; a tip names those on its way."""
-        robot, stated = make_cell(ON_TRACK, swap())
+        robot, stated = make_item(ON_TRACK, swap())
         assert stated.joints == tuple(joint.name for joint in robot.moving_joints)
         assert stated.tips[2].joints == ("track_slide", "left_pan", "left_lift", "hand_pan", "hand_lift", "hand_reach")
 
@@ -257,7 +257,7 @@ class TestProof:
     @pytest.mark.parametrize("link", ["base_link", "base_link_inertia", "one", "two", "three", "flange", "tool0"])
     def test_it_holds_whatever_link_holds_the_arm(self, frames: str, link: str) -> None:
         """The written file puts every tool0 where the tables have it."""
-        made, stated = make_cell(cell(call("a", "arm"), call("b", "track", parent="a", link=link)), swap(frames))
+        made, stated = make_item(cell(call("a", "arm"), call("b", "track", parent="a", link=link)), swap(frames))
         (file,) = URDF.emit(made, "cell", URDF.options())
         proof = prove(stated, parse_urdf(file.content, "cell"), proof_vectors(stated, made, 8))
         assert proof.holds
@@ -267,12 +267,12 @@ class TestProof:
     @pytest.mark.parametrize("frames", ["aligned", "dh"])
     def test_an_arm_on_a_fixed_row(self, frames: str) -> None:
         """A link that a fixed row holds moves as the one before."""
-        made, stated = make_cell(cell(call("a", "track"), call("b", "arm", parent="a", link="plate")), swap(frames))
+        made, stated = make_item(cell(call("a", "track"), call("b", "arm", parent="a", link="plate")), swap(frames))
         assert prove(stated, made, proof_vectors(stated, made, 8)).position_error < 1e-14
 
     def test_a_wrong_placement_is_found_in_the_arm_that_it_moves(self) -> None:
         """The tip of the largest error is named, and the error of every other one said."""
-        made, stated = make_cell(ON_TRACK, swap())
+        made, stated = make_item(ON_TRACK, swap())
         moved = tuple(
             replace(joint, origin=Origin(xyz=(-1.0, 0.0, 1e-6))) if joint.name == "right_base_joint" else joint
             for joint in made.joints
@@ -286,7 +286,7 @@ class TestProof:
     def test_pinocchio_has_every_tool_where_the_tables_have_it(self, tmp_path: Path) -> None:
         """A reader that shares no code with the project, on the file as it is written."""
         pin = pytest.importorskip("pinocchio")
-        made, stated = make_cell(ON_TRACK, swap())
+        made, stated = make_item(ON_TRACK, swap())
         (file,) = URDF.emit(made, "cell", URDF.options())
         (tmp_path / file.name).write_bytes(file.content)
         model = pin.buildModelFromUrdf(str(tmp_path / file.name))
@@ -403,7 +403,7 @@ class TestXacro:
 
 def test_an_arm_may_stand_on_a_tool0() -> None:
     """Both frames weigh nothing, but the one below holds the base's body, so sdformat lumps a mass into it first."""
-    made, _ = make_cell(ON_TRACK, swap())
+    made, _ = make_item(ON_TRACK, swap())
     assert [notice for notice in made.notices if notice.severity == "error"] == []
 
 
@@ -493,7 +493,7 @@ def test_pybullet_finds_an_arm_that_stands_elsewhere(tmp_path: Path) -> None:
     from dh2urdf_plugins.loaders.simulators import LOADERS
 
     pybullet = next(each for each in LOADERS if each.name == "pybullet")
-    made, stated = make_cell(ON_TRACK, swap())
+    made, stated = make_item(ON_TRACK, swap())
     (file,) = URDF.emit(made, "cell", URDF.options())
     (tmp_path / file.name).write_bytes(file.content.replace(b'xyz="-1 0 0"', b'xyz="-1.001 0 0"'))
     poses = proof_vectors(stated, made, 2)[3:]

@@ -130,32 +130,6 @@ class TestReadItems:
         rejected = Rejected(name="bad", problems=(Problem(message="no"),))
         assert self.read(lambda *_: iter([TABLE, rejected, TABLE])) == [TABLE, rejected, TABLE]
 
-    @pytest.mark.parametrize(
-        ("function", "reason"),
-        [
-            (fail, "reader 'table' failed: KeyError: 'colour'"),
-            (leave, "reader 'table' failed: SystemExit: 7"),
-            (
-                lambda *_: None,
-                "reader 'table' failed: TypeError: it gave None, not several of dh2urdf.manipulator.Manip",
-            ),
-            (
-                lambda *_: ["arm"],
-                (
-                    "reader 'table' failed: TypeError: it gave str, not dh2urdf.manipulator.Manipulator or "
-                    "dh2urdf.stages.Rejected"
-                ),
-            ),
-        ],
-        ids=["raises", "leaves", "gives nothing", "gives something else"],
-    )
-    def test_a_reader_that_breaks_is_named(self, function: Callable[..., Any], reason: str) -> None:
-        """What a reader raises by mistake is told as the reader's failure, with its traceback for --debug."""
-        with pytest.raises(StageError) as caught:
-            self.read(function)
-        assert reason in str(caught.value)
-        assert "Traceback" in caught.value.traceback
-
 
 class TestMakeRobot:
     def test_a_good_robot_passes(self) -> None:
@@ -178,22 +152,6 @@ class TestMakeRobot:
         assert len(made.notices) > 1
         assert {problem.severity for problem in made.notices} == {"notice"}
         assert {problem.robot for problem in made.notices[1:]} == {"arm"}
-
-    @pytest.mark.parametrize(
-        ("function", "reason"),
-        [
-            (fail, "transform 'draw' failed: KeyError: 'colour'"),
-            (leave, "transform 'draw' failed: SystemExit: 7"),
-            (lambda *_: None, "transform 'draw' failed: TypeError: it gave None, not dh2urdf.robot.Robot"),
-        ],
-        ids=["raises", "leaves", "gives nothing"],
-    )
-    def test_a_transform_that_breaks_is_named(self, function: Callable[..., Any], reason: str) -> None:
-        """What a transform raises by mistake is told as the transform's failure."""
-        with pytest.raises(StageError) as caught:
-            make_robot(TABLE, transforming(function))
-        assert reason in str(caught.value)
-        assert "Traceback" in caught.value.traceback
 
     def test_a_robot_that_breaks_a_rule_is_refused(self) -> None:
         """A robot that no reader should get is an error with the manipulator and its place in the table."""
@@ -276,21 +234,6 @@ class TestWhenAnEmitterFails:
         yield tmp_path
         assert [path.name for path in tmp_path.iterdir()] == ["arm.pickle"]
         assert (tmp_path / "arm.pickle").read_bytes() == b"old"
-
-    @pytest.mark.parametrize(
-        ("emit", "reason"),
-        [
-            (fail, "emitter 'bad' failed: KeyError: 'colour'"),
-            (leave, "emitter 'bad' failed: SystemExit: 7"),
-            (lambda *_: ["arm.txt"], "emitter 'bad' failed: TypeError: it gave str, not dh2urdf.stages.EmittedFile"),
-        ],
-        ids=["raises", "leaves", "gives something else"],
-    )
-    def test_by_mistake(self, out: Path, emit: Callable[..., Any], reason: str) -> None:
-        """An emitter that breaks is named; no file of the others is put in place either."""
-        with pytest.raises(StageError) as caught:
-            write(emitting(), emitting("bad", emit), to=out)
-        assert reason in str(caught.value)
 
     def test_without_a_file(self, out: Path) -> None:
         """An emitter that gives no file is a failure, not a success of nothing."""

@@ -95,25 +95,6 @@ def test_a_row_has_all_that_is_known_of_a_manipulator() -> None:
     assert row["errors"] == []
 
 
-def test_an_error_has_its_place_and_its_words() -> None:
-    """File, line, column, joint, field, found, accepted and message; a suggestion is part of the message."""
-    row = BAD.row("00ff", [])
-    assert row["errors"] == [
-        {
-            "file": "arm.csv",
-            "line": 3,
-            "column": 5,
-            "place": None,
-            "joint": "elbow",
-            "field": "alpha",
-            "found": "x",
-            "accepted": "a number",
-            "message": "'x' is no number; did you mean '0'?",
-        }
-    ]
-    assert (row["status"], row["kind"], row["files"], row["proof"], row["loaders"]) == ("failed", "table", [], {}, {})
-
-
 def test_a_cell_has_the_error_of_every_tool0() -> None:
     """One arm has one tool0, and its row does not repeat it; a cell has as many as arms."""
     assert "tips" not in ARM.row("", [])["proof"]["urdf"]

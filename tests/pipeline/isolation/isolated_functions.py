@@ -85,10 +85,6 @@ def hang_in_grandchild(pids: str) -> None:
     run_in_child(hang, pids, timeout=600)
 
 
-def read_standard_input() -> str:
-    return sys.stdin.read()
-
-
 def raise_value_error() -> NoReturn:
     raise ValueError("not this value")
 
@@ -165,26 +161,6 @@ def refuse(problem: Problem) -> NoReturn:
     raise error
 
 
-class TooHeavyError(LoaderError):
-    def __init__(self, mass: float) -> None:
-        super().__init__(f"too heavy: {mass} kg")
-
-
-def refuse_in_own_words() -> NoReturn:
-    raise TooHeavyError(12.0)
-
-
-def return_unpicklable() -> Any:
-    return lambda: None
-
-
-def crash_at_the_end() -> str:
-    import atexit
-
-    atexit.register(kill_myself, signal.SIGSEGV)
-    return "measured before"
-
-
 def double_from_a_worker(number: float) -> float:
     """What a worker of a process pool does: it starts a child itself."""
     return run_in_child(double, number, timeout=60).value
@@ -249,15 +225,6 @@ def prepare(_options: NoOptions) -> None:
 def prepare_otherwise(_options: NoOptions) -> None:
     PREPARED.append(os.getpid())
     print("another toy is starting")
-
-
-def prepare_badly(_options: NoOptions) -> None:
-    raise LoaderError("no licence")
-
-
-def prepare_and_crash(_options: NoOptions) -> None:
-    print("starting")
-    os.kill(os.getpid(), signal.SIGABRT)
 
 
 def kept_load(request: LoadRequest, _options: NoOptions) -> LoadReport:  # noqa: C901, PLR0912 - one case for each file

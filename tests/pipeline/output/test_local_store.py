@@ -74,23 +74,6 @@ class TestWriting:
         store.write("a", b"new")
         assert files(tmp_path) == {"precious": b"precious", "out/a": b"new", "out/other": b""}
 
-    def test_a_folder_in_the_way(self, store: LocalStore, tmp_path: Path) -> None:
-        """A folder with the name of a file is an error of one line that names it, and nothing is left."""
-        store.write("a/b", b"")
-        with pytest.raises(OutputError) as caught:
-            store.write("a", b"new")
-        assert caught.value.problems[0].message == f"cannot write '{tmp_path}/out/a': {os.strerror(errno.EISDIR)}"
-        assert files(tmp_path / "out") == {"a/b": b""}
-
-    def test_a_file_in_the_way(self, store: LocalStore, tmp_path: Path) -> None:
-        """A file where the folder of another should be is an error of one line, above the store or in it."""
-        store.write("a", b"")
-        with pytest.raises(OutputError, match=r"cannot write to the folder '.*/out/a': it is a file, not a folder"):
-            store.write("a/b", b"new")
-        with pytest.raises(OutputError, match=r"cannot write to the folder '.*/out/a': it is a file, not a folder"):
-            LocalStore(tmp_path / "out" / "a").write("b", b"new")
-        assert files(tmp_path / "out") == {"a": b""}
-
     def test_a_folder_that_was_removed_is_made_again(self, store: LocalStore, tmp_path: Path) -> None:
         """Who tidies up beneath a run does not end it."""
         store.write("a/b", b"1")

@@ -1,10 +1,8 @@
 from __future__ import annotations
 
-import errno
 import io
 import os
 import subprocess
-import sys
 import tarfile
 from contextlib import suppress
 from pathlib import Path
@@ -161,28 +159,6 @@ class TestWhole:
         with store.lock():
             assert {name for name in store.names() if not name.endswith("/lock")} == {"000001.tar"}
         assert store.read("000001.tar") == older
-
-    def test_a_full_disk(self, tmp_path: Path) -> None:
-        """Where the disk is full, one line names the shard, and nothing of it is left."""
-        code = """
-import resource, sys
-from dh2urdf.errors import OutputError
-from dh2urdf.output.shards import ShardWriter
-from dh2urdf.output.store import open_store
-resource.setrlimit(resource.RLIMIT_FSIZE, (int(sys.argv[2]), int(sys.argv[2])))
-try:
-    with ShardWriter(open_store(sys.argv[1]), "000001.tar") as shard:
-        for number in range(100):
-            shard.add(f"arm_{number}.urdf", bytes(7000))
-except OutputError as error:
-    print(error)
-"""
-        for limit in (0, 300_000, 718_000):  # at once, on the way, and with the end
-            words = [sys.executable, "-c", code, str(tmp_path / "out"), str(limit)]
-            found = subprocess.run(words, capture_output=True, text=True, check=True, timeout=60)
-            assert found.stdout == f"error: cannot write '{tmp_path}/out/000001.tar': {os.strerror(errno.EFBIG)}\n"
-            assert found.stderr == ""
-            assert not [path for path in (tmp_path / "out").rglob("*") if path.is_file()]
 
 
 class TestDamage:

@@ -15,7 +15,6 @@ from dh2urdf.output.whole_files import (
     LONGEST_STEM,
     Stems,
     put_in_place,
-    reporting_os_errors,
     safe_stem,
     staging,
     write_all,
@@ -210,17 +209,6 @@ class TestPutInPlace:
         assert target.read_text() == "precious"
         assert not (out / "a.urdf").is_symlink()
 
-    def test_a_folder_in_the_way(self, tmp_path: Path) -> None:
-        """A folder with the name of a file is an error of one line that names it."""
-        (tmp_path / "b.urdf").mkdir()
-        with pytest.raises(OutputError) as caught:
-            write_whole(tmp_path / "b.urdf", b"new")
-        assert str(caught.value).splitlines() == [
-            f"error: cannot write '{tmp_path / 'b.urdf'}': {os.strerror(errno.EISDIR)}",
-            "    a folder has this name: write to another name",
-        ]
-        assert [path.name for path in tmp_path.iterdir()] == ["b.urdf"]
-
     def test_a_folder_in_the_way_of_one_file_stops_all(self, tmp_path: Path) -> None:
         """The files of one manipulator belong together: where one cannot be put in place, no older one is replaced."""
         (tmp_path / "a.urdf").write_text("old")
@@ -331,26 +319,6 @@ class TestWriteWhole:
             write_whole(path, content)
             assert tree(tmp_path) == {"new/report.json": content}
 
-    def test_a_full_disk(self, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-        """A disk that fills up while a file is written leaves the old file, no temporary one, and one line."""
-        path = tmp_path / "report.json"
-        path.write_bytes(b"old")
-
-        def half_written(self: Path, content: bytes) -> int:
-            with self.open("wb") as file:
-                file.write(content[: len(content) // 2])
-            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
-
-        monkeypatch.setattr(Path, "write_bytes", half_written)
-        with pytest.raises(OutputError) as caught:
-            write_whole(path, b"new content")
-        assert str(caught.value).splitlines() == [
-            f"error: cannot write '{path}': {os.strerror(errno.ENOSPC)}",
-            "    make room, or write to another disk; a run goes on with `--resume`",
-        ]
-        assert tree(tmp_path) == {"report.json": b"old"}
-        assert len(list(tmp_path.iterdir())) == 1
-
 
 class TestWriteAll:
     def test_a_system_that_takes_some_at_a_time(self, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -360,36 +328,3 @@ class TestWriteAll:
         with (tmp_path / "file").open("wb", buffering=0) as file:
             write_all(file.fileno(), bytes(range(250)))
         assert (tmp_path / "file").read_bytes() == bytes(range(250))
-
-
-class TestReportingOsErrors:
-    @pytest.mark.parametrize(
-        ("number", "advice"),
-        [
-            (errno.EACCES, "write to another folder"),
-            (errno.ENOSPC, "make room, or write to another disk; a run goes on with `--resume`"),
-            (errno.EROFS, "write to another folder"),
-            (errno.ENAMETOOLONG, "write to a shorter name"),
-            (errno.EIO, None),
-        ],
-    )
-    def test_the_system_s_reason_becomes_one_line(self, number: int, advice: str | None) -> None:
-        """Whatever the system refuses is a line with the path and the reason, what to do, and the cause is kept."""
-
-        def refused() -> None:
-            with reporting_os_errors(Path("out/a.urdf")):
-                raise OSError(number, os.strerror(number))
-
-        with pytest.raises(OutputError) as caught:
-            refused()
-        (problem,) = caught.value.problems
-        assert problem.message == f"cannot write 'out/a.urdf': {os.strerror(number)}"
-        assert problem.suggestion == advice
-        assert isinstance(caught.value.__cause__, OSError)
-
-    @pytest.mark.parametrize("path", ["a\0b", "a\ud800b"])
-    def test_a_path_that_no_system_has(self, path: str) -> None:
-        """A path with a null character or a lone surrogate, as a run file may hold one, is one line as well."""
-        with pytest.raises(OutputError) as caught:
-            write_whole(Path(path) / "report.json", b"{}")
-        assert len(str(caught.value).splitlines()) == 1

@@ -1,6 +1,5 @@
 from __future__ import annotations
 
-import errno
 import math
 import operator
 import os
@@ -172,16 +171,6 @@ class TestErrors:
         """Where no worker can begin, the tasks are not to blame: the run ends."""
         with pytest.raises(ExecutorError, match="worker processes cannot begin: the worker left with exit status 5"):
             list(map_locally(functions.Deadly(), range(100), TWO))
-
-    def test_a_system_that_gives_no_process(self, monkeypatch: pytest.MonkeyPatch) -> None:
-        """A full table of processes is said in a sentence."""
-
-        def refuse(*_words: Any, **_more: Any) -> None:
-            raise BlockingIOError(errno.EAGAIN, "Resource temporarily unavailable")
-
-        monkeypatch.setattr(subprocess, "Popen", refuse)
-        with pytest.raises(ExecutorError, match=r"cannot be started: Resource temporarily unavailable\n.*--workers 1"):
-            list(map_locally(operator.neg, range(5), TWO))
 
 
 class TestDeaths:

@@ -21,8 +21,7 @@ from measuring import in_turn, machine, seconds, table
 
 from dh2urdf.conversion.robots import make_robot
 from dh2urdf.isolation.loads import KeptChildren, load_in_child
-from dh2urdf.kinematics.expected_poses import ExpectedPoses
-from dh2urdf.kinematics.proof_vectors import joint_vectors
+from dh2urdf.kinematics.expected_poses import ExpectedPoses, joint_vectors
 from dh2urdf.manipulator import Manipulator
 from dh2urdf.plugin_system.catalog import load
 from dh2urdf.stage_calls.calls import Call

@@ -28,9 +28,8 @@ from dh2urdf.errors import (
     TableError,
 )
 from dh2urdf.kinematics.chain import forward_kinematics, link_poses
-from dh2urdf.kinematics.expected_poses import ExpectedPoses
+from dh2urdf.kinematics.expected_poses import ExpectedPoses, proof_vectors
 from dh2urdf.kinematics.proof import prove
-from dh2urdf.kinematics.proof_vectors import proof_vectors
 from dh2urdf.plugin_system.catalog import load
 from dh2urdf.quantities.quantity import Dimension, QuantityError, evaluate, find_unit
 from dh2urdf.robot_check import check_robot

@@ -391,7 +391,7 @@ BUDGETS = {
     "pipeline/dh2urdf/conversion": 1370,
     "pipeline/dh2urdf/documents": 1020,
     "pipeline/dh2urdf/isolation": 1240,
-    "pipeline/dh2urdf/kinematics": 3244,
+    "pipeline/dh2urdf/kinematics": 3190,
     "pipeline/dh2urdf/measuring": 360,
     "pipeline/dh2urdf/meshes": 1170,
     "pipeline/dh2urdf/output": 1650,

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from dh2urdf.kinematics import chain
-from dh2urdf.kinematics.proof_vectors import LARGEST_SAMPLE
+from dh2urdf.kinematics.expected_poses import LARGEST_SAMPLE
 from dh2urdf.manipulator import JointType
 from dh2urdf.quantities.quantity import evaluate
 from dh2urdf.quantities.units import UNITS, Unit

@@ -14,8 +14,8 @@ from typing import TYPE_CHECKING, Any, Literal, TypeVar, overload
 from dh2urdf.columns import ManipulatorGroups
 from dh2urdf.conversion.robots import keeps_kinematics
 from dh2urdf.errors import EmitterError, ProofError, RecordError, TableError
+from dh2urdf.kinematics.expected_poses import proof_vectors
 from dh2urdf.kinematics.proof import TOLERANCE, Proof, prove
-from dh2urdf.kinematics.proof_vectors import proof_vectors
 from dh2urdf.manipulator import Manipulator
 from dh2urdf.meshes.files import RELATIVE, copy_path, located, mesh_files, prefix_of, read_mesh
 from dh2urdf.meshes.kinds import MeshConversion
@@ -44,8 +44,7 @@ from dh2urdf.stages import (
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
 
-    from dh2urdf.kinematics.expected_poses import ExpectedPoses
-    from dh2urdf.kinematics.proof_vectors import Poses
+    from dh2urdf.kinematics.expected_poses import ExpectedPoses, Poses
     from dh2urdf.table_text import Trace
 
 I = TypeVar("I")  # noqa: E741 - what a reader yields

@@ -13,7 +13,7 @@ from dh2urdf.documents.text_files import is_file
 from dh2urdf.errors import InputError, ManipulatorError, MissingDependencyError, MissingProgramError, OutputError
 from dh2urdf.isolation.loads import load_in_child
 from dh2urdf.kinematics.chain import KinematicChain
-from dh2urdf.kinematics.proof_vectors import joint_vectors
+from dh2urdf.kinematics.expected_poses import joint_vectors
 from dh2urdf.source import Problem, shown
 from dh2urdf.stage_calls.calls import Call, a_plain_name, a_record, blaming, depending_on
 from dh2urdf.stages import Loader, LoadReport, LoadRequest

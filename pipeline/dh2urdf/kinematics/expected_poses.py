@@ -3,14 +3,21 @@
 A robot made of one table has one tip, tool0, and its pose is the DH product. A cell of several arms has a tool0 of
 each, whose pose is a product of such products: along every arm on the way, from the world outwards, its placement and
 then its rows, up to the link that holds the next arm.
+
+The joint vectors of proofs and of simulators are the same on every machine and in every run: zero, both ends of the
+limits, and pseudo-random ones inside the limits. These are the same fractions of their limits for all arms of as many
+joints, so that arms with the same limits are proved at the same joint vectors, and many of them at once.
 """
 
 from __future__ import annotations
 
+import math
+import random
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, NamedTuple
+from functools import lru_cache
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
-from dh2urdf.elementwise import total
+from dh2urdf.elementwise import greater_of, smaller_of, total
 from dh2urdf.kinematics.chain import compile_table, reach
 from dh2urdf.kinematics.walk import CompiledChain, values_of
 from dh2urdf.manipulator import ROOT, TOOL, JointType, Manipulator
@@ -18,7 +25,19 @@ from dh2urdf.rotations import IDENTITY, RigidTransform, norm
 from dh2urdf.source import Mark
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
+
+    from dh2urdf.kinematics.walk import Numbers
+    from dh2urdf.robot import Joint, Robot
+
+Poses: TypeAlias = tuple[tuple[float, ...], ...]
+Array: TypeAlias = Any
+"""An array of numpy, which is imported where one is made."""
+Pick: TypeAlias = "Callable[[Numbers], Numbers]"
+"""Gives the numbers of some arms of those of all."""
+
+LARGEST_SAMPLE = 1e3
+"""Joint values beyond this are not sampled [rad or m]: an arm is proved where it can be, not at limits of 1e300."""
 
 
 class Stretch(NamedTuple):
@@ -105,3 +124,68 @@ class ExpectedPoses:
         joints = tuple(row.joint for row in manipulator.moving_rows)
         tip = Tip(link=TOOL, way=(Stretch(manipulator, joints),), columns=tuple(range(len(joints))))
         return cls(name=manipulator.name, tips=(tip,), joints=joints, mark=manipulator.mark)
+
+
+# --- Joint vectors
+
+
+@lru_cache(maxsize=32)
+def fractions(joints: int, count: int) -> Poses:
+    """The random joint vectors, as fractions of the joints' ranges; the first of many are those of few."""
+    draw = random.Random(f"dh2urdf {joints}")  # noqa: S311 - reproducible on purpose
+    return tuple(tuple(draw.random() for _ in range(joints)) for _ in range(count))
+
+
+def joint_vectors(expected: ExpectedPoses, robot: Robot, count: int) -> Poses:
+    """Joint vectors inside the limits: the one nearest to zero, then random ones [rad or m].
+
+    Args:
+        expected: what the tables say; a vector has a value for each of its joints, in order.
+        robot: the robot made of them, whose joints have the limits that the tables left open.
+        count: how many.
+    """
+    ranges = joint_ranges(expected, robot)
+    nearest_to_zero = tuple(min(max(0.0, lower), upper) for lower, upper in ranges)
+    others = (
+        tuple(lower + u * (upper - lower) for u, (lower, upper) in zip(row, ranges, strict=True))
+        for row in fractions(len(ranges), max(0, count - 1))
+    )
+    return (nearest_to_zero, *others) if count > 0 else ()
+
+
+def proof_vectors(expected: ExpectedPoses, robot: Robot, count: int) -> Poses:
+    """The joint vectors of a proof: all zero (inside the limits or not), both ends, and `count` inside the limits."""
+    ranges = joint_ranges(expected, robot)
+    ends = [tuple(0.0 for _ in ranges), tuple(low for low, _ in ranges), tuple(high for _, high in ranges)]
+    return (*ends, *joint_vectors(expected, robot, count))
+
+
+def joint_columns(table: Manipulator, robot: Robot, pick: Pick, count: int) -> list[Array]:
+    """For each moving joint its values [rad or m], of shape (P, N), or (P, 1) where all arms have the same limits."""
+    import numpy as np
+
+    joints = {joint.name: joint for joint in robot.joints}
+    names = [row.joint for row in table.moving_rows]
+    inside = np.array(fractions(len(names), max(0, count - 1))).reshape(max(0, count - 1), len(names), 1)
+    values = []
+    for index, name in enumerate(names):
+        lower, upper = _range(joints.get(name), pick)
+        nearest_to_zero = np.minimum(np.maximum(0.0, lower), upper)
+        ends = np.stack(np.broadcast_arrays(0.0, lower, upper, nearest_to_zero)).reshape(4, -1)
+        values.append(np.concatenate((ends, lower + inside[:, index] * (upper - lower)))[: 3 + count])
+    return values
+
+
+def joint_ranges(expected: ExpectedPoses, robot: Robot) -> list[tuple[float, float]]:
+    """The ends of every joint's limits, as far as they are sampled [rad or m]; a full turn where there are none."""
+    joints = {joint.name: joint for joint in robot.joints}
+    return [_range(joints.get(name)) for name in expected.joints]
+
+
+def _range(joint: Joint | None, pick: Pick = lambda numbers: numbers) -> tuple[Numbers, Numbers]:
+    """The joint values that are sampled [rad or m]; takes columns."""
+    lower = pick(joint.limits.lower) if joint else None
+    upper = pick(joint.limits.upper) if joint else None
+    if lower is None or upper is None:
+        return -math.pi, math.pi
+    return greater_of(lower, -LARGEST_SAMPLE), smaller_of(upper, LARGEST_SAMPLE)

@@ -21,8 +21,7 @@ from dh2urdf.elementwise import is_column
 from dh2urdf.errors import ProofError, RecordError
 from dh2urdf.fields import many_unchecked, replace_unchecked
 from dh2urdf.kinematics.chain import compile_joints, joints_between, reach
-from dh2urdf.kinematics.expected_poses import ExpectedPoses
-from dh2urdf.kinematics.proof_vectors import joint_columns
+from dh2urdf.kinematics.expected_poses import ExpectedPoses, joint_columns
 from dh2urdf.kinematics.walk import STACKS, CompiledChain, Frame, values_of
 from dh2urdf.manipulator import TOOL, JointType
 from dh2urdf.source import Problem, listed
@@ -31,8 +30,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
 
     from dh2urdf.columns import ManipulatorColumns, RobotColumns
-    from dh2urdf.kinematics.expected_poses import Tip
-    from dh2urdf.kinematics.proof_vectors import Array, Pick
+    from dh2urdf.kinematics.expected_poses import Array, Pick, Tip
     from dh2urdf.kinematics.walk import Numbers
     from dh2urdf.manipulator import DHRow, Manipulator
     from dh2urdf.robot import Joint, Robot

@@ -7,8 +7,7 @@ neither costs anything or rounds anything when the chain is walked.
 A walk carries the three axes of a frame and its origin. Every step turns two of the axes or moves the origin, by the
 sums of a kind of vectors. `TRIPLES` are tuples of three floats, or of three arrays of one shape, and need no numpy.
 `STACKS` are arrays of shape (3, P, N) for P joint vectors of N arms, with a dimension of 1 where all are alike. All
-sums are elementwise, so that an arm's figures do not depend on the arms beside it, and those of a joint not on the
-joints beside it: in arrays, the cosines, sines and matrices of many joints are worked out together where each is short.
+sums are elementwise, so that an arm's figures do not depend on the arms beside it.
 """
 
 from __future__ import annotations
@@ -238,8 +237,7 @@ class CompiledChain:
         axes, origin = list(vectors.axes()), vectors.origin()
         moved, turned, mixed = vectors.moved, vectors.turned, vectors.mixed
         stops: list[Frame] = []
-        ready = _short_ones(self.steps, values) if vectors is STACKS else {}
-        for index, (kind, axis, joint, numbers) in enumerate(self.steps):
+        for kind, axis, joint, numbers in self.steps:
             if kind == _MOVE:
                 length, factor = numbers
                 if joint is not None:
@@ -249,7 +247,7 @@ class CompiledChain:
                 cosine, sine, sign = numbers
                 if joint is not None:
                     _, c, s = values[joint]
-                    cosine, sine = ready[index] if index in ready else _together(cosine, sine, sign, c, s)
+                    cosine, sine = _together(cosine, sine, sign, c, s)
                 after, last = (axis + 1) % 3, axis - 1
                 axes[after], axes[last] = turned(cosine, sine, axes[after], axes[last])
             elif kind == _STOP:
@@ -259,7 +257,7 @@ class CompiledChain:
                 if joint is not None:
                     _, c, s = values[joint]
                     x, y, z = matrix
-                    matrix = ready[index] if index in ready else _about(x, y, z, c, s)
+                    matrix = _about(x, y, z, c, s)
                 axes = mixed(matrix, _renamed(axes, names, vectors))
         return stops
 
@@ -299,46 +297,6 @@ def _is(number: Numbers, value: float) -> bool:
 
 
 # --- The numbers of steps at joint values -----------------------------------------------------------------------------
-
-_SHORT = 4096
-"""Numbers of arrays that are worked out in one call: beyond, the call of numpy is a small part of its time."""
-
-
-def _short_ones(steps: Sequence[Step], values: Sequence[JointValue]) -> dict[int, Any]:
-    """What steps that belong to joints do at values that are arrays of shape (P, N) or (P, 1), where these are short.
-
-    Returns:
-        By the number of the step cosine and sine of a turn, or the matrix of a screw, as one array.
-    """
-    import numpy as np
-
-    entries: dict[Callable[..., tuple[Numbers, ...]], dict[int, tuple[Numbers, ...]]] = {_together: {}, _about: {}}
-    for index, (kind, _, joint, numbers) in enumerate(steps):
-        if joint is None:
-            continue
-        if kind == _TURN and numbers[0] is not None:
-            entries[_together][index] = (*numbers, *values[joint][1:])
-        elif kind == _SCREW:
-            entries[_about][index] = (*numbers[0], *values[joint][1:])
-    ready: dict[int, Any] = {}
-    for function, of_steps in entries.items():
-        places = list(of_steps)
-        count = _SHORT // np.broadcast(*of_steps[places[0]]).size if places else 0
-        for first in range(0, len(places), count) if count > 1 else ():
-            some = places[first : first + count]
-            stacks = map(_stacked, zip(*[of_steps[place] for place in some], strict=True))
-            ready.update(zip(some, np.stack(np.broadcast_arrays(*function(*stacks)), axis=1), strict=True))
-    return ready
-
-
-def _stacked(numbers: Sequence[Numbers]) -> Numbers:
-    """Floats, or arrays of shape (N,), (P, N), (P, 1), as one array of a dimension more."""
-    import numpy as np
-
-    if len({getattr(each, "shape", ()) for each in numbers}) > 1:
-        numbers = np.broadcast_arrays(*numbers)
-    stacked = np.array(numbers)
-    return stacked.reshape(len(stacked), -1, stacked.shape[-1] if stacked.ndim > 1 else 1)
 
 
 def _together(cosine: Numbers, sine: Numbers, sign: float, c: Numbers, s: Numbers) -> tuple[Numbers, Numbers]:

@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Any
 from xml.etree import ElementTree as ET
 
 from dh2urdf.kinematics.chain import as_matrices
-from dh2urdf.kinematics.proof_vectors import joint_ranges
+from dh2urdf.kinematics.expected_poses import joint_ranges
 from dh2urdf.report.skeletons import arm_skeleton
 from dh2urdf.rotations import add, rotate
 

@@ -15,8 +15,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 from dh2urdf.errors import CrashError, LoaderError, PluginError
 from dh2urdf.isolation.loads import KeptChildren, load_in_child
-from dh2urdf.kinematics.expected_poses import ExpectedPoses
-from dh2urdf.kinematics.proof_vectors import joint_vectors
+from dh2urdf.kinematics.expected_poses import ExpectedPoses, joint_vectors
 from dh2urdf.measuring import load_function
 from dh2urdf.plugin_system.catalog import load
 from dh2urdf.source import Problem

@@ -10,8 +10,7 @@ from dh2urdf.conversion.one_manipulator import read_items
 from dh2urdf.errors import ConfigError, Dh2UrdfError
 from dh2urdf.kinematics.chain import KinematicChain, angle_error, forward_kinematics, link_poses, position_error
 from dh2urdf.kinematics.comparison import DECIMALS, POSES, TOLERANCE, Agreement, compare
-from dh2urdf.kinematics.expected_poses import ExpectedPoses
-from dh2urdf.kinematics.proof_vectors import proof_vectors
+from dh2urdf.kinematics.expected_poses import ExpectedPoses, proof_vectors
 from dh2urdf.kinematics.screws import axis_error, screws_of_chain, screws_of_table
 from dh2urdf.manipulator import Convention, JointType, Manipulator
 from dh2urdf.quantities.units import UNITS

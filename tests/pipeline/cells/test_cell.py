@@ -19,8 +19,8 @@ from dh2urdf.conversion.one_manipulator import Call
 from dh2urdf.conversion.robots import make_item
 from dh2urdf.errors import RobotError
 from dh2urdf.kinematics.chain import as_matrices
+from dh2urdf.kinematics.expected_poses import proof_vectors
 from dh2urdf.kinematics.proof import prove
-from dh2urdf.kinematics.proof_vectors import proof_vectors
 from dh2urdf.manipulator import Convention, DHRow, JointType, Limits, Manipulator
 from dh2urdf.robot import Joint, Link, Origin, Robot
 from dh2urdf.robot_check import check_robot

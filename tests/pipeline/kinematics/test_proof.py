@@ -8,9 +8,8 @@ from dataclasses import replace
 import pytest
 
 from dh2urdf.errors import ProofError
-from dh2urdf.kinematics.expected_poses import ExpectedPoses
+from dh2urdf.kinematics.expected_poses import ExpectedPoses, fractions, joint_vectors, proof_vectors
 from dh2urdf.kinematics.proof import TOLERANCE, Proof, prove
-from dh2urdf.kinematics.proof_vectors import fractions, joint_vectors, proof_vectors
 from dh2urdf.manipulator import Convention, DHRow, JointType, Limits, Manipulator
 from dh2urdf.robot import Joint, Link, Origin, Robot
 
@@ -89,7 +88,7 @@ class TestJointVectors:
         """The vectors of a manipulator do not depend on the process, its hash seed, or the vectors asked for."""
         assert joint_vectors(TRUTH, written(), 5) == joint_vectors(TRUTH, written(), 50)[:5]
         code = (
-            "from dh2urdf.manipulator import *; from dh2urdf.robot import *; from dh2urdf.kinematics.proof_vectors import *; from dh2urdf.kinematics.expected_poses import *\n"
+            "from dh2urdf.manipulator import *; from dh2urdf.robot import *; from dh2urdf.kinematics.expected_poses import *; from dh2urdf.kinematics.expected_poses import *\n"
             "row = DHRow(joint='j', link='l', a=0.0, alpha=0.0, d=0.0)\n"
             "table = Manipulator(name='arm', convention=Convention.STANDARD, rows=(row,))\n"
             "print(joint_vectors(ExpectedPoses.of(table), Robot(name='arm', links=(), joints=()), 3))"

@@ -17,9 +17,8 @@ from dh2urdf.conversion.robots import make_robot
 from dh2urdf.elementwise import is_column
 from dh2urdf.errors import ProofError
 from dh2urdf.kinematics import KinematicChain, angle_error, position_error
-from dh2urdf.kinematics.expected_poses import ExpectedPoses
+from dh2urdf.kinematics.expected_poses import ExpectedPoses, proof_vectors
 from dh2urdf.kinematics.proof import TOGETHER, TOLERANCE, Proof, prove, prove_columns
-from dh2urdf.kinematics.proof_vectors import proof_vectors
 from dh2urdf.manipulator import Convention, DHRow, JointType, Limits, Manipulator
 from dh2urdf.plugin_system import load
 from dh2urdf.plugin_system.options import make_options

@@ -10,9 +10,8 @@ import pytest
 import dh2urdf_plugins
 from dh2urdf.errors import UnknownStageError
 from dh2urdf.kinematics import forward_kinematics
-from dh2urdf.kinematics.expected_poses import ExpectedPoses
+from dh2urdf.kinematics.expected_poses import ExpectedPoses, proof_vectors
 from dh2urdf.kinematics.proof import prove
-from dh2urdf.kinematics.proof_vectors import proof_vectors
 from dh2urdf.manipulator import Convention, JointType
 from dh2urdf.robot_check import check_robot
 from dh2urdf.stages import Emitter, NoOptions

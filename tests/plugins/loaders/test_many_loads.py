@@ -10,8 +10,7 @@ import pytest
 from dh2urdf.errors import LoaderError, PluginError
 from dh2urdf.isolation import Child
 from dh2urdf.isolation.loads import KeptChildren, load_in_child
-from dh2urdf.kinematics.expected_poses import ExpectedPoses
-from dh2urdf.kinematics.proof_vectors import joint_vectors
+from dh2urdf.kinematics.expected_poses import ExpectedPoses, joint_vectors
 from dh2urdf.plugin_system import load
 from dh2urdf.stages import LoadRequest
 from dh2urdf.testing import plain_robot, reference_manipulators

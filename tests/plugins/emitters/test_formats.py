@@ -220,34 +220,12 @@ def test_a_shape_of_a_weightless_link_is_not_lost(arm: Robot, emitter: Emitter[A
     assert np.abs(spheres[0] - flange).max() < 1e-12
 
 
-@pytest.mark.parametrize(
-    ("link", "message"),
-    [("link_3", "needs a mass of the moving link 'link_3'"), ("base_link_inertia", "needs a body at rest")],
-)
-def test_sdf_needs_masses(arm: Robot, link: str, message: str) -> None:
-    """A moving link without mass would be lost, and a model without a body at rest has no base."""
-    links = tuple(replace(each, inertial=None) if each.name == link else each for each in arm.links)
-    with pytest.raises(EmitterError, match=message):
-        content_of(SDF, replace(arm, links=links))
-
-
 def test_a_base_of_mass_0_is_a_body_in_sdf(arm: Robot) -> None:
     """sdformat has no model without one; it stands still, and the moving links weigh what they did."""
     links = tuple(replace(each, inertial=Inertial(mass=0.0)) if each.name == BASE else each for each in arm.links)
     with_base, without = (content_of(SDF, robot) for robot in (arm, replace(arm, links=links)))
     masses = [re.findall(r"<mass>(.*?)</mass>", content.decode()) for content in (with_base, without)]
     assert masses[1] == ["1", *masses[0][1:]]
-
-
-def test_mjcf_needs_a_way_between_the_limits(arm: Robot) -> None:
-    """MuJoCo refuses equal limits; the error names the joint and what to do."""
-    joints = tuple(
-        replace(joint, limits=replace(joint.limits, lower=0.5, upper=0.5)) if joint.name == "turn" else joint
-        for joint in arm.joints
-    )
-    with pytest.raises(EmitterError, match="no way") as caught:
-        content_of(MJCF, replace(arm, joints=joints))
-    assert (caught.value.problems[0].joint, caught.value.problems[0].field) == ("turn", "limits")
 
 
 def chain_of(count: int) -> Robot:

@@ -116,12 +116,3 @@ def test_what_is_written_reads_back_as_the_same_robot(emitter: Emitter[Any], rob
             (Path(folder) / file.name).write_bytes(file.content)
         reads = emitter.can(ReadsBack)
         assert reads.read_back(Path(folder) / files[0].name) == robot
-
-
-@pytest.mark.parametrize("emitter", [URDF, XACRO], ids=lambda emitter: emitter.name)
-@given(robot=robots())
-@settings(max_examples=20, deadline=None)
-def test_the_same_robot_gives_the_same_bytes(emitter: Emitter[Any], robot: Robot) -> None:
-    """Nothing in a file depends on the run."""
-    first, second = (emitter.emit(robot, "robot", emitter.options()) for _ in range(2))
-    assert list(first) == list(second)

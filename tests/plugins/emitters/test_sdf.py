@@ -13,7 +13,6 @@ import pytest
 from lxml import etree
 from sdformat_calls import sdformat
 
-from dh2urdf.errors import EmitterError
 from dh2urdf.stages import ReadsBack
 from dh2urdf_plugins.formats.sdf import EMITTER, SdfOptions
 from dh2urdf_plugins.transforms.alpha_swap import TRANSFORM
@@ -190,16 +189,6 @@ def test_a_root_with_mass_is_a_link(arm: Robot) -> None:
     assert model.find("link").get("name") == "base_link"
     assert (model.find("joint").get("name"), model.find("joint").findtext("child")) == ("base_joint", "base_link")
     assert etree.fromstring(text_of(heavy, fixed=False).encode()).find("model/joint").findtext("parent") == "base_link"
-
-
-@pytest.mark.parametrize("name", ["world", "__arm__", "a::b"])
-def test_a_name_of_sdformats_own_is_refused(arm: Robot, name: str) -> None:
-    """The error says which name, and which are taken."""
-    joints = tuple(replace(joint, name=name) if joint.name == "turn" else joint for joint in arm.joints)
-    with pytest.raises(EmitterError) as caught:
-        text_of(replace(arm, joints=joints))
-    (problem,) = caught.value.problems
-    assert (problem.joint, problem.found) == (name, name)
 
 
 def test_a_cell_is_one_model(cli: Callable[..., Any], tmp_path: Path) -> None:

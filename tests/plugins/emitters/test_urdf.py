@@ -8,8 +8,7 @@ from xml.etree import ElementTree as ET
 import pytest
 
 from dh2urdf.errors import EmitterError
-from dh2urdf.manipulator import Limits
-from dh2urdf.robot import Link, Material, Robot, Sphere, Visual
+from dh2urdf.robot import Link, Robot
 from dh2urdf.stages import ReadsBack
 from dh2urdf_plugins.formats.urdf import EMITTER, UrdfOptions
 
@@ -36,11 +35,6 @@ def renamed(robot: Robot, old: str, new: str) -> Robot:
             for joint in robot.joints
         ),
     )
-
-
-def test_the_file_has_the_stem_that_it_is_given(arm: Robot) -> None:
-    """The host chooses the file's name; the emitter adds the suffix."""
-    assert [file.name for file in EMITTER.emit(arm, "ur5_2", UrdfOptions())] == ["ur5_2.urdf"]
 
 
 def test_the_whole_file_is_known(arm: Robot) -> None:
@@ -170,33 +164,11 @@ def test_a_name_that_xml_cannot_carry_is_refused_by_its_code_point(arm: Robot, n
     assert all(character.isprintable() or character == "\n" for character in str(caught.value))
 
 
-def test_a_missing_limit_is_refused_by_its_name(arm: Robot) -> None:
-    """Pinocchio, check_urdf and sdformat refuse a joint with an incomplete limit."""
-    joints = tuple(replace(joint, limits=Limits(lower=-1.0, upper=1.0, effort=5.0)) for joint in arm.joints)
-    with pytest.raises(EmitterError, match=r"joint 'lift', field 'limits\.velocity': a prismatic joint needs velocity"):
-        urdf(replace(arm, joints=joints))
-
-
-def test_a_material_with_two_colours_is_refused() -> None:
-    """A material is defined once; the second colour would be lost."""
-    visuals = tuple(
-        Visual(geometry=Sphere(radius=1.0), material=Material(name="paint", rgba=(red, 0.0, 0.0, 1.0)))
-        for red in (0.25, 0.5)
-    )
-    with pytest.raises(EmitterError, match="material 'paint' has two colours"):
-        urdf(Robot(name="r", links=(Link(name="l", visuals=visuals),), joints=()))
-
-
 def test_a_comment_ends_where_it_should(arm: Robot) -> None:
     """Two hyphens and control characters, which a path may hold, do not end or garble the comment."""
     text = urdf(replace(arm, comment="from ----><robot> \x1b[2J\n--"))
     assert text.splitlines()[1] == r"<!-- from - - - -><robot> \x1b[2J\n- - -->"
     assert ET.fromstring(text).tag == "robot"  # noqa: S314
-
-
-def test_a_robot_without_a_comment_has_none(arm: Robot) -> None:
-    """The root follows the declaration."""
-    assert urdf(replace(arm, comment="")).splitlines()[1] == '<robot name="arm">'
 
 
 def test_no_line_is_longer_than_readers_take(arm: Robot) -> None:

@@ -11,9 +11,7 @@ from xml.etree import ElementTree as ET
 import pytest
 from hypothesis import given, strategies as st
 
-from dh2urdf.errors import EmitterError
 from dh2urdf.manipulator import JointType
-from dh2urdf.robot import Parameter, Robot
 from dh2urdf.stages import OtherFiles
 from dh2urdf_plugins.formats.urdf import EMITTER as URDF
 from dh2urdf_plugins.formats.urdf.reader import parse_urdf
@@ -23,6 +21,8 @@ from dh2urdf_plugins.formats.xacro.writer import angle_text, macro_name
 
 if TYPE_CHECKING:
     from pathlib import Path
+
+    from dh2urdf.robot import Robot
 
 NAMESPACE = "{http://www.ros.org/wiki/xacro}"
 SCENE = '<robot xmlns:xacro="http://www.ros.org/wiki/xacro" name="scene">{}</robot>'
@@ -45,11 +45,6 @@ def scene(folder: Path, body: str) -> Robot:
 
 def macro_text(robot: Robot) -> str:
     return EMITTER.emit(robot, "arm", XacroOptions())[1].content.decode("utf-8")
-
-
-def test_the_main_file_comes_first_and_the_macro_lies_beside_it(arm: Robot) -> None:
-    """The first file is the one that a person opens."""
-    assert [file.name for file in EMITTER.emit(arm, "ur5", XacroOptions())] == ["ur5.urdf.xacro", "ur5_macro.xacro"]
 
 
 def test_the_whole_top_file_is_known(arm: Robot) -> None:
@@ -347,14 +342,6 @@ def test_a_macro_name_is_always_a_tag(robot: str, stem: str) -> None:
     """Whatever the names are, the macro can be called."""
     tag = macro_name(robot, stem)
     assert ET.fromstring(f"<{tag}/>").tag == tag  # noqa: S314
-
-
-@pytest.mark.parametrize("name", ["prefix", "pi", "max", "lambda", "a b", "__a", "2a", "${x}"])
-def test_a_parameter_that_is_no_property_is_refused(arm: Robot, name: str) -> None:
-    """xacro takes identifiers, and the macro's own parameters must not be hidden."""
-    parameters = (Parameter(name=name, value=1.0, unit="m", joint="lift"),)
-    with pytest.raises(EmitterError, match="cannot be a xacro property"):
-        EMITTER.emit(replace(arm, parameters=parameters), "arm", XacroOptions())
 
 
 @pytest.mark.parametrize(

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -11,16 +10,12 @@ import pytest
 import yaml
 from lxml import etree
 
-from dh2urdf.errors import ConfigError, EmitterError
-from dh2urdf.manipulator import JointType
 from dh2urdf.stages import Expansion, GivesNotices
 from dh2urdf_plugins.packages.ros2 import EMITTER, Ros2Options
 from dh2urdf_plugins.xacro_fence.expansion import expand_foreign
 
 if TYPE_CHECKING:
     from collections.abc import Callable
-
-    from dh2urdf.robot import Robot
 
     Cli = Callable[..., Any]
 
@@ -149,13 +144,6 @@ def test_velocities_are_those_of_the_table_and_reached_in_half_a_second(package:
     assert "max_acceleration: 3.0" in (moveit_folder(folder) / "config" / "joint_limits.yaml").read_text()
 
 
-@pytest.mark.parametrize("acceleration", [0.0, -1.0, math.inf, math.nan])
-def test_an_acceleration_is_greater_than_0(acceleration: float) -> None:
-    """MoveIt cannot plan with another."""
-    with pytest.raises(ConfigError, match="a finite number greater than 0"):
-        Ros2Options(acceleration=acceleration)
-
-
 @pytest.mark.parametrize("table", ["ur5.csv", "panda.yaml", "scara.csv"])
 def test_fewer_than_six_joints_reach_positions(package: Any, table: str) -> None:
     """The solver is asked for positions only, and a notice reports it."""
@@ -236,14 +224,6 @@ def test_the_group_has_the_name_that_is_given(package: Any) -> None:
     folder = moveit_folder(package("scara.csv", "aligned", replace(OPTIONS, group="arm"))[0])
     assert list(content(folder, "kinematics")) == ["arm"]
     assert etree.parse(folder / "config" / "scara.srdf").find("group").get("name") == "arm"
-
-
-def test_what_does_not_move_has_no_plan(package: Any) -> None:
-    """The error names the option."""
-    robot: Robot = package("ur5.csv", "aligned")[1]
-    still = replace(robot, joints=tuple(replace(joint, type=JointType.FIXED) for joint in robot.joints))
-    with pytest.raises(EmitterError, match="MoveIt plans for joints that move, and this robot has none"):
-        EMITTER.emit(still, "ur5", OPTIONS)
 
 
 @pytest.mark.parametrize("hardware", ["mock", "none"])

@@ -209,12 +209,6 @@ def test_several_formats(arm: Manipulator) -> None:
     assert others.one_file(options).formats == ("latex",)
 
 
-def test_a_robot_without_a_table(arm: Manipulator) -> None:
-    """Its table is not made up."""
-    with pytest.raises(EmitterError, match="the table of this robot is not known"):
-        EMITTER.emit(replace(robot_of(arm), manipulator=None), "arm", TableOptions())
-
-
 @pytest.mark.parametrize("name", ["yaml", "csv", "json"])
 def test_the_proof_reads_the_file(name: Any, reference_robot: ReferenceRobot, tmp_path: Path) -> None:
     """The robot that is read back has the frames of the file, which a changed file changes."""

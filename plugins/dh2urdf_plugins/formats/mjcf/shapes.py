@@ -45,25 +45,18 @@ _SIZES = {"box": 3, "ellipsoid": 3, "cylinder": 2, "capsule": 2, "sphere": 1}
 
 
 class Geom(NamedTuple):
-    """A shape of a body.
-
-    Attributes:
-        element: its element.
-        attributes: of the element, those of its class included.
-        kind: its type.
-        size: half of a box's sides or an ellipsoid's axes; else radius, and half of the length [m].
-        pose: its frame in the body.
-    """
+    """A shape of a body."""
 
     element: etree._Element
-    attributes: dict[str, str]
+    attributes: dict[str, str]  # of the element, those of its class included
     kind: str
-    size: Vec3
-    pose: RigidTransform
+    size: Vec3  # half of a box's sides or an ellipsoid's axes; else radius, and half of the length [m]
+    pose: RigidTransform  # its frame in the body
 
-
-def _touches(geom: Geom) -> bool:
-    return not geom.attributes.get("contype") == geom.attributes.get("conaffinity") == "0"
+    @property
+    def touches(self) -> bool:
+        """Whether it is more than what is seen."""
+        return not self.attributes.get("contype") == self.attributes.get("conaffinity") == "0"
 
 
 class Shapes:
@@ -86,17 +79,15 @@ class Shapes:
         visuals: list[Visual] = []
         collisions: list[Collision] = []
         geoms = list(self.geoms(body))
-        has_own_look = not all(map(_touches, geoms))
+        has_own_look = not all(geom.touches for geom in geoms)
         for geom in geoms:
-            touches = _touches(geom)
+            is_seen = not geom.touches or not (has_own_look or geom.attributes.get("group", "0") in _HIDDEN)
             for geometry, pose in self._mesh(geom) if "mesh" in geom.attributes else self._parts(geom):
-                placed = geom.pose if pose is IDENTITY else geom.pose @ pose
-                origin = Origin.of(placed)
-                if touches:
+                origin = Origin.of(geom.pose if pose is IDENTITY else geom.pose @ pose)
+                if geom.touches:
                     collisions.append(Collision(geometry=geometry, origin=origin))
-                if not touches or not (has_own_look or geom.attributes.get("group", "0") in _HIDDEN):
-                    colour = self._colour(geom.element, geom.attributes)
-                    visuals.append(Visual(geometry=geometry, origin=origin, material=colour))
+                if is_seen:
+                    visuals.append(Visual(geometry=geometry, origin=origin, material=self._colour(geom)))
         return tuple(visuals), tuple(collisions)
 
     def geoms(self, body: etree._Element) -> Iterator[Geom]:
@@ -104,23 +95,20 @@ class Shapes:
         for element in self._elements.held(body, "geom"):
             attributes = self._elements.attributes(element)
             kind = attributes.get("type", "sphere")
-            if "fromto" in attributes and kind in _LONG:
+            is_long = "fromto" in attributes and kind in _LONG
+            count = 1 if is_long else 0 if "mesh" in attributes else _SIZES.get(kind, 0)
+            numbers = self._elements.numbers(element, attributes, "size", (0.0,) * count, most=3)
+            if count and min(numbers) <= 0.0:
+                accepted = "above 0" if is_long else f"{count} numbers above 0"
+                text = shown(attributes.get("size", ""))
+                raise self._elements.error(element, f"size of geom is {text}", accepted)
+            x, y, z, *_ = (*numbers, 0.0, 0.0, 0.0)
+            size = (x, y, z)
+            if is_long:
                 own, half = self._elements.between_ends(element, attributes)
-                (radius,) = self._elements.numbers(element, attributes, "size", (0.0,), most=3)
-                if radius <= 0.0:
-                    raise self._elements.error(
-                        element, f"size of geom is {shown(attributes.get('size', ''))}", "above 0"
-                    )
-                size = (radius, half if kind in _ROUND else radius, half)
+                size = (x, half if kind in _ROUND else x, half)
             else:
                 own = self._elements.own_pose(element, attributes)
-                count = 0 if "mesh" in attributes else _SIZES.get(kind, 0)
-                numbers = self._elements.numbers(element, attributes, "size", (0.0,) * count, most=3)
-                if count and min(numbers) <= 0.0:
-                    text = shown(attributes.get("size", ""))
-                    raise self._elements.error(element, f"size of geom is {text}", f"{count} numbers above 0")
-                x, y, z, *_ = (*numbers, 0.0, 0.0, 0.0)
-                size = (x, y, z)
             yield Geom(element, attributes, kind, size, self._elements.around(element, own))
 
     def _parts(self, geom: Geom) -> list[Placed]:
@@ -168,21 +156,17 @@ class Shapes:
         """The name of a mesh; without one it is that of its file."""
         return mesh.get("name") or PurePosixPath((mesh.get("file") or "").replace("\\", "/")).stem
 
-    def _colour(self, geom: etree._Element, attributes: dict[str, str]) -> Material | None:
+    def _colour(self, geom: Geom) -> Material | None:
         """The colour of a shape: its own unless that is the usual gray, else that of its material."""
-        own = self._rgba(geom, attributes, _GRAY)
-        material = self._materials.get(attributes.get("material", ""))
+        numbers, element, given = self._elements.numbers, geom.element, geom.attributes
+        own = tuple(numbers(element, given, "rgba", _GRAY))
+        material = self._materials.get(given.get("material", ""))
         if material is not None and own == _GRAY:
-            own = self._rgba(material, self._elements.attributes(material), (1.0, 1.0, 1.0, 1.0))
-        elif "rgba" not in attributes:
+            own = tuple(numbers(material, self._elements.attributes(material), "rgba", (1.0, 1.0, 1.0, 1.0)))
+        elif "rgba" not in given:
             return None
-        return Material(name="", rgba=own)
-
-    def _rgba(
-        self, element: etree._Element, attributes: dict[str, str], default: tuple[float, float, float, float]
-    ) -> tuple[float, float, float, float]:
-        r, g, b, a = self._elements.numbers(element, attributes, "rgba", default)
-        return (r, g, b, a)
+        r, g, b, a = own
+        return Material(name="", rgba=(r, g, b, a))
 
 
 _WATER = 1000.0
@@ -230,21 +214,17 @@ def _solid(geom: Geom) -> Inertial | None:
             return solid(Sphere(radius=x), 1.0)
         case "ellipsoid":
             mass = 4.0 / 3.0 * math.pi * x * y * z
-            squares = (y * y + z * z, x * x + z * z, x * x + y * y)
-            ixx, iyy, izz = (mass / 5.0 * square for square in squares)
+            ixx, iyy, izz = (mass / 5.0 * square for square in (y * y + z * z, x * x + z * z, x * x + y * y))
             return Inertial(mass=mass, inertia=Inertia(ixx=ixx, iyy=iyy, izz=izz))
-        case "capsule":
-            ends = [placed(_half_ball(x), RigidTransform(IDENTITY_ROTATION, (0.0, 0.0, y)))]
-            ends.append(
-                placed(_half_ball(x), RigidTransform((1.0, 0.0, 0.0, 0.0, -1.0, 0.0, 0.0, 0.0, -1.0), (0.0, 0.0, -y)))
-            )
+        case "capsule":  # The half of a ball has 83/320 m r² across its axis about its centre of mass.
+            mass, square = 2.0 / 3.0 * math.pi * x**3, x * x
+            across = 83.0 / 320.0 * mass * square
+            inertia = Inertia(ixx=across, iyy=across, izz=0.4 * mass * square)
+            half = Inertial(mass=mass, com=(0.0, 0.0, 0.375 * x), inertia=inertia)
+            turned = (1.0, 0.0, 0.0, 0.0, -1.0, 0.0, 0.0, 0.0, -1.0)
+            ends = [
+                placed(half, RigidTransform(turn, (0.0, 0.0, end)))
+                for turn, end in ((IDENTITY_ROTATION, y), (turned, -y))
+            ]
             return compound([solid(Cylinder(radius=x, length=2.0 * y), 1.0), *ends])
     return None
-
-
-def _half_ball(radius: float) -> Inertial:
-    """The half of a ball above its middle; across its axis it has 83/320 m r² about its centre of mass."""
-    mass, square = 2.0 / 3.0 * math.pi * radius**3, radius * radius
-    across = 83.0 / 320.0 * mass * square
-    inertia = Inertia(ixx=across, iyy=across, izz=0.4 * mass * square)
-    return Inertial(mass=mass, com=(0.0, 0.0, 0.375 * radius), inertia=inertia)

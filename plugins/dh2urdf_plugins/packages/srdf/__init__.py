@@ -33,12 +33,7 @@ class SrdfOptions(PairOptions):
 
 
 def emit(robot: Robot, stem: str, options: SrdfOptions) -> tuple[EmittedFile]:
-    """The SRDF of a robot, as ``<stem>.srdf``.
-
-    Raises:
-        EmitterError: XML cannot hold one of its names, or a mesh cannot be read.
-        MissingDependencyError: pinocchio, coal or what reads meshes is not installed.
-    """
+    """The SRDF of a robot, as ``<stem>.srdf``; it raises what `srdf` raises."""
     return (EmittedFile(name=f"{stem}.srdf", content=srdf(robot, options, options.group)),)
 
 

@@ -41,19 +41,10 @@ def new_file(robot: Robot, pairs: Sequence[DisabledPair]) -> bytes:
 
 
 def updated(content: bytes, file: str, robot: Robot, pairs: Sequence[DisabledPair]) -> tuple[bytes, list[Problem]]:
-    """An SRDF with other collision pairs.
+    """An SRDF with other collision pairs of a robot, and notices; `file` is what messages call it.
 
     Pairs of the same reason stay where they are, and so do pairs that have a reason of their own, such as ``User``:
     those are somebody's decision. Other pairs go, and new ones come behind the last.
-
-    Args:
-        content: the SRDF.
-        file: what messages call it.
-        robot: the robot of the description.
-        pairs: its collision pairs.
-
-    Returns:
-        The whole file, and notices.
 
     Raises:
         InputError: it is no SRDF, or it has macros.
@@ -72,7 +63,11 @@ def updated(content: bytes, file: str, robot: Robot, pairs: Sequence[DisabledPai
     wanted = {(pair.link1, pair.link2): pair for pair in pairs}
     links = {link.name for link in robot.links}
     met = {pair for _, element, pair in found if element.get("reason") not in REASONS}
-    notices = [] if root.get("name", "").strip() == robot.name else [_of_another(file, root, robot)]
+    notices = []
+    if (own := root.get("name", "").strip()) != robot.name:
+        message = f"the SRDF is of the robot {shown(own)}, the description of {shown(robot.name)}"
+        how = "MoveIt reports this as an error: give both the same name"
+        notices.append(Problem(message=message, severity="notice", mark=Mark(file=file), suggestion=how))
     edits: list[tuple[int, int, str]] = []
     for (start, end), element, pair in found:
         if (reason := element.get("reason")) not in REASONS:
@@ -119,12 +114,6 @@ def _root(content: bytes, file: str) -> etree._Element:
 
 def _refusal(file: str, message: str, accepted: str) -> InputError:
     return InputError(Problem(message=message, mark=Mark(file=file), accepted=accepted))
-
-
-def _of_another(file: str, root: etree._Element, robot: Robot) -> Problem:
-    message = f"the SRDF is of the robot {shown(root.get('name', '').strip())}, the description of {shown(robot.name)}"
-    suggestion = "MoveIt reports this as an error: give both the same name"
-    return Problem(message=message, severity="notice", mark=Mark(file=file), suggestion=suggestion)
 
 
 def _whole_lines(content: bytes, start: int, end: int) -> tuple[int, int]:

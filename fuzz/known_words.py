@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import tomllib
 import unicodedata
 from functools import cache
 from pathlib import Path
@@ -33,12 +34,19 @@ def documented(table: str) -> tuple[tuple[str, ...], ...]:
 
 
 @cache
+def vocabulary() -> dict[str, dict[str, dict[str, str]]]:
+    """The words of which the documentation is made."""
+    path = Path(__file__).parents[1] / "plugins" / "dh2urdf_plugins" / "readers" / "words" / "vocabulary.toml"
+    return tomllib.loads(path.read_text("utf-8"))
+
+
+def _listed(text: str) -> tuple[str, ...]:
+    return tuple(" ".join(text.split()).split(", ")) if text else ()
+
+
 def words(table: str, kind: str) -> tuple[str, ...]:
-    """The words that the documentation lists for a field, a type or a convention."""
-    (found,) = (
-        re.findall("`([^`]+)`", row[-1 if table == "conventions" else 1]) for row in documented(table) if row[0] == kind
-    )
-    return tuple(found)
+    """The words of the vocabulary for a type or a convention."""
+    return tuple(word for line in vocabulary()[table][kind].values() for word in _listed(line))
 
 
 @cache
@@ -53,21 +61,28 @@ def unit_words(dimension: str, unit: str) -> tuple[str, ...]:
 
 LANGUAGES = ("English", "German", "French", "Spanish", "Italian", "Portuguese", "Chinese")
 """The languages of headers."""
+_CODES = dict(zip(LANGUAGES, ("en", "de", "fr", "es", "it", "pt", "zh"), strict=True))
 
 
 @cache
 def header_words(field: str, language: str = "English") -> tuple[str, ...]:
     """The headers of a field in a language; of English those that every field has, of others maybe none."""
-    if language == "English":
-        return words("headers", field)
-    column = LANGUAGES.index(language)
-    return tuple(word for row in documented("languages") if row[0] == field for word in _quoted(row[column]))
+    lines, axes = _section(field)
+    found = tuple(word.replace("*", axes) for word in _listed(lines.get(_CODES[language], "")))
+    return (field, *found) if language == "English" and field not in found else found
 
 
 @cache
 def around(field: str) -> tuple[str, ...]:
     """The words before or behind a header of a field that change nothing."""
-    return tuple(word for row in documented("words around") if row[0] == field for word in _quoted(row[1]))
+    return _listed(_section(field)[0].get("around", ""))
+
+
+def _section(field: str) -> tuple[dict[str, str], str]:
+    """The lines of a field, and the axes in its name."""
+    axes = field.removeprefix("com_").removeprefix("i")
+    fields = vocabulary()["fields"]
+    return fields.get(field) or fields.get("com_*" if field.startswith("com_") else "i*", {}), axes
 
 
 def _quoted(text: str) -> list[str]:
@@ -94,20 +109,15 @@ def other_spelling(rng: random.Random, word: str) -> str:
 
 # --- Words of cells ---------------------------------------------------------------------------------------------------
 
-OTHER_TYPES = {"revolute": ("Drehgelenk", "rotoïde"), "prismatic": ("prismatique",), "fixed": ("fijo",)}
-"""Types of joints in other languages than English, which the page names in prose."""
-OTHER_CONVENTIONS = {"standard": ("estándar",), "modified": ("modifiziert", "modifiée")}
-"""Conventions in other languages, which the page names in prose."""
-
 
 def type_words(kind: str) -> tuple[str, ...]:
     """The words for a type of joint."""
-    return words("types", kind) + OTHER_TYPES.get(kind, ())
+    return words("types", kind)
 
 
 def convention_words(convention: str) -> tuple[str, ...]:
     """The words for a convention."""
-    return words("conventions", convention) + OTHER_CONVENTIONS[convention]
+    return words("conventions", convention)
 
 
 @cache

@@ -419,7 +419,7 @@ BUDGETS = {
     "plugins/dh2urdf_plugins/formats": 4401,
     "plugins/dh2urdf_plugins/loaders": 2760,
     "plugins/dh2urdf_plugins/packages": 2331,
-    "plugins/dh2urdf_plugins/readers": 11209,
+    "plugins/dh2urdf_plugins/readers": 11212,
     "plugins/dh2urdf_plugins/transforms": 2360,
     "plugins/dh2urdf_plugins/xacro_fence": 790,
     "plugins/dh2urdf_studio": 7660,

@@ -25,7 +25,7 @@ from file_texts import File, flow
 from known_arms import KnownArm
 from known_quantities import Text
 from known_tables import Arm, Column, Table
-from known_words import documented
+from known_words import header_words
 
 import dh2urdf
 from dh2urdf.errors import ConfigError, Dh2UrdfError
@@ -71,7 +71,7 @@ SAID: dict[str, Any] = {
     "tool": {"xyz": ["11.5", "-21.5", "90.5"], "rpy": ["11.5", "-21.5", "31.5"]},
     "defaults": {"geometry": {"shape": "box", "radius": "41.5"}, "density": "2701"},
 }
-OTHER_WORDS = {"conventions", "unit", "typ", "limit"}
+OTHER_WORDS = {"conventions", "unit", "typ", "limit", "default"}
 """Slips that are words as well, of comments, of German and of YAML."""
 DIALECTS = {"csv": 5, "yaml": 3, "json": 2, "parquet": 3, "xlsx": 12}
 """How many dialects of each reader: the writers choose one by a seed."""
@@ -303,7 +303,7 @@ def _rename_in(path: tuple[Any, ...], name: str) -> Callable[[Table], Any]:
 
 def headers() -> Iterator[Change]:
     """One letter of a header lost, doubled or exchanged, a unit that contradicts, a unit of nothing."""
-    known = {word.casefold() for row in documented("headers") for word in re.findall("`([^`]+)`", row[1])}
+    known = {word.casefold() for field in FIELDS for word in header_words(field)}
     for index, name in enumerate(ROWS[0]):
         slips = {name[:k] + name[k + 1 :] for k in range(len(name))} | {
             name[:k] + name[k] + name[k:] for k in range(len(name))
@@ -352,7 +352,8 @@ def options() -> Iterator[Change]:
         ("tool", {"xyz": [0, 0]}),
         ("tool", "perhaps"),
     ):
-        yield Change(f"option {name}={value}", _option(name, value), None, (name, name.replace("_unit", "")))
+        changes = r"\.payload.*" if name == "payload" else None
+        yield Change(f"option {name}={value}", _option(name, value), changes, (name, name.replace("_unit", "")))
 
 
 def _option(name: str, value: Any) -> Callable[[Table], Any]:
@@ -564,7 +565,7 @@ def test_the_unit_of_a_header_has_an_effect(reader: str, name: str, tmp_path: Pa
     index = list(ROWS[0]).index(name)
     changes = "|".join(path_of(row, name) for row in range(len(ROWS)))
     others = {"mm": ["cm", "m", "µm"], "deg": ["rad"]}[UNITS[name]]
-    for unit in (*others, "", "[mn]", "[kg]", "[dge]"):
+    for unit in (*others, *(("",) if name != "radius" else ()), "[mn]", "[kg]", "[dge]"):
         content = with_units()
         header = f"{name} {unit}" if unit[:1] in ("", "[") else f"{name} [{unit}]"
         content.columns[index] = Column(name, header.strip())

@@ -7,6 +7,7 @@ import datetime as dt
 import math
 import re
 import shlex
+import sys
 import zipfile
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -16,7 +17,6 @@ import numpy as np
 import openpyxl
 import pyarrow as pa
 import pytest
-from dh2urdf_plugins.readers.words.word_keys import key_of
 from pyarrow import parquet as pq
 
 from dh2urdf import errors
@@ -34,7 +34,7 @@ from dh2urdf_plugins.readers.sources import csv_header
 from dh2urdf_plugins.readers.statements import plausibility, text
 from dh2urdf_plugins.readers.table import TableOptions
 from dh2urdf_plugins.readers.tables import tables
-from dh2urdf_plugins.readers.words import bounds as table_bounds, fields, names, unheld
+from dh2urdf_plugins.readers.words import bounds as table_bounds, fields, names
 from dh2urdf_plugins.readers.xlsx_file import workbook as xlsx_file
 
 if TYPE_CHECKING:
@@ -302,7 +302,7 @@ def test_cells_of_parquet_are_read_as_the_page_says(cells: str, meaning: str, tm
     tried: dict[str, tuple[str, list[Any], Any]] = {
         "whole numbers, floats, decimals": ("a", pa.array([0.1], pa.float32()), 0.10000000149011612),
         "text, also dictionary-encoded": ("alpha", pa.array(["pi/2"]).dictionary_encode(), QUARTER),
-        "whole numbers in a column of words": ("type", [1.0, None], P),
+        "whole numbers in a column of words": ("sigma", [1.0, None], P),
         "truth values": ("flip", [True], -1),
         "null": ("a", [None], "a is empty"),
         "NaN": ("mass", [math.nan], "'nan'"),
@@ -317,7 +317,7 @@ def test_cells_of_parquet_are_read_as_the_page_says(cells: str, meaning: str, tm
         assert any(str(expected) in error for error in found.errors)
     else:
         (arm,) = found.arms
-        assert getattr(arm.rows[0], {"flip": "sign"}.get(name, name)) == expected
+        assert getattr(arm.rows[0], {"flip": "sign", "sigma": "type"}.get(name, name)) == expected
 
 
 @pytest.mark.parametrize(("cell", "meaning"), of_tables("xlsx"))
@@ -382,9 +382,7 @@ def test_the_command_is_the_table_with_its_base_and_tool(cli: Callable[..., Any]
 
 @pytest.mark.parametrize(
     ("header", "row", "said"),
-    of_tables(
-        "unheld", "suspects", "refused variables", "refused limits", "refused masses", "refused names", "refused rows"
-    ),
+    of_tables("unknown", "refused variables", "refused limits", "refused masses", "refused names", "refused rows"),
 )
 def test_every_row_is_refused_as_it_says(header: str, row: str, said: str, read: Callable[..., Outcome]) -> None:
     """A header with one row below it is refused, with the message that the page quotes."""
@@ -449,15 +447,27 @@ def test_every_symbol_is_the_offset_and_sign_beside_it(
 # --- Words ------------------------------------------------------------------------------------------------------------
 
 
-def test_every_header_that_the_code_knows_is_in_the_page() -> None:
-    """Field by field, in both directions; and the geometry that no field holds."""
-    page = {name: code(headers) for name, headers, *_ in TABLES["headers"]}
-    assert list(page) == list(fields.FIELDS)
-    for name, headers in page.items():
-        assert [header.casefold() for header in headers] == list(fields.FIELDS[name].headers)
-        assert {header_words.read_header(header).field for header in headers} == {fields.FIELDS[name]}
-    (paragraph,) = (part for part in TEXT.split("\n\n") if part.startswith("Some headers name geometry"))
-    assert code(" ".join(paragraph.split())) == list(unheld.UNHELD_WORDS)
+def test_every_field_is_in_the_page() -> None:
+    """In the order of the code; the headers are made from the vocabulary."""
+    assert [name for name, *_ in TABLES["fields"]] == list(fields.FIELDS)
+
+
+def test_a_line_of_the_vocabulary_is_a_word_everywhere(
+    monkeypatch: pytest.MonkeyPatch, read: Callable[..., Outcome]
+) -> None:
+    """A word that is added to a line names its field, and is in the documentation."""
+    sys.path.insert(0, str(DOCS / "generators"))
+    import vocabulary_pages
+
+    words = fields.vocabulary()
+    with monkeypatch.context() as patch:
+        patch.setitem(words["fields"]["a"], "de", f"{words['fields']['a']['de']}, schrumm")
+        for remembered in (fields.header_fields, header_words.field_of, header_words.read_header):
+            remembered.cache_clear()
+        assert read(table_of("schrumm [mm],alpha,d", "300,0,0")).arm().rows[0].a == 0.3
+        assert "`schrumm`" in vocabulary_pages.languages()
+    for remembered in (fields.header_fields, header_words.field_of, header_words.read_header):
+        remembered.cache_clear()
 
 
 @pytest.mark.parametrize(("cell", "lower", "upper"), of_tables("ranges"))
@@ -481,10 +491,10 @@ def test_every_range_that_is_none_is_refused(cell: str, said: str, read: Callabl
     assert any(one_code(said) in error for error in errors), errors
 
 
-@pytest.mark.parametrize("name", [line[0] for line in TABLES["headers"]])
+@pytest.mark.parametrize("name", [line[0] for line in TABLES["fields"]])
 def test_the_example_of_every_field_is_a_value_of_it(name: str, read: Callable[..., Outcome]) -> None:
     """Accepted without a word, beside the fields that it cannot be without; six parameters with a notice."""
-    examples = {line[0]: one_code(line[2]) for line in TABLES["headers"]}
+    examples = {line[0]: one_code(line[1]) for line in TABLES["fields"]}
     cells = {"convention": "standard", "a": "0.3", "alpha": "0", "d": "0", name: examples[name]}
     if name in ("beta", "gamma", "b"):
         cells |= {"convention": "modified", "gamma": examples["gamma"]}
@@ -497,20 +507,17 @@ def test_the_example_of_every_field_is_a_value_of_it(name: str, read: Callable[.
     read(table_of(",".join(cells), ",".join(cells.values()), "")).arm()
 
 
-@pytest.mark.parametrize(("convention", "formula", "words"), of_tables("conventions"))
-def test_every_word_for_a_convention_is_in_the_page(convention: str, formula: str, words: str) -> None:
-    """In both directions; and the order of the four elementary transforms is that of the kinematics."""
-    known = {word for word, meant in fields._CONVENTION_WORDS.items() if meant == convention}
-    assert {key_of(word.casefold()) for word in code(words)} == known
-    assert {fields.convention_of(f"{word} convention") for word in code(words)} == {Convention(convention)}
+@pytest.mark.parametrize(("convention", "formula"), of_tables("conventions"))
+def test_every_word_for_a_convention_means_it(convention: str, formula: str) -> None:
+    """The order of the four elementary transforms is that of the kinematics."""
+    known = [word for word, meant in fields.convention_words().items() if meant == convention]
+    assert {fields.convention_of(f"{word} convention") for word in known} == {Convention(convention)}
     assert formula.startswith("Rz(theta)" if convention == "standard" else "Rx(alpha)")
 
 
-@pytest.mark.parametrize(("kind", "words"), of_tables("types"))
-def test_every_word_for_a_type_is_in_the_page(kind: str, words: str) -> None:
-    """In both directions."""
-    assert {word.casefold() for word in code(words)} == set(fields._TYPES[JointType(kind)])
-    assert {fields.joint_type(word) for word in code(words)} == {JointType(kind)}
+def test_every_word_for_a_type_means_it() -> None:
+    """In any language."""
+    assert all(fields.joint_type(word) is kind for word, kind in fields.type_words().items())
 
 
 def test_every_unit_that_the_code_knows_is_in_the_page() -> None:
@@ -643,6 +650,5 @@ def test_every_bound_is_the_one_of_the_code() -> None:
     words = " ".join(TEXT.split())
     assert f"at most {errors.SCREENFUL} are printed" in words
     assert (
-        f"more than {plausibility.LONGEST_ARM:g} m or a `tool` more than {plausibility.LONGEST_ARM / 10:g} m away"
-        in words
+        f"longer than {plausibility.LONGEST_ARM:g} m or shorter than {1000 * plausibility.SHORTEST_ARM:g} mm" in words
     )

@@ -16,6 +16,7 @@ import notebook_pages
 import root_pages
 import schema_pages
 import stage_pages
+import vocabulary_pages
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -32,6 +33,13 @@ GENERATORS: dict[str, Callable[[], str]] = {
     "run file schema": schema_pages.run_file,
     "security policy": partial(root_pages.root_page, "SECURITY.md"),
     "stages": stage_pages.stages,
+    "table headers": vocabulary_pages.headers,
+    "table languages": vocabulary_pages.languages,
+    "table unheld": vocabulary_pages.unheld,
+    "table types": partial(vocabulary_pages.words, "types"),
+    "table conventions": partial(vocabulary_pages.words, "conventions"),
+    "table keys": vocabulary_pages.keys,
+    "table no joints": vocabulary_pages.no_joints,
 }
 PLACE = re.compile(r"^<!-- generated: (?P<name>.+) -->$", re.MULTILINE)
 

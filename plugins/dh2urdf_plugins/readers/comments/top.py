@@ -172,7 +172,9 @@ def comment_text(row: CellRow) -> str:
     """The text of a comment that a format may have split into cells: ``# convention``, ``standard``."""
     first, *others = [text for cell in row.cells if (text := text_in(cell).strip(SPACES))]
     key = first.strip(f"{SPACES}#:=")
-    if others and (key.casefold() in STATEMENTS or (len(others) == 1 and declared_key(key) in ("name", "convention"))):
+    is_mapping = others and others[0].startswith(("{", "[")) and key.replace(" ", "").isalpha()
+    is_word = len(others) == 1 and declared_key(key) in ("name", "convention")
+    if others and (is_mapping or is_word or key.casefold() in STATEMENTS):
         return f"{'# ' if is_comment(first) else ''}{key}: {', '.join(others)}"
     return joined([first, *map(" {}".format, others)])
 

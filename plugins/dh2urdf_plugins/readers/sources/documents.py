@@ -294,7 +294,7 @@ class _Document:
                     has_name = any(_field(each) == "joint" for each in node.value)
                     yield node.mark, node if has_name else replace(node, value={"name": name, **node.value})
             return
-        count = max(len(node.value) for node in entries.values() if isinstance(node.value, list))
+        count = max((len(node.value) for node in entries.values() if isinstance(node.value, list)), default=0)
         for index in range(count):
             cells = {
                 key: node.value[index]

@@ -219,8 +219,9 @@ def convention_of(text: str) -> Convention | None:
     if key in _CONVENTIONS:
         return _CONVENTIONS[key]
     known, both = _convention_keys(), keys_in("around", "conventions")
-    if key in known:
-        return known[key]
+    bare = next((key.removesuffix(word) for word in both if key.endswith(word) and key != word), key)
+    if key in known or bare in known:
+        return known.get(key, known.get(bare))
     words = "".join(letter if letter.isalnum() else " " for letter in text.casefold()).split()
     named = {known.get(word) for word in map(key_of, words) if word not in both}
     return named.pop() if len(named) == 1 else None

@@ -27,8 +27,8 @@ MAX_LINE = 1000
 _NAME = r"[^\W\d_]\w{0,15}(?:\{\w{1,8}\})?"
 _DEFINITION = rf"(?<![\w.\\])({_NAME})\s?(?:=|:(?=\s))\s?([-+.0-9][^,;=:]*|[^\W\d_]\w*\s?[-+*/][^,;=:]*)"
 """A name and what it stands for, in prose too: ``L1 = 91 mm``."""
-_IN_CELL = rf"({_NAME})\s?(?:=\s?([^=]+)|\(([^()]*[0-9][^()]*)\))"
 _SYMBOL = r"[^\W\d_]{1,2}_?\{?[0-9]{1,2}\}?"
+_IN_CELL = rf"(?:({_NAME})\s?=\s?([^=]+)|({_NAME}(?=\s)|{_SYMBOL})\s?\(([^()]*[0-9][^()]*)\))"
 """A name that is written for nothing but a length: one that is not used is worth a notice."""
 
 
@@ -98,11 +98,11 @@ class Symbols(dict[str, Intermediate]):
         """The text of a cell without the name that it defines, and what is wrong with the definition."""
         if not ("=" in text or text.endswith(")")) or not (match := re.fullmatch(_IN_CELL, text)):
             return text, None
-        value = (match[2] or match[3]).strip()
-        if not is_symbol(match[1]) or not re.search("[0-9]", value):
+        name, value = match[1] or match[3], (match[2] or match[4]).strip()
+        if not is_symbol(name) or not re.search("[0-9]", value):
             return text, None
-        problem = self.define(match[1], value, mark, decimal_comma=decimal_comma)
-        self.used.add(symbol_key(match[1]))
+        problem = self.define(name, value, mark, decimal_comma=decimal_comma)
+        self.used.add(symbol_key(name))
         return value, problem
 
     def unused(self) -> Problem | None:

@@ -61,6 +61,8 @@ def test_options_define_names_and_leave_columns_out(tmp_path: Path) -> None:
     [
         (f"{HEADER}\n1,q1,L1,0,0\n", "'L1' is not defined"),
         (f"{HEADER}\n1,q1,d1,0,0\n", "define it: `# d1 = 0.1`"),
+        (f"{HEADER}\n1,q1,eval(1),0,0\n", "'eval' is not defined"),
+        (f"{HEADER}\n1,q1,factorial(9),0,0\n", "'factorial' is not defined"),
         (f"# L1 = 1\n# L_1 = 2\n{HEADER}\n1,q1,L1,0,0\n", "L_1 is defined twice"),
         (f"# symbols: {{q1: 2}}\n{HEADER}\n1,q1,1,0,0\n", "'q1' is no name for a length"),
         (f"# symbols: {{L1: 2 kg}}\n{HEADER}\n1,q1,L1,0,0\n", "accepted: a length or an angle"),

@@ -93,7 +93,8 @@ class _Rows:
         """Makes plain texts of all cells, and takes the definitions of names in them."""
         for name, cell in cells.items():
             text = cell.text
-            if not text or text.isalnum() or name.startswith(LABEL):
+            plain = text.isascii() and text.isalnum() and not text.lower().startswith("var")
+            if not text or plain or name.startswith(LABEL):
                 continue
             if name in ("joint", "link", "robot"):
                 text = unwrapped(text)

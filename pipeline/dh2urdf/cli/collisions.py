@@ -97,11 +97,7 @@ def command(  # noqa: PLR0917 - click hands everything over by name
 
 
 def _emitter(catalog: Catalog, file: Path | None) -> tuple[Any, Annotates]:
-    """The emitter of a file's format; where there is no file, the first that annotates.
-
-    Raises:
-        InputError: the format is one of whole descriptions, or no emitter has it.
-    """
+    """The emitter of a file's format; where there is no file, the first that annotates."""
     able: list[Any] = [item.stage for item in catalog.provided("emitter") if item.stage.can(Annotates)]
     chosen: Any = catalog.emitter_for(file, "choose a name that ends in .srdf") if file else next(iter(able), None)
     if chosen is not None and (annotates := chosen.can(Annotates)):

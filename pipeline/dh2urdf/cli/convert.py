@@ -159,12 +159,7 @@ def _carry_out(planned: Planned, source: str, *, as_json: bool, quiet: bool) -> 
 def _files_of(
     tables: Sequence[Path], folder: Path | None, format_name: str | None, catalog: Catalog
 ) -> dict[Path, Path | None]:
-    """The file in a folder that each of several tables becomes, in the format that is named.
-
-    Raises:
-        ConfigError: no folder is given, or two tables would become one file.
-        UnknownStageError: there is no such emitter.
-    """
+    """The file in a folder that each of several tables becomes, in the format that is named."""
     emitter = catalog.get("emitter", format_name) if format_name else catalog.usual("emitter")
     suffix = (*emitter.suffixes, "")[0]
     if folder is None or (is_there(folder) and not is_folder(folder)):

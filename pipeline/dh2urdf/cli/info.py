@@ -92,12 +92,7 @@ def command(  # noqa: PLR0917 - click hands everything over by name
 
 
 def _read(call: Call[Reader[Any]], path: Path, robot: str | None) -> tuple[list[BriefEntry], Manipulator | None, Trace]:
-    """The manipulators of a table in short, the one that is meant, and what its cells say.
-
-    Raises:
-        TableError: the table cannot be read, or has no such manipulator.
-        ConfigError: it is a run file.
-    """
+    """The manipulators of a table in short, the one that is meant, and what its cells say."""
     trace = Trace()
     arms: list[BriefEntry] = []
     last: list[Manipulator | Rejected] = []

@@ -290,11 +290,7 @@ def _standard_input() -> bytes:
 
 
 def _format_of(content: bytes, catalog: Catalog) -> str:
-    """The reader of some content: the one that reads it as a table, where no other does.
-
-    Raises:
-        TableError: no reader does, or several do.
-    """
+    """The reader of some content: the one that reads it as a table, where no other does."""
     names: list[str] = []
     readers: list[Any] = [provided.stage for provided in catalog.provided("reader")]
     for reader in readers:

@@ -120,11 +120,7 @@ def _with_units(value: Any) -> Any:  # noqa: ANN401 - whatever is given
 
 
 def _plain(value: Any) -> object:  # noqa: ANN401 - what JSON has no word for
-    """Arrays and numbers of numpy as lists and numbers, fractions and paths as texts, members of enums as their values.
-
-    Raises:
-        TypeError: it is something else, whose text would be taken for a word that somebody has written.
-    """
+    """Arrays and numbers of numpy as lists and numbers, fractions and paths as texts, members of enums as values."""
     if hasattr(value, "tolist"):
         return value.tolist()
     if isinstance(value, Enum):

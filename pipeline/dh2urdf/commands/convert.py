@@ -224,12 +224,7 @@ def plan_conversion(
 def _emitters(
     table: Path | Manipulator, target: Path | None, formats: Sequence[str], mark: Mark, catalog: Catalog
 ) -> list[Emitter[Any]]:
-    """The emitters that are named, or the one by the suffix of the target, or the usual one.
-
-    Raises:
-        ConfigError: they write a folder where there is none, or one file where the target is a folder.
-        InputError: no emitter has the name or takes the suffix.
-    """
+    """The emitters that are named, or the one by the suffix of the target, or the usual one."""
     emitters = [catalog.get("emitter", name) for name in formats]
     in_folders = [emitter.name for emitter in emitters if emitter.can(WritesFolders)]
     if target is None:
@@ -299,11 +294,7 @@ def _suffix(target: Path, emitter: Emitter[Any]) -> str | None:
 def _mesh_settings(
     meshes: str | None, convert_meshes: str | None, target: Path | None, mark: Mark
 ) -> tuple[str | None, MeshConversion]:
-    """What the description writes before the names of meshes, and what becomes of them.
-
-    Raises:
-        ConfigError: a word means nothing, or copies would lie nowhere.
-    """
+    """What the description writes before the names of meshes, and what becomes of them."""
     try:
         prefix = prefix_of(meshes or (FILE if target is None else RELATIVE))
         if target is None and prefix is not None:

@@ -211,12 +211,7 @@ def _said(table: object, place: Mark) -> dict[str, object]:
 
 
 def _headers_and_rows(table: Any, columns: list[Any] | None, place: Mark) -> tuple[list[Any], list[list[Any]]]:  # noqa: ANN401
-    """The header and the rows of a table of any form, every row as long as the header.
-
-    Raises:
-        RecordTypeError: it is no table.
-        RecordValueError: its columns have no names, or two, or its rows differ in length.
-    """
+    """The header and the rows of a table of any form, every row as long as the header."""
     headers, rows = _labelled(table, place)
     if headers is not None and columns is not None:
         raise _wrong(place, "the columns have names already", "no columns=, or an array without names")

@@ -59,11 +59,7 @@ def write_description(
 
 
 def _compare(robot: Robot, described: Robot, mark: Mark) -> None:
-    """Compare every way from the root to an outermost link, at four joint vectors.
-
-    Raises:
-        ProofError: one of them differs.
-    """
+    """Compare every way from the root to an outermost link, at four joint vectors."""
     parents = {joint.parent for joint in robot.joints}
     for tip in (joint.child for joint in robot.joints if joint.child not in parents):
         given, found = (KinematicChain.between(each, robot.root, tip) for each in (robot, described))

@@ -125,11 +125,7 @@ def _reader(format_name: str) -> Call[Reader[Any]]:
 def _read_back(
     manipulators: Sequence[Manipulator], content: bytes, call: Call[Reader[Any]], place: str
 ) -> list[Manipulator]:
-    """The manipulators of a file that was written of some.
-
-    Raises:
-        RecordValueError: one of them cannot be read, or there is another number of them.
-    """
+    """The manipulators of a file that was written of some."""
     with spooled(content, place, (*call.stage.suffixes, "")[0]) as path:
         items = list(read_items(call, path))
     if refused := [problem for item in items if isinstance(item, Rejected) for problem in item.problems]:

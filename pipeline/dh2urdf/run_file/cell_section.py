@@ -102,11 +102,7 @@ def _wrong_arms(arms: Sequence[ArmCall]) -> Iterator[Problem]:
 
 
 def _parents_first(arms: Sequence[ArmCall]) -> tuple[ArmCall, ...]:
-    """The arms so that each comes after the one that holds it, otherwise as they are written.
-
-    Raises:
-        ConfigError: they hold each other.
-    """
+    """The arms so that each comes after the one that holds it, otherwise as they are written."""
     ordered: dict[str, ArmCall] = {}
     waiting = list(arms)
     while waiting:

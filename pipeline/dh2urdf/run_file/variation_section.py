@@ -208,11 +208,7 @@ def _variation(given: VariationSection, node: Node, field: str, to: Reading) -> 
 
 
 def _rule(field: str, node: Node) -> Rule:
-    """A rule whose keys are known, of a field.
-
-    Raises:
-        ConfigError: it has no joints, not one law, or values that the field cannot have.
-    """
+    """A rule whose keys are known, of a field."""
     joints = node.entry("joints")
     laws = [(name, values) for name in LAWS if (values := node.entry(name))]
     problems = []
@@ -237,11 +233,7 @@ def _rule(field: str, node: Node) -> Rule:
 
 
 def _joints(node: Node) -> tuple[tuple[int | str, ...] | None, tuple[Mark, ...]]:
-    """Joints by their numbers from 1 or their names, and where each is named; None stands for all joints.
-
-    Raises:
-        ConfigError: something in their place is no joint.
-    """
+    """Joints by their numbers from 1 or their names, and where each is named; None stands for all joints."""
     if node.value == ALL and not node.quoted:
         return None, ()
     nodes: list[Node] = node.value if isinstance(node.value, list) else [node]

@@ -245,7 +245,7 @@ def check(
         PluginError: a plugin that is needed is broken.
     """
     from dh2urdf.commands.check import inspect
-    from dh2urdf.commands.written_robots import write_description
+    from dh2urdf.commands.written import write_description
     from dh2urdf.stages import Expansion
 
     mark = _mark("check")

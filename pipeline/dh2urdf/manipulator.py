@@ -316,11 +316,11 @@ class Manipulator:
             ConfigError: the file's name is that of another format.
             OutputError: the file cannot be written.
         """
-        return function_of("commands.written_tables.write_table")(self, ".csv", out, "Manipulator.to_csv()")
+        return function_of("commands.written.write_table")(self, ".csv", out, "Manipulator.to_csv()")
 
     def to_yaml(self, out: str | os.PathLike[str] | None = None) -> str:
         """The table as YAML, as `to_csv` has it as CSV."""
-        return function_of("commands.written_tables.write_table")(self, ".yaml", out, "Manipulator.to_yaml()")
+        return function_of("commands.written.write_table")(self, ".yaml", out, "Manipulator.to_yaml()")
 
     def fk(self, q: JointVectors, *, full: bool = False) -> NDArray[np.float64]:
         """Forward kinematics: the DH product at one joint vector or at many.

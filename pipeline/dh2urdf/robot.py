@@ -283,15 +283,15 @@ class Robot:
             ConfigError: an option is unknown or its value wrong, or the file's name is that of another format.
             OutputError: the file cannot be written.
         """
-        return function_of("commands.written_robots.write_description")(self, ".urdf", out, options, "Robot.to_urdf()")
+        return function_of("commands.written.write_description")(self, ".urdf", out, options, "Robot.to_urdf()")
 
     def to_sdf(self, out: str | os.PathLike[str] | None = None, **options: object) -> str:
         """The robot as SDF, as `to_urdf` has it as URDF."""
-        return function_of("commands.written_robots.write_description")(self, ".sdf", out, options, "Robot.to_sdf()")
+        return function_of("commands.written.write_description")(self, ".sdf", out, options, "Robot.to_sdf()")
 
     def to_mjcf(self, out: str | os.PathLike[str] | None = None, **options: object) -> str:
         """The robot as MJCF for MuJoCo, as `to_urdf` has it as URDF."""
-        return function_of("commands.written_robots.write_description")(self, ".xml", out, options, "Robot.to_mjcf()")
+        return function_of("commands.written.write_description")(self, ".xml", out, options, "Robot.to_mjcf()")
 
     def __repr__(self) -> str:
         """Name, number of links and number of moving joints."""

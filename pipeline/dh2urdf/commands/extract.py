@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from dh2urdf.commands.choices import chosen_reader, stage_calls
-from dh2urdf.commands.written_tables import in_format, left_out
+from dh2urdf.commands.written import in_format, left_out
 from dh2urdf.conversion.file_endings import table_writer
 from dh2urdf.conversion.one_manipulator import read_items
 from dh2urdf.documents.text_files import encoded

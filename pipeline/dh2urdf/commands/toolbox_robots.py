@@ -60,18 +60,11 @@ def from_roboticstoolbox(
     links = list(getattr(robot, "links", ()))
     kinds = {bool(link.mdh) for link in links if hasattr(link, "mdh")}
     if not links or not all(hasattr(link, each) for link in links for each in _NEEDED):
-        message, accepted = (
-            "this is no robot of DH links",
-            "a DHRobot; of others, `dh2urdf.extract()`",
-        )
-    elif inertias not in get_args(Inertias):
-        message, accepted = f"no such treatment of inertias: {inertias}", ", ".join(get_args(Inertias))
-    elif len(kinds) > 1:
-        message, accepted = "its links are of both conventions, standard and modified", "one of them"
-    else:
-        message = accepted = ""
-    if message:
-        raise _error(message, accepted)
+        raise _error("this is no robot of DH links", "a DHRobot; of others, `dh2urdf.extract()`")
+    if inertias not in get_args(Inertias):
+        raise _error(f"no such treatment of inertias: {inertias}", ", ".join(get_args(Inertias)))
+    if len(kinds) > 1:
+        raise _error("its links are of both conventions, standard and modified", "one of them")
     names = [str(getattr(link, "name", "") or "") for link in links]
     if len(set(names)) < len(names) or not all(names):  # They have no names of their own.
         names = [f"link_{number}" for number in range(1, len(links) + 1)]

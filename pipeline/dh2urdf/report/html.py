@@ -28,7 +28,7 @@ from dh2urdf.manipulator import Manipulator
 from dh2urdf.output.layouts import Form
 from dh2urdf.quantities.number_text import format_number
 from dh2urdf.report.figures import ARMS, FARTHEST_DRAWN, Workspace, arm_figure, bars_figure
-from dh2urdf.report.manifest import PAGE, tables_of
+from dh2urdf.report.manifest import tables_of
 from dh2urdf.report.overview import MOST_DRAWN, checks
 from dh2urdf.report.reproduction import plain_options
 from dh2urdf.report.verdicts import covered, notice_line
@@ -49,34 +49,18 @@ LARGEST_PICTURE = 4_000_000
 _LARGE = 1e-2  # errors from here on have three digits [m or rad]
 
 
-def write_html(  # noqa: PLR0917 - what a run has in its hands
-    store: Store,
-    manifest: ManifestWriter,
-    manipulators: FirstManipulators,
-    recipe: Recipe,
-    layout: Layout,
-    reports: Store,
-) -> None:
-    """Write `report.html`.
-
-    Args:
-        store: where the pictures of the simulators are.
-        manifest: what was gathered from the rows of its manifest, an overview among it.
-        manipulators: what the run's first manipulators are made of.
-        recipe: what was done with every manipulator.
-        layout: under which names the files lie.
-        reports: where it goes.
-
-    Raises:
-        OutputError: it cannot be written.
-    """
-    reports.write(PAGE, page(manifest, manipulators, recipe, store, layout))
-
-
 def page(
     manifest: ManifestWriter, manipulators: FirstManipulators, recipe: Recipe, store: Store, layout: Layout
 ) -> bytes:
-    """The page of a run, of which an overview was gathered."""
+    """The page of a run.
+
+    Args:
+        manifest: what was gathered from the rows of its manifest, an overview among it.
+        manipulators: what the run's first manipulators are made of.
+        recipe: what was done with every manipulator.
+        store: where the pictures of the simulators are.
+        layout: under which names the files lie.
+    """
     from jinja2 import Environment, PackageLoader, StrictUndefined
 
     overview = manifest.overview

@@ -131,8 +131,7 @@ def _drawing(what: Manipulator | Robot) -> str:
     """The arm or robot as SVG; nothing where matplotlib is not installed, or where there is nothing to be drawn."""
     if find_spec("matplotlib") is None:
         return ""
-    from dh2urdf.report.figures import FARTHEST_DRAWN, skeleton_figure
-    from dh2urdf.report.skeletons import arm_skeleton, robot_skeleton
+    from dh2urdf.report.figures import FARTHEST_DRAWN, arm_skeleton, robot_skeleton, skeleton_figure
 
     try:
         if isinstance(what, Robot):

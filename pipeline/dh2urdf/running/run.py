@@ -160,9 +160,9 @@ def execute(
                 raise
             report = write_reports(reports, manifest, result)
             if manifest.overview:
-                from dh2urdf.report.html import write_html
+                from dh2urdf.report.html import page
 
-                write_html(store, manifest, first_manipulators, plan.recipe, plan.layout, reports=reports)
+                reports.write(PAGE, page(manifest, first_manipulators, plan.recipe, store, plan.layout))
             else:
                 reports.remove(PAGE)  # An older one would describe another run.
             # While the old manifest is there, as what is removed is known from it alone.

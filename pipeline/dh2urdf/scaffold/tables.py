@@ -8,7 +8,7 @@ from pathlib import Path
 from string import Template
 from typing import TYPE_CHECKING, Any
 
-from dh2urdf.commands.written_tables import in_format
+from dh2urdf.commands.written import in_format
 from dh2urdf.conversion.one_manipulator import read_items
 from dh2urdf.documents.text_files import encoded, is_file, is_folder
 from dh2urdf.errors import ConfigError, OutputError

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from dh2urdf.commands.written_tables import in_format
+from dh2urdf.commands.written import in_format
 from dh2urdf.conversion.one_manipulator import read_items
 from dh2urdf.conversion.robots import make_robot
 from dh2urdf.errors import InputError, ManipulatorError

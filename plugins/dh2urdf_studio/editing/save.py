@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from dh2urdf.commands.convert import POSES, Planned, as_named, in_one_file
-from dh2urdf.commands.written_tables import in_format
+from dh2urdf.commands.written import in_format
 from dh2urdf.conversion.one_manipulator import Recipe
 from dh2urdf.errors import EmitterError
 from dh2urdf.output.whole_files import safe_stem

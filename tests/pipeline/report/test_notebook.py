@@ -152,7 +152,7 @@ class TestDrawings:
     def test_the_robot_is_drawn_where_it_is(self, reference_robot: ReferenceRobot) -> None:
         """A drawn robot ends at tool0, and a joint's axis goes through the joint in its direction."""
         from dh2urdf.kinematics.expected_poses import ExpectedPoses
-        from dh2urdf.report.skeletons import arm_skeleton, robot_skeleton
+        from dh2urdf.report.figures import arm_skeleton, robot_skeleton
 
         arm = reference_robot.manipulator
         bones, truth = robot_skeleton(robot_of(arm)), arm_skeleton(ExpectedPoses.of(arm).tips[0])

@@ -163,7 +163,7 @@ CONF_LINE = "delta_a = [0, 0, 0, 0, 0, 0]"
         ("c.csv", "joint,a,alpha,d,mass\nelbow,0,0,0,3\n", "a row of differences has mass"),
         ("c.csv", "robot,a,alpha,d\nx,0,0,0\ny,0,0,0\n", "the calibration has 2 manipulators"),
         ("c.csv", "# convention: modified\na,alpha,d\n0,0,0\n", "says modified"),
-        ("c.txt", "", "no calibration is known with the name 'c.txt'"),
+        ("c.pdf", "", "no calibration is known with the name 'c.pdf'"),
         ("other.conf", None, "there is no such file"),
     ],
 )

@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
     from dh2urdf.kinematics import CompiledChain
+    from dh2urdf.kinematics.proof import LargestErrors
     from dh2urdf.robot import Joint
 
 RANDOM_VECTORS = 32
@@ -47,32 +48,25 @@ class Choices:
     origins: str = "fewest"
 
 
-class Difference(NamedTuple):
-    """The largest distance of two chains' tips [m], and the largest angle between them [rad]."""
-
-    position: float
-    angle: float
-
-    @property
-    def largest(self) -> float:
-        """The larger of the two, as a tolerance counts them [m, rad]."""
-        return max(self)
-
-
 class Solution(NamedTuple):
     """The table of a chain, without what is not kinematics.
 
     Attributes:
         table: rows with the names of their joints; a fixed row has that of the joint before it, with ``_split``.
-        difference: how far its tip is from the chain's.
+        difference: how far its tip is from the chain's at most [m, rad].
         length: the arm's length [m].
         nearly_parallel: the neighbours whose axes are nearly parallel, and far enough for it to be noticed.
     """
 
     table: Manipulator
-    difference: Difference
+    difference: LargestErrors
     length: float
     nearly_parallel: tuple[NearlyParallel, ...]
+
+    @property
+    def error(self) -> float:
+        """The larger of position and angle, as a tolerance counts them [m, rad]."""
+        return max(self.difference[:2])
 
 
 def solve(joints: Sequence[Joint], choices: Choices) -> Solution:
@@ -89,7 +83,7 @@ def solve(joints: Sequence[Joint], choices: Choices) -> Solution:
     length = given.length
     precision = Precision.of(choices.tolerance, length)
     found: list[Solution] = []
-    while len(found) < _ATTEMPTS and not (found and found[-1].difference.largest <= choices.tolerance / 2):
+    while len(found) < _ATTEMPTS and not (found and found[-1].error <= choices.tolerance / 2):
         placed = place_sliding_axes(given, precision, length)
         chain, nearly_parallel = split_links(placed, precision, length, choices.tolerance, choices.near_parallel)
         numbers = rows_of(chain, choices.convention, precision, length, origins=choices.origins)
@@ -108,17 +102,16 @@ def solve(joints: Sequence[Joint], choices: Choices) -> Solution:
         difference = _difference(table_chain(table), KinematicChain.of(joints).compiled, joints)
         found.append(Solution(table, difference, length, nearly_parallel))
         precision = precision.finer()
-    return min(found, key=lambda solution: solution.difference.largest)
+    return min(found, key=lambda solution: solution.error)
 
 
-def chain_difference(one: Sequence[Joint], other: Sequence[Joint]) -> Difference:
+def chain_difference(one: Sequence[Joint], other: Sequence[Joint]) -> LargestErrors:
     """How far two chains of the same joints are from each other, at q = 0 and at random q within the limits."""
     return _difference(KinematicChain.of(one).compiled, KinematicChain.of(other).compiled, one)
 
 
-def _difference(one: CompiledChain, other: CompiledChain, joints: Sequence[Joint]) -> Difference:
-    errors = largest_errors(one, other, _joint_vectors([each for each in joints if each.type is not JointType.FIXED]))
-    return Difference(errors.position, errors.angle)
+def _difference(one: CompiledChain, other: CompiledChain, joints: Sequence[Joint]) -> LargestErrors:
+    return largest_errors(one, other, _joint_vectors([each for each in joints if each.type is not JointType.FIXED]))
 
 
 def _joint_vectors(moving: Sequence[Joint]) -> Iterator[tuple[float, ...]]:

@@ -189,6 +189,11 @@ class Comparison(measuring.Comparison):
             raise LoaderError(problems)
         return LoadReport(simulator=self.simulator, version=version, joints=joints, **masses)
 
+    def overlapping(self, found: Iterable[tuple[str, str]]) -> list[tuple[str, str]]:
+        """The pairs among those that overlap whose contact is a collision: none is joined to the other."""
+        overlaps = set(map(frozenset, found))
+        return [pair for pair in touching_pairs(self.robot) if frozenset(pair) in overlaps]
+
     def hold(
         self, start: Sequence[float], displacement: Sequence[float], contacts: Sequence[tuple[str, str]]
     ) -> tuple[dict[str, Any], tuple[Problem, ...]]:

@@ -31,7 +31,6 @@ from dh2urdf_plugins.loaders.measures import (
     hold_start,
     printed,
     rotation,
-    touching_pairs,
     vector,
 )
 from dh2urdf_plugins.loaders.simulators import PACKAGES
@@ -252,12 +251,8 @@ class Arm:
         def link(shape: Any) -> str:  # noqa: ANN401 - a module without type information
             return str(self.plant.GetBodyFromFrameId(inspector.GetFrameId(shape)).name())
 
-        found = {
-            frozenset((link(pair.id_A), link(pair.id_B)))
-            for pair in query.ComputePointPairPenetration()
-            if pair.depth > OVERLAP
-        }
-        return [pair for pair in touching_pairs(self.robot) if frozenset(pair) in found]
+        touching = [pair for pair in query.ComputePointPairPenetration() if pair.depth > OVERLAP]
+        return self.comparison.overlapping((link(pair.id_A), link(pair.id_B)) for pair in touching)
 
     def _switch_contacts_off(self) -> None:
         from pydrake.geometry import CollisionFilterDeclaration, GeometrySet

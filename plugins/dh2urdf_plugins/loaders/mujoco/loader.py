@@ -36,7 +36,6 @@ from dh2urdf_plugins.loaders.measures import (
     hold_start,
     printed,
     rotation,
-    touching_pairs,
     vector,
 )
 from dh2urdf_plugins.loaders.simulators import PACKAGES
@@ -267,12 +266,8 @@ class Arm:
         """The pairs of links, none joined to the other, whose collision shapes overlap."""
         names = {number: name for name, number in self.bodies.items()}
         body = self.model.geom_bodyid
-        found = {
-            frozenset((names[body[contact.geom1]], names[body[contact.geom2]]))
-            for contact in data.contact
-            if contact.dist < -OVERLAP
-        }
-        return [pair for pair in touching_pairs(self.robot) if frozenset(pair) in found]
+        touching = [contact for contact in data.contact if contact.dist < -OVERLAP]
+        return self.comparison.overlapping((names[body[each.geom1]], names[body[each.geom2]]) for each in touching)
 
 
 def _divergence(mujoco: Any) -> tuple[int, ...]:  # noqa: ANN401 - a module without type information

@@ -58,7 +58,7 @@ def manipulator_of(tree: Tree, tip: str, asked: Asked) -> Manipulator:
     given = tree.chain(tip)
     chain = tuple(map(_with_unit_axis, given))
     solution = solve(chain, asked.choices)
-    position, angle, _ = solution.difference
+    position, angle = solution.difference
     if not solution.error <= asked.choices.tolerance:
         raise TableError(_too_far(solution, asked, mark))
     precision = Precision.of(asked.choices.tolerance, solution.length)
@@ -188,7 +188,7 @@ class _Names:
 
 
 def _too_far(solution: Solution, asked: Asked, mark: Mark) -> Problem:
-    position, angle, _ = solution.difference
+    position, angle = solution.difference
     tolerance, is_split = asked.choices.tolerance, all(pair.split for pair in solution.nearly_parallel)
     advice = None if is_split else "the option near_parallel: split keeps numbers of the arm's own size"
     return Problem(
@@ -210,7 +210,7 @@ def _rounded(tree: Tree, tip: str, asked: Asked) -> Iterator[Problem]:
         return
     other = tree.with_joints(description.repaired.joints)
     chains = [tuple(map(_with_unit_axis, each.chain(tip))) for each in (tree, other)]
-    position, angle, _ = chain_difference(*chains)
+    position, angle = chain_difference(*chains)
     first, places = description.rounded[0], len(description.rounded)
     lines = list(dict.fromkeys(str(each.line) for each in description.rounded if each.line))
     where = f" (line{'s' if len(lines) > 1 else ''} {listed(lines, _FEW)})" if lines else ""

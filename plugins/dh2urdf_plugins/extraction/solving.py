@@ -23,7 +23,6 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
     from dh2urdf.kinematics import CompiledChain
-    from dh2urdf.kinematics.proof import LargestErrors
     from dh2urdf.robot import Joint
 
 RANDOM_VECTORS = 32
@@ -59,14 +58,14 @@ class Solution(NamedTuple):
     """
 
     table: Manipulator
-    difference: LargestErrors
+    difference: tuple[float, float]
     length: float
     nearly_parallel: tuple[NearlyParallel, ...]
 
     @property
     def error(self) -> float:
         """The larger of position and angle, as a tolerance counts them [m, rad]."""
-        return max(self.difference[:2])
+        return max(self.difference)
 
 
 def solve(joints: Sequence[Joint], choices: Choices) -> Solution:
@@ -105,13 +104,15 @@ def solve(joints: Sequence[Joint], choices: Choices) -> Solution:
     return min(found, key=lambda solution: solution.error)
 
 
-def chain_difference(one: Sequence[Joint], other: Sequence[Joint]) -> LargestErrors:
+def chain_difference(one: Sequence[Joint], other: Sequence[Joint]) -> tuple[float, float]:
     """How far two chains of the same joints are from each other, at q = 0 and at random q within the limits."""
     return _difference(KinematicChain.of(one).compiled, KinematicChain.of(other).compiled, one)
 
 
-def _difference(one: CompiledChain, other: CompiledChain, joints: Sequence[Joint]) -> LargestErrors:
-    return largest_errors(one, other, _joint_vectors([each for each in joints if each.type is not JointType.FIXED]))
+def _difference(one: CompiledChain, other: CompiledChain, joints: Sequence[Joint]) -> tuple[float, float]:
+    moving = [each for each in joints if each.type is not JointType.FIXED]
+    position, angle, _ = largest_errors(one, other, _joint_vectors(moving))
+    return position, angle
 
 
 def _joint_vectors(moving: Sequence[Joint]) -> Iterator[tuple[float, ...]]:

@@ -126,14 +126,12 @@ def _adapted(robot: Robot, profile: Profile, bases: AbstractSet[str]) -> Robot:
 def _adapted_joint(joint: Joint, profile: Profile) -> Joint:
     if not profile.joint_friction and joint.friction is not None:
         joint = replace(joint, friction=None)
-    if not profile.exact_axes and joint.type is not JointType.FIXED:
-        from dh2urdf_plugins.coppeliasim_import import importable_axis
+    if joint.type is not JointType.FIXED and not (profile.exact_axes and profile.exact_limits):
+        from dh2urdf_plugins.coppeliasim_import import importable_axis, importable_limits
 
-        joint = replace(joint, axis=importable_axis(joint.axis))
-    if not profile.exact_limits and joint.type is not JointType.FIXED:
-        from dh2urdf_plugins.coppeliasim_import import importable_limits
-
-        joint = replace(joint, limits=importable_limits(joint.limits))
+        axis = joint.axis if profile.exact_axes else importable_axis(joint.axis)
+        limits = joint.limits if profile.exact_limits else importable_limits(joint.limits)
+        joint = replace(joint, axis=axis, limits=limits)
     return joint
 
 
@@ -157,12 +155,9 @@ def _held(robot: Robot) -> Robot:
     """The cell of one arm, which stands where the world does."""
     names = {link.name for link in robot.links} | {joint.name for joint in robot.joints}
     if WORLD in names:
+        message = "the profile gazebo holds the arm on a link `world`, and the arm has that name for its own"
         raise EmitterError(
-            Problem(
-                message="the profile gazebo holds the arm on a link `world`, and the arm has that name for its own",
-                robot=robot.name,
-                suggestion="rename it, or take the profile portable",
-            )
+            Problem(message=message, robot=robot.name, suggestion="rename it, or take the profile portable")
         )
     root, *others = robot.links
     mounted = replace(root, inertial=root.inertial or WEIGHTLESS)

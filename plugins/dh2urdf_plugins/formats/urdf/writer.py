@@ -54,13 +54,9 @@ class Notation:
             EmitterError: XML cannot hold one of its characters.
         """
         if not (text.isascii() and text.isprintable()) and (culprit := re.search(_NOT_FOR_XML, text)):
-            raise EmitterError(
-                Problem(
-                    message=f"a name holds U+{ord(culprit.group()):04X}, which no robot description can carry",
-                    found=shown(text),
-                    accepted="any text without control characters and lone surrogates",
-                )
-            )
+            message = f"a name holds U+{ord(culprit.group()):04X}, which no robot description can carry"
+            accepted = "any text without control characters and lone surrogates"
+            raise EmitterError(Problem(message=message, found=shown(text), accepted=accepted))
         return text
 
     def name(self, name: str) -> str:
@@ -228,14 +224,8 @@ def _limits(joint: Joint, notation: Notation) -> dict[str, str]:
     for name in LIMITS_OF[joint.type]:
         value = getattr(joint.limits, name)
         if value is None:
-            raise EmitterError(
-                Problem(
-                    message=f"a {joint.type.value} joint needs {name}",
-                    mark=joint.mark,
-                    joint=joint.name,
-                    field=f"limits.{name}",
-                )
-            )
+            message = f"a {joint.type.value} joint needs {name}"
+            raise EmitterError(Problem(message=message, mark=joint.mark, joint=joint.name, field=f"limits.{name}"))
         attributes[name] = notation.limit(joint, name, value)
     return attributes
 
@@ -245,18 +235,14 @@ def _append_link(parent: etree._Element, link: Link, notation: Notation, *, shar
     if link.inertial:
         append_inertial(element, link.name, link.inertial, notation)
     for visual in link.visuals:
-        _append_visual(element, visual, notation, shared_materials=shared_materials)
+        shape = etree.SubElement(element, "visual")
+        _append_shape(shape, visual, notation)
+        if visual.material and not shared_materials:
+            _append_material(shape, visual.material, notation)
+        elif visual.material:
+            etree.SubElement(shape, "material", {"name": notation.name(visual.material.name)})
     for collision in link.collisions:
         _append_shape(etree.SubElement(element, "collision"), collision, notation)
-
-
-def _append_visual(parent: etree._Element, visual: Visual, notation: Notation, *, shared_materials: bool) -> None:
-    element = etree.SubElement(parent, "visual")
-    _append_shape(element, visual, notation)
-    if visual.material and not shared_materials:
-        _append_material(element, visual.material, notation)
-    elif visual.material:
-        etree.SubElement(element, "material", {"name": notation.name(visual.material.name)})
 
 
 def _append_shape(element: etree._Element, shape: Visual | Collision, notation: Notation) -> None:

@@ -82,12 +82,17 @@ def _bodies(arm: Manipulator) -> Iterator[tuple[str, dict[str, str]]]:
         if constant and is_standard:
             yield free(f"{row.link}_zero"), _fixed(free(f"{row.joint}_zero"), constant)
         is_last = is_standard or not constant
+        # What `setFixedTransform` leaves out of the four numbers is 0 here.
+        d = format_number(0.0 if row.type is JointType.PRISMATIC else row.d)
+        theta = _angle(row.theta if row.type in (JointType.PRISMATIC, JointType.FIXED) else 0.0)
+        is_bounded = (row.limits.lower, row.limits.upper) != (None, None) or row.type is JointType.CONTINUOUS
+        has_limits = is_bounded and row.type is not JointType.FIXED
         words = {
             "JOINT": _quoted(row.joint),
             "KIND": "revolute" if row.type is JointType.CONTINUOUS else str(row.type),
-            "TRANSFORM": f"[{', '.join(_matlab_parameters(row))}], {notation}",
+            "TRANSFORM": f"[{format_number(row.a)}, {_angle(row.alpha)}, {d}, {theta}], {notation}",
             "AXIS": "joint.JointAxis = [0 0 -1];" if row.sign < 0 else "",
-            "LIMITS": _matlab_limits(row),
+            "LIMITS": f"joint.PositionLimits = {_limits(row)};" if has_limits else "",
             "MASS": mass if is_last else "",
         }
         yield row.link if is_last else free(f"{row.link}_zero"), words
@@ -100,18 +105,6 @@ def _fixed(joint: str, transform: str, mass: str = "") -> dict[str, str]:
     """The words of a body that is fixed to the one before."""
     words = {"JOINT": _quoted(joint), "KIND": "fixed", "TRANSFORM": transform, "MASS": mass or _WEIGHTLESS}
     return {**words, "AXIS": "", "LIMITS": ""}
-
-
-def _matlab_parameters(row: DHRow) -> tuple[str, str, str, str]:
-    """a, alpha, d and theta as `setFixedTransform` takes them, without what it would leave out."""
-    d = 0.0 if row.type is JointType.PRISMATIC else row.d
-    theta = row.theta if row.type in (JointType.PRISMATIC, JointType.FIXED) else 0.0
-    return format_number(row.a), _angle(row.alpha), format_number(d), _angle(theta)
-
-
-def _matlab_limits(row: DHRow) -> str:
-    has_limits = (row.limits.lower, row.limits.upper) != (None, None) or row.type is JointType.CONTINUOUS
-    return f"joint.PositionLimits = {_limits(row)};" if has_limits and row.type is not JointType.FIXED else ""
 
 
 def _matlab_mass(row: DHRow) -> Iterator[str]:
@@ -191,11 +184,10 @@ def _moving(arm: Manipulator) -> tuple[RigidTransform, Sequence[DHRow], RigidTra
         tool = row_transform(arm.convention, rows.pop()) @ tool
     between = [row for row in rows if row.type is JointType.FIXED]
     if between or not rows:
+        what = "a row between two joints is fixed" if between else "no row of the table does"
         raise EmitterError(
             Problem(
-                message="every link of a DHRobot moves, and a row between two joints is fixed"
-                if between
-                else "every link of a DHRobot moves, and no row of the table does",
+                message=f"every link of a DHRobot moves, and {what}",
                 robot=arm.name,
                 mark=between[0].mark if between else arm.mark,
                 found=(between or arm.rows)[0].joint,

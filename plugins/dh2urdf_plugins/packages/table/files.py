@@ -65,13 +65,9 @@ def manipulators_of(robot: Robot) -> list[Manipulator]:
     arms: dict[int, Manipulator] = {}
     for kind in kinds:
         if kind.manipulator is None:
-            raise EmitterError(
-                Problem(
-                    message="the table of this robot is not known, and a table is what is written",
-                    robot=kind.name,
-                    accepted="a robot that a run or `dh2urdf convert` has made of a table or of a description",
-                )
-            )
+            message = "the table of this robot is not known, and a table is what is written"
+            accepted = "a robot that a run or `dh2urdf convert` has made of a table or of a description"
+            raise EmitterError(Problem(message=message, robot=kind.name, accepted=accepted))
         arms[id(kind.manipulator)] = kind.manipulator
     return list(arms.values())
 

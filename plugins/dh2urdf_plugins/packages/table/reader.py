@@ -26,14 +26,9 @@ def read_table(path: Path) -> Robot:
     """
     reader = _READERS.get(path.suffix.lower())
     if reader is None:
-        raise InputError(
-            Problem(
-                message="the file is a table for people or for another program, and only written",
-                mark=Mark(file=str(path)),
-                found=path.suffix,
-                accepted=f"a file that ends in {', '.join(_READERS)}",
-            )
-        )
+        message = "the file is a table for people or for another program, and only written"
+        accepted = f"a file that ends in {', '.join(_READERS)}"
+        raise InputError(Problem(message=message, mark=Mark(file=str(path)), found=path.suffix, accepted=accepted))
     from dh2urdf import read_all
 
     (arm,) = read_all(path, reader=reader)

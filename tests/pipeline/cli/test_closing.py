@@ -143,8 +143,7 @@ class TestStandardInput:
         ("content", "words", "message"),
         [
             (b"", [], "standard input: error: there is nothing in it"),
-            (b"hello", [], "the format is not sure: no reader surely reads this as it is"),
-            (b"hello", [], "accepted: `--from NAME`, with one of csv, franka-kinematics, mjcf, parquet, "),
+            (b"hello", [], "standard input: error: field 'columns': the text has no table"),
             (b"inputs: arm.csv\n", ["--from", "yaml"], "this is a run file, not a table"),
         ],
     )

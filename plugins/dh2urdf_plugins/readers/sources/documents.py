@@ -59,7 +59,7 @@ _OTHERS = {
     "screws": ("a file of screw axes", None, None),
 }
 """Readers of other YAML files: what they read, and a key with a key in it that shows it."""
-_SENTENCE = r"#+\s*(?![\w .-]{1,40}:)(.*)"
+_SENTENCE = r"#+(?!>)\s*(?![\w .-]{1,40}:)(.*)"
 """A comment, and no key that somebody took out by making it one."""
 
 

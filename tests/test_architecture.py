@@ -226,7 +226,7 @@ class TestQuickStart:
             "transforms.paper",
             "xacro_fence",
         }
-        others = {"sources.documents", "parquet_file.reading", "xlsx_file.reading"}
+        others = {"sources.documents", "sources.parquet", "sources.workbook"}
         foreign = {f"dh2urdf_plugins.readers.{name}" for name in others} | {f"dh2urdf_plugins.{w}" for w in work}
         if words == ["plugins"]:
             host |= {"dh2urdf.columns", "dh2urdf.manipulator", "dh2urdf.quantities.units", "lxml", "yaml"}
@@ -419,7 +419,7 @@ BUDGETS = {
     "plugins/dh2urdf_plugins/formats": 4382,
     "plugins/dh2urdf_plugins/loaders": 2690,
     "plugins/dh2urdf_plugins/packages": 2314,
-    "plugins/dh2urdf_plugins/readers": 11212,
+    "plugins/dh2urdf_plugins/readers": 10559,
     "plugins/dh2urdf_plugins/transforms": 2330,
     "plugins/dh2urdf_plugins/xacro_fence": 780,
     "plugins/dh2urdf_studio": 7660,

@@ -24,7 +24,7 @@ from dh2urdf.quantities.quantity import MAX_NESTING
 from dh2urdf.stages import Rejected
 from dh2urdf_plugins.readers import csv, yaml
 from dh2urdf_plugins.readers.rows.rows import MAX_PROBLEMS
-from dh2urdf_plugins.readers.sources.csv_header import MAX_HEADER
+from dh2urdf_plugins.readers.sources.texts import MAX_HEADER
 from dh2urdf_plugins.readers.statements.text import MAX_LINE
 from dh2urdf_plugins.readers.table import TableOptions
 from dh2urdf_plugins.readers.words.bounds import MAX_COLUMNS, MAX_JOINTS

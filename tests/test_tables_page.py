@@ -28,14 +28,12 @@ from dh2urdf.rotations import RigidTransform
 from dh2urdf_plugins.readers import csv, parquet, xlsx, yaml
 from dh2urdf_plugins.readers.comments import declared, top
 from dh2urdf_plugins.readers.header import units as table_units, words as header_words
-from dh2urdf_plugins.readers.parquet_file import sizes as parquet_sizes
 from dh2urdf_plugins.readers.rows import cells as row_cells, rows
-from dh2urdf_plugins.readers.sources import csv_header
+from dh2urdf_plugins.readers.sources import parquet as parquet_sizes, texts as source_texts, workbook as xlsx_file
 from dh2urdf_plugins.readers.statements import plausibility, text
 from dh2urdf_plugins.readers.table import TableOptions
 from dh2urdf_plugins.readers.tables import tables
 from dh2urdf_plugins.readers.words import bounds as table_bounds, fields, names
-from dh2urdf_plugins.readers.xlsx_file import workbook as xlsx_file
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -612,7 +610,7 @@ def test_every_place_of_a_unit_is_read(
 
 CONSTANTS = {
     "characters in a line of a CSV file": (text, "MAX_LINE"),
-    "characters in the header of a CSV file": (csv_header, "MAX_HEADER"),
+    "characters in the header of a CSV file": (source_texts, "MAX_HEADER"),
     "columns of a table": (table_bounds, "MAX_COLUMNS"),
     "characters in the header of one column, and in a cell that a field has": (table_bounds, "MAX_TEXT"),
     "characters in a comment line with a statement": (declared, "MAX_STATEMENT"),

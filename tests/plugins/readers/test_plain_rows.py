@@ -401,3 +401,27 @@ def test_decimal_numbers_are_those_of_float(column: list[str], numbers: list[flo
     """Texts that are read together mean what each means by itself, and no text reaches into the next one."""
     found = PlainNumbers("a", Units()).decimals(column)
     assert repr(found) == repr(numbers)
+
+
+@pytest.mark.parametrize(
+    ("header", "cells"),
+    [
+        ("mass", "1.5"),
+        ("mass [g]", "1500"),
+        ("mass,com_x,com_y,com_z", "1.5,0,-0.1,{k}"),
+        ("mass,ixx,iyy,izz,ixy,ixz,iyz", "1.5,0.1,0.1,0.2,0,0,{k}"),
+        ("damping,friction,armature", "0.1,0,{k}"),
+        ("radius", "{k}"),
+        ("mass", "-{k}"),
+        ("damping", "-1"),
+    ],
+)
+def test_a_column_of_other_numbers_is_read_alike(header: str, cells: str, tmp_path: Path) -> None:
+    """Masses and what joints resist with go the fast way too, with joints that turn, slide and stand still."""
+    path = tmp_path / "arms.csv"
+    for kinds in ("RR", "RP", "RF"):
+        rows = [f"r{k},{kind},0.3,0,0.1,{cells}".format(k=f"0.{k + 1:03}") for k in range(40) for kind in kinds]
+        content = "\n".join([f"robot,type,a,alpha,d,{header}", *rows])
+        fast = outcome(path, content, convention="standard")
+        with without_the_fast_way():
+            assert fast == outcome(path, content, convention="standard")

@@ -16,9 +16,9 @@ from operator import add, methodcaller
 from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar
 
 from dh2urdf.columns import column
-from dh2urdf.manipulator import JointType, Limits, new_dh_row
+from dh2urdf.manipulator import Inertia, JointType, Limits, new_dh_row
 from dh2urdf.rotations import HALF_PI, quarter_turns
-from dh2urdf.row_fields import LIMITS
+from dh2urdf.row_fields import COM, DYNAMICS, INERTIA, LIMITS, NUMBERS, ROW_FIELDS
 from dh2urdf.table_text import GEOMETRY
 from dh2urdf_plugins.readers.header.header_rows import is_beside
 from dh2urdf_plugins.readers.header.units import group_of
@@ -47,6 +47,8 @@ Rows: TypeAlias = slice | list[int]
 """Where the same row of many manipulators is among the rows of all."""
 
 _WORDS = ("robot", "convention", "index", "joint", "link", "type")
+_OTHERS = tuple(name for name in (*NUMBERS, *COM, *INERTIA) if name not in GEOMETRY)
+"""Numbers that have to do with no other number of their row."""
 _HASH = methodcaller("startswith", "#")
 
 
@@ -72,8 +74,12 @@ class PlainRows:
         # Without a column of types, one that no field knows may hold them.
         known = "type" in self.column or not any(columns.headers[index] for index in self.others)
         turned = columns.of_theta and {"theta", "offset"} & self.column.keys()
-        plain = known and not turned and not set(self.column) - {*_WORDS, *GEOMETRY, *LIMITS}
-        self.numbers = {name: PlainNumbers(name, units) for name in GEOMETRY if name in self.column}
+        plain = known and not turned and not set(self.column) - {*_WORDS, *GEOMETRY, *LIMITS, *_OTHERS}
+        plain &= all(
+            self.column.keys() >= {*group} for group in (COM, INERTIA) if not self.column.keys().isdisjoint(group)
+        )
+        plain &= "ixx" not in self.column or "mass" in self.column
+        self.numbers = {name: PlainNumbers(name, units) for name in (*GEOMETRY, *_OTHERS) if name in self.column}
         # A column that is an angle in one row and a length in the next is read as one only where both are in SI units,
         # and as angles only where its header does not say otherwise.
         mixed = [name for name in self.column if FIELDS[name].linear]
@@ -123,10 +129,11 @@ class PlainRows:
             return None
         kinds = [self.kinds[word] for word in words]
         plain = "offset" not in values or self._are_plain_offsets(kinds, offset, columns[self.column["offset"]])
+        others = {name: values[name] for name in _OTHERS if name in values}
         in_doubt = self._are_foreign(columns) or self._are_mixed(columns, values)
-        if in_doubt or not plain:
+        if in_doubt or not (plain and _are_taken(others, kinds)):
             return None
-        geometry = {"a": a, "alpha": alpha, "d": d, "theta": theta, "offset": offset}
+        geometry = {"a": a, "alpha": alpha, "d": d, "theta": theta, "offset": offset, **others}
         return [
             (members, tuple([_row_in_columns(*names, kinds, limits, geometry, where) for where in places]))
             for members, places in _forms((*names, kinds), limits, sizes)
@@ -313,6 +320,9 @@ def _row_in_columns(  # noqa: PLR0917 - what a row consists of
     """One row of many manipulators, which is in some places among the rows of all."""
     first = where.start if isinstance(where, slice) else where[0]
     bounds = _some(limits, where)
+    found = {name: column(_some(entries, where)) for name, entries in numbers.items()}
+    com = tuple([found.pop(name) for name in COM]) if "com_x" in found else None
+    inertia = Inertia(**{name: found.pop(name) for name in INERTIA}) if "ixx" in found else None
     return new_dh_row(
         joint=joints[first],
         link=links[first],
@@ -320,8 +330,21 @@ def _row_in_columns(  # noqa: PLR0917 - what a row consists of
         limits=bounds[0]
         if bounds.count(bounds[0]) == len(bounds)
         else Limits(**{name: column([getattr(each, name) for each in bounds]) for name in LIMITS}),
-        **{name: column(_some(entries, where)) for name, entries in numbers.items()},
+        com=com,
+        inertia=inertia,
+        **found,
     )
+
+
+def _are_taken(numbers: Mapping[str, Sequence[float]], kinds: Sequence[JointType]) -> bool:
+    """Whether numbers beside the geometry are such as their fields take, in rows that have them."""
+    if JointType.FIXED in kinds and not numbers.keys().isdisjoint(DYNAMICS):
+        return False
+    for name, column_ in numbers.items():
+        field, smallest = ROW_FIELDS[name], min(column_)
+        if not (math.isfinite(sum(column_)) and field.takes(smallest)):
+            return False
+    return True
 
 
 def _some(entries: Sequence[T], where: Rows) -> Sequence[T]:

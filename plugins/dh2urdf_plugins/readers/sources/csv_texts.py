@@ -14,7 +14,7 @@ from dh2urdf.source import Mark, Problem
 from dh2urdf.table_text import FIELDS, Place, TableText, WrittenTable
 from dh2urdf.table_text.texts import yaml_word
 from dh2urdf_plugins.readers.comments.top import read_top
-from dh2urdf_plugins.readers.sources.csv_lines import COMPUTED
+from dh2urdf_plugins.readers.sources.delimited import COMPUTED
 from dh2urdf_plugins.readers.tables.cell_groups import GroupError, split_cell
 from dh2urdf_plugins.readers.words.cells import SPACES, text_of
 from dh2urdf_plugins.readers.words.comment_lines import SIGNS

@@ -39,6 +39,8 @@ if TYPE_CHECKING:
 
 FORMS = {".md": "markdown", ".tex": "latex"}
 """The forms that a suffix says; of other files the first lines say it."""
+_TOP = 100
+"""Lines in which the header of a CSV file is."""
 _LONGEST = 2**24
 """Bytes of a text that is no CSV [B]."""
 
@@ -65,7 +67,7 @@ def read_file_columns(
         yield from read_documents(path, options, trace)
         return
     if form == "csv" and not options.columns:
-        from dh2urdf_plugins.readers.sources.csv_rows import CsvRows
+        from dh2urdf_plugins.readers.sources.delimited import CsvRows
 
         yield from read_table_columns(CsvRows(path), str(path), options, name=path.stem, trace=trace)
         return
@@ -79,14 +81,15 @@ def read_file_columns(
 def _form_of(path: Path) -> tuple[str, list[str]]:
     """The form of a file, and its first lines."""
     lines = list(chain.from_iterable(islice(line_blocks(path), 2)))
-    return FORMS.get(path.suffix.lower()) or form_of(lines), lines
+    is_csv = path.suffix.lower() in (".csv", ".tsv") and any(map(delimiter_of, lines[:_TOP]))
+    return "csv" if is_csv else FORMS.get(path.suffix.lower()) or form_of(lines), lines
 
 
 def _rows_of(path: Path, form: str, options: TableOptions, file: str) -> list[CellRow]:
     """The rows of the one table of a text, from what is around it on."""
     text = decoded(read_bytes(path, TableError, limit=_LONGEST), file, TableError)
     tables = [_delimited(text, file)] if form == "csv" else tables_of(text, file, form)
-    return list(grammar_rows(chosen(tables, options.table, file), options.column_names, file))
+    return list(grammar_rows(chosen(tables, options.table_number, file), options.column_names, file))
 
 
 def _delimited(text: str, file: str) -> TextTable:
@@ -115,7 +118,7 @@ def cells_of(text: str) -> list[list[str]]:
     if form not in ("csv", "yaml"):
         with suppress(TableError):  # A program changes the numbers: they are no cells.
             found = tables_of(text, "", form) if form == "blanks" else all_tables(text, "", form)
-            rows = [[str(cell) for cell in row.cells] for row in found[0].rows] if len(found) == 1 else []
+            rows = [[_typed(str(cell)) for cell in row.cells] for row in found[0].rows] if len(found) == 1 else []
     if not rows:
         sign = next((sign for sign in "\t;," if any(sign in line for line in lines)), None)
         commas = {line.count(",") for line in lines}
@@ -129,6 +132,12 @@ def cells_of(text: str) -> list[list[str]]:
     return [[_COMMA.sub(r"\1.\2", cell) if cell in with_commas else cell for cell in row] for row in rows]
 
 
+def _typed(cell: str) -> str:
+    """A cell as a person would type it: ``pi/2`` for ``np.pi/2`` and for ``((pi)/(2))``."""
+    plain = re.sub(r"\b(?:np|numpy|math)\.|\bM_(?=PI\b)", "", cell).replace("PI", "pi")
+    return re.sub(r"\(\(([\w.]+)\)/\(([\w.]+)\)\)", r"\1/\2", plain)
+
+
 def typed_texts(path: Path) -> Iterator[TableText]:
     """The tables of a file as their authors typed them; see `WritesTables.texts`."""
     from dh2urdf_plugins.readers.options import TableOptions
@@ -140,7 +149,7 @@ def typed_texts(path: Path) -> Iterator[TableText]:
 
         yield from in_yaml.texts(path)
     elif form == "csv":
-        from dh2urdf_plugins.readers.sources.csv_rows import CsvRows
+        from dh2urdf_plugins.readers.sources.delimited import CsvRows
 
         yield from texts(CsvRows(path), path)
     else:

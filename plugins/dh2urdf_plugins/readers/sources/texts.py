@@ -178,9 +178,9 @@ def chosen(tables: Sequence[TextTable], number: int | None, file: str) -> TextTa
         Problem(
             message=f"the text has {len(tables)} tables of parameters: {places}" if tables else "the text has no table",
             mark=Mark(file=file),
-            field="table" if tables else "columns",
+            field="table_number" if tables else "columns",
             found=None if number is None else str(number),
-            accepted=f"`--table N`, from 1 to {len(tables)}"
+            accepted=f"`--table-number N`, from 1 to {len(tables)}"
             if tables
             else "a header of at least a, alpha and d, and one row for each joint",
         )

@@ -1,1 +1,0 @@
-"""Parquet files: what their columns hold."""

@@ -1,0 +1,457 @@
+"""The rows of a CSV file: comment lines, the header, and what is below it, in blocks of lines and never as a whole."""
+
+from __future__ import annotations
+
+import csv
+import re
+from collections import deque
+from itertools import accumulate, chain, islice
+from operator import itemgetter
+from typing import TYPE_CHECKING, NamedTuple, NoReturn
+
+from dh2urdf.errors import TableError
+from dh2urdf.source import Mark, Problem, shown
+from dh2urdf.table_text import REQUIRED, STATEMENTS, CellRow
+from dh2urdf_plugins.readers.comments.declared import comment_below
+from dh2urdf_plugins.readers.comments.top import MAX_TITLES, is_header
+from dh2urdf_plugins.readers.header.columns import TURN_ROUND, are_joints
+from dh2urdf_plugins.readers.header.header_rows import completed, headers_in
+from dh2urdf_plugins.readers.header.words import read_header
+from dh2urdf_plugins.readers.sources.texts import DELIMITERS, MAX_HEADER, delimiter_of, split
+from dh2urdf_plugins.readers.statements.text import line_blocks
+from dh2urdf_plugins.readers.tables.cell_rows import is_note, other_header
+from dh2urdf_plugins.readers.words.cells import SPACES
+from dh2urdf_plugins.readers.words.comment_lines import (
+    SIGNS,
+    Comment,
+    as_typed,
+    fills_row,
+    is_comment,
+    is_open,
+    is_quoted,
+    joined,
+    marks_a_comment,
+    without_marker,
+)
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator, Sequence
+    from pathlib import Path
+
+    from dh2urdf.columns import PlaceInFile
+    from dh2urdf_plugins.readers.header.columns import Columns
+    from dh2urdf_plugins.readers.rows.source import Row
+
+MAX_BELOW = 1000
+"""Comments below the header that are kept, for the names that they may define."""
+COMPUTED = "=+@-"
+"""How a cell begins that a spreadsheet computes: names of that kind are written as texts, behind an apostrophe."""
+_GUARDED = re.compile(f"'+[{COMPUTED}]")
+_CAREFUL = ('"', *(f"'{sign}" for sign in COMPUTED))
+"""What a block has whose lines are more than cells and delimiters."""
+_EMPTY = SPACES + "".join(DELIMITERS) + '"'
+"""What a line consists of that holds nothing."""
+_LINES_OF_A_CELL = 100
+"""Lines that a comment, or a header, in quotes may run over."""
+_EXCEL_SEPARATOR = r'(?i)\s*"?sep=(.)"?[\s,;]*'  # Excel's own way to name the delimiter
+
+
+class _Line(NamedTuple):
+    """A line above the rows.
+
+    Attributes:
+        number: counted from 1.
+        text: the line, or several where a cell in quotes runs over them.
+        end: how many lines end with it.
+        comment: whether it begins as a comment does.
+    """
+
+    number: int
+    text: str
+    end: int
+    comment: bool
+
+
+class CsvRows:
+    """The rows of a CSV file: comment lines of one cell each, the header, and what is below it.
+
+    The key of a row is the number of its line.
+
+    Attributes:
+        below: comments and notes below the header, which may define names.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self.file = str(path)
+        self.below: list[Comment] = []
+        self.blocks = line_blocks(path)
+        self.lines: list[str] = []  # those that were read and not handed on
+        self.passed = 0  # lines before these
+        self.delimiter = ","
+        self.header: list[str] = []
+        self.width = self.needed = 0
+        self.geometry: list[int] = []
+        self.after_empty = False
+        self.held: list[tuple[int, list[str]]] = []  # notes, as long as no joint follows
+        self.quoted: deque[tuple[int, str]] = deque()  # lines with quotes: lengths do not tell where their cells start
+        self.comments: set[int] = set()  # lines among the latest rows that are comments, and so no empty rows
+
+    # --- The top ------------------------------------------------------------------------------------------------------
+
+    def __iter__(self) -> Iterator[CellRow]:
+        """The rows down to the header.
+
+        The header is the first line that names two of a, alpha, d and theta; one in a comment, unless a header is below
+        it. Where no line does, it is the line that is most like one, so that a message can say what it lacks.
+
+        Raises:
+            TableError: there is no header.
+        """
+        self.lines = list(chain.from_iterable(islice(self.blocks, 2)))
+        above: list[_Line] = []
+        titles: list[_Line] = []
+        separator: str | None = None
+        for line in self._top_lines():
+            if line.number == 1 and (match := re.fullmatch(_EXCEL_SEPARATOR, line.text)):
+                separator = match[1] if match[1] in DELIMITERS else None
+                continue
+            text = _header_in(line)
+            if len(text) > MAX_HEADER:
+                message, accepted = f"the header has {len(text)} characters", f"at most {MAX_HEADER} characters"
+                raise TableError(Problem(message=message, mark=self._mark(line.number), accepted=accepted))
+            found = separator or delimiter_of(text)
+            if found and is_header(row := self._cells(text, line.number, found)) and not self._is_explained(line):
+                yield from self._begin(line, row, found, above)
+                return
+            above.append(line)
+            titles += [] if line.comment else [line]
+            if len(titles) > MAX_TITLES:
+                break
+        yield from self._likely(above, titles, separator)
+
+    def _top_lines(self) -> Iterator[_Line]:
+        """The lines that hold anything, each with those that a cell in quotes runs over."""
+        number = 0
+        while number < len(self.lines):
+            text, start = self.lines[number], number + 1
+            number += 1
+            if not text.strip(_EMPTY):
+                continue
+            comment = is_comment(text, top=True)
+            goes_on = is_open if comment else _is_cut
+            while goes_on(text) and number < min(len(self.lines), start + _LINES_OF_A_CELL) and len(text) < MAX_HEADER:
+                text += f"\n{self.lines[number]}"
+                number += 1
+            yield _Line(start, text, number, comment)
+
+    def _begin(self, line: _Line, row: CellRow, delimiter: str, above: Sequence[_Line]) -> Iterator[CellRow]:
+        """What is above the header, and the header."""
+        if not line.comment and _is_cut(line.text):
+            raise TableError(
+                Problem(
+                    message=f"a column of the header opens with a quote that is not closed: {shown(line.text.strip())}",
+                    mark=self._mark(line.number),
+                    accepted='a quote at both ends, "like this", or none',
+                )
+            )
+        self.delimiter = delimiter
+        for each in above:
+            if each.comment:
+                texts = enumerate(as_typed(each.text, delimiter), each.number)
+                yield from (CellRow([text], self._mark(number)) for number, text in texts)
+            else:
+                yield self._cells(each.text, each.number, delimiter)
+        del self.lines[: line.end]
+        self.passed = line.end
+        yield row
+
+    def _is_explained(self, comment: _Line) -> bool:
+        """Whether a header is in a comment above the header itself, and only explains it: it names no link before."""
+        if not comment.comment or "1" in comment.text:
+            return False
+        below = self.lines[comment.end : comment.end + MAX_TITLES]
+        line = next((line for line in below if line.strip(_EMPTY) and not is_comment(line, top=True)), "")
+        return delimiter_of(line) is not None
+
+    def _likely(self, above: Sequence[_Line], titles: Sequence[_Line], separator: str | None) -> Iterator[CellRow]:
+        """The line that is most like a header.
+
+        Raises:
+            TableError: no line is like one.
+        """
+        if not titles:
+            raise TableError(
+                Problem(
+                    message="there is no header and there are no rows",
+                    mark=Mark(file=self.file),
+                    accepted="a header with at least the columns a, alpha and d, and one row for each joint",
+                )
+            )
+        likely = max(titles, key=lambda title: max(map(len, _fields_by_delimiter(title.text).values())))
+        by_delimiter = _fields_by_delimiter(likely.text)
+        found = separator or max(by_delimiter, key=lambda sign: (len(by_delimiter[sign]), likely.text.count(sign)))
+        if not by_delimiter[found] or found not in likely.text:
+            raise TableError(self._no_header(likely))
+        row = self._cells(likely.text, likely.number, found)
+        yield from self._begin(likely, row, found, above[: above.index(likely)])
+
+    def _no_header(self, line: _Line) -> Problem:
+        text = line.text.strip(_EMPTY)
+        if ":" in text and text.partition(":")[0].strip().casefold() in STATEMENTS:
+            advice = f"write `# {text}`: what holds for all rows is in comment lines"
+        elif any(are_joints(split(line.text, sign)) for sign in DELIMITERS):
+            advice = TURN_ROUND
+        else:
+            advice = "`--columns theta,d,a,alpha` names the columns of numbers without a header, in their order"
+        return Problem(
+            message=f"this line is no header whose columns are known: {shown(line.text)}",
+            mark=self._mark(line.number),
+            field="columns",
+            found=line.text,
+            accepted="a header with at least the columns a, alpha and d, such as `joint,type,a,alpha,d,theta`",
+            suggestion=advice,
+        )
+
+    def complete(self, header: CellRow) -> CellRow:
+        """The header with a row of units, or of names under shared titles, that follows it.
+
+        Raises:
+            TableError: the row of units contradicts the header.
+        """
+        for count, line in enumerate(self.lines, start=1):
+            if line.strip(_EMPTY):
+                is_row = len(line) <= MAX_HEADER and not is_comment(line, top=True)
+                found = completed(header, self._cells(line, self.passed + count, self.delimiter)) if is_row else None
+                if found:
+                    del self.lines[:count]
+                    self.passed += count
+                return found or header
+        return header
+
+    # --- The rows -----------------------------------------------------------------------------------------------------
+
+    def start(self, columns: Columns) -> Columns:
+        """Takes the columns of the rows to come."""
+        self.header = columns.headers
+        self.width = len(columns.headers)
+        self.needed = max(index for index, header in enumerate(columns.headers) if header) + 1
+        self.geometry = [columns.fields.index(name) for name in REQUIRED]
+        columns.decimal_comma = self.delimiter != ","
+        columns.quoted_commas = self.delimiter == ","
+        return columns
+
+    def batches(self) -> Iterator[tuple[Sequence[int], Sequence[Row]]]:
+        """The rows that hold anything, and the line at which each starts."""
+        for lines, batch in self._records():
+            plain = set(map(len, batch)) == {self.width} and all(map(str.strip, map(itemgetter(0), batch)))
+            if plain and not self.after_empty and not self.held and not _may_be_note(batch[-1]):
+                yield lines, batch
+            else:
+                pairs = [pair for each in zip(lines, batch, strict=True) for pair in self._joints(*each)]
+                yield [line for line, _ in pairs], [cells for _, cells in pairs]
+        self.below += (Comment.of(joined(cells), self._mark(line)) for line, cells in self.held)
+
+    def _joints(self, line: int, cells: list[str]) -> list[tuple[int, list[str]]]:
+        """What a line adds to the rows: itself with notes that a joint follows after all, or nothing."""
+        if not any(map(str.strip, cells)):
+            self.after_empty = self.after_empty or line not in self.comments
+            return []
+        row = CellRow(cells, self._mark(line))
+        if is_note(row, self.geometry, self.needed, after_empty=self.after_empty):
+            self.held.append((line, cells))
+            return []
+        joints, self.held, self.after_empty = [*self.held, (line, cells)], [], False
+        return joints
+
+    def _records(self) -> Iterator[tuple[Sequence[int], list[list[str]]]]:
+        """Batches of rows, and the line at which each row starts."""
+        blocks = self._blocks()
+        for start, lines, has_quotes in blocks:
+            if not has_quotes and max(map(len, lines), default=0) < csv.field_size_limit():
+                # Without quotes `csv.reader` does the same, in twice the time.
+                yield range(start, start + len(lines)), [line.split(self.delimiter) if line else [] for line in lines]
+            else:
+                source = _Joined(lines, blocks)
+                reader = csv.reader(source, delimiter=self.delimiter, strict=True)
+                starts: list[int] = []
+                batch: list[list[str]] = []
+                try:
+                    while reader.line_num < source.count:
+                        starts.append(start + reader.line_num)
+                        batch.append(self._unguarded(next(reader), starts[-1]))
+                except csv.Error as error:
+                    self._refuse_cell(error, starts[-1])
+                yield starts, batch
+            self.comments.clear()
+
+    def _blocks(self) -> Iterator[tuple[int, list[str], bool]]:
+        """Blocks of lines, comments made empty: the number of the first line, and whether any has quotes."""
+        for block in chain((self.lines,), self.blocks):
+            start = self.passed + 1
+            self.passed += len(block)
+            text = "".join(block)
+            has_quotes = any(sign in text for sign in _CAREFUL)
+            if has_quotes:
+                lines = enumerate(block, start)
+                self.quoted.extend((at, line) for at, line in lines if any(sign in line for sign in _CAREFUL))
+                block = [f"{line}\n" for line in block]  # noqa: PLW2901 - a cell in quotes keeps the end of the line
+            if any(sign[0] in text and sign in text for sign in SIGNS):
+                block = [  # noqa: PLW2901 - the same lines
+                    "" if is_comment(line) and self._passes_over(line, start + k) else line
+                    for k, line in enumerate(block)
+                ]
+            yield start, block, has_quotes
+
+    def _passes_over(self, line: str, number: int) -> bool:
+        """Passes over a comment below the header.
+
+        Raises:
+            TableError: it says something, which would not hold for the rows above.
+        """
+        self.comments.add(number)
+        for text in as_typed(line, self.delimiter):
+            comment = comment_below(text, self._mark(number))
+            if "=" in comment.line and len(self.below) < MAX_BELOW:
+                self.below.append(comment)
+        return True
+
+    def _unguarded(self, cells: list[str], line: int) -> list[str]:
+        """Cells as they were before a spreadsheet kept them; none where they are a comment that it made cells of."""
+        if cells and marks_a_comment(cells[0]) and not fills_row(cells, self.geometry):
+            self._passes_over(joined(cells, decimal_comma=self.delimiter != ","), line)
+            return []
+        return [cell[1:] if _GUARDED.match(cell) else cell for cell in cells]
+
+    def _refuse_cell(self, error: csv.Error, line: int) -> NoReturn:
+        """Refuses the file for a cell whose quotes are wrong, or that has no end."""
+        _, text = next(((n, text) for n, text in self.quoted if n >= line and '"' in text), (line, ""))
+        message, accepted = "a cell opens with a quote that is not closed", 'a quote at both ends, "like this"'
+        if "expected after" in str(error):
+            message, accepted = "text is behind a closing quote", "a quote that is part of the text twice"
+        mark = Mark(file=self.file, line=line, column=text.find('"') + 1 or None)
+        raise TableError(
+            Problem(message=f"{message}: {shown(text.strip())}", mark=mark, found=text or None, accepted=accepted)
+        )
+
+    # --- Places -------------------------------------------------------------------------------------------------------
+
+    def _mark(self, number: int) -> Mark:
+        return Mark(file=self.file, line=number)
+
+    def _cells(self, line: str, number: int, delimiter: str) -> CellRow:
+        """The cells of a line above the rows."""
+        cells, starts = split(line, delimiter), _starts_of(line, delimiter)
+        places = [starts[min(index, len(starts) - 1)] for index in range(len(cells))]
+        return CellRow(cells, self._mark(number), [Mark(file=self.file, line=number, column=at) for at in places])
+
+    def row_places(self, keys: Iterable[int]) -> Iterable[PlaceInFile]:
+        """The lines of rows."""
+        return keys
+
+    def row_marks(self, keys: Iterable[int]) -> Iterable[Mark]:
+        """The lines of rows, with the file."""
+        return map(self._mark, keys)
+
+    def marks(self, key: int, texts: Sequence[str]) -> list[Mark]:
+        """Where the cells of a row start."""
+        while self.quoted and self.quoted[0][0] < key:
+            self.quoted.popleft()
+        if self.quoted and self.quoted[0][0] == key:
+            starts = _starts_of(self.quoted[0][1], self.delimiter)
+            starts += starts[-1:] * (len(texts) - len(starts))  # where a cell goes on in the next line
+        else:
+            ends = accumulate(len(cell) + 1 for cell in texts)
+            starts = [end - len(cell.lstrip(SPACES)) for end, cell in zip(ends, texts, strict=True)]
+        return [Mark(file=self.file, line=key, column=start) for start in starts]
+
+    def row_problems(self, key: int, texts: Sequence[str], number: int) -> Iterator[Problem]:
+        """What is wrong with a row that is another header, or has other cells than the header has columns."""
+        row = CellRow(texts, self._mark(key))
+        if headers_in(row) != self.header and (problem := other_header(row, number)):
+            yield problem
+            return
+        more = next((text for text in texts[self.width :] if text.strip()), None)
+        if len(texts) >= self.needed and (more is None or marks_a_comment(more)):
+            return
+        suggestion = "if this is a note, put an empty row before it, or a # at its beginning"
+        if self.delimiter == "," and len(texts) > self.width:
+            suggestion = "is there a decimal comma in it, or a comma in a text without quotes?"
+        yield Problem(
+            message=f"row {number} has {len(texts)} cells, and the header has {self.width} columns",
+            mark=row.mark,
+            joint=f"joint_{number}",
+            accepted=f"one cell for each column, with a {DELIMITERS[self.delimiter]} between them",
+            suggestion=suggestion,
+        )
+
+
+class _Joined:
+    """The lines of a block with quotes, and those of the next ones as far as a cell in quotes runs on into them.
+
+    Attributes:
+        count: lines of the blocks that were begun.
+    """
+
+    def __init__(self, lines: list[str], blocks: Iterator[tuple[int, list[str], bool]]) -> None:
+        self.count = len(lines)
+        self.lines = lines
+        self.blocks = blocks
+
+    def __iter__(self) -> Iterator[str]:
+        yield from self.lines
+        for _, lines, _ in self.blocks:
+            self.count += len(lines)
+            yield from lines
+
+
+def commented_header(line: str) -> str | None:
+    """The header that a line starting with # is, or None where it is a comment.
+
+    The first column may be called ``#``, or the header as a whole may be commented out, as numpy writes it.
+    """
+    if max(map(line.count, DELIMITERS)) + 1 < len(REQUIRED) or len(line) > MAX_HEADER or is_quoted(line):
+        return None
+    fields = {text: max(_fields_by_delimiter(text).values(), key=len) for text in (line, without_marker(line))}
+    best = max(fields, key=lambda text: len(fields[text]))
+    return best if fields[best].issuperset(REQUIRED) else None
+
+
+def _header_in(line: _Line) -> str:
+    return (commented_header(line.text) or "") if line.comment else line.text
+
+
+def _fields_by_delimiter(line: str) -> dict[str, set[str]]:
+    """The fields that the cells of a line name, by the delimiter that they may have between them."""
+    cells = {sign: split(line, sign) if sign in line else [line] for sign in DELIMITERS}
+    return {
+        sign: {header.field.name for header in map(read_header, texts) if header.field} for sign, texts in cells.items()
+    }
+
+
+def _starts_of(line: str, delimiter: str) -> list[int]:
+    """The columns, in characters from 1, at which the cells of a line start."""
+    starts, quoted = [0], False
+    for position, character in enumerate(line):
+        if character == '"':
+            quoted = not quoted
+        elif character == delimiter and not quoted:
+            starts.append(position + 1)
+    ends = [*starts[1:], len(line) + 1]
+    cells = ((start, line[start : end - 1]) for start, end in zip(starts, ends, strict=True))
+    return [start + len(cell) - len(cell.lstrip(SPACES)) + 1 for start, cell in cells]
+
+
+def _is_cut(line: str) -> bool:
+    """Whether a line ends in a cell that begins with a quote: one in the middle of a cell, as of 5", opens none."""
+    quoted, begins = False, True
+    for character in line if '"' in line else "":
+        if character == '"' and (quoted or begins):
+            quoted, begins = not quoted, quoted  # of two in quotes, the second one opens them again
+        elif not quoted:
+            begins = character in DELIMITERS or (begins and character in SPACES)
+    return quoted
+
+
+def _may_be_note(cells: Sequence[str]) -> bool:
+    """Whether a line below the last joint may be a note with as many commas as a joint has."""
+    return cells[0][:1].isalpha() and " " in cells[0]

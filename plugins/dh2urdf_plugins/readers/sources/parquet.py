@@ -1,0 +1,436 @@
+"""Tables as Parquet, one manipulator or a million in a file.
+
+A row of the file is a row of the table, and its columns are called as in CSV. Numbers are taken as they are, and text
+is read as the cells of a CSV file are. What comment lines say there, metadata of the file say here.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+from collections import Counter
+from contextlib import contextmanager, suppress
+from dataclasses import replace
+from itertools import islice
+from typing import TYPE_CHECKING, Any
+
+from dh2urdf.columns import ManipulatorGroups
+from dh2urdf.documents import check_file, load_yaml, refuse_other_kind
+from dh2urdf.errors import MissingDependencyError, TableError
+from dh2urdf.source import Mark, Problem, did_you_mean, shown
+from dh2urdf.table_text import METADATA, STATEMENTS, CellRow
+from dh2urdf_plugins.readers.header.header_rows import completed
+from dh2urdf_plugins.readers.header.words import read_header
+from dh2urdf_plugins.readers.table import read_table_columns
+from dh2urdf_plugins.readers.tables.tables import too_many_joints
+from dh2urdf_plugins.readers.words.bounds import MAX_COLUMNS, MAX_JOINTS
+from dh2urdf_plugins.readers.words.cells import text_of
+from dh2urdf_plugins.readers.words.fields import FIELDS, GROUPS, IGNORED
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
+    from pathlib import Path
+
+    from dh2urdf.columns import PlaceInFile
+    from dh2urdf.documents import Node
+    from dh2urdf.manipulator import Manipulator
+    from dh2urdf.stages import Rejected
+    from dh2urdf.table_text import Trace
+    from dh2urdf_plugins.readers.header.columns import Columns
+    from dh2urdf_plugins.readers.options import TableOptions
+    from dh2urdf_plugins.readers.rows.source import Row
+    from dh2urdf_plugins.readers.words.cells import Value
+    from dh2urdf_plugins.readers.words.comment_lines import Comment
+
+INDEX = "__index_level_0__"
+"""The column that pandas writes for an index without a name."""
+_ATTRIBUTES = "PANDAS_ATTRS"
+"""The metadata that pandas writes for the attributes of a data frame."""
+_BATCH = 3000
+"""Rows that pyarrow reads at once."""
+_PART = 200
+"""Rows that are handed on at once: they are gone before Python's collector has to look at them twice."""
+_BUFFER = 2**17
+"""Bytes of a column that are held at once [B]; pyarrow alone would hold all that are in a row group."""
+MAX_UNPACKED = 2**26
+"""Bytes of a column in one row group when unpacked [B]."""
+MAX_CELL = 2**14
+"""Bytes of a text that several rows share [B]: some thousand rows are read at once, and each has it then."""
+_MOST_IN_LIST, _SPARE = 12, 1000
+"""Numbers in the list that a cell is, on average: an inertia has nine at most."""
+_SMALL = 2**16
+"""Bytes of a column that cannot become too much, however often a row repeats a part of it [B]."""
+
+
+def read_parquet(path: Path, options: TableOptions, trace: Trace | None = None) -> Iterator[Manipulator | Rejected]:
+    """The manipulators of a Parquet file.
+
+    Args:
+        path: the file.
+        options: what the table does not say itself.
+        trace: takes what the cells of each manipulator say, where it is wanted.
+
+    Yields:
+        Each manipulator, or what is wrong with it.
+
+    Raises:
+        TableError: the file is no Parquet file, is broken, or its columns or metadata are wrong.
+        MissingDependencyError: pyarrow is not installed.
+    """
+    for item in read_columns(path, options, trace):
+        if isinstance(item, ManipulatorGroups):
+            yield from item.tables()
+        else:
+            yield item
+
+
+def read_columns(
+    path: Path, options: TableOptions, trace: Trace | None = None
+) -> Iterator[Manipulator | ManipulatorGroups | Rejected]:
+    """The same as `read_parquet`, most of them in columns."""
+    try:
+        from pyarrow.parquet import ParquetFile
+    except ImportError as error:
+        raise MissingDependencyError("reader 'parquet'", "pyarrow", "dh2urdf[parquet]", error) from None
+    check_file(path, TableError)
+    with path.open("rb") as binary:
+        if not (start := binary.read(100)).startswith(b"PAR1"):
+            refuse_other_kind(start, str(path), TableError, "a Parquet file", "a whole Parquet file")
+        with _reporting_errors(Mark(file=str(path)), "this is no Parquet file that can be read"):
+            file = ParquetFile(binary, buffer_size=_BUFFER, pre_buffer=False)
+            if file.metadata.num_columns > MAX_COLUMNS:
+                message = f"the file has {file.metadata.num_columns:,} columns"
+                accepted = f"at most {MAX_COLUMNS:,} columns"
+                raise TableError(Problem(message=message, mark=Mark(file=str(path)), accepted=accepted))
+            fields = list(file.schema_arrow)
+            _refuse_large(file, path, [field.name for field in fields if _is_readable(field)])
+        said = _statements(file.metadata.metadata or {}, str(path))
+        rows = _ParquetRows(file, fields, str(path))
+        yield from read_table_columns(rows, str(path), options, name=path.stem, statements=said, trace=trace)
+
+
+def _statements(metadata: dict[bytes, bytes], file: str) -> dict[str, Node]:
+    """What the metadata of a file declare about all rows, by key.
+
+    Raises:
+        TableError: a key is unknown or has no prefix, or its value is not YAML.
+    """
+    said: dict[str, Node] = {}
+    for word, text in metadata.items():
+        name = word.decode(errors="replace")
+        if name == _ATTRIBUTES:
+            said |= _statements(_attributes(text), file)
+            continue
+        key = re.sub(r"(?i)^dh2urdf[\W_]+", "", name).casefold()
+        if name == f"{METADATA}{key}" and key in STATEMENTS and text.strip():
+            said[key] = load_yaml(text, f"{file}, metadata {name}", TableError)
+        elif key != name.casefold() or (key in STATEMENTS and key != "name") or key.endswith(("_unit", "_units")):
+            known = [f"{METADATA}{key}" for key in STATEMENTS]
+            message = f"the metadata say {shown(name)}" + ("" if text.strip() else ", and its value is empty")
+            near = did_you_mean(name, known)
+            raise TableError(
+                Problem(message=message, mark=Mark(file=file), found=name, accepted=", ".join(known), suggestion=near)
+            )
+    return said
+
+
+def _attributes(text: bytes) -> dict[bytes, bytes]:
+    """The attributes of a data frame (`DataFrame.attrs`) as metadata; none where they are no mapping as JSON."""
+    with suppress(ValueError):
+        found = json.loads(text)
+        if isinstance(found, dict):
+            texts = {key: word if isinstance(word, str) else json.dumps(word) for key, word in found.items()}
+            return {key.encode(): word.encode() for key, word in texts.items()}
+    return {}
+
+
+class _ParquetRows:
+    """The rows of a file; the key of a row is its number, counted from 1."""
+
+    def __init__(self, file: Any, fields: list[Any], path: str) -> None:  # noqa: ANN401 - a ParquetFile and its columns
+        self.file = file
+        self.fields = fields
+        self.path = path
+        self.cells: list[Callable[[Any], Sequence[Value]] | None] = []  # None: a column that is not read
+        self.constant: list[str] = []  # what stands for each of its cells: nothing, or its type
+        self.skipped = 0  # rows at the top that are no joints
+        self.below: list[Comment] = []
+
+    def __iter__(self) -> Iterator[CellRow]:
+        """The names of the columns: a file has nothing above them."""
+        names = [field.name for field in self.fields]
+        if twins := [name for name, count in Counter(names).items() if count > 1]:
+            message = f"two columns are called {shown(twins[0])}"
+            mark = Mark(file=self.path)
+            raise TableError(Problem(message=message, mark=mark, found=twins[0], accepted="names that differ"))
+        marks = [Mark(file=self.path, place=f"column {name}") for name in names]
+        headers = [_with_unit(field, mark) for field, mark in zip(self.fields, marks, strict=True)]
+        if not any((field := read_header(header).field) and field.name == "joint" for header in headers):
+            labels = [field.name == INDEX and _is_text(field.type) for field in self.fields]  # of a data frame
+            headers = ["joint" if is_label else header for is_label, header in zip(labels, headers, strict=True)]
+        yield CellRow(headers, Mark(file=self.path), marks)
+
+    def complete(self, header: CellRow) -> CellRow:
+        """The header with a row of units below it, which columns of text may hold.
+
+        Raises:
+            TableError: the row of units contradicts the header.
+        """
+        if not any(_is_text(field.type) for field in self.fields):
+            return header
+        names = [field.name for field in self.fields if _is_readable(field)]
+        mark = Mark(file=self.path, line=1, place="row 1")
+        with _reporting_errors(mark, "the file is broken from here on"):
+            first = next(self.file.iter_batches(1, columns=names, use_threads=False), None)
+        if first is None or not first.num_rows:
+            return header
+        found = {name: first.column(name).to_pylist()[0] for name in names}
+        cells = [None if (cell := found.get(field.name)) is None or cell != cell else cell for field in self.fields]  # noqa: PLR0124 - not a number
+        joined = completed(header, CellRow(cells, mark, self.marks(1, ())))
+        self.skipped = joined is not None
+        return joined or header
+
+    def start(self, columns: Columns) -> Columns:
+        """Takes the columns of the rows to come.
+
+        Raises:
+            TableError: one of them holds moments, lists or the like, or there are too many rows of a manipulator.
+        """
+        kinds, numbers, problems = [field.type for field in self.fields], set[int](), []
+        for index, (name, kind) in enumerate(zip(columns.fields, kinds, strict=True)):
+            kept = index not in columns.ignored
+            if kept and name and not _is_accepted(kind, name):
+                header = columns.headers[index]
+                mark, message = (
+                    Mark(file=self.path, place=f"column {header}"),
+                    f"the column {shown(header)} holds {kind}",
+                )
+                problems.append(
+                    Problem(message=message, mark=mark, field=name, found=str(kind), accepted="numbers or text")
+                )
+            is_read = kept and _is_readable(self.fields[index])
+            if kept and name and FIELDS[name].dimension and _is_number(kind):
+                numbers.add(index)
+            self.cells.append(_numbers_of if index in numbers else _texts_of if is_read else None)
+            self.constant.append(str(kind) if kept and not is_read else "")
+        if problems:
+            raise TableError(problems)
+        robot = self.fields[columns.fields.index("robot")].name if "robot" in columns.fields else None
+        _refuse_one_manipulator(self.file, self.path, robot, self.skipped)
+        return replace(columns, numbers=frozenset(numbers), quoted_commas=True)
+
+    def batches(self) -> Iterator[tuple[Sequence[int], Sequence[Row]]]:
+        """Some hundred rows at a time, with their numbers."""
+        names = [field.name for field in self.fields]
+        read = [name for name, cells_of in zip(names, self.cells, strict=True) if cells_of]
+        batches = self.file.iter_batches(_BATCH, columns=read, use_threads=False)
+        start = 1
+        while True:
+            mark = Mark(file=self.path, line=start, place=f"row {start}")
+            with _reporting_errors(mark, "the file is broken from here on"):
+                batch = next(batches, None)
+                if batch is None:
+                    return
+                cells = [
+                    cells_of(batch.column(name)) if cells_of else [constant] * batch.num_rows
+                    for name, cells_of, constant in zip(names, self.cells, self.constant, strict=True)
+                ]
+            rows = zip(*cells, strict=True)
+            while start <= self.skipped and next(rows, None):
+                start += 1
+            while part := list(islice(rows, _PART)):
+                yield range(start, start + len(part)), part
+                start += len(part)
+
+    def row_places(self, keys: Iterable[int]) -> Iterator[PlaceInFile]:
+        """The numbers of rows."""
+        return ((key, None, f"row {key}") for key in keys)
+
+    def row_marks(self, keys: Iterable[int]) -> Iterator[Mark]:
+        """The same, with the file."""
+        return (Mark(file=self.path, line=key, place=f"row {key}") for key in keys)
+
+    def marks(self, key: int, texts: Sequence[str]) -> list[Mark]:  # noqa: ARG002 - as of each source
+        """The place of each cell of a row."""
+        return [
+            Mark(file=self.path, line=key, column=index, place=f"row {key}, column {field.name}")
+            for index, field in enumerate(self.fields, start=1)
+        ]
+
+    def row_problems(self, key: int, texts: Sequence[str], number: int) -> tuple[()]:  # noqa: ARG002 - as of each source
+        """Nothing: every row has a cell in every column."""
+        return ()
+
+
+@contextmanager
+def _reporting_errors(mark: Mark, what: str) -> Iterator[None]:
+    """Turn what pyarrow reports about a file into an error of the table.
+
+    Raises:
+        TableError: pyarrow raised anything.
+    """
+    from pyarrow import ArrowException
+
+    try:
+        yield
+    except (ArrowException, OSError, UnicodeDecodeError) as error:
+        (reason, *_) = str(error).splitlines() or [type(error).__name__]
+        raise TableError(Problem(message=f"{what}: {reason}", mark=mark, accepted="a whole Parquet file")) from None
+
+
+# --- Columns ----------------------------------------------------------------------------------------------------------
+
+
+def _with_unit(field: Any, mark: Mark) -> str:  # noqa: ANN401 - a field of pyarrow
+    """The header of a column: its name, and the unit that its metadata say.
+
+    Raises:
+        TableError: the name says another unit.
+    """
+    metadata = {key.decode(errors="replace").casefold(): text for key, text in (field.metadata or {}).items()}
+    units = {metadata[key].decode(errors="replace").strip() for key in ("unit", "units") if key in metadata} - {""}
+    name = str(field.name)
+    said = read_header(name).unit
+    if not units or (len(units) == 1 and said == min(units).casefold()):
+        return name
+    if said or len(units) > 1:
+        others = " and ".join(map(shown, sorted(units | ({said} if said else set()))))
+        message = f"the name and the metadata of the column {shown(name)} say {others}"
+        raise TableError(Problem(message=message, mark=mark, found=others, accepted="one unit for a column"))
+    return f"{name} [{min(units)}]"
+
+
+def _is_text(kind: Any) -> bool:  # noqa: ANN401 - a type of pyarrow
+    """Whether a column holds texts."""
+    return str(kind) in ("string", "large_string", "string_view")
+
+
+def _is_number(kind: Any) -> bool:  # noqa: ANN401 - a type of pyarrow
+    from pyarrow import types
+
+    kind = kind.value_type if types.is_dictionary(kind) else kind
+    return bool(types.is_integer(kind) or types.is_floating(kind))
+
+
+def _is_accepted(kind: Any, field: str | None) -> bool:  # noqa: ANN401 - a type of pyarrow
+    """Whether a field can be read from a column of a type."""
+    from pyarrow import types
+
+    while field in GROUPS and (types.is_list(kind) or types.is_large_list(kind) or types.is_fixed_size_list(kind)):
+        kind = kind.value_type
+    kind = kind.value_type if types.is_dictionary(kind) else kind
+    others = (types.is_decimal, types.is_boolean, types.is_null)
+    return _is_text(kind) or _is_number(kind) or any(is_such(kind) for is_such in others)
+
+
+def _is_readable(field: Any) -> bool:  # noqa: ANN401 - a field of pyarrow
+    """Whether cells of a column are read whatever it is called: others are of types that no field has, or left out."""
+    is_left_out = field.name.startswith(IGNORED) and field.name != INDEX
+    return not is_left_out and _is_accepted(field.type, next(iter(GROUPS)))
+
+
+def _numbers_of(array: Any) -> Sequence[Value]:  # noqa: ANN401 - an array of pyarrow
+    """The numbers of a column, as they were written."""
+    import pyarrow as pa
+
+    array = array.dictionary_decode() if pa.types.is_dictionary(array.type) else array
+    # A whole number that no double can hold becomes the nearest one, as it does when it is read as text.
+    numbers: list[float | None] = array.cast(pa.float64(), safe=False).to_pylist()
+    return ["" if number is None else number for number in numbers]
+
+
+def _texts_of(array: Any) -> list[str]:  # noqa: ANN401 - an array of pyarrow
+    """The cells of a column as texts."""
+    return [value if type(value) is str else _word(value) for value in array.to_pylist()]
+
+
+def _word(value: Any) -> str:  # noqa: ANN401 - whatever a cell holds
+    """What a cell of a column of words says: ``1`` for 1.0, which a column of whole numbers with gaps holds."""
+    if value is None or value != value:  # noqa: PLR0124 - not a number
+        return ""
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    return text_of(value) if isinstance(value, float) else str(value)
+
+
+# --- What reading would cost ------------------------------------------------------------------------------------------
+# A file of a few kilobytes may hold a cell of gigabytes, or one that millions of rows share. Its metadata has the bytes
+# and the values of each column of a row group when unpacked (parquet.thrift, ``ColumnMetaData``).
+
+
+def _refuse_large(file: Any, path: Path, names: Collection[str]) -> None:  # noqa: ANN401 - a ParquetFile
+    """Refuses a file whose columns would take too much memory.
+
+    Raises:
+        TableError: one of them would.
+    """
+    shared: dict[str, list[int]] = {}
+    for group, name, chunk in _chunks(file, names):
+        rows, size = file.metadata.row_group(group).num_rows, chunk.total_uncompressed_size
+        if size > MAX_UNPACKED or chunk.num_values > _MOST_IN_LIST * rows + _SPARE:
+            found = f"{chunk.num_values:,} values, {size / 2**20:,.0f} MiB when unpacked, in {rows:,} rows"
+            accepted = f"a number or a list of nine in each row, and at most {MAX_UNPACKED / 2**20:,.0f} MiB"
+            raise TableError(_too_large(path, name, found, accepted))
+        if size > _SMALL and chunk.physical_type == "BYTE_ARRAY" and any("DICT" in each for each in chunk.encodings):
+            shared.setdefault(name, []).append(group)
+    for name, groups in shared.items():
+        _refuse_long_texts(path, name, groups)
+
+
+def _too_large(path: Path, name: str, found: str, accepted: str) -> Problem:
+    return Problem(
+        message=f"the column {shown(name)} has {found}",
+        mark=Mark(file=str(path), place=f"column {name}"),
+        accepted=accepted,
+        suggestion=f"write fewer rows into a row group; {IGNORED} before the name leaves the column out",
+    )
+
+
+def _chunks(file: Any, names: Collection[str]) -> Iterator[tuple[int, str, Any]]:  # noqa: ANN401
+    """The parts of some columns that are in each row group, with the numbers of these and the columns' names."""
+    for group in range(file.metadata.num_row_groups):
+        metadata = file.metadata.row_group(group)
+        for index in range(metadata.num_columns):
+            chunk = metadata.column(index)
+            path = chunk.path_in_schema
+            ends = [k for k, letter in enumerate(path) if letter == "."]  # `com.list.element`
+            name = next((path[:end] for end in (len(path), *ends) if path[:end] in names), None)
+            if name is not None:
+                yield group, name, chunk
+
+
+def _refuse_long_texts(path: Path, name: str, groups: list[int]) -> None:
+    """Refuses a column in which a long text is kept once for all rows that have it.
+
+    Raises:
+        TableError: it is such a column.
+    """
+    from pyarrow import compute
+    from pyarrow.parquet import ParquetFile
+
+    with path.open("rb") as binary:
+        file = ParquetFile(binary, read_dictionary=[name], pre_buffer=False)
+        for group in groups:
+            for part in file.read_row_group(group, columns=[name], use_threads=False).column(0).chunks:
+                texts = getattr(part, "dictionary", part)
+                longest = (compute.max(compute.binary_length(texts)).as_py() if len(texts) else 0) or 0
+                if longest > MAX_CELL:
+                    found = f"a text of {longest:,} bytes"
+                    raise TableError(_too_large(path, name, found, f"at most {MAX_CELL:,} bytes in a cell"))
+
+
+def _refuse_one_manipulator(file: Any, path: str, robot: str | None, skipped: int) -> None:  # noqa: ANN401
+    """Refuses a file that declares more rows of one manipulator than are read.
+
+    Raises:
+        TableError: it is such a file.
+    """
+    if robot is None:
+        count = file.metadata.num_rows - skipped
+        if count > MAX_JOINTS:
+            raise TableError(too_many_joints(count, Mark(file=path)))
+        return
+    for group, _, chunk in _chunks(file, (robot,)):
+        rows, said = file.metadata.row_group(group).num_rows, chunk.statistics
+        if rows > MAX_JOINTS and said is not None and said.has_min_max and said.min == said.max:
+            raise TableError(too_many_joints(rows, Mark(file=path)).about(robot=str(said.min)))

@@ -419,7 +419,7 @@ BUDGETS = {
     "plugins/dh2urdf_plugins/formats": 4382,
     "plugins/dh2urdf_plugins/loaders": 2690,
     "plugins/dh2urdf_plugins/packages": 2314,
-    "plugins/dh2urdf_plugins/readers": 10559,
+    "plugins/dh2urdf_plugins/readers": 10563,
     "plugins/dh2urdf_plugins/transforms": 2330,
     "plugins/dh2urdf_plugins/xacro_fence": 780,
     "plugins/dh2urdf_studio": 7660,

@@ -37,22 +37,18 @@ DIGITS = 32
 
 
 def recipe_key(recipe: Recipe) -> str:
-    """The key of all that is done with every manipulator."""
+    """Return the key of all that is done with every manipulator."""
     stages = [(call.kind, call.stage.name, _code_of(call.plugin), whole(call.options)) for call in recipe.calls]
-    files = [(str(path), _hash_of(path)) for call in recipe.calls for path in call.files]
+    files: list[tuple[str, str | None]] = []
+    for path in (path for call in recipe.calls for path in call.files):
+        digest = None  # where it cannot be read, which its stage reports
+        with suppress(OSError), path.open("rb") as file:
+            digest = file_digest(file, "sha256").hexdigest()
+        files.append((str(path), digest))
     python = sys.version_info[:2]
     told = (sorted(recipe.optional), sorted(recipe.missing.items()))
     own = key_of(code_hash(__package__.partition(".")[0], ""), __version__)
     return key_of((python, stages, recipe.poses, recipe.mesh_prefix, recipe.mesh_conversion, told, files), own)
-
-
-def _hash_of(path: Path) -> str | None:
-    """The hash of a file; None where it cannot be read, which its stage reports."""
-    try:
-        with path.open("rb") as file:
-            return file_digest(file, "sha256").hexdigest()
-    except OSError:
-        return None
 
 
 # --- Code -------------------------------------------------------------------------------------------------------------

@@ -106,14 +106,8 @@ class TestLeavingOut:
         with pytest.raises(ConfigError) as caught:
             installed(["lab-tool", "zzz"])
         assert [problem.found for problem in caught.value.problems] == ["lab-tool", "zzz"]
-        message = str(caught.value)
-        assert (
-            "command line: error: field '--without': no plugin and no distribution of one is named 'lab-tool'"
-            in message
-        )
-        assert "lab-tools (plugin first)" in message
-        assert "dh2urdf (plugin builtin)" in message
-        assert "did you mean 'lab-tools'?" in message
+        assert "lab-tools (plugin first)" in str(caught.value)
+        assert "did you mean 'lab-tools'?" in str(caught.value)
 
 
 class TestPlugin:

@@ -287,28 +287,6 @@ class TestPlan:
         with pytest.raises(ConfigError, match="is an input twice"):
             make_plan(load_config(run), load())
 
-    def test_all_that_is_wrong_is_said_at_once(self, lab: Lab) -> None:
-        """Unknown stages, wrong options, a file that nobody reads and a loader without a file come together, by line."""
-        (lab.folder / "a.txt").touch()
-        (lab.folder / "run.yaml").write_text(
-            "inputs: [a.txt]\n"
-            "transform: {stage: draw, options: {length: long, width: 2}}\n"
-            "emitters: [pickel]\n"
-            "loaders: [glass]\n"
-            "execution: there\n"
-        )
-        with pytest.raises(ConfigError) as caught:
-            make_plan(load_config(lab.folder / "run.yaml"), lab.catalog)
-        found = [(problem.mark.line, str(problem)) for problem in caught.value.problems if problem.mark]
-        assert [line for line, _ in found] == [1, 2, 2, 3, 4, 5]
-        for (_, message), words in zip(
-            found,
-            ("the file 'a.txt'", "'long'", "width", "no emitter is named 'pickel'", "'glass' has no file", "'there'"),
-            strict=True,
-        ):
-            assert words in message
-        assert "did you mean 'pickle'?" in str(caught.value)
-
     def test_a_missing_package_is_known_before_anything_is_read(self, lab: Lab) -> None:
         """A loader that is not installed ends the run before it begins."""
         with pytest.raises(

@@ -345,12 +345,6 @@ class TestAClusterOfItsOwn:
         assert list(map_on_dask(functions.print_much, ["loose screw"], DaskOptions(workers=1))) == [11]
         assert capfd.readouterr() == ("", "")
 
-    def test_that_cannot_be_started(self, monkeypatch: pytest.MonkeyPatch) -> None:
-        """What Dask says on the way is in the message."""
-        monkeypatch.setenv("DASK_DISTRIBUTED__WORKER__MULTIPROCESSING_METHOD", "pigeon")
-        with pytest.raises(ExecutorError, match=r"can be started on this machine: RuntimeError: Nanny failed to start"):
-            list(map_on_dask(abs, [1], DaskOptions(workers=1)))
-
     @pytest.mark.long
     @pytest.mark.parametrize("end", [signal.SIGINT, signal.SIGTERM, signal.SIGKILL], ids=lambda end: end.name)
     @pytest.mark.usefixtures("functions")

@@ -53,7 +53,7 @@ def refusal(text: str, header: Header, what: str = "column") -> Refusal:
     if meaning := unheld(header.key):
         accepted = meaning.accepted.replace("column", what) if what == "key" else meaning.accepted
         reason = f"is {meaning.reason}, which no {what} holds"
-        return Refusal(reason, accepted, any_text=True, counts=meaning.counts, if_no=meaning.if_no)
+        return Refusal(reason, accepted, any_text=meaning.any_text, counts=meaning.counts, if_no=meaning.if_no)
     names = [name for name, field in FIELDS.items() if header.unit and _measures(header.unit, name)]
     near = misspelt(header.key) if header.key else None
     likely = f"did you mean {near.name!r}?" if near else did_you_mean(text, FIELDS) if len(text) > len("id") else None

@@ -38,6 +38,7 @@ class RowCells:
         bare: the first cell that was read in the SI unit since nothing says its unit, by field and by what it measures.
         foreign: the first cell that names another unit than the SI unit, by the same.
         from_zero: whether the joint variables are counted from 0: q0 in the first row.
+        types_from: the header of the column without a field that turned out to hold the types.
         last: the number of the last row.
         rounded: the cells of angles that are nearly a multiple of π/2, and what was meant.
     """
@@ -51,6 +52,7 @@ class RowCells:
         self.bare: dict[tuple[str, Dimension], Cell] = {}
         self.foreign: dict[tuple[str, Dimension], Cell] = {}
         self.from_zero = False
+        self.types_from: str | None = None
         self.last = 0
         self.rounded: list[tuple[Cell, str]] = []
         self._foreign: set[str] = set()  # of the row: fields whose cells name another unit than the SI unit

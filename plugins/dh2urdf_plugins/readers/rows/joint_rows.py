@@ -139,6 +139,7 @@ class _Rows:
                 continue
             for _, cells, _ in self.rows:
                 cells["type"] = cells.pop(key)
+            self.reader.types_from = key.removeprefix(LABEL)
             what = "the column of joints" if key == "joint" else f"the column {shown(key[1:])}"
             self._notice(f"{what} is read as that of types: {shown(named[0].text)}", named[0], "type")
             break

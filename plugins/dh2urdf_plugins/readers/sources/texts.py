@@ -50,7 +50,6 @@ _ARGUMENTS = {"tabular*": 2, "tabularx": 2, "tabulary": 2} | dict.fromkeys(
 """Arguments in braces behind an environment's beginning."""
 _POSE = r"\W*(base|tool)\W*:\W*?(\{.*\})\W*"
 _MIXED = r"\s*\[[^\[\],]+,[^\[\],]+\]"
-_CONVENTION = r"(?i)\b(standard|modified) (?:convention|dh parameters)\b"
 _NUMBER = r"[-+−–]?\s*(?:[0-9.]|\\?pi\b|π|np\.|math\.|M_PI|sqrt|[a-zA-Zθα]{1,5}_?\{?[0-9])"
 
 
@@ -193,9 +192,6 @@ def grammar_rows(table: TextTable, columns: Sequence[str] | None, file: str) -> 
     rows = table.rows[table.rows.index(head) :] if head else table.rows
     above = [*table.around, *(table.rows[: table.rows.index(head)] if head else [])]
     yield from (row for row in above if not _is_pose(row))
-    said = {word.lower() for row in table.around for word in re.findall(_CONVENTION, str(row.cells[0]))}
-    if len(said) == 1:
-        yield CellRow([f"# convention: {said.pop()}"], above[0].mark)
     if head is None:
         yield named_columns(rows, columns, file)
         yield from rows
@@ -345,7 +341,7 @@ def _without_columns(body: str, arguments: int) -> str:
 def _around_latex(text: str, file: str) -> list[CellRow]:
     """The sentences around a table."""
     plain = re.sub(r"\\(?:texttt|emph|text\w*)\{((?:[^{}\\]|\\.)*)\}", r"\1", re.sub(_COMMAND, "", text))
-    plain = re.sub(r"\\([&%$#_{}])", r"\1", re.sub(r"(?m)(?<!\\)%.*$", "", plain))
+    plain = re.sub(r"\\([&%$#_{}])", r"\1", re.sub(r"(?m)(?<=\S)(?<!\\)%.*$", "", plain))
     return [row for line in plain.replace("--", "-").split("\n") for row in _comment(line, Mark(file=file))]
 
 

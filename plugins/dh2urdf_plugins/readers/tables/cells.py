@@ -87,12 +87,17 @@ class TableCells:
                 cells[part] = self._number(of_part) if is_text else of_part
         return cells
 
-    def problems(self) -> list[Problem]:
+    def problems(self, types_from: str | None) -> list[Problem]:
         """What is wrong with a manipulator's columns, once for each, and its numbers; forgets the manipulator.
 
         The notice of columns that are left out comes with the first manipulator that has something in them.
+
+        Args:
+            types_from: the header of a column that names no field, and was read as the types of the joints.
         """
-        found, columns = sorted(self.left_out - self.refused.keys()), self.columns
+        columns = self.columns
+        found = sorted(self.left_out - self.refused.keys())
+        found = [index for index in found if columns.headers[index] != types_from]
         problems = [*self.refused.values(), *filter(None, [self.signs.problem()])]
         columns.silent.difference_update(found)
         for each in (self.left_out, self.refused, self.first_counts):

@@ -310,7 +310,7 @@ class RowTable:
             reader.add(_torn(name))
         statements = replace(self.statements)
         read = self._read_rows(rows, statements, reader, table_cells)
-        for problem in table_cells.problems():
+        for problem in table_cells.problems(reader.types_from):
             reader.add(problem)
         if self.robot_column is None and not reader.errors and (unused := self.statements.symbols.unused()):
             reader.add(unused)

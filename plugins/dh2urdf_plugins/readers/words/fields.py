@@ -262,12 +262,14 @@ class Unheld(NamedTuple):
         accepted: what to write in its place.
         counts: whether it may hold the number of the row.
         if_no: whether only a no says anything: that a joint is not ``active``.
+        any_text: whether a text says anything, too, and not numbers alone.
     """
 
     reason: str
     accepted: str = GEOMETRY
     counts: bool = False
     if_no: bool = False
+    any_text: bool = True
 
 
 @cache
@@ -279,6 +281,7 @@ def _unheld() -> dict[str, Unheld]:
             " ".join(each.get("write", GEOMETRY).split()),
             each.get("counts", False),
             each.get("if_no", False),
+            each.get("any_text", True),
         )
         for each in vocabulary()["unheld"]
         for word in words_in(each["words"])

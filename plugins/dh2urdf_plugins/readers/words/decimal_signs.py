@@ -1,7 +1,7 @@
-"""Commas in numbers: a comma is the decimal sign where no number of the same arm has a point.
+"""Commas in numbers: a comma is the decimal sign where it cannot separate thousands.
 
-`1,250` alone is refused: it is 1.25 in one country and 1250 in another. An arm that has both signs is refused, too.
-Other arms of the file count for nothing, so that a row means the same wherever it stands.
+`1,250` alone is refused: it is 1.25 in one country and 1250 in another; beside `0,3` it is 1.25. Beside decimal commas
+`1.250` is refused for the same reason, and `304.8` is read. Other arms of the file do not matter.
 """
 
 from __future__ import annotations
@@ -18,8 +18,9 @@ if TYPE_CHECKING:
 
 _GROUPED = r"[-+−–]?[1-9][0-9]{0,2}(?:,[0-9]{3})+(?![0-9])"
 """A number whose commas may separate thousands."""
+_GROUPED_BY_POINTS = r"(?<![0-9.,])[1-9][0-9]{0,2}(?:\.[0-9]{3})+(?![0-9])"
+"""A number whose points may separate thousands."""
 _COMMA = r"[0-9],[0-9]|(?<![0-9]),[0-9]"
-_POINT = r"[0-9]\.|\.[0-9]"
 
 
 class DecimalSigns:
@@ -33,7 +34,7 @@ class DecimalSigns:
         """Starts with no number."""
         self.has_commas = False
         self._comma: Cell | None = None
-        self._point: Cell | None = None
+        self._point: Cell | None = None  # one that may separate thousands
         self._sure = False  # whether a comma cannot separate thousands
 
     def note(self, cell: Cell) -> None:
@@ -42,7 +43,7 @@ class DecimalSigns:
             self.has_commas = True
             self._sure |= not re.search(_GROUPED, cell.text)
             self._comma = self._comma or cell
-        if "." in cell.text and re.search(_POINT, cell.text):
+        if "." in cell.text and re.search(_GROUPED_BY_POINTS, cell.text):
             self._point = self._point or cell
 
     def note_list(self, cell: Cell, parts: Iterable[str]) -> None:
@@ -57,7 +58,7 @@ class DecimalSigns:
         if comma is None or (sure and point is None):
             return None
         if point is not None:
-            why = f"and {shown(point.text)} in {point.mark.in_file} has a decimal point"
+            why = f"and {shown(point.text)} in {point.mark.in_file} has a point, which may separate thousands"
         else:
             why = "and no other number of the manipulator shows whether its comma separates thousands"
         return Problem(

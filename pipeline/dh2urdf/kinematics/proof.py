@@ -22,7 +22,7 @@ from dh2urdf.errors import ProofError, RecordError
 from dh2urdf.fields import many_unchecked, replace_unchecked
 from dh2urdf.kinematics.chain import compile_joints, joints_between, reach
 from dh2urdf.kinematics.expected_poses import ExpectedPoses, joint_columns
-from dh2urdf.kinematics.walk import STACKS, CompiledChain, Frame, values_of
+from dh2urdf.kinematics.walk import CompiledChain, Frame, Stacks, values_of
 from dh2urdf.manipulator import TOOL, JointType
 from dh2urdf.source import Problem, listed
 
@@ -172,7 +172,7 @@ def _largest_at_once(said: CompiledChain, found: CompiledChain, poses: Sequence[
     q = np.array(poses, dtype=float).reshape(len(poses), len(poses[0])).T[:, :, None].copy()
     with np.errstate(all="ignore"):  # What is not a number is an infinite error.
         values = values_of(q)
-        frames = [chain.walk(values, STACKS)[-1] for chain in (said, found)]
+        frames = [chain.walk(values, Stacks)[-1] for chain in (said, found)]
         position, angle, worst = _largest_of_arms(*_squared_differences(*frames, shape=(len(poses), 1)))
     return LargestErrors(position[0], angle[0], tuple(q[:, worst[0], 0].tolist()))
 
@@ -296,7 +296,7 @@ def _proofs(
     with np.errstate(all="ignore"):
         for first in range(0, poses, at_once):
             some = [tuple([number[first : first + at_once] for number in value]) for value in values]
-            tips = [frame for chain in chains for frame in chain.walk(some, STACKS)]
+            tips = [frame for chain in chains for frame in chain.walk(some, Stacks)]
             differences.append(_squared_differences(*tips, shape=(min(at_once, poses - first), arms)))
     positions, angles, worst = _largest_of_arms(*map(np.concatenate, zip(*differences, strict=True)))
     vectors = [value[worst, range(arms) if value.shape[1] > 1 else 0].tolist() for value in q]

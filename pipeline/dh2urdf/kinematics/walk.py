@@ -5,8 +5,8 @@ it leaves out what does nothing: a length of 0, and a quarter turn, which only g
 neither costs anything or rounds anything when the chain is walked.
 
 A walk carries the three axes of a frame and its origin. Every step turns two of the axes or moves the origin, by the
-sums of a kind of vectors. `TRIPLES` are tuples of three floats, or of three arrays of one shape, and need no numpy.
-`STACKS` are arrays of shape (3, P, N) for P joint vectors of N arms, with a dimension of 1 where all are alike. All
+sums of a kind of vectors. `Triples` are tuples of three floats, or of three arrays of one shape, and need no numpy.
+`Stacks` are arrays of shape (3, P, N) for P joint vectors of N arms, with a dimension of 1 where all are alike. All
 sums are elementwise, so that an arm's figures do not depend on the arms beside it.
 """
 
@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 from dh2urdf.rotations import IDENTITY, ZERO, RigidTransform, Vec3, cos_sin, cross, exact_cos_sin
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Sequence
+    from collections.abc import Iterable, Sequence
 
 # --- Vectors ----------------------------------------------------------------------------------------------------------
 
@@ -29,61 +29,74 @@ Axes: TypeAlias = tuple[Vector, Vector, Vector]
 """The x, y and z axis of a frame."""
 
 
-class Vectors(NamedTuple):
-    """How a kind of vectors is added.
+class Triples:
+    """Vectors that are tuples of three floats, or of three arrays of one shape; they need no numpy."""
 
-    Attributes:
-        axes: makes the axes of the root.
-        origin: makes its origin.
-        moved: p + l·u.
-        turned: the axes u and v after a turn by an angle in their plane: c·u + s·v and c·v − s·u.
-        mixed: for each column x, y, z of a matrix a sum of the axes: x·u + y·v + z·w.
-    """
+    @staticmethod
+    def axes() -> Axes:
+        """The axes of the root."""
+        return (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
 
-    axes: Callable[[], Axes]
-    origin: Callable[[], Vector]
-    moved: Callable[[Vector, Numbers, Vector], Vector]
-    turned: Callable[[Numbers, Numbers, Vector, Vector], tuple[Vector, Vector]]
-    mixed: Callable[[Sequence[Numbers], Axes], list[Vector]]
+    @staticmethod
+    def origin() -> Vector:
+        """Its origin."""
+        return ZERO
 
+    @staticmethod
+    def moved(p: Vector, length: Numbers, u: Vector) -> Vector:
+        """The point p + l·u."""
+        x, y, z = p
+        a, b, c = u
+        return (x + length * a, y + length * b, z + length * c)
 
-def _moved(p: Vector, length: Numbers, u: Vector) -> Vector:
-    x, y, z = p
-    a, b, c = u
-    return (x + length * a, y + length * b, z + length * c)
+    @staticmethod
+    def turned(c: Numbers, s: Numbers, u: Vector, v: Vector) -> tuple[Vector, Vector]:
+        """The axes u and v after a turn by an angle in their plane: c·u + s·v and c·v − s·u."""
+        x, y, z = u
+        a, b, d = v
+        return (c * x + s * a, c * y + s * b, c * z + s * d), (c * a - s * x, c * b - s * y, c * d - s * z)
 
-
-def _turned(c: Numbers, s: Numbers, u: Vector, v: Vector) -> tuple[Vector, Vector]:
-    x, y, z = u
-    a, b, d = v
-    return (c * x + s * a, c * y + s * b, c * z + s * d), (c * a - s * x, c * b - s * y, c * d - s * z)
-
-
-def _mixed(matrix: Sequence[Numbers], axes: Axes) -> list[Vector]:
-    (a, b, c), (d, e, f), (g, h, i) = axes
-    columns = [matrix[column::3] for column in range(3)]
-    return [(x * a + y * d + z * g, x * b + y * e + z * h, x * c + y * f + z * i) for x, y, z in columns]
-
-
-def _stacked_axes() -> Axes:
-    import numpy as np
-
-    x, y, z = np.eye(3).reshape(3, 3, 1, 1)
-    return (x, y, z)
+    @staticmethod
+    def mixed(matrix: Sequence[Numbers], axes: Axes) -> list[Vector]:
+        """For each column x, y, z of a matrix a sum of the axes: x·u + y·v + z·w."""
+        (a, b, c), (d, e, f), (g, h, i) = axes
+        columns = [matrix[column::3] for column in range(3)]
+        return [(x * a + y * d + z * g, x * b + y * e + z * h, x * c + y * f + z * i) for x, y, z in columns]
 
 
-def _stacked_origin() -> Vector:
-    import numpy as np
+class Stacks:
+    """Vectors that are arrays of shape (3, P, N)."""
 
-    return np.zeros((3, 1, 1))
+    @staticmethod
+    def axes() -> Axes:
+        """As those of `Triples`."""
+        import numpy as np
 
+        x, y, z = np.eye(3).reshape(3, 3, 1, 1)
+        return (x, y, z)
 
-def _moved_stack(p: Vector, length: Numbers, u: Vector) -> Vector:
-    return _added(length * u, p)
+    @staticmethod
+    def origin() -> Vector:
+        """As that of `Triples`."""
+        import numpy as np
 
+        return np.zeros((3, 1, 1))
 
-def _turned_stacks(c: Numbers, s: Numbers, u: Vector, v: Vector) -> tuple[Vector, Vector]:
-    return _added(c * u, s * v), _added(c * v, -s * u)
+    @staticmethod
+    def moved(p: Vector, length: Numbers, u: Vector) -> Vector:
+        """As that of `Triples`."""
+        return _added(length * u, p)
+
+    @staticmethod
+    def turned(c: Numbers, s: Numbers, u: Vector, v: Vector) -> tuple[Vector, Vector]:
+        """As that of `Triples`."""
+        return _added(c * u, s * v), _added(c * v, -s * u)
+
+    @staticmethod
+    def mixed(matrix: Sequence[Numbers], axes: Axes) -> list[Vector]:
+        """As that of `Triples`."""
+        columns = [matrix[column::3] for column in range(3)]
+        return [_added(_added(x * axes[0], y * axes[1]), z * axes[2]) for x, y, z in columns]
 
 
 def _added(total: Vector, term: Vector) -> Vector:
@@ -96,33 +109,8 @@ def _added(total: Vector, term: Vector) -> Vector:
     return total + term
 
 
-def _mixed_stacks(matrix: Sequence[Numbers], axes: Axes) -> list[Vector]:
-    import numpy as np
-
-    if isinstance(matrix, np.ndarray):  # all three sums at once
-        return list(_sum_of_stacks(matrix.reshape(3, 3, 1, *matrix.shape[1:]), axes))
-    return [_sum_of_stacks(matrix[column::3], axes) for column in range(3)]
-
-
-def _sum_of_stacks(factors: Sequence[Numbers], axes: Axes) -> Vector:
-    x, y, z = factors
-    return _added(_added(x * axes[0], y * axes[1]), z * axes[2])
-
-
-TRIPLES = Vectors(
-    axes=lambda: ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)),
-    origin=lambda: ZERO,
-    moved=_moved,
-    turned=_turned,
-    mixed=_mixed,
-)
-STACKS = Vectors(
-    axes=_stacked_axes,
-    origin=_stacked_origin,
-    moved=_moved_stack,
-    turned=_turned_stacks,
-    mixed=_mixed_stacks,
-)
+Vectors: TypeAlias = type[Triples] | type[Stacks]
+"""How a kind of vectors is added."""
 
 # --- Chains -----------------------------------------------------------------------------------------------------------
 
@@ -232,7 +220,7 @@ class CompiledChain:
         """A frame that a walk returns."""
         self.steps.append((_STOP, 0, None, self._names))
 
-    def walk(self, values: Sequence[JointValue], vectors: Vectors = TRIPLES) -> list[Frame]:
+    def walk(self, values: Sequence[JointValue], vectors: Vectors = Triples) -> list[Frame]:
         """The frames at the stops, at values of all joints [rad or m]."""
         axes, origin = list(vectors.axes()), vectors.origin()
         moved, turned, mixed = vectors.moved, vectors.turned, vectors.mixed

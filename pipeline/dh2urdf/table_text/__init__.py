@@ -30,8 +30,6 @@ STATEMENTS = ("name", "convention", "units", "base", "tool", "payload", "default
 """What a table may declare of itself."""
 METADATA = "dh2urdf."
 """What the keys of these begin with among the metadata of a data frame or a Parquet file."""
-REMARKS = ("comment", "comments", "description", "desc", "note", "notes", "remark", "remarks", "title", "info")
-"""Keys of metadata that are written for people: what they say is looked at as a comment is."""
 LENGTH_UNITS = ("m", "cm", "mm")
 """The units that lengths of a table on the screen may be in."""
 ANGLE_UNITS = ("rad", "deg")

@@ -41,6 +41,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
 
     from dh2urdf.stages import Edit, Emitter, Transform
+    from dh2urdf.testing.oracle import Matrix
     from dh2urdf.testing.stage_contract import Found
 
 POSES = 16
@@ -49,8 +50,24 @@ _FACTORS = (1.0, 1.1, 4 / 3)
 _AWKWARD = ("a<b&c>\"d'e", "--> ]]>", "${x} $(find y)", "{{ z }} {% w %}", "名前", "two words", "007", "%s\\n", "#;,|")
 """Names that the pipeline lets pass, and that mean something to one format or another."""
 _UNREADABLE = (b"", b"\xff\xfe\x00 no text", b"<a><b></a>", b"[1, 2")
-_XML = (".xml", ".urdf", ".xacro", ".srdf", ".sdf", ".mjcf", ".svg")
-_TEXTS = (".txt", ".md", ".csv", ".tsv", ".dot", ".gv", ".html", ".py")
+
+
+def _unknown(content: bytes, name: str) -> None:
+    """A file whose format is not known here passes."""
+
+
+_PARSERS: dict[str, Callable[[bytes, str], object]] = {
+    **dict.fromkeys(
+        (".xml", ".urdf", ".xacro", ".srdf", ".sdf", ".mjcf", ".svg"),
+        lambda content, _: ParserCreate().Parse(content, True),
+    ),
+    ".json": lambda content, _: json.loads(content),
+    ".toml": lambda content, _: tomllib.loads(content.decode()),
+    **dict.fromkeys((".yaml", ".yml"), lambda content, name: load_yaml(content.decode(), name)),
+    **dict.fromkeys(
+        (".txt", ".md", ".csv", ".tsv", ".dot", ".gv", ".html", ".py"), lambda content, _: content.decode()
+    ),
+}
 
 
 class _ArmContract(InputContract):
@@ -198,12 +215,12 @@ class EmitterContract(InputContract):
         broken = [folder / f"broken_{number}{(*self.stage.suffixes, '')[0]}" for number in range(len(_UNREADABLE))]
         for path, content in zip(broken, _UNREADABLE, strict=True):
             path.write_bytes(content)
-        if back := self.stage.can(ReadsBack):
+        back, foreign, checks = self.stage.can(ReadsBack), self.stage.can(ReadsForeign), self.stage.can(Checks)
+        if back:
             yield Calls(back.read_back, (), [], broken, (Dh2UrdfError,))
-        if foreign := self.stage.can(ReadsForeign):
-            yield Calls(foreign.read_foreign, (Expansion(),), [], broken, (Dh2UrdfError,))
-        if checks := self.stage.can(Checks):
-            yield Calls(checks.check, (Expansion(),), [], broken, (Dh2UrdfError,))
+        for function in (foreign and foreign.read_foreign, checks and checks.check):
+            if function:
+                yield Calls(function, (Expansion(),), [], broken, (Dh2UrdfError,))
 
     @clause
     def test_files_have_plain_names_and_content(self) -> Found:
@@ -230,7 +247,7 @@ class EmitterContract(InputContract):
                 continue
             for file in files:
                 try:
-                    _parse(Path(file.name).suffix.lower(), file)
+                    _PARSERS.get(Path(file.name).suffix.lower(), _unknown)(file.content, file.name)
                 except Exception as error:  # noqa: BLE001 - of any parser
                     yield f"{file.name} of the robot {robot.name!r}: {error}"
 
@@ -244,9 +261,8 @@ class EmitterContract(InputContract):
             path = _write(tmp_path, files := self._emit(robot))
             found = reads.read_back(path) if files[0].is_robot else robot
             for q in proof_vectors(expected, robot, 8):
-                distance, angle = gap(*[robot_pose(each, q, ROOT, TOOL) for each in (robot, found)])
-                if not (distance <= 3 * TOLERANCE and angle <= 3 * TOLERANCE):
-                    yield f"tool0 of {robot.name!r} is off by {distance:.3g} m and {angle:.3g} rad at q = {q}"
+                both = robot_pose(robot, q, ROOT, TOOL), robot_pose(found, q, ROOT, TOOL)
+                yield from _apart(robot, q, both, (3 * TOLERANCE, 3 * TOLERANCE))
 
     @clause
     def test_finds_no_fault_in_its_own_files(self, tmp_path: Path) -> Found:
@@ -314,20 +330,6 @@ def _write(folder: Path, files: Sequence[EmittedFile]) -> Path:
     return folder / files[0].name
 
 
-def _parse(suffix: str, file: EmittedFile) -> None:
-    """Parse a file; one whose format is not known here passes."""
-    if suffix in _XML:
-        ParserCreate().Parse(file.content, True)
-    elif suffix == ".json":
-        json.loads(file.content)
-    elif suffix == ".toml":
-        tomllib.loads(file.content.decode())
-    elif suffix in (".yaml", ".yml"):
-        load_yaml(file.content.decode(), file.name)
-    elif suffix in _TEXTS:
-        file.content.decode()
-
-
 def _broken_rules(robot: Robot) -> Found:
     for problem in check_robot(robot):
         if problem.severity == "error":
@@ -337,10 +339,15 @@ def _broken_rules(robot: Robot) -> Found:
 def _off(table: Manipulator, robot: Robot, poses: Sequence[Sequence[float]]) -> Found:
     """Where tool0 of a robot is not where its table has it, by matrices that the proof does not share."""
     for q in poses:
-        distance, angle = gap(table_pose(table, q), robot_pose(robot, q, ROOT, TOOL))
         allowed = TOLERANCE * max(1.0, ExpectedPoses.of(table).tips[0].reach([q]))
-        if not (distance <= allowed and angle <= TOLERANCE):
-            yield f"tool0 of {robot.name!r} is off by {distance:.3g} m and {angle:.3g} rad at q = {q}"
+        both = table_pose(table, q), robot_pose(robot, q, ROOT, TOOL)
+        yield from _apart(robot, q, both, (allowed, TOLERANCE))
+
+
+def _apart(robot: Robot, q: Sequence[float], both: tuple[Matrix, Matrix], allowed: tuple[float, float]) -> Found:
+    distance, angle = gap(*both)
+    if not (distance <= allowed[0] and angle <= allowed[1]):
+        yield f"tool0 of {robot.name!r} is off by {distance:.3g} m and {angle:.3g} rad at q = {q}"
 
 
 def stretched(manipulator: Manipulator, factor: float) -> Manipulator:

@@ -10,7 +10,9 @@ import threading
 import time
 from contextlib import suppress
 from dataclasses import replace
+from functools import partial
 from itertools import count, islice
+from operator import mul, truediv
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from dh2urdf.errors import CrashError, LoaderError, PluginError
@@ -41,6 +43,8 @@ AHEAD = 1000
 """Tasks that an executor may take before their results are asked for; a run may have a million."""
 LEAVING = 10.0
 """How long workers may take to be gone [s]."""
+DOUBLED = partial(mul, 2)
+"""A function with data, as the pipeline's own is: a function that pickles is enough."""
 _OUTPUTS = ("", "b3Warning\n\0\x1b[1m " * 100, "Error: é 机\n")
 
 
@@ -187,9 +191,9 @@ class ExecutorContract(StageContract):
             (doubled_at_leisure, range(TASKS), doubles, None),
             (doubled_at_leisure, range(1), doubles[:1], None),
             (doubled_at_leisure, range(0), [], None),
-            (reciprocal, [1, 2, 0, 4], [1.0, 0.5], ZeroDivisionError),
-            (doubled, broken(), doubles[:5], LookupError),
-            (_Scaled(2), range(TASKS), doubles, None),  # a function that pickles is enough
+            (partial(truediv, 1), [1, 2, 0, 4], [1.0, 0.5], ZeroDivisionError),
+            (DOUBLED, broken(), doubles[:5], LookupError),
+            (DOUBLED, range(TASKS), doubles, None),
         ):
             found, raised = [], None
             try:
@@ -214,7 +218,7 @@ class ExecutorContract(StageContract):
                     return
                 yield taken
 
-        results = self._map(doubled, endless())
+        results = self._map(DOUBLED, endless())
         first = list(islice(results, TASKS))
         results.close()
         if first != [2 * task for task in range(1, TASKS + 1)] or taken > AHEAD + TASKS:
@@ -235,7 +239,7 @@ class ExecutorContract(StageContract):
         """When all results are there, or are not wanted any more, its processes and threads are gone."""
         threads, processes = set(threading.enumerate()), set(descendants())
         for wanted in (TASKS, 3):
-            results = self._map(doubled, range(TASKS))
+            results = self._map(DOUBLED, range(TASKS))
             list(islice(results, wanted))
             results.close()
             patience = time.monotonic() + LEAVING
@@ -260,30 +264,10 @@ def _left(threads: set[threading.Thread], processes: set[int]) -> list[str]:
 # --- What workers do: every one of them can import this module
 
 
-class _Scaled:
-    """A function with data, as the pipeline's own is."""
-
-    def __init__(self, factor: int) -> None:
-        self.factor = factor
-
-    def __call__(self, number: int) -> int:
-        return self.factor * number
-
-
-def doubled(number: int) -> int:
-    """Twice a number."""
-    return 2 * number
-
-
 def doubled_at_leisure(number: int) -> int:
     """Twice a number; every fourth takes longer than those after it."""
     time.sleep(0.0 if number % 4 else 0.03)
     return 2 * number
-
-
-def reciprocal(number: int) -> float:
-    """One by a number."""
-    return 1 / number
 
 
 def process_of(_task: object) -> int:

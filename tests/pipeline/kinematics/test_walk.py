@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, strategies as st
 
 from dh2urdf.kinematics import CompiledChain
-from dh2urdf.kinematics.walk import STACKS, values_of
+from dh2urdf.kinematics.walk import Stacks, values_of
 from dh2urdf.rotations import RigidTransform
 
 if TYPE_CHECKING:
@@ -139,7 +139,7 @@ def test_stacks_give_what_floats_give(ways: list[Way], poses: list[tuple[float, 
     """All joint vectors together give the frames that they give one by one; later steps leave earlier frames alone."""
     chain = with_stops(ways)
     values = [np.array(column).reshape(-1, 1) for column in zip(*poses, strict=True)]
-    together = chain.walk(values_of(values), STACKS)
+    together = chain.walk(values_of(values), Stacks)
     for number, q in enumerate(poses):
         for frame, alone in zip(together, chain.walk(values_of(q)), strict=True):
             for found, wanted in zip((*frame.axes, frame.origin), (*alone.axes, alone.origin), strict=True):
@@ -153,9 +153,9 @@ def test_arms_side_by_side_are_each_its_own(ways: list[Way], data: st.DataObject
     arms = [[_changed(way, data.draw) for way in ways] for _ in range(3)]
     q = [np.array([[0.3], [-1.2]]), np.array([[0.7], [2.0]]), np.array([[0.0], [0.4]])]
     columns = with_stops([_column([arm[number] for arm in arms]) for number in range(len(ways))])
-    together = columns.walk(values_of(q), STACKS)
+    together = columns.walk(values_of(q), Stacks)
     for place, arm in enumerate(arms):
-        for frame, alone in zip(together, with_stops(arm).walk(values_of(q), STACKS), strict=True):
+        for frame, alone in zip(together, with_stops(arm).walk(values_of(q), Stacks), strict=True):
             for found, wanted in zip((*frame.axes, frame.origin), (*alone.axes, alone.origin), strict=True):
                 own = np.broadcast_to(found, (3, 2, 3))[:, :, place : place + 1]
                 np.testing.assert_array_equal(own, np.broadcast_to(wanted, (3, 2, 1)))

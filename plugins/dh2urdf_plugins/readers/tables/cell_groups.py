@@ -75,6 +75,8 @@ def split_cell(field: Field, text: str, *, decimal_comma: bool = False) -> dict[
         decimal_comma: whether a comma may stand for the decimal point, and so separates only with a space behind it.
     """
     plain = text.replace("−", "-").strip()
+    if plain.startswith("["):
+        plain = plain.replace('"', "")  # texts of a list in YAML
     if not plain:
         return {}
     if len(plain) > MAX_CHARACTERS:
@@ -213,7 +215,10 @@ def _tensor(text: str, *, decimal_comma: bool) -> dict[str, str] | GroupError:
         if len(items) == len(TENSOR):
             return dict(zip(INERTIA, [*items, "0", "0", "0"], strict=True))
     inner, unit = _without_brackets(text)
-    rows = [row.strip(_BRACKETS + " ,;") for row in re.split(r"\]\s*[,;]?\s*\[|\)\s*[,;]?\s*\(|;", inner)]
+    between, around = r"\]\s*[,;]?\s*\[|\)\s*[,;]?\s*\(|;", _BRACKETS
+    if inner.startswith("["):  # then round brackets are those of expressions
+        between, around = r"\]\s*[,;]?\s*\[", "[]"
+    rows = [row.strip(around + " ,;") for row in re.split(between, inner)]
     items = [item for row in rows if row for item in _items(row, decimal_comma=decimal_comma)]
     size = len(TENSOR)
     if len(items) != size * size:

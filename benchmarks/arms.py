@@ -48,7 +48,7 @@ def write_table(path: Path, robots: int, *, axes: int = 6, lengths: Lengths | No
                     a, d = draw.choice((-1, 1)) * draw.uniform(*lengths.a), draw.uniform(*lengths.d)
                 else:
                     twist = twist if draw.random() < 0.9 else round(draw.uniform(-1.2, 1.2), 4)
-                    a, d = draw.uniform(-0.8, 0.8), draw.uniform(0, 0.4)
+                    a, d = draw.uniform(-0.4, 0.4), draw.uniform(0, 0.4)  # so that no arm is long enough for a notice
                 a, d, theta = round(a, 5), round(d, 5), round(draw.uniform(-1.4, 1.4), 4)
                 name = f"joint_{axis + 1}"
                 writer.writerow([f"arm_{robot}", name, "revolute", a, twist, d, theta, -3.14, 3.14, 3.15, 150])

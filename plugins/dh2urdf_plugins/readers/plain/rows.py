@@ -73,13 +73,15 @@ class PlainRows:
         self.strays = {k for k in self.others if not columns.headers[k] and not is_beside(k, columns.headers)}
         # Without a column of types, one that no field knows may hold them.
         known = "type" in self.column or not any(columns.headers[index] for index in self.others)
-        turned = columns.of_theta and {"theta", "offset"} & self.column.keys()
-        plain = known and not turned and not set(self.column) - {*_WORDS, *GEOMETRY, *LIMITS, *_OTHERS}
+        turned = columns.of_theta and {"theta", "offset", "sign"} & self.column.keys()
+        plain = known and not turned and not set(self.column) - {*_WORDS, *GEOMETRY, *LIMITS, *_OTHERS, "sign"}
         plain &= all(
             self.column.keys() >= {*group} for group in (COM, INERTIA) if not self.column.keys().isdisjoint(group)
         )
         plain &= "ixx" not in self.column or "mass" in self.column
-        self.numbers = {name: PlainNumbers(name, units) for name in (*GEOMETRY, *_OTHERS) if name in self.column}
+        self.numbers = {
+            name: PlainNumbers(name, units) for name in (*GEOMETRY, *_OTHERS, "sign") if name in self.column
+        }
         # A column that is an angle in one row and a length in the next is read as one only where both are in SI units,
         # and as angles only where its header does not say otherwise.
         mixed = [name for name in self.column if FIELDS[name].linear]
@@ -130,13 +132,14 @@ class PlainRows:
         kinds = [self.kinds[word] for word in words]
         plain = "offset" not in values or self._are_plain_offsets(kinds, offset, columns[self.column["offset"]])
         others = {name: values[name] for name in _OTHERS if name in values}
+        signs = list(map(int, values.get("sign", [1.0] * len(rows))))
         in_doubt = self._are_foreign(columns) or self._are_mixed(columns, values)
-        if in_doubt or not (plain and _are_taken(others, kinds)):
+        if in_doubt or not (plain and _are_taken(others, kinds) and _are_signs(values.get("sign", ()), kinds)):
             return None
         geometry = {"a": a, "alpha": alpha, "d": d, "theta": theta, "offset": offset, **others}
         return [
-            (members, tuple([_row_in_columns(*names, kinds, limits, geometry, where) for where in places]))
-            for members, places in _forms((*names, kinds), limits, sizes)
+            (members, tuple([_row_in_columns(*names, kinds, signs, limits, geometry, where) for where in places]))
+            for members, places in _forms((*names, kinds, signs), limits, sizes)
         ]
 
     def _are_left_out(self, columns: Sequence[Sequence[str]]) -> bool:
@@ -313,6 +316,7 @@ def _row_in_columns(  # noqa: PLR0917 - what a row consists of
     joints: Sequence[str],
     links: Sequence[str],
     kinds: Sequence[JointType],
+    signs: Sequence[int],
     limits: Sequence[Limits],
     numbers: Mapping[str, Sequence[float]],
     where: Rows,
@@ -327,6 +331,7 @@ def _row_in_columns(  # noqa: PLR0917 - what a row consists of
         joint=joints[first],
         link=links[first],
         type=kinds[first],
+        sign=signs[first],
         limits=bounds[0]
         if bounds.count(bounds[0]) == len(bounds)
         else Limits(**{name: column([getattr(each, name) for each in bounds]) for name in LIMITS}),
@@ -345,6 +350,13 @@ def _are_taken(numbers: Mapping[str, Sequence[float]], kinds: Sequence[JointType
         if not (math.isfinite(sum(column_)) and field.takes(smallest)):
             return False
     return True
+
+
+def _are_signs(numbers: Sequence[float], kinds: Sequence[JointType]) -> bool:
+    """Whether numbers are directions, and none of them is that of a joint that does not move."""
+    return set(numbers) <= {1.0, -1.0} and not any(
+        number < 0 and kind is JointType.FIXED for number, kind in zip(numbers, kinds, strict=False)
+    )
 
 
 def _some(entries: Sequence[T], where: Rows) -> Sequence[T]:

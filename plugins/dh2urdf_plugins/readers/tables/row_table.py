@@ -168,15 +168,14 @@ class RowTable:
         """Reads all rows; what is read fast comes in columns."""
         any_rows = False
         for groups in self._groups():
-            any_rows = any_rows or bool(groups)
+            first, any_rows = not any_rows, any_rows or bool(groups)
             self._define(self.source.below)
             self.plain_table &= not self.statements.symbols or self.robot_column is not None
             while groups and (self.notices or not self.plain_table):
                 yield self._careful(groups.pop(0))
-            if plain := self._plain(groups):
-                yield plain
-            else:
-                yield from map(self._any, groups)
+            if groups and first and self.columns.silent:  # the first has the notice of columns that are left out
+                yield self._careful(groups.pop(0))
+            yield from self._any(groups)
         if not any_rows:
             yield self._careful(Rows(self.name.text))
 
@@ -229,9 +228,18 @@ class RowTable:
             self.seen.add(names)
         return groups
 
-    def _any(self, rows: Rows) -> Manipulator | Rejected:
-        plain = self._plain([rows])
-        return plain.tables()[0] if plain else self._careful(rows)
+    def _any(self, groups: list[Rows]) -> Iterator[Manipulator | ManipulatorGroups | Rejected]:
+        """Reads manipulators fast where all are plain, and else one half of them after the other."""
+        if not groups:
+            return
+        if plain := self._plain(groups):
+            yield plain if len(groups) > 1 else plain.tables()[0]
+        elif len(groups) == 1:
+            yield self._careful(groups[0])
+        else:
+            half = len(groups) // 2
+            yield from self._any(groups[:half])
+            yield from self._any(groups[half:])
 
     def _plain(self, groups: list[Rows]) -> ManipulatorGroups | None:
         """Manipulators about which there is nothing to say, read fast; None where there may be something."""

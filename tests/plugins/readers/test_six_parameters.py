@@ -198,7 +198,7 @@ def test_what_each_cell_says_is_beside_its_row(cli: Callable[..., Answer], tmp_p
     (path := tmp_path / "arm.csv").write_text(
         "# convention: standard\njoint,a,alpha,d,beta\nup,0,0,1,0.1\nout,1,0,0,0\n"
     )
-    lines = [line.split() for line in cli("info", path).stdout.splitlines()]
+    lines = [line.split() for line in cli("info", "--cells", path).stdout.splitlines()]
     assert ["up_beta", "alpha", "0.1", "rad", "(5.72958°)", "default"] in lines
     assert any(line[:2] == ["out", "a"] and "'1'" in line for line in lines)
 

@@ -152,15 +152,6 @@ def how_to_leave_out(header: str, what: str = "column") -> str:
     return f"to ignore this {what}, {start} with `{IGNORED}`: {shown(IGNORED + header)}"
 
 
-def meant_key(key: str, header: Header, keys: Iterable[str]) -> str:
-    """What an unknown key of a joint probably means."""
-    if header.field and header.unit:
-        return f"write the key {header.field.name}, and the unit in the value or in `units`"
-    if meant := misspelt(header.key):
-        return f"did you mean {meant.name!r}?"
-    return (did_you_mean(key, keys) if len(key) > len("id") else None) or how_to_leave_out(key, "key")
-
-
 def left_out(headers: Sequence[tuple[int, str]], mark: Mark) -> Problem:
     """The notice of all columns of a table that are left out.
 

@@ -145,12 +145,6 @@ def without_marker(line: str) -> str:
     return line[:before] + " " * (start.end - before) + line[start.end :]
 
 
-def sign_of(line: str) -> str:
-    """The marker of a comment."""
-    start = _start_of(line)
-    return start.sign if start else MARKERS[0]
-
-
 def as_typed(line: str, delimiter: str | None) -> list[str]:
     """A comment line as a person would type it; several where a cell of a spreadsheet has several lines.
 
@@ -193,9 +187,3 @@ def fills_row(cells: Sequence[str], required: Iterable[int]) -> bool:
     """Whether cells, the first of which begins as a comment does, are a row: what it needs is there, and a number."""
     filled = [cells[index].strip(SPACES) if index < len(cells) else "" for index in required]
     return all(filled) and any(re.match(_NUMBER, each) for each in filled)
-
-
-def looks_like_row(line: str, delimiter: str, required: Iterable[int]) -> bool:
-    """Whether a comment line was a row before it became a comment: there are numbers where a row has them."""
-    cells = without_marker(line).split(delimiter)
-    return all(index < len(cells) and re.match(_NUMBER, cells[index].strip(SPACES)) for index in required)

@@ -219,7 +219,8 @@ def convention_of(text: str) -> Convention | None:
     if key in _CONVENTIONS:
         return _CONVENTIONS[key]
     known, both = _convention_keys(), keys_in("around", "conventions")
-    bare = next((key.removesuffix(word) for word in both if key.endswith(word) and key != word), key)
+    behind = keys_in("around", "after_convention")
+    bare = next((key.removesuffix(word) for word in behind if key.endswith(word)), key)
     if key in known or bare in known:
         return known.get(key, known.get(bare))
     words = "".join(letter if letter.isalnum() else " " for letter in text.casefold()).split()

@@ -80,7 +80,8 @@ def table_template(
     )
     # A waist, links side by side, and a wrist from the fourth joint on: a [mm], alpha [deg], d [mm], standard.
     links = [(0, 90, 300), (200, 0, 0), (150, 0, 0)][: len(joints)]
-    links += [(0, 90 if number % 2 else -90, 100) for number in range(3, len(joints))]
+    step = min(100, 4000 // len(joints))  # an arm of 5 m would be worth a notice
+    links += [(0, 90 if number % 2 else -90, step) for number in range(3, len(joints))]
     links[-1] = (0, 0, links[-1][2] or 80)
     if convention is Convention.MODIFIED:  # a and alpha are those of the link before
         before = [(0, 0, 0), *links]

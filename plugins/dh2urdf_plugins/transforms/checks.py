@@ -130,16 +130,24 @@ def with_inertias(manipulator: Manipulator, how: Inertias, floor: float | None) 
 
 
 def angle_notices(manipulator: Manipulator) -> Iterator[Problem]:
-    """Angles that are kept as given although a quarter turn was probably meant, unless the reader said so already."""
-    known = {(notice.joint, notice.field) for notice in manipulator.notices}
-    for row in manipulator.rows:
-        for name in _angles_of(row):
-            value: float = getattr(row, name)
-            if is_suspicious(value) and (row.joint, name) not in known:
-                turns, _ = nearest_quarter(value)
-                meant = {1: "pi/2", -1: "-pi/2", 2: "pi", -2: "-pi"}.get(turns, f"{turns}*pi/2")
-                message = f"{name} is {value:.12g}, which is kept as given; {meant} was probably meant"
-                yield row_problem(row, message, field=name, found=value, severity="notice")
+    """One notice of all angles that are kept as given although a quarter turn was probably meant.
+
+    The rows of a table were looked at by its reader: they have a mark.
+    """
+    found = [
+        (row, name)
+        for row in manipulator.rows
+        for name in _angles_of(row)
+        if row.mark is None and is_suspicious(getattr(row, name))
+    ]
+    if found:
+        (row, name), more = found[0], len(found) - 1
+        value: float = getattr(row, name)
+        turns, _ = nearest_quarter(value)
+        meant = {1: "pi/2", -1: "-pi/2", 2: "pi", -2: "-pi"}.get(turns, f"{turns}*pi/2")
+        others = f"; {more} more angle{' is' if more == 1 else 's are'} rounded like that" if more else ""
+        message = f"{name} is {value:.12g}, which is kept as given; {meant} was probably meant{others}"
+        yield row_problem(row, message, field=name, found=value, severity="notice")
 
 
 def _angles_of(row: DHRow) -> tuple[str, ...]:

@@ -72,7 +72,7 @@ class TestTheClosingLine:
         """--quiet says what fails, and nothing else."""
         (folder / "odd.csv").write_text(BARE.replace("pi/2", "1.5708"))
         said = cli("convert", "odd.csv").stderr
-        assert said.index("pi/2 was probably meant") < said.index("odd: 2 revolute joints")
+        assert said.index("nearly pi/2") < said.index("odd: 2 revolute joints")
         assert cli("convert", "odd.csv", "-q").stderr == ""
         assert "'ninety'" in cli("convert", "bad.csv", "-q", status=2).stderr
 

@@ -34,11 +34,11 @@ def lengths(arm: Manipulator | Rejected) -> list[tuple[float, float]]:
 def test_each_manipulator_of_a_file_is_yielded_as_it_is_read(tmp_path: Path) -> None:
     """The first of many comes before the file has been read to its end: here it ends in a broken quote."""
     path = tmp_path / "arms.csv"
-    rows = "".join(f"r{robot},{joint}.5,0,{robot}\n" for robot in range(3000) for joint in range(6))
-    path.write_text(f'robot,a,alpha,d\n{rows}r3000,"1,0,0\n')
+    rows = "".join(f"r{robot},{joint}.5,0,{robot}\n" for robot in range(6000) for joint in range(6))
+    path.write_text(f'robot,a,alpha,d\n{rows}r6000,"1,0,0\n')
     arms = READER.read(path, STANDARD)
     assert [arm.name for arm in islice(arms, 100)] == [f"r{robot}" for robot in range(100)]
-    with pytest.raises(TableError, match=r"arms.csv:18002:7: error: a cell opens with a quote that is not closed"):
+    with pytest.raises(TableError, match=r"arms.csv:36002:7: error: a cell opens with a quote that is not closed"):
         list(arms)
 
 

@@ -420,7 +420,7 @@ BUDGETS = {
     "plugins/dh2urdf_plugins/loaders": 2690,
     "plugins/dh2urdf_plugins/packages": 2320,
     "plugins/dh2urdf_plugins/readers": 10580,
-    "plugins/dh2urdf_plugins/transforms": 2330,
+    "plugins/dh2urdf_plugins/transforms": 2340,
     "plugins/dh2urdf_plugins/xacro_fence": 780,
     "plugins/dh2urdf_studio": 7660,
 }

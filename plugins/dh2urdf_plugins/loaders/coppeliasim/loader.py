@@ -8,6 +8,7 @@ turn.
 from __future__ import annotations
 
 import fcntl
+import os
 import tempfile
 import time
 from contextlib import closing, contextmanager, suppress
@@ -90,20 +91,35 @@ def turn(key: str, what: str, patience: float) -> Iterator[None]:
         LoaderError: others have used it all the time.
     """
     path = Path(tempfile.gettempdir(), f"dh2urdf-{key}.lock".replace(":", "_"))
+    deadline = time.monotonic() + patience
+    while (lock := _locked(path)) is None:
+        if time.monotonic() > deadline:
+            how = "use fewer workers, or start another one"
+            raise LoaderError(f"{what} was busy with other files for {patience:g} s: {how}")
+        time.sleep(_AGAIN)
+    try:
+        yield
+    finally:
+        with suppress(PermissionError):  # Another user's file stays.
+            path.unlink()
+        os.close(lock)
+
+
+def _locked(path: Path) -> int | None:
+    """Open and lock a file; None where another process has the lock, or has just removed the file."""
     with suppress(PermissionError):  # Another user's file can be locked, too.
         path.touch(mode=0o644)
-    deadline = time.monotonic() + patience
-    with path.open("rb") as lock:  # The file stays: every process locks the same one.
-        while True:
-            try:
-                fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-                break
-            except BlockingIOError:
-                if time.monotonic() > deadline:
-                    how = "use fewer workers, or start another one"
-                    raise LoaderError(f"{what} was busy with other files for {patience:g} s: {how}") from None
-                time.sleep(_AGAIN)
-        yield
+    lock = None
+    try:
+        lock = os.open(path, os.O_RDONLY)
+        fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        if os.path.samestat(os.fstat(lock), path.stat()):
+            return lock
+    except (BlockingIOError, FileNotFoundError):
+        pass
+    if lock is not None:
+        os.close(lock)
+    return None
 
 
 def _silent(options: CoppeliaSimOptions) -> MissingProgramError:

@@ -437,6 +437,14 @@ def test_rooms_keep_to_their_budgets() -> None:
     assert {room: size for room, size in sizes.items() if not 0 < size <= BUDGETS.get(room, 0)} == {}
 
 
+def test_the_guide_has_the_budgets() -> None:
+    """CONTRIBUTING.md shows the way of a table through nine rooms, each with its budget."""
+    rooms = re.findall(r"^ +[1-9] +(\w+) +([0-9,]+) ", (ROOT / "CONTRIBUTING.md").read_text("utf-8"), re.MULTILINE)
+    budgets = {path.rpartition("/")[2]: lines for path, lines in BUDGETS.items()}
+    assert {room: int(lines.replace(",", "")) for room, lines in rooms} == {room: budgets[room] for room, _ in rooms}
+    assert len(rooms) == len(set(rooms)) == 9
+
+
 STAGES_NAMED = {
     ("pipeline/dh2urdf/commands/screw_axes.py", "screws"): "what `from_screws` is the function of",
     ("pipeline/dh2urdf/stages/__init__.py", "urdf"): "what a loader takes whose record does not mention it",

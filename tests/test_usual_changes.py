@@ -26,14 +26,14 @@ class Change(NamedTuple):
     """A change of the sources.
 
     Attributes:
-        edits: by file, a text of it and the text that takes its place; an empty text stands for the end of the file.
+        edits: a file, a text of it and the text that takes its place; an empty text stands for the end of the file.
         added: new files.
         files: what the command reads.
         command: the words behind ``dh2urdf``.
         shows: a text that is printed, or that is in the file ``out``.
     """
 
-    edits: dict[str, tuple[str, str]]
+    edits: list[tuple[str, str, str]]
     files: dict[str, str]
     command: str
     shows: str
@@ -49,65 +49,83 @@ def stage_of(kind: str, name: str) -> str:
 
 
 CHANGES = {
+    "a word of a header": Change(
+        [
+            (
+                "plugins/dh2urdf_plugins/readers/words/vocabulary.toml",
+                "en = 'convention, dh convention'",
+                "en = 'convention, dh convention, dh style'",
+            )
+        ],
+        {"arm.csv": "dh style,a,alpha,d\nmodified,0.3,0,0\nmodified,0.2,0,0\n"},
+        "info arm.csv --json",
+        '"convention": "modified"',
+    ),
     "a unit": Change(
-        {
-            "pipeline/dh2urdf/quantities/units.toml": (
+        [
+            (
+                "pipeline/dh2urdf/quantities/units.toml",
                 '\nft = { factor = "0.3048"',
                 '\nfathom = { factor = "1.8288" }\nft = { factor = "0.3048"',
             )
-        },
+        ],
         {"arm.csv": TABLE.replace("0.3", "1 fathom")},
         "info arm.csv --json",
         "1.8288",
     ),
     "a rule of `check`": Change(
-        {
-            "plugins/dh2urdf_check/rule_tables/names.yaml": (
+        [
+            (
+                "plugins/dh2urdf_check/rule_tables/names.yaml",
                 "",
                 (
                     "\nname-of-a-tree:\n  fault: a robot named after a tree\n  fix: name it after an arm\n"
                     "  consumers:\n    ros: [warns, says so]\n"
                 ),
             ),
-            "plugins/dh2urdf_check/structure.py": (
+            (
+                "plugins/dh2urdf_check/structure.py",
                 '        yield Hit("robot-without-name", root, "the robot has no name", of)\n',
                 (
                     '        yield Hit("robot-without-name", root, "the robot has no name", of)\n'
                     '    if root.get("name") == "oak":\n        yield Hit("name-of-a-tree", root, "the robot is an oak")\n'
                 ),
             ),
-        },
+        ],
         {"oak.urdf": URDF.replace('"arm"', '"oak"')},
         "check oak.urdf",
         "name-of-a-tree",
     ),
     "an emitter": Change(
-        {
-            "plugins/dh2urdf_plugins/__init__.py": (
+        [
+            (
+                "plugins/dh2urdf_plugins/__init__.py",
                 "    return (urdf.EMITTER,",
                 "    from dh2urdf_plugins.formats import names\n\n    return (names.EMITTER, urdf.EMITTER,",
             )
-        },
+        ],
         {"arm.csv": TABLE},
         "convert arm.csv --to names -o out",
         "joint_1,revolute",
         {"plugins/dh2urdf_plugins/formats/names.py": stage_of("emitter", "names")},
     ),
     "a simulator": Change(
-        {
-            "plugins/dh2urdf_plugins/__init__.py": (
+        [
+            (
+                "plugins/dh2urdf_plugins/__init__.py",
                 "    return LOADERS\n",
                 "    from dh2urdf_plugins.loaders import engine\n\n    return (engine.LOADER, *LOADERS)\n",
             )
-        },
+        ],
         {"arm.csv": TABLE, "run.yaml": "inputs: arm.csv\nloaders: engine\noutput: built\n"},
         "run run.yaml",
         "engine",
         {"plugins/dh2urdf_plugins/loaders/engine.py": stage_of("loader", "engine")},
     ),
     "a section of the run file": Change(
-        {
-            "pipeline/dh2urdf/run_file/sections.py": (
+        [
+            (
+                "pipeline/dh2urdf/run_file/sections.py",
                 "@dataclass(frozen=True, slots=True, kw_only=True)\nclass RunFile:\n",
                 (
                     "@dataclass(frozen=True, slots=True, kw_only=True)\nclass OwnerSection:\n"
@@ -116,22 +134,25 @@ CHANGES = {
                     '    owner: OwnerSection = key("who answers for the run", OwnerSection())\n'
                 ),
             ),
-            "pipeline/dh2urdf/run_file/records.py": (
+            (
+                "pipeline/dh2urdf/run_file/config.py",
                 "    report: ReportSection = ReportSection()\n",
                 "    report: ReportSection = ReportSection()\n    owner: object = None\n",
             ),
-            "pipeline/dh2urdf/run_file/config.py": (
-                "            report=report,\n",
-                '            report=report,\n            owner=to.record(keys.OwnerSection, self._at("owner"), "owner"),\n',
+            (
+                "pipeline/dh2urdf/run_file/config.py",
+                "        report=report,\n",
+                '        report=report,\n        owner=to.record(keys.OwnerSection, given["owner"], "owner"),\n',
             ),
-        },
+        ],
         {"arm.csv": TABLE, "run.yaml": "inputs: arm.csv\nowner: {nmae: Ada}\noutput: built\n"},
         "run run.yaml",
         "nmae",
     ),
     "a command": Change(
-        {
-            "plugins/dh2urdf_plugins/__init__.py": (
+        [
+            (
+                "plugins/dh2urdf_plugins/__init__.py",
                 "@hookimpl\ndef dh2urdf_executors()",
                 (
                     "@hookimpl\ndef dh2urdf_commands():\n    from dh2urdf.stages import Subcommand\n\n"
@@ -139,7 +160,7 @@ CHANGES = {
                     "@hookimpl\ndef dh2urdf_executors()"
                 ),
             )
-        },
+        ],
         {},
         "weigh",
         "two stones",
@@ -156,7 +177,7 @@ def test_it_works(what: str, tmp_path: Path) -> None:
     change, sources = CHANGES[what], tmp_path / "sources"
     for name in ("pipeline", "plugins"):
         shutil.copytree(ROOT / name, sources / name, ignore=shutil.ignore_patterns("__pycache__"))
-    for name, (old, new) in change.edits.items():
+    for name, old, new in change.edits:
         text = (sources / name).read_text("utf-8")
         assert not old or text.count(old) == 1, (name, old)
         (sources / name).write_text(text.replace(old, new) if old else text + new, "utf-8")
@@ -184,6 +205,7 @@ def test_the_guide_names_the_files() -> None:
     rows = dict(re.findall(r"^\| (an? .+?) \| (.+) \|$", guide, re.MULTILINE))
     for what, change in CHANGES.items():
         named = set(re.findall(r"`([\w./]+\.\w+)`", rows[what]))
-        touched = {*change.edits, *change.added}
+        edited = {path for path, _, _ in change.edits}
+        touched = {*edited, *change.added}
         assert all(any(path.endswith(name) for path in touched) for name in named), (what, named)
-        assert all(any(path.endswith(name) for name in named) for path in change.edits), (what, touched)
+        assert all(any(path.endswith(name) for name in named) for path in edited), (what, touched)

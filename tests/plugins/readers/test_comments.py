@@ -224,6 +224,8 @@ def test_a_comment_that_was_split_into_cells_is_one_again(
     [
         (r'# robot: "say \"hi\", \u00e9"', 'say "hi", é'),
         ("# Manipulator = 'it''s'", "it's"),
+        ('# Manipulator = "r0_5;<3d&n"', "r0_5;<3d&n"),
+        ('% robot: "lengths in mm"', "lengths in mm"),
         ("# model: ur5", "ur5"),
         ("# model: CB3\n# name: ur5", "ur5"),
         ('# robot = "x,g<n"', "x,g<n"),

@@ -37,6 +37,7 @@ MAX_STATEMENT = 10_000
 _ENTRY = r"\s*[-*•]?\s*([^\W\d_][\w .\-]{0,40}?)\s*(?:([:=\uff1a])\s*|(?=[\[{]))"
 _BEHIND_KEYS = frozenset(":=\uff1a[{")
 """What is behind a key, one of them at least."""
+_QUOTES = ("'", '"')
 _OF_MAPPING = r"\{[^{}]*:|\{\s*\}"
 _OF_LIST = r"\[(?!\s*[0-9]{1,3}\s*\])(?=.*[0-9]).*\]$"
 """A list with a number in it, and no citation: ``[2]``."""
@@ -81,7 +82,8 @@ def _is_declaration(word: str, key: str, value: str, comment: Comment) -> bool:
     if len(comment.text) > MAX_TEXT:
         return word.casefold() == key
     if key == "name":
-        return not said_in(replace(comment, text=value))
+        in_quotes = len(value) > 1 and value[0] in _QUOTES and value.endswith(value[0])
+        return in_quotes or not said_in(replace(comment, text=value))
     if key == "convention":
         return convention_of(value) is not None or (word.casefold() == key and not said_in(comment))
     if key == "units":
@@ -130,7 +132,7 @@ def _value(comment: Comment, key: str, match: re.Match[str]) -> Node:
             )
         )
     value = text[start:].strip()
-    if key == "name" and match[1].casefold() != key and value[:1] not in ("'", '"'):
+    if key == "name" and match[1].casefold() != key and value[:1] not in _QUOTES:
         return _node(comment, yaml_word(value), start)
     node = _node(comment, text[start:], start)
     if key == "convention" and isinstance(node.value, dict | list):

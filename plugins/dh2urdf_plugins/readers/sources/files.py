@@ -14,6 +14,7 @@ from dh2urdf.documents import decoded, read_bytes
 from dh2urdf.errors import TableError
 from dh2urdf.source import Mark
 from dh2urdf.table_text import CellRow
+from dh2urdf_plugins.readers.comments.top import is_header
 from dh2urdf_plugins.readers.sources.texts import (
     TextTable,
     all_tables,
@@ -60,7 +61,7 @@ def read_file_columns(
     """The same, most of the manipulators of a CSV file in columns."""
     from dh2urdf_plugins.readers.table import read_table_columns
 
-    form, lines = _form_of(path)
+    form, lines = _form_of(path, named=bool(options.columns))
     if form == "yaml":
         from dh2urdf_plugins.readers.sources.documents import read_documents
 
@@ -78,11 +79,26 @@ def read_file_columns(
     yield from read_table_columns(rows, file, options, name=path.stem, decimal_comma=True, trace=trace)
 
 
-def _form_of(path: Path) -> tuple[str, list[str]]:
-    """The form of a file, and its first lines."""
+def _form_of(path: Path, *, named: bool = False) -> tuple[str, list[str]]:
+    """The form of a file, and its first lines.
+
+    Args:
+        path: the file.
+        named: whether an option names the columns.
+    """
     lines = list(chain.from_iterable(islice(line_blocks(path), 2)))
-    is_csv = path.suffix.lower() in (".csv", ".tsv") and any(map(delimiter_of, lines[:_TOP]))
-    return "csv" if is_csv else FORMS.get(path.suffix.lower()) or form_of(lines), lines
+    suffix = path.suffix.lower()
+    form = FORMS.get(suffix) or form_of(lines)
+    if suffix in (".csv", ".tsv") and (
+        any(map(delimiter_of, lines[:_TOP]))
+        or (form in ("blanks", "listing") and not named and not _has_header(lines, str(path), form))
+    ):
+        form = "csv"  # whose reader says what its header lacks
+    return form, lines
+
+
+def _has_header(lines: list[str], file: str, form: str) -> bool:
+    return any(is_header(row) for table in all_tables("\n".join(lines), file, form) for row in table.rows)
 
 
 def _rows_of(path: Path, form: str, options: TableOptions, file: str) -> list[CellRow]:

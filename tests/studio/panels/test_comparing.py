@@ -111,7 +111,7 @@ def drop_all(tab: Any, folder: Path, drawn: str) -> None:
         page.wait_for_function(f"{COUNT} === 0")
         tab.drop(".studio-panel:visible", *dropped)
         page.wait_for_function(f"({drawn})() === 1280")
-    notes = folder.with_name("notes.txt")
+    notes = folder.with_name("notes.pdf")
     notes.write_text("no table")
     tab.drop(".studio-panel:visible", notes)
     page.locator(".studio-compared", has_text="No description was found.").wait_for()

@@ -57,7 +57,7 @@ def of_older(name: str, *modules: str) -> Callable[..., Any]:
 
 
 prove_columns = of_older("prove_columns", "proof", "proof_columns")
-proof_vectors = of_older("proof_vectors", "proof_vectors", "proof")
+proof_vectors = of_older("proof_vectors", "expected_poses", "proof_vectors", "proof")
 TOGETHER = {"at_once": True} if "at_once" in inspect.signature(prove).parameters else {}
 
 

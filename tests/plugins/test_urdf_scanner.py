@@ -130,9 +130,9 @@ def with_other_numbers(step: float) -> bytes:
     )
 
 
-@pytest.fixture(autouse=True, params=[0, 2], ids=["no file", "known as a whole"])
+@pytest.fixture(autouse=True, params=[0, urdf_scanner._ENOUGH], ids=["no file", "known form"])
 def anew(monkeypatch: pytest.MonkeyPatch, request: pytest.FixtureRequest) -> None:
-    """No test knows the files of another; the arm is known before a test, or is not."""
+    """No test knows the files of another; the form of the arm is known before a test, or is not."""
     monkeypatch.setattr(urdf_scanner, "_scanner", urdf_scanner._Scanner())
     scan_columns([with_other_numbers(0.01 * k) for k in range(request.param)])
 
@@ -398,12 +398,28 @@ class TestParts:
 
 
 class TestWhatIsRemembered:
-    def test_a_file_is_known_as_a_whole(self, monkeypatch: pytest.MonkeyPatch) -> None:
-        """Files that differ from two others in numbers only are not cut into parts, and read to the last bit."""
-        scan_columns([with_other_numbers(step) for step in (0.01, 0.02)])
+    @pytest.mark.parametrize("step", [0.01, 0], ids=["all numbers vary", "none does"])
+    def test_a_form_is_known(self, monkeypatch: pytest.MonkeyPatch, step: float) -> None:
+        """Files of a known form are not cut into parts, and read to the last bit."""
+        scan_columns([with_other_numbers(step * k) for k in range(urdf_scanner._ENOUGH)])
         monkeypatch.delattr(urdf_scanner._Scanner, "_cut")
-        files = [with_other_numbers(step) for step in (0.05, 1e-9, -0.3)]
+        files = [with_other_numbers(step * k) for k in (5, 1e-7, -30)]
         assert scanned(files) == {place: as_read(content) for place, content in enumerate(files)}
+
+    def test_a_file_of_another_form(self) -> None:
+        """A number that no other file changed, two that were always the same, and what is no number: all are seen."""
+        scan_columns([with_changes((b"0.25", b"%d.5" % k)) for k in range(urdf_scanner._ENOUGH)])
+        plain = [with_changes(change) for change in ((b"0.25", b"7"), (b"0 0 1e-3", b"0 1 1e-3"), (b'"2"', b'"2.5"'))]
+        odd = with_changes((b"0.25", b"+1"))
+        files = [plain[0], odd, *plain[1:], plain[0]]
+        assert scanned(files) == {place: as_read(files[place]) for place in (0, 2, 3, 4)}
+
+    def test_numbers_that_were_always_alike(self) -> None:
+        """Two values that were the same text in each file are read apart where they are not."""
+        twice = [with_changes((b"0 0 0.25", b"0 0 %d" % k), (b"0 0 1e-3", b"0 0 %d" % k)) for k in range(40)]
+        files = [*twice, with_changes((b"0 0 0.25", b"0 0 3"), (b"0 0 1e-3", b"0 0 4")), twice[1]]
+        for _ in range(2):
+            assert scanned(files) == {place: as_read(content) for place, content in enumerate(files)}
 
     def test_the_order_of_the_files_changes_nothing(self) -> None:
         """A file is read or left out for what it is, whatever came before it."""

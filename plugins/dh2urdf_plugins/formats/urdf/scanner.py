@@ -20,13 +20,14 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass, replace
-from itertools import accumulate, chain
+from itertools import accumulate, chain, pairwise
 from operator import itemgetter
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 import orjson
 from lxml import etree
 
+from dh2urdf.elementwise import array_of
 from dh2urdf.errors import ProofError
 from dh2urdf.manipulator import Limits
 from dh2urdf.robot import Joint, Link, Origin, Robot
@@ -35,7 +36,7 @@ from dh2urdf_plugins.formats.urdf.reader import robot_of
 from dh2urdf_plugins.formats.xml_files import written_tree_of
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 
     Attribute: TypeAlias = tuple[str, str]  # tag and name
     Picker: TypeAlias = Callable[[Sequence[bytes]], Sequence[bytes]]
@@ -52,6 +53,14 @@ _ROOT, _END, _JOINT = b'<robot name="a"', b"</robot>", b"<joint "
 _IN_NUMBERS = b"0123456789.eE+-"
 _MOST = 2**25
 """Files of so many bytes in all are remembered from call to call."""
+_ENOUGH = 32
+"""Files of the same parts from which on it pays to learn a form: an expression takes as long as thirty files."""
+_LOOKED_AT = 4
+"""Of every so many of them one is compared with the others."""
+_OF_ALIKE = 1000
+"""Bytes that are counted for each combination of parts."""
+_FORMS, _FILES_AT_ONCE = 4, 32
+"""Forms that a file is compared with, and files whose numbers are read in one call: they stay in the cache."""
 
 # The attributes of the URDF specification (wiki.ros.org/urdf/XML) that are numbers; the joints' first.
 _OF_JOINTS: tuple[Attribute, ...] = (
@@ -170,7 +179,8 @@ class _Place:
         """Remembers what a text is."""
         self.size += len(text)
         pieces = text.split(b'"')
-        layout = self._layouts.setdefault(b'"'.join(pieces[::2]), _Layout(part))
+        markup = b'"'.join(pieces[::2])
+        layout = self._layouts[markup] = self._layouts.get(markup) or _Layout(part)
         layout.known[layout.key(pieces[1::2])[0]] = part
 
     def learned(self, text: bytes) -> tuple[_Part, bytes, bytes] | None:
@@ -211,6 +221,128 @@ class _Place:
         return self.read(text)
 
 
+class _Alike:
+    """Files that consist of the same parts.
+
+    Attributes:
+        joints: their joints.
+    """
+
+    def __init__(self, joints: Joints, parts: tuple[_Part, ...]) -> None:
+        self.joints, self._parts = joints, parts
+        self._seen, self._since = 0, 0
+        self._first: list[bytes] = []
+        self._varying: set[int] = set()
+        self._traces: dict[int, int] = {}
+
+    def see(self, text: bytes, total: int) -> _Form | None:
+        """Compares the numbers of some files, and returns their form each time that they are twice as many.
+
+        Args:
+            text: what is after the name in one more file.
+            total: how many files were read in all, of any parts.
+        """
+        self._since = self._since or total
+        self._seen += 1
+        if self._seen % _LOOKED_AT or self._seen * _FORMS < total - self._since:
+            return None
+        values = text.split(b'"')[1::2]
+        if not self._first:
+            self._first, self._part = values, _together(self.joints, self._parts)
+            self._traces = dict.fromkeys(sorted((*self._part.of_joints, *self._part.others)), 0)
+        self._varying.update([place for place in self._traces if values[place] != self._first[place]])
+        # Numbers with the same trace were the same text in every file. Where this is wrong, a file has no form.
+        self._traces = {place: hash((trace, values[place])) for place, trace in self._traces.items()}
+        if self._seen < _ENOUGH or self._seen.bit_count() != 1:
+            return None
+        return _Form(self._part, text.split(b'"'), {place: self._traces[place] for place in sorted(self._varying)})
+
+
+class _Form:
+    """What files of the same parts have in common besides: all bytes between the numbers that vary.
+
+    An expression takes these numbers out of a file by the lengths of what is between them; a number that is written
+    twice is taken once. If the numbers and what is between them here make the same bytes again, the file has this form.
+
+    Args:
+        part: what such files are.
+        pieces: what the quotes cut one of them into.
+        traces: the places of the values that vary; values with the same trace are the same text.
+
+    Attributes:
+        part: what such files are.
+    """
+
+    def __init__(self, part: _Part, pieces: list[bytes], traces: dict[int, int]) -> None:
+        self.part, values = part, pieces[1::2]
+        first = {trace: place for place, trace in reversed(traces.items())}
+        groups = {place: number for number, place in enumerate(sorted(first.values()))}
+        cuts = [-1, *[2 * place + 1 for place in traces], len(pieces)]
+        between = [b'"'.join(pieces[start + 1 : end]) for start, end in pairwise(cuts)]
+        # The quote before a number is looked at: where it is not in its place, the file has another form.
+        steps = [b".{%d}+" % len(between[0])]
+        for (place, trace), text in zip(traces.items(), between[1:], strict=True):
+            name = b"_%d" % groups[first[trace]]
+            steps += (b'"', b'(?P<%b>[^"]*+)' % name if place in groups else b"(?P=%b)" % name)
+            steps.append(b".{%d}+" % (len(text) + 1))
+        self._match = re.compile(b"".join(steps), re.DOTALL).fullmatch
+        self._fillings = _picker([groups[first[trace]] for trace in traces.values()])
+        self._pieces = [b""] * (2 * len(between) - 1)
+        self._pieces[::2] = [b'"%b"' % text for text in between]
+        self._pieces[0] = self._pieces[0][1:]
+        self._pieces[-1] = self._pieces[-1][:-1]
+        columns, sources = _spans(values, part.of_joints), _spans(values, groups)
+        moving = [place for place in part.of_joints if place in traces]
+        text = b",".join([values[place] for place in groups])
+        self._between, self._count = text.translate(None, _IN_NUMBERS), sum(map(len, sources.values()))
+        self._columns = [column for place in moving for column in columns[place]]
+        self._sources = [source for place in moving for source in sources[first[traces[place]]]]
+        self._row = _numbers_in(b",".join([values[place] for place in part.of_joints])) or []
+
+    def varying(self, content: bytes, start: int) -> bytes | None:
+        """The numbers of a file that vary, with commas between them; None where it has another form."""
+        match = self._match(content, start)
+        if match is None:
+            return None
+        pieces, texts = self._pieces.copy(), match.groups()
+        pieces[0] = content[:start] + pieces[0]
+        pieces[1::2] = self._fillings(texts)
+        return b",".join(texts) if content == b"".join(pieces) else None
+
+    def rows(self, texts: Sequence[bytes]) -> Any | None:  # noqa: ANN401 - an array
+        """The numbers of the joints of files, by the numbers that vary; None where one of these is no number."""
+        import numpy as np
+
+        table = np.empty((len(texts), len(self._row)))
+        table[:] = self._row
+        if self._count:
+            text = b",".join(texts)
+            # A comma is between two values at least, so none is in them, and each has its own number of spaces.
+            if text.translate(None, _IN_NUMBERS) != b",".join([self._between] * len(texts)):
+                return None
+            if (numbers := _numbers_in(text)) is None:
+                return None
+            table[:, self._columns] = array_of(numbers).reshape(len(texts), self._count)[:, self._sources]
+        return table
+
+
+def _spans(values: Sequence[bytes], places: Iterable[int]) -> dict[int, range]:
+    """Where the numbers of some values are among the numbers of all of these, by the places of the values."""
+    counts = {place: values[place].count(b" ") + 1 for place in places}
+    ends = accumulate(counts.values())
+    return {place: range(end - count, end) for (place, count), end in zip(counts.items(), ends, strict=True)}
+
+
+def _together(joints: Joints, parts: Sequence[_Part]) -> _Part:
+    """A file of some parts as one part."""
+    starts = [*accumulate([part.values for part in parts], initial=0)]
+    of_joints, others = (
+        tuple([start + place for start, each in zip(starts, places, strict=False) for place in each])
+        for places in ([part.of_joints for part in parts], [part.others for part in parts])
+    )
+    return _Part(joints, of_joints, others, starts[-1])
+
+
 class _Scanner:
     """Reads files and remembers what it has met: that makes reading faster and changes nothing.
 
@@ -218,7 +350,7 @@ class _Scanner:
     shape less than in the next one. So a file is cut before each of its joints, and each part is read once by the slow
     reader: after the first part of the file, where materials are defined. If that is the URDF of a robot, and the first
     part by itself is as well, then the part begins and ends inside the root and outside all other elements, so that it
-    is well-formed after whatever other parts. A file whose markup is met a second time is then known as a whole.
+    is well-formed after whatever other parts. Where a quarter of the files have the same parts, their form is learned.
     """
 
     def __init__(self) -> None:
@@ -226,28 +358,68 @@ class _Scanner:
         self._whole, self._first = _Place(self._kinds), _Place(self._kinds, after=_END)
         self._others: dict[tuple[bytes, _Part], tuple[_Place, _Place]] = {}  # by margin and first part: those, the last
         self._joined: dict[tuple[Joints, ...], Joints] = {}
-        self._met: set[tuple[_Part, ...]] = set()
+        self._alike: dict[tuple[_Part, ...], _Alike] = {}
+        self._count = 0
+        self._forms: list[_Form] = []  # the last one first: often the next file has it too
 
     @property
     def size(self) -> int:
         """Bytes of the parts and files that are remembered."""
-        return sum([place.size for place in (self._whole, self._first, *chain(*self._others.values()))])
+        places = (self._whole, self._first, *chain(*self._others.values()))
+        return sum([place.size for place in places]) + _OF_ALIKE * len(self._alike)
+
+    def scan(self, heads: Mapping[int, re.Match[bytes]]) -> Iterator[tuple[Joints, list[int], Any]]:
+        """The joints of files and a table of their numbers, by the places of the files.
+
+        Args:
+            heads: what is before and in the name of each file's robot.
+        """
+        formed: dict[_Form, tuple[list[int], list[bytes]]] = {}
+        rest = []
+        for place, head in heads.items():
+            if found := self._form(head.string, head.end()):
+                places, texts = formed.setdefault(found[0], ([], []))
+                places.append(place)
+                texts.append(found[1])
+            else:
+                rest.append(place)
+        for form, (places, texts) in formed.items():
+            if (table := form.rows(texts)) is not None:
+                yield form.part.joints, places, table
+            else:
+                rest += places
+        for place in rest:
+            if alone := self.read(heads[place].string[heads[place].end() :]):
+                yield alone[0], [place], array_of(alone[1]).reshape(1, -1)
+
+    def _form(self, content: bytes, start: int) -> tuple[_Form, bytes] | None:
+        """The form of a file and the numbers that vary in it; None where it has none."""
+        for place, form in enumerate(self._forms):
+            if (numbers := form.varying(content, start)) is not None:
+                if place:
+                    self._forms.insert(0, self._forms.pop(place))
+                return form, numbers
+        return None
 
     def read(self, text: bytes) -> tuple[Joints, list[float]] | None:
         """The joints of a file and their numbers, of what is after its name; None where it is for the slow reader."""
-        whole = self._whole.read(text)
-        if whole is None and (cut := self._cut(text)):
-            parts, of_joints, others = zip(*cut, strict=True)
-            joints, texts = self._joints_of(parts), (*of_joints, *others)
-            if parts in self._met:
-                self._whole.learn(text, _together(joints, parts))
-            self._met.add(parts)
-        elif whole := whole or self._whole.learned(text):
-            joints, texts = whole[0].joints, whole[1:]
-        else:
+        found = self._whole.read(text) if self._whole.size else None
+        cut = [found] if found else self._cut(text)
+        if cut is None and (found := self._whole.learned(text)):
+            cut = [found]
+        if cut is None:
             return None
-        numbers = _numbers_in(b",".join(filter(None, texts)))
-        return None if numbers is None else (joints, numbers[: joints.count])
+        parts, of_joints, others = zip(*cut, strict=True)
+        numbers = _numbers_in(b",".join(filter(None, (*of_joints, *others))))
+        if numbers is None:
+            return None
+        self._count += 1
+        alike = self._alike.get(parts)
+        if alike is None:
+            alike = self._alike[parts] = _Alike(self._joints_of(parts), parts)
+        if form := alike.see(text, self._count):
+            self._forms = [form, *[each for each in self._forms if each.part is not form.part][: _FORMS - 1]]
+        return alike.joints, numbers[: alike.joints.count]
 
     def _cut(self, text: bytes) -> list[tuple[_Part, bytes, bytes]] | None:
         """The parts of a file; None where it cannot be cut into parts that stand by themselves."""
@@ -291,16 +463,6 @@ class _Scanner:
         return found
 
 
-def _together(joints: Joints, parts: Sequence[_Part]) -> _Part:
-    """A file of some parts as one part."""
-    starts = [*accumulate([part.values for part in parts], initial=0)]
-    of_joints, others = (
-        tuple([start + place for start, each in zip(starts, places, strict=False) for place in each])
-        for places in ([part.of_joints for part in parts], [part.others for part in parts])
-    )
-    return _Part(joints, of_joints, others, starts[-1])
-
-
 _scanner = _Scanner()
 
 
@@ -321,20 +483,22 @@ def scan_columns(contents: Sequence[bytes]) -> list[tuple[list[int], Robot]]:
     global _scanner  # noqa: PLW0603 - what was learned is remembered from call to call
     if _scanner.size > _MOST:
         _scanner = _Scanner()
-    groups: dict[Joints, tuple[list[int], list[list[float]]]] = {}
-    names = dict[Joints, bytes]()
-    for place, content in enumerate(contents):
-        head = _HEAD.match(content)
-        if head is None or not _is_printable(head[0]) or (found := _scanner.read(content[head.end() :])) is None:
-            continue
-        names.setdefault(found[0], head[1])
-        places, rows = groups.setdefault(found[0], ([], []))
-        places.append(place)
-        rows.append(found[1])
-    return [
-        (places, joints.with_numbers(names[joints].decode(), np.array(rows, dtype=float).reshape(len(rows), -1)))
-        for joints, (places, rows) in groups.items()
-    ]
+    found = ((place, _HEAD.match(content)) for place, content in enumerate(contents))
+    heads = [(place, head) for place, head in found if head and _is_printable(head[0])]
+    groups: dict[Joints, tuple[list[int], list[Any]]] = {}
+    for start in range(0, len(heads), _FILES_AT_ONCE):
+        for joints, some, table in _scanner.scan(dict(heads[start : start + _FILES_AT_ONCE])):
+            places, tables = groups.setdefault(joints, ([], []))
+            places += some
+            tables.append(table)
+    names = dict(heads)
+    read = []
+    for joints, (places, tables) in groups.items():
+        order = np.argsort(places)
+        ordered = [places[index] for index in order]
+        name = names[ordered[0]][1].decode()
+        read.append((ordered, joints.with_numbers(name, np.concatenate(tables)[order])))
+    return sorted(read, key=lambda group: group[0][0])
 
 
 def _numbers_in(text: bytes) -> list[float] | None:

@@ -171,6 +171,8 @@ def test_a_joint_that_is_wrong_is_refused(read: Callable[..., list[Manipulator |
         ("name", '"a\\nb"'),
         ("convention", "[x]"),
         ("convention", ""),
+        ("visals", "none"),
+        ("namee", "ur5"),
         ("joints", "3"),
     ],
 )

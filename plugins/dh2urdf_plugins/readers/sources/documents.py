@@ -29,7 +29,7 @@ from dh2urdf_plugins.readers.tables.cell_rows import CellRows
 from dh2urdf_plugins.readers.tables.row_table import RowTable
 from dh2urdf_plugins.readers.words.bounds import MAX_JOINTS
 from dh2urdf_plugins.readers.words.cells import Cell
-from dh2urdf_plugins.readers.words.fields import FIELDS, GROUPS, IGNORED, flip_of
+from dh2urdf_plugins.readers.words.fields import FIELDS, GROUPS, IGNORED, flip_of, near
 from dh2urdf_plugins.readers.words.table_words import flow_text
 
 if TYPE_CHECKING:
@@ -194,7 +194,7 @@ class _Document:
         return self.node if isinstance(self.node.value, list) or rows else None
 
     def _state(self, key: str, node: Node) -> None:
-        """Takes what holds for all rows; passes over what is text under a key that nothing is called."""
+        """Takes what holds for all rows; passes over what is text under a key that is none, nor a misspelt one."""
         if key.startswith(IGNORED):
             return
         if kind := _UNIT_KEYS.get(key.casefold()):
@@ -207,7 +207,7 @@ class _Document:
             self.said.setdefault(declared, node)
         elif key.casefold() == "columns" or (key.casefold() in ("dof", "version") and node.text):
             return
-        elif isinstance(node.value, dict | list | int | float):
+        elif isinstance(node.value, dict | list | int | float) or near(key.casefold(), KEYS):
             self.problems.append(_unknown_key(self.node, key, KEYS))
 
     def _without_fields(self, defaults: Node) -> Node:

@@ -63,6 +63,7 @@ class Columns:
         notices: messages about the header.
         numbers: the columns whose cells are numbers already, or all text.
         of_theta: columns of limits whose headers call them bounds of theta.
+        as_written: whether names are as they are written, as in YAML.
         types: what the cells of the column of types mean besides words for types: codes under σ, truth values.
     """
 
@@ -78,6 +79,7 @@ class Columns:
     ignored: set[int] = field(default_factory=set)
     notices: list[Problem] = field(default_factory=list)
     numbers: frozenset[int] = frozenset()
+    as_written: bool = False
     of_theta: set[int] = field(default_factory=set)
     types: dict[str, JointType] = field(default_factory=dict)
 

@@ -94,7 +94,7 @@ class _Rows:
         for name, cell in cells.items():
             text = cell.text
             plain = text.isascii() and text.isalnum() and not text.lower().startswith("var")
-            if not text or plain or name.startswith(LABEL):
+            if not text or plain or cell.as_written or name.startswith(LABEL):
                 continue
             if name in ("joint", "link", "robot"):
                 text = unwrapped(text)

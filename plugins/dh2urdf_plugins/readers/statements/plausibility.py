@@ -20,6 +20,12 @@ LONGEST_ARM, SHORTEST_ARM = 5.0, 0.02
 """Reach beyond which a notice asks for the unit [m]."""
 _USUAL = (0.2, 3.0)
 """Reach of the arms that people build [m]."""
+_NEARLY_PARALLEL = 0.01
+"""Angle between the axes of neighbours that a calibration finds where the drawing has parallel ones [rad]."""
+_CALIBRATED = (
+    "if this is the table of a calibrated arm, whose nearly parallel axes have their normals far away, `--set "
+    "near_parallel=split` keeps links and masses of the arm's own size"
+)
 _CANDIDATES = ("cm", "inch", "mm", "m")
 
 
@@ -67,13 +73,20 @@ def size_notice(
     number = reach / read.si(1.0)
     meant = [name for name in _CANDIDATES if _USUAL[0] <= UNITS[name].si(number) <= _USUAL[1]]
     size = f"{reach:.4g} m" if reach >= 1 else f"{1000 * reach:.4g} mm"
-    sizes = ", ".join(f"{name} ({UNITS[name].si(number):.3g} m)" for name in meant)
+    calibrated = f"; {_CALIBRATED}" if length > LONGEST_ARM and _is_calibrated(rows) else ""
+    sizes = ", ".join(f"{name} ({UNITS[name].si(number):.3g} m)" for name in meant) or "another unit"
+    unit = meant[0] if meant else "mm"
     return Problem(
         message=f"the arm is {size} long, with lengths in {read.symbol}",
         severity="notice",
         mark=rows[0].mark,
-        suggestion=f"if its lengths are in {sizes}, declare it: `units: {{length: {meant[0]}}}` or "
-        f"`--length-unit {meant[0]}`"
-        if meant
-        else "if its lengths are in another unit, declare it: `units: {length: mm}` or `--length-unit mm`",
+        suggestion=f"if its lengths are in {sizes}, declare it: `units: {{length: {unit}}}` or `--length-unit {unit}`"
+        + calibrated,
     )
+
+
+def _is_calibrated(rows: Sequence[DHRow]) -> bool:
+    """Whether the longest d is that of a joint whose axis is nearly parallel to one beside it."""
+    number = max(range(len(rows)), key=lambda place: abs(rows[place].d))
+    beside = rows[max(0, number - 1) : number + 2]
+    return any(0.0 < abs(math.remainder(row.alpha, math.pi)) < _NEARLY_PARALLEL for row in beside)

@@ -89,6 +89,7 @@ class CellRows:
             index for index, name in enumerate(columns.fields) if name and FIELDS[name].dimension
         )
         columns.numbers = self.quantities
+        columns.as_written = not self.prose
         return columns
 
     def batches(self) -> Iterator[tuple[Sequence[CellRow], Sequence[Row]]]:

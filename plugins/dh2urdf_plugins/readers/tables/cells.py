@@ -70,7 +70,9 @@ class TableCells:
         for index, (name, value) in enumerate(zip(columns.fields, row, strict=False)):
             if index in columns.ignored:
                 continue
-            cell = Cell(text_of(value).strip(SPACES), marks[index], index in columns.of_theta)
+            is_name, text = name in ("joint", "link"), text_of(value)
+            as_written = is_name and columns.as_written
+            cell = Cell(text if as_written else text.strip(SPACES), marks[index], index in columns.of_theta, as_written)
             if name is None:
                 self._unknown(cell, index, number, cells)
                 continue
@@ -79,7 +81,7 @@ class TableCells:
                 return None
             if name == "type" and (kind := columns.types.get(cell.text.casefold())):
                 cell = cell._replace(text=kind.value)
-            if name in ("joint", "link") and "#" in cell.text and re.match(SPREADSHEET_ERROR, cell.text):
+            if is_name and "#" in cell.text and re.match(SPREADSHEET_ERROR, cell.text):
                 reader.add(_spreadsheet_error(cell, name, joint))
             found = self._split(cell, name, number, reader) if name in GROUPS else {name: cell}
             for part, of_part in found.items():

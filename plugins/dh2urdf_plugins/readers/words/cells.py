@@ -33,11 +33,13 @@ class Cell(NamedTuple):
         text: the text.
         mark: its place.
         of_theta: whether its header says that it bounds theta, which is not q where the row has an offset.
+        as_written: whether it is a name with no typesetting around it, and keeps its white space.
     """
 
     text: str
     mark: Mark
     of_theta: bool = False
+    as_written: bool = False
 
 
 class Doubt(NamedTuple):

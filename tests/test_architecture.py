@@ -416,7 +416,7 @@ BUDGETS = {
     "plugins/dh2urdf_plugins/edits": 530,
     "plugins/dh2urdf_plugins/executors": 540,
     "plugins/dh2urdf_plugins/extraction": 1090,
-    "plugins/dh2urdf_plugins/formats": 4550,
+    "plugins/dh2urdf_plugins/formats": 4570,
     "plugins/dh2urdf_plugins/loaders": 2710,
     "plugins/dh2urdf_plugins/packages": 2320,
     "plugins/dh2urdf_plugins/readers": 10620,

@@ -18,7 +18,7 @@ from dh2urdf.errors import ProofError
 from dh2urdf.manipulator import Convention, DHRow, JointType, Limits, Manipulator
 from dh2urdf.plugin_system import load
 from dh2urdf.plugin_system.options import make_options
-from dh2urdf_plugins.formats.urdf import scanner as urdf_scanner
+from dh2urdf_plugins.formats.urdf import forms, scanner as urdf_scanner
 from dh2urdf_plugins.formats.urdf.reader import parse_urdf, robot_of
 from dh2urdf_plugins.formats.urdf.scanner import scan_columns
 
@@ -130,7 +130,7 @@ def with_other_numbers(step: float) -> bytes:
     )
 
 
-@pytest.fixture(autouse=True, params=[0, urdf_scanner._ENOUGH], ids=["no file", "known form"])
+@pytest.fixture(autouse=True, params=[0, forms.ENOUGH], ids=["no file", "known form"])
 def anew(monkeypatch: pytest.MonkeyPatch, request: pytest.FixtureRequest) -> None:
     """No test knows the files of another; the form of the arm is known before a test, or is not."""
     monkeypatch.setattr(urdf_scanner, "_scanner", urdf_scanner._Scanner())
@@ -401,14 +401,14 @@ class TestWhatIsRemembered:
     @pytest.mark.parametrize("step", [0.01, 0], ids=["all numbers vary", "none does"])
     def test_a_form_is_known(self, monkeypatch: pytest.MonkeyPatch, step: float) -> None:
         """Files of a known form are not cut into parts, and read to the last bit."""
-        scan_columns([with_other_numbers(step * k) for k in range(urdf_scanner._ENOUGH)])
+        scan_columns([with_other_numbers(step * k) for k in range(forms.ENOUGH)])
         monkeypatch.delattr(urdf_scanner._Scanner, "_cut")
         files = [with_other_numbers(step * k) for k in (5, 1e-7, -30)]
         assert scanned(files) == {place: as_read(content) for place, content in enumerate(files)}
 
     def test_a_file_of_another_form(self) -> None:
         """A number that no other file changed, two that were always the same, and what is no number: all are seen."""
-        scan_columns([with_changes((b"0.25", b"%d.5" % k)) for k in range(urdf_scanner._ENOUGH)])
+        scan_columns([with_changes((b"0.25", b"%d.5" % k)) for k in range(forms.ENOUGH)])
         plain = [with_changes(change) for change in ((b"0.25", b"7"), (b"0 0 1e-3", b"0 1 1e-3"), (b'"2"', b'"2.5"'))]
         odd = with_changes((b"0.25", b"+1"))
         files = [plain[0], odd, *plain[1:], plain[0]]

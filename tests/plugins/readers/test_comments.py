@@ -227,6 +227,7 @@ def test_a_comment_that_was_split_into_cells_is_one_again(
         ('# Manipulator = "r0_5;<3d&n"', "r0_5;<3d&n"),
         ('% robot: "lengths in mm"', "lengths in mm"),
         ("# model: ur5", "ur5"),
+        ("# robot = r0_9d1a-n", "r0_9d1a-n"),
         ("# model: CB3\n# name: ur5", "ur5"),
         ('# robot = "x,g<n"', "x,g<n"),
     ],

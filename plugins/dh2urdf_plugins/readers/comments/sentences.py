@@ -16,7 +16,7 @@ from dh2urdf.quantities import UNITS, unit_word
 from dh2urdf.source import Problem, listed, shown
 from dh2urdf_plugins.readers.header.units import KEY_OF
 from dh2urdf_plugins.readers.words.cells import Cell
-from dh2urdf_plugins.readers.words.fields import header_fields, joint_type, key_of, keys_in
+from dh2urdf_plugins.readers.words.fields import FIELDS, header_fields, joint_type, key_of, keys_in
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -138,7 +138,8 @@ def _units(tokens: Sequence[str]) -> dict[str, str]:
         joined = start == last and place - start > 1  # `mm and deg`
         follows = joined or (last is not None and start <= last + 1 and before in _LISTING)
         opened = before in _OPENING or _is("before", before) or any(_is(name, before) for name in _MEASURES)
-        of_field = before in _LISTING and start > 0 and tokens[start - 1].casefold() in _WHOLE  # `a/mm`
+        field = FIELDS.get(tokens[start - 1].casefold()) if before in _LISTING and start > 0 else None
+        of_field = field is not None and field.name in _WHOLE and field.dimension is unit.dimension  # `a/mm`
         if alone or follows or opened or of_field or listed_alone:
             found.setdefault(key, set()).add(unit.symbol)
             last = place

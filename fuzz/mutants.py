@@ -58,7 +58,7 @@ GROUPS = {
         ),
     ),
     "read_back": Group(
-        (PLUGINS / "formats" / "urdf" / "scanner.py",),
+        tuple(PLUGINS / "formats" / "urdf" / f"{name}.py" for name in ("forms", "scanner")),
         ("tests/plugins/test_urdf_scanner.py", "tests/pipeline/kinematics/test_proof_of_many.py"),
     ),
     "readers": Group(

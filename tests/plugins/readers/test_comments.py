@@ -77,6 +77,12 @@ def test_units_of_a_comment_hold(comment: str, read: Read) -> None:
     assert len(said) == (comment in SPOKEN) or "declare" in said[0]
 
 
+def test_revolutions_are_a_unit_in_a_list_of_units(read_one: Callable[..., Manipulator]) -> None:
+    """And a word like others alone, or in a sentence."""
+    assert read_one("# mm, revolutions\na,alpha,d\n300,0.25,100\n").rows[0].alpha == pytest.approx(1.5707963267948966)
+    assert read_one("# rev.\na,alpha,d\n0.3,0.25,0.1\n").rows[0].alpha == 0.25
+
+
 @pytest.mark.parametrize(
     ("comment", "convention"),
     [
@@ -118,7 +124,14 @@ PROSE = [
         "see fig. 3 in [2]",
         "lengths in m, angles in rad",
     ),
-    *("see https://example.org/a?b=c", "################", "Units", "rev B of the sheet", "Created: 2024-01-05 10:30"),
+    *(
+        "see https://example.org/a?b=c",
+        "################",
+        "Units",
+        "rev B of the sheet",
+        "rev.",
+        "Created: 2024-01-05 10:30",
+    ),
     *(
         "base, tool and defaults are not given",
         "in the lab, and not at home",

@@ -120,12 +120,13 @@ def _units(tokens: Sequence[str]) -> dict[str, str]:
         return {}  # `joint limits in degrees` says nothing of other angles
     found: dict[str, set[str]] = {}
     alone = all(_unit(token) or token in _LISTING | _OPENING | _ENDS for token in tokens)
+    is_list = alone and len(list(filter(_unit, tokens))) > 1
     has_unit_word = any(_is("before", token) and len(token) > 2 for token in tokens)  # noqa: PLR2004 - no preposition
     last: int | None = None  # the place of the latest unit
     for place, token in enumerate(tokens):
         unit = _unit(token)
         key = KEY_OF.get(unit.dimension) if unit else None
-        if not unit or not key or _is("no_units", token):
+        if not unit or not key or (_is("no_units", token) and not is_list):
             continue
         behind = tokens[place + 1] if place + 1 < len(tokens) else "."
         if (token.casefold() == "in" and behind not in _ENDS) or _is("of", behind):

@@ -323,10 +323,10 @@ def test_a_file_is_opened(studio_address: str, new_tab: Callable[..., Any], tmp_
     tab = new_tab(studio_address)
     page = tab.open()
     wrong, two = tmp_path / "wrong.csv", tmp_path / "two.csv"
-    (tmp_path / "notes.txt").write_text("no table")
+    (tmp_path / "notes.pdf").write_text("no table")
     wrong.write_text("# convention: standard\na,alpha,d\n1,x,0\n")
     two.write_text("# convention: standard\nrobot,a,alpha,d\nfirst,1,0,0\nsecond,2,0,0\n")
-    tab.choose_file(tmp_path / "notes.txt")
+    tab.choose_file(tmp_path / "notes.pdf")
     page.get_by_text("This is not a file that can be opened").wait_for()
     tab.choose_file(wrong)
     page.get_by_text("wrong.csv:3:3: error: joint 'joint_1', field 'alpha': 'x' cannot be read").wait_for()

@@ -150,7 +150,7 @@ def test_an_empty_table_takes_what_is_pasted(tab: Any) -> None:
             "q1\t0.2\t0.1\t2π/3\nq2\t0\t0.3\t0\n",
             "θ, d, a, α",
             "1 problem",
-            {"joint": "joint_1", "a": "0.1", "alpha": "2*π/3", "d": "0.2", "theta": "q1"},
+            {"joint": "joint_1", "a": "0.1", "alpha": "2π/3", "d": "0.2", "theta": "q1"},
         ),
         (
             "waist 1\tP\t0.1\t0\t0.2",

@@ -38,8 +38,8 @@ HEADERS = {
 }
 PREVIOUS = {"a": ["a_{i-1}", "aᵢ₋₁", "a(i-1)", "a_i-1"], "alpha": ["alpha_{i-1}", "αᵢ₋₁", "α_{i−1}", "alpha_im1"]}
 TYPES = {
-    JointType.REVOLUTE: ["revolute", "R", "Rotational", "0", "REVOLUTE"],
-    JointType.PRISMATIC: ["prismatic", "P", "linear", "T", "1"],
+    JointType.REVOLUTE: ["revolute", "R", "Rotational", "REVOLUTE"],
+    JointType.PRISMATIC: ["prismatic", "P", "linear", "T"],
     JointType.CONTINUOUS: ["continuous", "C"],
     JointType.FIXED: ["fixed", "F", "Fixed"],
 }

@@ -270,7 +270,7 @@ def test_known_headers_and_notes_go_the_fast_way(tmp_path: Path, monkeypatch: py
     def counted(self: PlainRows, *arguments: Any) -> Any:
         nonlocal fast
         found = plain(self, *arguments)
-        fast += len(found or ())
+        fast += sum(len(members) for members, _ in found or ())
         return found
 
     monkeypatch.setattr(PlainRows, "read", counted)

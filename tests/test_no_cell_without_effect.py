@@ -485,10 +485,16 @@ def documents(what: str) -> Iterator[tuple[str, Any, tuple[str, ...], str | None
                 yield f"{path}: {leaf} as {other}", _changed(path, {path[-1]: other}), words, ".*"
     for path, slips in every_key():
         if what == "entries" and path != ("joints", 0, "type"):  # revolute is what a joint is that has no type
-            yield f"{path} lost", _changed(path, {}), (path[-1],), ".*"
+            asked = (
+                ("no unit is declared",) if path[0] == "units" else ()
+            )  # of a number that is an angle of a turn or more
+            yield f"{path} lost", _changed(path, {}), (path[-1], *asked), ".*"
         for slip in slips if what == "keys" else ():
             if slip.casefold() != path[-1]:  # keys of joints are read in any case, as headers are
-                yield f"{path} as {slip}", _changed(path, {slip: _inside(path)}), (slip,), None
+                # A unit that is none of the field's is named alone; so is the convention, which is missing then.
+                asked = ("'kg' is a unit",) if slip.endswith("[kg]") else ()
+                asked += ("field 'convention'",) if path == ("convention",) else ()
+                yield f"{path} as {slip}", _changed(path, {slip: _inside(path)}), (slip, *asked), None
 
 
 def _inside(path: tuple[Any, ...]) -> Any:

@@ -134,7 +134,9 @@ def _manipulator(
     except TableError as error:
         name = table.said["name"].text if "name" in table.said else default_name
         problems = tuple(each.about(robot=name) for each in (*table.problems, *error.problems))
-        return Rejected(name=name or default_name, problems=problems, mark=place, notices=tuple(error.notices))
+        return Rejected(
+            name=name or default_name, problems=problems, mark=place, notices=(*table.notices, *error.notices)
+        )
     return table.with_meshes(found, reader)
 
 
@@ -167,20 +169,25 @@ class _Document:
     Attributes:
         said: what holds for all rows, by key.
         problems: what is wrong with its form.
+        notices: what is left out of it.
         meshes: for each joint, its entries that are meshes.
     """
 
     def __init__(self, item: Item) -> None:
         self.node = item.node
         self.problems: list[Problem] = list(item.problems)
+        self.notices: list[Problem] = []
         self.said: dict[str, Node] = {}
+        passed_over: list[str] = []
         self.meshes: list[dict[str, Node]] = []
         self.common: dict[str, _Value] = {}
         self.entries = item.node.value if isinstance(item.node.value, dict) else {}
         self.joints = self._joints()
         for key, node in self.entries.items():
             if node is not self.joints and not (self.joints is self.node and _is_row_of(key, node)):
-                self._state(key, node)
+                passed_over += self._state(key, node)
+        if passed_over:
+            self.notices.append(_passed_over(passed_over, item.node.key_mark(passed_over[0])))
         if defaults := self.said.get("defaults"):
             self.said["defaults"] = self._without_fields(defaults)
 
@@ -193,10 +200,10 @@ class _Document:
         rows = sum(_is_row_of(key, node) for key, node in self.entries.items())
         return self.node if isinstance(self.node.value, list) or rows else None
 
-    def _state(self, key: str, node: Node) -> None:
-        """Takes what holds for all rows; passes over what is text under a key that is none, nor a misspelt one."""
+    def _state(self, key: str, node: Node) -> list[str]:
+        """Takes what holds for all rows; gives the keys of texts that are left out."""
         if key.startswith(IGNORED):
-            return
+            return []
         if kind := _UNIT_KEYS.get(key.casefold()):
             units = self.said.get("units")
             known = units.value if units is not None and isinstance(units.value, dict) else {}
@@ -205,10 +212,12 @@ class _Document:
             self.said[key] = node
         elif declared := declared_key(key):
             self.said.setdefault(declared, node)
-        elif key.casefold() == "columns" or (key.casefold() in ("dof", "version") and node.text):
-            return
         elif isinstance(node.value, dict | list | int | float) or near(key.casefold(), KEYS):
-            self.problems.append(_unknown_key(self.node, key, KEYS))
+            if key.casefold() not in ("columns", "dof", "version"):
+                self.problems.append(_unknown_key(self.node, key, KEYS))
+        elif node.text:
+            return [key]
+        return []
 
     def _without_fields(self, defaults: Node) -> Node:
         """The defaults without fields of joints, which are what a joint says that says nothing else."""
@@ -230,7 +239,7 @@ class _Document:
                 reader = MeshReader(table.statements.units(), wrong.append, links=table.statements.mesh_links)
                 drawn[number] = reader.read(entries)
                 self.problems += [replace(each, joint=names.get(number, f"joint_{number + 1}")) for each in wrong]
-        own = [problem.about(robot=found.name) for problem in self.problems]
+        own = [problem.about(robot=found.name) for problem in (*self.problems, *self.notices)]
         errors = [problem for problem in own if problem.severity == "error"]
         notices = (*found.notices, *(problem for problem in own if problem.severity == "notice"))
         if isinstance(found, Rejected) or errors:
@@ -239,7 +248,7 @@ class _Document:
         rows = list(found.rows)
         for number, mesh in drawn.items():
             rows[number] = replace(rows[number], visual=mesh.visual, collision=mesh.collision)
-        return replace(found, rows=tuple(rows), notices=notices) if drawn else found
+        return replace(found, rows=tuple(rows), notices=notices) if drawn or notices else found
 
     # --- Rows ---------------------------------------------------------------------------------------------------------
 
@@ -331,7 +340,7 @@ class _Document:
         field = header.field
         if header.ignored:
             return {key: _Value(key, place, "", mark)}
-        if field is None and isinstance(node.value, dict) and sum(_field(each) is not None for each in node.value) > 1:
+        if field is None and isinstance(node.value, dict) and key.casefold() in _JOINTS:
             return {
                 column: value
                 for each, item in node.value.items()
@@ -341,6 +350,9 @@ class _Document:
             self.problems.append(_unknown_key(mapping, key, (*FIELDS, *MESH_KEYS)))
             return {}
         if field is not None and field.name in GROUPS:
+            if header.unit:
+                self.problems.append(_with_unit(mapping, key, field.name))
+                return {}
             return self._parts(field.name, place, node)
         if isinstance(node.value, dict | list):
             if field is None:
@@ -467,6 +479,30 @@ def _unknown_key(mapping: Node, key: str, keys: Iterable[str]) -> Problem:
         found=key,
         accepted=", ".join(known),
         suggestion=did_you_mean(key, known) or f"to ignore this key, start it with `{IGNORED}`",
+    )
+
+
+def _with_unit(mapping: Node, key: str, field: str) -> Problem:
+    """What is wrong with a key of several numbers that has a unit: it would hold for some of them only."""
+    return Problem(
+        message=f"the key {shown(key)} has a unit, and its value has several numbers",
+        mark=mapping.key_mark(key),
+        field=field,
+        found=key,
+        accepted=f"the key {field}",
+        suggestion="write the unit behind each number, or declare it in `units`",
+    )
+
+
+def _passed_over(keys: Sequence[str], mark: Mark) -> Problem:
+    """The notice of all keys with texts that are left out."""
+    one = len(keys) == 1
+    return Problem(
+        message=f"the key{'' if one else 's'} {', '.join(map(shown, keys))} {'is' if one else 'are'} left out: "
+        "nothing is called so",
+        severity="notice",
+        mark=mark,
+        found=keys[0],
     )
 
 

@@ -68,7 +68,9 @@ def parquet(tmp_path: Path) -> Any:
 def test_a_cell_of_parquet_of_hundreds_of_megabytes(parquet: Any, tmp_path: Path) -> None:
     """48 kB that hold one text of 1.5 GB took 7.4 GB before they were refused."""
     path = parquet("cell", {**ARM, "joint": ["x" * 300_000_000, "j2"]})
-    assert refused(path, tmp_path / "plain.parquet") == "the column 'joint' has 286 MiB in 2 rows when unpacked"
+    assert (
+        refused(path, tmp_path / "plain.parquet") == "the column 'joint' has 2 values, 286 MiB when unpacked, in 2 rows"
+    )
 
 
 @pytest.mark.parametrize("typed", [True])
@@ -81,7 +83,7 @@ def test_a_long_cell_that_many_rows_of_parquet_share(parquet: Any, tmp_path: Pat
     note = pa.DictionaryArray.from_arrays(pa.array([0] * count, pa.int32()), ["x" * 10_000_000])
     columns |= {"robot": [f"r{k}" for k in range(count)], "note": note}
     path = parquet("shared", columns, store_schema=typed)
-    assert refused(path, tmp_path / "plain.parquet") == "the column 'note' holds a text of 10,000,000 bytes"
+    assert refused(path, tmp_path / "plain.parquet") == "the column 'note' has a text of 10,000,000 bytes"
 
 
 @pytest.mark.parametrize("named", [True])

@@ -324,7 +324,11 @@ class CsvRows:
 
     def _refuse_cell(self, error: csv.Error, line: int) -> NoReturn:
         """Refuses the file for a cell whose quotes are wrong, or that has no end."""
-        _, text = next(((n, text) for n, text in self.quoted if n >= line and '"' in text), (line, ""))
+        number, text = next(((n, text) for n, text in self.quoted if n >= line and '"' in text), (line, ""))
+        is_open = number == line and text.count('"') % 2
+        if "limit" in str(error) and not is_open:
+            most = f"at most {csv.field_size_limit()} characters in a cell"
+            raise TableError(Problem(message="a cell is too long", mark=self._mark(line), accepted=most))
         message, accepted = "a cell opens with a quote that is not closed", 'a quote at both ends, "like this"'
         if "expected after" in str(error):
             message, accepted = "text is behind a closing quote", "a quote that is part of the text twice"

@@ -27,7 +27,7 @@ LENGTH_UNITS = {"m": 0, "cm": 2, "mm": 3, "µm": 6}
 HEADERS = {
     "joint": ["joint", "Joint name", "NAME", "joint-name", "Axis", "Gelenk", "articulation"],
     "type": ["type", "Joint Type", "kind", "sigma", "Typ", "tipo"],
-    "a": ["a", "A", "r", "a_i", "aᵢ", "$a_i$", "link length", "DH a", "Länge", "a†"],
+    "a": ["a", "A", "a_i", "aᵢ", "$a_i$", "link length", "DH a", "Länge", "a†"],
     "alpha": ["alpha", "ALPHA", "α", "alpha_i", "α_{i}", "twist", r"\alpha_i", "Link_Twist"],
     "d": ["d", "d_i", "dᵢ", "Link offset"],
     "theta": ["theta", "θ", "Theta_i", "joint angle", "θᵢ"],

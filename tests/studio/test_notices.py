@@ -57,7 +57,7 @@ def test_a_notice_asks_with_buttons(studio_address: str, new_tab: Callable[..., 
     tab.wait_for_cells(1, a="-425", d="0")
 
     tab.open_table(replace(table, length_unit="mm"))
-    page.get_by_text("if its lengths are in m,").wait_for()
+    page.get_by_text("if its lengths are in m (").wait_for()
     assert asked.all_inner_texts() == ["m", "mm"]
     asked.first.click()
     tab.expect(unit).to_have_text("m")

@@ -29,7 +29,7 @@ def composed(text: str) -> str:
 # --- Typesetting ------------------------------------------------------------------------------------------------------
 
 _LONGEST = 1000
-_TYPESET = r"[*_`\\$<{}~^(\[]|[^\x00-\x7f]|(?i:var)|[0-9]o$"
+_TYPESET = r"[*_`\\$<{}~^(\[]|[^\x00-\x7f]|(?i:var)"
 """What a text with typesetting has one of."""
 _WRAPS = (
     *((mark, mark) for mark in ("***", "**", "*", "__", "_", "``", "`", "~~", "$$", "$")),
@@ -51,7 +51,6 @@ _STEPS = tuple(
         (r"\\ang\s*\{([^{}]*)\}", r"\1°"),
         (r"\\(?:SI|qty)\s*\{([^{}]*)\}\s*\{([^{}]*)\}", r"\1 \2"),
         (r"\^\s?\{?\s?(?:\\circ|°|o(?![a-z]))\s?\}?|\\(?:text)?degree(?![a-z])|\\circ(?![a-z])", "°"),
-        (r"(?<=[0-9])o$", "°"),  # a raised o that has lost its height on the way through a clipboard
         (r"\^\s?\{?\s?(?:\\?ast|\\?star|\*|⋆|★)\s?\}?", "^*"),
         (r"\s?\\(?:cdot|times)\s?10\s?\^\s?\{?([+-]?[0-9]{1,3})\}?", r"e\1"),
         (r"\\(?:cdot|times)(?![a-z])", "*"),

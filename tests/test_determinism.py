@@ -17,8 +17,15 @@ if TYPE_CHECKING:
     from conftest import ReferenceRobot
 
 TABLES = Path(__file__).parents[1] / "configs" / "tables"
-QUARTER_TURNS = ("rtb_Puma560", "rtb_Stanford", "kst_iiwa_14R820", "urdoc_ur5", "franka_fr3", "arte_ABB_IRB120",
-                 "arte_KUKA_KR16_2")  # fmt: skip
+QUARTER_TURNS = (
+    "rtb_Puma560",
+    "rtb_Stanford",
+    "kst_iiwa_14R820",
+    "urdoc_ur5",
+    "franka_fr3",
+    "arte_ABB_IRB120",
+    "arte_KUKA_KR16_2",
+)
 """Published robots all of whose angles are quarter turns."""
 
 

@@ -149,8 +149,9 @@ class Settings:
 """
 HELPER = "def length():\n    return 1\n"
 SHAPES = {
-    "a package": ("ruler.plugin", {"ruler/__init__.py": "", "ruler/plugin.py": EMITTER.format(helper=".lengths")}), "a module": ("ruler", {"ruler.py": EMITTER.format(helper="lengths")}),
-}  # fmt: skip
+    "a package": ("ruler.plugin", {"ruler/__init__.py": "", "ruler/plugin.py": EMITTER.format(helper=".lengths")}),
+    "a module": ("ruler", {"ruler.py": EMITTER.format(helper="lengths")}),
+}
 """Plugins by their entry points; each has its length in a module of its own."""
 
 

@@ -46,8 +46,42 @@ class Fault(NamedTuple):
 XML, SRDF = "package.xml", "config/ur5.srdf"
 LIMITS, CONTROL = "config/joint_limits.yaml", "config/moveit_controllers.yaml"
 FAULTS = [
-    Fault("package-not-xml", DESCRIPTION, XML, "</version>", "</versions>"), Fault("package-incomplete", DESCRIPTION, XML, "<license>BSD-3-Clause</license>", "<license> </license>"), Fault("package-version", DESCRIPTION, XML, "0.1.0", "0.1"), Fault("package-name", DESCRIPTION, XML, "<name>ur5_description", "<name>ur5.description", ("package-project-name", "package-undeclared")), Fault("package-name-style", DESCRIPTION, XML, "<name>ur5_description", "<name>UR5-x", ("package-project-name", "package-undeclared")), Fault("package-placeholder", DESCRIPTION, XML, "BSD-3-Clause", "TODO: License declaration"), Fault("package-project-name", DESCRIPTION, "CMakeLists.txt", "project(ur5_description", "project(ur5"), Fault("package-undeclared", MOVEIT, "launch/demo.launch.py", '"ur5_moveit_config"', '"other_config"'), Fault("package-missing-file", DESCRIPTION, "launch/view_robot.launch.py", '"view_robot.rviz"', '"robot.rviz"'), Fault("package-not-yaml", MOVEIT, LIMITS, "joint_limits:", "joint_limits: ["), Fault("package-controller-joint", MOVEIT, CONTROL, "elbow_joint", "elbow"), Fault("package-unknown-joint", DESCRIPTION, LIMITS, "elbow_joint:", "knee: {}\n  elbow_joint:"), Fault("package-whole-number", MOVEIT, LIMITS, "max_acceleration: 10.0", "max_acceleration: 10"), Fault("package-higher-limit", MOVEIT, LIMITS, "max_velocity: 3.1", "max_velocity: 4.1"), Fault("package-unknown-controller", MOVEIT, CONTROL, "controller_names: [joint_trajectory", "controller_names: [arm"), Fault("package-outside-limits", MOVEIT, SRDF, 'name="elbow_joint" value="0"', 'name="elbow_joint" value="7"'), Fault("package-srdf-robot", MOVEIT, SRDF, '<robot name="ur5">', '<robot name="ur">'), Fault("package-srdf-name", MOVEIT, SRDF, 'tip_link="tool0"', 'tip_link="tool"'), Fault("package-srdf-name", MOVEIT, SRDF, "<disable_collisions", "<disable_collision"),
-]  # fmt: skip
+    Fault("package-not-xml", DESCRIPTION, XML, "</version>", "</versions>"),
+    Fault("package-incomplete", DESCRIPTION, XML, "<license>BSD-3-Clause</license>", "<license> </license>"),
+    Fault("package-version", DESCRIPTION, XML, "0.1.0", "0.1"),
+    Fault(
+        "package-name",
+        DESCRIPTION,
+        XML,
+        "<name>ur5_description",
+        "<name>ur5.description",
+        ("package-project-name", "package-undeclared"),
+    ),
+    Fault(
+        "package-name-style",
+        DESCRIPTION,
+        XML,
+        "<name>ur5_description",
+        "<name>UR5-x",
+        ("package-project-name", "package-undeclared"),
+    ),
+    Fault("package-placeholder", DESCRIPTION, XML, "BSD-3-Clause", "TODO: License declaration"),
+    Fault("package-project-name", DESCRIPTION, "CMakeLists.txt", "project(ur5_description", "project(ur5"),
+    Fault("package-undeclared", MOVEIT, "launch/demo.launch.py", '"ur5_moveit_config"', '"other_config"'),
+    Fault("package-missing-file", DESCRIPTION, "launch/view_robot.launch.py", '"view_robot.rviz"', '"robot.rviz"'),
+    Fault("package-not-yaml", MOVEIT, LIMITS, "joint_limits:", "joint_limits: ["),
+    Fault("package-controller-joint", MOVEIT, CONTROL, "elbow_joint", "elbow"),
+    Fault("package-unknown-joint", DESCRIPTION, LIMITS, "elbow_joint:", "knee: {}\n  elbow_joint:"),
+    Fault("package-whole-number", MOVEIT, LIMITS, "max_acceleration: 10.0", "max_acceleration: 10"),
+    Fault("package-higher-limit", MOVEIT, LIMITS, "max_velocity: 3.1", "max_velocity: 4.1"),
+    Fault(
+        "package-unknown-controller", MOVEIT, CONTROL, "controller_names: [joint_trajectory", "controller_names: [arm"
+    ),
+    Fault("package-outside-limits", MOVEIT, SRDF, 'name="elbow_joint" value="0"', 'name="elbow_joint" value="7"'),
+    Fault("package-srdf-robot", MOVEIT, SRDF, '<robot name="ur5">', '<robot name="ur">'),
+    Fault("package-srdf-name", MOVEIT, SRDF, 'tip_link="tool0"', 'tip_link="tool"'),
+    Fault("package-srdf-name", MOVEIT, SRDF, "<disable_collisions", "<disable_collision"),
+]
 
 
 @pytest.fixture(scope="module")

@@ -39,8 +39,15 @@ def test_the_same_as_json(cli: Callable[..., Answer]) -> None:
     assert (listed["version"], listed["interface"]) == (__version__, INTERFACE_VERSION)
     assert [listed[what] for what in ("clashes", "shadowed", "broken", "incompatible", "left_out")] == [[]] * 5
     stages = {(stage["kind"], stage["name"]): stage for stage in listed["stages"]}
-    assert {("reader", "csv"), ("reader", "yaml"), ("transform", "alpha-swap"), ("emitter", "urdf"), ("emitter", "xacro"),
-            ("loader", "pybullet"), ("executor", "local")} <= set(stages)  # fmt: skip
+    assert {
+        ("reader", "csv"),
+        ("reader", "yaml"),
+        ("transform", "alpha-swap"),
+        ("emitter", "urdf"),
+        ("emitter", "xacro"),
+        ("loader", "pybullet"),
+        ("executor", "local"),
+    } <= set(stages)
     swap = stages["transform", "alpha-swap"]
     assert swap["plugin"] == "builtin = dh2urdf_plugins"
     assert swap["distribution"] == f"dh2urdf {__version__}"

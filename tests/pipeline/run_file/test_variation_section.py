@@ -116,10 +116,10 @@ class TestRight:
     ("text", "message"),
     [
         ("{count: 5, vary: [RULE]}", "field 'variations.0.of': a run file needs this key"),
-("{of: arm, vary: [RULE]}", "it is not said how many variants there are"),
-("[{of: arm, count: 5, vary: RULE}, {of: arm, count: 5, vary: RULE}]", "two variations are named 'arm'"),
+        ("{of: arm, vary: [RULE]}", "it is not said how many variants there are"),
+        ("[{of: arm, count: 5, vary: RULE}, {of: arm, count: 5, vary: RULE}]", "two variations are named 'arm'"),
     ],
-)  # fmt: skip
+)
 def test_a_variation_that_is_wrong(text: str, message: str) -> None:
     """Has one problem, with its place."""
     calls, (problem,) = read(text)

@@ -107,7 +107,10 @@ def test_tool0_is_where_the_table_has_it_with_a_prefix_and_on_a_parent(package: 
     )
     check_poses(found, manipulator, numbers_of(manipulator), "left_")
     mounted = np.array(robot_pose(found, [], "table", "left_base_link"))
-    assert np.allclose(mounted, [[math.cos(0.5), -math.sin(0.5), 0, 1], [math.sin(0.5), math.cos(0.5), 0, 2], [0, 0, 1, 3], [0, 0, 0, 1]])  # fmt: skip
+    assert np.allclose(
+        mounted,
+        [[math.cos(0.5), -math.sin(0.5), 0, 1], [math.sin(0.5), math.cos(0.5), 0, 2], [0, 0, 1, 3], [0, 0, 0, 1]],
+    )
 
 
 @pytest.mark.parametrize("frames", ["dh", "aligned"])

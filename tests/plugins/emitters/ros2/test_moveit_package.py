@@ -123,7 +123,9 @@ def test_all_files_have_the_joints_of_the_description(package: Any, table: str) 
     states = {each.get("name"): float(each.get("value")) for each in semantic.find("group_state")}
     assert list(states) == joints
     for each in description.findall("joint"):
-        lower, upper = (each.find("limit").get(end) for end in ("lower", "upper")) if each.get("name") in joints else ("0", "0")  # fmt: skip
+        lower, upper = (
+            (each.find("limit").get(end) for end in ("lower", "upper")) if each.get("name") in joints else ("0", "0")
+        )
         if each.get("name") in joints and lower is not None:
             for value in (states[each.get("name")], positions[each.get("name")]):
                 assert float(lower) <= value <= float(upper)
@@ -199,7 +201,11 @@ def test_a_cell_has_a_group_and_a_controller_for_each_arm(workshop: Path) -> Non
     assert joints == list(content(workshop, "joint_limits")["joint_limits"]) == moving(description)
     semantic = etree.parse(workshop / "config" / "workshop.srdf").getroot()
     groups = [group.get("name") for group in semantic.findall("group")]
-    assert groups == [*content(workshop, "kinematics"), "all"] == [f"{arm}manipulator" for arm in ("track_", "r_", "f_")] + ["all"]  # fmt: skip
+    assert (
+        groups
+        == [*content(workshop, "kinematics"), "all"]
+        == [f"{arm}manipulator" for arm in ("track_", "r_", "f_")] + ["all"]
+    )
     links = {link.get("name") for link in description.findall("link")}
     for pair in semantic.findall("disable_collisions"):
         assert {pair.get("link1"), pair.get("link2")} <= links

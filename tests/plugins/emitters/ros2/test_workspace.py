@@ -232,8 +232,20 @@ def test_meshes_are_files_of_the_package(cli: Cli, tmp_path: Path) -> None:
     (tmp_path / "part.obj").write_text(triangle)
     table = {
         "convention": "standard",
-        "joints": [{"name": "hip", "a": 0.4, "alpha": 0.0, "d": 0.1, "visual": "part.obj", "collision": "part.obj", "mass": 1.0, "com": [0, 0, 0], "inertia": {"ixx": 0.1, "iyy": 0.1, "izz": 0.1}}],
-    }  # fmt: skip
+        "joints": [
+            {
+                "name": "hip",
+                "a": 0.4,
+                "alpha": 0.0,
+                "d": 0.1,
+                "visual": "part.obj",
+                "collision": "part.obj",
+                "mass": 1.0,
+                "com": [0, 0, 0],
+                "inertia": {"ixx": 0.1, "iyy": 0.1, "izz": 0.1},
+            }
+        ],
+    }
     (tmp_path / "arm.yaml").write_text(yaml.safe_dump(table))
     cli("convert", tmp_path / "arm.yaml", "--to", "ros2", "-o", tmp_path / "src")
     folder = tmp_path / "src" / "arm_description"

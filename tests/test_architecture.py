@@ -403,7 +403,7 @@ BUDGETS = {
     "pipeline/dh2urdf/running": 1120,
     "pipeline/dh2urdf/scaffold": 280,
     "pipeline/dh2urdf/stage_calls": 570,
-    "pipeline/dh2urdf/stages": 1010,
+    "pipeline/dh2urdf/stages": 1020,
     "pipeline/dh2urdf/table_text": 420,
     "pipeline/dh2urdf/tasks": 1020,
     "pipeline/dh2urdf/testing": 1680,

@@ -121,7 +121,8 @@ def finding_entry(finding: Finding) -> dict[str, Any]:
         "message": finding.message,
         "fix": finding.fix,
         "consumers": {
-            effect.consumer: {"severity": effect.severity, "does": effect.text} for effect in finding.effects
+            effect.consumer: {"severity": effect.severity, "does": effect.text, "seen": effect.seen or None}
+            for effect in finding.effects
         },
     }
 

@@ -185,7 +185,11 @@ def test_the_same_as_json(cli: Cli, arm: Path) -> None:
         "fix",
         "consumers",
     }
-    assert finding["consumers"]["drake"] == {"severity": "error", "does": "ends the interpreter with SystemExit"}
+    assert finding["consumers"]["drake"] == {
+        "severity": "error",
+        "does": "ends the interpreter with SystemExit",
+        "seen": None,
+    }
 
 
 def test_the_same_as_sarif(cli: Cli, arm: Path) -> None:

@@ -25,11 +25,14 @@ class Effect:
         consumer: its name, as `Inspection.consumers` has it.
         severity: how bad that is.
         text: what it does, as a sentence whose subject it is, without a full stop.
+        seen: the program that was given the file and did this, such as ``MuJoCo 4.0.0``; empty where a rule foretells
+            what the consumer would do.
     """
 
     consumer: str
     severity: Severity
     text: str
+    seen: str = ""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -56,6 +59,11 @@ class Finding:
     def severity(self) -> Severity:
         """That of the worst effect."""
         return min((effect.severity for effect in self.effects), key=SEVERITIES.index, default="error")
+
+    @property
+    def seen(self) -> tuple[str, ...]:
+        """The programs that were given the file and did something of this; empty where all of it is foretold."""
+        return tuple(dict.fromkeys(effect.seen for effect in self.effects if effect.seen))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -384,7 +384,7 @@ def test_modules_say_what_they_are() -> None:
 
 
 BUDGETS = {
-    "pipeline/dh2urdf": 3980,
+    "pipeline/dh2urdf": 4080,
     "pipeline/dh2urdf/cells": 390,
     "pipeline/dh2urdf/cli": 1890,
     "pipeline/dh2urdf/commands": 1770,

@@ -43,6 +43,7 @@ _Kept: TypeAlias = Annotated[bool, "whether the transform keeps T(q): where it d
 class ProblemEntry(TypedDict):
     """An error or a notice, and its place."""
 
+    code: Annotated[str | None, "the kind of message, such as unit-twice; its words may change, the code stays"]
     file: Annotated[str | None, "the file that it was read from"]
     line: Annotated[int | None, Keyword("minimum", 1)]
     column: Annotated[int | None, Keyword("minimum", 1)]

@@ -8,11 +8,14 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass, replace
+from functools import cached_property
 from itertools import islice
-from typing import TYPE_CHECKING, Literal
+from pathlib import Path
+from string import Formatter
+from typing import TYPE_CHECKING, Any, Literal
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
+    from collections.abc import Iterable, Mapping, Sequence
 
     from dh2urdf.results import ProblemEntry
 
@@ -20,6 +23,10 @@ SHOWN_TEXT = 60
 """Characters of a found text that a message repeats; a longer one is cut in the middle."""
 LONGEST_SLIP = 100
 """Characters of a word that is compared with others: a longer one is no slip of the pen."""
+MESSAGES = "messages.toml"
+"""Name of the file beside a package's modules that has the sentences of its problems."""
+TEMPLATES = ("message", "accepted", "suggestion")
+"""What an entry of that file has as templates. Besides, `severity` may be ``notice``."""
 MOST_CHOICES = 200
 """Words that a word is compared with: of more, none is named, so that a file of n slips costs no n² comparisons."""
 
@@ -73,6 +80,7 @@ class Problem:
         found: the text that was found, as it is in the file.
         accepted: what is accepted in its place, in words, every accepted word written out.
         suggestion: what was probably meant, or what to do.
+        code: the name of the kind of message, such as ``unit-twice``; None where it has none.
     """
 
     message: str
@@ -84,6 +92,7 @@ class Problem:
     found: str | None = None
     accepted: str | None = None
     suggestion: str | None = None
+    code: str | None = None
 
     def __str__(self) -> str:
         about = [f"{word} {shown(name)}" for word, name in (("joint", self.joint), ("field", self.field)) if name]
@@ -97,8 +106,9 @@ class Problem:
         return "\n    ".join(map(printable, [head, *tail]))
 
     def as_json(self) -> ProblemEntry:
-        """The problem as the entry of a report: file, line, column, place, joint, field, found, accepted, message."""
+        """The problem as the entry of a report."""
         return {
+            "code": self.code,
             "file": self.mark.file if self.mark else None,
             "line": self.mark.line if self.mark else None,
             "column": self.mark.column if self.mark else None,
@@ -113,6 +123,89 @@ class Problem:
     def about(self, *, robot: str | None = None, mark: Mark | None = None) -> Problem:
         """The same problem with robot and mark filled in where it has none."""
         return replace(self, robot=self.robot or robot, mark=self.mark or mark)
+
+
+class Messages:
+    """The sentences of one package, as data: the program names a code, and a `messages.toml` has the words.
+
+    A package keeps the sentences of its problems in one file beside its modules, and makes a problem by its code::
+
+        [unit-twice]
+        message = "{found:quoted} contradicts the unit {earlier} that {where} declares"
+        accepted = "one unit of {key} for the whole table"
+
+        say = Messages(__file__)
+        say("unit-twice", mark, field="units", found="mm", earlier="inch", where=other, key="length")
+
+    ``{name}`` takes the value of a keyword, several values with commas between them; ``{name:quoted}`` takes its text
+    in quotes, escaped and cut as messages repeat texts.
+
+    Args:
+        module: the ``__file__`` of a module; the nearest `messages.toml`, beside it or above, has the sentences.
+    """
+
+    def __init__(self, module: str) -> None:
+        self._module = Path(module)
+
+    @cached_property
+    def entries(self) -> Mapping[str, Mapping[str, str]]:
+        """Code -> templates. The file is read when the first problem is made: most tables have none."""
+        path = next(folder / MESSAGES for folder in self._module.parents if (folder / MESSAGES).is_file())
+        import tomllib
+
+        return tomllib.loads(path.read_text("utf-8"))
+
+    def __call__(
+        self,
+        code: str,
+        mark: Mark | None = None,
+        *,
+        robot: str | None = None,
+        joint: str | None = None,
+        field: str | None = None,
+        found: str | None = None,
+        suggestion: str | None = None,
+        **values: object,
+    ) -> Problem:
+        """Make the problem that a code names.
+
+        Args:
+            code: the entry in `messages.toml`.
+            mark: the place.
+            robot: name of the manipulator concerned.
+            joint: name of the joint concerned.
+            field: name of the field concerned.
+            found: the text that was found.
+            suggestion: what was probably meant; it takes the place of the entry's own suggestion.
+            values: what the templates name besides.
+
+        Raises:
+            KeyError: there is no such entry, or a template names a value that is not given.
+        """
+        entry = self.entries[code]
+        about: dict[str, Any] = {"robot": robot, "joint": joint, "field": field, "found": found}
+        words: dict[str, Any] = {
+            word: _SENTENCES.vformat(entry[word], (), about | values) for word in TEMPLATES if word in entry
+        }
+        if suggestion:
+            words["suggestion"] = suggestion
+        if "severity" in entry:
+            about["severity"] = entry["severity"]
+        return Problem(code=code, mark=mark, **about, **words)
+
+
+class _Sentences(Formatter):
+    """Values in sentences: texts as they are or in quotes, several joined by commas."""
+
+    def format_field(self, value: object, format_spec: str) -> str:
+        if format_spec == "quoted":
+            return shown(str(value))
+        if isinstance(value, (list, tuple)):
+            return ", ".join(map(str, value))
+        return str(super().format_field(value, format_spec))
+
+
+_SENTENCES = _Sentences()
 
 
 def in_file_order(problems: Iterable[Problem]) -> list[Problem]:

@@ -120,12 +120,8 @@ def test_a_missing_file_is_an_error_with_its_path(tmp_path: Path) -> None:
         ("1 2 3", "1 2 1e999", "size of box is '1 2 1e999'"),
         ('length="2"', 'length="two"', "arm.urdf:11: error: length of cylinder is 'two'\n    accepted: one finite"),
         ('length="2"', "", "cylinder lacks the attribute length"),
-        (
-            '<sphere radius="0.125"/>',
-            "<torus/>",
-            "the geometry has no known shape\n    accepted: box, cylinder, sphere",
-        ),
-        ('<sphere radius="0.125"/>', "", "the geometry has no known shape"),
+        ('<sphere radius="0.125"/>', "<torus/>", "arm.urdf:15: error: a shape 'torus' is not read here"),
+        ('<sphere radius="0.125"/>', "", "the geometry has no shape\n    accepted: box, cylinder, sphere"),
         ('<material name="orange"/>', '<material name="red"/>', "arm.urdf:8: error: material 'red' is defined nowhere"),
     ],
 )

@@ -7,14 +7,14 @@ from dataclasses import dataclass, field, replace
 from functools import partial
 from math import comb, nan, pi
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from lxml import etree
 
 from dh2urdf.documents import is_file, read_bytes
 from dh2urdf.elementwise import total
 from dh2urdf.errors import ProofError, TableError
-from dh2urdf.robot import Cylinder, Origin, Robot
+from dh2urdf.robot import Robot
 from dh2urdf.source import Mark, Problem, listed, shown
 from dh2urdf.stages import Expansion
 from dh2urdf.stages.foreign_robot import Follower
@@ -23,11 +23,13 @@ from dh2urdf_plugins.formats.mjcf.elements import Elements, compiler_of
 from dh2urdf_plugins.formats.sdf import reader as sdf_reader
 from dh2urdf_plugins.formats.sdf.elements import is_true
 from dh2urdf_plugins.formats.urdf import reader as urdf_reader
-from dh2urdf_plugins.formats.xml_files import LARGEST, capsule, mark_of, tree_of
+from dh2urdf_plugins.formats.xml_files import LARGEST, Unread, mark_of, tree_of
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Mapping, Sequence
+    from collections.abc import Iterable, Iterator, Mapping
     from typing import TypeAlias
+
+    from dh2urdf_plugins.formats.xml_files import Model
 
     Found: TypeAlias = tuple[str, etree._Element]  # noqa: SLF001 - what is left out, in words, and where
 
@@ -41,9 +43,6 @@ _URDF_ATTRIBUTES = {"limit": "lower upper effort velocity", "dynamics": "damping
 _SDF = ("plugin", "gripper", ".//link/sensor", ".//link/battery", ".//link/light", ".//joint/sensor")
 _MJCF = ("sensor", "tendon", "keyframe")
 _ACTUATORS = ("general", "motor", "position", "velocity", "intvelocity", "damper", "cylinder", "muscle")
-_SHAPES = ("box", "cylinder", "sphere", "mesh")
-_LOOSE = ("floating", "planar")
-"""Joints of URDF that no table has."""
 
 
 class Rounded(NamedTuple):
@@ -83,6 +82,13 @@ class Description:
     left_out: list[Problem] = field(default_factory=list)
     doubly: set[str] = field(default_factory=set)
 
+    def take(self, model: Model) -> Robot:
+        """The robot of a model, what it lacks besides, and notices of what could not be read."""
+        self.loose |= model.loose
+        self.doubly |= set(model.doubly)
+        self.notices += _notices(model.unread)
+        return model.robot
+
 
 def describe(form: str, path: Path, expansion: Expansion | None = None, *, colours: bool = False) -> Description:
     """The description of a file; of an SDF, that of the first model.
@@ -118,22 +124,23 @@ def describe(form: str, path: Path, expansion: Expansion | None = None, *, colou
     return found
 
 
-def _notices(places: Mapping[str, Sequence[Mark]]) -> list[Problem]:
-    """Notices of what is left out, each kind once."""
+def _notices(unread: Iterable[Unread]) -> list[Problem]:
+    """Notices of what is left out, each kind once, with what is wrong with it."""
+    places: dict[tuple[str, str], list[Mark]] = {}
+    for what, mark, fault in unread:
+        places.setdefault((what, fault.message if fault else ""), []).append(mark)
     notices = []
-    for what, marks in places.items():
+    for (what, reason), marks in places.items():
         lines = listed([f"{mark.line}" for mark in marks])
         where = f", in {len(marks)} places (lines {lines})" if len(marks) > 1 else ""
-        notices.append(Problem(message=f"{what} is left out{where}", severity="notice", mark=marks[0]))
+        message = f"{what} is left out{where}{f': {reason}' if reason else ''}"
+        notices.append(Problem(message=message, severity="notice", mark=marks[0]))
     return notices
 
 
 def _left_out(found: Iterable[Found], file: str) -> list[Problem]:
     """Notices of elements that are left out."""
-    places: dict[str, list[Mark]] = {}
-    for what, element in found:
-        places.setdefault(what, []).append(mark_of(element, file))
-    return _notices(places)
+    return _notices(Unread(what, mark_of(element, file)) for what, element in found)
 
 
 def _number(text: str) -> float:
@@ -194,7 +201,6 @@ def _repair_rounded(form: str, root: etree._Element) -> Iterator[Rounded]:
 def _read_urdf(root: etree._Element, file: str, found: Description, *, colours: bool) -> Robot:
     root.set("name", root.get("name", ""))
     found.left_out += _left_out(_besides_urdf(root), file)
-    found.notices += _left_out(_with_known_shapes(root), file)
     for joint in root.iterchildren("joint"):
         name = joint.get("name", "")
         if (mimic := joint.find("mimic")) is not None:
@@ -205,14 +211,11 @@ def _read_urdf(root: etree._Element, file: str, found: Description, *, colours: 
             message = f"the axis of joint {shown(name)} has no xyz, and is taken for 1 0 0"
             how = "write its direction: other readers take 0 0 0, or refuse the file"
             found.notices.append(Problem(message=message, severity="notice", suggestion=how, mark=mark_of(axis, file)))
-        if (word := joint.get("type")) in _LOOSE:
-            found.loose[name] = word
-            joint.set("type", "fixed")
     defined = {each.get("name") for each in root.iter("material") if len(each)} if colours else set()
     for material in [*root.iter("material")]:  # colours, which may be defined nowhere
         if (parent := material.getparent()) is not None and material.get("name") not in defined:
             parent.remove(material)
-    return urdf_reader.robot_of(root, file)
+    return found.take(urdf_reader.model_of(root, file))
 
 
 def _besides_urdf(root: etree._Element) -> Iterator[Found]:
@@ -235,61 +238,18 @@ def _prefixed(name: str, element: etree._Element) -> str:
     return f"{prefix}:{local}" if prefix else local
 
 
-def _with_known_shapes(root: etree._Element) -> Iterator[Found]:
-    """Makes a cylinder and two balls of each capsule of a URDF, and takes out shapes that no reader of ours has."""
-    for shape in [*root.iterfind("link/visual"), *root.iterfind("link/collision")]:
-        geometry, link = shape.find("geometry"), shape.getparent()
-        kind = None if geometry is None else next(geometry.iterchildren(etree.Element), None)
-        if link is None or (kind is not None and kind.tag in _SHAPES):
-            continue
-        parts = _capsule(shape, kind) if kind is not None and kind.tag == "capsule" else []
-        if not parts:
-            yield f"a {shape.tag} without a shape" if kind is None else f"a shape {shown(str(kind.tag))}", shape
-        for part in parts:
-            shape.addprevious(part)
-        link.remove(shape)
-
-
-def _capsule(shape: etree._Element, kind: etree._Element) -> list[etree._Element]:
-    """A cylinder and two balls in the place of a capsule; nothing where its numbers cannot be read."""
-    found = shape.find("origin")
-    origin: Any = {} if found is None else found.attrib
-    try:
-        radius, length = (float(kind.get(name, "")) for name in ("radius", "length"))
-        (x, y, z), (roll, pitch, yaw) = (map(float, origin.get(name, "0 0 0").split()) for name in ("xyz", "rpy"))
-    except ValueError:
-        return []
-    place = Origin(xyz=(x, y, z), rpy=(roll, pitch, yaw)).transform
-    parts = []
-    for geometry, pose in capsule(radius, length):
-        part = deepcopy(shape)
-        for old in [*part.iterchildren("origin", "geometry")]:
-            part.remove(old)
-        xyz = " ".join(map(repr, (place @ pose).translation))
-        etree.SubElement(part, "origin", xyz=xyz, rpy=f"{roll!r} {pitch!r} {yaw!r}")
-        sizes = {"radius": repr(radius)} | ({"length": repr(length)} if isinstance(geometry, Cylinder) else {})
-        etree.SubElement(etree.SubElement(part, "geometry"), type(geometry).__name__.lower(), sizes)
-        for element in part.iter():
-            element.sourceline = shape.sourceline
-        parts.append(part)
-    return parts
-
-
 # --- SDF --------------------------------------------------------------------------------------------------------------
 
 
 def _read_sdf(root: etree._Element, file: str, found: Description) -> Robot:
     model = sdf_reader.model_of(root, file)
     found.left_out += _left_out(_besides_sdf(root), file)
-    found.loose |= model.loose
-    found.doubly |= set(model.doubly)
-    found.notices += _notices(model.unread)
     for name, mimic in model.mimics.items():
         # Multiplier · (value of the leader - reference) + offset: http://sdformat.org/spec?ver=1.11&elem=joint
         multiplier = _number(mimic.findtext("multiplier", "1"))
         offset, reference = (_number(mimic.findtext(tag, "0")) for tag in ("offset", "reference"))
         found.followers[name] = Follower(mimic.get("joint", ""), multiplier, offset - multiplier * reference)
-    return model.robot
+    return found.take(model)
 
 
 def _besides_sdf(root: etree._Element) -> Iterator[Found]:
@@ -315,19 +275,17 @@ def _read_mjcf(root: etree._Element, file: str, found: Description) -> Robot:
         if name and not is_file(found.folder / name) and is_file(beside):
             mesh.set("file", str(beside))
     model = mjcf_reader.model_of(root, file)
-    found.loose |= model.loose
-    found.doubly |= set(model.doubly)
-    found.notices += _notices(model.unread)
+    robot = found.take(model)
     elements = Elements(root, file)
     for joint in root.iterfind("equality/joint"):
         if elements.is_active(joint):
             found.followers[joint.get("joint1", "")] = _mjcf_follower(joint, model.references)
     found.left_out += _left_out(_besides_mjcf(elements), file)
-    efforts, joints = _efforts(elements), list(model.robot.joints)
+    efforts, joints = _efforts(elements), list(robot.joints)
     for place, one in enumerate(joints):
         if one.name in efforts and one.limits.effort is None:
             joints[place] = replace(one, limits=replace(one.limits, effort=efforts[one.name]))
-    return replace(model.robot, joints=tuple(joints))
+    return replace(robot, joints=tuple(joints))
 
 
 def _besides_mjcf(elements: Elements) -> Iterator[Found]:

@@ -6,24 +6,26 @@ import math
 import re
 from contextlib import suppress
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
 from lxml import etree
 
 from dh2urdf.documents import ACCEPTED_XML, ForbiddenXmlError, refuse_other_kind, xml_root
-from dh2urdf.errors import ProofError
+from dh2urdf.errors import Dh2UrdfError, ProofError
 from dh2urdf.manipulator import JointType
 from dh2urdf.robot import Cylinder, Joint, Origin, Sphere
 from dh2urdf.rotations import IDENTITY, IDENTITY_ROTATION, RigidTransform
 from dh2urdf.source import Mark, Problem, shown
 
 if TYPE_CHECKING:
-    from collections.abc import Collection, Mapping, Sequence
+    from collections.abc import Callable, Collection, Mapping, Sequence
     from pathlib import Path
 
     from dh2urdf.robot import Geometry, Robot
 
 
+T = TypeVar("T")
+D = TypeVar("D")
 LARGEST = 2**26
 """Size of a robot description that is read, and of each file that it includes [B]."""
 PASSED_OVER = frozenset(
@@ -126,17 +128,31 @@ def mark_of(element: etree._Element, file: str = "") -> Mark:
     return Mark(file=file, line=line)
 
 
+class Unread(NamedTuple):
+    """Something of a file that its robot lacks.
+
+    Attributes:
+        what: the words for it.
+        mark: where it is.
+        fault: what is wrong with it; None where it is nothing that is read here.
+    """
+
+    what: str
+    mark: Mark
+    fault: Problem | None = None
+
+
 class FileElements:
     """The elements of a file.
 
     Attributes:
         file: what messages call the file.
-        unread: what is in the file and could not be read, by the words for it: the places.
+        unread: what is in the file and could not be read.
     """
 
     def __init__(self, file: str) -> None:
         self.file = file
-        self.unread: dict[str, list[Mark]] = {}
+        self.unread: list[Unread] = []
 
     def mark(self, element: etree._Element) -> Mark:
         """Where an element is."""
@@ -171,7 +187,28 @@ class FileElements:
 
     def not_read(self, element: etree._Element, what: str) -> None:
         """Notes that an element cannot be read."""
-        self.unread.setdefault(what, []).append(self.mark(element))
+        self.unread.append(Unread(what, self.mark(element)))
+
+    def part(self, element: etree._Element, read: Callable[[etree._Element], T], default: D, what: str = "") -> T | D:
+        """Something that has no part in how the robot moves, such as a mass or a shape; the default where it is faulty.
+
+        It is left out of a file of unknown origin then, with a notice; `Model.whole` raises the fault.
+
+        Args:
+            element: the element of it.
+            read: reads the element.
+            default: what a robot has without it.
+            what: the words for it; by the element where there are none.
+        """
+        try:
+            return read(element)
+        except (Dh2UrdfError, ValueError, OverflowError) as error:  # a value that a record refuses is one, too
+            mark, holder = self.mark(element), element.getparent()
+            if holder is not None:
+                what = what or f"the {element.tag} of {holder.tag} {shown(holder.get('name', ''))}"
+            for problem in getattr(error, "problems", None) or (Problem(message=str(error)),):
+                self.unread.append(Unread(what, problem.mark or mark, problem.about(mark=problem.mark or mark)))
+            return default
 
     def not_of_a_manipulator(self, element: etree._Element, kind: str, accepted: str) -> ProofError:
         """What is wrong with a joint of a type that is not one of a manipulator."""
@@ -184,7 +221,7 @@ class Model(NamedTuple):
     Attributes:
         robot: its links and joints; joints that no table has are fixed in it.
         loose: their types, by name.
-        unread: what could not be read, by the words for it: the places.
+        unread: what could not be read.
         doubly: links that are held by more than one joint, which closes a loop.
         mimics: of an SDF, the elements by which joints follow others, by the joints' names.
         references: of an MJCF, the reference values of the joints that move, by name [rad or m].
@@ -192,8 +229,8 @@ class Model(NamedTuple):
 
     robot: Robot
     loose: Mapping[str, str]
-    unread: Mapping[str, Sequence[Mark]]
-    doubly: Collection[str]
+    unread: Sequence[Unread]
+    doubly: Collection[str] = ()
     mimics: Mapping[str, etree._Element] = MappingProxyType({})
     references: Mapping[str, float] = MappingProxyType({})
 
@@ -210,8 +247,8 @@ class Model(NamedTuple):
             if (kind := self.loose.get(joint.name)) is not None:
                 message = f"joint type {shown(kind)} is not one of a manipulator"
                 raise ProofError(Problem(message=message, accepted=accepted, mark=joint.mark))
-        for what, (mark, *_) in self.unread.items():
-            raise ProofError(Problem(message=f"{what} is not read here", mark=mark))
+        for what, mark, fault in self.unread:
+            raise ProofError(fault or Problem(message=f"{what} is not read here", mark=mark))
         return self.robot
 
 

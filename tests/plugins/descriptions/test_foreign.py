@@ -92,9 +92,9 @@ def test_shapes_that_urdf_has_no_word_for(tmp_path: Path) -> None:
     assert [type(collision.geometry).__name__ for collision in link.collisions] == ["Cylinder", "Sphere", "Sphere"]
     assert [(notice.message, notice.mark and notice.mark.line) for notice in found.notices] == [
         ("a shape 'ellipsoid' is left out", 4),
-        ("a visual without a shape is left out", 4),
-        ("a collision without a shape is left out", 4),
-        ("a shape 'capsule' is left out", 5),
+        ("the visual of link 'a' is left out: visual lacks geometry", 4),
+        ("the collision of link 'a' is left out: the geometry has no shape", 4),
+        ("the collision of link 'a' is left out: length of capsule is 'long'", 5),
     ]
 
 

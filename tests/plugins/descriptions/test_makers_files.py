@@ -15,7 +15,7 @@ from dh2urdf_plugins.descriptions.readers import URDF, DescriptionOptions
 
 REASONS = (
     *("no joint moves between link", "the chain holds '", "is above upper", "this is not XML", "joint type '"),
-    *("the geometry has no known shape", "of origin is '", "of mesh is '", "the description has no links"),
+    *("of origin is '", "the description has no links"),
     *("several joints hold the link", "the outermost element is", "lacks", "no link is the root", "have no parent"),
 )
 FARTHEST = 1e-12

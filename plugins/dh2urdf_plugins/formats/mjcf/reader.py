@@ -272,7 +272,7 @@ class _Reader(Elements):
         shapes = [self._shapes.of(body) for body in bodies]
         return Link(
             name=name,
-            inertial=self._inertial(bodies[0]),
+            inertial=self.part(bodies[0], self._inertial, None, f"the mass of {shown(name)}"),
             visuals=tuple(visual for visuals, _ in shapes for visual in visuals),
             collisions=tuple(collision for _, collisions in shapes for collision in collisions),
         )
@@ -281,7 +281,7 @@ class _Reader(Elements):
         element = body.find("inertial")
         whence = self.compiler.get("inertiafromgeom")
         if body.tag == "body" and whence != "false" and (element is None or whence == "true"):
-            return mass_of_shapes(self._shapes.geoms(body), self)
+            return mass_of_shapes(map(self._shapes.geom, self.held(body, "geom")), self)
         if element is None:
             return None
         attributes = self.attributes(element)

@@ -26,7 +26,7 @@ from dh2urdf.source import shown
 from dh2urdf_plugins.formats.xml_files import Placed, capsule
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
+    from collections.abc import Iterable
 
     from lxml import etree
 
@@ -78,38 +78,43 @@ class Shapes:
         """
         visuals: list[Visual] = []
         collisions: list[Collision] = []
-        geoms = list(self.geoms(body))
-        has_own_look = not all(geom.touches for geom in geoms)
-        for geom in geoms:
+        elements = self._elements.held(body, "geom")
+        drawn = [found for element in elements if (found := self._elements.part(element, self._drawn, None))]
+        has_own_look = not all(geom.touches for geom, _, _ in drawn)
+        for geom, parts, material in drawn:
             is_seen = not geom.touches or not (has_own_look or geom.attributes.get("group", "0") in _HIDDEN)
-            for geometry, pose in self._mesh(geom) if "mesh" in geom.attributes else self._parts(geom):
+            for geometry, pose in parts:
                 origin = Origin.of(geom.pose if pose is IDENTITY else geom.pose @ pose)
                 if geom.touches:
                     collisions.append(Collision(geometry=geometry, origin=origin))
                 if is_seen:
-                    visuals.append(Visual(geometry=geometry, origin=origin, material=self._colour(geom)))
+                    visuals.append(Visual(geometry=geometry, origin=origin, material=material))
         return tuple(visuals), tuple(collisions)
 
-    def geoms(self, body: etree._Element) -> Iterator[Geom]:
-        """The shapes of a body."""
-        for element in self._elements.held(body, "geom"):
-            attributes = self._elements.attributes(element)
-            kind = attributes.get("type", "sphere")
-            is_long = "fromto" in attributes and kind in _LONG
-            count = 1 if is_long else 0 if "mesh" in attributes else _SIZES.get(kind, 0)
-            numbers = self._elements.numbers(element, attributes, "size", (0.0,) * count, most=3)
-            if count and min(numbers) <= 0.0:
-                accepted = "above 0" if is_long else f"{count} numbers above 0"
-                text = shown(attributes.get("size", ""))
-                raise self._elements.error(element, f"size of geom is {text}", accepted)
-            x, y, z, *_ = (*numbers, 0.0, 0.0, 0.0)
-            size = (x, y, z)
-            if is_long:
-                own, half = self._elements.between_ends(element, attributes)
-                size = (x, half if kind in _ROUND else x, half)
-            else:
-                own = self._elements.own_pose(element, attributes)
-            yield Geom(element, attributes, kind, size, self._elements.around(element, own))
+    def geom(self, element: etree._Element) -> Geom:
+        """A shape of a body."""
+        attributes = self._elements.attributes(element)
+        kind = attributes.get("type", "sphere")
+        is_long = "fromto" in attributes and kind in _LONG
+        count = 1 if is_long else 0 if "mesh" in attributes else _SIZES.get(kind, 0)
+        numbers = self._elements.numbers(element, attributes, "size", (0.0,) * count, most=3)
+        if count and min(numbers) <= 0.0:
+            accepted = "above 0" if is_long else f"{count} numbers above 0"
+            text = shown(attributes.get("size", ""))
+            raise self._elements.error(element, f"size of geom is {text}", accepted)
+        x, y, z, *_ = (*numbers, 0.0, 0.0, 0.0)
+        size = (x, y, z)
+        if is_long:
+            own, half = self._elements.between_ends(element, attributes)
+            size = (x, half if kind in _ROUND else x, half)
+        else:
+            own = self._elements.own_pose(element, attributes)
+        return Geom(element, attributes, kind, size, self._elements.around(element, own))
+
+    def _drawn(self, element: etree._Element) -> tuple[Geom, list[Placed], Material | None]:
+        """A shape of a body, its parts, and its colour."""
+        geom = self.geom(element)
+        return geom, self._mesh(geom) if "mesh" in geom.attributes else self._parts(geom), self._colour(geom)
 
     def _parts(self, geom: Geom) -> list[Placed]:
         """MuJoCo counts sizes from the middle, and the length of a capsule without its ends."""

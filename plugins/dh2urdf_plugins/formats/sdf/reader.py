@@ -200,23 +200,29 @@ class _Reader(SdfElements):
         return value
 
     def _link(self, element: etree._Element) -> Link:
-        visuals = [
-            Visual(geometry=geometry, origin=origin, material=self._material(shape))
-            for shape in element.iterchildren("visual")
-            for geometry, origin in self._placed(shape)
-        ]
-        collisions = [
-            Collision(geometry=geometry, origin=origin)
-            for shape in element.iterchildren("collision")
-            for geometry, origin in self._placed(shape)
-        ]
-        inertial = self._inertial(element.find("inertial"))
-        return Link(name=self.name(element), inertial=inertial, visuals=tuple(visuals), collisions=tuple(collisions))
+        # SDF gives a link without mass properties 1 kg, and 1 kg·m² about each axis.
+        usual, given = Inertial(mass=1.0, inertia=Inertia(ixx=1.0, iyy=1.0, izz=1.0)), element.find("inertial")
+        return Link(
+            name=self.name(element),
+            inertial=usual if given is None else self.part(given, self._inertial, None),
+            visuals=tuple(
+                [one for each in element.iterchildren("visual") for one in self.part(each, self._visuals, ())]
+            ),
+            collisions=tuple(
+                [one for each in element.iterchildren("collision") for one in self.part(each, self._collisions, ())]
+            ),
+        )
 
-    def _inertial(self, element: etree._Element | None) -> Inertial:
-        """SDF gives a link without mass properties 1 kg, and 1 kg·m² about each axis."""
-        if element is None:
-            return Inertial(mass=1.0, inertia=Inertia(ixx=1.0, iyy=1.0, izz=1.0))
+    def _visuals(self, element: etree._Element) -> list[Visual]:
+        material = self._material(element)
+        return [
+            Visual(geometry=geometry, origin=origin, material=material) for geometry, origin in self._placed(element)
+        ]
+
+    def _collisions(self, element: etree._Element) -> list[Collision]:
+        return [Collision(geometry=geometry, origin=origin) for geometry, origin in self._placed(element)]
+
+    def _inertial(self, element: etree._Element) -> Inertial:
         if element.get("auto") == "true":
             self.not_read(element, "a mass that follows from shapes")
         moments = {name: self.number(element, f"inertia/{name}", float(name[1] == name[2])) for name in INERTIA}

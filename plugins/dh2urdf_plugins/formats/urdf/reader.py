@@ -32,15 +32,20 @@ from dh2urdf.robot import (
     new_origin,
     new_visual,
 )
-from dh2urdf.rotations import X_AXIS, Z_AXIS, ZERO, Vec3, rotation_from_rpy
+from dh2urdf.rotations import IDENTITY, X_AXIS, Z_AXIS, ZERO, Vec3, rotation_from_rpy
 from dh2urdf.row_fields import INERTIA, LIMITS
 from dh2urdf.source import shown
-from dh2urdf_plugins.formats.xml_files import FileElements, content_of, written_tree_of
+from dh2urdf_plugins.formats.xml_files import FileElements, Model, Placed, capsule, content_of, written_tree_of
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
     from pathlib import Path
 
-    from dh2urdf.robot import Geometry
+    from dh2urdf.robot import Collision, Geometry, Visual
+
+_ACCEPTED = ", ".join(JOINT_TYPES)
+_LOOSE = ("floating", "planar")
+"""Joints that no table has."""
 
 
 def read_urdf(path: Path) -> Robot:
@@ -66,12 +71,21 @@ def parse_urdf(content: bytes, file: str) -> Robot:
 
 
 def robot_of(root: etree._Element, file: str) -> Robot:
-    """The robot of a tree of elements.
+    """The robot of a tree of elements that dh2urdf has written.
+
+    Raises:
+        ProofError: the elements are not the URDF of a robot, or something in it cannot be read.
+    """
+    return model_of(root, file).whole(_ACCEPTED)
+
+
+def model_of(root: etree._Element, file: str) -> Model:
+    """The model of a tree of elements of any origin.
 
     Raises:
         ProofError: the elements are not the URDF of a robot.
     """
-    return _UrdfReader(file).robot(root)
+    return _UrdfReader(file).model(root)
 
 
 class _UrdfReader(FileElements):
@@ -80,46 +94,46 @@ class _UrdfReader(FileElements):
     def __init__(self, file: str) -> None:
         super().__init__(file)
         self._materials: dict[str, Material | None] = {}
+        self._loose: dict[str, str] = {}
 
-    def robot(self, root: etree._Element) -> Robot:
+    def model(self, root: etree._Element) -> Model:
         if root.tag != "robot":
             raise self.error(root, f"the outermost element is {shown(str(root.tag))}", accepted="robot")
         for element in root.iterchildren("material"):
             self._material(element)
-        return Robot(
+        robot = Robot(
             name=self._text(root, "name"),
             links=tuple([self._link(element) for element in root.iterchildren("link")]),
             joints=tuple([self._joint(element) for element in root.iterchildren("joint")]),
         )
+        return Model(robot, self._loose, self.unread)
 
     def _link(self, element: etree._Element) -> Link:
         inertial = element.find("inertial")
-        visuals = [
-            new_visual(geometry=self._geometry(each), origin=self._origin(each), material=self._material_of(each))
-            for each in element.iterchildren("visual")
-        ]
-        collisions = [
-            new_collision(geometry=self._geometry(each), origin=self._origin(each))
-            for each in element.iterchildren("collision")
-        ]
         return new_link(
             name=self._text(element, "name"),
-            inertial=None if inertial is None else self._inertial(inertial),
-            visuals=tuple(visuals),
-            collisions=tuple(collisions),
+            inertial=None if inertial is None else self.part(inertial, self._inertial, None),
+            visuals=tuple(
+                [one for each in element.iterchildren("visual") for one in self.part(each, self._visuals, ())]
+            ),
+            collisions=tuple(
+                [one for each in element.iterchildren("collision") for one in self.part(each, self._collisions, ())]
+            ),
         )
 
     def _joint(self, element: etree._Element) -> Joint:
-        word = self._text(element, "type")
-        kind = JOINT_TYPES.get(word)
+        name, word = self._text(element, "name"), self._text(element, "type")
+        if word in _LOOSE:
+            self._loose[name] = word
+        kind = JointType.FIXED if word in _LOOSE else JOINT_TYPES.get(word)
         if kind is None:
-            raise self.error(element, f"joint type {shown(word)} is not one of a manipulator", ", ".join(JOINT_TYPES))
+            raise self.not_of_a_manipulator(element, word, _ACCEPTED)
         axis, limit, dynamics = element.find("axis"), element.find("limit"), element.find("dynamics")
         direction = Z_AXIS  # What the field holds of a fixed joint, which has none.
         if kind is not JointType.FIXED:
             direction = X_AXIS if axis is None else self._vector(axis, "xyz", X_AXIS)
         return new_joint(
-            name=self._text(element, "name"),
+            name=name,
             type=kind,
             parent=self._text(self._child(element, "parent"), "link"),
             child=self._text(self._child(element, "child"), "link"),
@@ -139,9 +153,16 @@ class _UrdfReader(FileElements):
         mass = self._numbers(self._child(element, "mass"), "value", 1)[0]
         return new_inertial(mass=mass, com=origin.xyz, inertia=inertia)
 
-    def _material_of(self, visual: etree._Element) -> Material | None:
-        material = visual.find("material")
-        return None if material is None else self._material(material)
+    def _visuals(self, element: etree._Element) -> list[Visual]:
+        found = element.find("material")
+        material = None if found is None else self._material(found)
+        return [
+            new_visual(geometry=geometry, origin=origin, material=material)
+            for geometry, origin in self._placed(element)
+        ]
+
+    def _collisions(self, element: etree._Element) -> list[Collision]:
+        return [new_collision(geometry=geometry, origin=origin) for geometry, origin in self._placed(element)]
 
     def _material(self, element: etree._Element) -> Material | None:
         """A material that is defined here or was defined above; None where it is a texture only."""
@@ -155,22 +176,34 @@ class _UrdfReader(FileElements):
             raise self.error(element, f"material {shown(name)} is defined nowhere")
         return self._materials[name]
 
-    def _geometry(self, parent: etree._Element) -> Geometry:
+    def _placed(self, element: etree._Element) -> Iterator[tuple[Geometry, Origin]]:
+        """The parts of a shape, and where they are in the link."""
+        origin = self._origin(element)
+        for geometry, within in self._parts(element):
+            yield geometry, origin if within is IDENTITY else Origin.of(origin.transform @ within)
+
+    def _parts(self, parent: etree._Element) -> list[Placed]:
         geometry = self._child(parent, "geometry")
         shape = next(geometry.iterchildren(etree.Element), None)
-        if shape is not None:
-            match shape.tag:
-                case "box":
-                    return Box(size=self._vector(shape, "size"))
-                case "cylinder":
-                    (radius,), (length,) = (self._numbers(shape, name, 1) for name in ("radius", "length"))
-                    return Cylinder(radius=radius, length=length)
-                case "sphere":
-                    return Sphere(radius=self._numbers(shape, "radius", 1)[0])
-                case "mesh":
-                    scale = self._vector(shape, "scale", (1.0, 1.0, 1.0))
-                    return Mesh(filename=self._text(shape, "filename"), scale=scale)
-        raise self.error(geometry, "the geometry has no known shape", "box, cylinder, sphere, mesh")
+        if shape is None:
+            raise self.error(geometry, "the geometry has no shape", "box, cylinder, sphere, capsule, mesh")
+        match shape.tag:
+            case "box":
+                return [Placed(Box(size=self._vector(shape, "size")))]
+            case "cylinder" | "capsule":
+                (radius,), (length,) = (self._numbers(shape, name, 1) for name in ("radius", "length"))
+                return (
+                    capsule(radius, length)
+                    if shape.tag == "capsule"
+                    else [Placed(Cylinder(radius=radius, length=length))]
+                )
+            case "sphere":
+                return [Placed(Sphere(radius=self._numbers(shape, "radius", 1)[0]))]
+            case "mesh":
+                scale = self._vector(shape, "scale", (1.0, 1.0, 1.0))
+                return [Placed(Mesh(filename=self._text(shape, "filename"), scale=scale))]
+        self.not_read(shape, f"a shape {shown(str(shape.tag))}")
+        return []
 
     def _origin(self, parent: etree._Element) -> Origin:
         origin = parent.find("origin")

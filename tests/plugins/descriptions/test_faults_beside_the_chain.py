@@ -1,0 +1,101 @@
+"""A fault that is none of the chain leaves out what has it, with a notice; the arm is that of the file without it."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import pytest
+
+import dh2urdf
+from dh2urdf.errors import ProofError, TableError
+from dh2urdf.kinematics import forward_kinematics
+from dh2urdf_plugins.formats.mjcf.reader import read_mjcf
+from dh2urdf_plugins.formats.sdf.reader import read_sdf
+from dh2urdf_plugins.formats.urdf.reader import read_urdf
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+ARM = {
+    "urdf": """<robot name="arm">
+<link name="base"/>
+<link name="upper">
+<inertial><mass value="2"/><inertia ixx="0.1" ixy="0" ixz="0" iyy="0.1" iyz="0" izz="0.1"/></inertial>
+<visual><geometry><box size="0.1 0.1 0.1"/></geometry></visual>
+<collision><geometry><mesh filename="a.stl" scale="1 1 1"/></geometry></collision>
+</link>
+<link name="tool0"/>
+<joint name="lift" type="revolute"><parent link="base"/><child link="upper"/><origin xyz="0 0 0.3"/>
+<axis xyz="0 1 0"/><limit lower="-1" upper="1" effort="10" velocity="1"/></joint>
+<joint name="hold" type="fixed"><parent link="upper"/><child link="tool0"/><origin xyz="0.2 0 0"/></joint>
+</robot>""",
+    "sdf": """<sdf version="1.9"><model name="arm">
+<link name="base"/>
+<link name="upper"><pose>0 0 0.3 0 0 0</pose>
+<inertial><mass>2</mass><inertia><ixx>0.1</ixx><iyy>0.1</iyy><izz>0.1</izz></inertia></inertial>
+<visual name="v"><geometry><box><size>0.1 0.1 0.1</size></box></geometry></visual>
+</link>
+<joint name="hold" type="fixed"><parent>world</parent><child>base</child></joint>
+<joint name="lift" type="revolute"><parent>base</parent><child>upper</child>
+<axis><xyz>0 1 0</xyz><limit><lower>-1</lower><upper>1</upper></limit></axis></joint>
+<frame name="tool0" attached_to="upper"><pose>0.2 0 0 0 0 0</pose></frame>
+</model></sdf>""",
+    "mjcf": """<mujoco><worldbody>
+<body name="upper" pos="0 0 0.3"><joint name="lift" axis="0 1 0" range="-1 1"/>
+<inertial pos="0 0 0" mass="2" diaginertia="0.1 0.1 0.1"/>
+<geom type="box" size="0.05 0.05 0.05"/>
+<site name="tool0" pos="0.2 0 0"/></body></worldbody></mujoco>""",
+}
+STRICT = {"urdf": read_urdf, "sdf": read_sdf, "mjcf": read_mjcf}
+SUFFIX = {"urdf": "urdf", "sdf": "sdf", "mjcf": "xml"}
+Q = [0.4]
+
+
+def written(folder: Path, form: str, was: str = "", now: str = "") -> Path:
+    assert was in ARM[form]
+    path = folder / f"arm.{SUFFIX[form]}"
+    path.write_text(ARM[form].replace(was, now, 1) if was else ARM[form])
+    return path
+
+
+@pytest.mark.filterwarnings("ignore::dh2urdf.TableWarning")
+@pytest.mark.parametrize(
+    ("form", "was", "now", "line", "mass"),
+    [
+        ("urdf", 'value="2"', 'value="2kg"', 4, None),
+        ("urdf", ' ixy="0"', "", 4, None),
+        ("urdf", 'size="0.1 0.1 0.1"', 'size="0.1 0.1"', 5, 2.0),
+        ("urdf", 'scale="1 1 1"', 'scale="1"', 6, 2.0),
+        ("sdf", "<mass>2<", "<mass>2kg<", 4, None),
+        ("sdf", "<size>0.1 0.1 0.1<", "<size>0.1 0.1<", 5, 2.0),
+        ("mjcf", 'mass="2"', 'mass="2kg"', 3, None),
+        ("mjcf", 'size="0.05 0.05 0.05"', 'size="0.05 0.05"', 4, 2.0),
+    ],
+)
+def test_a_mass_or_a_shape(  # noqa: PLR0917 - a row of the table above
+    tmp_path: Path, form: str, was: str, now: str, line: int, mass: float | None
+) -> None:
+    sound = dh2urdf.read(written(tmp_path, form))
+    path = written(tmp_path, form, was, now)
+    arm = dh2urdf.read(path)
+    assert forward_kinematics(arm, Q) == forward_kinematics(sound, Q)
+    assert sound.rows[0].mass == 2
+    assert arm.rows[0].mass == mass
+    assert line in [notice.mark.line for notice in arm.notices if notice.mark]
+    with pytest.raises(ProofError):  # of a file of ours, it is a fault
+        STRICT[form](path)
+
+
+@pytest.mark.filterwarnings("ignore::dh2urdf.TableWarning")
+@pytest.mark.parametrize(
+    ("form", "was", "now"),
+    [
+        ("urdf", 'xyz="0 0 0.3"', 'xyz="0 0 0.3m"'),
+        ("urdf", 'upper="1"', 'upper="1rad"'),
+        ("sdf", "0 0 0.3 0 0 0", "0 0 0.3m 0 0 0"),
+        ("mjcf", 'pos="0 0 0.3"', 'pos="0 0 0.3m"'),
+    ],
+)
+def test_a_number_of_the_chain_is_an_error(tmp_path: Path, form: str, was: str, now: str) -> None:
+    with pytest.raises(TableError):
+        dh2urdf.read(written(tmp_path, form, was, now))

@@ -28,14 +28,14 @@ from dh2urdf.table_text import REQUIRED
 from dh2urdf_plugins.descriptions.description import Description
 from dh2urdf_plugins.formats.xml_files import LARGEST
 from dh2urdf_plugins.readers.sources.documents import read_table
-from dh2urdf_plugins.readers.statements.placements import (
+from dh2urdf_plugins.readers.statements.statements import Statements
+from dh2urdf_plugins.readers.statements.values import (
     MORE_DIGITS,
     NEARLY_ORTHONORMAL,
     ORTHONORMAL,
-    TransformReader,
+    Values,
+    refuse_unknown_keys,
 )
-from dh2urdf_plugins.readers.statements.shapes import refuse_unknown_keys
-from dh2urdf_plugins.readers.statements.statements import Statements
 from dh2urdf_plugins.readers.words.fields import joint_type
 
 if TYPE_CHECKING:
@@ -122,7 +122,7 @@ class _File:
         statements = Statements()
         if units := self.entries.get("units"):
             statements.declare_units(units, self.problems.append)
-        self.transforms = TransformReader(statements.units(), self.problems.append)
+        self.values = Values(statements.units(), self.problems.append)
 
     def _check(self) -> None:
         errors = [problem for problem in self.problems if problem.severity == "error"]
@@ -150,7 +150,7 @@ class _File:
 
     def _by_points(self, form: str) -> Axes:
         """The axes of Slist or of Blist, by the points of them that are nearest to the frame they are in."""
-        columns, pose = self._columns(form, _SCREW), self.transforms.read(self.entries["M"], "M") or IDENTITY
+        columns, pose = self._columns(form, _SCREW), self.values.placement(self.entries["M"], "M") or IDENTITY
         self._check()
         accepted = "ω of length 1, or ω = 0 and v of length 1 where the joint slides"
         screws: list[tuple[Vec3, Vec3, bool]] = []
@@ -220,7 +220,7 @@ class _File:
         zero, one = (replace(node, value=number, text=str(number)) for number in (0, 1))
         wide = [replace(row, value=[*_items(row), zero]) for row in rows]
         matrix = replace(node, value=[*wide, replace(node, value=[zero, zero, zero, one])])
-        return self.transforms.read(matrix, "R") or IDENTITY
+        return self.values.placement(matrix, "R") or IDENTITY
 
     def _columns(self, key: str, size: int) -> list[tuple[Node, ...]]:
         """The columns of a matrix of so many rows."""
@@ -237,7 +237,7 @@ class _File:
         return list(zip(*rows, strict=True))
 
     def _vector(self, key: str, nodes: Sequence[Node], dimension: Dimension) -> Vec3:
-        x, y, z = (self.transforms.number(node, key, dimension) for node in nodes)
+        x, y, z = (self.values.number(node, key, dimension) for node in nodes)
         self._check()
         return (x or 0.0, y or 0.0, z or 0.0)
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import replace
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from dh2urdf.columns import ManipulatorGroups
 from dh2urdf.documents import Node, decoded, read_bytes, stream_yaml
@@ -23,7 +23,7 @@ from dh2urdf_plugins.readers.comments.top import read_top
 from dh2urdf_plugins.readers.header.words import read_header
 from dh2urdf_plugins.readers.options import TableOptions, ignored_columns
 from dh2urdf_plugins.readers.sources.texts import named_columns
-from dh2urdf_plugins.readers.statements.meshes import MESH_KEYS, MeshReader
+from dh2urdf_plugins.readers.statements.values import MESH_KEYS, MESHES, Values, meshes_of
 from dh2urdf_plugins.readers.tables.cell_groups import ACCEPTED, PARTS, GroupError, split_cell
 from dh2urdf_plugins.readers.tables.cell_rows import CellRows
 from dh2urdf_plugins.readers.tables.row_table import RowTable
@@ -38,7 +38,6 @@ if TYPE_CHECKING:
 
     from dh2urdf.documents import Item
     from dh2urdf.table_text import Trace
-    from dh2urdf_plugins.readers.statements.meshes import Meshes
 
 KEYS = (*STATEMENTS, "visuals", "collisions", "joints")
 """Keys of a manipulator."""
@@ -232,12 +231,12 @@ class _Document:
     def with_meshes(self, found: Manipulator | Rejected, table: RowTable) -> Manipulator | Rejected:
         """What was read, with the meshes of its links and what is wrong with them and with the document."""
         names = {number: row.joint for number, row in enumerate(found.rows)} if isinstance(found, Manipulator) else {}
-        drawn: dict[int, Meshes] = {}
+        drawn: dict[int, dict[str, Any]] = {}
         for number, entries in enumerate(self.meshes):
             if entries:
                 wrong: list[Problem] = []
-                reader = MeshReader(table.statements.units(), wrong.append, links=table.statements.mesh_links)
-                drawn[number] = reader.read(entries)
+                values = Values(table.statements.units(), wrong.append, links=table.statements.mesh_links)
+                drawn[number] = meshes_of(values.entries(entries, MESHES))
                 self.problems += [replace(each, joint=names.get(number, f"joint_{number + 1}")) for each in wrong]
         own = [problem.about(robot=found.name) for problem in (*self.problems, *self.notices)]
         errors = [problem for problem in own if problem.severity == "error"]
@@ -247,7 +246,7 @@ class _Document:
             return Rejected(name=found.name, problems=(*errors, *more), mark=self.node.mark, notices=notices)
         rows = list(found.rows)
         for number, mesh in drawn.items():
-            rows[number] = replace(rows[number], visual=mesh.visual, collision=mesh.collision)
+            rows[number] = replace(rows[number], **mesh)
         return replace(found, rows=tuple(rows), notices=notices) if drawn or notices else found
 
     # --- Rows ---------------------------------------------------------------------------------------------------------

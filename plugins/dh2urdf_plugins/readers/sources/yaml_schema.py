@@ -16,8 +16,7 @@ from dh2urdf.table_text import REQUIRED
 from dh2urdf_plugins.readers.header.units import UNIT_KEYS
 from dh2urdf_plugins.readers.header.words import SHORTEST_CORE
 from dh2urdf_plugins.readers.sources.documents import NOT_IN_A_JOINT
-from dh2urdf_plugins.readers.statements.meshes import MESH_KEYS
-from dh2urdf_plugins.readers.statements.shapes import SHAPES
+from dh2urdf_plugins.readers.statements.values import MESH_KEYS, SHAPES
 from dh2urdf_plugins.readers.words.fields import (
     FIELDS,
     GROUPS,

@@ -7,14 +7,17 @@ from typing import TYPE_CHECKING
 
 from dh2urdf.manipulator import JointType
 from dh2urdf.quantities import UNITS, Dimension
-from dh2urdf.source import Problem
+from dh2urdf.source import Messages
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from dh2urdf.manipulator import DHRow
     from dh2urdf.rotations import RigidTransform
+    from dh2urdf.source import Problem
     from dh2urdf_plugins.readers.words.cells import Units
+
+say = Messages(__file__)
 
 LONGEST_ARM, SHORTEST_ARM = 5.0, 0.02
 """Reach beyond which a notice asks for the unit [m]."""
@@ -22,10 +25,6 @@ _USUAL = (0.2, 3.0)
 """Reach of the arms that people build [m]."""
 _NEARLY_PARALLEL = 0.01
 """Angle between the axes of neighbours that a calibration finds where the drawing has parallel ones [rad]."""
-_CALIBRATED = (
-    "if this is the table of a calibrated arm, whose nearly parallel axes have their normals far away, `--set "
-    "near_parallel=split` keeps links and masses of the arm's own size"
-)
 _CANDIDATES = ("cm", "inch", "mm", "m")
 
 
@@ -59,29 +58,21 @@ def size_notice(
         tool: its tool.
     """
     if what := far_away(base, tool):
-        return Problem(
-            message=f"the {what} is more than {LONGEST_ARM:g} m away",
-            severity="notice",
-            field=what,
-            suggestion="if its lengths are in mm, write '300 mm', or declare it: `units: {length: mm}`",
-        )
+        return say("base-or-tool-far-away", field=what, limit=f"{LONGEST_ARM:g}")
     reach, length = reach_of(rows), arm_length(rows)
     if not rows or not reach or (reach >= SHORTEST_ARM and length <= LONGEST_ARM):
         return None
     reach = max(length, reach) if length <= LONGEST_ARM else length
     read = units.columns.get("a") or units.columns.get("d") or units.of(Dimension.LENGTH) or UNITS["m"]
-    number = reach / read.si(1.0)
-    meant = [name for name in _CANDIDATES if _USUAL[0] <= UNITS[name].si(number) <= _USUAL[1]]
-    size = f"{reach:.4g} m" if reach >= 1 else f"{1000 * reach:.4g} mm"
-    calibrated = f"; {_CALIBRATED}" if length > LONGEST_ARM and _is_calibrated(rows) else ""
-    sizes = ", ".join(f"{name} ({UNITS[name].si(number):.3g} m)" for name in meant) or "another unit"
-    unit = meant[0] if meant else "mm"
-    return Problem(
-        message=f"the arm is {size} long, with lengths in {read.symbol}",
-        severity="notice",
-        mark=rows[0].mark,
-        suggestion=f"if its lengths are in {sizes}, declare it: `units: {{length: {unit}}}` or `--length-unit {unit}`"
-        + calibrated,
+    sizes = {name: UNITS[name].si(reach / read.si(1.0)) for name in _CANDIDATES}
+    meant = [name for name, size in sizes.items() if _USUAL[0] <= size <= _USUAL[1]]
+    return say(
+        "size-of-a-calibrated-arm" if length > LONGEST_ARM and _is_calibrated(rows) else "size",
+        rows[0].mark,
+        size=f"{reach:.4g} m" if reach >= 1 else f"{1000 * reach:.4g} mm",
+        read=read.symbol,
+        sizes=[f"{name} ({sizes[name]:.3g} m)" for name in meant] or "another unit",
+        unit=meant[0] if meant else "mm",
     )
 
 

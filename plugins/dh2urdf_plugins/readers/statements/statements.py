@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from dh2urdf.documents import load_yaml
 from dh2urdf.errors import TableError
-from dh2urdf.manipulator import Convention, LinkGeometry, Manipulator, MeshShape, Payload
+from dh2urdf.manipulator import Convention, Manipulator
 from dh2urdf.quantities import (
     UNITS,
     Dimension,
@@ -20,8 +20,7 @@ from dh2urdf.quantities import (
     is_unit,
     unit_word,
 )
-from dh2urdf.rotations import IDENTITY, RigidTransform
-from dh2urdf.source import Mark, Problem, did_you_mean, shown
+from dh2urdf.source import Mark, Messages, did_you_mean
 from dh2urdf.table_text import Said
 from dh2urdf_plugins.readers.header.columns import Columns
 from dh2urdf_plugins.readers.header.units import KEY_OF, SI, UNIT_KEYS, table_units
@@ -35,16 +34,24 @@ from dh2urdf_plugins.readers.words.fields import (
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Mapping
+    from collections.abc import Callable, Mapping
 
     from dh2urdf.documents import Node
     from dh2urdf.manipulator import DHRow
+    from dh2urdf.rotations import RigidTransform
+    from dh2urdf.source import Problem
     from dh2urdf_plugins.calibrations.calibration import CalibrationFile  # noqa: TC004 - only the tables with one need it
 
-_OF_SI = (Dimension.LENGTH, Dimension.ANGLE)
-_BETWEEN = r"\s*[/&]\s*|\s+(?:and|und|et|y|e)\s+|\s+"
+say = Messages(__file__)
+
+PLACES = ("base", "tool", "payload")
+"""Statements that the options may have as well."""
+OTHERS = ("visuals", "collisions", "defaults")
+"""The other statements about what a manipulator has beside its rows."""
 OPTIONS = "an option"
 """What marks name as the file of an option."""
+_OF_SI = (Dimension.LENGTH, Dimension.ANGLE)
+_BETWEEN = r"\s*[/&]\s*|\s+(?:and|und|et|y|e)\s+|\s+"
 
 
 @dataclass(slots=True)
@@ -57,19 +64,10 @@ class Statements:
         convention: the convention and where it is declared.
         stated: the units that are declared, by what they measure, and where.
         columns: the headers of the table, where it has some.
-        base: the base transform.
-        tool: the tool transform.
-        geometry: shape of the links.
-        density: density of links without a mass [kg/m³].
-        base_mass: mass of the base's body [kg]; 0 for none.
-        payload: what the arm carries at tool0.
-        base_geometry: shape of the base's body.
-        base_meshes: meshes of the base's body: what is seen, and what touches.
+        values: what a `Manipulator` has beside its rows, by the name of its attribute: ``base``, ``density``.
+        placed: where these are declared.
         mesh_links: whether meshes may be links out of the table's folder.
         calibration: the file of what is added to the rows.
-        visuals: whether links are seen.
-        collisions: whether links touch.
-        placed: where base, tool, payload, shapes, masses and visuals are declared.
         symbols: what names of lengths and angles stand for.
         in_convention: the convention that the table is rewritten in.
         repair_pi: whether an angle that is nearly a multiple of π/2 is one.
@@ -79,55 +77,38 @@ class Statements:
     convention: tuple[Convention, Mark] | None = None
     stated: dict[Dimension, tuple[Unit, Mark]] = field(default_factory=dict)
     columns: Columns | None = None
-    base: RigidTransform | None = None
-    tool: RigidTransform | None = None
-    geometry: LinkGeometry = LinkGeometry()
-    density: float | None = None
-    base_mass: float | None = None
-    payload: Payload | None = None
-    base_geometry: LinkGeometry = LinkGeometry()
-    base_meshes: tuple[MeshShape | None, MeshShape | None] = (None, None)
+    values: dict[str, Any] = field(default_factory=dict)
+    placed: dict[str, Mark] = field(default_factory=dict)
     mesh_links: bool = False
     calibration: CalibrationFile | None = None
-    visuals: bool | None = None
-    collisions: bool | None = None
-    placed: dict[str, Mark] = field(default_factory=dict)
-    bare: dict[Dimension, tuple[str, Cell]] = field(default_factory=dict)
     symbols: Symbols = field(default_factory=Symbols)
-    repair_pi: bool = False
     in_convention: Convention | None = None
+    repair_pi: bool = False
+    bare: dict[Dimension, tuple[str, Cell]] = field(default_factory=dict)
+
+    @property
+    def base(self) -> RigidTransform | None:
+        """The base transform; None where nothing declares it."""
+        return self.values.get("base")
+
+    @property
+    def tool(self) -> RigidTransform | None:
+        """The tool transform; None where nothing declares it."""
+        return self.values.get("tool")
 
     def manipulator(
         self, name: str, rows: tuple[DHRow, ...], mark: Mark | None, notices: tuple[Problem, ...] = ()
     ) -> Manipulator:
         """The manipulator of some rows; the convention is known."""
-        base_visual, base_collision = self.base_meshes
-        return Manipulator(
-            name=name,
-            convention=self.convention[0] if self.convention else Convention.STANDARD,
-            rows=rows,
-            base=self.base or IDENTITY,
-            tool=self.tool or IDENTITY,
-            geometry=self.geometry,
-            density=self.density,
-            base_mass=self.base_mass,
-            payload=self.payload,
-            base_geometry=self.base_geometry,
-            base_visual=base_visual,
-            base_collision=base_collision,
-            visuals=self.visuals,
-            collisions=self.collisions,
-            mark=mark,
-            notices=notices,
-        )
+        convention = self.convention[0] if self.convention else Convention.STANDARD
+        return Manipulator(name=name, convention=convention, rows=rows, mark=mark, notices=notices, **self.values)
 
     def traced(self, name: Cell) -> dict[str, Said]:
         """What the table declares for all rows, and where."""
         said = {"name": Said(text=name.text, mark=name.mark)}
         if self.convention:
             said["convention"] = Said(text=str(self.convention[0]), mark=self.convention[1])
-        for what, mark in self.placed.items():
-            said[what] = Said(text=None, mark=mark)
+        said |= {what: Said(text=None, mark=mark) for what, mark in self.placed.items()}
         for dimension, (unit, mark) in self.stated.items():
             said[f"units.{dimension.name.lower()}"] = Said(text=unit.symbol, mark=mark)
         return said
@@ -138,41 +119,25 @@ class Statements:
         units = table_units(stated, self.columns)
         return replace(units, bare=self.bare, symbols=self.symbols, repair_pi=self.repair_pi)
 
+    # --- Convention and units -----------------------------------------------------------------------------------------
+
     def declare_convention(self, cell: Cell, add: Callable[[Problem], None]) -> None:
         """Takes a word for the convention."""
-        convention = convention_of(cell.text)
-        if convention is None:
-            message = f"{shown(cell.text)} is no convention that is known" if cell.text else "the convention is empty"
-            add(
-                Problem(
-                    message=message,
-                    mark=cell.mark,
-                    field="convention",
-                    found=cell.text,
-                    accepted=ACCEPTED_CONVENTIONS,
-                    suggestion=did_you_mean(cell.text, [word for word in convention_words() if len(word) > len("dh")])
-                    if cell.text
-                    else None,
-                )
-            )
-        else:
+        if convention := convention_of(cell.text):
             self.declare_implied_convention(convention, cell, add)
+        elif cell.text:
+            advice = did_you_mean(cell.text, [word for word in convention_words() if len(word) > len("dh")])
+            about = {"field": "convention", "found": cell.text, "suggestion": advice}
+            add(say("no-convention", cell.mark, accepted=ACCEPTED_CONVENTIONS, **about))
+        else:
+            add(say("empty-convention", cell.mark, field="convention", found="", accepted=ACCEPTED_CONVENTIONS))
 
     def declare_implied_convention(self, convention: Convention, cell: Cell, add: Callable[[Problem], None]) -> None:
         """Takes the convention from what only it writes."""
-        if self.convention is None:
-            self.convention = (convention, cell.mark)
-        elif self.convention[0] is not convention:
-            add(
-                Problem(
-                    message=f"{shown(cell.text)} means the {convention} convention, and {self.convention[1]} says "
-                    f"{self.convention[0]}",
-                    mark=cell.mark,
-                    field="convention",
-                    found=cell.text,
-                    accepted="one convention for the whole table",
-                )
-            )
+        self.convention = said, where = self.convention or (convention, cell.mark)
+        if said is not convention:
+            about = {"field": "convention", "found": cell.text}
+            add(say("convention-twice", cell.mark, means=convention, where=where, says=said, **about))
 
     def declare_unit(self, cell: Cell, key: str, add: Callable[[Problem], None], *, said: str | None = None) -> None:
         """Takes a declaration of a unit.
@@ -183,128 +148,59 @@ class Statements:
             add: takes what is wrong with it.
             said: the sentence that it is in.
         """
-        unit: Unit | None = None
-        fault: QuantityError | None = None
+        name, about = f"units.{key}", dict[str, str | None]()
+        faults: list[QuantityError] = []
         for dimension in UNIT_KEYS[key]:
             try:
-                unit = unit or find_unit(cell.text, dimension)
+                unit = find_unit(cell.text, dimension)
             except QuantityError as error:
-                fault = fault or error
-        if fault and not unit:
-            add(
-                Problem(
-                    message=fault.message,
-                    mark=cell.mark,
-                    field=f"units.{key}",
-                    found=cell.text,
-                    accepted=", ".join(map(accepted_units, UNIT_KEYS[key])),
-                    suggestion=fault.suggestion,
+                faults.append(error)
+                continue
+            earlier, where = self.stated.setdefault(unit.dimension, (unit, cell.mark))
+            if earlier != unit:
+                about = {"field": name, "found": cell.text}
+                add(
+                    say(
+                        "unit-twice",
+                        cell.mark,
+                        said=said or cell.text,
+                        earlier=earlier.symbol,
+                        where=where,
+                        key=key,
+                        **about,
+                    )
                 )
-            )
-        if not unit:
             return
-        earlier = self.stated.setdefault(unit.dimension, (unit, cell.mark))
-        if earlier[0] != unit:
-            add(
-                Problem(
-                    message=f"{shown(said or cell.text)} contradicts the unit {earlier[0].symbol} that "
-                    f"{earlier[1]} declares",
-                    mark=cell.mark,
-                    field=f"units.{key}",
-                    found=cell.text,
-                    accepted=f"one unit of {key} for the whole table",
-                )
-            )
+        about = {"field": name, "found": cell.text, "suggestion": faults[0].suggestion}
+        units = [accepted_units(dimension) for dimension in UNIT_KEYS[key]]
+        add(say("no-quantity", cell.mark, reason=faults[0].message, accepted=units, **about))
 
     def declare_units(self, node: Node, add: Callable[[Problem], None]) -> None:
         """Takes `units`: a mapping such as ``{length: mm, effort: [Nm, N]}``, or bare words such as ``mm, deg``."""
-        if isinstance(node.value, dict):
-            for key, item in node.value.items():
-                if key not in UNIT_KEYS:
-                    add(
-                        Problem(
-                            message=f"{shown(key)} is nothing that has a unit of its own",
-                            mark=node.key_mark(key),
-                            field=f"units.{key}",
-                            found=key,
-                            accepted=", ".join(UNIT_KEYS),
-                            suggestion=_unit_key(key),
-                        )
-                    )
-                    continue
-                several = len(UNIT_KEYS[key]) > 1
-                words = words_of_units(item) if several or not isinstance(item.value, list) else []
-                if not words:
-                    message = f"units.{key} is {item.describe()}"
-                    add(Problem(message=message, mark=item.mark, field=f"units.{key}", accepted="the name of a unit"))
-                for word in words:
-                    self.declare_unit(word, key, add)
-            return
         if isinstance(node.value, str) and key_of(node.value.casefold()) in keys_in("values", "si"):
             self.stated |= {UNITS[SI[each]].dimension: (UNITS[SI[each]], node.mark) for each in _OF_SI}
             return
-        words = words_of_units(node)
-        known = [UNITS.get(unit_word(word.text)) for word in words]
-        for word, unit in zip(words, known, strict=True):
-            if unit and all(known):
+        if not isinstance(node.value, dict):
+            words = words_of_units(node)
+            known = [unit for word in words if (unit := UNITS.get(unit_word(word.text)))]
+            if not words or len(known) < len(words):
+                add(say("no-units", node.mark, field="units", found=node.text, is_a=node.describe(), keys=[*UNIT_KEYS]))
+                return
+            for word, unit in zip(words, known, strict=True):
                 self.declare_unit(word, KEY_OF.get(unit.dimension, "length"), add)
-        if not words or not all(known):
-            add(
-                Problem(
-                    message=f"units is {node.describe()}",
-                    mark=node.mark,
-                    field="units",
-                    found=node.text,
-                    accepted=f"units such as mm, deg, or a mapping such as {{length: mm, angle: deg}}, with the keys "
-                    f"{', '.join(UNIT_KEYS)}",
-                )
-            )
-
-    def declare_transform(self, node: Node, what: str, add: Callable[[Problem], None]) -> None:
-        """Takes `base` or `tool`: a rigid transform, and the base's body."""
-        from dh2urdf_plugins.readers.statements.meshes import MESH_KEYS
-        from dh2urdf_plugins.readers.statements.placements import PLACED, TransformReader
-
-        if _is_nothing(node):
             return
-        body = ("mass", "geometry", *MESH_KEYS) if what == "base" else ()
-        transform = TransformReader(self.units(), add).read(node, what, other_keys=body)
-        if body:
-            self.declare_body(node, add)
-        only_body = body and isinstance(node.value, dict) and node.value.keys().isdisjoint(PLACED)
-        if transform is None or only_body:
-            return
-        said = self.base if what == "base" else self.tool
-        if said is not None and said != transform:
-            self._said_twice(what, node, add)
-        elif what == "base":
-            self.base = transform
-            self.placed[what] = node.mark
-        else:
-            self.tool = transform
-            self.placed[what] = node.mark
-
-    def declare_options(self, options: Mapping[str, Any], add: Callable[[Problem], None]) -> None:
-        """Takes the convention and the units of the options; base and tool follow when the units are known."""
-        mark = Mark(file=OPTIONS)
-        self.mesh_links = options["mesh_links"]
-        if options["calibration"] is not None:
-            from dh2urdf_plugins.calibrations.calibration import CalibrationFile
-
-            units = {name: options[name] for name in ("length_unit", "angle_unit", "units")}
-            self.calibration = CalibrationFile(options["calibration"], units)
-        self.repair_pi = options["rounded_pi"] == "repair"
-        self.in_convention = Convention(options["in_convention"]) if options["in_convention"] else None
-        if options["symbol"] is not None and (node := _option_node("symbol", options["symbol"], add)):
-            self.declare_symbols(node, add)
-        if options["convention"] is not None:
-            self.declare_convention(Cell(options["convention"], mark), add)
-        if options["length_unit"] is not None:
-            self.declare_unit(Cell(options["length_unit"], mark), "length", add)
-        if options["angle_unit"] is not None:
-            self.declare_unit(Cell(options["angle_unit"], mark), "angle", add)
-        if options["units"] is not None and (node := _option_node("units", options["units"], add)):
-            self.declare_units(node, add)
+        for key, item in node.value.items():
+            name = f"units.{key}"
+            if key not in UNIT_KEYS:
+                meant = next((name for name in UNIT_KEYS if key_of(key.casefold()) in keys_in("unit_keys", name)), None)
+                advice = f"did you mean {meant!r}?" if meant else did_you_mean(key, UNIT_KEYS)
+                add(say("no-unit-key", node.key_mark(key), field=name, found=key, keys=[*UNIT_KEYS], suggestion=advice))
+                continue
+            words = words_of_units(item) if len(UNIT_KEYS[key]) > 1 or not isinstance(item.value, list) else []
+            if not words:
+                add(say("no-value", item.mark, field=name, is_a=item.describe(), accepted="the name of a unit"))
+            for word in words:
+                self.declare_unit(word, key, add)
 
     def declare_symbols(self, node: Node, add: Callable[[Problem], None]) -> None:
         """Takes `symbols`: a mapping such as ``{L1: 91 mm}``, or texts such as ``L1=91mm``."""
@@ -317,81 +213,77 @@ class Statements:
             if problem := self.symbols.define(name, text, mark):
                 add(problem)
 
-    def declare_defaults(self, node: Node, add: Callable[[Problem], None], other_keys: Iterable[str] = ()) -> None:
-        """Takes `defaults`: the links' geometry and density."""
-        from dh2urdf_plugins.readers.statements.shapes import ShapeReader, refuse_unknown_keys
+    # --- What is beside the rows --------------------------------------------------------------------------------------
 
-        if not isinstance(node.value, dict):
-            message = f"defaults is {node.describe()}"
-            add(Problem(message=message, mark=node.mark, field="defaults", accepted="{geometry: …, density: …}"))
+    def declare(self, key: str, node: Node, add: Callable[[Problem], None]) -> None:
+        """Takes the value of one of the keys of `PLACES` and `OTHERS`."""
+        from dh2urdf_plugins.readers.statements.values import BASE, DEFAULTS, PLACED, Values, meshes_of
+
+        is_nothing = isinstance(node.value, str) and key_of(node.value.casefold()) in keys_in("values", "identity")
+        values = Values(self.units(), add, links=self.mesh_links)
+        if key in OTHERS[:2]:
+            self._take(key, values.drawn(node, key), node, add)
+        elif key == "defaults":
+            for name, value in (values.record(node, key, DEFAULTS, key) or {}).items():
+                self._take(name, value, node.entry(name) or node, add)
+        elif is_nothing:
             return
-        refuse_unknown_keys(node, ("geometry", "density", *other_keys), "defaults", add)
-        shapes = ShapeReader(self.units(), add)
-        if geometry := node.value.get("geometry"):
-            self.geometry = shapes.geometry(geometry, "defaults.geometry")
-            self.placed["geometry"] = geometry.mark
-        if density := node.value.get("density"):
-            self.density = shapes.positive(density, "defaults.density", Dimension.DENSITY)
-            self.placed["density"] = density.mark
+        elif key == "payload":
+            self._take(key, values.payload(node, key), node, add)
+        elif key == "base" and isinstance(node.value, dict):
+            found = values.record(node, key, BASE, "placement") or {}
+            if not found.keys().isdisjoint(PLACED):
+                self._take(key, values.placed(node, key, found), node, add)
+            for name, value in meshes_of(found).items():
+                if name not in PLACED:
+                    self._take(f"base_{name}", value, node.value.get(name, node), add)
+        else:
+            self._take(key, values.placement(node, key), node, add)
 
-    def declare_drawn(self, entries: Mapping[str, Node], add: Callable[[Problem], None]) -> None:
-        """Takes `visuals` and `collisions`: all or none."""
-        from dh2urdf_plugins.readers.statements.meshes import drawn_or_not
-
-        if node := entries.get("visuals"):
-            self.visuals, self.placed["visuals"] = drawn_or_not(node, "visuals", add), node.mark
-        if node := entries.get("collisions"):
-            self.collisions, self.placed["collisions"] = drawn_or_not(node, "collisions", add), node.mark
-
-    def declare_body(self, node: Node, add: Callable[[Problem], None]) -> None:
-        """Takes mass, geometry and meshes of the base's body from `base`."""
-        if not isinstance(node.value, dict):
+    def _take(self, name: str, value: Any, node: Node, add: Callable[[Problem], None]) -> None:  # noqa: ANN401
+        """Takes a value of the manipulator; None where something is wrong with it."""
+        if value is None:
             return
-        from dh2urdf_plugins.readers.statements.meshes import MeshReader
-        from dh2urdf_plugins.readers.statements.shapes import ShapeReader
+        if self.values.setdefault(name, value) != value:
+            what = name.replace("_", ".")
+            add(say("said-twice", node.mark, field=what, found=node.text, option=OPTIONS))
+        self.placed.setdefault(name, node.mark)
 
-        shapes = ShapeReader(self.units(), add)
-        if mass := node.value.get("mass"):
-            self._declare_base_mass(shapes.positive(mass, "base.mass", Dimension.MASS, or_zero=True), mass, add)
-        if geometry := node.value.get("geometry"):
-            self.base_geometry = shapes.geometry(geometry, "base.geometry")
-            self.placed["base_geometry"] = geometry.mark
-        self.base_meshes = MeshReader(self.units(), add, links=self.mesh_links).read(node.value, "base.")
+    # --- Options ------------------------------------------------------------------------------------------------------
 
-    def _declare_base_mass(self, mass: float | None, node: Node, add: Callable[[Problem], None]) -> None:
-        if self.base_mass is not None and mass is not None and self.base_mass != mass:
-            self._said_twice("base.mass", node, add)
-        self.base_mass, self.placed["base_mass"] = mass, node.mark
+    def declare_options(self, options: Mapping[str, Any], add: Callable[[Problem], None]) -> None:
+        """Takes the convention and the units of the options; base and tool follow when the units are known."""
+        mark = Mark(file=OPTIONS)
+        self.mesh_links = options["mesh_links"]
+        if options["calibration"] is not None:
+            from dh2urdf_plugins.calibrations.calibration import CalibrationFile
 
-    def declare_payload(self, node: Node, add: Callable[[Problem], None]) -> None:
-        """Takes `payload`: what the arm carries at tool0."""
-        from dh2urdf_plugins.readers.statements.payloads import PayloadReader
-
-        if _is_nothing(node):
-            return
-        payload = PayloadReader(self.units(), add).read(node)
-        if self.payload is not None and payload is not None and self.payload != payload:
-            self._said_twice("payload", node, add)
-        if payload is not None:
-            self.payload, self.placed["payload"] = payload, node.mark
-
-    @staticmethod
-    def _said_twice(what: str, node: Node, add: Callable[[Problem], None]) -> None:
-        message = f"{what} is given twice, with different values: in the table and in {OPTIONS}"
-        add(Problem(message=message, mark=node.mark, field=what, found=node.text, accepted=f"one {what}"))
+            units = {name: options[name] for name in ("length_unit", "angle_unit", "units")}
+            self.calibration = CalibrationFile(options["calibration"], units)
+        self.repair_pi = options["rounded_pi"] == "repair"
+        self.in_convention = Convention(options["in_convention"]) if options["in_convention"] else None
+        if node := _option_node("symbol", options, add):
+            self.declare_symbols(node, add)
+        if options["convention"] is not None:
+            self.declare_convention(Cell(options["convention"], mark), add)
+        for key in ("length", "angle"):
+            if (unit := options[f"{key}_unit"]) is not None:
+                self.declare_unit(Cell(unit, mark), key, add)
+        if node := _option_node("units", options, add):
+            self.declare_units(node, add)
 
     def declare_option_transforms(self, options: Mapping[str, Any], add: Callable[[Problem], None]) -> None:
         """Takes base, tool and payload of the options."""
-        for what, value in ((what, options[what]) for what in ("base", "tool", "payload")):
-            if value is not None and (node := _option_node(what, value, add)):
-                if what == "payload":
-                    self.declare_payload(node, add)
-                else:
-                    self.declare_transform(node, what, add)
+        for key in PLACES:
+            if node := _option_node(key, options, add):
+                self.declare(key, node, add)
 
 
-def _option_node(what: str, value: str | dict[str, Any] | list[Any], add: Callable[[Problem], None]) -> Node | None:
-    """The value of an option as YAML; None where it is none."""
+def _option_node(key: str, options: Mapping[str, Any], add: Callable[[Problem], None]) -> Node | None:
+    """The value of an option as YAML; None where it is not given, or is none."""
+    value = options[key]
+    if value is None:
+        return None
     import json
 
     text = value if isinstance(value, str) else json.dumps(value)
@@ -399,20 +291,8 @@ def _option_node(what: str, value: str | dict[str, Any] | list[Any], add: Callab
         return load_yaml(text if text.strip() else "~", OPTIONS, TableError)
     except TableError as error:
         for problem in error.problems:
-            add(replace(problem, field=what))
+            add(replace(problem, field=key))
         return None
-
-
-def _is_nothing(node: Node) -> bool:
-    """Whether a value says that there is no such thing: ``none``, ``identity``."""
-    return isinstance(node.value, str) and key_of(node.value.casefold()) in keys_in("values", "identity")
-
-
-def _unit_key(key: str) -> str | None:
-    """What a key of `units` probably means."""
-    word = key_of(key.casefold())
-    meant = next((name for name in UNIT_KEYS if word in keys_in("unit_keys", name)), None)
-    return f"did you mean {meant!r}?" if meant else did_you_mean(key, UNIT_KEYS)
 
 
 def words_of_units(node: Node) -> list[Cell]:

@@ -4,23 +4,32 @@ from __future__ import annotations
 
 import codecs
 import io
-from typing import TYPE_CHECKING, NoReturn
+from typing import TYPE_CHECKING
 
 from dh2urdf.documents import check_file, refuse_other_kind
 from dh2urdf.errors import TableError
-from dh2urdf.source import Mark, Problem
+from dh2urdf.source import Mark, Messages
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
     from pathlib import Path
+
+say = Messages(__file__)
 
 MAX_LINE = 2**20
 """Length of a line: a file without line ends must not be held as one."""
 _CHARACTERS = 250_000
 """Characters read at once, some thousand rows: with fewer, what a block costs besides its rows counts."""
 _SAMPLE = 4096
-
 _ACCEPTED = "text in UTF-8 or UTF-16, with commas, semicolons or tabs between the cells"
+_MARKS = {
+    codecs.BOM_UTF8: "utf-8-sig",
+    codecs.BOM_UTF32_LE: None,
+    codecs.BOM_UTF32_BE: None,
+    codecs.BOM_UTF16_LE: "utf-16",
+    codecs.BOM_UTF16_BE: "utf-16",
+}
+"""Encodings by their byte order marks, longer ones first where one begins another; None for those not read."""
 
 
 def line_blocks(path: Path) -> Iterator[list[str]]:
@@ -39,27 +48,19 @@ def line_blocks(path: Path) -> Iterator[list[str]]:
 
 def _encoding(sample: bytes, path: Path) -> str:
     refuse_other_kind(sample, str(path), TableError, "a text file", _ACCEPTED)
-    if sample.startswith(codecs.BOM_UTF8):
-        return "utf-8-sig"
-    if sample.startswith((codecs.BOM_UTF32_LE, codecs.BOM_UTF32_BE)):
-        _refuse("this is text in UTF-32", path, suggestion="save the file as UTF-8")
-    if sample.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
-        return "utf-16"
+    if mark := next(filter(sample.startswith, _MARKS), None):
+        if encoding := _MARKS[mark]:
+            return encoding
+        raise TableError(say("utf-32", Mark(file=str(path))))
     # Tables are mostly ASCII, whose UTF-16 has a zero in every second byte: the first or the second of each pair.
-    even, odd = sample[0::2].count(0), sample[1::2].count(0)
-    half = len(sample) // 2
+    even, odd, half = sample[0::2].count(0), sample[1::2].count(0), len(sample) // 2
     if half and odd > half * 0.6 and even < half * 0.1:
         return "utf-16-le"
     if half and even > half * 0.6 and odd < half * 0.1:
         return "utf-16-be"
-    if b"\0" in sample:
-        _refuse("this is no text file: it holds NUL bytes", path, suggestion="save the table as CSV (UTF-8)")
+    if even or odd:
+        raise TableError(say("nul-bytes", Mark(file=str(path))))
     return "utf-8"
-
-
-def _refuse(message: str, path: Path, line: int | None = None, suggestion: str | None = None) -> NoReturn:
-    mark = Mark(file=str(path), line=line)
-    raise TableError(Problem(message=message, mark=mark, accepted=_ACCEPTED, suggestion=suggestion))
 
 
 def _blocks(binary: io.BufferedReader, encoding: str, path: Path) -> Iterator[list[str]]:
@@ -71,21 +72,20 @@ def _blocks(binary: io.BufferedReader, encoding: str, path: Path) -> Iterator[li
             lines = (rest + block).split("\n")
             rest = lines.pop()
             if len(rest) > MAX_LINE:
-                _refuse(f"a line has more than {MAX_LINE} characters", path, line + len(lines) + 1)
+                raise TableError(say("long-line", Mark(file=str(path), line=line + len(lines) + 1), limit=MAX_LINE))
             yield lines
             line += len(lines)
         if rest:
             yield [rest]
     except UnicodeDecodeError as error:
-        _refuse_bytes(error, path, encoding)
+        raise _no_text(error, path, encoding) from None
     finally:
         text.detach()
 
 
-def _refuse_bytes(error: UnicodeDecodeError, path: Path, encoding: str) -> NoReturn:
-    """Finds the bytes again, since a decoder that streams does not know its line."""
-    codec = codecs.getincrementaldecoder(encoding)()
-    line = 1
+def _no_text(error: UnicodeDecodeError, path: Path, encoding: str) -> TableError:
+    """The error of bytes that are no text, found again: a decoder that streams does not know its line."""
+    codec, line = codecs.getincrementaldecoder(encoding)(), 1
     with path.open("rb") as binary:
         while raw := binary.readline():
             try:
@@ -94,11 +94,8 @@ def _refuse_bytes(error: UnicodeDecodeError, path: Path, encoding: str) -> NoRet
                 error = again
                 break
             line += 1
-    byte = error.object[error.start]
-    name = "UTF-16" if encoding.startswith("utf-16") else "UTF-8"
-    _refuse(
-        f"byte 0x{byte:02x} is no {name} text" + ("; this may be Latin-1 or Windows-1252" if name == "UTF-8" else ""),
-        path,
-        line,
-        "save the file as UTF-8 (in Excel: CSV UTF-8)",
-    )
+    name, perhaps = "UTF-8", "; this may be Latin-1 or Windows-1252"
+    if encoding.startswith("utf-16"):
+        name, perhaps = "UTF-16", ""
+    place = Mark(file=str(path), line=line)
+    return TableError(say("no-text", place, byte=error.object[error.start], name=name, perhaps=perhaps))

@@ -29,7 +29,12 @@ from dh2urdf_plugins.readers import csv, parquet, xlsx, yaml
 from dh2urdf_plugins.readers.comments import declared, top
 from dh2urdf_plugins.readers.header import units as table_units, words as header_words
 from dh2urdf_plugins.readers.rows import cells as row_cells, rows
-from dh2urdf_plugins.readers.sources import parquet as parquet_sizes, texts as source_texts, workbook as xlsx_file
+from dh2urdf_plugins.readers.sources import (
+    parquet as parquet_sizes,
+    sheets as xlsx_sheets,
+    texts as source_texts,
+    workbook as xlsx_file,
+)
 from dh2urdf_plugins.readers.statements import plausibility, text
 from dh2urdf_plugins.readers.table import TableOptions
 from dh2urdf_plugins.readers.tables import tables
@@ -621,8 +626,8 @@ CONSTANTS = {
     "joints of a manipulator": (tables, "MAX_JOINTS"),
     "bytes in a workbook, unpacked": (xlsx_file, "MAX_UNPACKED"),
     "parts of a workbook": (xlsx_file, "MAX_PARTS"),
-    "rows of a sheet, also of such as hold nothing": (xlsx_file, "MAX_ROW"),
-    "columns of a sheet": (xlsx_file, "MAX_COLUMN"),
+    "rows of a sheet, also of such as hold nothing": (xlsx_sheets, "MAX_ROW"),
+    "columns of a sheet": (xlsx_sheets, "MAX_COLUMN"),
     "bytes of a column in one row group of a Parquet file, unpacked": (parquet_sizes, "MAX_UNPACKED"),
     "bytes of a text that several rows of a Parquet file share": (parquet_sizes, "MAX_CELL"),
     "bytes in a YAML file": (textfiles, "MAX_BYTES"),

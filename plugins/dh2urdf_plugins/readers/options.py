@@ -49,7 +49,7 @@ class TableOptions:
     columns: str | list[Any] | None = _flag(
         "NAMES", "the columns of a table without a header, in their order: theta,d,a,alpha"
     )
-    table_number: int | None = _flag("N", "which of several tables in one text is read, counted from 1")
+    table_number: int | None = _flag("N", "which of several tables in one file is read, counted from 1")
     mesh_links: bool = field(
         default=False,
         metadata={"help": "whether meshes may be links out of the table's folder, such as to shared ones"},

@@ -10,7 +10,7 @@ import pytest
 
 import dh2urdf as api
 from dh2urdf.commands.extract import write_extracted
-from dh2urdf.errors import InputError
+from dh2urdf.errors import InputError, TableError
 from dh2urdf.plugin_system import load
 from dh2urdf.rotations import RigidTransform
 
@@ -53,3 +53,46 @@ def test_what_a_format_leaves_out_is_named(arms: list[Manipulator], tmp_path: Pa
     assert notice.message == "the format 'csv' has no place for 'visuals': left out"
     assert write_extracted([arm], tmp_path / "arm.yaml", load(), inputs=()) == ()
     assert api.read(tmp_path / "arm.yaml") == arm
+
+
+TWO = """\
+# convention: standard
+# units: mm, deg
+name: left
+joint,a,alpha,d
+1,100,90,0
+2,300,0,50
+
+name: right
+# units: m, deg
+joint,a,alpha,d
+1,0.2,-90,0
+2,0.4,0,0.6
+"""
+
+
+def in_workbook(text: str, folder: Path) -> Path:
+    """The cells of a text as one sheet of a workbook."""
+    book = pytest.importorskip("openpyxl").Workbook()
+    for line in text.splitlines():
+        cells = [line] if line.startswith("#") else line.split(",")
+        book.active.append([float(cell) if cell.strip("-").replace(".", "").isdigit() else cell for cell in cells])
+    book.save(folder / "arms.xlsx")
+    return folder / "arms.xlsx"
+
+
+@pytest.mark.parametrize(("number", "name", "first"), [(1, "left", (0.1, 0.0)), (2, "right", (0.2, 0.0))])
+def test_a_table_of_a_sheet_is_chosen_by_its_number(
+    number: int, name: str, first: tuple[float, float], tmp_path: Path
+) -> None:
+    """Each has what is above all of them and what is above itself, which is stronger."""
+    arm = api.read(in_workbook(TWO, tmp_path), table_number=number)
+    assert (arm.name, arm.convention, len(arm.rows)) == (name, "standard", 2)
+    assert (arm.rows[0].a, arm.rows[0].d) == first
+
+
+@pytest.mark.parametrize("number", [None, 0, 3])
+def test_which_table_of_a_sheet_is_meant_is_asked(number: int | None, tmp_path: Path) -> None:
+    """In one sentence that has the places of all of them."""
+    with pytest.raises(TableError, match="the file has 2 tables of parameters: 1 in Sheet!A4, 2 in Sheet!A10"):
+        api.read(in_workbook(TWO, tmp_path), table_number=number)

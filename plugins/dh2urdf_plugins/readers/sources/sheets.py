@@ -1,0 +1,291 @@
+"""One sheet of a workbook as rows of cells: what openpyxl parses, with what a cell shows beside its value.
+
+openpyxl's read-only sheets leave out merged cells and texts of several fonts, and give nothing for a formula that was
+never computed. Its parser knows all of them, so it is called here. It is not imported before a workbook is read.
+"""
+
+from __future__ import annotations
+
+import datetime as dt
+from collections.abc import Sequence
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Any, overload
+
+from openpyxl.cell.read_only import ReadOnlyCell
+from openpyxl.chartsheet import Chartsheet
+from openpyxl.reader.excel import ExcelReader
+from openpyxl.utils import get_column_letter
+from openpyxl.worksheet._reader import FORMULA_TAG, INLINE_STRING, VALUE_TAG, WorkSheetParser
+
+from dh2urdf.errors import TableError
+from dh2urdf.source import Mark, Messages, Problem, listed, shown
+from dh2urdf.table_text import CellRow
+from dh2urdf_plugins.readers.comments.top import MAX_TITLES, is_header
+from dh2urdf_plugins.readers.sources.number_formats import ShownOtherwiseError, shown_unit
+from dh2urdf_plugins.readers.words.cells import text_of
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+    from pathlib import Path
+
+    Value = str | float | Problem | None
+
+MAX_ROW, MAX_COLUMN = 2**20, 2**14
+"""The last row and column of a sheet in Excel."""
+_FEW = 8
+_EXACT = 2**53
+"""Whole numbers up to here are doubles."""
+_RAISED = str.maketrans("0123456789+-−oO", "⁰¹²³⁴⁵⁶⁷⁸⁹⁺⁻⁻ºº")
+_MOMENTS = {dt.datetime: "a date", dt.date: "a date", dt.time: "a time", dt.timedelta: "a duration"}
+
+say = Messages(__file__)
+
+
+class _Reader(ExcelReader):  # type: ignore[misc]
+    """A sheet that is a chart holds no table, and openpyxl fails with an empty one."""
+
+    def read_chartsheet(self, sheet: Any, rel: Any) -> None:  # noqa: ANN401, ARG002 - openpyxl's signature
+        self.wb._sheets.append(Chartsheet(parent=self.wb, title=sheet.name))  # noqa: SLF001 - as openpyxl does
+
+
+class _Layout(WorkSheetParser):  # type: ignore[misc]
+    """Of a cell whether it holds anything; the parser itself notes what is merged and what is hidden."""
+
+    def parse_cell(self, element: Any) -> bool:  # noqa: ANN401 - an element
+        return bool(element.findtext(VALUE_TAG)) or element.find(INLINE_STRING) is not None
+
+
+class _Cells(WorkSheetParser):  # type: ignore[misc]
+    """The cells of a row, formulas without a value among them."""
+
+    def parse_cell(self, element: Any) -> dict[str, Any]:  # noqa: ANN401 - an element
+        cell: dict[str, Any] = super().parse_cell(element)
+        if cell["row"] > MAX_ROW or cell["column"] > MAX_COLUMN:
+            raise ValueError(f"the cell {element.get('r')} is beyond the last one of a sheet")
+        # A formula whose value is an empty text has the type of texts, and is an empty cell.
+        if cell["value"] is None and cell["data_type"] != "str" and element.find(FORMULA_TAG) is not None:
+            cell["data_type"] = "f"
+        return cell
+
+
+def open_sheets(path: Path) -> tuple[Any, list[Any]]:
+    """A workbook of openpyxl, which the caller closes, and its sheets that are no charts.
+
+    Raises:
+        TableError: the workbook is broken.
+    """
+    with reporting_errors(path):
+        opened = _Reader(path, read_only=True, data_only=True, keep_links=False, rich_text=True)
+        opened.read()
+        return opened.wb, opened.wb.worksheets
+
+
+@contextmanager
+def reporting_errors(path: Path) -> Iterator[None]:
+    """Turn what openpyxl reports about a broken workbook into an error of the table.
+
+    Raises:
+        TableError: openpyxl raised anything, as it does in many ways.
+    """
+    try:
+        yield
+    except TableError:
+        raise
+    except Exception as error:
+        reason = (str(error) or type(error).__name__).splitlines()[0]
+        raise TableError(say("broken-workbook", Mark(file=str(path)), reason=shown(reason)[1:-1])) from error
+
+
+def cell_mark(file: str, sheet: str, row: int, column: int) -> Mark:
+    """The place of a cell: ``arm.xlsx:Sheet2!C4``."""
+    plain = sheet.replace("_", "").isalnum() and not sheet[:1].isdigit()
+    title = sheet if plain else f"'{sheet.replace(chr(39), chr(39) * 2)}'"
+    return Mark(file=file, line=row, column=column, place=f"{title}!{get_column_letter(column)}{row}")
+
+
+class _Marks(Sequence[Mark]):
+    """The places of the cells of a row, made when asked for."""
+
+    def __init__(self, file: str, sheet: str, row: int, width: int) -> None:
+        self.file, self.sheet, self.row, self.width = file, sheet, row, width
+
+    def __len__(self) -> int:
+        return self.width
+
+    @overload
+    def __getitem__(self, index: int) -> Mark: ...
+    @overload
+    def __getitem__(self, index: slice) -> list[Mark]: ...
+    def __getitem__(self, index: int | slice) -> Mark | list[Mark]:
+        columns = range(1, self.width + 1)[index]
+        if isinstance(columns, range):
+            return [cell_mark(self.file, self.sheet, self.row, column) for column in columns]
+        return cell_mark(self.file, self.sheet, self.row, columns)
+
+
+class SheetRows:
+    """The rows of a sheet that hold anything, with one empty row where there are any between them.
+
+    Args:
+        sheet: the sheet, as openpyxl opens it.
+        path: the workbook.
+
+    Attributes:
+        title: the sheet's title.
+        headers: the rows that are headers, one for each table of the sheet.
+    """
+
+    def __init__(self, sheet: Any, path: Path) -> None:  # noqa: ANN401 - a sheet of openpyxl
+        self.sheet, self.path, self.title = sheet, path, str(sheet.title)
+        self.layout = self._parser(_Layout)
+        self.filled = set[int]()
+        with reporting_errors(path), self.layout.source:
+            hidden = self.layout.row_dimensions
+            for number, cells in self.layout.parse():
+                if number > MAX_ROW:
+                    raise ValueError(f"a row has the number {number:,}, and a sheet has {MAX_ROW:,} rows")
+                if str(number) in hidden and any(cells):
+                    self.filled.add(number)
+        self.headers: list[CellRow] = []
+        self.headers = self._find_headers()
+
+    def _parser(self, kind: type[Any]) -> Any:  # noqa: ANN401 - a parser of openpyxl
+        book = self.sheet.parent
+        return kind(
+            self.sheet._get_source(),  # noqa: SLF001 - as openpyxl's own read-only sheet does
+            self.sheet._shared_strings,  # noqa: SLF001
+            data_only=True,
+            epoch=book.epoch,
+            date_formats=book._date_formats,  # noqa: SLF001
+            timedelta_formats=book._timedelta_formats,  # noqa: SLF001
+            rich_text=True,
+        )
+
+    def _find_headers(self) -> list[CellRow]:
+        """The headers: the first among the rows of the top, the others below it."""
+        found: list[CellRow] = []
+        for at, row in enumerate(self):
+            if not found and at > MAX_TITLES:
+                break
+            if all(cell is None or isinstance(cell, str) for cell in row.cells) and is_header(row):
+                found.append(row)
+        return found
+
+    def __iter__(self) -> Iterator[CellRow]:
+        """The rows from the top.
+
+        Raises:
+            TableError: the workbook is broken here.
+        """
+        first = self.headers[0].mark.line or 0 if self.headers else 0
+        merged = _Merged(self.layout.merged_cells, first)
+        parser, file, last = self._parser(_Cells), str(self.path), 0
+        with reporting_errors(self.path), parser.source:
+            for number, cells in parser.parse():
+                values: list[Value] = []
+                for cell in cells:
+                    values += [None] * (cell["column"] - len(values))
+                    values[cell["column"] - 1] = self._value(cell)
+                merged.fill(number, values)
+                filled = [index for index, value in enumerate(values, start=1) if value is not None]
+                if not filled:
+                    continue
+                if number > last + 1 and last:
+                    yield CellRow([], cell_mark(file, self.title, last + 1, 1))
+                del values[filled[-1] :]
+                marks = _Marks(file, self.title, number, len(values))
+                yield CellRow(values, cell_mark(file, self.title, number, filled[0]), marks)
+                last = number
+
+    def hidden(self) -> list[Problem]:
+        """A notice of hidden rows and columns, which are read as all others."""
+        header = self.headers[0] if self.headers else CellRow([], Mark(file=str(self.path)))
+        rows = [number for number in sorted(self.filled) if number >= (header.mark.line or 0)]
+        rows = [number for number in rows if _is_hidden(self.layout.row_dimensions[str(number)])]
+        columns = [each for each in self.layout.column_dimensions.values() if _is_hidden(each)]
+        named = [index for index, cell in enumerate(header.cells, start=1) if cell is not None]
+        out = [k for k in named if any(int(each["min"]) <= k <= int(each["max"]) for each in columns)]
+        found = [*(f"row {row}" for row in rows), *(f"column {get_column_letter(column)}" for column in out)]
+        place = Mark(file=str(self.path), place=self.title)
+        return [say("hidden-cells", place, hidden=listed(found, _FEW))] if found else []
+
+    def _value(self, cell: dict[str, Any]) -> Value:
+        """What a cell holds, and the unit that it shows."""
+        value, kind = cell["value"], cell["data_type"]
+        mark = cell_mark(str(self.path), self.title, cell["row"], cell["column"])
+        if value is None:
+            return say("formula-without-a-value", mark, found="") if kind == "f" else None
+        styled = ReadOnlyCell(self.sheet, **cell)
+        if styled.has_style and styled.font is not None and styled.font.strike:
+            return say("struck-through", mark, found=str(value))
+        if kind == "e":
+            return say("error-in-a-cell", mark, found=str(value))
+        if isinstance(value, bool | str | list):
+            return _of_fonts(value, mark) if isinstance(value, list) else value
+        if not isinstance(value, int | float):
+            what = next((words for kind, words in _MOMENTS.items() if isinstance(value, kind)), type(value).__name__)
+            return say("moment-in-a-cell", mark, found=str(value), kind=what)
+        return self._number(value, styled.number_format or "General", mark)
+
+    @staticmethod
+    def _number(value: float, number_format: str, mark: Mark) -> Value:
+        """A number, or a text where it has a unit or is no double."""
+        text = text_of(float(value)) if abs(value) <= _EXACT else str(value)
+        try:
+            unit = shown_unit(number_format, negative=value < 0, zero=value == 0)
+        except ShownOtherwiseError as error:
+            return say("shown-otherwise", mark, found=text, format=number_format, shows=error)
+        return f"{text} {unit}" if unit else float(value) if abs(value) <= _EXACT else text
+
+
+def _is_hidden(dimension: dict[str, str]) -> bool:
+    return dimension.get("hidden") in ("1", "true")
+
+
+def _of_fonts(blocks: Sequence[Any], mark: Mark) -> Value:
+    """A text whose parts have fonts of their own: 300 with a raised 1 is no 3001, and m with a raised 2 is m²."""
+    fonts = [None if isinstance(block, str) else block.font for block in blocks]
+    if any(font is not None and font.strike for font in fonts):
+        return say("struck-through", mark, found="".join(map(str, blocks)))
+    raised = [font is not None and font.vertAlign == "superscript" for font in fonts]
+    texts = map(str, blocks)
+    return "".join(text.translate(_RAISED) if up else text for text, up in zip(texts, raised, strict=True))
+
+
+class _Merged:
+    """Fills merged cells.
+
+    A cell that is merged down the rows of one column has its value in each row; so has one that is merged across
+    columns, in the header and above it. Below the header nothing names the column of its value.
+
+    Args:
+        merged: openpyxl's merged ranges; None where there are none.
+        header: the row of the first header.
+    """
+
+    def __init__(self, merged: Any, header: int) -> None:  # noqa: ANN401 - `MergeCells`
+        self.header = header
+        self.starts: dict[int, list[tuple[int, int, int]]] = {}
+        self.open: list[tuple[int, int, Value]] = []  # last row, column, and what is there
+        for each in merged.mergeCell if merged else ():
+            first, top, last, bottom = each.bounds
+            self.starts.setdefault(top, []).append((first, last, bottom))
+
+    def fill(self, number: int, values: list[Value]) -> None:
+        """Fills the merged cells of a row."""
+        self.open = [entry for entry in self.open if entry[0] >= number]
+        for _, column, value in self.open:
+            values += [None] * (column - len(values))
+            values[column - 1] = value
+        for first, last, bottom in self.starts.get(number, ()):
+            value = values[first - 1] if first <= len(values) else None
+            if value is None:
+                continue
+            if last > first and self.header - 1 <= number <= self.header:
+                values += [None] * (last - len(values))
+                values[first - 1 : last] = [value] * (last + 1 - first)
+            elif last > first and not isinstance(value, Problem) and number > self.header > 0:
+                text = value if isinstance(value, str) else text_of(float(value))
+                values[first - 1] = value = say("merged-across", found=text)
+            if bottom > number and not self.header - 1 <= number <= self.header:
+                self.open.append((bottom, first, value))

@@ -177,7 +177,7 @@ def test_a_file_in_a_folder_of_an_emitter_is_written_over_no_table(
     (folder / "arm" / "arm.csv").write_text(TABLE)
     (folder / "run.yaml").write_text("inputs: arm/arm.csv\nemitters: [urdf, notes]\noutput: {directory: .}\n")
     answer = dh2urdf("run", "run.yaml", path=[folder / "lab"], status=2)
-    assert "arm.csv' is an input, and would be overwritten" in answer.stderr  # type: ignore[attr-defined]
+    assert "the output would overwrite the input 'arm/arm.csv'" in answer.stderr  # type: ignore[attr-defined]
     assert (folder / "arm" / "arm.csv").read_text() == TABLE
 
 

@@ -22,7 +22,7 @@ from dh2urdf.errors import ConfigError, InputError
 from dh2urdf.manipulator import Manipulator
 from dh2urdf.plugin_system.catalog import load
 from dh2urdf.robot import Robot
-from dh2urdf.source import Mark, Problem
+from dh2urdf.source import Mark, Messages
 from dh2urdf.stage_calls.table_warnings import warn_of
 
 if TYPE_CHECKING:
@@ -32,6 +32,8 @@ if TYPE_CHECKING:
     from dh2urdf.plugin_system.catalog import Catalog
     from dh2urdf.results import RunReport
     from dh2urdf.stages import Inspection, Rejected
+
+say = Messages(__file__)
 
 
 def read(table: Source, *, robot: str | None = None, reader: str | None = None, **options: object) -> Manipulator:
@@ -256,8 +258,7 @@ def check(
     if isinstance(description, Robot):
         usual = catalog.usual("emitter")
         if emitter not in (None, usual.name):
-            message = f"a robot is checked as {usual.name}, and emitter={emitter!r} says another format"
-            raise ConfigError(Problem(message=message, mark=mark, accepted="no emitter=, or a file as it says"))
+            raise ConfigError(say("robot-checked-as-other", mark, usual=usual.name, emitter=emitter))
         emitter = usual.name
         description = write_description(description, usual.suffixes[0], None, {}, str(mark))
     with as_file(description, "emitter", emitter, catalog, "emitter=NAME") as path:

@@ -39,12 +39,14 @@ from __future__ import annotations
 import sys
 from typing import TYPE_CHECKING, ClassVar
 
-from dh2urdf.source import Problem, did_you_mean, in_file_order
+from dh2urdf.source import Messages, Problem, did_you_mean, in_file_order
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Sequence
 
     from dh2urdf.source import Mark
+
+say = Messages(__file__)
 
 SCREENFUL = 20
 """Problems that one message spells out; the rest are counted."""
@@ -151,11 +153,12 @@ class UnknownStageError(InputError):
     def __init__(self, kind: str, name: str, installed: Sequence[str]) -> None:
         self.kind, self.name, self.installed = kind, name, tuple(installed)
         super().__init__(
-            Problem(
-                message=f"no {kind} is named {name!r}",
+            say(
+                "stage-unknown",
                 found=name,
-                accepted=", ".join(sorted(installed)) or f"nothing: no {kind} is installed",
-                suggestion=did_you_mean(name, installed) or "`dh2urdf plugins` lists what is installed",
+                kind=kind,
+                installed=", ".join(sorted(installed)) or f"nothing: no {kind} is installed",
+                suggestion=did_you_mean(name, installed),
             )
         )
 
@@ -220,9 +223,7 @@ class StageError(ManipulatorError):
         of, whom = f" of {distribution}" if plugin else "", "the stage's authors"
         if plugin:
             whom = f"the authors of {distribution} (plugin {plugin!r})"
-        super().__init__(
-            Problem(message=f"{stage}{of} failed: {reason}", suggestion=f"`--debug` shows where; tell {whom}")
-        )
+        super().__init__(say("stage-failed", stage=stage, of=of, reason=reason, whom=whom))
 
     def __reduce__(self) -> tuple[Callable[..., StageError], tuple[str, ...]]:
         return _stage_error, (self.stage, self.reason, self.traceback, self.plugin, self.distribution)
@@ -243,10 +244,12 @@ class PluginError(Dh2UrdfError):
     mark: Mark | None = None
 
     def __str__(self) -> str:
-        return f"{self.mark}: error: {self._message()}" if self.mark else self._message()
+        return str(self.problem) if self.mark else self.problem.message
 
-    def _message(self) -> str:
-        return super().__str__()
+    @property
+    def problem(self) -> Problem:
+        """What is wrong with the plugin, and what to do."""
+        return Problem(message=super().__str__(), mark=self.mark)
 
 
 class BrokenPluginError(PluginError):
@@ -263,12 +266,11 @@ class BrokenPluginError(PluginError):
         self.plugin, self.distribution, self.reason, self.traceback = plugin, distribution, reason, traceback
         super().__init__(plugin, distribution, reason, traceback)
 
-    def _message(self) -> str:
-        name = self.plugin.partition(" = ")[0]
-        return (
-            f"plugin {self.plugin!r} of {self.distribution} is broken: {self.reason}; `--debug` shows where; "
-            f"tell the authors of {self.distribution}, or leave it out: `--without {name}`"
-        )
+    @property
+    def problem(self) -> Problem:
+        """What is wrong with the plugin, and what to do."""
+        name, about = self.plugin.partition(" = ")[0], {"plugin": self.plugin, "distribution": self.distribution}
+        return say("plugin-broken", self.mark, reason=self.reason, name=name, **about)
 
 
 class IncompatiblePluginError(BrokenPluginError):
@@ -278,8 +280,11 @@ class IncompatiblePluginError(BrokenPluginError):
         reason: for which version it is made, which one this is, and what to do.
     """
 
-    def _message(self) -> str:
-        return f"plugin {self.plugin!r} of {self.distribution} is not loaded: {self.reason}"
+    @property
+    def problem(self) -> Problem:
+        """What is wrong with the plugin, and what to do."""
+        about = {"plugin": self.plugin, "distribution": self.distribution}
+        return say("plugin-incompatible", self.mark, reason=self.reason, **about)
 
 
 class StageConflictError(PluginError):
@@ -301,12 +306,12 @@ class StageConflictError(PluginError):
         names = [distribution.partition(" ")[0] for distribution in self.distributions]
         return tuple(f"{name}:{self.name}" for name in names) if len(set(names)) == len(names) else ()
 
-    def _message(self) -> str:
+    @property
+    def problem(self) -> Problem:
+        """What is wrong with the plugins, and what to do."""
         choice = f"say which is meant: {' or '.join(self.choices)}; or" if self.choices else "to choose,"
-        return (
-            f"{self.kind} {self.name!r} is claimed by {' and by '.join(self.distributions)}; "
-            f"{choice} leave one of the plugins out: `--without NAME`"
-        )
+        owners = " and by ".join(self.distributions)
+        return say("stage-claimed-twice", self.mark, kind=self.kind, name=self.name, owners=owners, choice=choice)
 
 
 def pip_install(requirement: str) -> str:
@@ -337,13 +342,13 @@ class MissingDependencyError(PluginError):
         self.reason = " ".join(str(reason).split())[:_LONGEST_REASON]
         super().__init__(stage, package, extra, self.reason)
 
-    def _message(self) -> str:
+    @property
+    def problem(self) -> Problem:
+        """What is missing, and what to do."""
+        about = {"stage": self.stage, "package": self.package}
         if self.reason:
-            return (
-                f"{self.stage} needs {self.package}, which is installed and cannot be imported: {self.reason}; "
-                "a library of the system is installed with the system's package manager"
-            )
-        return f"{self.stage} needs {self.package}: {pip_install(self.extra)}"
+            return say("package-unusable", self.mark, reason=self.reason, **about)
+        return say("package-missing", self.mark, command=pip_install(self.extra), **about)
 
 
 class MissingProgramError(PluginError):
@@ -359,5 +364,7 @@ class MissingProgramError(PluginError):
         self.stage, self.program, self.remedy = stage, program, remedy
         super().__init__(stage, program, remedy)
 
-    def _message(self) -> str:
-        return f"{self.stage} needs {self.program}: {self.remedy}"
+    @property
+    def problem(self) -> Problem:
+        """What is missing, and what to do."""
+        return say("program-missing", self.mark, stage=self.stage, program=self.program, remedy=self.remedy)

@@ -12,7 +12,7 @@ import math
 import operator
 from collections import deque
 from collections.abc import Callable, Iterable, Mapping, Set as AbstractSet
-from dataclasses import MISSING, fields, is_dataclass
+from dataclasses import MISSING, fields, is_dataclass, replace
 from enum import Enum
 from functools import cache, partial, reduce
 from importlib import import_module
@@ -23,13 +23,18 @@ from typing import TYPE_CHECKING, Any, NoReturn, ParamSpec, TypeVar, cast, get_a
 from dh2urdf.elementwise import is_column
 from dh2urdf.errors import RecordTypeError, RecordValueError
 from dh2urdf.rotations import IDENTITY, RigidTransform, nearest_rotation
-from dh2urdf.source import Mark, Problem, did_you_mean, shown
+from dh2urdf.source import Mark, Messages, Problem, did_you_mean, shown
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
     from typing import TypeAlias
 
     Take: TypeAlias = Callable[[Any], Any]
+
+say = Messages(__file__)
+
+WRONG_TYPE = "type-wrong"
+"""The code of a value whose type a field does not accept."""
 
 P = ParamSpec("P")
 T = TypeVar("T")
@@ -95,15 +100,20 @@ def _take(record: Any, *, exact: bool) -> None:  # noqa: ANN401 - any dataclass
         raise kind(_problem(record, name, refused) for name, refused in found)
 
 
-def refuse(
-    record: object, field: str, message: str, *, found: object, accepted: str, suggestion: str | None = None
-) -> NoReturn:
+def refuse(record: object, field: str, code: str, found: object, **words: Any) -> NoReturn:  # noqa: ANN401 - of a message
     """Refuse a record whose fields contradict each other or the arm that they are to describe.
+
+    Args:
+        record: the record.
+        field: the field that is named as wrong.
+        code: the message; see `dh2urdf.source.Messages`.
+        found: the value that was found.
+        words: what the message names besides.
 
     Raises:
         RecordValueError: always.
     """
-    raise RecordValueError(_problem(record, field, RefusedError(message, found, accepted, suggestion=suggestion)))
+    raise RecordValueError(_problem(record, field, RefusedError(code, found, **words)))
 
 
 # --- Records without checks -------------------------------------------------------------------------------------------
@@ -190,19 +200,18 @@ def _names_of(kind: type) -> tuple[str, ...]:
 
 
 class RefusedError(Exception):
-    """A value that a field does not accept: what it is, the value as text, what is accepted, and what to do.
+    """A value that a field does not accept.
 
     Attributes:
+        problem: what is wrong, without the record and its field.
         inner: the part of the field that is meant, such as ``[2]`` or ``.lower``.
         is_type: whether its type is wrong, not its value.
     """
 
-    def __init__(
-        self, message: str, found: object, accepted: str, *, suggestion: str | None = None, is_type: bool = True
-    ) -> None:
-        self.message, self.found, self.accepted, self.suggestion = message, _text(found), accepted, suggestion
-        self.is_type, self.inner = is_type, ""
-        super().__init__(message)
+    def __init__(self, code: str, found: object, **words: Any) -> None:  # noqa: ANN401 - of a message
+        self.problem = say(code, found=_text(found), **words)
+        self.is_type, self.inner = code == WRONG_TYPE, ""
+        super().__init__(self.problem.message)
 
 
 @cache
@@ -272,16 +281,16 @@ def as_number(value: Any) -> float:  # noqa: ANN401 - whatever is given
         try:
             return float(value)
         except OverflowError:
-            raise RefusedError("the number is too large for a float", value, _NUMBER, is_type=False) from None
+            raise RefusedError("number-too-large", value) from None
         except (TypeError, ValueError, ArithmeticError):
             pass  # The refusal below says what it is.
-    raise RefusedError(_is_a(value), value, _NUMBER, suggestion=suggestion)
+    raise _other_type(value, _NUMBER, suggestion)
 
 
 def _finite(value: Any) -> float:  # noqa: ANN401 - whatever is given
     number = value if type(value) is float else as_number(value)
     if not math.isfinite(number):
-        raise RefusedError(f"{number} is not a finite number", value, _NUMBER, is_type=False)
+        raise RefusedError("number-infinite", value, number=number)
     return number
 
 
@@ -293,19 +302,19 @@ def _number_or_column(value: Any) -> Any:  # noqa: ANN401 - a float or an array
 def _whole(value: Any) -> int:  # noqa: ANN401 - whatever is given
     number = _finite(value)
     if number != int(number):
-        raise RefusedError(f"{_text(value)} is not a whole number", value, "a whole number", is_type=False)
+        raise RefusedError("number-not-whole", value)
     return int(number)
 
 
 def _word(value: Any) -> str:  # noqa: ANN401 - whatever is given
     if not isinstance(value, str) or isinstance(value, Enum):
-        raise RefusedError(_is_a(value), value, "text (str)")
+        raise _other_type(value, "text (str)")
     return str.__str__(value)
 
 
 def _truth(value: Any) -> bool:  # noqa: ANN401 - whatever is given
     if _kind(value) != "b" or _shape(value):
-        raise RefusedError(_is_a(value), value, "True or False")
+        raise _other_type(value, "True or False")
     return bool(value)
 
 
@@ -314,17 +323,17 @@ def _choice(kind: type[Enum], value: Any) -> Enum:  # noqa: ANN401 - whatever is
     *others, last = words
     accepted = f"{', '.join(others)} or {last}, as text or as a dh2urdf.{kind.__name__}"
     if not isinstance(value, str) or isinstance(value, Enum):
-        raise RefusedError(_is_a(value), value, accepted)
+        raise _other_type(value, accepted)
     if (word := value.strip().lower()) in words:
         return words[word]
     near = did_you_mean(value, words)
-    raise RefusedError(f"{shown(value)} is no {kind.__name__}", value, accepted, suggestion=near, is_type=False)
+    raise RefusedError("word-unknown", value, word=value, kind=kind.__name__, accepted=accepted, suggestion=near)
 
 
 def _record(kind: Any, numbers: tuple[str, ...], value: Any) -> Any:  # noqa: ANN401 - a dataclass, or a union of some
     if not isinstance(value, kind):
         name = " or ".join(part.__name__ for part in get_args(kind) or (kind,))
-        raise RefusedError(_is_a(value), value, f"a {name}")
+        raise _other_type(value, f"a {name}")
     for field in numbers:
         if getattr(value, field) is not None:
             _part(value, field, _finite)
@@ -342,7 +351,7 @@ def _several(each: Take, count: int | type, value: Any) -> tuple[Any, ...]:  # n
     accepted = f"{count} values in a list, a tuple or an array of shape ({count},)"
     items = _items(value, accepted)
     if len(items) != count:
-        raise RefusedError(f"the number of values is {len(items)}", value, accepted, is_type=False)
+        raise RefusedError("count-of-values", value, count=len(items), accepted=accepted)
     return _each(each, items)
 
 
@@ -350,7 +359,7 @@ def _items(value: Any, accepted: str) -> tuple[Any, ...]:  # noqa: ANN401 - what
     """The items of a value that has them in an order."""
     unordered = isinstance(value, (str, bytes, bytearray, Mapping, AbstractSet)) or not isinstance(value, Iterable)
     if unordered or (hasattr(value, "shape") and not _shape(value)) or hasattr(value, "mask"):
-        raise RefusedError(_is_a(value), value, accepted)
+        raise _other_type(value, accepted)
     return tuple(value)
 
 
@@ -376,13 +385,11 @@ def _transform(value: Any) -> RigidTransform:  # noqa: ANN401 - whatever is give
     else:
         matrix = _matrix(4, value)
         if matrix[12:] != (0.0, 0.0, 0.0, 1.0):
-            message = f"the last row of the matrix is {list(matrix[12:])}"
-            raise RefusedError(message, value, "0, 0, 0, 1 in the last row", is_type=False)
+            raise RefusedError("last-row-of-matrix", value, row=f"{[*matrix[12:]]}")
         elements, translation = (*matrix[0:3], *matrix[4:7], *matrix[8:11]), matrix[3:12:4]
     rotation, deviation = nearest_rotation(elements)
     if not deviation <= NEARLY_ORTHONORMAL:
-        message = f"the matrix is no rotation: |RᵀR − 1| is {deviation:.3g}, so that it stretches, skews or mirrors"
-        raise RefusedError(message, value, "axes of length 1, square to each other and right-handed", is_type=False)
+        raise RefusedError("matrix-no-rotation", value, deviation=deviation)
     taken = RigidTransform(elements if deviation <= EXACTLY_ORTHONORMAL else rotation, translation)
     is_kept = isinstance(value, RigidTransform) and all(map(operator.is_, taken, value))
     kept: RigidTransform = value if is_kept else taken
@@ -405,7 +412,7 @@ def _matrix(side: int, value: Any) -> tuple[float, ...]:  # noqa: ANN401 - whate
         rows = [_items(row, accepted) for row in items]
         items = tuple([element for row in rows if len(row) == side for element in row])
     if len(items) != side * side:
-        raise RefusedError("the matrix has another shape", value, accepted, is_type=False)
+        raise RefusedError("matrix-of-other-shape", value, accepted=accepted)
     return _each(_finite, items)
 
 
@@ -416,16 +423,8 @@ def _problem(record: Any, name: str, refused: RefusedError) -> Problem:  # noqa:
     given = {word: getattr(record, word, None) for word in ("joint", "name", "mark")}
     joint, robot = (word if isinstance(word, str) else None for word in (given["joint"], given["name"]))
     own = Mark(file=f"{type(record).__name__}()")
-    return Problem(
-        message=refused.message,
-        mark=given["mark"] if isinstance(given["mark"], Mark) else own,
-        robot=robot,
-        joint=joint,
-        field=name + refused.inner,
-        found=refused.found,
-        accepted=refused.accepted,
-        suggestion=refused.suggestion,
-    )
+    mark = given["mark"] if isinstance(given["mark"], Mark) else own
+    return replace(refused.problem, mark=mark, robot=robot, joint=joint, field=name + refused.inner)
 
 
 def _kind(value: Any) -> str:  # noqa: ANN401 - whatever is given
@@ -438,10 +437,11 @@ def _shape(value: Any) -> tuple[int, ...]:  # noqa: ANN401 - whatever is given
     return tuple(getattr(value, "shape", ()))
 
 
-def _is_a(value: Any) -> str:  # noqa: ANN401 - whatever is given
+def _other_type(value: Any, accepted: str, suggestion: str | None = None) -> RefusedError:  # noqa: ANN401 - whatever is given
     kind, shape = type(value), _shape(value)
     name = kind.__name__ if kind.__module__ == "builtins" else f"{kind.__module__.partition('.')[0]}.{kind.__name__}"
-    return f"{_text(value)} is of type {name}" + (f" and shape {shape}" if shape else "")
+    shaped = f" and shape {shape}" if shape else ""
+    return RefusedError(WRONG_TYPE, value, type=name, shape=shaped, accepted=accepted, suggestion=suggestion)
 
 
 def _text(value: object) -> str:

@@ -19,7 +19,7 @@ from dh2urdf.shapes import (
     MeshShape,
     Payload,
 )
-from dh2urdf.source import Mark, Problem, shown
+from dh2urdf.source import Mark, Problem
 
 if TYPE_CHECKING:
     import os
@@ -164,19 +164,16 @@ class DHRow:
         take_exact_fields(self)
         for name in ("joint", "link"):
             if not getattr(self, name).strip():
-                refuse(self, name, f"the {name} has no name", found=getattr(self, name), accepted="a name")
+                refuse(self, name, "name-missing", getattr(self, name), what=f"the {name}")
         if self.sign not in (1, -1):
-            refuse(self, "sign", f"{self.sign} is no direction", found=self.sign, accepted="1 or -1")
+            refuse(self, "sign", "sign-wrong", self.sign)
         if self.type is JointType.FIXED:
             for name, allowed in (("offset", 0.0), ("sign", 1)):
                 if (value := getattr(self, name)) != allowed:
-                    message = f"a fixed joint has no joint variable that {name} could act on"
-                    place = "put a constant turn in theta, a constant length in d"
-                    refuse(self, name, message, found=value, accepted=f"{allowed:g}", suggestion=place)
+                    refuse(self, name, "fixed-joint-moves", value, name=name, allowed=allowed)
         lower, upper = self.limits.lower, self.limits.upper
         if lower is not None and upper is not None and lower > upper:
-            message = f"lower, {lower:.12g}, is above upper, {upper:.12g}"
-            refuse(self, "limits.lower", message, found=lower, accepted="lower at most upper")
+            refuse(self, "limits.lower", "lower-above-upper", lower, lower=lower, upper=upper)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, repr=False)
@@ -222,18 +219,16 @@ class Manipulator:
     def __post_init__(self) -> None:
         take_exact_fields(self)
         if not self.name.strip():
-            refuse(self, "name", "the manipulator has no name", found=self.name, accepted="a name")
+            refuse(self, "name", "name-missing", self.name, what="the manipulator")
         if not self.rows:
-            refuse(self, "rows", "the table has no rows", found=(), accepted="a DHRow for each joint, at least one")
+            refuse(self, "rows", "no-rows", ())
         for name in ("joint", "link"):
             names = [getattr(row, name) for row in self.rows]
             if len(set(names)) < len(names):
                 twin = next(word for index, word in enumerate(names) if word in names[:index])
                 numbers = [index for index, word in enumerate(names) if word == twin]
-                message = f"rows {numbers[0]} and {numbers[1]} both have the {name} {shown(twin)}"
-                refuse(
-                    self, f"rows[{numbers[1]}].{name}", message, found=twin, accepted=f"a different {name} in each row"
-                )
+                place = f"rows[{numbers[1]}].{name}"
+                refuse(self, place, "rows-alike", twin, first=numbers[0], second=numbers[1], what=name, word=twin)
 
     @property
     def moving_rows(self) -> tuple[DHRow, ...]:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cache, cached_property
 from itertools import islice
 from pathlib import Path
 from string import Formatter
@@ -21,6 +21,8 @@ if TYPE_CHECKING:
 
 SHOWN_TEXT = 60
 """Characters of a found text that a message repeats; a longer one is cut in the middle."""
+LONG_PATH = 200
+"""The same of a path."""
 LONGEST_SLIP = 100
 """Characters of a word that is compared with others: a longer one is no slip of the pen."""
 MESSAGES = "messages.toml"
@@ -138,22 +140,21 @@ class Messages:
         say("unit-twice", mark, field="units", found="mm", earlier="inch", where=other, key="length")
 
     ``{name}`` takes the value of a keyword, several values with commas between them; ``{name:quoted}`` takes its text
-    in quotes, escaped and cut as messages repeat texts.
+    in quotes, escaped and cut as messages repeat texts, and ``{name:path}`` cuts it only where a path is very long.
+    What is accepted or suggested is left out where it comes out empty.
 
     Args:
         module: the ``__file__`` of a module; the nearest `messages.toml`, beside it or above, has the sentences.
     """
 
     def __init__(self, module: str) -> None:
-        self._module = Path(module)
+        self._module = module
 
     @cached_property
     def entries(self) -> Mapping[str, Mapping[str, str]]:
         """Code -> templates. The file is read when the first problem is made: most tables have none."""
-        path = next(folder / MESSAGES for folder in self._module.parents if (folder / MESSAGES).is_file())
-        import tomllib
-
-        return tomllib.loads(path.read_text("utf-8"))
+        folders = Path(self._module).parents
+        return _entries(next(folder / MESSAGES for folder in folders if (folder / MESSAGES).is_file()))
 
     def __call__(
         self,
@@ -185,7 +186,7 @@ class Messages:
         entry = self.entries[code]
         about: dict[str, Any] = {"robot": robot, "joint": joint, "field": field, "found": found}
         words: dict[str, Any] = {
-            word: _SENTENCES.vformat(entry[word], (), about | values) for word in TEMPLATES if word in entry
+            word: _SENTENCES.vformat(entry[word], (), about | values) or None for word in TEMPLATES if word in entry
         }
         if suggestion:
             words["suggestion"] = suggestion
@@ -194,18 +195,26 @@ class Messages:
         return Problem(code=code, mark=mark, **about, **words)
 
 
+@cache
+def _entries(path: Path) -> Mapping[str, Mapping[str, str]]:
+    import tomllib
+
+    return tomllib.loads(path.read_text("utf-8"))
+
+
 class _Sentences(Formatter):
     """Values in sentences: texts as they are or in quotes, several joined by commas."""
 
     def format_field(self, value: object, format_spec: str) -> str:
-        if format_spec == "quoted":
-            return shown(str(value))
+        if format_spec in _LENGTHS:
+            return shown(str(value), _LENGTHS[format_spec])
         if isinstance(value, (list, tuple)):
             return ", ".join(map(str, value))
         return str(super().format_field(value, format_spec))
 
 
 _SENTENCES = _Sentences()
+_LENGTHS = {"quoted": SHOWN_TEXT, "path": LONG_PATH}
 
 
 def in_file_order(problems: Iterable[Problem]) -> list[Problem]:

@@ -43,6 +43,7 @@ class TestProblem:
     def test_as_json(self) -> None:
         """A report has the fields that a script asks for, and the suggestion in the message."""
         assert FULL.as_json() == {
+            "code": None,
             "file": "ur5.csv",
             "line": 3,
             "column": 7,

@@ -7,7 +7,7 @@ the world or on a link of another arm.
 from __future__ import annotations
 
 from dataclasses import dataclass, field, fields, replace
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from dh2urdf.cells.wanted_tables import cannot_be_made
 from dh2urdf.errors import RobotError
@@ -17,13 +17,15 @@ from dh2urdf.kinematics.expected_poses import ExpectedPoses, Stretch, Tip
 from dh2urdf.manipulator import TOOL, WORLD, JointType, Manipulator
 from dh2urdf.robot import WEIGHTLESS, Arm, Collision, Joint, Link, Origin, Robot, Visual
 from dh2urdf.rotations import IDENTITY
-from dh2urdf.source import Mark, Problem, did_you_mean, shown
+from dh2urdf.source import Mark, Messages, Problem, did_you_mean, shown
 from dh2urdf.stages import Rejected
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
 
     from dh2urdf.cells.wanted_tables import WantedTables
+
+say = Messages(__file__)
 
 S = TypeVar("S", Visual, Collision)
 T = TypeVar("T")
@@ -122,8 +124,8 @@ def _the_arm(arm: ArmCall) -> str:
     return f"the arm {shown(arm.name)}"
 
 
-def _of(arm: ArmCall, message: str, field: str, mark: Mark | None, **more: str | None) -> Problem:
-    return Problem(message=message, field=field, mark=mark or arm.mark, found=getattr(arm, field, None), **more)  # type: ignore[arg-type]  # texts
+def _of(arm: ArmCall, code: str, field: str, mark: Mark | None, **more: Any) -> Problem:  # noqa: ANN401 - of a message
+    return say(code, mark or arm.mark, field=field, found=getattr(arm, field, None), arm=arm.name, **more)
 
 
 # --- The robot --------------------------------------------------------------------------------------------------------
@@ -180,10 +182,10 @@ def _arms(cell: Cell, robots: Mapping[str, Robot]) -> Iterator[Arm]:
         names = [kind.mounting, *(link.name for link in kind.links), *(joint.name for joint in kind.joints)]
         taken = next((name for name in names if arm.prefix + name in owners), None)
         if taken is not None:
-            other = owners[arm.prefix + taken]
+            name = arm.prefix + taken
+            other = owners[name]
             whose = f"the arm {shown(other.name)}" if other else "the root of the cell"
-            message = f"the arm {shown(arm.name)} has the name {shown(arm.prefix + taken)}, as has {whose}"
-            problems.append(_of(arm, message, "prefix", None, suggestion="give the arm a prefix of its own"))
+            problems.append(_of(arm, "arms-share-a-name", "prefix", None, name=name, whose=whose))
         owners.update(dict.fromkeys((arm.prefix + name for name in names), arm))
         parent = WORLD
         if arm.parent is not None:
@@ -191,10 +193,9 @@ def _arms(cell: Cell, robots: Mapping[str, Robot]) -> Iterator[Arm]:
             parent = holder.prefix + arm.link
             known = [link.name for link in robots[holder.of].links]
             if arm.link not in known:
-                message = f"the arm {shown(arm.name)} stands on {shown(f'{arm.parent}/{arm.link}')}, which is no link"
                 near = did_you_mean(arm.link, known) or did_you_mean(arm.link.removeprefix(holder.prefix), known)
-                accepted = ", ".join(f"{arm.parent}/{name}" for name in known)
-                problems.append(_of(arm, message, "parent", arm.parent_mark, accepted=accepted, suggestion=near))
+                about = {"place": f"{arm.parent}/{arm.link}", "links": [f"{arm.parent}/{name}" for name in known]}
+                problems.append(_of(arm, "stands-on-no-link", "parent", arm.parent_mark, suggestion=near, **about))
         yield Arm(name=arm.name, kind=kind, prefix=arm.prefix, parent=parent, placement=arm.placement)
     if problems:
         raise RobotError(problems)

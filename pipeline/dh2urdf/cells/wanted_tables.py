@@ -7,11 +7,13 @@ from typing import TYPE_CHECKING
 
 from dh2urdf.columns import ManipulatorGroups
 from dh2urdf.manipulator import Manipulator
-from dh2urdf.source import Mark, Problem, did_you_mean, shown
+from dh2urdf.source import Mark, Messages, Problem, did_you_mean, shown
 from dh2urdf.stages import Rejected
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence
+
+say = Messages(__file__)
 
 REMEMBERED = 1000
 """Names of manipulators that a message may suggest; a run may have a million."""
@@ -62,33 +64,24 @@ class WantedTables:
     def _problems(
         self, name: str, user: str, mark: Mark | None, items: Sequence[Manipulator | Rejected]
     ) -> Iterator[Problem]:
-        made = f"{user} is made of {shown(name)}, and"
+        made = {"user": user, "name": name}
         match items:
             case []:
                 names = list(dict.fromkeys(self._names))
                 other = self._made(name)
-                yield Problem(
-                    message=f"{made} {f'that is {other}' if other else 'no manipulator of the run has that name'}",
-                    mark=mark,
-                    field="of",
-                    found=name,
-                    accepted=", ".join([*names[:SHOWN_NAMES], *(["…"] if len(names) > SHOWN_NAMES else [])]) or None,
-                    suggestion="cells and variations are made of the manipulators of inputs"
-                    if other
-                    else did_you_mean(name, names),
-                )
+                if other:
+                    yield say("made-of-no-input", mark, field="of", found=name, other=other, **made)
+                else:
+                    few = [*names[:SHOWN_NAMES], *(["…"] if len(names) > SHOWN_NAMES else [])]
+                    near = did_you_mean(name, names)
+                    yield say("made-of-nothing", mark, field="of", found=name, names=few, suggestion=near, **made)
             case [Rejected(problems=problems)]:
                 yield cannot_be_made(name, user, mark)
                 yield from problems
             case _:
                 marks = " and ".join(str(item.mark) for item in items if item.mark)
-                yield Problem(
-                    message=f"{made} several manipulators have that name",
-                    mark=mark,
-                    field="of",
-                    found=name,
-                    suggestion=f"they are at {marks}" if marks else None,
-                )
+                where = f"they are at {marks}" if marks else None
+                yield say("made-of-several", mark, field="of", found=name, suggestion=where, **made)
 
     def _made(self, name: str) -> str | None:
         """What of the run itself has a name: a cell, a variation, or a variant, as `v_1` of `v`."""
@@ -102,4 +95,4 @@ class WantedTables:
 
 def cannot_be_made(name: str, user: str, mark: Mark | None) -> Problem:
     """The sentence before the reasons why nothing can be made of a table."""
-    return Problem(message=f"{user} cannot be made of {shown(name)}", mark=mark, field="of", found=name)
+    return say("not-made", mark, field="of", found=name, user=user)

@@ -11,11 +11,13 @@ import click
 
 from dh2urdf.errors import OutputError
 from dh2urdf.plugin_system.attribution import NamedLines
-from dh2urdf.source import Problem
+from dh2urdf.source import Messages
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
     from contextlib import AbstractContextManager
+
+say = Messages(__file__)
 
 _OWN = f"{__name__}.own"
 _STDOUT, _STDERR = 1, 2
@@ -32,8 +34,7 @@ def answer(what: str | bytes, *, nl: bool = True) -> None:
     except BrokenPipeError:
         raise
     except OSError as error:
-        message = f"cannot write to standard output: {error.strerror}"
-        raise OutputError(Problem(message=message)) from error
+        raise OutputError(say("stdout-unwritable", reason=error.strerror)) from error
 
 
 def answers() -> IO[Any]:
@@ -44,8 +45,7 @@ def answers() -> IO[Any]:
     """
     context = click.get_current_context(silent=True)
     if sys.stdout is None:
-        advice = "leave out the `>&-`, or write `> /dev/null` in its place"
-        raise OutputError(Problem(message="cannot write to standard output: it is closed", suggestion=advice))
+        raise OutputError(say("stdout-closed"))
     return context.meta[_OWN] if context and _OWN in context.meta else sys.stdout
 
 

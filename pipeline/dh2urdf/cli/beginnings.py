@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 from shlex import quote
-from typing import TYPE_CHECKING, cast
+from typing import TYPE_CHECKING, Any, cast
 
 import click
 
@@ -18,11 +18,13 @@ from dh2urdf.plugin_system.catalog import KINDS
 from dh2urdf.plugin_system.options import COMMAND_LINE
 from dh2urdf.scaffold import write_plugin
 from dh2urdf.scaffold.tables import MOST_AXES, run_template, shipped_table, shipped_tables, table_template, write_new
-from dh2urdf.source import Problem, shown
+from dh2urdf.source import Messages
 from dh2urdf.stage_calls.calls import default_call
 
 if TYPE_CHECKING:
     from dh2urdf.stages import Kind
+
+say = Messages(__file__)
 
 DEFAULT_FILE = "arm.csv"
 DEFAULT_AXES = 6
@@ -56,12 +58,11 @@ def init(  # noqa: PLR0917 - click hands everything over by name
     """
     names = [word.strip() for word in joints.split(",")] if joints is not None else []
     if joints is not None and axes not in (None, len(names)):
-        message = f"--axes {axes} and --joints, which names {len(names)}, contradict each other"
-        raise _wrong(message, "one of the two")
+        raise _wrong("axes-contradict", axes=axes, count=len(names))
     if len(names) > MOST_AXES:
-        raise _wrong(f"--joints names {len(names)} joints", f"at most {MOST_AXES}")
+        raise _wrong("too-many-joints", count=len(names), most=MOST_AXES)
     if run_file is not None and str(run_file).casefold() == str(file).casefold():
-        raise _wrong("the table and the run file have the same name", "two names", str(run_file))
+        raise _wrong("same-name-twice", found=str(run_file))
     names = names or [f"joint_{number}" for number in range(1, (axes or DEFAULT_AXES) + 1)]
     installed = catalog()
     call = default_call(installed, table_writer(installed, file, COMMAND_LINE))
@@ -93,7 +94,7 @@ def example(name: str | None, output: str | None, *, listed: bool) -> int:
     """
     if listed or name is None:
         if output:
-            raise _wrong("a list of the arms is printed, and not written to a file", "NAME -o FILE", output)
+            raise _wrong("list-is-printed", found=output)
         tables = shipped_tables()
         width = max(map(len, tables), default=0)
         for each, path in tables.items():
@@ -107,8 +108,7 @@ def example(name: str | None, output: str | None, *, listed: bool) -> int:
     if is_folder(target) or output.endswith("/"):
         target /= table.name
     if target.suffix.lower() != table.suffix:
-        message = f"the table is a {table.suffix} file, and {shown(target.name)} says another format"
-        raise _wrong(message, f"-o {table.name}", output)
+        raise _wrong("example-of-other-format", found=output, suffix=table.suffix, target=target.name, name=table.name)
     write_new({target: table.read_bytes()})
     answer(str(target))
     return 0
@@ -137,5 +137,5 @@ def new_plugin(name: str, kind: str, folder: Path, *, minimal: bool) -> int:
     return 0
 
 
-def _wrong(message: str, accepted: str, found: str | None = None) -> ConfigError:
-    return ConfigError(Problem(message=message, mark=COMMAND_LINE, found=found, accepted=accepted))
+def _wrong(code: str, found: str | None = None, **values: Any) -> ConfigError:  # noqa: ANN401 - of a message
+    return ConfigError(say(code, COMMAND_LINE, found=found, **values))

@@ -24,7 +24,7 @@ from dh2urdf.documents.text_files import check_file, is_there
 from dh2urdf.errors import ConfigError, InputError
 from dh2urdf.output.whole_files import refuse_inputs, write_whole
 from dh2urdf.plugin_system.options import COMMAND_LINE
-from dh2urdf.source import Mark, Problem, printable
+from dh2urdf.source import Mark, Messages, printable
 from dh2urdf.stage_calls.calls import a_record, depending_on
 from dh2urdf.stages import Annotates, Annotation, Expansion
 
@@ -32,6 +32,8 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from dh2urdf.plugin_system.catalog import Catalog
+
+say = Messages(__file__)
 
 OPTIONS = ("trials", "seed", "min_distance")
 
@@ -102,7 +104,7 @@ def _emitter(catalog: Catalog, file: Path | None) -> tuple[Any, Annotates]:
     chosen: Any = catalog.emitter_for(file, "choose a name that ends in .srdf") if file else next(iter(able), None)
     if chosen is not None and (annotates := chosen.can(Annotates)):
         return chosen, annotates
-    message = "collision pairs are not written in this format" if file else "no emitter writes collision pairs"
     suffixes = sorted({suffix for each in able for suffix in each.suffixes})
-    mark = Mark(file=str(file)) if file else None
-    raise ConfigError(Problem(message=message, mark=mark, accepted=", ".join(suffixes) or None))
+    if file is None:
+        raise ConfigError(say("no-emitter-of-pairs", suffixes=suffixes))
+    raise ConfigError(say("format-without-pairs", Mark(file=str(file)), suffixes=suffixes))

@@ -33,7 +33,7 @@ from dh2urdf.output.spooled import STEM
 from dh2urdf.output.whole_files import safe_stem
 from dh2urdf.plugin_system.options import COMMAND_LINE
 from dh2urdf.report.conversions import closing_line, conversion_row, conversions_report, failed_row
-from dh2urdf.source import Problem, printable, shown
+from dh2urdf.source import Messages, Problem, printable, shown
 from dh2urdf.stages import WritesFolders
 
 if TYPE_CHECKING:
@@ -42,6 +42,8 @@ if TYPE_CHECKING:
     from dh2urdf.commands.convert import Planned
     from dh2urdf.plugin_system.catalog import Catalog
     from dh2urdf.results import ConversionEntry
+
+say = Messages(__file__)
 
 
 @click.command(name="convert", cls=StageCommand, kinds=("reader", "transform", "emitter"), epilog=EXIT_STATUS)
@@ -163,12 +165,10 @@ def _files_of(
     emitter = catalog.get("emitter", format_name) if format_name else catalog.usual("emitter")
     suffix = (*emitter.suffixes, "")[0]
     if folder is None or (is_there(folder) and not is_folder(folder)):
-        wrong = f"{len(tables)} tables go into a folder" + (f", and {shown(str(folder))} is a file" if folder else "")
-        raise ConfigError(Problem(message=wrong, mark=COMMAND_LINE, accepted="-o FOLDER, with any name"))
+        file = f", and {shown(str(folder))} is a file" if folder else ""
+        raise ConfigError(say("tables-into-folder", COMMAND_LINE, count=len(tables), file=file))
     if emitter.suffixes and not is_folder(folder) and folder.name.lower().endswith(emitter.suffixes):
-        wrong = f"-o {shown(str(folder))} names one file, and there are {len(tables)} tables"
-        accepted = f"-o FOLDER, such as -o {folder.stem}"
-        raise ConfigError(Problem(message=wrong, mark=COMMAND_LINE, accepted=accepted))
+        raise ConfigError(say("tables-into-file", COMMAND_LINE, folder=folder, stem=folder.stem, count=len(tables)))
     files: dict[Path, Path | None] = {}
     taken: dict[str, Path] = {}
     problems = []
@@ -176,10 +176,8 @@ def _files_of(
         stem = STEM if str(table) == DASH else safe_stem(table.stem)
         first = taken.setdefault(normalize("NFC", stem).casefold(), table)  # as on file systems that ignore case
         if table in files or first != table:
-            both = f"and {shown(str(first))} would both become {stem}{suffix}"
-            wrong = f"{shown(str(table))} {'is given twice' if table in files else both}"
-            accepted = "tables whose names differ in more than their folder, their suffix and their case"
-            problems.append(Problem(message=wrong, mark=COMMAND_LINE, accepted=accepted))
+            code = "table-twice" if table in files else "tables-of-one-name"
+            problems.append(say(code, COMMAND_LINE, table=table, first=first, name=f"{stem}{suffix}"))
         files[table] = folder if emitter.can(WritesFolders) else Path(str(folder), f"{stem}{suffix}")
     if problems:
         raise ConfigError(problems)

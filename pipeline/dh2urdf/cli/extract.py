@@ -31,7 +31,7 @@ from dh2urdf.kinematics.facts import kinematic_facts
 from dh2urdf.manipulator import Convention
 from dh2urdf.plugin_system.options import COMMAND_LINE
 from dh2urdf.quantities.units import UNITS
-from dh2urdf.source import Problem, printable
+from dh2urdf.source import Messages, printable
 from dh2urdf.stages import ReadsDescriptions
 from dh2urdf.table_text.texts import table_text, transform_text
 
@@ -43,6 +43,8 @@ if TYPE_CHECKING:
     from dh2urdf.manipulator import Manipulator
     from dh2urdf.stage_calls.calls import Call
     from dh2urdf.stages import Reader
+
+say = Messages(__file__)
 
 
 _LENGTHS, _ANGLES = click.Choice(("m", "cm", "mm")), click.Choice(("rad", "deg"))
@@ -113,8 +115,7 @@ def command(  # noqa: PLR0917 - click hands everything over by name
 
     if lists_tips:
         if output is not None:
-            message = "--tips lists the leaves of ROBOT, and writes no file"
-            raise ConfigError(Problem(message=message, mark=COMMAND_LINE, found=str(output), accepted="--tips or -o"))
+            raise ConfigError(say("tips-write-nothing", COMMAND_LINE, found=str(output)))
         counts = [f"{name}: {_moving(count)}" for name, count in leaves_of(call(), robot).items()]
         answer("\n".join(map(printable, counts)))
         return 0

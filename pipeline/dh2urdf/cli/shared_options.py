@@ -18,7 +18,7 @@ from dh2urdf.documents.text_files import MAX_BYTES, is_there
 from dh2urdf.errors import ConfigError, TableError
 from dh2urdf.output.spooled import spooled
 from dh2urdf.plugin_system.options import COMMAND_LINE
-from dh2urdf.source import Mark, Problem, shown
+from dh2urdf.source import Mark, Messages
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -28,6 +28,8 @@ if TYPE_CHECKING:
     from dh2urdf.stages import Kind
 
     F = TypeVar("F", bound=Callable[..., Any])
+
+say = Messages(__file__)
 
 DASH, NAME = "-", "standard input"
 """What stands for standard input on the command line, and what messages call it."""
@@ -102,8 +104,7 @@ def one_file_and_arguments(words: Iterable[str]) -> tuple[Path, dict[str, str]]:
     """
     files, arguments = files_and_arguments(words)
     if len(files) != 1:
-        message = f"{len(files)} files are given, and this command takes one"
-        raise ConfigError(Problem(message=message, mark=COMMAND_LINE, accepted="one ROBOT"))
+        raise ConfigError(say("one-file-only", COMMAND_LINE, count=len(files)))
     return files[0], arguments
 
 
@@ -121,8 +122,7 @@ def files_and_arguments(words: Iterable[str]) -> tuple[list[Path], dict[str, str
         if not sign or is_there(Path(word)):
             files.append(Path(word))
         elif not name or name in arguments:
-            message = f"{shown(word)} {'is given twice' if name else 'is no argument'}"
-            raise ConfigError(Problem(message=message, mark=COMMAND_LINE, accepted="NAME:=VALUE, each name once"))
+            raise ConfigError(say("argument-twice" if name else "not-an-argument", COMMAND_LINE, found=word))
         else:
             arguments[name] = value
     return files, arguments
@@ -261,8 +261,7 @@ def given_description(file: Path, emitter: str | None, catalog: Catalog) -> Path
     if str(file) != DASH:
         return file
     if emitter is None:
-        problem = Problem(message="the format of standard input is not said", mark=COMMAND_LINE, accepted="`--as NAME`")
-        raise ConfigError(problem)
+        raise ConfigError(say("stdin-format-missing", COMMAND_LINE))
     return _kept(_standard_input(), catalog.get("emitter", emitter).suffixes)
 
 
@@ -277,15 +276,16 @@ def _kept(content: bytes, suffixes: tuple[str, ...]) -> Path:
 
 
 def _standard_input() -> bytes:
-    wrong = "there is nothing in it"
+    mark = Mark(file=NAME)
     try:
         content = sys.stdin.buffer.read(MAX_BYTES + 1)
     except (AttributeError, OSError, ValueError) as error:  # closed by the program that started the command
-        content, wrong = b"", f"standard input cannot be read: {getattr(error, 'strerror', None) or 'it is closed'}"
+        reason = getattr(error, "strerror", None) or "it is closed"
+        raise TableError(say("stdin-unreadable", mark, reason=reason)) from None
     if len(content) > MAX_BYTES:
-        content, wrong = b"", f"there are more than {MAX_BYTES / 2**20:.0f} MiB, too much to be read at once"
+        raise TableError(say("stdin-too-large", mark, most=MAX_BYTES / 2**20))
     if not content.strip():
-        raise TableError(Problem(message=wrong, mark=Mark(file=NAME)))
+        raise TableError(say("stdin-empty", mark))
     return content
 
 
@@ -300,7 +300,6 @@ def _format_of(content: bytes, catalog: Catalog) -> str:
                 names.append(reader.name)
     if len(names) == 1:
         return names[0]
-    wrong = f"{' and '.join(names)} both read this" if names else "no reader surely reads this as it is"
-    accepted = f"`--from NAME`, with one of {', '.join(names or [reader.name for reader in readers])}"
-    message = f"the format is not sure: {wrong}"
-    raise TableError(Problem(message=message, mark=Mark(file=NAME), accepted=accepted))
+    code = "stdin-format-ambiguous" if names else "stdin-format-unknown"
+    choices = names or [reader.name for reader in readers]
+    raise TableError(say(code, Mark(file=NAME), names=" and ".join(names), choices=choices))

@@ -13,7 +13,9 @@ from typing import Any
 from dh2urdf.errors import ConfigError, RecordTypeError
 from dh2urdf.manipulator import Inertia, LinkGeometry, Payload
 from dh2urdf.rotations import RigidTransform
-from dh2urdf.source import Mark, Problem
+from dh2urdf.source import Mark, Messages
+
+say = Messages(__file__)
 
 _KINDS: dict[str, tuple[Callable[[Any], object], str]] = {
     "name": (lambda value: isinstance(value, str) and value.strip(), "a text, not empty"),
@@ -40,8 +42,9 @@ def check_arguments(kind: str, mark: Mark, **given: Any) -> None:  # noqa: ANN40
     is_one, accepted = _KINDS[kind]
     for argument, value in given.items():
         if value is not None and not is_one(value):
-            message = f"{argument}={value!r:.60} is no {kind}"
-            raise ConfigError(Problem(message=message, mark=mark, field=argument, accepted=accepted))
+            raise ConfigError(
+                say("argument-wrong", mark, field=argument, value=f"{value!r:.60}", kind=kind, accepted=accepted)
+            )
 
 
 def path_or_none(argument: str, value: Any, mark: Mark) -> str | None:  # noqa: ANN401 - whatever is given
@@ -78,9 +81,7 @@ def word_of(value: object) -> str:
     try:
         return json.dumps(_with_units(value), default=_plain, ensure_ascii=False)
     except (TypeError, ValueError, RecursionError) as error:  # such as of a key that is a tuple, or of a list in itself
-        accepted = "numbers, texts, True, False, None, paths, arrays, and lists and mappings of these"
-        problem = Problem(message=f"this has no words: {error}", mark=Mark(file="dh2urdf"), accepted=accepted)
-        raise RecordTypeError(problem) from error
+        raise RecordTypeError(say("option-value-unwritable", Mark(file="dh2urdf"), reason=error)) from error
 
 
 def words_of(options: Mapping[str, object]) -> dict[str, str]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from dh2urdf.errors import ConfigError
-from dh2urdf.source import Mark, Problem
+from dh2urdf.source import Mark, Messages
 from dh2urdf.stage_calls.calls import Call, a_record, depending_on
 from dh2urdf.stages import Checks, Expansion, Inspection, ReadsForeign
 
@@ -14,6 +14,8 @@ if TYPE_CHECKING:
 
     from dh2urdf.plugin_system.catalog import Catalog
     from dh2urdf.stages import Emitter, Stage
+
+say = Messages(__file__)
 
 
 def inspect(
@@ -37,20 +39,13 @@ def inspect(
     if checks is None:
         able = [item.stage.name for item in catalog.provided("emitter") if item.stage.can(Checks)]
         raise ConfigError(
-            Problem(
-                message=f"files of the format {emitter.name!r} cannot be checked",
-                mark=Mark(file=str(file)),
-                accepted=", ".join(able),
-                suggestion=f"{choice} says what the file is, where its suffix does not",
-            )
+            say("format-unchecked", Mark(file=str(file)), format=emitter.name, formats=able, option=choice)
         )
     with depending_on(Call(stage=emitter, options=None, plugin=catalog.plugin_of(emitter)), "check"):
         expansion = expansion or Expansion()
         unused = expansion.arguments if checks.finds_packages else expansion != Expansion()
         if unused and not has_macros(emitter):
-            message = f"files of the format {emitter.name!r} have no macros: they take no such settings"
-            accepted = "NAME:=VALUE with a xacro, and package paths with a xacro or a URDF"
-            raise ConfigError(Problem(message=message, mark=Mark(file=str(file)), accepted=accepted))
+            raise ConfigError(say("format-without-macros", Mark(file=str(file)), format=emitter.name))
         return a_record(checks.check(file, expansion), Inspection)
 
 

@@ -10,7 +10,7 @@ from dh2urdf.documents.text_files import check_file, is_file
 from dh2urdf.errors import ConfigError, InputError, TableError
 from dh2urdf.manipulator import Manipulator
 from dh2urdf.plugin_system.options import COMMAND_LINE, broken_structure, make_options, word_node
-from dh2urdf.source import Mark, Problem, did_you_mean, shown
+from dh2urdf.source import Mark, Messages, Problem, did_you_mean, shown
 from dh2urdf.stage_calls.calls import Call
 from dh2urdf.stages import Rejected
 
@@ -21,6 +21,8 @@ if TYPE_CHECKING:
     from dh2urdf.plugin_system.catalog import Catalog
     from dh2urdf.stages import Edit, Reader
     from dh2urdf.table_text import Trace
+
+say = Messages(__file__)
 
 _FLAGS = {"reader": "--from", "formats": "--to", "out": "-o", "edits": "--edit", "options": "--set"}
 """Options of the command line that are not called as the arguments of the functions are."""
@@ -96,10 +98,14 @@ def chosen_manipulator(
     for item in items:
         if robot is None and chosen is not None:
             names = [option(mark, "robot", shown(name)) for name in (chosen.name, item.name)]
-            message = "the table holds several manipulators, and one conversion makes one"
-            choices = f"{option(mark, 'robot', 'NAME')}, such as {' or '.join(names)}"
-            advice = "`dh2urdf run` with a run file makes all of them, and `dh2urdf.read_all` reads them"
-            raise TableError(Problem(message=message, mark=Mark(file=file), accepted=choices, suggestion=advice))
+            raise TableError(
+                say(
+                    "several-manipulators",
+                    Mark(file=file),
+                    option=option(mark, "robot", "NAME"),
+                    names=" or ".join(names),
+                )
+            )
         others.append(item.name)
         if robot in (None, item.name):
             chosen = item
@@ -108,10 +114,9 @@ def chosen_manipulator(
     if isinstance(chosen, Rejected):
         raise TableError(chosen.problems, chosen.notices)
     if chosen is None:
-        message = f"the table holds no manipulator{f' {shown(robot)}' if robot else ''}"
-        near, accepted = did_you_mean(robot or "", others), ", ".join(others[:20]) or None
-        problem = Problem(message=message, mark=Mark(file=file), found=robot, accepted=accepted, suggestion=near)
-        raise TableError(problem)
+        near = did_you_mean(robot or "", others)
+        code = "manipulator-unknown" if robot else "table-empty"
+        raise TableError(say(code, Mark(file=file), found=robot, names=others[:20], suggestion=near))
     return chosen
 
 
@@ -129,13 +134,7 @@ def refuse_run_file(table: Path) -> Iterator[None]:
 
         if not is_run_file(table):
             raise
-        raise ConfigError(
-            Problem(
-                message="this is a run file, not a table",
-                mark=Mark(file=str(table)),
-                suggestion="`dh2urdf run`, or in Python `dh2urdf.run`, runs it",
-            )
-        ) from None
+        raise ConfigError(say("run-file-for-table", Mark(file=str(table)))) from None
 
 
 def refuse_table(path: Path, catalog: Catalog) -> None:
@@ -154,10 +153,7 @@ def refuse_table(path: Path, catalog: Catalog) -> None:
         else:
             is_table = is_file(path)
     if is_table:
-        advice = f"`dh2urdf convert` converts it; a run file names it: `inputs: {path.name}`"
-        raise ConfigError(
-            Problem(message="this is a table, not a run file", mark=Mark(file=str(path)), suggestion=advice)
-        )
+        raise ConfigError(say("table-for-run-file", Mark(file=str(path)), name=path.name))
 
 
 # --- Stages and their options -----------------------------------------------------------------------------------------
@@ -196,22 +192,21 @@ def stage_calls(
         path, equals, value = map(str.strip, text.partition("="))
         kind, _, key = path.rpartition(".")
         kinds = [each for each in known if key in known[each] and kind in ("", each)]
-        accepted, suggestion = f"KEY=VALUE, where KEY is one of {', '.join(keys)}", None
+        code, suggestion = "option-unknown", None
+        about = {"accepted": f"KEY=VALUE, where KEY is one of {', '.join(keys)}"}
         if not equals:
-            wrong = "has no value"
+            code = "option-without-value"
         elif not kinds:
-            wrong = "names no option"
             suggestion = did_you_mean(path, [*keys, *(each.partition(".")[2] for each in keys)])
         elif len(kinds) > 1:
-            wrong = f"is an option of the {' and of the '.join(kinds)}"
-            suggestion = f"write {' or '.join(f'{each}.{key}' for each in kinds)}"
+            code = "option-of-several"
+            about |= {"kinds": " and of the ".join(kinds), "choices": " or ".join(f"{each}.{key}" for each in kinds)}
         elif (earlier := words[kinds[0]].setdefault(key, value)) != value:
-            wrong, accepted = f"contradicts {shown(earlier)}, which is given for {key} too", "one value of each option"
+            code, about = "option-twice", {"earlier": shown(earlier), "key": key}
         else:
             continue
-        message = f"{option(mark, 'options', shown(text))} {wrong}"
-        problem = Problem(message=message, mark=mark, found=text, accepted=accepted, suggestion=suggestion)
-        problems.append(problem)
+        setting = option(mark, "options", shown(text))
+        problems.append(say(code, mark, found=text, setting=setting, suggestion=suggestion, **about))
     calls: dict[str, list[Call[Any]]] = {kind: [] for kind in stages}
     for kind, stage in ((kind, stage) for kind, some in stages.items() for stage in some):
         # What no stage of the kind has is left in, for the message about it.
@@ -264,8 +259,8 @@ def _edit_call(word: str, mark: Mark, catalog: Catalog) -> Call[Edit[Any]]:
     elif isinstance(node.value, dict) and len(node.value) == 1:
         ((name, options),) = node.value.items()
     if broken or not name or (options is not None and not isinstance(options.value, dict | None)):
-        message = f"{option(mark, 'edits', shown(word))} {f'cannot be read: {broken}' if broken else 'is no edit'}"
-        accepted = "the name of an edit, or a name and its options: `payload: {mass: 2.5}`"
-        raise ConfigError(Problem(message=message, mark=mark, found=word, accepted=accepted))
+        code = "edit-unreadable" if broken else "edit-unknown-form"
+        setting = option(mark, "edits", shown(word))
+        raise ConfigError(say(code, mark, found=word, setting=setting, reason=broken))
     given: Any = {} if options is None or options.value is None else options
     return _call(catalog, "edit", catalog.get("edit", name), given, mark)

@@ -17,7 +17,7 @@ from dh2urdf.meshes.kinds import MeshConversion
 from dh2urdf.output.whole_files import refuse_no_file, safe_stem
 from dh2urdf.plugin_system.options import COMMAND_LINE
 from dh2urdf.robot import Robot
-from dh2urdf.source import Mark, Problem, shown
+from dh2urdf.source import Mark, Messages, Problem, shown
 from dh2urdf.stage_calls.calls import Call, a_record, depending_on
 from dh2urdf.stages import OtherFiles, Reader, WritesFolders
 from dh2urdf.table_text import Trace
@@ -29,6 +29,8 @@ if TYPE_CHECKING:
     from dh2urdf.kinematics.proof import Proof
     from dh2urdf.plugin_system.catalog import Catalog
     from dh2urdf.stages import Emitter
+
+say = Messages(__file__)
 
 TRACED_BYTES = 2**16
 """Size of a table of which a conversion also reads what its cells say [B]: a few hundred rows."""
@@ -184,8 +186,7 @@ def plan_conversion(
         readers = [chosen_reader(catalog, table, reader, mark)]
     elif (reader, robot) != (None, None):
         wrong = option(mark, "reader", reader) if reader else option(mark, "robot", shown(str(robot)))
-        message = f"{wrong} is about a file, and the table is a manipulator already"
-        raise ConfigError(Problem(message=message, mark=mark, found=reader or robot))
+        raise ConfigError(say("option-of-files", mark, found=reader or robot, setting=wrong))
     transforms = [catalog.get("transform", transform) if transform else catalog.usual("transform")]
     emitters = _emitters(table, target, formats, mark, catalog)
     stages = {"reader": readers, "transform": transforms, "emitter": emitters}
@@ -229,15 +230,14 @@ def _emitters(
     in_folders = [emitter.name for emitter in emitters if emitter.can(WritesFolders)]
     if target is None:
         if in_folders:
-            message = f"{option(mark, 'formats', in_folders[0])} writes a folder of files, and {_nowhere(mark)}"
-            raise ConfigError(Problem(message=message, mark=mark, accepted=option(mark, "out", "FOLDER")))
+            setting, accepted = option(mark, "formats", in_folders[0]), option(mark, "out", "FOLDER")
+            raise ConfigError(say("folder-nowhere", mark, setting=setting, where=_nowhere(mark), accepted=accepted))
         return emitters or [catalog.usual("emitter")]
     if len(formats) <= 1 and not in_folders:
         if is_folder(target):
             stem = safe_stem(table.name if isinstance(table, Manipulator) else table.stem)
-            message = f"{option(mark, 'out', shown(str(target)))} is a folder, and one file is written"
-            accepted = f"a file name, such as {target / stem}.urdf"
-            raise ConfigError(Problem(message=message, mark=mark, found=str(target), accepted=accepted))
+            setting, name = option(mark, "out", shown(str(target))), f"{target / stem}.urdf"
+            raise ConfigError(say("folder-for-file", mark, found=str(target), setting=setting, name=name))
         refuse_no_file(target)
     return emitters or [catalog.emitter_for(target, f"`{option(mark, 'formats', 'NAME')}` chooses an emitter")]
 
@@ -298,9 +298,11 @@ def _mesh_settings(
     try:
         prefix = prefix_of(meshes or (FILE if target is None else RELATIVE))
         if target is None and prefix is not None:
-            message = f"{option(mark, 'meshes', str(meshes))} copies meshes beside a file, and {_nowhere(mark)}"
+            setting = option(mark, "meshes", str(meshes))
             accepted = f"{option(mark, 'out', 'FILE')}, or {option(mark, 'meshes', 'file')}"
-            raise ConfigError(Problem(message=message, found=meshes, accepted=accepted))
+            raise ConfigError(
+                say("meshes-nowhere", mark, found=meshes, setting=setting, where=_nowhere(mark), accepted=accepted)
+            )
         if not convert_meshes:
             return prefix, MeshConversion.NEVER
         from dh2urdf.meshes.conversion import conversion_of

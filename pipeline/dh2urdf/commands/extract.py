@@ -15,7 +15,7 @@ from dh2urdf.errors import ConfigError, TableError
 from dh2urdf.fields import replace_unchecked
 from dh2urdf.manipulator import Manipulator
 from dh2urdf.output.whole_files import refuse_inputs, write_whole
-from dh2urdf.source import Mark, Problem, listed
+from dh2urdf.source import Mark, Messages, Problem, listed
 from dh2urdf.stage_calls.calls import a_record, blaming, default_call
 from dh2urdf.stages import Reader, ReadsDescriptions, Rejected
 from dh2urdf.table_text.texts import table_text
@@ -25,6 +25,8 @@ if TYPE_CHECKING:
 
     from dh2urdf.plugin_system.catalog import Catalog
     from dh2urdf.stage_calls.calls import Call
+
+say = Messages(__file__)
 
 
 REWRITES = "in_convention"
@@ -53,12 +55,9 @@ def description_reader(
         given = {REWRITES if key == "convention" else key: word for key, word in (given or {}).items()}
     elif is_table:
         names = [item.stage.name for item in catalog.provided("reader") if item.stage.can(ReadsDescriptions)]
-        message = f"the reader {stage.name!r} reads neither robot descriptions nor tables that it can rewrite"
-        accepted = f"a file in the format {', '.join(names)}"
-        raise ConfigError(Problem(message=message, mark=mark, found=str(path), accepted=accepted))
+        raise ConfigError(say("reader-extracts-nothing", mark, found=str(path), reader=stage.name, formats=names))
     if given and "arguments" in given and "arguments" not in stage.options.__dataclass_fields__:
-        message = f"files of the format {stage.name!r} have no macros: they take no arguments"
-        raise ConfigError(Problem(message=message, mark=Mark(file=str(path)), accepted="NAME:=VALUE with a xacro"))
+        raise ConfigError(say("format-without-macros", Mark(file=str(path)), format=stage.name))
     (call,) = stage_calls(catalog, {"reader": [stage]}, mark, {"reader": dict(given or {})}, settings)["reader"]
     return call
 
@@ -102,7 +101,7 @@ def chains_of(call: Call[Reader[Any]], path: Path) -> Chains:
         return Chains(arms, refused)
     problems = [problem.about(robot=item.name) for item in refused for problem in item.problems]
     notices = [notice for item in refused for notice in item.notices]
-    raise TableError(problems or Problem(message="there is no chain in it", mark=Mark(file=str(path))), notices)
+    raise TableError(problems or say("no-chain", Mark(file=str(path))), notices)
 
 
 def the_one(call: Call[Reader[Any]], path: Path) -> Manipulator:
@@ -114,9 +113,7 @@ def the_one(call: Call[Reader[Any]], path: Path) -> Manipulator:
     arms, refused = chains_of(call, path)
     if len(arms) == 1 and not refused:
         return arms[0]
-    message = f"{len(arms) + len(refused)} chains are asked for, and one table has one"
-    mark = Mark(file=str(path))
-    raise TableError(Problem(message=message, mark=mark, field="tip_link", accepted="the name of a link"))
+    raise TableError(say("several-chains", Mark(file=str(path)), field="tip_link", count=len(arms) + len(refused)))
 
 
 def write_extracted(
@@ -164,13 +161,8 @@ def _without_numbers(arm: Manipulator, notices: list[Problem]) -> Manipulator:
         if not names or not all(name.isascii() and name.isdecimal() for name in names):
             continue
         others = [f"{field}_{name}" for name in names]
-        notice = Problem(
-            message=f"the names of {field}s are numbers, which a table takes for those of its rows: "
-            f"{listed(names)} are called {listed(others)}",
-            severity="notice",
-            mark=arm.mark,
-            robot=arm.name,
-            field=field,
+        notice = say(
+            "names-are-numbers", arm.mark, robot=arm.name, field=field, names=listed(names), others=listed(others)
         )
         notices.append(notice)
         rows = tuple(replace_unchecked(row, **{field: name}) for row, name in zip(arm.rows, others, strict=True))

@@ -23,7 +23,7 @@ from dh2urdf.errors import ConfigError, RecordTypeError, RecordValueError, Table
 from dh2urdf.manipulator import Manipulator
 from dh2urdf.output.spooled import STEM, spooled
 from dh2urdf.plugin_system.catalog import load
-from dh2urdf.source import Mark, Problem, shown
+from dh2urdf.source import Mark, Messages, Problem, shown
 from dh2urdf.stage_calls.calls import blaming, items_of
 from dh2urdf.stage_calls.table_warnings import warn_of
 from dh2urdf.stages import ReadsCells
@@ -35,6 +35,8 @@ if TYPE_CHECKING:
     from dh2urdf.plugin_system.catalog import Catalog
     from dh2urdf.stage_calls.calls import Call
     from dh2urdf.stages import Reader, Rejected
+
+say = Messages(__file__)
 
 StrPath: TypeAlias = "str | os.PathLike[str]"
 Source: TypeAlias = "StrPath | bytes | IO[str] | IO[bytes]"
@@ -77,9 +79,7 @@ def as_file(source: Source, kind: str, name: str | None, catalog: Catalog, choic
     any_text = catalog.any_text() if kind == "reader" and not content.lstrip().startswith(b"<") else ""
     if name is None and not any_text and (file is None or not file.suffix):
         names = [item.stage.name for item in catalog.provided(kind)]  # type: ignore[arg-type]  # one of two kinds
-        message = "a text has no suffix that says its format"
-        problem = Problem(message=message, mark=Mark(file=TEXT), accepted=f"{choice}, with one of {', '.join(names)}")
-        raise ConfigError(problem)
+        raise ConfigError(say("text-without-format", Mark(file=TEXT), option=choice, formats=names))
     suffix = (file.suffix if file else "") or any_text
     if name is not None:
         stage: Any = catalog.get(kind, name)  # type: ignore[call-overload]  # one of two kinds
@@ -95,19 +95,16 @@ def _content(source: Any) -> bytes | None:  # noqa: ANN401 - whatever is given
         try:
             found = source.read()
         except (OSError, ValueError) as error:  # It is closed, opened for writing, or no text in its encoding.
-            message = f"the stream {shown(repr(source))} cannot be read: {error}"
-            raise RecordValueError(Problem(message=message, mark=mark, accepted=_FILE)) from error
+            raise RecordValueError(say("stream-unreadable", mark, stream=shown(repr(source)), reason=error)) from error
     elif isinstance(source, os.PathLike) or (isinstance(source, str) and not _is_text(source)):
         if not os.fspath(source).strip():
-            raise RecordValueError(Problem(message="the name of the file is empty", mark=mark, accepted=_FILE))
+            raise RecordValueError(say("file-name-empty", mark))
         return None
     if isinstance(found, str):
         return found.encode()
     if isinstance(found, (bytes, bytearray, memoryview)):
         return bytes(found)
-    suggestion = "`dh2urdf.Manipulator.from_dh` makes a table of arrays, data frames and lists"
-    message = f"a {type(found).__name__} is no file"
-    raise RecordTypeError(Problem(message=message, mark=mark, accepted=_FILE, suggestion=suggestion))
+    raise RecordTypeError(say("not-a-file", mark, kind=type(found).__name__))
 
 
 def _is_text(source: str) -> bool:
@@ -147,16 +144,14 @@ def manipulator_of(
     own = Mark(file="Manipulator.from_dh()")
     path = path_or_none("file", file, own)
     if not isinstance(mark, Mark | None):
-        message = f"mark={shown(str(mark))} is no place in a file"
-        raise ConfigError(Problem(message=message, mark=own, field="mark", accepted="a dh2urdf.source.Mark"))
+        raise ConfigError(say("not-a-mark", own, field="mark", value=shown(str(mark))))
     place = (mark or own) if path is None else replace(mark or own, file=path)
     check_arguments("name", own, robot=robot, name=name)
     catalog = load()
     reader = catalog.cell_reader()
     if isinstance(table, (str, bytes)) or hasattr(table, "read"):
         if (types, joints, name) != (None, None, None):
-            message = "a text says its types and names itself"
-            raise ConfigError(Problem(message=message, mark=own, accepted="a text without these arguments"))
+            raise ConfigError(say("arguments-beside-text", own))
         return _from_text(table, robot, options if columns is None else {**options, "columns": [*columns]}, own)
     given: dict[str, list[Any]] = {}
     for argument, value in (("columns", columns), ("types", types), ("joints", joints)):
@@ -166,8 +161,7 @@ def manipulator_of(
     headers, rows = _headers_and_rows(table, given.pop("columns", None), place)
     for argument, cells in given.items():
         if len(cells) != len(rows):
-            message = f"{argument}= has {len(cells)} entries, and the table has {len(rows)} rows"
-            raise _wrong(place, message, "one for each row")
+            raise _wrong(place, "entries-not-rows", argument=argument, count=len(cells), rows=len(rows))
         headers = [*headers, argument.removesuffix("s")]
         rows = [[*row, cell] for row, cell in zip(rows, cells, strict=True)]
     (call,) = stage_calls(catalog, {"reader": [reader]}, own, {"reader": words_of(options)})["reader"]
@@ -175,9 +169,7 @@ def manipulator_of(
     items = _read_cells(call, _cell_rows(headers, rows, said, place), place.file)
     arm = chosen_manipulator(items, robot, place.file, own)
     if name is not None and arm.name != name.strip():
-        message = f"name={name!r} has no effect: the table names its manipulator {shown(arm.name)}"
-        accepted = "no name=, or a table without a column of names"
-        raise ConfigError(Problem(message=message, mark=own, field="name", found=name, accepted=accepted))
+        raise ConfigError(say("name-without-effect", own, field="name", found=name, named=shown(arm.name)))
     warn_of(arm.notices, 2)
     return arm
 
@@ -185,8 +177,7 @@ def manipulator_of(
 def _from_text(table: Any, robot: str | None, options: Mapping[str, object], mark: Mark) -> Manipulator:  # noqa: ANN401
     """The manipulator of a text, bytes or a stream, whatever its form is."""
     if isinstance(table, str) and not _is_text(table):
-        message, suggestion = f"{shown(table)} is no table: it has one line", f"`dh2urdf.read({table!r})` reads a file"
-        raise TableError(Problem(message=message, mark=mark, suggestion=suggestion))
+        raise TableError(say("table-of-one-line", mark, found=table))
     arm = read_table(table, robot, None, options, mark)
     warn_of(arm.notices, 3)
     return arm
@@ -205,8 +196,8 @@ def _said(table: object, place: Mark) -> dict[str, object]:
     given = attributes if isinstance(attributes, Mapping) else {}
     said = {str(key).removeprefix(METADATA): value for key, value in given.items() if str(key).startswith(METADATA)}
     if unknown := said.keys() - {*STATEMENTS}:
-        message = f"the attributes say {shown(METADATA + min(unknown))}, which nothing is called"
-        raise _wrong(place, message, ", ".join(f"{METADATA}{key}" for key in STATEMENTS))
+        names = [f"{METADATA}{key}" for key in STATEMENTS]
+        raise _wrong(place, "attribute-unknown", attribute=shown(METADATA + min(unknown)), names=names)
     return said
 
 
@@ -214,19 +205,18 @@ def _headers_and_rows(table: Any, columns: list[Any] | None, place: Mark) -> tup
     """The header and the rows of a table of any form, every row as long as the header."""
     headers, rows = _labelled(table, place)
     if headers is not None and columns is not None:
-        raise _wrong(place, "the columns have names already", "no columns=, or an array without names")
+        raise _wrong(place, "columns-named-already")
     headers = columns if headers is None else headers
     if headers is None and rows and all(isinstance(cell, str) for cell in rows[0]):
         headers, *rows = rows
     if headers is None:
-        accepted = "columns=, in the order of the table, such as columns=['theta', 'd', 'a', 'alpha']"
-        raise _wrong(place, "the columns have no names, and their order is never guessed", accepted)
+        raise _wrong(place, "columns-unnamed")
     for number, row in enumerate(rows, start=1):
         if len(row) != len(headers):
-            message = f"row {number} has {len(row)} cells, and there are {len(headers)} columns"
-            raise _wrong(place, message, f"one cell for each of {', '.join(map(str, headers))}")
+            counts = {"number": number, "cells": len(row), "count": len(headers)}
+            raise _wrong(place, "row-of-other-length", headers=headers, **counts)
     if not all(isinstance(header, str) for header in headers):
-        raise _wrong(place, f"the columns are named {headers}", f"names, such as {', '.join(PARAMETERS)}")
+        raise _wrong(place, "column-names-no-text", headers=f"{headers}", names=PARAMETERS)
     return headers, rows
 
 
@@ -259,8 +249,7 @@ def _labelled(table: Any, place: Mark) -> tuple[list[Any] | None, list[list[Any]
 
 def _cells(given: Any, place: Mark) -> list[Any]:  # noqa: ANN401 - whatever is given
     if isinstance(given, (str, bytes, bytearray, AbstractSet)) or not isinstance(given, Iterable):
-        message = f"a {type(given).__name__} is no list of cells"
-        raise RecordTypeError(Problem(message=message, mark=place, found=str(given), accepted=_TABLE))
+        raise RecordTypeError(say("not-cells", place, found=str(given), kind=type(given).__name__))
     return list(given)
 
 
@@ -299,12 +288,12 @@ def _cell(value: Any, mark: Mark) -> str | float | Problem | None:  # noqa: ANN4
 
     try:
         number = as_number(value)
+        if not math.isfinite(number):
+            raise RefusedError("number-infinite", value, number=number)
     except RefusedError as refused:
-        return Problem(message=refused.message, mark=mark, found=refused.found, accepted="a number or text")
-    if not math.isfinite(number):
-        return Problem(message=f"{number} is not a finite number", mark=mark, found=str(value), accepted="a number")
+        return replace(refused.problem, mark=mark, accepted="a number or text")
     return int(number) if isinstance(value, int) else number
 
 
-def _wrong(place: Mark, message: str, accepted: str) -> RecordValueError:
-    return RecordValueError(Problem(message=message, mark=place, accepted=accepted))
+def _wrong(place: Mark, code: str, **values: Any) -> RecordValueError:  # noqa: ANN401 - of a message
+    return RecordValueError(say(code, place, **values))

@@ -14,8 +14,10 @@ from dh2urdf.kinematics.chain import angle_error, forward_kinematics, position_e
 from dh2urdf.kinematics.mass import Inertias, possible_inertia
 from dh2urdf.manipulator import Convention, DHRow, Inertia, JointType, Limits, Manipulator
 from dh2urdf.rotations import IDENTITY, RigidTransform, nearest_rotation
-from dh2urdf.source import Problem
+from dh2urdf.source import Messages, Problem
 from dh2urdf.stage_calls.table_warnings import warn_of
+
+say = Messages(__file__)
 
 _FUNCTION = "from_roboticstoolbox()"
 _SAME = 1e-9
@@ -60,11 +62,11 @@ def from_roboticstoolbox(
     links = list(getattr(robot, "links", ()))
     kinds = {bool(link.mdh) for link in links if hasattr(link, "mdh")}
     if not links or not all(hasattr(link, each) for link in links for each in _NEEDED):
-        raise _error("this is no robot of DH links", "a DHRobot; of others, `dh2urdf.extract()`")
+        raise _error("toolbox-no-robot")
     if inertias not in get_args(Inertias):
-        raise _error(f"no such treatment of inertias: {inertias}", ", ".join(get_args(Inertias)))
+        raise _error("toolbox-inertias-unknown", found=inertias, choices=get_args(Inertias))
     if len(kinds) > 1:
-        raise _error("its links are of both conventions, standard and modified", "one of them")
+        raise _error("toolbox-two-conventions")
     names = [str(getattr(link, "name", "") or "") for link in links]
     if len(set(names)) < len(names) or not all(names):  # They have no names of their own.
         names = [f"link_{number}" for number in range(1, len(links) + 1)]
@@ -83,8 +85,7 @@ def from_roboticstoolbox(
         theirs, ours = _transform(robot.fkine(q)), forward_kinematics(arm, q)
         far = max(position_error(ours, theirs), angle_error(ours, theirs))
         if not far <= _SAME * max(1.0, *map(abs, theirs.translation)):
-            wrong = f"T(q) of the table is {far:.2g} m, rad from that of the robot at q = {q}"
-            raise ProofError(Problem(message=wrong, robot=arm.name))
+            raise ProofError(say("toolbox-robot-differs", robot=arm.name, far=far, q=q))
     warn_of(arm.notices)
     return arm
 
@@ -95,8 +96,8 @@ def _row(link: Any, number: int, name: str, how: Inertias, notices: list[Problem
     def given(attribute: str) -> float:
         return float(getattr(link, attribute, 0.0) or 0.0)
 
-    def tell(message: str, field: str) -> None:
-        notices.append(Problem(message=message, severity="notice", joint=joint, field=field))
+    def tell(code: str, field: str, **values: Any) -> None:  # noqa: ANN401 - of a message
+        notices.append(say(code, joint=joint, field=field, **values))
 
     joint, slides, gear, mass = f"joint_{number + 1}", bool(link.isprismatic), given("G") or 1.0, given("m")
     bounds = [None, None] if getattr(link, "qlim", None) is None else _flat(link.qlim)
@@ -105,15 +106,14 @@ def _row(link: Any, number: int, name: str, how: Inertias, notices: list[Problem
     inertia = Inertia(ixx=ixx, iyy=iyy, izz=izz, ixy=ixy, ixz=ixz, iyz=iyz) if any(tensor) else None
     x, y, z = _flat(link.r)
     if not mass and (any((x, y, z)) or inertia):
-        tell(f"link {number + 1} has a centre of mass or an inertia, and no mass: both are left out", "mass")
+        tell("toolbox-link-without-mass", "mass", number=number + 1)
     if mass and inertia:
         inertia, message = possible_inertia(inertia, how)
         if message:
-            tell(message, "inertia")
+            tell("toolbox-inertia", "inertia", reason=message)
     forward, backward = [0.0, 0.0] if getattr(link, "Tc", None) is None else _flat(link.Tc)
     if forward != -backward:
-        message = f"Tc = [{forward:g}, {backward:g}] of joint {number + 1} differs by direction: the larger one is kept"
-        tell(message, "friction")
+        tell("toolbox-friction", "friction", forward=forward, backward=backward, number=number + 1)
     return DHRow(
         joint=joint,
         link=name,
@@ -140,11 +140,11 @@ def _pose(robot: Any, which: str) -> RigidTransform:  # noqa: ANN401 - of anothe
     if value is None:
         return IDENTITY
     if len(_flat(getattr(value, "A", value))) != 16:  # noqa: PLR2004 - of a 4x4 matrix
-        raise _error(f"{which} is no pose: {value}", "an SE3 or a 4x4 matrix")
+        raise _error("toolbox-no-pose", which=which, value=value)
     pose = _transform(value)
     nearest, deviation = nearest_rotation(pose.rotation)
     if not deviation <= _SAME:
-        raise _error(f"{which} has a matrix that is no rotation, by {deviation:.2g}", "an orthonormal matrix")
+        raise _error("toolbox-no-rotation", which=which, deviation=deviation)
     return RigidTransform(nearest, pose.translation)
 
 
@@ -160,5 +160,5 @@ def _flat(values: Any) -> list[float]:  # noqa: ANN401 - an array of any form
     return flat
 
 
-def _error(message: str, accepted: str) -> TableError:
-    return TableError(Problem(message=f"{_FUNCTION}: {message}", accepted=accepted))
+def _error(code: str, **values: Any) -> TableError:  # noqa: ANN401 - of a message
+    return TableError(say(code, function=_FUNCTION, **values))

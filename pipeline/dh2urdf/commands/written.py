@@ -22,7 +22,7 @@ from dh2urdf.output.whole_files import safe_stem, write_whole
 from dh2urdf.plugin_system.catalog import load
 from dh2urdf.robot import Robot
 from dh2urdf.robot_check import check_robot
-from dh2urdf.source import Mark, Problem, shown
+from dh2urdf.source import Mark, Messages, Problem
 from dh2urdf.stage_calls.calls import Call, a_record, blaming, default_call, emitted_files
 from dh2urdf.stages import ReadsBack, Rejected, WritesTables
 from dh2urdf.table_text import WrittenTable
@@ -35,6 +35,8 @@ if TYPE_CHECKING:
     from dh2urdf.manipulator import Manipulator
     from dh2urdf.stages import Reader
     from dh2urdf.table_text import TableText
+
+say = Messages(__file__)
 
 _SAME = 1e-12
 """How far numbers of a table that was written in other units than m and rad may be from those of the arm."""
@@ -49,7 +51,7 @@ def in_format(tables: Sequence[TableText], call: Call[Reader[Any]]) -> WrittenTa
     """
     writes = call.stage.can(WritesTables)
     if writes is None:
-        raise InputError(Problem(message=f"the reader {call.stage.name!r} does not write tables"))
+        raise InputError(say("reader-only-reads", reader=call.stage.name))
     with blaming(call, "write"):
         return a_record(writes.write(tables), WrittenTable)
 
@@ -98,9 +100,7 @@ def left_out(
     for field, owners in missing.items():
         rows = sum(owner.startswith("rows[") for owner in owners)
         what = f"{field!r} of {rows} row{'' if rows == 1 else 's'}" if rows else repr(field)
-        message = f"the format {call.stage.name!r} has no place for {what}: left out"
-        advice = "a YAML table holds everything"
-        notices.append(Problem(message=message, severity="notice", mark=Mark(file=place), suggestion=advice))
+        notices.append(say("no-place-for-field", Mark(file=place), format=call.stage.name, what=what))
     return tuple(notices)
 
 
@@ -141,8 +141,7 @@ def _read_back(
         raise RecordValueError(refused)
     read = [item for item in items if not isinstance(item, Rejected)]
     if len(read) != len(manipulators):
-        message = f"{len(manipulators)} tables were written, and {len(read)} are read back"
-        raise RecordValueError(Problem(message=message, mark=Mark(file=place)))
+        raise RecordValueError(say("tables-lost", Mark(file=place), written=len(manipulators), read=len(read)))
     return read
 
 
@@ -164,16 +163,15 @@ def _different(given: Any, again: Any, place: str) -> Iterator[tuple[str, Any, A
 
 def _other(arm: Manipulator, change: tuple[str, Any, Any], call: Call[Reader[Any]], place: str) -> Problem:
     field, given, found = change
-    both = f"{shown(str(given))}, which reads back as {shown(str(found))}"
-    what = both if isinstance(given, str) and isinstance(found, str) else "this as it is"
-    return Problem(
-        message=f"a table as {call.stage.name} cannot have {what}",
-        mark=Mark(file=place),
+    is_text = isinstance(given, str) and isinstance(found, str)
+    return say(
+        "text-changes-in-format" if is_text else "number-changes-in-format",
+        Mark(file=place),
         robot=arm.name,
         field=field,
         found=str(given),
-        accepted="names and numbers that read back as they are",
-        suggestion="change it, or write a YAML table",
+        format=call.stage.name,
+        again=str(found),
     )
 
 
@@ -197,7 +195,7 @@ def write_description(
     target = path_or_none("out", out, mark)
     problems = [problem for problem in check_robot(robot) if problem.severity == "error"]
     if columns_of(robot):
-        problems.append(Problem(message="a number of the robot is an array", robot=robot.name, accepted="one number"))
+        problems.append(say("robot-of-arrays", robot=robot.name))
     if problems:
         raise RobotError(problem.about(mark=mark) for problem in problems)
     catalog = load()
@@ -234,5 +232,6 @@ def _compare(robot: Robot, described: Robot, mark: Mark) -> None:
             left, right = given.forward_kinematics(q), found.forward_kinematics(q)
             position, angle = position_error(left, right), angle_error(left, right)
             if not (position <= TOLERANCE and angle <= TOLERANCE):
-                message = f"what was written has {tip} {position:.3g} m and {angle:.3g} rad away at q = {q}"
-                raise ProofError(Problem(message=message, mark=mark, robot=robot.name))
+                raise ProofError(
+                    say("written-arm-differs", mark, robot=robot.name, tip=tip, position=position, angle=angle, q=q)
+                )

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from dh2urdf.errors import ConfigError, InputError, PluginError, TableError
-from dh2urdf.source import Problem, shown
+from dh2urdf.source import Messages, Problem
 from dh2urdf.stages import WritesTables
 
 if TYPE_CHECKING:
@@ -15,6 +15,8 @@ if TYPE_CHECKING:
     from dh2urdf.plugin_system.catalog import Catalog
     from dh2urdf.source import Mark
     from dh2urdf.stages import Emitter, Reader
+
+say = Messages(__file__)
 
 
 def table_writer(catalog: Catalog, file: Path, mark: Mark) -> Reader[Any]:
@@ -26,17 +28,16 @@ def table_writer(catalog: Catalog, file: Path, mark: Mark) -> Reader[Any]:
     stages: list[Any] = [provided.stage for provided in catalog.provided("reader")]
     suffixes = [suffix for stage in stages if stage.can(WritesTables) for suffix in _written(stage)]
     if not file.name.lower().endswith(tuple(suffixes)):
-        message = f"no reader writes tables like {shown(file.name)}"
-        accepted = f"a file name that ends in {', '.join(suffixes)}"
-        raise TableError(Problem(message=message, mark=mark, found=str(file), accepted=accepted))
+        raise TableError(say("no-writer-of-tables", mark, found=str(file), name=file.name, suffixes=suffixes))
     return catalog.reader_for(file)
 
 
 def names_no_format(file: Path, emitter: Emitter[Any]) -> ConfigError:
     """Return the error that the suffix of a file says none of the several formats that an emitter writes."""
-    message = f"{shown(file.name)} names none of the formats that the emitter {emitter.name!r} writes"
-    accepted = f"a name that ends in {', '.join(emitter.suffixes)}"
-    return ConfigError(Problem(message=message, found=str(file), accepted=accepted))
+    suffixes = emitter.suffixes
+    return ConfigError(
+        say("name-of-no-format", found=str(file), name=file.name, emitter=emitter.name, suffixes=suffixes)
+    )
 
 
 def notices_of_ending(catalog: Catalog, file: Path, chosen: Emitter[Any], option: str, mark: Mark) -> list[Problem]:
@@ -44,9 +45,8 @@ def notices_of_ending(catalog: Catalog, file: Path, chosen: Emitter[Any], option
     named = _stage(catalog.emitter_for, file)
     if named in (None, chosen):
         return []
-    message = f"{shown(file.name)} is the name of a file in the format {named.name}, and it holds {chosen.name}"
-    suggestion = f"leave out {option}, or choose a name that ends in {chosen.suffixes[0]}"
-    return [Problem(message=message, severity="notice", mark=mark, field="out", suggestion=suggestion)]
+    about = {"name": file.name, "named": named.name, "chosen": chosen.name}
+    return [say("name-of-other-emitter", mark, field="out", option=option, suffix=chosen.suffixes[0], **about)]
 
 
 def refuse_other_ending(catalog: Catalog, file: Path, stage: Reader[Any] | Emitter[Any], mark: Mark) -> None:
@@ -59,9 +59,8 @@ def refuse_other_ending(catalog: Catalog, file: Path, stage: Reader[Any] | Emitt
     if file.name.lower().endswith(suffixes):
         return
     if _stage(catalog.reader_for, file) or _stage(catalog.emitter_for, file):
-        message = f"{shown(file.name)} is the name of a file in another format than {stage.name}, which is written"
-        accepted = f"a name that ends in {' or '.join(suffixes)}"
-        raise ConfigError(Problem(message=message, mark=mark, field="out", found=str(file), accepted=accepted))
+        about = {"name": file.name, "format": stage.name, "suffixes": " or ".join(suffixes)}
+        raise ConfigError(say("name-of-other-format", mark, field="out", found=str(file), **about))
 
 
 def _written(stage: Reader[Any] | Emitter[Any]) -> tuple[str, ...]:

@@ -21,7 +21,7 @@ from dh2urdf.meshes.files import RELATIVE, copy_path, located, mesh_files, prefi
 from dh2urdf.meshes.kinds import MeshConversion
 from dh2urdf.output.whole_files import put_in_place, refuse_inputs, staging, write_files, write_whole
 from dh2urdf.robot import Robot
-from dh2urdf.source import Mark, Problem, shown
+from dh2urdf.source import Mark, Messages, Problem, shown
 from dh2urdf.stage_calls.calls import Call, a_record, blaming, emitted_files, items_of, reading, several_records
 from dh2urdf.stages import (
     Edit,
@@ -46,6 +46,8 @@ if TYPE_CHECKING:
 
     from dh2urdf.kinematics.expected_poses import ExpectedPoses, Poses
     from dh2urdf.table_text import Trace
+
+say = Messages(__file__)
 
 I = TypeVar("I")  # noqa: E741 - what a reader yields
 
@@ -292,12 +294,19 @@ def _proof(  # noqa: PLR0917 - what is known of a file
             raise _another_arm(error.problems, what) from error
         raise
     if recipe.keeps_kinematics and not proof.holds:
-        message = (
-            f"{proof.tip} is off by {proof.position_error:.3g} m and {proof.angle_error:.3g} rad at q = "
-            f"{list(proof.q)}; allowed are {proof.tolerance:.3g} m and {TOLERANCE:.3g} rad"
+        off = say(
+            "off-the-table",
+            expected.mark,
+            robot=expected.name,
+            tip=proof.tip,
+            position=proof.position_error,
+            angle=proof.angle_error,
+            q=[*proof.q],
+            most=proof.tolerance,
+            most_angle=TOLERANCE,
         )
         what = _makers_at_fault(expected, robot, poses, recipe) or f"the emitter {call.stage.name!r} wrote"
-        raise _another_arm([Problem(message=message, robot=expected.name, mark=expected.mark)], what)
+        raise _another_arm([off], what)
     return proof
 
 
@@ -322,25 +331,14 @@ def _refuse_one_folder(call: Call[Emitter[Any]], stem: str) -> None:
     with blaming(call, "in_folders"):
         own, others = (set(items_of(writes.in_folders(each, call.options), "names")) for each in (stem, f"{stem}_"))
     if shared := sorted(own & others):
-        raise EmitterError(
-            Problem(
-                message=f"the options of the emitter {call.stage.name!r} name the folder of one robot, and the run "
-                "has several",
-                found=shared[0],
-                accepted="options that leave the name of the folder to the robot",
-                suggestion="name the tables as their packages, or convert them one by one",
-            )
-        )
+        raise EmitterError(say("one-folder-of-several", found=shared[0], emitter=call.stage.name))
 
 
 def _same_file(first: str, second: str, name: str) -> EmitterError:
     """Return the error that two emitters of a robot, or one that stands twice, would write one file."""
-    message, suggestion = f"the emitter {first!r} stands twice and would write {shown(name)} twice", "name it once"
-    if first != second:
-        message = f"the emitters {first!r} and {second!r} both write {shown(name)}"
-        suggestion = f"leave out {first!r} or {second!r}, or write each into a folder of its own"
-    accepted = "files whose names differ in more than case"
-    return EmitterError(Problem(message=message, accepted=accepted, suggestion=suggestion))
+    return EmitterError(
+        say("emitter-twice" if first == second else "emitters-of-one-file", first=first, second=second, name=name)
+    )
 
 
 def refuse_undeclared_files(
@@ -461,8 +459,4 @@ def _state_of(path: Path) -> tuple[int, ...] | None:
 
 
 def _changed(path: Path) -> Problem:
-    return Problem(
-        message="the file has changed while it was read: what was made of it may be of two versions",
-        mark=Mark(file=str(path)),
-        suggestion="leave the file alone and begin again; a run with `--resume` makes what is different",
-    )
+    return say("file-changed", Mark(file=str(path)))

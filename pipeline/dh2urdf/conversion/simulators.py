@@ -14,7 +14,7 @@ from dh2urdf.errors import InputError, ManipulatorError, MissingDependencyError,
 from dh2urdf.isolation.loads import load_in_child
 from dh2urdf.kinematics.chain import KinematicChain
 from dh2urdf.kinematics.expected_poses import joint_vectors
-from dh2urdf.source import Problem, shown
+from dh2urdf.source import Messages, shown
 from dh2urdf.stage_calls.calls import Call, a_plain_name, a_record, blaming, depending_on
 from dh2urdf.stages import Loader, LoadReport, LoadRequest
 
@@ -27,6 +27,8 @@ if TYPE_CHECKING:
     from dh2urdf.kinematics.expected_poses import ExpectedPoses
     from dh2urdf.robot import Robot
     from dh2urdf.rotations import RigidTransform
+
+say = Messages(__file__)
 
 
 def missing_of(recipe: Recipe) -> dict[str, str]:
@@ -157,7 +159,7 @@ def load_with_all(  # noqa: PLR0917 - what is known of a manipulator with files
 
 
 def _missing(report: LoadReport, why: str) -> Verdict:
-    errors = (Problem(message=why, severity="notice"),)
+    errors = (say("simulator-missing", reason=why),)
     return Verdict(report=report, status="missing", optional=True, errors=errors)
 
 

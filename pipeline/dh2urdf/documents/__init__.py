@@ -10,7 +10,6 @@ if TYPE_CHECKING:
     from dh2urdf.documents.document import load_yaml as load_yaml, stream_yaml as stream_yaml
     from dh2urdf.documents.nodes import Item as Item, Node as Node
     from dh2urdf.documents.text_files import (
-        LONG_PATH as LONG_PATH,
         check_file as check_file,
         decoded as decoded,
         is_file as is_file,
@@ -27,6 +26,7 @@ if TYPE_CHECKING:
         check_encoding as check_encoding,
         xml_root as xml_root,
     )
+    from dh2urdf.source import LONG_PATH as LONG_PATH
 else:
     __all__, __getattr__, __dir__ = late_names(
         __name__,

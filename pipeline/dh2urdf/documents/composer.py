@@ -11,12 +11,14 @@ from typing import TYPE_CHECKING, Any, NoReturn, TypeAlias
 import yaml
 
 from dh2urdf.documents.nodes import Item, Node, core_value
-from dh2urdf.source import Mark, Problem, did_you_mean, shown
+from dh2urdf.source import Mark, Messages, Problem, did_you_mean, shown
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
 
     from dh2urdf.errors import InputError
+
+say = Messages(__file__)
 
 
 _ADVICE = (
@@ -48,7 +50,7 @@ def syntax_problem(reason: Exception, text: str, file: str) -> Problem:
     place = getattr(reason, "problem_mark", None)
     opened = getattr(reason, "context_mark", None)
     if place is None:
-        return Problem(message=f"this is not valid YAML: {said}", mark=Mark(file=file))
+        return say("yaml-unreadable", Mark(file=file), reason=said)
     lines = re.split(r"\r\n|\n|\r", text)
     if opened is not None and not "".join([_rest(lines, place.line, place.column), *lines[place.line + 1 :]]).strip():
         place = opened  # The text ended too early: what was left open is the place to fix.
@@ -57,12 +59,10 @@ def syntax_problem(reason: Exception, text: str, file: str) -> Problem:
     if "cannot start any token" in said:
         said = f"a value cannot start with {shown(rest[:1])}"
         suggestion = _TAB if rest[:1] == "\t" else _RESERVED
-    return Problem(
-        message=f"this is not valid YAML: {said}" + (f", at {shown(rest.strip())}" if rest.strip() else ""),
-        mark=Mark(file=file, line=place.line + 1, column=place.column + 1),
-        found=rest.strip() or None,
-        suggestion=suggestion,
-    )
+    mark, found = Mark(file=file, line=place.line + 1, column=place.column + 1), rest.strip() or None
+    if found:
+        said += f", at {shown(found)}"
+    return say("yaml-unreadable", mark, found=found, reason=said, suggestion=suggestion)
 
 
 def _rest(lines: list[str], line: int, column: int) -> str:
@@ -148,7 +148,7 @@ class Composer:
             problem = syntax_problem(reason, self.text, self.file)
             if _TOO_DEEP in str(reason) and problem.mark:
                 self._too_deep(problem.mark)
-            self._stop(problem.message, problem.mark, found=problem.found, suggestion=problem.suggestion)
+            self._stop(problem)
 
     def _items(self) -> Iterator[Item]:
         stack = self.stack
@@ -164,7 +164,7 @@ class Composer:
                 yield Item(finished[0], tuple(self.problems))
                 self.problems = []
         if self.root is None or self.root.text == "":
-            self._stop("the file is empty", Mark(file=self.file))
+            self._stop(say("file-empty", Mark(file=self.file)))
         yield Item(self.root, tuple(self.problems))
 
     def _finished(self, event: yaml.Event) -> _Sized | None:
@@ -178,7 +178,7 @@ class Composer:
         elif isinstance(event, yaml.AliasEvent):
             return self._alias(event)
         elif isinstance(event, yaml.DocumentStartEvent) and self.root:
-            self._stop("a second document begins here", self._mark(event), accepted="one document in a file")
+            self._stop(say("yaml-second-document", self._mark(event)))
         return None
 
     def _scalar(self, event: yaml.ScalarEvent) -> _Sized:
@@ -237,7 +237,7 @@ class Composer:
     def _take_key(self, frame: _OpenNode, node: Node) -> None:
         key = node.text
         if key is None:
-            self._stop(f"{node.describe()} stands as a key", node.mark, accepted="a name as the key")
+            self._stop(say("yaml-key-no-name", node.mark, what=node.describe()))
         if key == "<<" and not node.quoted:
             frame.merge_next = True
             if frame.merged:
@@ -253,11 +253,8 @@ class Composer:
         """Adds what ``<<`` stands for; keys of the mapping itself, and earlier ones of a list, win."""
         for source in merged.value if isinstance(merged.value, list) else [merged]:
             if not isinstance(source.value, dict):
-                self._add_problem(
-                    f"`<<` takes in the entries of a mapping, and this is {source.describe()}",
-                    source.mark,
-                    found=source.text,
-                    accepted="an alias of a mapping, such as `<<: *defaults`, or a list of them",
+                self.problems.append(
+                    say("yaml-merge-no-mapping", source.mark, found=source.text, what=source.describe())
                 )
                 continue
             for key, node in source.value.items():
@@ -267,71 +264,50 @@ class Composer:
 
     def _begin_anchor(self, event: yaml.NodeEvent, name: str) -> None:
         if name in self.anchors:
-            message = f"the anchor {shown('&' + name)} stands twice"
-            self._add_problem(message, self._mark(event), suggestion="give each its own name")
+            self.problems.append(say("yaml-anchor-twice", self._mark(event), anchor="&" + name))
         self.anchors[name] = None
 
     def _alias(self, event: yaml.AliasEvent) -> _Sized:
         """What an alias stands for."""
         name, mark = str(event.anchor), self._mark(event)
-        alias, anchor = shown("*" + name), shown("&" + name)
+        alias = f"*{name}"
         if name not in self.anchors:
-            message = f"the alias {alias} stands for a value marked {anchor}, and nothing above is marked so"
-            near = did_you_mean(name, self.anchors) or "quote it if it is meant as text"
-            self._stop(message, mark, found=f"*{name}", suggestion=near)
+            near = did_you_mean(name, self.anchors)
+            self._stop(say("yaml-alias-unknown", mark, found=alias, anchor="&" + name, suggestion=near))
         anchored = self.anchors[name]
         if anchored is None:
-            self._stop(f"the alias {alias} stands inside the value that it stands for", mark)
+            self._stop(say("yaml-alias-in-itself", mark, alias=alias))
         _, size, depth = anchored
         self.aliased += size
         start: Any = event.start_mark
         limit = MAX_ALIASED + MAX_ALIASED_PER_CHARACTER * start.index
         if self.aliased > limit:
-            message = f"with {alias} the aliases of this file stand for more values than are read from aliases"
-            accepted = f"{limit:,} values at this place"
-            self._stop(message, mark, found=f"*{name}", accepted=accepted, suggestion="write the values out")
+            self._stop(say("yaml-aliases-too-many", mark, found=alias, limit=limit))
         if len(self.stack) + depth > MAX_DEPTH:
             self._too_deep(self._mark(event))
         return anchored
 
     def _refuse_tag(self, event: yaml.Event, tag: str) -> None:
         found = tag.replace("tag:yaml.org,2002:", "!!")
-        self._add_problem(
-            f"the YAML tag {shown(found)} is not accepted",
-            self._mark(event),
-            found=found,
-            accepted="numbers, texts, lists and mappings without tags",
-            suggestion="remove the tag, or quote the value if this is meant as text",
-        )
+        self.problems.append(say("yaml-tag", self._mark(event), found=found))
 
     def _refuse_duplicate(self, node: Node, first: tuple[int, int]) -> None:
-        self._add_problem(
-            f"the key {shown(node.text or '')} stands here and in line {first[0]}, column {first[1]}",
-            node.mark,
-            found=node.text,
-            accepted="each key once in a mapping",
-            suggestion="remove one of the two",
-        )
+        line, column = first
+        self.problems.append(say("yaml-key-twice", node.mark, found=node.text, line=line, column=column))
 
     def _too_deep(self, mark: Mark) -> NoReturn:
-        message = f"more than {MAX_DEPTH} mappings and lists stand inside each other"
-        self._stop(message, mark, accepted=f"at most {MAX_DEPTH}")
+        self._stop(say("yaml-too-deep", mark, most=MAX_DEPTH))
 
     def _too_long(self, frame: _OpenNode) -> NoReturn:
         mark = Mark(file=self.file, line=frame.place[0], column=frame.place[1])
-        message = f"the list that begins here has more than {self.longest_list:,} entries"
-        self._stop(message, mark, accepted=f"at most {self.longest_list:,} entries")
+        self._stop(say("yaml-list-too-long", mark, most=self.longest_list))
 
     def _mark(self, event: yaml.Event) -> Mark:
         line, column = _place(event)
         return Mark(file=self.file, line=line, column=column)
 
-    def _add_problem(self, message: str, mark: Mark | None, **about: str | None) -> None:
-        self.problems.append(Problem(message=message, mark=mark, **about))  # type: ignore[arg-type]  # texts
-
-    def _stop(self, message: str, mark: Mark | None, **about: str | None) -> NoReturn:
-        self._add_problem(message, mark, **about)
-        raise self.error(self.problems)
+    def _stop(self, problem: Problem) -> NoReturn:
+        raise self.error([*self.problems, problem])
 
 
 def _place(event: yaml.Event) -> tuple[int, int]:

@@ -10,7 +10,9 @@ from math import tau
 from typing import Any, TypeAlias
 
 from dh2urdf.errors import ConfigError, InputError
-from dh2urdf.source import Mark, Problem, shown
+from dh2urdf.source import Mark, Messages, Problem, shown
+
+say = Messages(__file__)
 
 MAX_DIGITS = 400
 """Digits of a whole number: more than the largest double has."""
@@ -121,14 +123,7 @@ def expect_mapping(node: Node, what: str, error: type[InputError] = ConfigError)
     """
     if isinstance(node.value, dict):
         return node.value
-    raise error(
-        Problem(
-            message=f"{what} must be a mapping of names and values, not {node.describe()}",
-            mark=node.mark,
-            found=node.text,
-            accepted="lines such as `name: value`",
-        )
-    )
+    raise error(say("not-a-mapping", node.mark, found=node.text, what=what, kind=node.describe()))
 
 
 # YAML 1.2.2, section 10.3.2, the tag resolution of the core schema.

@@ -10,13 +10,12 @@ from contextlib import suppress
 from pathlib import Path
 
 from dh2urdf.errors import ConfigError, InputError, ManipulatorError
-from dh2urdf.source import Mark, Problem, shown
+from dh2urdf.source import LONG_PATH, Mark, Messages, Problem, shown
+
+say = Messages(__file__)
 
 MAX_BYTES = 2**30
 """Size of a file that is still read at once [B]."""
-
-LONG_PATH = 200
-"""Characters of a path that a message repeats."""
 
 ADDRESS = r"[A-Za-z][A-Za-z0-9.+-]+:(?:[/\\]|$)"
 """What a path begins with that was made of an address, such as ``s3://bucket/name``: it has one slash of two."""
@@ -80,14 +79,7 @@ def read_bytes(path: Path, error: type[InputError] = ConfigError, *, limit: int 
             return path.read_bytes()
     except OSError as reason:
         raise error(unreadable(path, reason)) from None
-    raise error(
-        Problem(
-            message=f"the file has {size / 2**20:.0f} MiB, too much to be read at once",
-            mark=Mark(file=str(path)),
-            accepted=f"at most {limit / 2**20:.0f} MiB",
-            suggestion="split it into several files",
-        )
-    )
+    raise error(say("file-too-large", Mark(file=str(path)), size=size / 2**20, most=limit / 2**20))
 
 
 def tidy_path(path: Path) -> Path:
@@ -114,11 +106,8 @@ def check_file(path: Path, error: type[InputError] = ConfigError) -> None:
         raise error(unreadable(path, reason)) from None
     mark = Mark(file=str(path))
     if stat.S_ISDIR(mode):
-        raise error(Problem(message="this is a folder, not a file", mark=mark, accepted="a file"))
-    advice = "write what comes out of it into a file; standard input is named -, where a command takes it"
-    raise error(
-        Problem(message="this is a pipe or a device, not a file", mark=mark, accepted="a file", suggestion=advice)
-    )
+        raise error(say("folder-not-file", mark))
+    raise error(say("device-not-file", mark))
 
 
 def unreadable(path: Path, reason: OSError | ValueError) -> Problem:
@@ -126,15 +115,11 @@ def unreadable(path: Path, reason: OSError | ValueError) -> Problem:
     mark = Mark(file=shown(str(path), LONG_PATH)[1:-1])
     if isinstance(reason, FileNotFoundError):
         if path.is_symlink():
-            return Problem(
-                message=f"this link leads to {shown(str(path.readlink()), LONG_PATH)}, where there is no file",
-                mark=mark,
-            )
+            return say("link-to-nothing", mark, target=path.readlink())
         if re.match(ADDRESS, str(path)):
-            advice = "copy what is there to a file of this machine"
-            return Problem(message="this is an address, and inputs are files", mark=mark, suggestion=advice)
+            return say("address-not-file", mark)
         if not is_folder(path.parent):
-            return Problem(message=f"there is no folder {shown(str(path.parent), LONG_PATH)}", mark=mark)
+            return say("no-folder", mark, folder=shown(str(path.parent), LONG_PATH))
         from difflib import get_close_matches
 
         near: list[str] = []
@@ -142,9 +127,9 @@ def unreadable(path: Path, reason: OSError | ValueError) -> Problem:
             names = sorted(entry.name for entry in path.parent.iterdir())
             near = get_close_matches(path.name, names, n=3, cutoff=0.7)
         suggestion = f"did you mean {' or '.join(repr(name) for name in near)}?" if near else None
-        return Problem(message="there is no such file", mark=mark, suggestion=suggestion)
+        return say("no-such-file", mark, suggestion=suggestion)
     why = reason.strerror if isinstance(reason, OSError) and reason.strerror else str(reason)
-    return Problem(message=f"the file cannot be read: {why}", mark=mark)
+    return say("file-unreadable", mark, reason=why)
 
 
 def kind_of_file(content: bytes) -> tuple[str, str] | None:
@@ -174,8 +159,9 @@ def refuse_other_kind(
     """
     if found := kind_of_file(content):
         kind, advice = found
-        message = f"this is {kind}, not {wanted}"
-        raise error(Problem(message=message, mark=Mark(file=file), accepted=accepted, suggestion=advice))
+        raise error(
+            say("other-kind-of-file", Mark(file=file), kind=kind, wanted=wanted, accepted=accepted, suggestion=advice)
+        )
 
 
 def decoded(content: bytes | str, file: str, error: type[InputError] = ConfigError) -> str:
@@ -192,26 +178,14 @@ def decoded(content: bytes | str, file: str, error: type[InputError] = ConfigErr
         except UnicodeDecodeError as reason:
             before = content[len(bom) : len(bom) + reason.start].decode(encoding)
             byte = reason.object[reason.start]
-            raise error(
-                Problem(
-                    message=f"byte 0x{byte:02x} is no {encoding[:6].upper()} text",
-                    mark=_mark_after(before, file),
-                    accepted=_TEXT,
-                    suggestion="save the file as UTF-8",
-                )
-            ) from None
+            mark = _mark_after(before, file)
+            raise error(say("not-in-encoding", mark, byte=byte, encoding=encoding[:6].upper())) from None
     else:
         text = content.removeprefix("\ufeff")
     if match := re.search(_UNACCEPTABLE_ASCII if text.isascii() else _UNACCEPTABLE, text):
-        raise error(
-            Problem(
-                message=f"the character U+{ord(match[0]):04X} cannot be in a text file",
-                mark=_mark_after(text[: match.start()], file),
-                found=match[0].encode("unicode_escape").decode("ascii"),
-                accepted="printable characters, tabs, and line ends LF, CR LF or CR",
-                suggestion="is this a text file?" if match[0] == "\0" else "remove it",
-            )
-        )
+        character = match[0].encode("unicode_escape").decode("ascii")
+        code = "nul-in-text" if match[0] == "\0" else "control-character"
+        raise error(say(code, _mark_after(text[: match.start()], file), found=character, number=ord(match[0])))
     return text
 
 

@@ -30,7 +30,9 @@ from dh2urdf.errors import CrashError, TimeLimitError
 from dh2urdf.isolation.encodings import AnswerError, Data, Pickled
 from dh2urdf.plugin_system.attribution import MARK, NAME_SIZE
 from dh2urdf.plugin_system.discovery import UNKNOWN, installed
-from dh2urdf.source import shown
+from dh2urdf.source import Messages, shown
+
+say = Messages(__file__)
 
 if sys.platform == "linux":
     from fcntl import F_SETPIPE_SZ, fcntl
@@ -192,7 +194,7 @@ class Child:
         try:
             return cls()
         except OSError as error:
-            raise CrashError(f"a child process cannot be started: {error}") from error
+            raise CrashError(say("child-not-started", reason=error)) from error
 
     def __enter__(self) -> Self:
         return self
@@ -237,22 +239,24 @@ class Child:
         output = self.printed_before + self.output.text()
         who = self.who or who
         kind: type[CrashError] = CrashError
+        about: dict[str, Any] = {"who": who, "reason": answer.text}
         match answer.word:
             case "not imported":
-                message = f"a child process cannot import {function.__module__}.{function.__qualname__}: {answer.text}"
+                code, about["who"] = "child-without-function", f"{function.__module__}.{function.__qualname__}"
             case "left":
-                code = json.loads(answer.body)
-                message = f"{who} left the interpreter (exit status {code}) and gave no result"
+                code, about["status"] = "child-left", json.loads(answer.body)
             case "garbled":
-                message = f"{who} sent an answer that cannot be used: {answer.text}"
+                code = "child-answer-unusable"
             case "late":
-                kind, message = TimeLimitError, f"{who} did not finish within {timeout:g} s"
+                kind, code, about["seconds"] = TimeLimitError, "child-late", timeout
             case _ if status < 0:
-                message = f"{who} crashed ({(signal.strsignal(-status) or f'signal {-status}').lower()})"
+                code = "child-crashed"
+                about["signal"] = (signal.strsignal(-status) or f"signal {-status}").lower()
             case _:
-                message = f"{who} left the process (exit status {status}) and gave no result"
+                code, about["status"] = "child-left", status
         words = last_words(output)
-        raise kind(f"{message}; it printed last: {words}" if words else message) from ChildFailure(output)
+        printed = f"; it printed last: {words}" if words else ""
+        raise kind(say(code, printed=printed, **about)) from ChildFailure(output)
 
     def ask(
         self, call: bytes, timeout: float | None, encoding: Data[Any] | Pickled[Any], *, in_fork: bool = False
@@ -373,12 +377,11 @@ def pickled_call(function: Callable[..., Any], args: tuple[Any, ...], who: str) 
     """
     name = getattr(function, "__qualname__", repr(function))
     if getattr(function, "__module__", None) == "__main__":
-        raise CrashError(f"{name} is in the script that is run, where a child process cannot import it")
+        raise CrashError(say("function-of-script", name=name))
     try:
         return pickle.dumps((function, args))
     except (pickle.PicklingError, AttributeError, TypeError) as error:
-        message = f"{who}: {name} and its arguments cannot be sent to a child process: {error}"
-        raise CrashError(message) from error
+        raise CrashError(say("call-unsendable", who=who, name=name, reason=error)) from error
 
 
 def result_of(answer: Answer, encoding: Data[Any] | Pickled[Any], output: str = "") -> Any:  # noqa: ANN401 - what the function returned

@@ -35,13 +35,15 @@ from dh2urdf.rotations import (
     transpose,
     z_axis_of,
 )
-from dh2urdf.source import Problem, did_you_mean
+from dh2urdf.source import Messages, did_you_mean
 
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import ArrayLike, NDArray
 
     from dh2urdf.robot import Joint, Robot
+
+say = Messages(__file__)
 
 JointVector: TypeAlias = Sequence[Any]
 """One value per moving joint, each a float or an array [rad or m]."""
@@ -234,14 +236,8 @@ def joints_between(robot: Robot, root: str, tip: str) -> tuple[Joint, ...]:
 
 def _no_way(robot: Robot, root: str, tip: str) -> RecordValueError:
     links = [name for joint in robot.joints for name in (joint.parent, joint.child)]
-    return RecordValueError(
-        Problem(
-            message=f"robot {robot.name!r} has no chain from link {root!r} to link {tip!r}",
-            field="tip",
-            found=tip,
-            suggestion=did_you_mean(tip, links) if tip not in links else None,
-        )
-    )
+    near = did_you_mean(tip, links) if tip not in links else None
+    return RecordValueError(say("no-way", field="tip", found=tip, robot=robot.name, root=root, suggestion=near))
 
 
 def link_poses(robot: Robot, q: Mapping[str, float]) -> dict[str, RigidTransform]:

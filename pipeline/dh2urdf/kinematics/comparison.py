@@ -15,7 +15,7 @@ from dh2urdf.manipulator import FLANGE, TOOL, Convention, JointType, Manipulator
 from dh2urdf.quantities.number_text import format_number
 from dh2urdf.quantities.units import UNITS
 from dh2urdf.rotations import HALF_PI, IDENTITY, RigidTransform, Vec3
-from dh2urdf.source import Mark, Problem, did_you_mean, shown
+from dh2urdf.source import Mark, Messages, did_you_mean, shown
 from dh2urdf.table_text.texts import number_in
 
 if TYPE_CHECKING:
@@ -24,6 +24,8 @@ if TYPE_CHECKING:
     from dh2urdf.kinematics.screws import Alignment
     from dh2urdf.manipulator import DHRow
     from dh2urdf.robot import Joint, Robot
+
+say = Messages(__file__)
 
 TOLERANCE = 1e-6
 """What two arms may differ that are the same [m] and [rad]: what files lose that round their numbers to ten digits."""
@@ -107,9 +109,7 @@ def compare(
     try:
         chain = KinematicChain.between(robot, base, tip)
     except ValueError as error:
-        raise ConfigError(
-            Problem(message=str(error), suggestion="--base-link and --tip-link choose the ends")
-        ) from None
+        raise ConfigError(say("ends-without-chain", reason=error)) from None
     moving = [joint for joint in chain.joints if joint.type is not JointType.FIXED]
     result = Agreement(base_link=base, tip_link=tip, joints=tuple(joint.name for joint in moving), difference=None)
     if apart := _other_joints(moving, manipulator.moving_rows):
@@ -130,11 +130,8 @@ def compare(
 def _link(robot: Robot, name: str, option: str) -> str:
     names = [link.name for link in robot.links]
     if name not in names:
-        message, mark = f"the description has no link {shown(name)}", Mark(file="command line")
-        accepted, near = ", ".join(names[:20]), did_you_mean(name, names)
-        raise ConfigError(
-            Problem(message=message, mark=mark, field=option, found=name, accepted=accepted, suggestion=near)
-        )
+        mark, near = Mark(file="command line"), did_you_mean(name, names)
+        raise ConfigError(say("link-unknown", mark, field=option, found=name, names=names[:20], suggestion=near))
     return name
 
 

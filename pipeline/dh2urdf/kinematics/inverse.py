@@ -23,7 +23,7 @@ from dh2urdf.kinematics.pose_arrays import jacobian_at, joints_of, table_jacobia
 from dh2urdf.kinematics.walk import CompiledChain, values_of
 from dh2urdf.manipulator import JointType
 from dh2urdf.rotations import RigidTransform, multiply, norm, transpose
-from dh2urdf.source import Mark, Problem
+from dh2urdf.source import Mark, Messages
 
 if TYPE_CHECKING:
     import numpy as np
@@ -32,6 +32,8 @@ if TYPE_CHECKING:
     from dh2urdf.manipulator import JointVectors, Manipulator
 
     Vector = NDArray[np.float64]
+
+say = Messages(__file__)
 
 ATTEMPTS = 24
 """Joint vectors from which a solution is looked for: the one that is given, and random ones, always the same."""
@@ -95,10 +97,7 @@ def inverse_kinematics(
 
     target = _Target(pose).pose  # type: ignore[arg-type]  # `take_fields` takes matrices
     if attempts < 1:
-        message = f"{attempts} attempts find nothing"
-        raise RecordValueError(
-            Problem(message=message, mark=Mark(file=_FUNCTION), field="attempts", accepted="1 or more")
-        )
+        raise RecordValueError(say("no-attempts", Mark(file=_FUNCTION), field="attempts", attempts=attempts))
     search = _PoseSearch(manipulator, target)
     if start is None:
         first = search.middle

@@ -11,13 +11,15 @@ from contextlib import suppress
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from dh2urdf.errors import RecordTypeError, RecordValueError
-from dh2urdf.source import Mark, Problem, did_you_mean, listed, shown
+from dh2urdf.source import Mark, Messages, did_you_mean, listed, shown
 
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
     Values = NDArray[np.float64]
+
+say = Messages(__file__)
 
 
 class JointNames(NamedTuple):
@@ -37,18 +39,9 @@ class JointNames(NamedTuple):
     whose: str = "the arm"
     function: str = "fk()"
 
-    def refused(
-        self,
-        message: str,
-        accepted: str,
-        *,
-        joint: str | None = None,
-        kind: type[Any] = RecordValueError,
-        **about: Any,  # noqa: ANN401 - of a Problem
-    ) -> Exception:
+    def refused(self, code: str, kind: type[Any] = RecordValueError, **about: Any) -> Exception:  # noqa: ANN401 - of a message
         """The error that refuses a joint vector."""
-        mark = Mark(file=self.function)
-        error: Exception = kind(Problem(message=message, mark=mark, joint=joint, field="q", accepted=accepted, **about))
+        error: Exception = kind(say(code, Mark(file=self.function), field="q", whose=self.whose, **about))
         return error
 
 
@@ -75,16 +68,14 @@ def joint_values(q: Any, names: JointNames) -> tuple[list[Any], tuple[int, ...]]
         shape = np.broadcast_shapes(*(value.shape for value in values.values()))
     except ValueError:
         shapes = ", ".join(f"{name} {value.shape}" for name, value in values.items())
-        raise names.refused(f"the values have shapes that do not go together: {shapes}", "one shape") from None
+        raise names.refused("values-of-other-shapes", shapes=shapes) from None
     for name, value in values.items():
         if not (finite := np.isfinite(value)).all():
             place = tuple(int(index) for index in np.argwhere(~finite)[0])
-            message = f"the value of the joint {shown(name)} is {float(value[place])}"
-            message += f" at index {list(place)}" if place else ""
-            raise names.refused(message, "a finite number in rad or m", joint=name)
+            index = f" at index {list(place)}" if place else ""
+            raise names.refused("joint-value-infinite", joint=name, value=float(value[place]), index=index)
         if name in names.wanted and name not in names.moving and value.any():
-            message = f"the joint {shown(name)} is fixed, and its value is {float(value[value != 0].flat[0])}"
-            raise names.refused(message, "0", joint=name)
+            raise names.refused("joint-fixed", joint=name, value=float(value[value != 0].flat[0]))
     if not shape:  # Of floats the kinematics are exact at quarter turns.
         return [float(values[name]) for name in names.moving], shape
     return [np.broadcast_to(values[name], shape) for name in names.moving], shape
@@ -105,12 +96,14 @@ def _by_name(q: Any) -> dict[Any, Any] | None:  # noqa: ANN401 - whatever is giv
 
 def _by_position(vectors: Values, names: JointNames) -> dict[str, Values]:
     if vectors.ndim == 0:
-        raise names.refused("a single number is no joint vector", "[q], even of one joint", found=str(vectors))
+        raise names.refused("not-a-joint-vector", found=str(vectors))
     if vectors.shape[-1] != len(names.wanted):
         kind = "moving joints" if names.wanted == names.moving else "joints"
-        message = f"{names.whose} has {len(names.wanted)} {kind}, the joint vector has {vectors.shape[-1]} entries"
-        message += f" (the array has the shape {vectors.shape})" if vectors.ndim > 1 else ""
-        raise names.refused(message, f"{len(names.wanted)} values in the last axis: {_listed(names.wanted)}")
+        shape = f" (the array has the shape {vectors.shape})" if vectors.ndim > 1 else ""
+        counts = {"count": len(names.wanted), "entries": vectors.shape[-1]}
+        raise names.refused(
+            "entries-not-joints", kind_of_joints=kind, shape=shape, names=_listed(names.wanted), **counts
+        )
     return {name: vectors[..., index] for index, name in enumerate(names.wanted)}
 
 
@@ -119,12 +112,10 @@ def _named(named: Mapping[Any, Any], names: JointNames) -> dict[str, Values]:
     for name in named:
         if name not in allowed:
             near = did_you_mean(str(name), allowed)
-            message = f"{names.whose} has no moving joint {shown(str(name))}"
-            raise names.refused(message, _listed(allowed), found=str(name), suggestion=near)
+            raise names.refused("joint-unknown", found=str(name), names=_listed(allowed), suggestion=near)
     # The value of a fixed joint is known.
     if missing := [name for name in names.moving if name not in named]:
-        message = f"there is no value of the joint{'s' if len(missing) > 1 else ''} {_listed(missing)}"
-        raise names.refused(message, f"a value for each of {_listed(names.moving)}")
+        raise names.refused("joint-value-missing", missing=_listed(missing), names=_listed(names.moving))
     return {name: _numbers(value, names, name) for name, value in named.items()}
 
 
@@ -137,17 +128,15 @@ def _numbers(value: Any, names: JointNames, name: str | None) -> Values:  # noqa
         array = np.asarray(value)
         items = np.asarray(value, dtype=object).flat
     except ValueError:
-        message = f"{what} has rows of different lengths"
-        raise names.refused(message, "an array of shape (..., n)", joint=name) from None
+        raise names.refused("rows-of-other-lengths", joint=name, what=what) from None
     odd = next((item for item in items if item is None or isinstance(item, (bool, str, bytes))), array)
     kind = f"values of type {array.dtype}" if odd is array else f"{odd!r}, of type {type(odd).__name__}"
-    message = f"{what} is not made of numbers: it holds {kind}"
     if np.ma.is_masked(value):
-        message = f"{what} has masked entries"
-    elif odd is array and array.dtype.kind in "iufO":
+        raise names.refused("values-masked", RecordTypeError, joint=name, what=what)
+    if odd is array and array.dtype.kind in "iufO":
         with suppress(TypeError, ValueError, ArithmeticError):
             return np.asarray(array, dtype=float)
-    raise names.refused(message, "numbers", joint=name, kind=RecordTypeError)
+    raise names.refused("values-no-numbers", RecordTypeError, joint=name, what=what, held=kind)
 
 
 def _listed(names: tuple[str, ...] | list[str]) -> str:

@@ -25,7 +25,7 @@ from dh2urdf.kinematics.joint_vectors import JointNames, joint_values
 from dh2urdf.kinematics.walk import CompiledChain, values_of
 from dh2urdf.manipulator import ROOT, TOOL, JointType
 from dh2urdf.rotations import IDENTITY, cross, rotate, subtract
-from dh2urdf.source import Mark, Problem, shown
+from dh2urdf.source import Mark, Messages, shown
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -40,6 +40,8 @@ if TYPE_CHECKING:
     Matrices = NDArray[np.float64]
     Axis = tuple[JointType, Vec3, Vec3]
     """The type of a joint, the direction of its axis and a point on it, in the base frame."""
+
+say = Messages(__file__)
 
 
 def pose_matrices(model: Manipulator | KinematicChain, q: ArrayLike) -> NDArray[np.float64]:
@@ -109,8 +111,8 @@ def jacobian_at(
 def joints_of(manipulator: Manipulator, function: str, *, full: bool = False) -> JointNames:
     """The joints that a joint vector of a table speaks of."""
     if not isinstance(full, bool):
-        message = f"full={full!r} is neither True nor False"
-        raise RecordTypeError(Problem(message=message, mark=Mark(file=function), field="full", accepted="True, False"))
+        about = {"value": repr(full), "kind": "flag", "accepted": "True or False"}
+        raise RecordTypeError(say("argument-wrong", Mark(file=function), field="full", **about))
     moving = tuple(row.joint for row in manipulator.moving_rows)
     return JointNames(
         wanted=tuple(row.joint for row in manipulator.rows) if full else moving,
@@ -209,6 +211,5 @@ def _finite(numbers: Matrices, function: str) -> Matrices:
     import numpy as np
 
     if not np.isfinite(numbers).all():
-        message = "the pose is not finite: the numbers of the arm are too large, or not finite themselves"
-        raise RecordValueError(Problem(message=message, mark=Mark(file=function)))
+        raise RecordValueError(say("pose-infinite", Mark(file=function)))
     return numbers

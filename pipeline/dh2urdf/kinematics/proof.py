@@ -24,7 +24,7 @@ from dh2urdf.kinematics.chain import compile_joints, joints_between, reach
 from dh2urdf.kinematics.expected_poses import ExpectedPoses, joint_columns
 from dh2urdf.kinematics.walk import CompiledChain, Frame, Stacks, values_of
 from dh2urdf.manipulator import TOOL, JointType
-from dh2urdf.source import Problem, listed
+from dh2urdf.source import Messages, listed
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
@@ -34,6 +34,8 @@ if TYPE_CHECKING:
     from dh2urdf.kinematics.walk import Numbers
     from dh2urdf.manipulator import DHRow, Manipulator
     from dh2urdf.robot import Joint, Robot
+
+say = Messages(__file__)
 
 TOLERANCE = 1e-9
 """What a written description may differ from the DH product: [m] per metre of arm, at least per 1 m, and [rad]."""
@@ -121,13 +123,8 @@ def joints_to(expected: ExpectedPoses, tip: Tip, written: Robot) -> tuple[Joint,
         raise ProofError(problem.about(robot=expected.name) for problem in error.problems) from error
     moving = [joint.name for joint in joints if joint.type is not JointType.FIXED]
     if moving != list(tip.joints):
-        raise ProofError(
-            Problem(
-                message=f"the written chain moves the joints {listed(moving, 8) or 'none'}, the table "
-                f"{listed(tip.joints, 8) or 'none'}",
-                robot=expected.name,
-            )
-        )
+        written_joints, wanted = listed(moving, 8) or "none", listed(tip.joints, 8) or "none"
+        raise ProofError(say("other-joints-move", robot=expected.name, moving=written_joints, wanted=wanted))
     return joints
 
 

@@ -7,6 +7,7 @@ numbers; where they differ from the robot by more than the simulator's arithmeti
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from functools import partial, update_wrapper
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -16,7 +17,7 @@ from dh2urdf.kinematics.mass import tensor
 from dh2urdf.manipulator import JointType
 from dh2urdf.robot import Inertial
 from dh2urdf.rotations import RigidTransform, Rotation, Vec3, norm, subtract
-from dh2urdf.source import Problem, shown
+from dh2urdf.source import Messages, Problem
 from dh2urdf.stages.load_records import LoadReport, SimulatedArm
 
 if TYPE_CHECKING:
@@ -25,6 +26,8 @@ if TYPE_CHECKING:
     from dh2urdf.robot import Joint, Robot
     from dh2urdf.stages import Loader
     from dh2urdf.stages.load_records import LoadRequest
+
+say = Messages(__file__)
 
 DOUBLE_PRECISION = 2.0**-52
 """Distance of 1 to the next number in double precision."""
@@ -84,8 +87,15 @@ class Comparison:
 
     def problem(self, *, joint: str | None = None, **words: Any) -> Problem:  # noqa: ANN401 - those of a Problem
         """A problem of this robot, at the row of the joint that it is about."""
-        row = next((each.mark for each in self.robot.joints if each.name == joint), None)
-        return Problem(robot=self.robot.name, mark=row or self.request.mark, joint=joint, **words)
+        return self.placed(Problem(joint=joint, **words))
+
+    def placed(self, problem: Problem) -> Problem:
+        """The same problem as one of this robot, at the row of the joint that it is about."""
+        row = next((each.mark for each in self.robot.joints if each.name == problem.joint), None)
+        return replace(problem, robot=self.robot.name, mark=row or self.request.mark)
+
+    def _found(self, code: str, **words: Any) -> Problem:  # noqa: ANN401 - of a message
+        return self.placed(say(code, simulator=self.simulator, **words))
 
     def joints(self, held: Sequence[Mapping[str, Any]]) -> list[Problem]:
         """Where the moving joints that the simulator has differ from the robot's.
@@ -96,14 +106,10 @@ class Comparison:
         """
         found = {joint["name"]: joint for joint in held}
         written_names = {joint.name for joint in self.robot.moving_joints}
-        problems = [
-            self.problem(message=f"{self.simulator} has a joint that was not written", found=name)
-            for name in found
-            if name not in written_names
-        ]
+        problems = [self._found("joint-not-written", found=name) for name in found if name not in written_names]
         for joint in self.robot.moving_joints:
             if joint.name not in found:
-                problems.append(self.problem(message=f"{self.simulator} has lost the joint", joint=joint.name))
+                problems.append(self._found("joint-lost", joint=joint.name))
                 continue
             problems += self._joint(joint, found[joint.name])
         return problems
@@ -111,13 +117,8 @@ class Comparison:
     def _joint(self, joint: Joint, held: Mapping[str, Any]) -> Iterator[Problem]:
         for key, written in written_joint(joint).items():
             if key in held and not self._same(held[key], written):
-                yield self.problem(
-                    message=f"{self.simulator} has {key} {_shown(held[key])} where {_shown(written)} was written",
-                    joint=joint.name,
-                    field=key,
-                    found=_shown(held[key]),
-                    accepted=_shown(written),
-                )
+                values = {"found": _shown(held[key]), "written": _shown(written)}
+                yield self._found("joint-differs", joint=joint.name, field=key, **values)
 
     def _same(self, found: Any, written: Any) -> bool:  # noqa: ANN401 - words, numbers and vectors
         if isinstance(written, tuple):
@@ -141,7 +142,7 @@ class Comparison:
         mass = mass_error = inertia_error = 0.0
         for name, body in written.items():
             if name not in held:
-                problems.append(self.problem(message=f"{self.simulator} has lost the link {shown(name)}"))
+                problems.append(self._found("link-lost", link=name))
                 continue
             if self.is_filled_in(name, body, held[name]):
                 continue
@@ -161,12 +162,7 @@ class Comparison:
                 ),
             }
             problems += [
-                self.problem(
-                    message=f"{self.simulator} has another {field} of the link {shown(name)}, by {error:.3g} {unit}",
-                    field=field,
-                    found=f"{error:.3g} {unit}",
-                    accepted=f"at most {bound:.3g} {unit}",
-                )
+                self._found("link-differs", field=field, found=f"{error:.3g} {unit}", link=name, bound=bound, unit=unit)
                 for field, (error, bound, unit) in errors.items()
                 if not error <= bound  # NaN is not right either.
             ]
@@ -223,10 +219,14 @@ class Comparison:
         self, tip: str, found: tuple[float, float], allowed: tuple[float, float], q: Sequence[float]
     ) -> Problem:
         off = f"{found[0]:.3g} m and {found[1]:.3g} rad"
-        return self.problem(
-            message=f"{self.simulator} has {tip} in another place, {off} away, at q = {_shown(tuple(q))}",
+        return self._found(
+            "tip-elsewhere",
             found=off,
-            accepted=f"the error of {self.precision.name}, {allowed[0]:.3g} m and {allowed[1]:.3g} rad",
+            tip=tip,
+            q=_shown(tuple(q)),
+            precision=self.precision.name,
+            distance=allowed[0],
+            angle=allowed[1],
         )
 
 

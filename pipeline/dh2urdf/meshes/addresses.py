@@ -11,11 +11,13 @@ from urllib.parse import unquote
 
 from dh2urdf.documents.text_files import is_file, is_folder
 from dh2urdf.errors import InputError
-from dh2urdf.source import Problem, shown
+from dh2urdf.source import Messages, Problem, shown
 from dh2urdf.stages import PACKAGE_FILE
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Mapping
+
+say = Messages(__file__)
 
 
 FILE, PACKAGE = "file://", "package://"
@@ -58,17 +60,16 @@ def packages_in(paths: Iterable[Path]) -> dict[str, Path]:
     found: dict[str, Path] = {}
     problems: list[Problem] = []
     for path in paths:
-        name, accepted, here = shown(str(path), 200), "a package, or the `src` of a workspace", dict[str, Path]()
-        message = f"no folder in {name} holds a {PACKAGE_FILE}: it is no ROS package, and holds none"
+        code, reason, here = "no-package-below", None, dict[str, Path]()
         if not is_folder(path):
-            message = f"there is no folder of packages {name}"
+            code = "no-folder-of-packages"
         else:
             try:
                 here = dict(_packages(path.resolve(), DEEPEST))
             except PermissionError as error:
-                message = f"the folder of packages {name} cannot be read: {error.strerror}"
+                code, reason = "packages-unreadable", error.strerror
         if not here:
-            problems.append(Problem(message=message, found=str(path), accepted=accepted))
+            problems.append(say(code, found=str(path), file=PACKAGE_FILE, reason=reason))
         found = {**here, **found}
     if problems:
         raise InputError(problems)

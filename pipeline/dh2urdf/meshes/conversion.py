@@ -16,13 +16,15 @@ from dh2urdf.meshes.addresses import file_address
 from dh2urdf.meshes.files import REMEDY, mesh_files, read_mesh, with_shapes
 from dh2urdf.meshes.kinds import MeshConversion
 from dh2urdf.robot import Material, Mesh
-from dh2urdf.source import Problem, did_you_mean, shown
+from dh2urdf.source import Messages, Problem, did_you_mean, shown
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
     from dh2urdf.robot import Collision, Robot, Visual
     from dh2urdf.rotations import Vec3
+
+say = Messages(__file__)
 
 ACCEPTED = (
     f"{MeshConversion.NEVER}: files as they are given; {MeshConversion.AUTO}: OBJ files, which all simulators take; "
@@ -48,12 +50,10 @@ def conversion_of(word: str, prefix: str | None) -> MeshConversion:
     try:
         how = MeshConversion(word)
     except ValueError:
-        message = f"the conversion of meshes cannot be {shown(word)}"
         near = did_you_mean(word, [each.value for each in MeshConversion])
-        raise ConfigError(Problem(message=message, found=word, accepted=ACCEPTED, suggestion=near)) from None
+        raise ConfigError(say("mesh-conversion-unknown", found=word, accepted=ACCEPTED, suggestion=near)) from None
     if how is not MeshConversion.NEVER and prefix is None:
-        message = "converted meshes are copies, and no copies are made"
-        raise ConfigError(Problem(message=message, found=word, accepted="copies, such as `names: relative`"))
+        raise ConfigError(say("conversion-without-copies", found=word))
     return how
 
 
@@ -132,11 +132,10 @@ def _converted_file(
     path = Path(file.path)
     name, suffix = shown(path.name), path.suffix.lower()
     if suffix not in FORMATS:
-        raise EmitterError(Problem(message=f"the mesh {name} cannot be converted", accepted=", ".join(FORMATS)))
+        raise EmitterError(say("mesh-of-other-format", name=path.name, suffixes=tuple(FORMATS)))
     content = read_mesh(file)
     if len(content) > LARGEST:
-        message = f"the mesh {name} has {len(content) / 2**20:,.0f} MiB, too many to be converted"
-        raise EmitterError(Problem(message=message, accepted=f"at most {LARGEST >> 20} MiB"))
+        raise EmitterError(say("mesh-too-large", name=path.name, size=len(content) / 2**20, most=LARGEST >> 20))
     seconds = SECONDS[how]
     who = f"the conversion of the mesh {name}"
     try:
@@ -149,9 +148,7 @@ def _converted_file(
         raise MissingDependencyError(conversion, package, "dh2urdf[meshes]", error) from error
     except (MemoryError, ValueError) as error:
         reason = str(error) if isinstance(error, ValueError) else "it needs too much memory"
-        message = f"the mesh {name} cannot be converted: {reason}"
-        advice = "fix the mesh; or leave meshes as they are, with `convert: never`"
-        raise EmitterError(Problem(message=message, suggestion=advice)) from error
+        raise EmitterError(say("mesh-unconvertible", name=path.name, reason=reason)) from error
     except CrashError as error:
         accepted = f"a mesh whose conversion takes less than {seconds:g} s"
         raise type(error)([replace(problem, accepted=accepted) for problem in error.problems]) from error

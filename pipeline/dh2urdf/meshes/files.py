@@ -13,12 +13,12 @@ from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
 
-from dh2urdf.documents.text_files import LONG_PATH, check_file
+from dh2urdf.documents.text_files import check_file
 from dh2urdf.errors import ConfigError, EmitterError, OutputError
 from dh2urdf.manipulator import MeshFile
 from dh2urdf.output.whole_files import safe_stem
 from dh2urdf.robot import Mesh
-from dh2urdf.source import Problem, shown
+from dh2urdf.source import Messages, shown
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator
@@ -26,6 +26,8 @@ if TYPE_CHECKING:
     from dh2urdf.robot import Collision, Robot, Visual
 
     S = TypeVar("S", Visual, Collision)
+
+say = Messages(__file__)
 
 FOLDER = "meshes"
 """The folder of the output that holds copies of meshes."""
@@ -57,7 +59,7 @@ def prefix_of(word: str, *, in_folders: bool = False) -> str | None:
         return None
     if re.fullmatch(_PACKAGE, word):
         return f"{word.rstrip('/')}/{FOLDER}/"
-    raise ConfigError(Problem(message=f"meshes cannot be {shown(word)}", found=word, accepted=ACCEPTED))
+    raise ConfigError(say("mesh-names-unknown", found=word, accepted=ACCEPTED))
 
 
 # --- Files ------------------------------------------------------------------------------------------------------------
@@ -76,27 +78,22 @@ def find_mesh(text: str, folder: Path, *, links: bool = False) -> MeshFile:
         ConfigError: there is none, or it cannot be read, or it is a link out of the folder; the problem says where it
             was looked for.
     """
-    accepted = "the path of a file, from the folder of the file that names it"
     if "://" in text:
-        message = f"{shown(text, LONG_PATH)} is an address, not a path"
-        raise ConfigError(Problem(message=message, found=text, accepted=accepted))
+        raise ConfigError(say("mesh-address", found=text))
     path = Path(os.path.abspath(folder / text))  # noqa: PTH100 - as it is written: a link may have a better name
     try:
         check_file(path)
     except ConfigError as error:
         why = error.problems[0]
-        message = f"there is no mesh in {shown(text, LONG_PATH)}: {why.message}"
-        looked = f"it was looked for at {shown(str(path), LONG_PATH)}"
-        advice = "; ".join(filter(None, (looked, why.suggestion)))
-        raise ConfigError(Problem(message=message, found=text, accepted=accepted, suggestion=advice)) from None
+        advice = f"; {why.suggestion}" if why.suggestion else ""
+        raise ConfigError(say("no-mesh", found=text, reason=why.message, path=path, advice=advice)) from None
     if not links:
         _refuse_link(path, folder, text)
     try:
         status = path.stat()
         return MeshFile(path=str(path), sha256=_digest(str(path), status.st_mtime_ns, status.st_size))
     except OSError as error:
-        message = f"the mesh {shown(text, LONG_PATH)} cannot be read: {error.strerror}"
-        raise ConfigError(Problem(message=message, found=text)) from None
+        raise ConfigError(say("mesh-unreadable", found=text, mesh=text, reason=error.strerror)) from None
 
 
 def _refuse_link(path: Path, folder: Path, text: str) -> None:
@@ -110,10 +107,7 @@ def _refuse_link(path: Path, folder: Path, text: str) -> None:
     said = home if path.is_relative_to(home) else path.parent
     target = Path(os.path.realpath(path))
     if not any(target.is_relative_to(os.path.realpath(root)) for root in (home, said)):
-        mesh, there, to = (shown(each, LONG_PATH) for each in (text, str(said), str(target)))
-        message, accepted = f"the mesh {mesh} is a link out of the folder {there}, to {to}", "a file of this folder"
-        advice = "copy the file there; or, where you trust the table, set its reader's option `mesh_links: true`"
-        raise ConfigError(Problem(message=message, found=text, accepted=accepted, suggestion=advice))
+        raise ConfigError(say("mesh-link-outside", found=text, folder=said, target=target))
 
 
 @lru_cache(maxsize=4096)
@@ -138,11 +132,9 @@ def read_mesh(file: MeshFile) -> bytes:
     try:
         content = Path(file.path).read_bytes()
     except OSError as error:
-        message = f"the mesh {shown(file.path, LONG_PATH)} cannot be read: {error.strerror}"
-        raise OutputError(Problem(message=message)) from error
+        raise OutputError(say("mesh-unreadable", mesh=file.path, reason=error.strerror)) from error
     if sha256(content).hexdigest() != file.sha256:
-        message = f"the mesh {shown(file.path, LONG_PATH)} has changed since its table was read"
-        raise OutputError(Problem(message=message, suggestion="begin again; a run goes on with `--resume`"))
+        raise OutputError(say("mesh-changed", mesh=file.path))
     return content
 
 

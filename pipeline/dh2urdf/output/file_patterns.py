@@ -13,13 +13,14 @@ from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
-from dh2urdf.documents.text_files import LONG_PATH
 from dh2urdf.errors import ConfigError
 from dh2urdf.output.whole_files import NOT_THERE
-from dh2urdf.source import Problem, shown
+from dh2urdf.source import LONG_PATH, Messages, Problem, shown
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
+
+say = Messages(__file__)
 
 MAX_FILES = 1_000_000
 """Files that one pattern may match."""
@@ -59,15 +60,11 @@ def matching(folder: Path, pattern: str) -> Matches:
     try:
         paths = sorted(set(islice(search.files(path.anchor or str(folder), parts), MAX_FILES + 1)))
     except OSError as error:  # /proc and the like
-        told = f"{shown(str(error.filename), LONG_PATH)} cannot be searched: {error.strerror}"
-        raise ConfigError(Problem(message=f"{shown(pattern)}: {told}", accepted=_NARROWER)) from None
+        code, where = "pattern-unsearchable", error.filename
+        raise ConfigError(say(code, found=pattern, path=where, reason=error.strerror, most=MAX_FILES)) from None
     if search.passed > MOST_ENTRIES or len(paths) > MAX_FILES:
-        most = (
-            f"more than {MAX_FILES} files match {shown(pattern)}"
-            if len(paths) > MAX_FILES
-            else f"{shown(pattern)} leads past more than {MOST_ENTRIES:,} files and folders"
-        )
-        raise ConfigError(Problem(message=most, accepted=_NARROWER))
+        code = "pattern-of-too-many" if len(paths) > MAX_FILES else "pattern-too-wide"
+        raise ConfigError(say(code, found=pattern, most=MAX_FILES, passed=MOST_ENTRIES))
     told = "".join(
         f"{shown(os.path.normpath(place), LONG_PATH)} cannot be searched: {why}"
         for place, why in [*search.closed.items()][:1]
@@ -75,10 +72,9 @@ def matching(folder: Path, pattern: str) -> Matches:
     if len(search.closed) > 1:
         told += f"; {len(search.closed) - 1} more folders neither"
     if not paths:
-        message = f"no file matches {shown(pattern)} in the folder {shown(str(folder.absolute()), LONG_PATH)}"
-        raise ConfigError(Problem(message=message, suggestion=told or None))
-    message = f"files that match {shown(pattern)} may be missing: {told}"
-    return Matches(paths, Problem(message=message, severity="notice", field="inputs") if told else None)
+        raise ConfigError(say("no-file-matches", found=pattern, folder=folder.absolute(), suggestion=told or None))
+    notice = say("files-may-be-missing", field="inputs", found=pattern, reason=told) if told else None
+    return Matches(paths, notice)
 
 
 class _Search:

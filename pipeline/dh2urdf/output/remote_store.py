@@ -18,11 +18,13 @@ from typing import TYPE_CHECKING, Any, BinaryIO
 
 from dh2urdf.errors import Dh2UrdfError, MissingDependencyError, OutputError
 from dh2urdf.output.whole_files import NOT_THERE, checked, staging
-from dh2urdf.source import Problem, printable, shown
+from dh2urdf.source import Messages, printable
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
     from contextlib import AbstractContextManager
+
+say = Messages(__file__)
 
 _S3 = ("s3", "s3a")
 _S3_LIMITS = {"connect_timeout": 5, "read_timeout": 10, "retries": {"mode": "standard", "total_max_attempts": 3}}
@@ -148,9 +150,7 @@ class RemoteStore:
                 raise self._lacks(getattr(error.__cause__ or error, "name", None) or self._scheme) from error
         root = root.rstrip("/")
         if not root or has_magic(root):
-            accepted = "an address with a name behind it and none of * ? [ in it, such as s3://bucket/prefix"
-            message = f"nothing can be written to {shown(str(self), 200)}"
-            raise OutputError(Problem(message=message, found=str(self), accepted=accepted))
+            raise OutputError(say("address-without-name", found=str(self)))
         if limits:
             system.retries = 1  # Each request has its own tries.
         self._system = os.getpid(), system, root
@@ -164,7 +164,7 @@ class RemoteStore:
         """
         system, root = self._open_system()
         if name is not None and has_magic(checked(name)):  # fsspec would take it for the names of others.
-            raise OutputError(Problem(message=f"a name in {self} cannot hold any of * ? [: {shown(name)}", found=name))
+            raise OutputError(say("name-is-pattern", found=name, store=str(self)))
         limit = {"timeout": _PATIENCE + size / 1e6} if system.async_impl else {}
         with self._reporting(name or "", doing):
             yield system, root if name is None else f"{root}/{name}", limit
@@ -192,7 +192,7 @@ class RemoteStore:
             if isinstance(error, NOT_THERE) and name in reason:  # It is the path alone.
                 reason = os.strerror(ENOENT)
             reason = printable(_without_password(" ".join(reason.split())))[:_LONGEST_ANSWER]
-            raise OutputError(Problem(message=f"cannot {doing} {shown(place, 200)}: {reason}")) from error
+            raise OutputError(say("path-refused", doing=doing, path=place, reason=reason)) from error
 
 
 def _without_password(text: str) -> str:

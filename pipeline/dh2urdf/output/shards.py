@@ -14,13 +14,15 @@ from typing import TYPE_CHECKING, BinaryIO, NamedTuple, Self
 
 from dh2urdf.errors import OutputError
 from dh2urdf.output.whole_files import checked, refused, reporting_os_errors, safe_stem, write_all
-from dh2urdf.source import Problem
+from dh2urdf.source import Messages
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
     from types import TracebackType
 
     from dh2urdf.output.store import Store
+
+say = Messages(__file__)
 
 _BLOCK = 512
 """Headers and contents begin at multiples of this [byte] (POSIX.1-2017, pax, "ustar Interchange Format")."""
@@ -186,4 +188,4 @@ def _read_header(header: bytes, position: int) -> tuple[str, int]:
 
 
 def _damaged(position: int) -> OutputError:
-    return OutputError(Problem(message=f"this is no shard, or a damaged one, from byte {position} on"))
+    return OutputError(say("shard-damaged", position=position))

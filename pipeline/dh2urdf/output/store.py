@@ -19,12 +19,14 @@ from typing import TYPE_CHECKING, BinaryIO, TypeAlias
 from dh2urdf.documents.text_files import is_file
 from dh2urdf.errors import OutputError
 from dh2urdf.output.whole_files import NOT_THERE, TO_FOLDER, checked, refused, reporting_os_errors, staging, write_all
-from dh2urdf.source import Problem, shown
+from dh2urdf.source import Messages
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
     from dh2urdf.output.remote_store import RemoteStore
+
+say = Messages(__file__)
 
 Store: TypeAlias = "LocalStore | RemoteStore"
 """A place for files under relative names; both kinds have the methods of `LocalStore`, except `append` and `protect`.
@@ -188,8 +190,8 @@ class LocalStore:
         Raises:
             OutputError: another run is at work here.
         """
-        place, message = os.path.realpath(self._root), f"another run is at work in {shown(str(self), 200)}"
-        another = OutputError(Problem(message=message, suggestion="wait until it ends, or write to another folder"))
+        place = os.path.realpath(self._root)
+        another = OutputError(say("store-busy", store=str(self)))
         if place in _locked:
             raise another
         _locked.add(place)
@@ -245,10 +247,7 @@ class LocalStore:
         """The path of a file that is to be written, whose folder is made."""
         path = self._path(name)
         if self.is_protected(name):
-            place = shown(str(self.directory / name), 200)
-            raise OutputError(
-                Problem(message=f"{place} is an input, and would be overwritten", suggestion="write to another folder")
-            )
+            raise OutputError(say("input-overwritten", found=name, path=self.directory / name, other=""))
         self._make_folders(name)
         return path
 

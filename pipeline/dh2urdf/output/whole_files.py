@@ -14,12 +14,14 @@ from typing import TYPE_CHECKING
 from dh2urdf.documents.text_files import ADDRESS, is_file, is_folder, is_there
 from dh2urdf.errors import OutputError
 from dh2urdf.output.name_set import NameSet
-from dh2urdf.source import Problem, shown
+from dh2urdf.source import Messages, Problem, shown
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Sequence
 
     from dh2urdf.stages import EmittedFile
+
+say = Messages(__file__)
 
 LONGEST_STEM = 120
 """Bytes of a file name's stem: file systems take 255 for the whole name, and suffixes need their share."""
@@ -115,8 +117,7 @@ class Stems:
         if number == 1:
             return stem, None
         self._numbers[self._key(wanted)] = number
-        message = f"its files are named {stem!r}: {wanted!r} names files of another manipulator or the run"
-        return stem, Problem(message=message, severity="notice", robot=name)
+        return stem, say("stem-changed", robot=name, stem=stem, wanted=wanted)
 
     def _kept(self, key: str) -> list[str]:
         """The stems besides it that a stem keeps from others: as long as none ends in a tail, there are none."""
@@ -166,9 +167,7 @@ def make_folder(directory: Path) -> None:
         OutputError: it cannot be made; or it is an address, for which a folder called ``s3:`` would be made here.
     """
     if re.match(ADDRESS, str(directory)) and not is_folder(Path(directory.parts[0])):
-        message = f"cannot write to {shown(str(directory), 200)}: this is an address, and only files are written here"
-        advice = "a run writes to addresses: `dh2urdf run FILE -o s3://bucket/prefix`"
-        raise OutputError(Problem(message=message, accepted="a path", suggestion=advice))
+        raise OutputError(say("address-not-folder", path=str(directory)))
     with reporting_os_errors(directory, TO_FOLDER):
         directory.mkdir(parents=True, exist_ok=True)
 
@@ -213,7 +212,7 @@ def checked(name: str) -> str:
         OutputError: it leads out of the store, or means another file on another system.
     """
     if "\\" in name or not NO_NAMES.isdisjoint(name.split("/")):
-        raise OutputError(Problem(message=f"{shown(name)} is not a plain file name", found=name))
+        raise OutputError(say("not-a-plain-name", found=name))
     return name
 
 
@@ -233,14 +232,7 @@ def refuse_inputs(targets: Iterable[Path], inputs: Iterable[Path]) -> None:
         for path, its_identity, its_folded in read:
             if folded == its_folded or (identity is not None and identity == its_identity):
                 other = "" if str(path) == str(target) else f", which is {shown(str(target), 200)}"
-                raise OutputError(
-                    Problem(
-                        message=f"the output would overwrite the input {shown(str(path), 200)}{other}",
-                        found=str(target),
-                        accepted="an output file that is not an input",
-                        suggestion="write to another file or folder",
-                    )
-                )
+                raise OutputError(say("input-overwritten", found=str(target), path=path, other=other))
 
 
 def _places(path: Path) -> tuple[tuple[int, int] | None, str]:
@@ -280,14 +272,7 @@ def refuse_no_file(path: Path) -> None:
         is_open_file = path.is_symlink() and str(path.readlink()).startswith("/proc/")
         is_other = is_there(path) and not is_file(path)
     if is_open_file or is_other:
-        raise OutputError(
-            Problem(
-                message=f"cannot write {shown(str(path), 200)}: a device, a pipe or a socket is there",
-                found=str(path),
-                accepted="a file, or a path at which nothing is",
-                suggestion="leave the path out: the text is then printed, or returned, and may go anywhere",
-            )
-        )
+        raise OutputError(say("device-not-writable", found=str(path)))
 
 
 def write_whole(path: Path, content: bytes) -> None:
@@ -349,11 +334,11 @@ def refused(path: Path | str, error: Exception, doing: str = "write") -> OutputE
     """What the operating system declares about a path, and what to do about it."""
     reason = getattr(error, "strerror", None) or str(error)
     if not doing.startswith("write"):
-        return OutputError(Problem(message=f"cannot {doing} {shown(str(path), 200)}: {reason}"))
+        return OutputError(say("path-refused", doing=doing, path=path, reason=reason))
     advice = _ADVICE.get(getattr(error, "errno", None) or 0)
     if isinstance(error, (FileExistsError, NotADirectoryError)):
         files = [place for place in (Path(path), *Path(path).parents) if is_file(place)]
         if files:
             what = "it" if files[0] == Path(path) else shown(str(files[0]), 200)
             reason, advice = f"{what} is a file, not a folder", _ADVICE[EACCES]
-    return OutputError(Problem(message=f"cannot {doing} {shown(str(path), 200)}: {reason}", suggestion=advice))
+    return OutputError(say("path-refused", doing=doing, path=path, reason=reason, suggestion=advice))

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, overload
 from dh2urdf.errors import BrokenPluginError, InputError, StageConflictError, UnknownStageError
 from dh2urdf.plugin_system.discovery import Plugin, installed, same_name
 from dh2urdf.plugin_system.plugin_stages import COMMAND, KINDS, RECORDS, PluginStages, Provided, declared
-from dh2urdf.source import Problem, did_you_mean, shown
+from dh2urdf.source import Messages, did_you_mean, shown
 from dh2urdf.stages import Reader, ReadsCells, ReadsDescriptions, Subcommand, Usual
 
 if TYPE_CHECKING:
@@ -17,6 +17,8 @@ if TYPE_CHECKING:
     from typing import Literal
 
     from dh2urdf.stages import Edit, Emitter, Executor, Kind, Loader, Stage, Transform
+
+say = Messages(__file__)
 
 __all__ = ["KINDS", "RECORDS", "AddedCommand", "Catalog", "Plugin", "Provided", "Shadowed", "load", "load_plugin"]
 
@@ -232,8 +234,8 @@ class Catalog:
         name = items[0].stage.name
         if any(item.stage.name != name for item in items):
             stages = " and ".join(f"{item.stage.name!r} of {item.plugin.distribution}" for item in items)
-            message = f"several {kind}s take the file {shown(path.name)}: {stages}"
-            raise InputError(Problem(message=message, found=suffix, suggestion=advice))
+            code = "several-stages-for-file"
+            raise InputError(say(code, found=suffix, kind=kind, name=path.name, stages=stages, suggestion=advice))
         for _, other in best:
             if items[0].plugin.is_builtin and other.stage.name != name:
                 self._warn(items[0], f" for files {suffix}", [other.plugin], other.stage.name)
@@ -255,8 +257,9 @@ class Catalog:
         suffixes = sorted({s for item in self.provided(kind) for s in getattr(item.stage, "suffixes", ())})
         accepted = f"a file name that ends in {', '.join(suffixes)}" if suffixes else f"no file: there is no {kind}"
         self._blame_broken(f"no other plugin takes the file {shown(path.name)}; accepted: {accepted}")
-        message, found = f"no {kind} is known for the file {shown(path.name)}", path.suffix or path.name
-        return InputError(Problem(message=message, found=found, accepted=accepted, suggestion=advice))
+        found = path.suffix or path.name
+        code, name = "no-stage-for-file", path.name
+        return InputError(say(code, found=found, kind=kind, name=name, accepted=accepted, suggestion=advice))
 
     def _blame_broken(self, missing: str, distribution: str = "") -> None:
         """Where something is missing, and a plugin that may have it is broken, the plugin is what to fix."""

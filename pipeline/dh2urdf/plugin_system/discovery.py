@@ -18,11 +18,13 @@ from dh2urdf._version import __version__
 from dh2urdf.errors import ConfigError, IncompatiblePluginError
 from dh2urdf.hookspecs import INTERFACE_VERSION, PROJECT
 from dh2urdf.plugin_system.attribution import Attribution
-from dh2urdf.source import Mark, Problem, did_you_mean
+from dh2urdf.source import Mark, Messages, Problem, did_you_mean
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
     from importlib.metadata import Distribution, EntryPoint
+
+say = Messages(__file__)
 
 UNKNOWN = "an unknown distribution"
 _BUILT_IN = ("dh2urdf_plugins", "dh2urdf_check", "dh2urdf_studio")
@@ -135,12 +137,12 @@ def installed(without: Sequence[str] = ()) -> Installed:
 
 
 def _nobodys(name: str, known: Sequence[tuple[str, str, str]]) -> Problem:
-    return Problem(
-        message=f"no plugin and no distribution of one is named {name!r}",
-        mark=Mark(file="command line"),
+    return say(
+        "plugin-unknown",
+        Mark(file="command line"),
         field="--without",
         found=name,
-        accepted=", ".join(sorted({f"{distribution} (plugin {entry})" for entry, _, distribution in known})),
+        names=sorted({f"{distribution} (plugin {entry})" for entry, _, distribution in known}),
         suggestion=did_you_mean(name, [word for entry, _, distribution in known for word in (distribution, entry)]),
     )
 

@@ -18,7 +18,7 @@ from dh2urdf.documents.nodes import LARGEST_BARE
 from dh2urdf.documents.text_files import tidy_path
 from dh2urdf.errors import ConfigError, InputError
 from dh2urdf.plugin_system.option_types import choices, keys_of, members, records_of, takes_text, type_text
-from dh2urdf.source import Problem, did_you_mean, in_file_order
+from dh2urdf.source import Messages, Problem, did_you_mean, in_file_order
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -26,6 +26,8 @@ if TYPE_CHECKING:
     from pydantic import TypeAdapter, ValidationError
 
     from dh2urdf.documents.document import Node
+
+say = Messages(__file__)
 
 T = TypeVar("T")
 Keys: TypeAlias = tuple[str | int, ...]
@@ -63,12 +65,14 @@ def unknown_key(  # noqa: PLR0917 - what it is about
     near = did_you_mean(key, known)
     if near is None and "options" in known:
         near = "the options of a stage stand under `options:`, as in `{stage: NAME, options: {…}}`"
-    return Problem(
-        message=f"{whose} has no such {keyword}",
-        mark=node.key_mark(key),
+    return say(
+        "key-unknown",
+        node.key_mark(key),
         field=dotted((*keys, key)),
         found=key,
-        accepted=", ".join(known) or f"nothing: it has no {keyword}s",
+        whose=whose,
+        keyword=keyword,
+        choices=", ".join(known) or f"nothing: it has no {keyword}s",
         suggestion=near,
     )
 
@@ -124,7 +128,8 @@ class _Given(Generic[T]):
     def record(self) -> T:
         """The record; see `record_of`."""
         if not isinstance(self.root.value, dict):
-            self._note(f"{self.whose} cannot take {self.root.describe()} here", self.root, (), type_text(self.kind))
+            about = {"whose": self.whose, "kind": self.root.describe(), "accepted": type_text(self.kind)}
+            self._note("value-of-other-kind", self.root, (), **about)
             raise ConfigError(self.problems)
         values = self._prepared(self.root, self.kind, ())
         try:
@@ -190,7 +195,8 @@ class _Given(Generic[T]):
             return measured(node, {each.plain: each for each in Dimension}[measure])
         except QuantityError as error:
             self.wrong.add(keys)
-            self._note(f"{self.before}{error.message}", node, keys, error.accepted, error.suggestion)
+            about = {"accepted": error.accepted, "suggestion": error.suggestion}
+            self._note("quantity-refused", node, keys, reason=f"{self.before}{error.message}", **about)
             return 0.0
 
     def _checked(self, values: Any) -> T:  # noqa: ANN401 - as JSON has it
@@ -238,7 +244,9 @@ class _Given(Generic[T]):
         for name in names:
             if not any(did_you_mean(word, [name]) for word in self.unknown.get(keys, ())):
                 accepted = f"{type_text(known[name].hint)}{known[name].help and ': '}{known[name].help}"
-                self._note(f"{self.whose} needs this {self.keyword}", node, (*keys, name), accepted)
+                self._note(
+                    "key-missing", node, (*keys, name), whose=self.whose, keyword=self.keyword, accepted=accepted
+                )
 
     def _note_wrong(self, keys: Keys, errors: list[Any]) -> None:
         node, hint, measures = self.seen[keys]
@@ -247,7 +255,8 @@ class _Given(Generic[T]):
             if one["type"] not in TOLD_BY_TYPE and one.get("ctx") and one["msg"].startswith("Input should be "):
                 accepted += ", " + one["msg"].removeprefix("Input should be ")
         near = did_you_mean(node.text, choices(hint)) if node.text else None
-        self._note(f"{self.whose} cannot take {node.describe()} here", node, keys, accepted, near)
+        about = {"whose": self.whose, "kind": node.describe(), "accepted": accepted, "suggestion": near}
+        self._note("value-of-other-kind", node, keys, **about)
 
     def _refused(self, reason: str, keys: Keys) -> Problem:
         """What the record itself refuses: the key that its message speaks of is the place."""
@@ -256,12 +265,9 @@ class _Given(Generic[T]):
         if not keys and named:
             keys = (named[0],)
         node = self.seen[keys][0]
-        return Problem(
-            message=f"{self.whose}: {reason}" if keys else f"{self.whose} refuses its {self.keyword}s: {reason}",
-            mark=node.mark,
-            field=dotted(keys) or None,
-            found=node.text,
-        )
+        code = "value-refused" if keys else "record-refused"
+        about = {"whose": self.whose, "keyword": self.keyword, "reason": reason}
+        return say(code, node.mark, field=dotted(keys) or None, found=node.text, **about)
 
     def _entries(self) -> dict[str, Node]:
         return self.root.value if isinstance(self.root.value, dict) else {}
@@ -271,19 +277,8 @@ class _Given(Generic[T]):
         entry = self._entries().get((problem.field or "").partition(".")[0], self.root)
         return problem.about(mark=entry.mark)
 
-    def _note(
-        self, message: str, node: Node, keys: Keys, accepted: str | None = None, suggestion: str | None = None
-    ) -> None:
-        self.problems.append(
-            Problem(
-                message=message,
-                mark=node.mark,
-                field=dotted(keys) or None,
-                found=node.text,
-                accepted=accepted,
-                suggestion=suggestion,
-            )
-        )
+    def _note(self, code: str, node: Node, keys: Keys, **values: Any) -> None:  # noqa: ANN401 - of a message
+        self.problems.append(say(code, node.mark, field=dotted(keys) or None, found=node.text, **values))
 
 
 def dotted(keys: Keys) -> str:

@@ -6,9 +6,9 @@ from collections import Counter
 from typing import TYPE_CHECKING, Any, Final
 
 from dh2urdf._version import __version__
-from dh2urdf.errors import ConfigError
+from dh2urdf.errors import ConfigError, PluginError
 from dh2urdf.manipulator import BASE as BASE_LINK, JointType
-from dh2urdf.source import Problem, printable
+from dh2urdf.source import Messages, Problem, printable
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -19,6 +19,8 @@ if TYPE_CHECKING:
     from dh2urdf.manipulator import DHRow, Manipulator
     from dh2urdf.results import ConversionEntry, ConversionsReport, ErrorReport
     from dh2urdf.robot import Robot
+
+say = Messages(__file__)
 
 SCHEMA: Final = "dh2urdf-conversions/1"
 ERROR_SCHEMA: Final = "dh2urdf-error/1"
@@ -122,7 +124,9 @@ def error_report(kind: str, exit_status: int, error: BaseException, message: str
         error: what was raised, with its problems and notices, if it has any.
         message: what is wrong where it has no problems.
     """
-    problems: Sequence[Problem] = getattr(error, "problems", ()) or (Problem(message=message),)
+    problems: Sequence[Problem] = getattr(error, "problems", ())
+    if not problems:
+        problems = [error.problem if isinstance(error, PluginError) else Problem(message=message)]
     return {
         "schema": ERROR_SCHEMA,
         "version": __version__,
@@ -164,8 +168,7 @@ def conversion_row(conversion: Conversion, source: str, directory: Path | None) 
             try:
                 files[-1]["content"] = file.content.decode()
             except UnicodeDecodeError:
-                message = f"the files of the emitter {stage!r} are no text, which JSON cannot hold"
-                raise ConfigError(Problem(message=message, accepted="-o FILE, beside --json")) from None
+                raise ConfigError(say("binary-in-json", emitter=stage)) from None
     filled: Any = {what.replace(" ", "_"): list(names) for what, names in _filled(conversion).items()}
     return {
         "source": source,

@@ -18,13 +18,15 @@ from dh2urdf.robot import Box, Cylinder, Mesh, Sphere
 from dh2urdf.robot_check.formulas import formula_problems
 from dh2urdf.rotations import norm
 from dh2urdf.row_fields import DYNAMICS, INERTIA
-from dh2urdf.source import Problem, did_you_mean, shown
+from dh2urdf.source import Messages, Problem, did_you_mean, shown
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
 
     from dh2urdf.elementwise import Condition
     from dh2urdf.robot import Geometry, Inertial, Joint, Link, Robot
+
+say = Messages(__file__)
 
 LONGEST_NAME = 1000
 """Characters of a name: PyBullet crashes on longer ones, or cuts them."""
@@ -105,10 +107,10 @@ def _is_sure_joint(joint: Joint) -> Condition:
     return sure
 
 
-def _problem(joint: Joint | None, message: str, field: str | None = None, **about: Any) -> Problem:  # noqa: ANN401 - of a Problem
+def _problem(joint: Joint | None, code: str, field: str | None = None, **about: Any) -> Problem:  # noqa: ANN401 - of a message
     """A problem with the name and the place of a joint; that of a link is the joint that moves it."""
     of_joint: dict[str, Any] = {} if joint is None else {"joint": joint.name, "mark": joint.mark}
-    return Problem(message=message, field=field, **of_joint, **about)
+    return say(code, field=field, **of_joint, **about)
 
 
 # Names.
@@ -122,33 +124,22 @@ def _name_problems(robot: Robot, joint_to: dict[str, Joint]) -> Iterator[Problem
     troublesome = []
     for kind, name, joint in named:
         if not name.strip():
-            yield _problem(joint, f"a {kind} has no name", kind, found=name, accepted="a name that is not empty")
+            yield _problem(joint, "name-missing", kind, found=name, what=f"a {kind}")
         elif len(name) > LONGEST_NAME:
-            accepted = f"at most {LONGEST_NAME} characters: PyBullet crashes on longer names"
-            yield _problem(
-                joint, f"the name of a {kind} has {len(name)} characters", kind, found=name, accepted=accepted
-            )
+            yield _problem(joint, "name-too-long", kind, found=name, kind=kind, count=len(name), most=LONGEST_NAME)
         elif not (name.isascii() and name.isprintable()) and (culprit := re.search(_NOT_IN_NAMES, name)):
-            message = f"the name of {kind} {shown(name)} holds the character U+{ord(culprit.group()):04X}"
-            accepted = "names without control characters and lone surrogates, which XML cannot hold"
-            yield _problem(joint, message, kind, found=name, accepted=accepted)
+            number = ord(culprit.group())
+            yield _problem(joint, "name-unwritable", kind, found=name, kind=kind, number=number)
         elif name in owners:
-            message = f"{kind} {shown(name)} has the name of another {owners[name]}"
-            accepted = (
-                "names that differ: links and joints, base_link, base_link_inertia, flange and tool0 included, share "
-                "one set"
-            )
-            yield _problem(joint, message, kind, found=name, accepted=accepted)
+            yield _problem(joint, "name-taken", kind, found=name, kind=kind, owner=owners[name])
         elif not (name.isascii() and name.replace("-", "_").isidentifier()) and re.search(_TROUBLESOME, name):
             troublesome.append(name)
         owners.setdefault(name, kind)
     if not robot.name.strip():
-        yield Problem(message="the robot has no name", field="name", accepted="a name that is not empty")
+        yield say("name-missing", field="name", what="the robot")
     if troublesome:
         few = ", ".join(map(shown, troublesome[:3]))
-        message = f"{len(troublesome)} names hold characters that some ROS tools and SDF do not take: {few}"
-        accepted = "letters a to z, digits, _ and - are taken everywhere"
-        yield Problem(severity="notice", message=message, accepted=accepted)
+        yield say("names-troublesome", count=len(troublesome), names=few)
 
 
 # The tree.
@@ -160,11 +151,10 @@ def _tree_problems(robot: Robot, joint_to: dict[str, Joint]) -> Iterator[Problem
     for joint in robot.joints:
         for role, link in (("parent", joint.parent), ("child", joint.child)):
             if link not in names:
-                message = f"the joint's {role} {shown(link)} is no link of the robot"
-                yield _problem(joint, message, role, found=link, suggestion=did_you_mean(link, names))
+                near = did_you_mean(link, names)
+                yield _problem(joint, "end-is-no-link", role, found=link, role=role, suggestion=near)
         if joint_to[joint.child] is not joint:
-            message = f"link {shown(joint.child)} is already the child of joint {shown(joint_to[joint.child].name)}"
-            yield _problem(joint, message, "child", accepted="one joint for each link")
+            yield _problem(joint, "two-parents", "child", link=joint.child, other=joint_to[joint.child].name)
     roots = [link.name for link in robot.links if link.name not in joint_to]
     lost = []
     if len(roots) == 1:
@@ -172,14 +162,13 @@ def _tree_problems(robot: Robot, joint_to: dict[str, Joint]) -> Iterator[Problem
         lost = [link.name for link in robot.links if link.name not in reached]
     few = ", ".join(map(shown, (lost or roots)[:5]))
     if not robot.links:
-        yield Problem(message="the robot has no links")
+        yield say("no-links")
     elif not roots:
-        yield Problem(message="no link is the root: the joints form a cycle", accepted="a tree with one root")
+        yield say("no-root")
     elif len(roots) > 1:
-        yield Problem(message=f"{len(roots)} links have no parent: {few}", accepted="a tree with one root")
+        yield say("several-roots", count=len(roots), links=few)
     elif lost:
-        message = f"no way leads from the root {shown(roots[0])} to {few}: joints form a cycle"
-        yield Problem(message=message, accepted="a tree with one root")
+        yield say("links-in-circle", root=roots[0], links=few)
 
 
 def _reached(robot: Robot, root: str) -> set[str]:
@@ -203,14 +192,12 @@ def _joint_problems(joint: Joint) -> Iterator[Problem]:
     yield from _finite(joint, "origin", (*joint.origin.xyz, *joint.origin.rpy))
     length = norm(joint.axis)
     if joint.type is not JointType.FIXED and not abs(length - 1.0) <= UNIT:
-        message = f"the joint's axis has the length {length:.12g}"
-        yield _problem(joint, message, "axis", accepted="a vector of length 1")
+        yield _problem(joint, "axis-not-unit", "axis", length=length)
     yield from _limit_problems(joint)
     for name in DYNAMICS:
         value = getattr(joint, name)
         if value is not None and not 0.0 <= value < math.inf:
-            accepted = "a number of 0 or more"
-            yield _problem(joint, f"{name} is {value:.12g}", name, found=f"{value:.12g}", accepted=accepted)
+            yield _problem(joint, "number-negative", name, found=f"{value:.12g}", name=name)
 
 
 def _limit_problems(joint: Joint) -> Iterator[Problem]:
@@ -220,18 +207,15 @@ def _limit_problems(joint: Joint) -> Iterator[Problem]:
     for name, is_needed in {"lower": bounded, "upper": bounded, "velocity": moving, "effort": moving}.items():
         value, field = getattr(limits, name), f"limits.{name}"
         if is_needed is (value is None):
-            words = "needs a limit" if is_needed else "has no limit"
-            yield _problem(joint, f"a {joint.type.value} joint {words} {name}", field)
+            code = "limit-missing" if is_needed else "limit-needless"
+            yield _problem(joint, code, field, type=joint.type.value, name=name)
         elif value is not None and not math.isfinite(value):
-            message = f"the limit {name} is {value}"
-            yield _problem(joint, message, field, found=str(value), accepted="a finite number")
+            yield _problem(joint, "limit-infinite", field, found=str(value), name=name)
         elif value is not None and value <= 0.0 and name in ("velocity", "effort"):
-            message = f"the limit {name} is {value:.12g}, so the joint could not move"
-            accepted = "a number greater than 0, or nothing: then it is computed"
-            yield _problem(joint, message, field, found=f"{value:.12g}", accepted=accepted)
+            yield _problem(joint, "limit-not-above-0", field, found=f"{value:.12g}", name=name)
     if bounded and limits.lower is not None and limits.upper is not None and limits.lower > limits.upper:
-        message = f"the limit lower, {limits.lower:.12g}, is greater than upper, {limits.upper:.12g}"
-        yield _problem(joint, message, "limits.lower", found=f"{limits.lower:.12g}", accepted="lower ≤ upper")
+        about = {"found": f"{limits.lower:.12g}", "upper": limits.upper}
+        yield _problem(joint, "limits-exchanged", "limits.lower", **about)
 
 
 # Links.
@@ -239,22 +223,18 @@ def _limit_problems(joint: Joint) -> Iterator[Problem]:
 
 def _body_problems(link: Link, holder: Joint | None) -> Iterator[Problem]:
     """A moving link is a body that can exist; only a frame, held by a fixed joint, may weigh nothing."""
-    body, name = link.inertial, shown(link.name)
+    body = link.inertial
     if body is None or _weighs_nothing(body):
         if holder is not None and holder.type is not JointType.FIXED:
-            message = f"link {name} moves and has no mass: simulators drop it, or take it for 1 kg"
-            yield _problem(holder, message, "mass", accepted="a mass greater than 0")
+            yield _problem(holder, "moves-without-mass", "mass", link=link.name)
         return
     if holder is None:
-        message = f"the root link {name} has an inertial, which KDL does not use"
-        suggestion = "give it to a link that a fixed joint holds on an empty root"
-        yield _problem(None, message, "mass", severity="notice", suggestion=suggestion)
+        yield _problem(None, "root-with-mass", "mass", link=link.name)
     if not 0.0 < body.mass < math.inf:
-        message = f"the mass of link {name} is {body.mass:.12g} kg"
-        yield _problem(holder, message, "mass", found=f"{body.mass:.12g}", accepted="a mass greater than 0")
+        yield _problem(holder, "mass-not-above-0", "mass", found=f"{body.mass:.12g}", link=link.name)
     yield from _finite(holder, "com", body.com)
     if broken := inertia_problem(body.inertia):
-        yield _problem(holder, f"link {name}: {broken}", "inertia")
+        yield _problem(holder, "inertia-impossible", "inertia", link=link.name, reason=broken)
 
 
 def _weighs_nothing(body: Inertial) -> bool:
@@ -284,9 +264,7 @@ def _weightless_chains(robot: Robot, joint_to: dict[str, Joint]) -> Iterator[Pro
         if not holder or not bases.isdisjoint({link.name, holder.parent}):
             continue
         if link.name in weightless and link.name not in laden and holder.parent in weightless:
-            message = f"link {shown(link.name)} and its parent {shown(holder.parent)} both weigh nothing"
-            suggestion = "make both children of a link with a mass, or leave the inertial of one out"
-            yield _problem(holder, message, "mass", suggestion=suggestion)
+            yield _problem(holder, "two-weigh-nothing", "mass", link=link.name, parent=holder.parent)
 
 
 def _shape_problems(link: Link, holder: Joint | None) -> Iterator[Problem]:
@@ -294,13 +272,11 @@ def _shape_problems(link: Link, holder: Joint | None) -> Iterator[Problem]:
     for shape in link.shapes:
         for what, size in _sizes(shape.geometry).items():
             if not 0.0 < size < math.inf:
-                message = f"the {what} of a shape of link {shown(link.name)} is {size:.12g}"
-                yield _problem(holder, message, "geometry", accepted="a size greater than 0")
+                yield _problem(holder, "size-not-above-0", "geometry", what=what, link=link.name, size=size)
         yield from _finite(holder, "origin", (*shape.origin.xyz, *shape.origin.rpy))
     for material in (visual.material for visual in link.visuals if visual.material):
         if not all(0.0 <= part <= 1.0 for part in material.rgba):
-            message = f"the colour of material {shown(material.name)} is out of range"
-            yield _problem(holder, message, "material", accepted="red, green, blue, alpha from 0 to 1")
+            yield _problem(holder, "colour-out-of-range", "material", material=material.name)
 
 
 def _sizes(geometry: Geometry) -> dict[str, float]:
@@ -319,4 +295,4 @@ def _sizes(geometry: Geometry) -> dict[str, float]:
 def _finite(joint: Joint | None, field: str, numbers: Iterable[float]) -> Iterator[Problem]:
     culprit = next((number for number in numbers if not math.isfinite(number)), None)
     if culprit is not None:
-        yield _problem(joint, f"{field} holds {culprit}", field, found=str(culprit), accepted="finite numbers")
+        yield _problem(joint, "numbers-infinite", field, found=str(culprit))

@@ -8,12 +8,14 @@ from functools import lru_cache
 from typing import TYPE_CHECKING
 
 from dh2urdf.robot import Box, Cylinder
-from dh2urdf.source import Problem, shown
+from dh2urdf.source import Messages, Problem
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from dh2urdf.robot import Robot
+
+say = Messages(__file__)
 
 
 FUNCTIONS = frozenset({"abs", "max", "min", "sin", "cos", "atan2"})
@@ -26,16 +28,14 @@ def formula_problems(robot: Robot) -> Iterator[Problem]:
     declared: set[str] = set()
     for parameter in robot.parameters:
         if parameter.name in declared or not math.isfinite(parameter.value):
-            reason = "is declared twice" if parameter.name in declared else f"is {parameter.value}"
-            message = f"parameter {shown(parameter.name)} {reason}"
-            yield Problem(message=message, joint=parameter.joint, field=parameter.name)
+            code = "parameter-twice" if parameter.name in declared else "parameter-infinite"
+            yield say(code, joint=parameter.joint, field=parameter.name, value=parameter.value)
         declared.add(parameter.name)
     known = declared | FUNCTIONS
     for formula in _formulas(robot):
         for name in _names_in(formula):
             if name not in known:
-                message = f"the formula {shown(formula)} uses {shown(name)}, which is no parameter of the robot"
-                yield Problem(message=message, found=name, accepted=", ".join(sorted(FUNCTIONS)) + " and parameters")
+                yield say("formula-name-unknown", found=name, formula=formula, functions=sorted(FUNCTIONS))
 
 
 def _formulas(robot: Robot) -> Iterator[str]:

@@ -9,13 +9,15 @@ from dh2urdf.errors import ConfigError
 from dh2urdf.manipulator import WORLD
 from dh2urdf.robot import Origin
 from dh2urdf.run_file.sections import ArmSection, CellSection
-from dh2urdf.source import Problem, did_you_mean, shown
+from dh2urdf.source import Messages, Problem, did_you_mean, shown
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
 
     from dh2urdf.documents.document import Node
     from dh2urdf.run_file.reading import Reading
+
+say = Messages(__file__)
 
 ACCEPTED_PARENT = "world, or a link of another arm of the cell, such as left/tool0"
 
@@ -28,7 +30,7 @@ def read_cells(entries: Iterable[tuple[Node, str]], to: Reading) -> tuple[CellCa
         cell = _cell(given, node, field, to) if given else None
         if cell:
             found.append((cell, cell.name, node, field))
-    return to.distinct(found, "two cells are named {}", "names that differ")
+    return to.distinct(found, "cells")
 
 
 def _cell(given: CellSection, node: Node, field: str, to: Reading) -> CellCall | None:
@@ -49,14 +51,14 @@ def _cell(given: CellSection, node: Node, field: str, to: Reading) -> CellCall |
 def _arm(given: ArmSection, node: Node) -> ArmCall:
     problems = []
     if given.name == WORLD or "/" in given.name:
-        message = f"an arm cannot be named {shown(given.name)}: parents are written as world or ARM/LINK"
-        problems.append(Problem(message=message, field="name", accepted="another name"))
+        problems.append(say("arm-name-wrong", field="name", name=given.name))
     arm, slash, link = given.parent.partition("/")
     if given.parent != WORLD and not (arm and slash and link):
         holder = (arm or link).removesuffix("_tool0")  # as its link is called in the file that is written
         near = did_you_mean(given.parent, [WORLD]) or f"an arm's tool is {shown(f'{holder}/tool0')}"
-        message = f"{shown(given.parent)} is no parent"
-        problems.append(Problem(message=message, field="parent", accepted=ACCEPTED_PARENT, suggestion=near))
+        problems.append(
+            say("parent-wrong", field="parent", parent=given.parent, accepted=ACCEPTED_PARENT, suggestion=near)
+        )
     if problems:
         raise ConfigError(problems)
     parent = node.entry("parent")
@@ -80,23 +82,18 @@ def _wrong_arms(arms: Sequence[ArmCall]) -> Iterator[Problem]:
         for arm in arms:
             word = getattr(arm, what)
             if first.setdefault(word, arm) is not arm:
-                message, accepted = (
-                    f"two arms of this cell have the {what} {shown(word)}",
-                    f"a {what} of its own for each",
-                )
-                advice = f"the first is at {first[word].mark}"
-                yield Problem(
-                    message=message, field="arms", mark=arm.mark, found=word, accepted=accepted, suggestion=advice
-                )
+                yield say("arms-alike", arm.mark, field="arms", found=word, what=what, first=first[word].mark)
     names = [arm.name for arm in arms]
     for arm in arms:
         if arm.parent is not None and arm.parent not in names:
-            yield Problem(
-                message=f"the cell has no arm {shown(arm.parent)} that could hold {shown(arm.name)}",
+            yield say(
+                "parent-unknown",
+                arm.parent_mark,
                 field="arms",
-                mark=arm.parent_mark,
                 found=f"{arm.parent}/{arm.link}",
-                accepted=", ".join([WORLD, *(f"{name}/LINK" for name in names if name != arm.name)]),
+                parent=arm.parent,
+                arm=arm.name,
+                choices=[WORLD, *(f"{name}/LINK" for name in names if name != arm.name)],
                 suggestion=did_you_mean(arm.parent, names),
             )
 
@@ -112,9 +109,7 @@ def _parents_first(arms: Sequence[ArmCall]) -> tuple[ArmCall, ...]:
         left = [arm for arm in waiting if arm.name not in ordered]
         if len(left) == len(waiting):
             held = [f"{shown(arm.name)} on {shown(f'{arm.parent}/{arm.link}')}" for arm in left]
-            message = f"these arms hold each other in a circle: {' and '.join(held)}"
-            accepted = "a parent for each, so that every way leads to the world"
             mark, found = left[0].parent_mark, f"{left[0].parent}/{left[0].link}"
-            raise ConfigError(Problem(message=message, field="arms", mark=mark, found=found, accepted=accepted))
+            raise ConfigError(say("arms-in-circle", mark, field="arms", found=found, arms=" and ".join(held)))
         waiting = left
     return tuple(ordered.values())

@@ -36,11 +36,13 @@ from dh2urdf.run_file.sections import (
     written_out,
 )
 from dh2urdf.run_file.variation_section import read_variations
-from dh2urdf.source import Mark, Problem, did_you_mean, in_file_order
+from dh2urdf.source import Mark, Messages, Problem, did_you_mean, in_file_order
 from dh2urdf.variations.variation import VariationCall
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
+
+say = Messages(__file__)
 
 RUN_SUFFIXES = (".yaml", ".yml", ".json")
 """How the names of run files end."""
@@ -166,15 +168,7 @@ def load_config(
     root = root or read_yaml(path)
     names = expect_mapping(root, "a run file").keys()
     if names and not any(get_close_matches(name, SECTIONS, cutoff=0.75) for name in names):
-        raise ConfigError(
-            Problem(
-                message="this is no run file: it has none of its sections",
-                mark=root.mark,
-                found=", ".join(names),
-                accepted=", ".join(SECTIONS),
-                suggestion="if it is a table, `dh2urdf convert` takes it, or `inputs:` of a run file",
-            )
-        )
+        raise ConfigError(say("no-run-file", root.mark, found=", ".join(names), sections=SECTIONS))
     to = Reading(folder=path.parent, changes=asked.mark.file)
     for setting in overrides:
         try:
@@ -201,10 +195,9 @@ def _config(root: Node, to: Reading) -> RunConfig:
     to.problems += [unknown_key(root, name, SECTIONS, "a run file", "key") for name in unknown]
     inputs = [_input(node, field, to) for node, field in entries["inputs"]]
     if not inputs and not any(did_you_mean(name, ["inputs"]) for name in unknown):
-        accepted = "at least one table, such as `inputs: [{path: tables/ur5.csv}]`"
-        to.note("there is nothing to read", given["inputs"], "inputs", accepted)
+        to.note("no-inputs", given["inputs"], "inputs")
     if not entries["emitters"]:
-        to.note("the list is empty, and something must be written", given["emitters"], "emitters", "at least one stage")
+        to.note("no-emitters", given["emitters"], "emitters")
     proof = to.record(ProofSection, given["proof"], "proof") or ProofSection()
     sample = to.record(keys.SampleSection, given["sample"], "sample") or keys.SampleSection()
     report = to.record(ReportSection, given["report"], "report") or ReportSection()
@@ -248,8 +241,7 @@ def _input(node: Node, field: str, to: Reading) -> InputCall | None:
     if calibration is not None and to.is_path(calibration, f"{field}.calibration"):
         others = expect_mapping(options, "options") if options else {}
         if "calibration" in others:
-            message = "the calibration is given twice, here and among the options"
-            to.note(message, calibration, f"{field}.calibration")
+            to.note("calibration-twice", calibration, f"{field}.calibration")
         options = keys.mapping_node({**others, "calibration": calibration}, options or calibration)
     return InputCall(
         paths=found.paths,
@@ -268,8 +260,7 @@ def _output(node: Node, to: Reading) -> OutputSection:
         return OutputSection(directory=directory)
     meshes = node.entry("meshes") or node
     if given.layout is Form.FILES and (size := node.entry("size")):
-        accepted = f"a size with layout: {Form.FOLDERS} or layout: {Form.SHARDS}"
-        to.note("all files go into one folder, which has no size", size, "output.size", accepted)
+        to.note("size-without-folders", size, "output.size", layouts=[Form.FOLDERS, Form.SHARDS])
     with to.noting(meshes.entry("names") or meshes, "output.meshes.names"):
         prefix = prefix_of(given.meshes.names)
         with to.noting(meshes.entry("convert") or meshes, "output.meshes.convert"):

@@ -13,7 +13,7 @@ from dh2urdf.cells.wanted_tables import SHOWN_NAMES
 from dh2urdf.manipulator import Manipulator, MeshShape
 from dh2urdf.meshes.files import find_mesh
 from dh2urdf.rotations import RigidTransform
-from dh2urdf.source import Mark, Problem, did_you_mean, shown
+from dh2urdf.source import Mark, Messages, did_you_mean
 from dh2urdf.stages import Rejected
 
 if TYPE_CHECKING:
@@ -22,6 +22,8 @@ if TYPE_CHECKING:
     from dh2urdf.documents.document import Node
     from dh2urdf.run_file.reading import Reading
     from dh2urdf.run_file.sections import ShapesSection
+
+say = Messages(__file__)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -63,13 +65,14 @@ class MeshCall:
         """A manipulator with these meshes; why not, where it has no such joint."""
         names = [row.joint for row in manipulator.rows]
         problems = [
-            Problem(
-                message=f"the table of {shown(manipulator.name)} has no joint {shown(joint)}",
-                mark=shapes.mark,
+            say(
+                "mesh-joint-unknown",
+                shapes.mark,
                 robot=manipulator.name,
                 field="meshes",
                 found=joint,
-                accepted=", ".join(names[:SHOWN_NAMES]),
+                table=manipulator.name,
+                names=names[:SHOWN_NAMES],
                 suggestion=did_you_mean(joint, names),
             )
             for joint, shapes in self.joints
@@ -114,13 +117,9 @@ class MeshGiver:
     def left_over(self) -> Iterator[Rejected]:
         """Once all have been seen: the meshes that nobody has got."""
         for call in self._waiting.values():
-            problem = Problem(
-                message=f"the meshes of {shown(call.of)} are for no manipulator of the run",
-                mark=call.mark,
-                field="meshes",
-                found=call.of,
-                accepted=", ".join(self._names) or None,
-                suggestion=did_you_mean(call.of, self._names),
+            near = did_you_mean(call.of, self._names)
+            problem = say(
+                "meshes-for-nobody", call.mark, field="meshes", found=call.of, names=self._names, suggestion=near
             )
             yield Rejected(name=call.of, problems=(problem,), mark=call.mark)
 

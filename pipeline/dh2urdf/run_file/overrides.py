@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from dh2urdf.documents.document import Node
 from dh2urdf.errors import ConfigError
 from dh2urdf.plugin_system.options import COMMAND_LINE, broken_structure, word_node
-from dh2urdf.source import Problem, did_you_mean, shown
+from dh2urdf.source import Messages, did_you_mean, shown
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from dh2urdf.source import Mark
+
+say = Messages(__file__)
 
 MAX_KEYS = 16
 """Names in the key of a setting."""
@@ -42,11 +44,8 @@ def with_setting(root: Node, setting: str, sections: Sequence[str], asked: Asked
         ConfigError: the setting leads nowhere.
     """
 
-    def error(message: str, accepted: str | None = None, suggestion: str | None = None) -> ConfigError:
-        message = f"{asked.before}{shown(setting)} {message}"
-        return ConfigError(
-            Problem(message=message, mark=asked.mark, found=setting, accepted=accepted, suggestion=suggestion)
-        )
+    def error(code: str, **values: Any) -> ConfigError:  # noqa: ANN401 - of a message
+        return ConfigError(say(code, asked.mark, found=setting, setting=f"{asked.before}{shown(setting)}", **values))
 
     def put(node: Node, keys: Sequence[str], value: Node) -> Node:
         """A copy of a node with a value put in its place; mappings on the way there are made."""
@@ -56,12 +55,11 @@ def with_setting(root: Node, setting: str, sections: Sequence[str], asked: Asked
         if isinstance(node.value, list):
             entries = list(node.value)
             if key not in map(str, range(len(entries))):
-                message = f"names the entry {shown(key)} of a list that has {len(entries)}"
-                raise error(message, "the number of an entry: the first entry is 0")
+                raise error("setting-entry-unknown", key=key, count=len(entries))
             entries[int(key)] = put(entries[int(key)], rest, value)
             return replace(node, value=entries)
         if node.value is not None and not isinstance(node.value, dict):
-            raise error(f"looks for {shown(key)} in {node.describe()}")
+            raise error("setting-leads-nowhere", key=key, kind=node.describe())
         mapping = dict(node.value or {})
         mapping[key] = put(mapping.get(key, Node(None, asked.mark.file, 0, 0)), rest, value)
         return replace(node, value=mapping)
@@ -69,14 +67,11 @@ def with_setting(root: Node, setting: str, sections: Sequence[str], asked: Asked
     key, equals, word = setting.partition("=")
     keys = [part.strip() for part in key.split(".")]
     if not equals or not 0 < len(keys) <= MAX_KEYS:
-        raise error("has no value", "KEY=VALUE, such as transform.options.frames=dh")
+        raise error("setting-without-value")
     if keys[0] not in sections:
         near = did_you_mean(keys[0], sections)
-        advice = near or f"an option of a stage is below its section: {shown(f'transform.options.{setting}')}"
-        message = f"begins with {shown(keys[0])}, which is no section of a run file"
-        raise error(message, f"a key that begins with {', '.join(sections)}", advice)
+        raise error("setting-section-unknown", key=keys[0], sections=sections, suggestion=near)
     word = word.strip()
     if broken := broken_structure(word, asked.mark.file):
-        advice = "a text with such characters is in quotes: 'KEY=\"TEXT\"'"
-        raise error(f"cannot be read: {broken}", "a value as in a run file", advice)
+        raise error("setting-unreadable", reason=broken)
     return put(root, keys, word_node(word, asked.mark.file))

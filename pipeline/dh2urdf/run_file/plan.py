@@ -12,13 +12,12 @@ from dh2urdf.cells.cell import CellCall
 from dh2urdf.conversion.keys import recipe_key
 from dh2urdf.conversion.one_manipulator import Recipe
 from dh2urdf.conversion.simulators import missing_of, require
-from dh2urdf.documents.text_files import LONG_PATH
 from dh2urdf.errors import ConfigError, InputError, PluginError
 from dh2urdf.output.layouts import Layout
 from dh2urdf.output.store import Store, open_store
 from dh2urdf.plugin_system.options import make_options
 from dh2urdf.run_file.mesh_section import MeshCall
-from dh2urdf.source import Problem, in_file_order, shown
+from dh2urdf.source import Messages, Problem, in_file_order
 from dh2urdf.stage_calls.calls import Call
 from dh2urdf.stages import Executor, Reader, WritesFolders
 from dh2urdf.variations import sampling
@@ -31,6 +30,8 @@ if TYPE_CHECKING:
     from dh2urdf.run_file.config import InputCall, RunConfig, StageCall
     from dh2urdf.source import Mark
     from dh2urdf.stages import Emitter
+
+say = Messages(__file__)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -94,9 +95,17 @@ def make_plan(config: RunConfig, catalog: Catalog) -> Plan:
     ]
     for each, loader in zip(config.loaders, loaders, strict=True):
         if loader is not None and not set(loader.stage.formats) & set(formats):
-            message = f"the loader {loader.stage.name!r} has no file to load"
-            accepted = f"one of the emitters {', '.join(loader.stage.formats)} in the section `emitters`"
-            asked.note(message, each.mark, "loaders", found=", ".join(formats), accepted=accepted)
+            found, needs = ", ".join(formats), loader.stage.formats
+            asked.problems.append(
+                say(
+                    "loader-without-file",
+                    each.mark,
+                    field="loaders",
+                    found=found,
+                    loader=loader.stage.name,
+                    needs=needs,
+                )
+            )
     if asked.problems or transform is None or executor is None:
         raise ConfigError(in_file_order(asked.problems))
     recipe = Recipe(
@@ -159,10 +168,6 @@ class _Stages:
         self.notices: dict[Path, Problem] = {}
         self._catalog, self._folder = catalog, folder
 
-    def note(self, message: str, mark: Mark | None, field: str, **others: Any) -> None:  # noqa: ANN401 - of a problem
-        """Note a problem at its place."""
-        self.problems.append(Problem(message=message, mark=mark, field=field, **others))
-
     @contextmanager
     def _at(self, mark: Mark | None) -> Iterator[None]:
         """Problems with what a place asks for are reported with the place."""
@@ -197,10 +202,9 @@ class _Stages:
         first: dict[str, StageCall] = {}
         for given, call in zip(asked, calls, strict=True):
             if call is not None and (other := first.setdefault(call.stage.name, given)) is not given:
-                message, name = f"the {call.kind} {call.stage.name!r} stands twice in one run", call.stage.name
-                advice = f"it stands first at {other.mark}"
-                self.note(
-                    message, given.mark, f"{call.kind}s", found=name, accepted="each name once", suggestion=advice
+                name, first_mark = call.stage.name, other.mark
+                self.problems.append(
+                    say("stage-twice", given.mark, field=f"{call.kind}s", found=name, kind=call.kind, first=first_mark)
                 )
         return calls
 
@@ -235,11 +239,10 @@ class _Stages:
         """Notes that a file is an input a second time: once is enough, unless the two are read in different ways."""
         other, earlier, at = first
         advice = f"the first time is at {at}" if at != mark else None
-        message = f"{shown(str(other), LONG_PATH)} is an input twice"
         if (call.stage, call.options) != (earlier.stage, earlier.options):
-            accepted = "each file once, with one reader and its options"
-            self.note(message, mark, "inputs", found=str(path), accepted=accepted, suggestion=advice)
+            self.problems.append(
+                say("input-read-twice", mark, field="inputs", found=str(path), path=other, suggestion=advice)
+            )
         else:
-            message += ", and is read once"
-            notice = Problem(message=message, severity="notice", mark=mark, field="inputs", suggestion=advice)
+            notice = say("input-twice", mark, field="inputs", path=other, suggestion=advice)
             self.notices.setdefault(other, notice)

@@ -7,18 +7,20 @@ import os
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple, TypeVar
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
-from dh2urdf.documents.text_files import LONG_PATH, check_file, is_folder, is_there, tidy_path
+from dh2urdf.documents.text_files import check_file, is_folder, is_there, tidy_path
 from dh2urdf.errors import ConfigError
 from dh2urdf.output.file_patterns import matching
 from dh2urdf.plugin_system.validator import record_of
-from dh2urdf.source import Problem, shown
+from dh2urdf.source import Messages, Problem
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
     from dh2urdf.documents.document import Node
+
+say = Messages(__file__)
 
 T = TypeVar("T")
 
@@ -64,16 +66,11 @@ class Reading:
                 mark, found = problem.mark or at.mark, problem.found or at.text
                 self.problems.append(replace(problem, mark=mark, field=place, found=found))
 
-    def note(
-        self, message: str, node: Node, field: str, accepted: str | None = None, suggestion: str | None = None
-    ) -> None:
+    def note(self, code: str, node: Node, field: str, **values: Any) -> None:  # noqa: ANN401 - of a message
         """Note a problem at a node."""
-        problem = Problem(
-            message=message, mark=node.mark, field=field, found=node.text, accepted=accepted, suggestion=suggestion
-        )
-        self.problems.append(problem)
+        self.problems.append(say(code, node.mark, field=field, found=node.text, **values))
 
-    def distinct(self, entries: Iterable[tuple[T, str, Node, str]], message: str, accepted: str) -> tuple[T, ...]:
+    def distinct(self, entries: Iterable[tuple[T, str, Node, str]], what: str) -> tuple[T, ...]:
         """The first entry of each name; each comes with its name, its node and its place."""
         taken: list[T] = []
         first: dict[str, Node] = {}
@@ -81,7 +78,7 @@ class Reading:
             if (other := first.setdefault(name, node)) is node:
                 taken.append(entry)
             else:
-                self.note(message.format(shown(name)), node, field, accepted, f"the first is at {other.mark}")
+                self.note("name-twice", node, field, what=what, name=name, first=other.mark)
         return tuple(taken)
 
     # --- Paths
@@ -94,10 +91,9 @@ class Reading:
         """Whether a text can be a path as it is written."""
         path = node.text or ""
         if "\0" in path:
-            self.note("a path cannot hold the character U+0000", node, field)
+            self.note("nul-in-path", node, field)
         elif path.startswith(("~", "$")):
-            message = f"nothing takes the place of {shown(path.partition('/')[0])} in a path of a run file"
-            self.note(message, node, field, "an absolute path, or one from the run file's folder")
+            self.note("path-unexpanded", node, field, part=path.partition("/")[0])
         else:
             return True
         return False
@@ -130,5 +126,5 @@ class Reading:
                 advice = why.suggestion
                 if is_folder(file):
                     advice = f"name the tables in it, such as {os.path.join(path, '*.csv')}"  # noqa: PTH118 - as it is written
-                self.note(f"{shown(str(file), LONG_PATH)}: {why.message}", node, field, suggestion=advice)
+                self.note("input-unreadable", node, field, file=file, reason=why.message, suggestion=advice)
         return FoundFiles(tuple(files), tuple(notices), pattern)

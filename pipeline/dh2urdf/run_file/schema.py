@@ -25,12 +25,15 @@ from dh2urdf.run_file.sections import (
     RunFile,
     SpacedSection,
 )
+from dh2urdf.source import Messages
 from dh2urdf.stage_calls.calls import Call, a_record, depending_on
 from dh2urdf.stages import HasSchema
 
 if TYPE_CHECKING:
     from dh2urdf.plugin_system.catalog import Catalog, Provided
     from dh2urdf.stages import Kind
+
+say = Messages(__file__)
 
 JsonSchema: TypeAlias = dict[str, Any]
 DIALECT = "https://json-schema.org/draft/2020-12/schema"
@@ -78,7 +81,7 @@ def table_schema(catalog: Catalog) -> JsonSchema:
             with depending_on(Call(stage=item.stage, options=None, plugin=item.plugin), "schema"):
                 schemas[item.full_name] = a_record(its.schema(), dict)
     if not schemas:
-        raise ConfigError("no reader that is installed has a schema of its tables")
+        raise ConfigError(say("no-schema-of-tables"))
     if len(schemas) == 1:
         return next(iter(schemas.values()))
     # An $id of its own lets the references inside each schema go to its own definitions.

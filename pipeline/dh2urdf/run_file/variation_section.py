@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from contextlib import suppress
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from dh2urdf.documents.measures import measured
 from dh2urdf.errors import ConfigError
@@ -12,7 +12,7 @@ from dh2urdf.output.whole_files import safe_stem
 from dh2urdf.quantities.quantity import Dimension, QuantityError, evaluate
 from dh2urdf.run_file.reading import Reading
 from dh2urdf.run_file.sections import LAWS, NormalSection, SpacedSection, VariationSection
-from dh2urdf.source import Mark, Problem, did_you_mean
+from dh2urdf.source import Mark, Messages, did_you_mean
 from dh2urdf.variations.binding import LEAST_PROBABILITY
 from dh2urdf.variations.laws import (
     Choices,
@@ -32,6 +32,8 @@ if TYPE_CHECKING:
     from collections.abc import Iterable
 
     from dh2urdf.documents.document import Node
+
+say = Messages(__file__)
 
 T = TypeVar("T")
 WORD_LAWS = ("choices", "grid")
@@ -59,11 +61,8 @@ class _LawReader:
         self._what, self._field, self._about = what, field, FIELDS[what]
         self.units: list[Dimension] = []
 
-    def _wrong(self, message: str, node: Node, accepted: str | None = None, near: str | None = None) -> ConfigError:
-        field, found = self._field, node.text
-        return ConfigError(
-            Problem(message=message, mark=node.mark, field=field, found=found, accepted=accepted, suggestion=near)
-        )
+    def _wrong(self, code: str, node: Node, **values: Any) -> ConfigError:  # noqa: ANN401 - of a message
+        return ConfigError(say(code, node.mark, field=self._field, found=node.text, **values))
 
     def read(self, law: str, node: Node) -> Law:
         """The law.
@@ -73,7 +72,7 @@ class _LawReader:
         """
         spaced = law == "grid" and isinstance(node.value, dict)
         if self._about.dimension is None and (spaced or law not in WORD_LAWS):
-            raise self._wrong(f"{self._what} cannot vary by {law}", node, f"{' or '.join(WORD_LAWS)}, a list of values")
+            raise self._wrong("law-not-of-words", node, what=self._what, law=law, laws=" or ".join(WORD_LAWS))
         if law in _RANGES:
             return self._range(node, _RANGES[law])
         if law == "normal":
@@ -84,7 +83,7 @@ class _LawReader:
             return Grid(values=evenly_spaced(low, high, given.points))
         if not isinstance(node.value, list) or not node.value:
             accepted = f"a list of values{f', or {SPACING}' if law == 'grid' else ''}"
-            raise self._wrong(f"a run file cannot take {node.describe()} here", node, accepted)
+            raise self._wrong("value-of-other-kind", node, whose="a run file", kind=node.describe(), accepted=accepted)
         values = tuple([self._value(entry) for entry in node.value])
         return Grid(values=values) if law == "grid" else Choices(values=values)
 
@@ -92,11 +91,11 @@ class _LawReader:
         if self._what == TYPE:
             if node.text not in JOINT_TYPES:
                 near = did_you_mean(node.text or "", JOINT_TYPES)
-                raise self._wrong(f"{node.describe()} is no type of joint", node, ", ".join(JOINT_TYPES), near)
+                raise self._wrong("joint-type-unknown", node, kind=node.describe(), types=JOINT_TYPES, suggestion=near)
             return str(node.text)
         if self._what == AXES:
             if not isinstance(node.value, int) or isinstance(node.value, bool) or node.value < 1:
-                raise self._wrong(f"{node.describe()} is no number of axes", node, "a whole number from 1 on")
+                raise self._wrong("axes-no-number", node, kind=node.describe())
             return node.value
         return self._bounded(node)
 
@@ -110,16 +109,16 @@ class _LawReader:
     def _range(self, node: Node, law: type[Uniform | LogUniform | Scale | Offset]) -> Law:
         low, high = self._ends(node, Dimension.NUMBER if law is Scale else None, bounded=law in (Uniform, LogUniform))
         if law is LogUniform and low <= 0.0:
-            raise self._wrong("orders of magnitude begin above 0", node, "two numbers greater than 0")
+            raise self._wrong("log-uniform-below-0", node)
         return law(low=low, high=high)
 
     def _ends(self, node: Node, dimension: Dimension | None = None, *, bounded: bool = True) -> tuple[float, float]:
         if not isinstance(node.value, list) or len(node.value) != 2:  # noqa: PLR2004 - a range has two ends
-            raise self._wrong(f"a run file cannot take {node.describe()} here", node, "a range: [LOW, HIGH]")
+            accepted = "a range: [LOW, HIGH]"
+            raise self._wrong("value-of-other-kind", node, whose="a run file", kind=node.describe(), accepted=accepted)
         low, high = (self._number(end, dimension) for end in node.value)
         if low > high:
-            message = f"the range goes down from {low:.12g} to {high:.12g}"
-            raise self._wrong(message, node, "the lower end first", "are they exchanged?")
+            raise self._wrong("range-goes-down", node, low=low, high=high)
         for end in (low, high) if bounded else ():
             self._check(node, end)
         return low, high
@@ -130,11 +129,10 @@ class _LawReader:
         mean = self._number(mean_node) if mean_node else None
         deviation, (low, high) = self._number(width_node or node), self._ends(bounds or node)
         if deviation <= 0.0:
-            raise self._wrong("a standard deviation is greater than 0", width_node or node, "a number greater than 0")
+            raise self._wrong("deviation-not-above-0", width_node or node)
         law = Normal(mean=mean, deviation=deviation, low=low, high=high)
         if mean is not None and law.probability() < LEAST_PROBABILITY:
-            message = "the bounds leave hardly anything of this normal distribution"
-            raise self._wrong(message, bounds or node, "bounds about the mean")
+            raise self._wrong("bounds-leave-nothing", bounds or node)
         return law
 
     def _number(self, node: Node, dimension: Dimension | None = None) -> float:
@@ -144,7 +142,8 @@ class _LawReader:
         try:
             number = measured(node, each, turns=MOST_TURNS if self._what in {"lower", "upper"} else 1)
         except QuantityError as error:
-            raise self._wrong(error.message, node, error.accepted, error.suggestion) from None
+            about = {"accepted": error.accepted, "suggestion": error.suggestion}
+            raise self._wrong("quantity-refused", node, reason=error.message, **about) from None
         if evaluate(node.text or "", each).has_unit:
             self.units.append(each)
         return number
@@ -156,7 +155,7 @@ class _LawReader:
     def _check(self, node: Node, number: float) -> float:
         if not self._about.takes(number):
             bound = self._about.bound
-            raise self._wrong(f"{self._what} must be {bound}", node, f"numbers {bound}")
+            raise self._wrong("value-out-of-bounds", node, what=self._what, bound=bound)
         return number
 
 
@@ -178,8 +177,7 @@ def read_variations(entries: Iterable[tuple[Node, str]], to: Reading) -> tuple[V
         call = _variation(given, node, field, to) if given else None
         if call:
             found.append((call, safe_stem(call.name).casefold(), node, field))
-    message = "two variations are named {}, and so would be their variants and files"
-    return to.distinct(found, message, "`name: NAME`, another one for each")
+    return to.distinct(found, "variations")
 
 
 def _variation(given: VariationSection, node: Node, field: str, to: Reading) -> VariationCall | None:
@@ -189,8 +187,7 @@ def _variation(given: VariationSection, node: Node, field: str, to: Reading) -> 
         with to.noting(entry, f"{field}.vary.{index}"):
             rules.append(_rule(given.vary[index].field, entry))
     if len(to.problems) == before and given.count is None and not any(isinstance(rule.law, Grid) for rule in rules):
-        message, accepted = "it is not said how many variants there are", "`count: NUMBER`; only a grid needs none"
-        to.note(message, node, f"{field}.count", accepted)
+        to.note("variants-uncounted", node, f"{field}.count")
     if len(to.problems) > before:
         return None
     count = node.entry("count")
@@ -213,15 +210,13 @@ def _rule(field: str, node: Node) -> Rule:
     laws = [(name, values) for name in LAWS if (values := node.entry(name))]
     problems = []
     if field == AXES and joints is not None:
-        message = "the number of axes is the whole arm's, not a joint's"
-        problems.append(Problem(message=message, field="joints", accepted="no `joints`"))
+        problems.append(say("axes-of-a-joint", field="joints"))
     elif field != AXES and joints is None:
-        message, accepted = "it is not said whose field varies", f"`joints:` {ACCEPTED_JOINTS}"
-        problems.append(Problem(message=message, field="joints", mark=node.mark, accepted=accepted))
+        problems.append(say("vary-without-joints", field="joints", mark=node.mark, accepted=ACCEPTED_JOINTS))
     if len(laws) != 1:
-        message = "it is not said how it varies" if not laws else f"it varies in {len(laws)} ways at once"
         found = ", ".join(name for name, _ in laws) or None
-        problems.append(Problem(message=message, found=found, accepted=f"one of {', '.join(LAWS)}"))
+        code = "vary-two-ways" if laws else "vary-no-way"
+        problems.append(say(code, found=found, count=len(laws), laws=list(LAWS)))
     if problems:
         raise ConfigError(problems)
     names, marks = _joints(joints) if joints else (None, ())
@@ -239,13 +234,9 @@ def _joints(node: Node) -> tuple[tuple[int | str, ...] | None, tuple[Mark, ...]]
     nodes: list[Node] = node.value if isinstance(node.value, list) else [node]
     wrong = [each for each in nodes if not _is_joint(each.value)]
     if wrong or not nodes:
+        code = "joint-wrong" if nodes else "no-joint-named"
         raise ConfigError(
-            Problem(
-                message=f"{each.describe()} is no joint" if nodes else "no joint is named",
-                mark=each.mark,
-                field="joints",
-                accepted=ACCEPTED_JOINTS,
-            )
+            say(code, each.mark, field="joints", kind=each.describe(), accepted=ACCEPTED_JOINTS)
             for each in wrong or [node]
         )
     return tuple(each.value for each in nodes), tuple(each.mark for each in nodes)  # type: ignore[misc]  # as checked

@@ -37,7 +37,7 @@ from dh2urdf.run_file.overrides import ON_THE_COMMAND_LINE, Asked
 from dh2urdf.run_file.plan import Plan, make_plan
 from dh2urdf.running.batch_work import BatchWorker, Depth
 from dh2urdf.running.run_inputs import OWN_FILES, refuse_overwriting
-from dh2urdf.source import Problem, printable
+from dh2urdf.source import Messages, printable
 from dh2urdf.stage_calls.calls import Call, a_record, depending_on, fault, items_of, own_work
 from dh2urdf.stage_calls.pools import results_of
 from dh2urdf.stages import Executor, Lost
@@ -55,6 +55,8 @@ if TYPE_CHECKING:
     from dh2urdf.output.store import Store
     from dh2urdf.plugin_system.catalog import Catalog
     from dh2urdf.results import RunReport
+
+say = Messages(__file__)
 
 Note: TypeAlias = "Callable[[BatchReport, int | None], None]"
 """Gets each batch, and how many manipulators the run will probably have."""
@@ -121,8 +123,7 @@ def execute(
     """
     started = time.perf_counter()
     if resume and dry_run:
-        message = "a dry run makes everything anew and writes nothing, so that it has nothing to resume"
-        raise ConfigError(Problem(message=message, field="resume", accepted="resume or dry_run, not both"))
+        raise ConfigError(say("dry-run-resumes", field="resume"))
     refuse_overwriting(plan)
     files = (*plan.files, *(path for path, _ in plan.inputs))
     told = reproduction(plan.command, files, plan.recipe, plan.variations)
@@ -312,7 +313,7 @@ def _rescued(worker: BatchWorker, batch: Batch, lost: Lost) -> BatchReport:
         made = run_in_child(BatchWorker.__call__, worker, batch.without(doomed), timeout=None, encoding=PICKLED)
         return replace(made.value, printed=(*made.value.printed, *unmarked(made.output)))
     except ManipulatorError:
-        error = CrashError(f"the batch of {len(batch)} manipulators that it is in cannot be made: {lost.reason}")
+        error = CrashError(say("batch-unmakeable", count=len(batch), reason=lost.reason))
         return worker(batch.without({place: Doomed(name, error, None) for place, name in enumerate(batch.names)}))
 
 

@@ -13,12 +13,14 @@ from dh2urdf.output.journal import MANIFEST
 from dh2urdf.output.layouts import Form
 from dh2urdf.output.store import WORKING, LocalStore, Store
 from dh2urdf.report.manifest import INDEX, PAGE, REPORT, TABLE, TIMING
-from dh2urdf.source import Problem, shown
+from dh2urdf.source import Messages
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from dh2urdf.run_file.plan import Plan
+
+say = Messages(__file__)
 
 OWN_FILES = (MANIFEST, TABLE, INDEX, REPORT, TIMING, PAGE)
 """The files of a run beside those of its manipulators."""
@@ -56,17 +58,7 @@ def _refuse_overwriting(plan: Plan, store: Store, suffixes: tuple[str, ...], fie
             or (plan.layout.form is Form.SHARDS and _SHARD.fullmatch(name))
             for name in own
         ):
-            problems.append(
-                Problem(
-                    message=f"the run would overwrite its input {shown(str(path), 200)} in the output folder "
-                    f"{shown(str(store), 200)}",
-                    field=field,
-                    found=str(path),
-                    accepted="another output folder, or an input of another name",
-                    suggestion="write to another folder: `output: {directory: DIR}`, or `-o DIR`; a file that an "
-                    "earlier run wrote is left out by a narrower pattern, such as *.csv",
-                )
-            )
+            problems.append(say("run-overwrites-input", field=field, found=str(path), path=path, store=str(store)))
     if problems:
         raise ConfigError(problems)
     store.protect(names)

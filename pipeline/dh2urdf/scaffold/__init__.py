@@ -16,20 +16,22 @@ import tomllib
 from importlib.util import find_spec
 from pathlib import Path
 from string import Template
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from dh2urdf._version import __version__
 from dh2urdf.documents.text_files import is_folder, is_there
 from dh2urdf.errors import ConfigError
 from dh2urdf.output.whole_files import reporting_os_errors
 from dh2urdf.plugin_system.options import COMMAND_LINE
-from dh2urdf.source import Problem, shown
+from dh2urdf.source import Messages, Problem, shown
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from dh2urdf.plugin_system.catalog import Catalog
     from dh2urdf.stages import Kind
+
+say = Messages(__file__)
 
 TEMPLATES = Path(__file__).with_name("templates")
 LONGEST = 40
@@ -109,27 +111,20 @@ def _values(name: str, kind: Kind) -> dict[str, str]:
 def _problems(name: str, kind: Kind, place: Path, catalog: Catalog) -> Iterator[Problem]:
     """All that keeps a name from being given."""
 
-    def problem(message: str, accepted: str, suggestion: str | None = None, field: str | None = "NAME") -> Problem:
-        found = name if field == "NAME" else None
-        return Problem(
-            message=message, mark=COMMAND_LINE, field=field, found=found, accepted=accepted, suggestion=suggestion
-        )
+    def problem(code: str, field: str | None = "NAME", **values: Any) -> Problem:  # noqa: ANN401 - of a message
+        return say(code, COMMAND_LINE, field=field, found=name if field == "NAME" else None, **values)
 
     if not _NAME.fullmatch(name) or len(name) > LONGEST:
-        accepted = f"lower-case letters, digits and single dashes, from a letter on, at most {LONGEST} characters"
-        yield problem(f"a plugin cannot be named {shown(name)}", accepted)
+        yield problem("plugin-name-wrong", longest=LONGEST)
         return
     package, stage = name.replace("-", "_"), stage_name(name)
     if keyword.iskeyword(package) or package in sys.stdlib_module_names or find_spec(package):
-        message = f"{package!r} is a keyword of Python, or a module or package that is installed here"
-        suggestion = f"`dh2urdf-{name}` names the distribution so, and the stage {name!r}"
-        yield problem(message, "a name that no package has", suggestion)
+        yield problem("plugin-name-taken", package=package, name=name)
     for item in catalog.provided(kind):
         if item.stage.name == stage:
             taken = ", ".join(other.stage.name for other in catalog.provided(kind))
-            yield problem(f"the {kind} {stage!r} is provided by {item.plugin.distribution}", f"a name besides {taken}")
+            yield problem("stage-name-taken", kind=kind, stage=stage, owner=item.plugin.distribution, taken=taken)
     if is_there(place) or place.is_symlink():
-        advice = "choose another name or another folder with `--dir`; nothing is overwritten"
-        yield problem(f"{shown(str(place))} is there already", "a folder that is not there yet", advice, None)
+        yield problem("folder-there", None, path=str(place))
     elif not is_folder(place.parent):
-        yield problem(f"there is no folder {shown(str(place.parent))}", "a folder that is there", field="--dir")
+        yield problem("no-folder", "--dir", folder=shown(str(place.parent)), suggestion="name a folder that is there")

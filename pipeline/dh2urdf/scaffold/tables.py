@@ -17,7 +17,7 @@ from dh2urdf.output.spooled import spooled
 from dh2urdf.output.whole_files import make_folder, reporting_os_errors
 from dh2urdf.plugin_system.options import COMMAND_LINE
 from dh2urdf.scaffold import TEMPLATES
-from dh2urdf.source import Problem, did_you_mean, shown
+from dh2urdf.source import Messages, did_you_mean, shown
 from dh2urdf.table_text import TableText
 from dh2urdf.table_text.texts import yaml_word
 
@@ -26,6 +26,8 @@ if TYPE_CHECKING:
 
     from dh2urdf.stage_calls.calls import Call
     from dh2urdf.stages import Reader
+
+say = Messages(__file__)
 
 MOST_AXES = 100
 """Joints of a template at most."""
@@ -52,10 +54,8 @@ def shipped_table(name: str) -> Path:
     tables = shipped_tables()
     if name in tables:
         return tables[name]
-    message, near = f"no example is called {shown(name)}", did_you_mean(name, tables)
-    raise ConfigError(
-        Problem(message=message, mark=COMMAND_LINE, found=name, accepted=", ".join(tables), suggestion=near)
-    )
+    near = did_you_mean(name, tables)
+    raise ConfigError(say("example-unknown", COMMAND_LINE, found=name, names=tuple(tables), suggestion=near))
 
 
 def table_template(
@@ -123,11 +123,9 @@ def write_new(files: dict[Path, bytes]) -> None:
     Raises:
         OutputError: one of them is there, or they cannot be written.
     """
-    advice = "give another name, or move the file away"
-    there = [(str(path), f"{shown(str(path), 200)} is there already, and is not overwritten") for path in files]
     problems = [
-        Problem(message=message, mark=COMMAND_LINE, found=path, suggestion=advice)
-        for path, message in there
+        say("file-there", COMMAND_LINE, found=str(path), path=shown(str(path), 200))
+        for path in files
         if os.path.lexists(path)
     ]
     if problems:

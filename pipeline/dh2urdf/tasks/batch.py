@@ -22,7 +22,7 @@ from dh2urdf.manipulator import Manipulator
 from dh2urdf.output.layouts import Form
 from dh2urdf.output.whole_files import Stems
 from dh2urdf.run_file.mesh_section import MeshGiver
-from dh2urdf.source import Mark, Problem, shown
+from dh2urdf.source import Mark, Messages, Problem, shown
 from dh2urdf.stages import Rejected
 from dh2urdf.tasks.batch_sizes import BatchSizes
 from dh2urdf.variations.binding import bind
@@ -35,6 +35,8 @@ if TYPE_CHECKING:
     from dh2urdf.tasks.expected import Expected
     from dh2urdf.variations.laws import DrawnValue
     from dh2urdf.variations.variation import Variant
+
+say = Messages(__file__)
 
 
 class Doomed(NamedTuple):
@@ -344,7 +346,7 @@ def items(plan: Plan, expected: Expected) -> Iterator[RunItem]:
                     count += made.size
                     yield made
             if count == before:
-                raise TableError("there is no manipulator in it")
+                raise TableError(say("table-empty", names=()))
         except (TableError, StageError) as error:
             rejected = Rejected(name=path.stem, problems=error.problems, mark=Mark(file=source), notices=error.notices)
             gathering.see(rejected)

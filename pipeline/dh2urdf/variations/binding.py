@@ -8,13 +8,15 @@ from typing import TYPE_CHECKING, Any
 from dh2urdf.errors import ConfigError
 from dh2urdf.manipulator import DHRow, JointType, Manipulator
 from dh2urdf.row_fields import LIMITS
-from dh2urdf.source import Mark, Problem, did_you_mean, shown
+from dh2urdf.source import Mark, Messages, Problem, did_you_mean
 from dh2urdf.variations.laws import Choices, Grid, Normal, Scale, is_relative
 from dh2urdf.variations.sampling import MOST_POINTS, SOBOL_DIMENSIONS, Sampling
 from dh2urdf.variations.variation import ALL, AXES, FIELDS, TYPE, Factor, Rule, Variation, VariationCall
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
+
+say = Messages(__file__)
 
 LEAST_PROBABILITY = 1e-6
 """What the bounds of a normal distribution must leave of it: it would hardly be one, and has lost its digits."""
@@ -49,8 +51,7 @@ class _Binder:
         for rule in self.call.vary:
             for factor in self._factors(rule):
                 if factor.key in factors:
-                    at = factors[factor.key].mark
-                    self._add_problem(rule, f"{factor.key} is varied twice", suggestion=f"it is varied first at {at}")
+                    self._add_problem(rule, "varied-twice", key=factor.key, first=factors[factor.key].mark)
                 factors.setdefault(factor.key, factor)
         count = 0 if self.problems else self._count(tuple(factors.values()))
         if self.problems:
@@ -65,8 +66,8 @@ class _Binder:
             mark=self.call.mark,
         )
 
-    def _add_problem(self, rule: Rule, message: str, *, mark: Mark | None = None, **about: Any) -> None:  # noqa: ANN401 - of a problem
-        self.problems.append(Problem(message=message, mark=mark or rule.mark, field=rule.field, **about))
+    def _add_problem(self, rule: Rule, code: str, *, mark: Mark | None = None, **about: Any) -> None:  # noqa: ANN401 - of a message
+        self.problems.append(say(code, mark or rule.mark, field=rule.field, **about))
 
     # --- Joints
 
@@ -92,14 +93,9 @@ class _Binder:
             elif joint in names:
                 indices.append(names.index(str(joint)))
             elif not quiet:
-                self._add_problem(
-                    rule,
-                    f"the table of {shown(self.nominal.name)} has no joint {shown(str(joint))}",
-                    mark=mark,
-                    found=str(joint),
-                    accepted=f"all, a number from 1 to {len(names)}, or a name: {', '.join(names[:20])}",
-                    suggestion=did_you_mean(str(joint), names) if isinstance(joint, str) else None,
-                )
+                near = did_you_mean(str(joint), names) if isinstance(joint, str) else None
+                about = {"table": self.nominal.name, "count": len(names), "names": names[:20], "suggestion": near}
+                self._add_problem(rule, "varied-joint-unknown", mark=mark, found=str(joint), **about)
         return indices
 
     def _has(self, index: int, name: str) -> bool:
@@ -113,9 +109,7 @@ class _Binder:
             have = len(self.nominal.moving_rows)
             for value in rule.law.values if isinstance(rule.law, Choices | Grid) else ():
                 if float(value) > have:
-                    message = f"the table of {shown(self.nominal.name)} has {have} axes, and {value} are asked for"
-                    accepted = f"1 to {have}: rows are left out, not added"
-                    self._add_problem(rule, message, found=str(value), accepted=accepted)
+                    self._add_problem(rule, "axes-too-many", found=str(value), table=self.nominal.name, have=have)
             yield Factor(key=AXES, field=AXES, row=None, law=rule.law, mark=rule.mark)
             return
         nominals: list[tuple[int, float | None]] = []
@@ -124,17 +118,11 @@ class _Binder:
             value = getattr(row.limits if rule.field in LIMITS else row, rule.field)
             nominals.append((index, float(value) if isinstance(value, int | float) else None))
         if rule.joints is None and not nominals:
-            self._add_problem(rule, f"no joint of {shown(self.nominal.name)} has {rule.field}")
+            self._add_problem(rule, "no-joint-has-field", table=self.nominal.name)
         is_named = rule.joints not in (None, (ALL,))  # a rule for all joints may be for many arms
         if isinstance(rule.law, Scale) and is_named and nominals and all(nominal == 0 for _, nominal in nominals):
-            self._add_problem(
-                rule,
-                f"{rule.field} in the table is 0, and so is every multiple of it: nothing varies",
-                joint=self.rows[nominals[0][0]].joint if len(nominals) == 1 else None,
-                found="0",
-                accepted=f"joints with another {rule.field}, or values of their own such as offset: [LOW, HIGH]",
-                suggestion="joints count from 1, fixed ones too",
-            )
+            joint = self.rows[nominals[0][0]].joint if len(nominals) == 1 else None
+            self._add_problem(rule, "multiple-of-0", joint=joint, found="0")
             return
         for index, nominal in nominals:
             before = len(self.problems)
@@ -147,43 +135,26 @@ class _Binder:
         """What a joint cannot have, and values that do not fit it."""
         what, types = FIELDS[rule.field], self.types[index]
         if not self._has(index, rule.field):
-            message = f"a {types[0]} joint has no {rule.field}"
-            self._add_problem(
-                rule, message, joint=row.joint, accepted=f"joints of the types {', '.join(sorted(what.types))}"
-            )
+            self._add_problem(rule, "type-without-field", joint=row.joint, type=types[0], types=sorted(what.types))
             return
         fitting = [kind for kind in types if kind in what.types]
         for kind in fitting:
             for unit in rule.units:
                 if unit is not what.of(kind):
-                    message = f"{rule.field} of a {kind} joint is {what.of(kind)}, and the values here are {unit}"
-                    self._add_problem(rule, message, joint=row.joint, suggestion="name the joints that are meant")
+                    self._add_problem(
+                        rule, "other-measure", joint=row.joint, type=kind, measure=what.of(kind), given=unit
+                    )
                     return
         if not is_relative(rule.law):
             return
         nominal_kind = {JointType.CONTINUOUS: JointType.REVOLUTE}.get(row.type, row.type)
         kinds = {{JointType.CONTINUOUS: JointType.REVOLUTE}.get(kind, kind) for kind in fitting}
         if (what.linear or rule.field in LIMITS) and kinds != {nominal_kind}:
-            self._add_problem(
-                rule,
-                f"the type of the joint is drawn too, and {rule.field} of the table holds for a {row.type} joint only",
-                joint=row.joint,
-                accepted="values of their own in place of such that start from the nominal one",
-            )
+            self._add_problem(rule, "start-of-other-type", joint=row.joint, type=row.type)
         elif nominal is None:
-            self._add_problem(
-                rule,
-                f"the table gives no {rule.field}, and the values here start from it",
-                joint=row.joint,
-                accepted=f"{rule.field} in the table, or values of their own such as uniform: [LOW, HIGH]",
-            )
+            self._add_problem(rule, "start-missing", joint=row.joint)
         elif isinstance(rule.law, Normal) and rule.law.probability(nominal) < LEAST_PROBABILITY:
-            self._add_problem(
-                rule,
-                f"the bounds leave hardly anything of a normal distribution about the nominal {nominal:.12g}",
-                joint=row.joint,
-                accepted="bounds about the mean, or a mean of its own",
-            )
+            self._add_problem(rule, "bounds-off-nominal", joint=row.joint, nominal=nominal)
 
     # --- How many
 
@@ -193,14 +164,12 @@ class _Binder:
         drawn = len(factors) - len(grids)
         count = points if self.call.count is None else self.call.count
         if self.call.sampling is Sampling.SOBOL and drawn > SOBOL_DIMENSIONS:
-            self._of_call(f"{drawn} values are drawn, and Sobol sequences have {SOBOL_DIMENSIONS} dimensions")
+            self._of_call("sobol-dimensions", drawn=drawn, most=SOBOL_DIMENSIONS)
         elif count > MOST_POINTS:
-            self._of_call(f"the grids have {points} points", f"at most {MOST_POINTS}, or a `count` of them")
+            self._of_call("points-too-many", points=points, most=MOST_POINTS)
         elif count > points and not drawn:
-            message = f"the grids have {points} points, and a count of {count} would repeat them"
-            self._of_call(message, f"at most {points}, or no count")
+            self._of_call("points-repeat", points=points, count=count)
         return count
 
-    def _of_call(self, message: str, accepted: str | None = None) -> None:
-        mark = self.call.count_mark or self.call.mark
-        self.problems.append(Problem(message=message, mark=mark, field="count", accepted=accepted))
+    def _of_call(self, code: str, **values: Any) -> None:  # noqa: ANN401 - of a message
+        self.problems.append(say(code, self.call.count_mark or self.call.mark, field="count", **values))

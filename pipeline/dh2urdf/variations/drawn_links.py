@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 
 from dh2urdf.elementwise import greater_of, hypot, is_column, mapped, where
 from dh2urdf.manipulator import BASE, Convention, JointType
-from dh2urdf.source import Problem, shown
+from dh2urdf.source import Messages, Problem
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -25,14 +25,16 @@ if TYPE_CHECKING:
     from dh2urdf.manipulator import DHRow, Manipulator
     from dh2urdf.source import Mark
 
+say = Messages(__file__)
+
 LENGTHS = ("a", "d", "alpha")
 """The numbers of a row for which a link is drawn."""
 GAP = 1e-3
 """Gap from which on it is noticed [m]: the arms of a series differ by less from their drawings."""
 TURN = math.radians(1.0)
 """Turn from which on it is noticed [rad]."""
-REDRAW = "meshes, com and inertia do not follow a, d and alpha: give those of the new lengths, or leave them out"
-"""What to do about it: a table with a notice that suggests this has been compared before."""
+_COMPARED = {"mesh-off-drawn-link", "mesh-of-other-length", "lengths-drawn"}
+"""Notices of a table that has been compared before."""
 _PLANE = 1e-4  # m: how far the origin of a mesh may be from the plane of x and the joint's axis
 _FROM, _TO = 2.0 / 3.0, 1.5  # of x over -a: at 0 is the end of a link, at 1/2 its middle, where boxes have their origin
 
@@ -65,9 +67,8 @@ def torn_links(before: Manipulator, after: Manipulator, what: str, mark: Mark | 
         sizes = [f"{1e3 * gap:.4g} mm"] if gap >= GAP else []
         sizes += [f"{math.degrees(turn):.3g}°"] if turn >= TURN else []
         kept = " and ".join(filter(None, (", ".join(drawn[:-1]), drawn[-1])))
-        message = f"{what} the lengths of link {shown(link)}, and its {kept} stay where they were"
-        message += f", up to {' and '.join(sizes)} off{_others(len(torn))}"
-        yield _notice(message, mark or row.mark, row.joint, field)
+        about = {"what": what, "link": link, "kept": kept, "off": " and ".join(sizes), "others": _others(len(torn))}
+        yield say("mesh-off-drawn-link", mark or row.mark, joint=row.joint, field=field, **about)
 
 
 def other_lengths(manipulator: Manipulator) -> Iterator[Problem]:
@@ -80,14 +81,13 @@ def other_lengths(manipulator: Manipulator) -> Iterator[Problem]:
     odd = [(gap, row) for row in manipulator.rows if (gap := mesh_gap(row)) >= GAP]
     if odd:
         gap, row = max(odd, key=lambda each: each[0])
-        message = f"a is {row.a:.6g} m, and the mesh of link {shown(row.link)} was drawn for another length: it begins "
-        message += f"{1e3 * gap:.4g} mm off its joint{_others(len(odd))}"
-        yield _notice(message, row.mark, row.joint, "a")
+        about = {"a": row.a, "link": row.link, "gap": 1e3 * gap, "others": _others(len(odd))}
+        yield say("mesh-of-other-length", row.mark, joint=row.joint, field="a", **about)
 
 
 def is_to_compare(manipulator: Manipulator) -> bool:
     """Whether the places of meshes tell for which lengths they were drawn, and nobody has compared lengths before."""
-    told = any(notice.suggestion == REDRAW for notice in manipulator.notices)
+    told = any(notice.code in _COMPARED for notice in manipulator.notices)
     return manipulator.convention is Convention.STANDARD and not told
 
 
@@ -123,7 +123,3 @@ def _most(number: Number) -> float:
 
 def _others(count: int) -> str:
     return f"; of {count} links, this is the farthest" if count > 1 else ""
-
-
-def _notice(message: str, mark: Mark | None, joint: str, field: str) -> Problem:
-    return Problem(message=message, severity="notice", mark=mark, joint=joint, field=field, suggestion=REDRAW)

@@ -18,13 +18,15 @@ from dh2urdf.fields import replace_unchecked
 from dh2urdf.manipulator import DHRow, Inertia, JointType, Limits, Manipulator
 from dh2urdf.quantities.units import Dimension
 from dh2urdf.row_fields import COM, DYNAMICS, INERTIA, LIMITS, ROW_FIELDS, RowField
-from dh2urdf.source import Mark, Problem, shown
-from dh2urdf.variations.drawn_links import LENGTHS, REDRAW, torn_links
+from dh2urdf.source import Mark, Messages, Problem, shown
+from dh2urdf.variations.drawn_links import LENGTHS, torn_links
 from dh2urdf.variations.laws import DrawnValue, Grid, Law, draw_many, ends
 from dh2urdf.variations.sampling import Sampling, points, regrouped
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+
+say = Messages(__file__)
 
 TYPE = "type"
 AXES = "axes"
@@ -361,11 +363,11 @@ def first_axes(rows: Sequence[DHRow], axes: int) -> Sequence[DHRow]:
 def drawn_notices(changes: Mapping[int, Collection[str]], rows: Sequence[DHRow]) -> Iterator[Problem]:
     """What was drawn is meant: nobody need ask whether an angle should have been a quarter turn, or a length other."""
     if any(name in LENGTHS for names in changes.values() for name in names):
-        yield Problem(message="drawn", severity="notice", suggestion=REDRAW)
+        yield say("lengths-drawn")
     for index, names in changes.items():
         for name in names:
             if FIELDS[name].dimension is Dimension.ANGLE:
-                yield Problem(message="drawn", severity="notice", joint=rows[index].joint, field=name)
+                yield say("angle-drawn", joint=rows[index].joint, field=name)
 
 
 def changed(row: DHRow, values: Mapping[str, Any]) -> DHRow:
@@ -415,17 +417,17 @@ def retyped(row: DHRow, kind: JointType) -> DHRow:
 
 def _row_problems(row: DHRow, factors: Mapping[str, Factor]) -> Iterator[Problem]:
     """What is impossible about the drawn values of a row."""
-    found = []
+
+    def drawn(code: str, name: str, value: float, **about: Any) -> Problem:  # noqa: ANN401 - of a message
+        return say(code, factors[name].mark, joint=row.joint, field=name, found=f"{value:.12g}", **about)
+
     for name in factors:
         value, field = getattr(row.limits if name in LIMITS else row, name), FIELDS[name]
         if isinstance(value, float) and (not isfinite(value) or not field.takes(value)):
             accepted = f"a number {field.bound}" if field.bound else "a finite number"
-            found.append((name, f"the {name} that was drawn is {value:.12g}", value, accepted))
+            yield drawn("drawn-impossible", name, value, accepted=accepted)
     bounds = [name for name in ("lower", "upper") if name in factors]
     lower, upper = row.limits.lower, row.limits.upper
     if bounds and lower is not None and upper is not None and lower > upper:
-        message = f"lower is {lower:.12g} and upper {upper:.12g}, with {' and '.join(bounds)} drawn"
-        found.append((bounds[0], message, getattr(row.limits, bounds[0]), "lower at most upper"))
-    for name, message, value, accepted in found:
-        mark, text = factors[name].mark, f"{value:.12g}"
-        yield Problem(message=message, mark=mark, joint=row.joint, field=name, found=text, accepted=accepted)
+        about = {"lower": lower, "upper": upper, "bounds": " and ".join(bounds)}
+        yield drawn("drawn-limits-exchanged", bounds[0], getattr(row.limits, bounds[0]), **about)

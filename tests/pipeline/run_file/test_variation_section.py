@@ -116,7 +116,7 @@ class TestRight:
     ("text", "message"),
     [
         ("{count: 5, vary: [RULE]}", "field 'variations.0.of': a run file needs this key"),
-        ("{of: arm, vary: [RULE]}", "it is not said how many variants there are"),
+        ("{of: arm, vary: [RULE]}", "the number of variants is missing"),
         ("[{of: arm, count: 5, vary: RULE}, {of: arm, count: 5, vary: RULE}]", "two variations are named 'arm'"),
     ],
 )
@@ -132,7 +132,7 @@ def test_a_variation_that_is_wrong(text: str, message: str) -> None:
 @pytest.mark.parametrize(
     ("rule", "message"),
     [
-        ("{joints: 1, field: a}", "it is not said how it varies"),
+        ("{joints: 1, field: a}", "nothing says how it varies"),
         ("{joints: 1, field: alhpa, scale: [1, 2]}", "did you mean 'alpha'?"),
         ("{joints: [true], field: a, scale: [1, 2]}", "the truth value true is no joint"),
         ("{field: axes, choices: [0]}", "the number 0 is no number of axes"),

@@ -31,7 +31,7 @@ from dh2urdf.meshes import packages_in
 from dh2urdf.plugin_system.catalog import load
 from dh2urdf.stages import Expansion
 from dh2urdf_check.described_files import described_files
-from dh2urdf_check.models.models import model_rules
+from dh2urdf_check.models import model_rules
 from dh2urdf_check.rules import Outcome, rules
 from dh2urdf_plugins.xacro_fence.expansion import expand_foreign
 

@@ -76,7 +76,7 @@ CHANGES = {
     "a rule of `check`": Change(
         [
             (
-                "plugins/dh2urdf_check/rule_tables/names.yaml",
+                "plugins/dh2urdf_check/rules/names.yaml",
                 "",
                 (
                     "\nname-of-a-tree:\n  fault: a robot named after a tree\n  fix: name it after an arm\n"

@@ -1,6 +1,6 @@
 """The rules of `dh2urdf check`: each a fault, and what every consumer does with a file that has it.
 
-They are in the folder ``rule_tables`` beside this module, a file a group; the pages in docs/rules are made of them.
+They are in the folder ``rules`` beside this module, a file a group; the pages in docs/rules are made of them.
 """
 
 from __future__ import annotations
@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 from functools import cache
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import yaml
 
@@ -17,7 +17,7 @@ from dh2urdf.source import shown
 from dh2urdf.stages import Effect, Finding
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Collection, Mapping, Sequence
 
     from dh2urdf.source import Mark
     from dh2urdf.stages import Severity
@@ -53,6 +53,46 @@ class Outcome(StrEnum):
         return "warning" if self in {Outcome.ALTERS, Outcome.WARNS, Outcome.DOUBTFUL} else "error"
 
 
+@dataclass(frozen=True, slots=True)
+class Case:
+    """One way in which a rule is broken.
+
+    Attributes:
+        at: the XPath of the elements that are looked at.
+        verb: the verb that says what is wrong with them, one of `dh2urdf_check.finders.VERBS`.
+        argument: what the verb needs.
+        says: the message, with XPaths in braces.
+        of: the consumers that it matters to; all of the rule where there is none.
+    """
+
+    at: str
+    verb: str
+    argument: Any
+    says: str
+    of: frozenset[str]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Proof:
+    """How a sound file is made one that breaks a rule.
+
+    Attributes:
+        old: the text of the sound file that is replaced.
+        new: what takes its place.
+        at: a text of the line where the fault is found.
+        nth: which occurrence of that text is meant.
+        besides: other rules that are broken with it.
+        of: the consumers that it matters to, where that is not all of the rule.
+    """
+
+    old: str
+    new: str
+    at: str
+    nth: int = 1
+    besides: tuple[str, ...] = ()
+    of: tuple[str, ...] = ()
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Rule:
     """One rule.
@@ -63,6 +103,9 @@ class Rule:
         fix: what to do about it.
         outcomes: what becomes of the file, by consumer; one that is not named takes it as it stands.
         effects: the same as findings say it.
+        where: by consumer, the XPath of the elements that it minds; empty where it minds all.
+        cases: how it is found; none of a rule that a function finds.
+        proof: a sound file and a substitution that breaks the rule; None where the tests have it.
     """
 
     name: str
@@ -70,6 +113,14 @@ class Rule:
     fix: str
     outcomes: dict[str, Outcome]
     effects: tuple[Effect, ...]
+    where: dict[str, str]
+    cases: tuple[Case, ...] = ()
+    proof: Proof | None = None
+
+    def finding(self, message: str, of: Collection[str], mark: Mark, calls: tuple[Mark, ...] = ()) -> Finding:
+        """A finding of this rule, which matters to some consumers."""
+        effects = tuple(effect for effect in self.effects if effect.consumer in of)
+        return Finding(rule=self.name, message=message, fix=self.fix, effects=effects, mark=mark, calls=calls)
 
 
 GROUPS = ("text", "names", "tree", "joints", "masses", "shapes", "plausibility")
@@ -90,22 +141,55 @@ def plausibility_rules() -> dict[str, Rule]:
 
 def rules_of(group: str, known: Mapping[str, str] = CONSUMERS) -> dict[str, Rule]:
     """The rules of one table by name, in its order; `known` are the consumers that it may name."""
-    path = Path(__file__).with_name("rule_tables") / f"{group}.yaml"
-    table = yaml.load(path.read_text("utf-8"), getattr(yaml, "CSafeLoader", yaml.SafeLoader))  # noqa: S506 - both are safe
-    return {rule: _rule(rule, known, **entry) for rule, entry in table.items()}
+    return {name: _rule(name, known, **entry) for name, entry in _table(group).items() if "fault" in entry}
+
+
+@cache
+def _table(name: str) -> dict[str, Any]:
+    path = Path(__file__).with_name("rules") / f"{name}.yaml"
+    table: dict[str, Any] = yaml.load(path.read_text("utf-8"), getattr(yaml, "CSafeLoader", yaml.SafeLoader))  # noqa: S506 - both are safe
+    return table
 
 
 def _rule(
-    name: str, known: Mapping[str, str], *, fault: str, fix: str, consumers: Mapping[str, tuple[str, str]]
+    name: str,
+    known: Mapping[str, str],
+    *,
+    fault: str,
+    fix: str,
+    consumers: Mapping[str, Sequence[str]],
+    proof: Mapping[str, Any] | None = None,
+    cases: Sequence[Mapping[str, Any]] = (),
+    **case: Any,  # noqa: ANN401 - what YAML has
 ) -> Rule:
     """A rule as an entry of a table says it; `known` are the consumers of the table, in their order."""
-    outcomes = {consumer: Outcome(word) for consumer, (word, _) in consumers.items()}
+    outcomes = {consumer: Outcome(word) for consumer, (word, *_) in consumers.items()}
     effects = tuple(
         Effect(consumer=consumer, severity=outcomes[consumer].severity, text=consumers[consumer][1])
         for consumer in known
         if consumer in consumers
     )
-    return Rule(name=name, fault=fault, fix=fix, outcomes=outcomes, effects=effects)
+    return Rule(
+        name=name,
+        fault=fault,
+        fix=fix,
+        outcomes=outcomes,
+        effects=effects,
+        where={consumer: "".join(words[2:]) for consumer, words in consumers.items()},
+        cases=tuple(_case(**each) for each in (*cases, *([case] if case else []))),
+        proof=Proof(**proof) if proof else None,
+    )
+
+
+def _case(*, at: str, says: str, of: Sequence[str] = (), **words: Any) -> Case:  # noqa: ANN401 - what YAML has
+    """A case as a table says it; a `table` of an argument is another file of the folder."""
+    verb = words.get("is", "there")
+    argument: Any = None
+    if isinstance(verb, dict):
+        ((verb, argument),) = verb.items()
+    if isinstance(argument, dict) and "table" in argument:
+        argument = {**argument, "table": _table(argument["table"])}
+    return Case(at, verb, argument, says, frozenset(of))
 
 
 def unread_include(

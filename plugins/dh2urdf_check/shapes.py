@@ -185,7 +185,7 @@ def _meshes(description: Description, uses: list[Use], *, draws: bool) -> Iterat
         rest = {"pybullet", "pinocchio", "drake", "ros", "gazebo", "coppeliasim"}
         rest |= {"mujoco"} if read_by_mujoco else set()
         path = resolved(use.address, description)
-        in_pybullet = _is_found_by_pybullet(use.address, description.path)
+        in_pybullet = is_found_by_pybullet(use.address, description.path)
         if path is None or not is_file(path):
             rule, what = "missing-mesh", f"there is no mesh file {shown(use.address)}"
             if path is None:
@@ -257,7 +257,7 @@ def resolved(address: str, description: Description) -> Path | None:
     return next((file for file in found if is_file(file)), found[0] if found else None)
 
 
-def _is_found_by_pybullet(address: str, description: Path) -> bool:
+def is_found_by_pybullet(address: str, description: Path) -> bool:
     """PyBullet knows no packages: it looks for the path behind `package://` in the folder and in all above it."""
     if address.startswith(FILE):
         address = path_of_address(address)
@@ -269,7 +269,7 @@ def _is_found_by_pybullet(address: str, description: Path) -> bool:
 
 def _is_lost_in_pybullet_alone(address: str, description: Description) -> bool:
     file = resolved(address, description)
-    return file is not None and is_file(file) and not _is_found_by_pybullet(address, description.path)
+    return file is not None and is_file(file) and not is_found_by_pybullet(address, description.path)
 
 
 def _entries(variable: str) -> list[str]:

@@ -3,25 +3,23 @@
 from __future__ import annotations
 
 import re
+import shutil
+import subprocess
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import pytest
+import yaml
 from consumers import require
-from faulty_models import MJCF, MJCF_FAULTS, SDF, SDF_FAULTS, write_models
+from faulty_models import MJCF, PROOFS, SDF, SOUND, line_of, write_models
+from lxml import etree
 from model_consumers import outcomes
 
-from dh2urdf_check.models.mjcf import inspect_mjcf, schema
-from dh2urdf_check.models.models import CONSUMERS, model_rules
-from dh2urdf_check.models.sdf import inspect_sdf
+from dh2urdf_check.models import CONSUMERS, inspect_mjcf, inspect_sdf, model_rules
 from dh2urdf_check.rules import Outcome
-from dh2urdf_check.single_readers.mujoco import kind_of
 
 if TYPE_CHECKING:
     from dh2urdf.stages import Inspection
-
-FAULTS = {**SDF_FAULTS, **MJCF_FAULTS}
-SOUND = {"sdf": SDF, "mjcf": MJCF}
 
 
 @pytest.fixture(scope="module")
@@ -35,7 +33,7 @@ def inspected(path: Path) -> Inspection:
 
 def test_every_rule_has_a_file_that_breaks_it() -> None:
     """None is untried."""
-    assert {*model_rules("sdf"), *model_rules("mjcf")} == set(FAULTS)
+    assert {*model_rules("sdf"), *model_rules("mjcf")} == set(PROOFS)
 
 
 def test_the_tables_are_in_order() -> None:
@@ -58,16 +56,16 @@ def test_a_sound_model_has_no_finding(files: dict[str, Path], name: str) -> None
     assert inspection.robot is not None
 
 
-@pytest.mark.parametrize("rule", FAULTS)
+@pytest.mark.parametrize("rule", PROOFS)
 def test_a_fault_is_found(files: dict[str, Path], rule: str) -> None:
     """Once, at its line; and nothing else is."""
     name = rule.partition("-")[0]
     findings = inspected(files[rule]).findings
-    assert [finding.rule for finding in findings if finding.rule not in FAULTS[rule].besides] == [rule]
+    assert [finding.rule for finding in findings if finding.rule not in PROOFS[rule].besides] == [rule]
     (finding,) = [finding for finding in findings if finding.rule == rule]
     assert finding.mark is not None
     assert finding.mark.file == str(files[rule])
-    assert finding.mark.line == FAULTS[rule].line(SOUND[name])
+    assert finding.mark.line == line_of(SOUND[name], PROOFS[rule])
     assert finding.fix == model_rules(name)[rule].fix
 
 
@@ -102,6 +100,7 @@ IGNORED = {
     "mjcf-short-keyframe": "keyframes are not asked for",
     "mjcf-global-coordinates": "poses are not asked for",
     "mjcf-undefined-mesh": "shapes are not asked for",
+    "mjcf-body-outside": "what is lost is no part of the sound file",
 }
 """Alterations that leave no trace in what is asked of a consumer."""
 
@@ -114,7 +113,7 @@ def test_the_table_says_what_happens(
     name, consumer, found = measured
     sound, wrong = found[name], []
     assert sound["end"] == "loads"
-    for rule in FAULTS:
+    for rule in PROOFS:
         if not rule.startswith(name):
             continue
         of = {rule: model_rules(name)[rule].outcomes.get(consumer)} | {
@@ -143,28 +142,45 @@ def test_the_table_says_what_happens(
     assert wrong == []
 
 
+RULES = Path(inspect_sdf.__code__.co_filename).with_name("rules")
+
+
 def test_the_schema_is_that_of_mujoco() -> None:
-    """Every element and attribute that MuJoCo prints, and no other."""
+    """Every element that MuJoCo prints has its attributes, and no other; bodies are in each other."""
     mujoco = pytest.importorskip("mujoco")
+    table = yaml.safe_load((RULES / "mjcf_elements.yaml").read_text("utf-8"))
     rows: list[tuple[int, str, set[str]]] = []
     for line in mujoco.mj_printSchema(False, False).splitlines():
         if match := re.match(r"^( *)(\S+) \(.\)\s*(.*)$", line):
-            rows.append((len(match[1]) // 3, match[2], set(match[3].split())))
+            rows.append((len(match[1]) // 3, match[2].removeprefix("(world)"), set(match[3].split())))
         elif line.strip():
             rows[-1][2].update(line.split())
-    path, printed = [], {}
+    path: list[str] = []
     for depth, tag, attributes in rows:
         path[depth:] = [tag]
-        printed["/".join(path)] = attributes
-    ours = {}
-    text = (Path(inspect_mjcf.__code__.co_filename).with_name("mjcf_schema.txt")).read_text("utf-8")
-    for line in text.splitlines():
-        depth = len(line) - len(line.lstrip(" "))
-        tag, _, *attributes = line.split()
-        path[depth:] = [tag]
-        ours["/".join(path)] = {attribute.rstrip("!") for attribute in attributes}
-    assert ours == printed
-    assert {"body", "geom", "frame"} <= set(schema().children["mujoco"].children["worldbody"].children)
+        holder = path[depth - 1] if depth else ""
+        ours = table["attributes"].get(f"{holder}/{tag}", table["attributes"].get(tag))
+        assert attributes <= set(ours.split()), path
+        assert tag in table["children"].get(holder, tag).split(), path
+    assert {"body", "geom", "frame"} <= set(table["children"]["worldbody"].split())
+
+
+def test_the_elements_are_those_of_sdformat() -> None:
+    """Of every version that it prints: those of the last one are all in the table, and none is in it that no version has."""
+    program = shutil.which("ign") or shutil.which("gz")
+    if program is None:
+        pytest.skip("ign or gz is not installed")
+    theirs: dict[str, set[str]] = {}
+    for version in ("1.4", "1.5", "1.6", "1.7", "1.8", "1.9"):
+        command = [program, "sdf", "--describe", version]
+        printed = subprocess.run(command, capture_output=True, text=True, check=True).stdout
+        root = etree.fromstring(printed[printed.index("<element") :].encode(), etree.XMLParser(huge_tree=True))
+        for element in root.iter("element"):
+            above = element.getparent()
+            if above is not None and element.get("name") and above.get("name") not in {None, "plugin"}:
+                theirs.setdefault(str(above.get("name")), set()).add(str(element.get("name")))
+    table = yaml.safe_load((RULES / "sdf_elements.yaml").read_text("utf-8"))["children"]
+    assert {holder: set(names.split()) for holder, names in table.items()} == theirs
 
 
 def test_what_is_included_is_part_of_the_model(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -216,56 +232,6 @@ def test_what_is_no_part_of_a_model_is_no_fault(tmp_path: Path) -> None:
     )
 
 
-NAMED = """<mujoco model="named">
-  <compiler angle="radian"/><include file="parts/rest.xml"/>
-  <default><default class="unused"><geom material="nowhere" mesh="nowhere"/></default>
-    <default class="shell"><geom material="red" mass="0" group="2"/></default></default>
-  <worldbody>
-    <body name="a"><freejoint/><geom class="shell" size="1"/><body name="tip"><geom size="0.1"/></body>
-      <frame pos="0 0 1"><body name="b"><joint name="j"/><site name="s"/><geom name="g" size="0.1" material="red"/></body></frame>
-    </body>
-  </worldbody>
-  <tendon><spatial name="t"><site site="s"/><geom geom="g"/><site site="end"/></spatial></tendon>
-  <sensor><framepos objtype="xbody" objname="b" reftype="site" refname="s"/><contact subtree1="a" geom2="g"/><tendonpos
-    tendon="t"/></sensor>
-  <keyframe><key qpos="0 0 1 1 0 0 0 0.5" qvel="0 0 0 0 0 0 1" ctrl="2"/></keyframe>
-</mujoco>"""
-REST = """<mujoco><compiler meshdir="meshes"/><asset><mesh file="part.obj"/><material name="red"/></asset><worldbody><site name="end"
-  pos="1 0 0"/></worldbody><actuator><motor tendon="t" class="main"/></actuator></mujoco>"""
-
-
-@pytest.mark.parametrize(
-    ("old", "new", "rule"),
-    [
-        ("", "", None),
-        ('objname="b"', 'objname="c"', "mjcf-undefined-name"),
-        ('tendon="t"/></s', 'tendon="s"/></s', "mjcf-undefined-name"),
-        ('<geom material="red" mass', '<geom material="blue" mass', "mjcf-undefined-material"),
-        ('<geom size="0.1"/>', '<joint/><geom size="0.1" mass="0"/>', "mjcf-weightless-body"),
-        ("0 0.5", "0 0.5 0.6", "mjcf-long-keyframe"),
-    ],
-)
-def test_what_is_named_carried_and_kept_is_what_mujoco_finds(
-    tmp_path: Path, old: str, new: str, rule: str | None
-) -> None:
-    """Sensors and tendons of any kind of thing, defaults that nothing takes, masses of fixed bodies, several files."""
-    mujoco = pytest.importorskip("mujoco")
-    write_models(tmp_path)
-    for folder in ("parts", "meshes"):
-        (tmp_path / folder).mkdir()
-    (tmp_path / "part.obj").rename(tmp_path / "meshes" / "part.obj")
-    (tmp_path / "parts" / "rest.xml").write_text(REST)
-    path = tmp_path / "named.xml"
-    path.write_text(NAMED.replace(old, new, 1))
-    found = [finding.rule for finding in inspect_mjcf(path).findings if finding.severity == "error"]
-    assert {*found} == ({rule} if rule else set())
-    if rule is None:
-        mujoco.MjModel.from_xml_path(str(path))
-    else:
-        with pytest.raises(ValueError, match="Error"):
-            mujoco.MjModel.from_xml_path(str(path))
-
-
 @pytest.mark.parametrize("bomb", ["sdf", "mujoco"])
 def test_entities_are_not_expanded(tmp_path: Path, bomb: str) -> None:
     """A thousand million of one letter are no memory."""
@@ -273,44 +239,3 @@ def test_entities_are_not_expanded(tmp_path: Path, bomb: str) -> None:
     path = tmp_path / f"bomb.{'sdf' if bomb == 'sdf' else 'xml'}"
     path.write_text(f'<!DOCTYPE r [<!ENTITY e0 "l">{entities}]>\n<{bomb} version="1.7" model="a">&e9;</{bomb}>')
     assert all(len(finding.message) < 1000 for finding in inspected(path).findings)
-
-
-def test_the_words_and_counts_are_those_of_mujoco(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Of every attribute whose element needs nothing else: it takes each word and count, and no other."""
-    mujoco = pytest.importorskip("mujoco")
-    monkeypatch.chdir(tmp_path)  # MuJoCo writes a log
-
-    def refusal(section: str, tag: str, name: str, text: str) -> str:
-        inner = f'<{tag} {name}="{text}"/>'
-        outer = "<worldbody>%s</worldbody>" if section == "worldbody" else f"<{section}>%s</{section}>"
-        try:
-            mujoco.MjSpec.from_string(f"<mujoco>{inner if section == tag else outer % inner}</mujoco>")
-        except ValueError as error:
-            return str(error)
-        return ""
-
-    tried, wrong = 0, []
-    sections = {**schema().children["mujoco"].children}
-    for section in ("compiler", "option", "size", "statistic", "visual", "default", "asset", "worldbody", "actuator"):
-        inner = (
-            {section: sections[section]} if section in {"compiler", "option", "size"} else sections[section].children
-        )
-        for tag, node in inner.items():
-            for name in node.attributes:
-                kind = kind_of(tag, name)
-                if kind == "any" or tag in {"dcmotor", "default", "flexcomp", "replicate"}:
-                    continue
-                tried += 1
-                least, _, most = kind.removeprefix("whole ").partition("-")
-                taken = kind.split("|") if "|" in kind else [" ".join(["1"] * int(n)) for n in (least, most) if n]
-                refused = ["qqq"] if "|" in kind else ["x", " ".join(["1"] * (int(most or least) + 1))]
-                if kind.endswith("-"):
-                    refused = ["x"]
-                wrong += [
-                    f"{tag} {name}: {text} is not taken"
-                    for text in taken
-                    if re.search("keyword|format|much|enough", refusal(section, tag, name, text))
-                ]
-                wrong += [f"{tag} {name}: {text} is taken" for text in refused if not refusal(section, tag, name, text)]
-    assert wrong == []
-    assert tried > 300

@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from dh2urdf_check.inspection import inspect_urdf, inspect_xacro
-from dh2urdf_check.models.mjcf import inspect_mjcf
-from dh2urdf_check.models.sdf import inspect_sdf
+from dh2urdf_check.models import inspect_mjcf, inspect_sdf
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

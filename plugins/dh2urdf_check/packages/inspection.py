@@ -11,9 +11,8 @@ from dh2urdf.errors import InputError
 from dh2urdf.meshes import own_folder, packages_in, with_its_own
 from dh2urdf.source import Mark, Problem
 from dh2urdf.stages import PACKAGE_FILE, Finding, Inspection
-from dh2urdf_check.models.models import parsed
 from dh2urdf_check.packages import manifest, names, paths
-from dh2urdf_check.packages.package import CONSUMERS, LONGEST, Hit, Package, package_rules
+from dh2urdf_check.packages.package import CONSUMERS, LONGEST, Hit, Package, package_rules, parsed
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping

@@ -10,8 +10,7 @@ from lxml import etree
 from dh2urdf.documents import load_yaml
 from dh2urdf.errors import InputError
 from dh2urdf.source import Mark, did_you_mean, shown
-from dh2urdf_check.models.models import parsed
-from dh2urdf_check.packages.package import Hit
+from dh2urdf_check.packages.package import Hit, parsed
 from dh2urdf_plugins.ros_conventions import CONTROLLER_MANAGER
 
 if TYPE_CHECKING:

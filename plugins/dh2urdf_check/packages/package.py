@@ -8,12 +8,13 @@ from functools import cache, cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
-from dh2urdf.documents import is_file, is_there, read_bytes
+from dh2urdf.documents import is_file, is_there, read_bytes, xml_root
 from dh2urdf.errors import Dh2UrdfError, InputError
 from dh2urdf.stages import PACKAGE_FILE, Expansion
 from dh2urdf_check.rules import Rule, rules_of
 from dh2urdf_check.whole_files import urdfs, xacros
 from dh2urdf_plugins.descriptions.description import describe
+from dh2urdf_plugins.formats.xml_files import FILE
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping  # noqa: TC004 - the annotations of a dataclass are not evaluated
@@ -47,6 +48,17 @@ class Hit(NamedTuple):
     rule: str
     mark: Mark
     message: str
+
+
+def parsed(content: bytes, path: Path) -> etree._Element:
+    """The outermost element of a file of a package.
+
+    Raises:
+        etree.XMLSyntaxError: it is not well-formed XML, or XML that `xml_root` refuses.
+    """
+    root = xml_root(content)
+    root.set(FILE, str(path))
+    return root
 
 
 @cache

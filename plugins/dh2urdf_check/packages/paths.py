@@ -12,8 +12,7 @@ from lxml import etree
 from dh2urdf.documents import is_there
 from dh2urdf.meshes import PACKAGE
 from dh2urdf.source import Mark, shown
-from dh2urdf_check.models.models import parsed
-from dh2urdf_check.packages.package import Hit
+from dh2urdf_check.packages.package import Hit, parsed
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator

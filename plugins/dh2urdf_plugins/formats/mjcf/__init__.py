@@ -51,6 +51,6 @@ EMITTER = Emitter(
     capabilities=(
         ReadsBack(read_mjcf),
         ReadsForeign(foreign_mjcf),
-        *checks("models.mjcf:inspect_mjcf", "whole_files:mjcfs"),
+        *checks("models:inspect_mjcf", "whole_files:mjcfs"),
     ),
 )

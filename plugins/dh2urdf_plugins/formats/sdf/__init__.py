@@ -50,7 +50,7 @@ EMITTER = Emitter(
     capabilities=(
         ReadsBack(read_sdf),
         ReadsForeign(foreign_sdf),
-        *checks("models.sdf:inspect_sdf", "whole_files:sdfs"),
+        *checks("models:inspect_sdf", "whole_files:sdfs"),
         GivesNotices(notices),
     ),
 )

@@ -1,0 +1,293 @@
+"""How rules find their faults: XPath, a dozen functions in it, and a dozen verbs.
+
+A rule says by an XPath where it looks (`at`), by a verb what is wrong there (`is`), and by a sentence with XPaths in
+braces what to report (`says`). Each verb is written once, here; the rules are data.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections import Counter
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
+from urllib.parse import unquote
+
+from lxml import etree
+
+from dh2urdf.documents import is_file
+from dh2urdf.kinematics.mass import inertia_problem
+from dh2urdf.manipulator import Inertia
+from dh2urdf.source import did_you_mean, listed, shown
+from dh2urdf_check.document.tree import numbers_of
+from dh2urdf_check.numbers import drake_numbers, mujoco_numbers, urdfdom_numbers
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable, Iterator, Mapping
+
+    from dh2urdf_check.rules import Case, Rule
+
+_SLOT = re.compile(r"\{([^{}]+)\}")
+_FEW = 4
+
+
+class Hit(NamedTuple):
+    """A place where a rule is broken.
+
+    Attributes:
+        rule: its name.
+        at: the element.
+        message: what is there.
+        of: the consumers that it matters to.
+    """
+
+    rule: str
+    at: etree._Element
+    message: str
+    of: frozenset[str]
+
+
+class Place(NamedTuple):
+    """What a verb finds: an element, and words for the message that no XPath has."""
+
+    at: etree._Element
+    words: Mapping[str, str] = {}
+
+
+class Document:
+    """An XML document on which rules are evaluated.
+
+    Attributes:
+        root: its outermost element.
+        path: its file.
+
+    Args:
+        root: its outermost element.
+        path: its file.
+        functions: what its format adds to the functions of XPath, by name.
+        place: where an element is, as messages say it.
+    """
+
+    def __init__(
+        self,
+        root: etree._Element,
+        path: Path,
+        functions: Mapping[str, Callable[..., Any]] | None = None,
+        place: Callable[[etree._Element], str] = lambda at: f"line {at.sourceline}",
+    ) -> None:
+        self.root, self.path, self.place = root, path, place
+        plain = {"there": lambda _, address: is_file(path.parent / unquote(text_of(address)))}
+        self._functions = {(None, name): each for name, each in {**FUNCTIONS, **plain, **(functions or {})}.items()}
+
+    def select(self, path: str, at: etree._Element | None = None) -> Any:  # noqa: ANN401 - what XPath has
+        """What an XPath selects or computes, from the root or from an element on."""
+        start = self.root if at is None else at
+        return etree.XPathElementEvaluator(start, extensions=self._functions, smart_strings=False)(path)
+
+    def hits(self, rules: Iterable[Rule]) -> Iterator[Hit]:
+        """The places where rules are broken, rule by rule; what two cases of a rule find is one place."""
+        for rule in rules:
+            found: dict[tuple[etree._Element, str], Hit] = {}
+            for case in rule.cases:
+                for hit in self._broken(rule, case):
+                    before = found.get((hit.at, hit.message), hit)
+                    found[hit.at, hit.message] = hit._replace(of=hit.of | before.of)
+            yield from found.values()
+
+    def _broken(self, rule: Rule, case: Case) -> Iterator[Hit]:
+        found = self.select(case.at)
+        for place in VERBS[case.verb](self, found, case.argument):
+            of = {name for name, holds in rule.where.items() if not holds or self.select(f"boolean({holds})", place.at)}
+            of &= case.of or of
+            if of:
+                yield Hit(rule.name, place.at, self._said(case.says, place), frozenset(of))
+
+    def _said(self, sentence: str, place: Place) -> str:
+        """A sentence with what its slots select: names in quotation marks, numbers short, tags as they are."""
+
+        def filled(slot: re.Match[str]) -> str:
+            path = slot[1]
+            if path in place.words:
+                return place.words[path]
+            found = self.select(path, place.at)
+            found = found[0] if isinstance(found, list) and found else found
+            if isinstance(found, float):
+                return f"{found:.6g}"
+            text = text_of(found)
+            return text if path.startswith("name(") else shown(text)
+
+        return _SLOT.sub(filled, sentence)
+
+
+# --- Functions in XPath -----------------------------------------------------------------------------------------------
+
+
+def text_of(value: Any) -> str:  # noqa: ANN401 - what XPath has
+    """The text of what XPath selected: of the first element or attribute, without blanks around an element's."""
+    if isinstance(value, list):
+        value = value[0] if value else ""
+    if etree.iselement(value):
+        return (value.text or "").strip()
+    return f"{value:g}" if isinstance(value, float) else str(value)
+
+
+def _number(_: object, value: Any) -> float:  # noqa: ANN401
+    """The plain finite number of a text; NaN where it is none."""
+    found = numbers_of(text_of(value), 1)
+    return found[0] if found else math.nan
+
+
+def _length(_: object, value: Any) -> float:  # noqa: ANN401
+    """The length of the vector in a text; NaN where it is none."""
+    found = numbers_of(text_of(value), 3)
+    return math.hypot(*found) if found else math.nan
+
+
+def _word(_: object, value: Any, index: float) -> float:  # noqa: ANN401
+    """The plain number at some place in a text, from 1; NaN where there is none."""
+    words = text_of(value).split()
+    return _number(None, words[int(index) - 1]) if 0 < index <= len(words) else math.nan
+
+
+def _inertia(_: object, *moments: Any) -> str:  # noqa: ANN401
+    """Which law of a body the tensor ixx, iyy, izz, ixy, ixz, iyz breaks: `triangle`, `definite`, or empty."""
+    found = [_number(None, moment) for moment in moments]
+    if not all(map(math.isfinite, found)):
+        return ""
+    xx, yy, zz, xy, xz, yz = found
+    problem = inertia_problem(Inertia(ixx=xx, iyy=yy, izz=zz, ixy=xy, ixz=xz, iyz=yz))
+    return "" if problem is None else "triangle" if "triangle" in problem else "definite"
+
+
+FUNCTIONS: dict[str, Callable[..., Any]] = {
+    "n": _number,
+    "length": _length,
+    "word": _word,
+    "words": lambda _, value: float(len(text_of(value).split())),
+    "plain": lambda _, value, count: numbers_of(text_of(value), int(count)) is not None,
+    "drake": lambda _, value: float(len(drake_numbers(text_of(value)))),
+    "mujoco": lambda _, value, count: mujoco_numbers(text_of(value), int(count)) is not None,
+    "urdfdom": lambda _, value, count: urdfdom_numbers(text_of(value), int(count)) is not None,
+    "inertia": _inertia,
+    "lower": lambda _, value: text_of(value).lower(),
+    "suffix": lambda _, value: Path(text_of(value)).suffix.lower(),
+}
+"""The functions of all formats."""
+
+
+# --- Verbs ------------------------------------------------------------------------------------------------------------
+
+
+def _there(_: Document, found: list[etree._Element], _argument: object) -> Iterator[Place]:
+    """Each element that is there."""
+    yield from map(Place, found)
+
+
+def _without(document: Document, found: list[etree._Element], wanted: list[str]) -> Iterator[Place]:
+    """Each element that lacks some of its attributes or children; `$missing` has them."""
+    for element in found:
+        if missing := [path for path in wanted if not document.select(f"boolean({path})", element)]:
+            yield Place(element, {"$missing": " and no ".join(each.lstrip("@") for each in missing)})
+
+
+def _unknown(document: Document, found: list[etree._Element], about: Mapping[str, Any]) -> Iterator[Place]:
+    """Each element whose `value` is none of those `among` which it should be: a list, or an XPath; `$near` is one."""
+    among = about["among"]
+    is_same = isinstance(among, list) or among.startswith("/")
+    known: list[str] = among if isinstance(among, list) else []
+    for number, element in enumerate(found):
+        value = text_of(document.select(about["value"], element))
+        if isinstance(among, str) and not (is_same and number):
+            known = [*map(text_of, document.select(among, element))]
+        if value and value not in known:
+            near = did_you_mean(value, known)
+            yield Place(element, {"$near": f": {near}" if near else ""})
+
+
+def _twice_anywhere(document: Document, found: list[etree._Element], key: str) -> Iterator[Place]:
+    """Each element with the key of one before; `$first` is the place of that."""
+    yield from _repeated(document, found, key, lambda _: None)
+
+
+def _twice(document: Document, found: list[etree._Element], key: str) -> Iterator[Place]:
+    """Each element with the key of one before it in the same element; `$first` is the place of that."""
+    yield from _repeated(document, found, key, lambda element: element.getparent())
+
+
+def _repeated(
+    document: Document, found: list[etree._Element], key: str, scope: Callable[[etree._Element], object]
+) -> Iterator[Place]:
+    first: dict[tuple[object, str], etree._Element] = {}
+    for element in found:
+        known = scope(element), text_of(document.select(key, element))
+        if known[1] and known in first:
+            yield Place(element, {"$first": document.place(first[known])})
+        first.setdefault(known, element)
+
+
+def _together(document: Document, found: list[etree._Element], name: str) -> Iterator[Place]:
+    """All elements as one finding, at the first of them; `$names` are theirs."""
+    if found:
+        names = dict.fromkeys(text_of(document.select(name, element)) for element in found)
+        words = {"$names": listed([shown(each) for each in names], _FEW), "$count": str(len(found))}
+        yield Place(found[0], words)
+
+
+def _more(_: Document, found: list[etree._Element], most: int) -> Iterator[Place]:
+    """The first element too many; `$count` is how many there are."""
+    if len(found) > most:
+        yield Place(found[most], {"$count": str(len(found))})
+
+
+def _misplaced(_: Document, found: list[etree._Element], about: Mapping[str, Any]) -> Iterator[Place]:
+    """Each child or attribute of an element that a table does not have there; `$name` is it, `$near` one of the table.
+
+    The table has the names by that of the element, or by `HOLDER/ELEMENT` where that matters; `of` is `children` or
+    `attributes`. With `near`, only what is nearly a name of the table counts: others may be somebody's own.
+    """
+    table: Mapping[str, str] = about["table"][about["of"]]
+    for element in found:
+        holder = element.getparent()
+        key = f"{holder.tag if holder is not None else ''}/{element.tag}"
+        if (names := table.get(key, table.get(str(element.tag)))) is None:
+            continue
+        known = names.split()
+        children = ((child, str(child.tag)) for child in element.iterchildren(etree.Element))
+        given = children if about["of"] == "children" else ((element, str(name)) for name in element.attrib)
+        for at, name in given:
+            if name in known or {":", "{"} & set(name):
+                continue
+            near = did_you_mean(name, known)
+            if near or not about.get("near"):
+                yield Place(at, {"$name": shown(name), "$near": f": {near}" if near else ""})
+
+
+def _circle(document: Document, found: list[etree._Element], about: Mapping[str, str]) -> Iterator[Place]:
+    """Elements that lead to each other in a circle, once for each; `$names` are those in it."""
+    names = {text_of(document.select(about["name"], element)): element for element in found}
+    way = {name: text_of(document.select(about["next"], element)) for name, element in names.items()}
+    seen = Counter[str]()
+    for start in way:
+        passed: dict[str, None] = {}
+        name = start
+        while name in way and name not in passed and not seen[name]:
+            passed[name] = None
+            name = way[name]
+        if name in passed and way[name] != name:
+            circle = [*passed][[*passed].index(name) :]
+            yield Place(names[start], {"$names": listed([shown(each) for each in circle], _FEW)})
+        seen.update(passed.keys())
+
+
+VERBS: dict[str, Callable[[Document, list[etree._Element], Any], Iterator[Place]]] = {
+    "there": _there,
+    "without": _without,
+    "unknown": _unknown,
+    "twice": _twice,
+    "twice anywhere": _twice_anywhere,
+    "together": _together,
+    "more than": _more,
+    "misplaced": _misplaced,
+    "in a circle": _circle,
+}
+"""The verbs of `is`, by name."""

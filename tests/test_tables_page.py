@@ -28,7 +28,7 @@ from dh2urdf.rotations import RigidTransform
 from dh2urdf_plugins.readers import csv, parquet, xlsx, yaml
 from dh2urdf_plugins.readers.comments import declared, top
 from dh2urdf_plugins.readers.header import units as table_units, words as header_words
-from dh2urdf_plugins.readers.rows import cells as row_cells, rows
+from dh2urdf_plugins.readers.rows import rows
 from dh2urdf_plugins.readers.sources import (
     parquet as parquet_sizes,
     sheets as xlsx_sheets,
@@ -640,8 +640,8 @@ OTHERS = {
     "characters in a cell of a CSV file": python_csv.field_size_limit(),
     "problems that are printed": errors.SCREENFUL,
     "length of an arm, or of its base and tool [m]": int(tables.MEASURABLE_ARM),
-    "turns in an angle of the table": round(row_cells.LARGEST_ANGLE / math.tau),
-    "turns in `alpha` without a declared unit": round(row_cells.FULL_TURN / math.tau),
+    "turns in an angle of the table": round(table_bounds.LARGEST_ANGLE / math.tau),
+    "turns in `alpha` without a declared unit": round(table_bounds.FULL_TURN / math.tau),
     "turns in a limit without a declared unit": round(rows.LARGEST_LIMIT / math.tau),
 }
 

@@ -27,10 +27,9 @@ from dh2urdf_plugins.readers.header.words import read_header
 from dh2urdf_plugins.readers.plain.limits import PlainLimits
 from dh2urdf_plugins.readers.plain.numbers import PlainNumbers, foreign_unit, names_foreign_unit
 from dh2urdf_plugins.readers.plain.sample import PlainSample
-from dh2urdf_plugins.readers.rows.cells import FULL_TURN, NEARLY
 from dh2urdf_plugins.readers.rows.joint_rows import AXIS, NUMBER
 from dh2urdf_plugins.readers.statements.plausibility import LONGEST_ARM, SHORTEST_ARM
-from dh2urdf_plugins.readers.words.bounds import REMEMBERED
+from dh2urdf_plugins.readers.words.bounds import FULL_TURN, NEARLY, REMEMBERED
 from dh2urdf_plugins.readers.words.cells import LINE_END, SPACES, text_of
 from dh2urdf_plugins.readers.words.fields import FIELDS, is_no_joint, joint_type, unheld
 from dh2urdf_plugins.readers.words.names import MAX_NAME, RESERVED

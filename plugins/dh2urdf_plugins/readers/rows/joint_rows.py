@@ -84,7 +84,6 @@ class _Rows:
         self._check_indexes()
         for field in ("joint", "link"):
             self._name_by_number(field)
-        self.reader.last = len(self.rows) - 1 + self.first
         return self.first
 
     # --- Cells --------------------------------------------------------------------------------------------------------

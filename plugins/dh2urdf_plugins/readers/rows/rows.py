@@ -1,4 +1,7 @@
-"""One row of a table, as texts with their places, becomes a DH row: the same for every kind of table."""
+"""One row of a table, as texts with their places, becomes a DH row: the same for every kind of table.
+
+A cell becomes a number in `RowReader._quantity` and nowhere else; what is below it only compares numbers.
+"""
 
 from __future__ import annotations
 
@@ -8,51 +11,91 @@ from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from dh2urdf.manipulator import ENDS, DHRow, Inertia, JointType, Limits
-from dh2urdf.quantities import Dimension, accepted_units
+from dh2urdf.quantities import Dimension, Quantity, QuantityError, accepted_units, evaluate
 from dh2urdf.rotations import HALF_PI, rounded_quarter_turn
-from dh2urdf.row_fields import COM, INERTIA, NUMBERS, ROW_FIELDS
-from dh2urdf.source import Mark, Problem, shown
+from dh2urdf.row_fields import COM, INERTIA, LIMITS, NUMBERS, ROW_FIELDS
+from dh2urdf.source import Mark, Messages, Problem, shown
 from dh2urdf.table_text import REQUIRED, Said
-from dh2urdf_plugins.readers.header.units import SI
-from dh2urdf_plugins.readers.rows.cells import FULL_TURN, RowCells, meant_by
+from dh2urdf_plugins.readers.header.units import SI, unit_advice
 from dh2urdf_plugins.readers.rows.six_parameters import Extra
-from dh2urdf_plugins.readers.words.bounds import MEASURABLE_ARM
-from dh2urdf_plugins.readers.words.fields import ACCEPTED_FLIPS, ACCEPTED_TYPES, flip_of, joint_type, type_advice
-from dh2urdf_plugins.readers.words.names import RowNames
+from dh2urdf_plugins.readers.words.bounds import FULL_TURN, LARGEST_ANGLE, MEASURABLE_ARM, NEARLY
+from dh2urdf_plugins.readers.words.fields import FIELDS, flip_of, joint_type, type_advice
+from dh2urdf_plugins.readers.words.names import RowNames, name_fault
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+    from dh2urdf.quantities import Unit
     from dh2urdf_plugins.readers.words.cells import Cell, Units
 
 MAX_PROBLEMS = 1000
 """Problems of one manipulator that are collected; reading it stops there."""
 LARGEST_LIMIT = 20 * math.pi
 """Bound of a revolute joint beyond which it is taken for degrees [rad]."""
+NO_LIMITS = Limits()
 
-_ROTARY_VARIABLES = ("q", "theta")
-_LINEAR_VARIABLES = ("q", "d")
-_OTHERS = tuple(name for name in NUMBERS if name not in {"a", "alpha", "d", "theta", "offset", "mass", "radius"})
-"""The numbers of a row that have to do with no other number of it."""
+_HOMES = {"theta": "theta of a revolute joint", "d": "d of a prismatic joint"}
+"""Where a joint variable may be."""
+say = Messages(__file__)
 
 
-class RowReader(RowCells):
-    """Reads the rows of one manipulator and collects what is wrong with them.
+class RowReader:
+    """Reads the rows of one manipulator, and collects what is wrong with it.
 
     Attributes:
+        units: the units of the table.
         type_is_given: whether the table has types at all, so that an empty one is worth a notice.
+        problems: what was found so far, errors and notices.
+        errors: how many of them are errors.
         names: the names of the rows so far.
         extras: what rows have besides a, α, d and θ, by the names of their joints.
         said: what the cells of the rows so far say, where a trace is wanted; None where it is not.
+        bare: the first cell that was read in the SI unit since nothing says its unit, by field and by what it measures.
+        foreign: the first cell that names another unit than the SI unit, by the same.
+        rounded: the cells of angles that are nearly a multiple of π/2, and what was meant.
+        from_zero: whether the joint variables are counted from 0: q0 in the first row.
+        types_from: the header of the column without a field that turned out to hold the types.
     """
 
     def __init__(self, units: Units, *, type_is_given: bool = True, traced: bool = False) -> None:
-        """Starts a manipulator; see the attributes."""
-        super().__init__(units)
-        self.said: list[dict[str, Said]] | None = [] if traced else None
+        """Starts a manipulator in a table of these units."""
+        self.units = replace(units, symbols=units.symbols.copy())  # a cell defines a name for its own manipulator
         self.type_is_given = type_is_given
+        self.problems: list[Problem] = []
+        self.errors = 0
         self.names: list[RowNames] = []
         self.extras: dict[str, Extra] = {}
+        self.said: list[dict[str, Said]] | None = [] if traced else None
+        self.bare: dict[tuple[str, Dimension], Cell] = {}
+        self.foreign: dict[tuple[str, Dimension], Cell] = {}
+        self.rounded: list[tuple[Cell, str]] = []
+        self.from_zero = False
+        self.types_from: str | None = None
+        self._angle = units.in_functions
+        # Of the row:
+        self._cells: Mapping[str, Cell] = {}
+        self._mark: Mark | None = None
+        self._joint = ""
+        self._number = 0
+        self._units_of: dict[str, str] = {}  # the unit of every number that names none
+        self._unsaid: dict[str, bool] = {}  # fields whose unit nothing says; whether only a word could say it
+
+    def add(self, problem: Problem) -> None:
+        """Notes a problem."""
+        self.problems.append(problem)
+        self.errors += problem.severity == "error"
+
+    def _at(self, name: str, **values: object) -> dict[str, Any]:
+        """What a message about a field of the row names: the place, what is there, and some values."""
+        cell = self._cells.get(name)
+        mark, found = (cell.mark, cell.text) if cell else (self._mark, None)
+        return {"mark": mark, "joint": self._joint, "field": name, "found": found, **values}
+
+    def _absent(self, *names: str) -> bool:
+        """Whether no cell of some says anything."""
+        return not any(name in self._cells and self._cells[name].text for name in names)
+
+    # --- A row --------------------------------------------------------------------------------------------------------
 
     def read(self, number: int, cells: Mapping[str, Cell], mark: Mark) -> DHRow | None:
         """The row that some cells are, or None where there is an error in them.
@@ -63,275 +106,258 @@ class RowReader(RowCells):
             mark: the row's place.
         """
         before = self.errors
-        self._cells, self._mark, self._number, self._read_in = cells, mark, number, {}
-        self._foreign, self._bare, self._unit_said = set(), set(), set()
+        self._cells, self._mark, self._number, self._units_of, self._unsaid = cells, mark, number, {}, {}
         self._joint = f"joint_{number}"
-        self._joint = self._name("joint", self._joint)
-        link = self._name("link", f"link_{number}")
-        kind = self._type()
+        self._joint = self._name("joint")
+        link, kind = self._name("link"), self._type()
         if kind is JointType.FIXED and self._joint in ENDS:  # a frame of every description has this name
             self._joint = f"{self._joint}_joint"
-        self.names.append(RowNames(self._joint, link, self._place("joint"), self._place("link")))
+        marks = (self._at(name)["mark"] for name in ("joint", "link"))
+        self.names.append(RowNames(self._joint, link, *marks))
         for name in REQUIRED:
             if self._absent(name):
-                cell = cells.get(name)
-                message = f"there is no {name}" if cell is None else f"{name} is empty"
-                self._error(message, name, accepted="a number, 0 included: nothing is filled in for geometry")
-        a = self._quantity("a").value
-        alpha = self._turn("alpha")
-        d, theta, offset, sign = self._joint_variable(kind)
-        self._six_parameters()
-        if kind is not JointType.PRISMATIC and (theta or offset or sign < 0):
-            self._refuse_bounds_of_theta()
-        others: dict[str, Any] = {name: self._number_of_its_own(name, kind) for name in _OTHERS}
-        row = partial(  # What is wrong with an argument is known when all of them are there.
+                self.add(say("cell-empty" if name in cells else "cell-missing", **self._at(name)))
+        read = {
+            name: quantity
+            for name in cells
+            if FIELDS[name].dimension and (quantity := self._quantity(name, kind)) is not None
+        }
+        numbers: dict[str, Any] = {name: quantity.value for name, quantity in read.items()}
+        geometry = self._joint_variable(read, kind)
+        self._six_parameters(numbers)
+        self._look_at_parts()
+        make = partial(
             DHRow,
             joint=self._joint,
             link=link,
             type=kind,
-            a=a,
-            alpha=alpha,
-            d=d,
-            theta=theta,
-            offset=offset,
-            sign=sign,
-            limits=self._limits(kind),
-            mass=self._positive("mass", or_zero=kind is JointType.FIXED),
-            com=self._com(),
-            inertia=self._inertia(),
-            radius=self._positive("radius"),
-            **others,
+            **{name: number for name, number in numbers.items() if name in NUMBERS} | geometry,
+            limits=self._limits(read, kind),
+            com=None if self._absent(*COM) else tuple(numbers.get(name, 0.0) for name in COM),
+            inertia=None if self._absent(*INERTIA) else Inertia(**{name: numbers.get(name, 0.0) for name in INERTIA}),
             mark=mark,
         )
         if self.said is not None:
             self.said.append(
                 {
-                    name: Said(text=cell.text, mark=cell.mark, unit=self._read_in.get(name))
+                    name: Said(text=cell.text, mark=cell.mark, unit=self._units_of.get(name))
                     for name, cell in cells.items()
                     if cell.text and not (name == "type" and cell.mark is mark)  # it follows from the variables
                 }
             )
-        if number == self.last and self.rounded:
-            self._note_rounded()
-        return row() if self.errors == before else None
+        return make() if self.errors == before else None
 
-    # --- Words --------------------------------------------------------------------------------------------------------
+    def _name(self, field: str) -> str:
+        default = f"{field}_{self._number}"
+        cell = self._cells.get(field)
+        if cell is None:
+            return default
+        if fault := name_fault(cell.text):
+            self.add(Problem(message=fault[0], accepted=fault[1], **self._at(field)))
+            return default
+        return cell.text
 
     def _type(self) -> JointType:
         cell = self._cells.get("type")
         if cell and cell.text:
             kind = joint_type(cell.text)
             if kind is None:
-                advice = type_advice(cell.text)
-                self._error(
-                    f"{shown(cell.text)} is no type of joint", "type", accepted=ACCEPTED_TYPES, suggestion=advice
-                )
+                self.add(say("type-unknown", **self._at("type"), suggestion=type_advice(cell.text)))
             return kind or JointType.REVOLUTE
         if self.type_is_given or cell:
-            self._notice("the type is empty; the joint is taken as revolute", "type")
+            self.add(say("type-empty", **self._at("type")))
         return JointType.REVOLUTE
 
-    # --- Geometry -----------------------------------------------------------------------------------------------------
+    # --- A cell -------------------------------------------------------------------------------------------------------
 
-    def _turn(self, name: str) -> float:
-        return self._looked_at(name, self._quantity(name).value)
+    def _quantity(self, name: str, kind: JointType) -> Quantity | None:
+        """What a cell says; None where it is empty or wrong, or where joints of the row's type have no such number."""
+        text, what, row_field = self._cells[name].text, FIELDS[name], ROW_FIELDS.get(name)
+        if not text:
+            return None
+        if row_field and kind not in row_field.types and name != "offset":
+            if text.strip("+-0.") not in ("", "n/a", "none"):
+                self.add(say("bound-left-out" if kind is JointType.CONTINUOUS else "left-out", **self._at(name)))
+            return None
+        dimension = (what.linear if kind is JointType.PRISMATIC else None) or what.dimension or Dimension.NUMBER
+        unit = self.units.columns.get(name) or self.units.sure(dimension, name)
+        if (quantity := self._evaluated(name, dimension, unit, kind)) is None:
+            return None
+        errors = self.errors
+        if not quantity.has_unit:
+            self._look_at_unit(name, dimension, quantity, unit)
+        elif quantity.foreign:
+            self.foreign.setdefault((name, dimension), self._cells[name])
+        self._look_at_variable(name, kind, quantity)
+        if dimension is Dimension.ANGLE and self.errors == errors:
+            quantity = self._angle_of(name, quantity)
+        number = quantity.value
+        if row_field and not (row_field.takes(number) or (name == "mass" and number == 0 and kind is JointType.FIXED)):
+            self.add(say("not-positive" if row_field.positive else "negative", **self._at(name)))
+        return quantity if self.errors == errors else None
 
-    def _looked_at(self, name: str, angle: float) -> float:
-        """An angle of a row; one of more than a full turn is refused where no unit is declared for it."""
-        if abs(angle) > FULL_TURN and name not in self._unit_said:
-            self._error(
-                f"{shown(self._cells[name].text)} is more than a full turn in rad, and no unit is declared for it",
-                name,
-                accepted="at most 2π rad where no unit is declared",
-                suggestion=f"if these are degrees, say so: `{name} [deg]` in the header, `units: {{angle: deg}}`, "
-                "or `--angle-unit deg`",
+    def _evaluated(self, name: str, dimension: Dimension, unit: Unit | None, kind: JointType) -> Quantity | None:
+        symbols = self.units.symbols
+        if name == "d" and kind is JointType.PRISMATIC:  # a name that is the variable of its row is that
+            symbols = symbols.without(f"d{self._number - self.from_zero}")
+        try:
+            return evaluate(
+                self._cells[name].text,
+                dimension,
+                unit if unit and unit.dimension is dimension else None,
+                decimal_comma=self.units.decimal_comma,
+                angle=self._angle,
+                symbols=symbols,
             )
-        elif meant := meant_by(angle):
-            self.rounded.append((self._cells[name], meant))
-            if self.units.repair_pi:
-                return (rounded_quarter_turn(angle) or 0) * HALF_PI
-        return angle
+        except QuantityError as error:
+            accepted = "1 or -1" if name == "sign" else error.accepted
+            self.add(Problem(message=error.message, accepted=accepted, suggestion=error.suggestion, **self._at(name)))
+            return None
 
-    def _note_rounded(self) -> None:
+    def _look_at_unit(self, name: str, dimension: Dimension, quantity: Quantity, unit: Unit | None) -> None:
+        """Refuses a bare number whose unit is another dimension's, or not sure; remembers that nothing says it."""
+        self._units_of[name] = unit.symbol if unit else ""
+        is_sure = not quantity.value or quantity.is_radians(dimension)
+        if unit is None:
+            self._unsaid[name] = not is_sure
+        if is_sure:
+            return
+        about = self._at(name, units=accepted_units(dimension))
+        if unit and not dimension.holds(unit.dimension):
+            kind = "prismatic" if dimension is FIELDS[name].linear else "revolute"
+            self.add(say("unit-of-column", **about, unit=unit.symbol, kind=kind, what=dimension))
+        elif doubt := self.units.doubt(dimension, name):
+            advice = unit_advice(doubt, dimension, self._cells[name].text)
+            self.add(say("unit-in-doubt", **about, reason=doubt.reason, suggestion=advice))
+        elif unit is None:
+            self.bare.setdefault((name, dimension), self._cells[name])
+
+    def _look_at_variable(self, name: str, kind: JointType, quantity: Quantity) -> None:
+        """Refuses a joint variable where none can be, and one of another row."""
+        variable = quantity.variable
+        if variable is None:
+            return
+        home = "d" if kind is JointType.PRISMATIC else "theta"
+        number = self._number - self.from_zero
+        if name != home or kind is JointType.FIXED or variable.kind not in ("q", home):
+            advice = "give the row the type prismatic if the joint slides" if name == "d" else None
+            if name == variable.kind == "d":
+                advice = f"define it: `# {variable.text} = 0.1` or `--symbol {variable.text}=100mm`; or {advice}"
+            where = _HOMES.get(variable.kind, f"{_HOMES['theta']} or in d of a prismatic one")
+            about = self._at(name, variable=variable.text, home=where, suggestion=advice)
+            self.add(say("variable-elsewhere", **about))
+        elif variable.row is not None and variable.row != number:
+            own = f"{variable.kind}{self._number}"
+            about = self._at(name, row=variable.row, number=self._number, variable=own)
+            self.add(say("variable-of-another-row", **about))
+
+    def _angle_of(self, name: str, quantity: Quantity) -> Quantity:
+        """An angle, or what it is nearly; one of more than a turn is refused where no unit is declared for it."""
+        angle, cell = quantity.value, self._cells[name]
+        if name in ("lower", "upper"):
+            if abs(angle) > LARGEST_LIMIT and name in self._unsaid:
+                self.add(say("limit-in-degrees", **self._at(name)))
+        elif abs(angle) > LARGEST_ANGLE:
+            self.add(say("thousand-turns", **self._at(name)))
+        elif abs(angle) > FULL_TURN and name in self._unsaid:
+            self.add(say("angle-in-degrees", **self._at(name)))
+        elif meant := meant_by(angle):
+            self.rounded.append((cell, meant))
+            if self.units.repair_pi:
+                return replace(quantity, value=(rounded_quarter_turn(angle) or 0) * HALF_PI)
+        return quantity
+
+    def rounded_angles(self) -> Problem | None:
         """One notice of the angles of a table that are nearly a multiple of π/2."""
+        if not self.rounded:
+            return None
         cell, meant = self.rounded[0]
         count = f"; {len(self.rounded)} angles are rounded like that" if self.rounded[1:] else ""
-        kept = "is read as" if self.units.repair_pi else "is kept as it is, and is nearly"
-        advice = None if self.units.repair_pi else f"write {meant}, or `--rounded-pi repair` for all of them"
-        self.add(
-            Problem(
-                message=f"{shown(cell.text)} {kept} {meant}{count}",
-                severity="notice",
-                mark=cell.mark,
-                found=cell.text,
-                suggestion=advice,
-            )
+        return say(
+            "angle-repaired" if self.units.repair_pi else "angle-rounded",
+            cell.mark,
+            found=cell.text,
+            meant=meant,
+            count=count,
         )
 
-    def _six_parameters(self) -> None:
-        """Takes what the row has of Hayati, and of Khalil and Kleinfinger."""
-        if all(self._absent(name) for name in ("beta", "gamma", "b")):
-            return
-        beta, gamma, b = self._turn("beta"), self._turn("gamma"), self._quantity("b").value
-        if b and "gamma" not in self._cells:
-            self._error(
-                f"b is {shown(self._cells['b'].text)}: it may be a length of Khalil and Kleinfinger, or a friction",
-                "b",
-                accepted="b beside gamma, which may be 0; or damping, the friction as the joint feels it",
-            )
-        elif abs(b) > MEASURABLE_ARM:
-            self._error(f"b is {b:.4g} m", "b", accepted=f"at most {MEASURABLE_ARM:g} m")
-        elif beta or gamma or b:
-            self.extras[self._joint] = Extra(beta, gamma, b, self._place("gamma" if gamma else "b"))
+    # --- Numbers together ---------------------------------------------------------------------------------------------
 
-    def _joint_variable(self, kind: JointType) -> tuple[float, float, float, int]:
-        """d, theta, offset and sign of the row [SI]."""
-        linear = kind is JointType.PRISMATIC
-        moves = kind is not JointType.FIXED
-        d = self._quantity("d", variables=_LINEAR_VARIABLES if linear else ())
-        theta = self._quantity("theta", variables=_ROTARY_VARIABLES if moves and not linear else ())
-        offset = self._quantity("offset", linear=linear).value
-        sign = self._sign()
-        theta = replace(theta, value=self._looked_at("theta", theta.value))
-        offset = offset if linear else self._looked_at("offset", offset)
-        if not moves and offset:
-            self._error("a fixed joint has no variable that an offset could be added to", "offset", accepted="0")
-        if not moves and sign < 0:
-            name = "flip" if "flip" in self._cells else "sign"
-            self._error("a fixed joint has no direction that could be turned", name, accepted="1, or flip false")
-        said = d if linear else theta
-        if said.variable is None:
-            return d.value, theta.value, offset, sign
-        if said.sign < 0 and sign < 0:
-            self._error(
-                f"the direction is turned twice: here, and by {shown(said.variable.text)} with a minus",
-                "flip" if "flip" in self._cells else "sign",
-                accepted="one of the two",
-            )
-        offset, sign = offset + said.value, sign * said.sign
-        return (0.0, theta.value, offset, sign) if linear else (d.value, 0.0, offset, sign)
+    def _joint_variable(self, read: Mapping[str, Quantity], kind: JointType) -> dict[str, Any]:
+        """Geometry and direction of the row: of a joint variable, what is added to it is the offset."""
+        values = {name: read[name].value if name in read else 0.0 for name in ("a", "alpha", "d", "theta", "offset")}
+        sign, turn = self._sign(read), "flip" if "flip" in self._cells else "sign"
+        if kind is JointType.FIXED and values["offset"]:
+            self.add(say("offset-of-fixed", **self._at("offset")))
+        if kind is JointType.FIXED and sign < 0:
+            self.add(say("direction-of-fixed", **self._at(turn)))
+        home = "d" if kind is JointType.PRISMATIC else "theta"
+        said = read.get(home)
+        if said and said.variable:
+            if said.sign < 0 and sign < 0:
+                self.add(say("turned-twice", **self._at(turn), variable=said.variable.text))
+            values |= {home: 0.0, "offset": values["offset"] + said.value}
+            sign *= said.sign
+        if kind is not JointType.PRISMATIC and (values["theta"] or values["offset"] or sign < 0):
+            for name in ("lower", "upper"):
+                if not self._absent(name) and self._cells[name].of_theta:
+                    self.add(say("bound-of-theta", **self._at(name)))
+        return {**values, "sign": sign}
 
-    def _sign(self) -> int:
+    def _sign(self, read: Mapping[str, Quantity]) -> int:
         if not self._absent("flip"):
             flip = flip_of(self._cells["flip"].text)
             if flip is None:
-                text = shown(self._cells["flip"].text)
-                self._error(f"{text} is neither true nor false", "flip", accepted=ACCEPTED_FLIPS)
+                self.add(say("flip-unknown", **self._at("flip")))
             return -1 if flip else 1
-        if self._absent("sign"):
-            return 1
-        errors = self.errors
-        sign = self._quantity("sign").value
-        if sign not in (1, -1) and self.errors == errors:
-            self._error(f"{shown(self._cells['sign'].text)} is no direction", "sign", accepted="1 or -1")
+        sign = read["sign"].value if "sign" in read else 1
+        if sign not in (1, -1):
+            self.add(say("sign-unknown", **self._at("sign")))
         return -1 if sign < 0 else 1
 
-    # --- Limits -------------------------------------------------------------------------------------------------------
+    def _six_parameters(self, numbers: Mapping[str, float]) -> None:
+        """Takes what the row has of Hayati, and of Khalil and Kleinfinger."""
+        beta, gamma, b = (numbers.get(name, 0.0) for name in ("beta", "gamma", "b"))
+        if b and "gamma" not in self._cells:
+            self.add(say("b-alone", **self._at("b")))
+        elif abs(b) > MEASURABLE_ARM:
+            self.add(say("b-too-long", **self._at("b"), metres=f"{b:.4g}", most=f"{MEASURABLE_ARM:g}"))
+        elif beta or gamma or b:
+            self.extras[self._joint] = Extra(beta, gamma, b, self._at("gamma" if gamma else "b")["mark"])
 
-    def _limits(self, kind: JointType) -> Limits:
-        names = ("lower", "upper", "velocity", "effort")
-        if all(self._absent(name) for name in names):
+    def _limits(self, read: Mapping[str, Quantity], kind: JointType) -> Limits:
+        if kind is JointType.FIXED or self._absent(*LIMITS):
             return NO_LIMITS
-        linear = kind is JointType.PRISMATIC
-        if kind is JointType.FIXED:
-            self._not_for("a fixed joint does not move", names)
-            return NO_LIMITS
-        velocity, effort = self._positive("velocity", linear=linear), self._positive("effort", linear=linear)
-        if kind is JointType.CONTINUOUS:
-            self._not_for("a continuous joint has no bounds", ("lower", "upper"))
-            self._speed_beside(linear=linear)
-            return Limits(velocity=velocity, effort=effort)
-        errors = self.errors
-        lower, upper = (self._optional(name, linear=linear) for name in ("lower", "upper"))
-        for name, number, other in (("lower", lower, upper), ("upper", upper, lower)):
-            if number is None and other is not None:
-                have = "upper" if name == "lower" else "lower"
-                self._error(f"there is {have} and no {name}", name, accepted="both lower and upper, or neither")
-            elif number is not None and not linear and abs(number) > LARGEST_LIMIT:
-                self._limit_in_degrees(name)
-        if lower is not None and upper is not None and lower > upper and self.errors == errors:
-            found = f"{shown(self._cells['lower'].text)} is above upper, {shown(self._cells['upper'].text)}"
-            self._error(f"lower, {found}", "lower", accepted="lower at most upper", suggestion="are they exchanged?")
-        self._speed_beside(linear=linear)
-        return Limits(lower=lower, upper=upper, velocity=velocity, effort=effort)
-
-    def _speed_beside(self, *, linear: bool) -> None:
-        """Refuses a speed without a unit where the joint's own cells name another than the SI unit."""
-        cell = self._cells.get("velocity")
-        beside = next((name for name in ("lower", "upper", "offset") if name in self._foreign), None)
-        if beside is None or cell is None or "velocity" not in self._bare:
-            return
-        dimension = Dimension.SPEED if linear else Dimension.TURN_RATE
-        self._error(
-            f"{shown(cell.text)} has no unit, and {beside} is {shown(self._cells[beside].text)}",
-            "velocity",
-            accepted=f"a number with a unit: {accepted_units(dimension)}",
-            suggestion=f"write '{cell.text} {'mm/s' if linear else 'deg/s'}' or '{cell.text} {SI[dimension]}'",
-        )
-
-    def _refuse_bounds_of_theta(self) -> None:
-        for name in ("lower", "upper"):
-            if not self._absent(name) and self._cells[name].of_theta:
-                self._error(
-                    f"{shown(self._cells[name].text)} may bound theta or the joint variable q, which differ here",
-                    name,
-                    accepted="columns lower and upper, which bound q: before sign, offset and theta are applied",
-                )
-
-    def _limit_in_degrees(self, name: str) -> None:
-        if name not in self._unit_said:
-            self._error(
-                f"{shown(self._cells[name].text)} is more than ten turns in rad, and no unit is declared for it",
-                name,
-                accepted="at most 20π rad where no unit is declared",
-                suggestion=f"if these are degrees, say so: `{name} [deg]` in the header, `units: {{angle: deg}}`, or "
-                "`--angle-unit deg`; if the joint turns without end, give it the type continuous",
+        bounds = {name: read[name].value for name in LIMITS if name in read}
+        for name, other in (("lower", "upper"), ("upper", "lower")):
+            if kind is not JointType.CONTINUOUS and self._absent(name) and not self._absent(other):
+                self.add(say("bound-missing", **self._at(name), other=other))
+        if "lower" in bounds and "upper" in bounds and bounds["lower"] > bounds["upper"]:
+            self.add(say("bounds-exchanged", **self._at("lower"), upper=shown(self._cells["upper"].text)))
+        foreign = [name for name in ("lower", "upper", "offset") if name in read and read[name].foreign]
+        if foreign and self._unsaid.get("velocity"):  # the joint's own cells name another unit than the SI unit
+            rate, word = (Dimension.SPEED, "mm") if kind is JointType.PRISMATIC else (Dimension.TURN_RATE, "deg")
+            there, words = (
+                self._cells[foreign[0]].text,
+                {"word": f"{word}/s", "si": SI[rate], "units": accepted_units(rate)},
             )
+            self.add(say("speed-without-unit", **self._at("velocity", other=foreign[0], there=shown(there), **words)))
+        return Limits(**bounds)
 
-    def _not_for(self, reason: str, names: tuple[str, ...]) -> None:
-        for name in names:
-            if not self._absent(name) and self._cells[name].text.strip("+-0.") not in ("", "n/a", "none"):
-                self._notice(f"{reason}; {name} {shown(self._cells[name].text)} is left out", name)
-
-    def _number_of_its_own(self, name: str, kind: JointType) -> float | None:
-        """A number that has to do with no other number of the row."""
-        field = ROW_FIELDS[name]
-        if kind is JointType.FIXED and kind not in field.types:
-            self._not_for("a fixed joint does not move", (name,))
-            return None
-        is_linear = kind is JointType.PRISMATIC
-        if field.positive:
-            return self._positive(name, linear=is_linear)
-        number = self._optional(name, linear=is_linear)
-        if number is not None and not field.takes(number):
-            self._error(f"{shown(self._cells[name].text)} is negative", name, accepted="0 or more")
-        return number
-
-    # --- Mass properties ----------------------------------------------------------------------------------------------
-
-    def _com(self) -> tuple[float, float, float] | None:
-        if all(self._absent(name) for name in COM):
-            return None
-        for name in COM:
-            if self._absent(name):
-                self._error(f"a part of the centre of mass is given, and {name} is not", name, accepted="all three")
-        x, y, z = (self._quantity(name).value for name in COM)
-        return (x, y, z)
-
-    def _inertia(self) -> Inertia | None:
-        if all(self._absent(name) for name in INERTIA):
-            return None
-        for name in INERTIA[:3]:
-            if self._absent(name):
-                message = f"a part of the inertia tensor is given, and {name} is not"
-                self._error(message, name, accepted="ixx, iyy and izz, and ixy, ixz, iyz where they are not 0")
-        if self._absent("mass"):
-            self._error(
-                "an inertia tensor is given and no mass",
-                "mass",
-                accepted="both, or neither: they are computed from the link's shape and density then",
-            )
-        return Inertia(**{name: self._quantity(name).value for name in INERTIA})
+    def _look_at_parts(self) -> None:
+        """Refuses a part of a centre of mass or of a tensor, and a tensor without a mass."""
+        for names, needed in ((COM, COM), (INERTIA, INERTIA[:3])):
+            for name in () if self._absent(*names) else needed:
+                if self._absent(name):
+                    self.add(say("com-in-part" if names is COM else "inertia-in-part", **self._at(name)))
+        if not self._absent(*INERTIA) and self._absent("mass"):
+            self.add(say("inertia-without-mass", **self._at("mass")))
 
 
-NO_LIMITS = Limits()
+def meant_by(angle: float) -> str | None:
+    """The multiple of π/2 that an angle is when it is rounded, as ``-pi/2``; None where it is exact, or is none."""
+    turns = rounded_quarter_turn(angle)
+    if not turns or abs(angle - turns * HALF_PI) > NEARLY * abs(turns * HALF_PI):
+        return None
+    meant = {1: "pi/2", 2: "pi"}.get(abs(turns), f"{abs(turns)}*pi/2")
+    return meant if turns > 0 else f"-{meant}"

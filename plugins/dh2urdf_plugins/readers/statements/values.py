@@ -14,8 +14,7 @@ from dh2urdf.rotations import ZERO, RigidTransform, Vec3, nearest_rotation
 from dh2urdf.row_fields import INERTIA
 from dh2urdf.source import Messages, did_you_mean
 from dh2urdf_plugins.readers.header.units import refuse_doubt
-from dh2urdf_plugins.readers.rows.cells import FULL_TURN, LARGEST_ANGLE
-from dh2urdf_plugins.readers.words.bounds import MEASURABLE_ARM
+from dh2urdf_plugins.readers.words.bounds import FULL_TURN, LARGEST_ANGLE, MEASURABLE_ARM
 from dh2urdf_plugins.readers.words.cells import Cell
 
 if TYPE_CHECKING:

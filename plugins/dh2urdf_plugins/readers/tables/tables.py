@@ -87,6 +87,8 @@ def manipulator(
 def _problems_of_all_rows(reader: RowReader, statements: Statements) -> Iterator[Problem]:
     if reader.names:
         yield from name_problems(reader.names)
+    if rounded := reader.rounded_angles():
+        yield rounded
     yield from bare_beside_cells(reader.units, reader.foreign, reader.bare)
     yield from extra_problems(reader.extras, statements.convention and statements.convention[0])
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 MAX_JOINTS = 5000
 """Joints of one manipulator: a hundred times those of the longest arms that are built, and made in seconds."""
 MAX_COLUMNS = 1000
@@ -12,3 +14,9 @@ REMEMBERED = 10_000
 """Texts, or sets of texts, whose meaning is remembered."""
 MEASURABLE_ARM = 1e9
 """Length of an arm beyond which a double cannot tell micrometres apart [m]."""
+FULL_TURN = 2 * math.pi
+"""Angle beyond which one without a unit may be in degrees [rad]."""
+LARGEST_ANGLE = 1000 * FULL_TURN
+"""Angle of a table beyond which its sum with a joint value loses what a micrometre at the tool needs [rad]."""
+NEARLY = 1e-3
+"""How near an angle has to be to a quarter turn to be taken for a rounded one, relative."""

@@ -419,7 +419,7 @@ BUDGETS = {
     "plugins/dh2urdf_plugins/formats": 4650,
     "plugins/dh2urdf_plugins/loaders": 2710,
     "plugins/dh2urdf_plugins/packages": 2320,
-    "plugins/dh2urdf_plugins/readers": 9910,
+    "plugins/dh2urdf_plugins/readers": 9860,
     "plugins/dh2urdf_plugins/transforms": 2340,
     "plugins/dh2urdf_plugins/xacro_fence": 780,
     "plugins/dh2urdf_studio": 7660,

@@ -116,6 +116,26 @@ def test_the_convention_of_a_comment_holds(comment: str, convention: str, read: 
     assert arm.convention == convention
 
 
+@pytest.mark.parametrize(
+    ("comment", "names"),
+    [
+        ("standard DH", 0),
+        ("Modified DH parameters:", 0),
+        ("Convention: standard DH", 0),
+        ("standard DH, lengths in m", 0),
+        ("Puma 560, standard DH", 1),
+        ("standard DH, lengths in mm", 1),
+        ("an RR arm, standard DH, lengths in mm", 1),
+    ],
+)
+def test_a_line_of_nothing_but_the_convention_has_no_notice(comment: str, names: int, read: Read) -> None:
+    """Any other sentence that declares is named in one notice, whatever is taken from it."""
+    (arm,) = read(f"# {comment}\na,alpha,d\n300,0,100\n100,0,0\n", convention=None)
+    assert isinstance(arm, Manipulator)
+    said = [notice.message for notice in arm.notices if "is 0." not in notice.message and "long" not in notice.message]
+    assert [f"# {comment}" in message for message in said] == [True] * names
+
+
 PROSE = [
     *("Universal Robots UR5, from the maker's own table", "6 degrees of freedom, repeatability 0.1 mm, reach 850 mm"),
     *(

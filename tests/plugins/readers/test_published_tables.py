@@ -63,3 +63,8 @@ def test_most_are_read_at_the_first_try_and_in_silence() -> None:
     asked = [case for case in CASES.values() if "asks" in case]
     assert len(CASES) >= 60
     assert 3 * len(asked) <= len(CASES)
+
+
+def test_few_ask_for_anything() -> None:
+    """Fewer than three tables in ten have a notice."""
+    assert sum(case.get("notices", 0) for case in CASES.values()) <= 0.3 * len(CASES)

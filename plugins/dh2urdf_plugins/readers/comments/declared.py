@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from dh2urdf.documents import Node, load_yaml
 from dh2urdf.errors import TableError
 from dh2urdf.quantities import is_unit
-from dh2urdf.source import Problem, shown
+from dh2urdf.source import Messages
 from dh2urdf.table_text import STATEMENTS
 from dh2urdf.table_text.texts import yaml_word
 from dh2urdf_plugins.readers.comments.sentences import said_in
@@ -20,6 +20,8 @@ from dh2urdf_plugins.readers.words.fields import convention_of, key_of, keys_in,
 
 if TYPE_CHECKING:
     from dh2urdf.source import Mark
+
+say = Messages(__file__)
 
 EXAMPLES = {
     "name": "# name: ur5",
@@ -54,15 +56,15 @@ def statements_in(comment: Comment) -> dict[str, Node]:
     match = None if _BEHIND_KEYS.isdisjoint(text) else re.match(_ENTRY, text[:MAX_TEXT])
     if match is None:
         return {}
-    key, value = declared_key(match[1]), text[match.end() :].strip()
-    if key and _is_declaration(match[1], key, value, comment):
-        return {key: _value(comment, key, match)}
-    slip = key_of(match[1].casefold())
-    if key is None and len(text) <= MAX_TEXT and match[2] and (meant := near(slip, STATEMENTS)):
-        raise TableError(_no_key(comment, match, f"did you mean {meant!r}?"))
-    is_mapping = re.match(_OF_MAPPING, value) is not None
-    if key is None and (is_mapping or (match[2] != "=" and re.match(_OF_LIST, value[:MAX_TEXT]))):
-        raise TableError(_no_key(comment, match, "put a word in front if this is prose, such as `# Note: …`"))
+    word, value = match[1], text[match.end() :].strip()
+    if key := declared_key(word):
+        return {key: _value(comment, key, match)} if _is_declaration(word, key, value, comment) else {}
+    meant = near(key_of(word.casefold()), STATEMENTS) if match[2] and len(text) <= MAX_TEXT else None
+    is_list = match[2] != "=" and re.match(_OF_LIST, value[:MAX_TEXT])
+    if meant or is_list or re.match(_OF_MAPPING, value):
+        advice = f"did you mean {meant!r}?" if meant else "put a word in front if this is prose, such as `# Note: …`"
+        place = within(comment.mark, match.start(1))
+        raise TableError(say("no-such-key", place, found=word, keys=[*STATEMENTS], suggestion=advice))
     return {}
 
 
@@ -70,22 +72,20 @@ def statements_in(comment: Comment) -> dict[str, Node]:
 def declared_key(word: str) -> str | None:
     """The statement that a key declares, by its name or by one of its words: ``tool`` of ``tcp``."""
     key = key_of(word.casefold())
-    return (
-        key if key in STATEMENTS else next((name for name in STATEMENTS if key in keys_in("declarations", name)), None)
-    )
+    named = (name for name in STATEMENTS if key == name or key in keys_in("declarations", name))
+    return key if key in STATEMENTS else next(named, None)
 
 
 def _is_declaration(word: str, key: str, value: str, comment: Comment) -> bool:
     """Whether what is behind a key is its value, and not a sentence that says more, or prose."""
-    if word.casefold() == key and key not in ("units", "convention"):
-        return True
-    if len(comment.text) > MAX_TEXT:
-        return word.casefold() == key
+    is_own = word.casefold() == key
+    if len(comment.text) > MAX_TEXT or (is_own and key not in ("units", "convention")):
+        return is_own
     if key == "name":
         in_quotes = len(value) > 1 and value[0] in _QUOTES and value.endswith(value[0])
         return in_quotes or not said_in(replace(comment, text=value))
     if key == "convention":
-        return convention_of(value) is not None or (word.casefold() == key and not said_in(comment))
+        return convention_of(value) is not None or (is_own and not said_in(comment))
     if key == "units":
         from dh2urdf_plugins.readers.statements.statements import unit_words
 
@@ -102,80 +102,40 @@ def comment_below(line: str, place: Mark) -> Comment:
     """
     whole = Comment.of(line, place, longest=len(line))
     if not _BEHIND_KEYS.isdisjoint(whole.text[:MAX_TEXT]) and statements_in(whole):
-        raise TableError(below_header(whole))
+        raise TableError(say("below-the-header", whole.whole, line=whole.line))
     return Comment.of(line, place)
 
 
-def below_header(comment: Comment) -> Problem:
-    """What is wrong with a comment below the header that declares something."""
-    return Problem(
-        message=f"{shown(comment.line)} is below the header, and would not hold for the rows above",
-        mark=comment.whole,
-        accepted="such lines above the header",
-    )
-
-
 def _value(comment: Comment, key: str, match: re.Match[str]) -> Node:
-    text, start = comment.text, match.end()
+    """What a comment has behind a key."""
+    start, about = match.end(), {"field": key, "found": comment.line}
+    value = comment.text[start:].strip()
     if len(comment.line) > MAX_STATEMENT:
-        message = f"the comment line has {len(comment.line)} characters"
-        accepted = f"at most {MAX_STATEMENT} where it declares {key}"
-        raise TableError(Problem(message=message, mark=comment.whole, accepted=accepted))
-    if text[start:].lstrip()[:1] in ("", "#"):  # `# base: # none`, as YAML has comments behind values
-        raise TableError(
-            Problem(
-                message=f"the comment line says nothing behind {shown(match[1])}",
-                mark=comment.mark,
-                field=key,
-                found=comment.line,
-                accepted=EXAMPLES[key],
-            )
-        )
-    value = text[start:].strip()
-    if key == "name" and match[1].casefold() != key and value[:1] not in _QUOTES:
-        return _node(comment, yaml_word(value), start)
-    node = _node(comment, text[start:], start)
+        length = len(comment.line)
+        raise TableError(say("long-statement", comment.whole, length=length, limit=MAX_STATEMENT, key=key))
+    if value[:1] in ("", "#"):  # `# base: # none`, as YAML has comments behind values
+        raise TableError(say("nothing-behind", comment.mark, word=match[1], example=EXAMPLES[key], **about))
+    is_bare = key == "name" and match[1].casefold() != key and value[:1] not in _QUOTES
+    node = _node(comment, yaml_word(value) if is_bare else comment.text[start:], start)
     if key == "convention" and isinstance(node.value, dict | list):
-        raise TableError(
-            Problem(
-                message=f"the comment line says more than the convention: {shown(value)}",
-                mark=node.mark,
-                field=key,
-                found=comment.line,
-                accepted=EXAMPLES[key],
-                suggestion="write each key on a line of its own",
-            )
-        )
+        raise TableError(say("more-than-convention", node.mark, value=value, example=EXAMPLES[key], **about))
     return node
 
 
 def _node(comment: Comment, text: str, start: int) -> Node:
     """The YAML value that begins in a comment, with the places of the file."""
     place = within(comment.mark, start)
-    if place.place is None:
-        # The value is moved to its own line and column, so that its marks are those of the file.
-        before = "\n" * ((place.line or 1) - 1) + " " * ((place.column or 1) - 1)
-        return load_yaml(before + text, place.file, TableError)
+    # The value is moved to its own line and column, so that its marks are those of the file.
+    before = "\n" * ((place.line or 1) - 1) + " " * ((place.column or 1) - 1)
     try:
-        root = load_yaml(text, place.file, TableError)
+        root = load_yaml(before + text, place.file, TableError)
     except TableError as error:
+        if place.place is None:
+            raise
         raise TableError(replace(problem, mark=place) for problem in error.problems) from None
-    waiting = [root]
+    waiting = [root] if place.place else []  # a cell has one place for all that is in it
     for node in waiting:
-        node.line, node.column, node.place = place.line or 0, place.column or 0, place.place
-        node.key_places = {}
-        if isinstance(node.value, dict):
-            waiting.extend(node.value.values())
-        elif isinstance(node.value, list):
-            waiting.extend(node.value)
+        node.line, node.column, node.place, node.key_places = place.line or 0, place.column or 0, place.place, {}
+        if isinstance(node.value, dict | list):
+            waiting += node.value.values() if isinstance(node.value, dict) else node.value
     return root
-
-
-def _no_key(comment: Comment, match: re.Match[str], suggestion: str) -> Problem:
-    return Problem(
-        message=f"the comment line says {shown(match[1])}, which nothing is called",
-        mark=within(comment.mark, match.start(1)),
-        found=match[1],
-        accepted=", ".join(STATEMENTS),
-        suggestion=suggestion,
-    )

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from dh2urdf.manipulator import Convention
 from dh2urdf.quantities import UNITS, unit_word
-from dh2urdf.source import Problem, listed, shown
+from dh2urdf.source import Messages, listed, shown
 from dh2urdf_plugins.readers.header.units import KEY_OF
 from dh2urdf_plugins.readers.words.cells import Cell
 from dh2urdf_plugins.readers.words.fields import FIELDS, header_fields, joint_type, key_of, keys_in
@@ -22,9 +22,11 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping, Sequence
 
     from dh2urdf.quantities import Unit
-    from dh2urdf.source import Mark
+    from dh2urdf.source import Mark, Problem
     from dh2urdf_plugins.readers.statements.statements import Statements
     from dh2urdf_plugins.readers.words.comment_lines import Comment
+
+say = Messages(__file__)
 
 _TOKENS = r"°(?:/[a-z]+)?|[^\W\d_]+(?:[/·][^\W\d_]+[²2]?)*[²³]?|[0-9][0-9.,]*|\S"
 _CHINESE = r"([\u3040-\u30ff\u4e00-\u9fff\uac00-\ud7a3]+)"
@@ -34,6 +36,8 @@ _LISTING = frozenset(",;/&|-–—")
 """What is between the units of a list: ``mm, deg``."""
 _ENDS = frozenset(",;/)]}&|.")
 _MEASURES = ("length", "angle", "mass", "inertia", "effort", "velocity")
+_DECLARING = (*Convention, *_MEASURES, "of_conventions", "beside_conventions", "before", "between")
+"""Words of a sentence that does nothing but declare."""
 _FOREIGN = ("mm", "cm", "deg", "rad")
 """Units that have words of their own in `vocabulary.toml`."""
 _WHOLE = frozenset(("a", "alpha", "d", "theta", "joint", "link", "index", "type", "robot", "convention"))
@@ -49,12 +53,14 @@ class Sentence(NamedTuple):
         convention: the convention.
         units: units by their keys.
         types: the types of all joints, a letter each.
+        is_bare: whether it has no word besides those that declare: ``Standard DH parameters:``.
     """
 
     comment: Comment
     convention: Convention | None
     units: Mapping[str, str]
     types: str
+    is_bare: bool
 
 
 def sentences_in(comments: Iterable[Comment]) -> list[Sentence]:
@@ -64,8 +70,8 @@ def sentences_in(comments: Iterable[Comment]) -> list[Sentence]:
 
 def said_in(comment: Comment) -> Sentence | None:
     """What a comment declares as a sentence; None where it is prose."""
-    convention, units, types = _read(comment.text)
-    return Sentence(comment, convention, units, types) if convention or units or types else None
+    convention, units, types, is_bare = _read(comment.text)
+    return Sentence(comment, convention, units, types, is_bare) if convention or units or types else None
 
 
 def names_measure(key: str) -> bool:
@@ -74,11 +80,13 @@ def names_measure(key: str) -> bool:
 
 
 @lru_cache(maxsize=1024)
-def _read(text: str) -> tuple[Convention | None, Mapping[str, str], str]:
+def _read(text: str) -> tuple[Convention | None, Mapping[str, str], str, bool]:
     spaced = re.sub(_CHINESE, r" \1 ", unicodedata.normalize("NFC", text)) if not text.isascii() else text
     tokens = [part for token in re.findall(_TOKENS, spaced) for part in _split(token)]
     letters = re.findall(_TYPES, text)
-    return _convention(tokens), _units(tokens), letters[0].replace("-", "") if len(letters) == 1 else ""
+    types = letters[0].replace("-", "") if len(letters) == 1 else ""
+    is_bare = all(_unit(token) or any(_is(name, token) for name in _DECLARING) for token in tokens if token.isalnum())
+    return _convention(tokens), _units(tokens), types, is_bare
 
 
 def _split(token: str) -> list[str]:
@@ -163,7 +171,10 @@ def _unit(token: str) -> Unit | None:
 def declare(
     sentences: Sequence[Sentence], statements: Statements, add: Callable[[Problem], None], *, by_row: bool = False
 ) -> None:
-    """Takes what sentences declare where nothing else does, with a notice; refuses what contradicts the table.
+    """Takes what sentences declare where nothing else does; refuses what contradicts the table.
+
+    One notice names all sentences of which something is taken. A line that says nothing but the convention is as good
+    as a key, and has none.
 
     Args:
         sentences: those of the table.
@@ -171,34 +182,29 @@ def declare(
         add: what takes the problems.
         by_row: whether each row has its convention.
     """
-    taken: dict[str, str] = {}
-    header_units = statements.columns.units if statements.columns else {}
+    taken: dict[str, list[str]] = {}
+    headers = statements.columns.units.values() if statements.columns else ()
     for sentence in sentences:
         cell = Cell(sentence.comment.line, sentence.comment.whole)
+        found = list[str]()
         if sentence.convention and not by_row:
             if statements.convention is None:
-                taken.setdefault(cell.text, f"convention: {sentence.convention}")
+                found.append(f"convention: {sentence.convention}")
             statements.declare_implied_convention(sentence.convention, cell, add)
         for key, symbol in sentence.units.items():
             unit = UNITS[unit_word(symbol)]
-            of_headers = {each.symbol for each in header_units.values() if each.dimension is unit.dimension}
+            if symbol in {each.symbol for each in headers if each.dimension is unit.dimension}:
+                continue
             read = statements.units().of(unit.dimension)
-            is_new = symbol != read.symbol if read else not unit.is_si
-            if unit.dimension not in statements.stated and symbol not in of_headers and is_new:
-                taken[cell.text] = ", ".join(filter(None, (taken.get(cell.text), f"{key}: {symbol}")))
-            if symbol not in of_headers:
-                statements.declare_unit(Cell(symbol, cell.mark), key, add, said=cell.text)
+            if unit.dimension not in statements.stated and (symbol != read.symbol if read else not unit.is_si):
+                found.append(f"{key}: {symbol}")
+            statements.declare_unit(Cell(symbol, cell.mark), key, add, said=cell.text)
+        if sentence.units.keys() & {each.partition(":")[0] for each in found} or (found and not sentence.is_bare):
+            taken.setdefault(cell.text, []).extend(found)
     if taken:
-        says = [f"{shown(line)} ({said})" for line, said in taken.items()]
+        says = listed([f"{shown(line)} ({', '.join(said)})" for line, said in taken.items()])
         place = next(each.comment.whole for each in sentences if each.comment.line in taken)
-        add(
-            Problem(
-                message=f"{listed(says)} {'declares' if len(says) == 1 else 'declare'} this, as nothing else does",
-                severity="notice",
-                mark=place,
-                suggestion="declare it under a key: `convention: …`, `units: {length: …, angle: …}`",
-            )
-        )
+        add(say("declared-by-sentences", place, says=says, verb="declares" if len(taken) == 1 else "declare"))
 
 
 def declare_types(
@@ -211,26 +217,17 @@ def declare_types(
     Args:
         sentences: those of the table.
         rows: the cells of each row by field, which are changed, and its place.
-        add: what takes the notice.
+        add: what takes the notice, where no other one names the sentence.
     """
     said = [each for each in sentences if len(each.types) == len(rows)]
     if not said or any(cells is None or "type" in cells for cells, _ in rows):
         return
-    first = said[0]
-    if others := [each for each in said if each.types != first.types]:
-        message = f"{shown(others[0].comment.line)} contradicts {shown(first.comment.line)}"
-        add(Problem(message=message, mark=others[0].comment.whole, field="type", accepted="a column of types"))
+    first, line, place = said[0], said[0].comment.line, said[0].comment.whole
+    if other := next((each.comment for each in said if each.types != first.types), None):
+        add(say("types-twice", other.whole, field="type", line=other.line, other=line))
     for (cells, _), letter in zip(rows, first.types, strict=True):
         kind = joint_type(letter)
         if cells is not None and kind:
-            cells["type"] = Cell(kind.value, first.comment.whole)
-    message = f"{shown(first.comment.line)} declares the types of the joints: {first.types}"
-    add(
-        Problem(
-            message=message,
-            severity="notice",
-            mark=first.comment.whole,
-            field="type",
-            suggestion="write a column of types: R or P in each row",
-        )
-    )
+            cells["type"] = Cell(kind.value, place)
+    if not (first.convention or first.units):
+        add(say("types-by-a-sentence", place, field="type", line=line, types=first.types))

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Protocol, runtime_checkable
 
 from dh2urdf.documents import Node
 from dh2urdf.errors import TableError
-from dh2urdf.source import Mark, Problem, shown
+from dh2urdf.source import Mark, Messages, Problem
 from dh2urdf.table_text import STATEMENTS
 from dh2urdf_plugins.readers.comments.declared import declared_key, statements_in
 from dh2urdf_plugins.readers.comments.sentences import Sentence, sentences_in
@@ -24,6 +24,8 @@ if TYPE_CHECKING:
     from collections.abc import Collection, Iterable, Mapping, Sequence
 
     from dh2urdf.table_text import CellRow
+
+say = Messages(__file__)
 
 GEOMETRY = frozenset(("a", "alpha", "d", "theta"))
 SURE = 2
@@ -124,12 +126,8 @@ def _too_large(header: CellRow) -> Problem | None:
     """What is wrong with a header of too many columns, or one of whose cells is too long."""
     count, longest = len(header.cells), max((len(text_in(cell)) for cell in header.cells), default=0)
     if count > MAX_COLUMNS:
-        message, accepted = f"the header has {count:,} columns", f"at most {MAX_COLUMNS:,} columns"
-    elif longest > MAX_TEXT:
-        message, accepted = f"a column has a header of {longest:,} characters", f"at most {MAX_TEXT:,} characters"
-    else:
-        return None
-    return Problem(message=message, mark=header.mark, accepted=accepted)
+        return say("many-columns", header.mark, count=count, limit=MAX_COLUMNS)
+    return say("long-header", header.mark, count=longest, limit=MAX_TEXT) if longest > MAX_TEXT else None
 
 
 @runtime_checkable
@@ -164,8 +162,8 @@ def _both(key: str, earlier: Node, node: Node) -> Node:
             return replace(earlier, value={**one, **other}, key_places={**earlier.key_places, **node.key_places})
     elif key == "convention" and convention_of(earlier.text or "") == convention_of(node.text or ""):
         return earlier
-    message = f"a comment line says {key} already, in {earlier.mark.in_file or earlier.file}"
-    raise TableError(Problem(message=message, mark=replace(node.mark, column=None), field=key))
+    where = earlier.mark.in_file or earlier.file
+    raise TableError(say("declared-twice", replace(node.mark, column=None), field=key, where=where))
 
 
 def comment_text(row: CellRow) -> str:
@@ -185,12 +183,7 @@ def _fields(row: CellRow) -> set[str]:
 
 
 def _no_header(above: Sequence[CellRow], whole: Mark) -> Problem:
-    first = shown(comment_text(above[0])) if above else None
-    return Problem(
-        message=f"no row is a header whose columns are known; the first row is {first}"
-        if first
-        else "there is no header and there are no rows",
-        mark=above[0].mark if above else whole,
-        accepted="a header with at least the columns a, alpha and d, and one row for each joint",
-        suggestion=TURN_ROUND if above and are_joints(headers_in(above[0])) else None,
-    )
+    if not above:
+        return say("no-rows", whole)
+    advice = TURN_ROUND if are_joints(headers_in(above[0])) else None
+    return say("no-header", above[0].mark, first=comment_text(above[0]), suggestion=advice)

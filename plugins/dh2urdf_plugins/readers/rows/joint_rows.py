@@ -156,8 +156,6 @@ class _Rows:
             cells["type"] = Cell(JointType.PRISMATIC.value, mark)
         elif self.variables and place not in self.variables:
             if no_joint or is_base:
-                message = f"the row {shown(name or index)} has no joint variable, and other rows have one: it is fixed"
-                self._notice(message, Cell("", mark), "type")
                 cells["type"] = Cell(JointType.FIXED.value, mark)
                 return
             self._refuse(

@@ -7,15 +7,15 @@ from typing import TYPE_CHECKING
 
 from dh2urdf.manipulator import BASE, ROOT, Inertia, JointType
 from dh2urdf.robot import Inertial
-from dh2urdf.source import Problem
+from dh2urdf.source import Messages, Problem
 
 if TYPE_CHECKING:
     from dh2urdf.robot import Robot
 
+say = Messages(__file__)
+
 STILL = Inertial(mass=1.0, inertia=Inertia(ixx=0.01, iyy=0.01, izz=0.01))
 """What a base without a mass weighs where a format needs one: it stands still, and so its mass moves nothing."""
-
-_ADVICE = "leave `base: {mass: 0}` out of the table, or write the base's mass"
 
 
 def is_weightless_base(name: str, body: Inertial | None) -> bool:
@@ -62,21 +62,10 @@ def notices_for_gazebo(robot: Robot, *, filled: bool) -> list[Problem]:
     if filled:
         if not weightless_bases(robot):
             return []
-        message = (
-            f"the base has no mass, and this file gives it {STILL.mass:g} kg, because Gazebo drops an arm whose base "
-            "has none"
-        )
-        return [Problem(message=message, field="base.mass", suggestion=_ADVICE)]
+        return [say("gazebo-base-filled", field="base.mass", mass=STILL.mass)]
     if all(map(_has_body_at_rest, [arm.kind for arm in robot.arms] or [robot])):
         return []
-    return [
-        Problem(
-            message="Gazebo drops the whole arm of this URDF, because its base has no mass; other simulators load it",
-            field="base.mass",
-            suggestion=f"for Gazebo, {_ADVICE}, or choose the profile gazebo: `--profile gazebo`, or "
-            "`options: {profile: gazebo}` of the emitter in a run file",
-        )
-    ]
+    return [say("gazebo-drops-arm", field="base.mass")]
 
 
 def notices_of_riders(robot: Robot) -> list[Problem]:
@@ -85,9 +74,7 @@ def notices_of_riders(robot: Robot) -> list[Problem]:
     moving = [link for link in robot.links if link.name not in still and link.name.endswith(BASE)]
     if not any(is_weightless_base(link.name, link.inertial) for link in moving):
         return []
-    message = "Gazebo drops an arm of this URDF that stands on another arm, because its base has no mass"
-    advice = f"{_ADVICE}, or use the format sdf for Gazebo"
-    return [Problem(message=message, field="base.mass", suggestion=advice)]
+    return [say("gazebo-drops-rider", field="base.mass")]
 
 
 def _has_body_at_rest(arm: Robot) -> bool:

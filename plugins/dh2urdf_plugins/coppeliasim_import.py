@@ -11,7 +11,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from dh2urdf.errors import EmitterError
-from dh2urdf.source import Problem, listed, shown
+from dh2urdf.source import Messages, Problem, listed, shown
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -19,6 +19,8 @@ if TYPE_CHECKING:
     from dh2urdf.manipulator import Limits
     from dh2urdf.robot import Joint, Robot
     from dh2urdf.rotations import Vec3
+
+say = Messages(__file__)
 
 NUDGE = 1e-30
 """What is added to an axis along -z across it: the importer turns z to the axis about the vector across both, and
@@ -59,15 +61,8 @@ def check_aliases(robot: Robot) -> None:
         taken: dict[str, str] = {}
         for name in names:
             if (other := taken.setdefault(alias(name), name)) != name:
-                raise EmitterError(
-                    Problem(
-                        message=f"the {what} {shown(other)} and {shown(name)} would have the same name in CoppeliaSim",
-                        robot=robot.name,
-                        found=alias(name),
-                        accepted="names that differ in ASCII letters, digits and `_`",
-                        suggestion="rename one of them, or take the profile portable",
-                    )
-                )
+                code, of = "coppeliasim-names-alike", robot.name
+                raise EmitterError(say(code, robot=of, found=alias(name), what=what, other=other, name=name))
 
 
 def notices_for_coppeliasim(robot: Robot) -> list[Problem]:
@@ -75,26 +70,13 @@ def notices_for_coppeliasim(robot: Robot) -> list[Problem]:
     notices = [_notice_of_limits(joint) for joint in widened_joints(robot)]
     names = [*(joint.name for joint in robot.moving_joints), *(link.name for link in robot.links)]
     if other := [name for name in names if alias(name) != name]:
-        notices.append(
-            Problem(
-                message=f"CoppeliaSim has other names for joints and links of this file: {_pairs(other)}",
-                suggestion="letters, digits and `_` of ASCII stay as they are",
-            )
-        )
+        notices.append(say("coppeliasim-other-names", pairs=_pairs(other)))
     return notices
 
 
 def _notice_of_limits(joint: Joint) -> Problem:
     lower, upper = joint.limits.lower or 0.0, joint.limits.upper or 0.0
-    return Problem(
-        message=(
-            "this file widens the limits of the joint to include 0, because CoppeliaSim misplaces its link otherwise; "
-            "the loader `coppeliasim` sets those of the table after the import"
-        ),
-        joint=joint.name,
-        field="limits",
-        suggestion=f"if you import by hand, call `sim.setJointInterval(joint, False, [{lower}, {upper - lower}])`",
-    )
+    return say("coppeliasim-limits-widened", joint=joint.name, field="limits", lower=lower, width=upper - lower)
 
 
 def _pairs(names: Iterable[str]) -> str:

@@ -11,11 +11,13 @@ from importlib.util import find_spec
 from typing import TYPE_CHECKING
 
 from dh2urdf.errors import InputError, MissingDependencyError
-from dh2urdf.source import Mark, Problem
+from dh2urdf.source import Mark, Messages, Problem
 from dh2urdf_studio.guard import Guard
 
 if TYPE_CHECKING:
     from collections.abc import Callable
+
+say = Messages(__file__)
 
 LOOPBACK = "127.0.0.1"
 PORT = 8420

@@ -28,7 +28,7 @@ from dh2urdf.errors import SCREENFUL
 from dh2urdf.report.manifest import HOW_TO_GET, can_write_html
 from dh2urdf.report.verdicts import coverage_line, notice_line
 from dh2urdf.running.run import execute, load_plan
-from dh2urdf.source import printable
+from dh2urdf.source import Messages, printable
 from dh2urdf.tasks.batch_report import is_new
 
 if TYPE_CHECKING:
@@ -42,6 +42,8 @@ if TYPE_CHECKING:
     from dh2urdf.source import Problem
     from dh2urdf.tasks.batch_report import BatchReport
     from dh2urdf.tasks.result import Result
+
+say = Messages(__file__)
 
 LINE_EVERY = 10.0
 """Time between two lines in a log [s]."""

@@ -23,7 +23,7 @@ from dh2urdf.manipulator import JointType
 from dh2urdf.meshes import read_parts
 from dh2urdf.robot import Box, Cylinder, Mesh, Robot, Sphere
 from dh2urdf.rotations import norm
-from dh2urdf.source import Mark, Problem, shown
+from dh2urdf.source import Mark, Messages
 from dh2urdf.stages.foreign_robot import Follower, following, with_followers
 
 if TYPE_CHECKING:
@@ -32,6 +32,8 @@ if TYPE_CHECKING:
 
     from dh2urdf.robot import Collision, Geometry, Joint, Origin
     from dh2urdf.rotations import Vec3
+
+say = Messages(__file__)
 
 
 FLOATING, PLANAR = "floating", "planar"
@@ -71,12 +73,11 @@ class Mechanism:
         able = following(followers, [joint.name for joint in joints if self.moves(joint)])
         for joint in joints:
             if joint.name in followers.keys() - able.keys():
-                message = f"the joint mimics {shown(followers[joint.name].leader)}, which no joint can follow"
-                raise self._error(message, "another joint that moves, by finite numbers", joint)
+                raise self._error("leader-not-followed", joint, leader=followers[joint.name].leader)
             if joint.type is not JointType.FIXED and not norm(joint.axis):
-                raise self._error("the axis of the joint has no length", "a direction", joint)
+                raise self._error("axis-of-length-0", joint)
             for name in {joint.parent, joint.child} - set(links):
-                raise self._error(f"no link is called {shown(name)}", ", ".join(links[:20]), joint)
+                raise self._error("joint-of-no-link", joint, name=name, links=links[:20])
         children = [joint.child for joint in joints]
         ordered: list[Joint] = []
         reached, waiting = set(links) - set(children), list(joints)
@@ -86,13 +87,13 @@ class Mechanism:
             reached |= {joint.child for joint in ready}
             waiting = [joint for joint in waiting if joint.child not in reached]
         if waiting or not is_tree:
-            raise self._error("the links are no tree with one root", "a tree of links that begins at one")
+            raise self._error("no-tree")
         return tuple(ordered)
 
-    def _error(self, message: str, accepted: str, joint: Joint | None = None) -> InputError:
+    def _error(self, code: str, joint: Joint | None = None, **about: Any) -> InputError:  # noqa: ANN401 - of a message
         mark = joint.mark if joint and joint.mark else Mark(file=self.file) if self.file else None
         robot, name = None if self.file else self.robot.name, joint.name if joint else None
-        return InputError(Problem(message=message, robot=robot, joint=name, mark=mark, accepted=accepted))
+        return InputError(say(code, mark, robot=robot, joint=name, **about))
 
     # States
 
@@ -268,9 +269,8 @@ class Scene:
             user, extra = "a collision shape that is a mesh", "dh2urdf[meshes]"
             raise MissingDependencyError(user, package, extra, error) from error
         except Exception as error:
-            message = f"the mesh {shown(mesh.filename)} of the link {shown(link)} cannot be read: {error}"
-            accepted = "a mesh that has triangles, as STL, OBJ or DAE"
-            raise InputError(Problem(message=message, found=mesh.filename, accepted=accepted)) from error
+            code = "collision-mesh-unreadable"
+            raise InputError(say(code, found=mesh.filename, link=link, reason=error)) from error
         surface = self._coal.BVHModelOBBRSS()
         surface.beginModel(sum(len(part.faces) for part in parts), sum(len(part.vertices) for part in parts))
         for part in parts:

@@ -8,12 +8,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from dh2urdf.errors import EditError, TableError
-from dh2urdf.source import Problem
+from dh2urdf.source import Messages
 from dh2urdf.stages import Edit
 
 if TYPE_CHECKING:
     from dh2urdf.manipulator import Manipulator
     from dh2urdf_plugins.calibrations.calibration import CalibrationFile
+
+say = Messages(__file__)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -55,9 +57,7 @@ def edit_table(manipulator: Manipulator, options: CalibrateOptions) -> Manipulat
         EditError: no file is given, or the file is not one of differences to this table's rows.
     """
     if options.calibration is None:
-        accepted = "a file, such as `{stage: calibrate, options: {file: calibration.conf}}`"
-        message = "the edit `calibrate` has no file"
-        raise EditError(Problem(message=message, robot=manipulator.name, field="edits", accepted=accepted))
+        raise EditError(say("calibrate-without-file", robot=manipulator.name, field="edits"))
     try:
         calibration = options.calibration.read(manipulator.convention)
         rows = calibration.applied(manipulator.rows)

@@ -8,11 +8,13 @@ from typing import TYPE_CHECKING
 
 from dh2urdf.elementwise import agreed
 from dh2urdf.errors import EditError
-from dh2urdf.source import Problem, did_you_mean, shown
+from dh2urdf.source import Messages, did_you_mean, shown
 from dh2urdf.stages import Edit, EditsInColumns
 
 if TYPE_CHECKING:
     from dh2urdf.manipulator import Limits, Manipulator
+
+say = Messages(__file__)
 
 _FACTORS = ("range", "velocity", "effort")
 
@@ -75,9 +77,8 @@ def edit_table(manipulator: Manipulator, options: LimitsOptions) -> Manipulator:
     problems = []
     for name in options.joints:
         if name not in names:
-            message = f"the arm has no moving joint {shown(name)}"
-            accepted, near = ", ".join(names), did_you_mean(name, names)
-            problems.append(Problem(message=message, field="edits", found=name, accepted=accepted, suggestion=near))
+            near = did_you_mean(name, names)
+            problems.append(say("edit-joint-unknown", field="edits", found=name, names=names, suggestion=near))
     rows = []
     is_changed = False
     turning, sliding = options.margins
@@ -86,10 +87,7 @@ def edit_table(manipulator: Manipulator, options: LimitsOptions) -> Manipulator:
         margin = sliding if row.type is JointType.PRISMATIC else turning
         limits = _limited(row.limits, options, margin) if is_meant else row.limits
         if limits.lower is not None and limits.upper is not None and not agreed(limits.lower < limits.upper):
-            message = f"nothing is left of the range of the joint {shown(row.joint)} after the edit `limits`"
-            accepted = f"a margin of less than half of the range, and not {margin:g}"
-            advice = "`joints` names the joints that are meant; 5 deg is about those that turn"
-            problems.append(Problem(message=message, field="edits", accepted=accepted, suggestion=advice))
+            problems.append(say("limits-gone", field="edits", name=row.joint, margin=margin))
             limits = row.limits
         pairs = [(getattr(limits, name), getattr(row.limits, name)) for name in LIMITS]
         is_changed |= any(new is not old and not agreed(new == old) for new, old in pairs)
@@ -98,8 +96,7 @@ def edit_table(manipulator: Manipulator, options: LimitsOptions) -> Manipulator:
         raise EditError(problem.about(robot=manipulator.name, mark=manipulator.mark) for problem in problems)
     notices = manipulator.notices
     if not is_changed:
-        message = "the edit `limits` changes no limit of this arm"
-        notices = (*notices, Problem(message=message, severity="notice", field="edits"))
+        notices = (*notices, say("edit-changes-nothing", field="edits", edit="limits", what="limit"))
     return replace_unchecked(manipulator, rows=tuple(rows), notices=notices)
 
 

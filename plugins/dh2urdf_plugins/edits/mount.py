@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from dh2urdf.rotations import ZERO, Vec3
+from dh2urdf.source import Messages
 from dh2urdf.stages import Edit, EditsInColumns
 
 if TYPE_CHECKING:
@@ -14,6 +15,8 @@ if TYPE_CHECKING:
 
     from dh2urdf.robot import Link, Origin, Robot
     from dh2urdf.source import Problem
+
+say = Messages(__file__)
 
 _OPTICAL: Vec3 = (-math.pi / 2, 0.0, -math.pi / 2)
 """REP 103: z forward, x right, y down, in a body frame of x forward, y left, z up."""
@@ -99,22 +102,19 @@ def _with(robot: Robot, link: Link, parent: str, origin: Origin) -> Robot:
 
 
 def _problems(robot: Robot, options: MountOptions) -> Iterator[Problem]:
-    from dh2urdf.source import Problem, did_you_mean, shown
+    from dh2urdf.source import did_you_mean
 
     known, name, parent = [link.name for link in robot.links], options.name, options.parent
     if not name:
-        accepted = "a name, such as `{stage: mount, options: {name: camera_link}}`"
-        yield Problem(message="what is mounted has no name", field="edits", accepted=accepted)
+        yield say("mount-without-name", field="edits")
     if parent not in known:
-        message = f"the robot has no link {shown(parent)} on which something could be mounted"
-        accepted, near = ", ".join(known), did_you_mean(parent, known)
-        yield Problem(message=message, field="edits", found=parent, accepted=accepted, suggestion=near)
+        near = did_you_mean(parent, known)
+        yield say("mount-on-no-link", field="edits", found=parent, links=known, suggestion=near)
     taken = {*known, *(joint.name for joint in robot.joints)}
     frames = [name, f"{name}_optical_frame"] if options.optical else [name]
     for each in (word for frame in frames for word in (frame, f"{frame}_joint")):
         if name and each in taken:
-            message = f"the robot has a link or a joint {shown(each)} already"
-            yield Problem(message=message, field="edits", found=each, accepted="another name")
+            yield say("mount-name-taken", field="edits", found=each)
 
 
 EDIT = Edit(

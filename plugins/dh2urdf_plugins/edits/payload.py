@@ -11,10 +11,13 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from dh2urdf.rotations import Vec3
+from dh2urdf.source import Messages
 from dh2urdf.stages import Edit, EditsInColumns
 
 if TYPE_CHECKING:
     from dh2urdf.manipulator import Inertia, Manipulator
+
+say = Messages(__file__)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -72,13 +75,10 @@ def edit_table(manipulator: Manipulator, options: PayloadOptions) -> Manipulator
     from dh2urdf.kinematics.mass import compound, scaled, solid
     from dh2urdf.manipulator import Payload
     from dh2urdf.robot import Box, Inertial, Sphere
-    from dh2urdf.source import Problem
 
     old, mass = manipulator.payload, options.mass
     if mass is None:
-        accepted = "a mass, such as `{stage: payload, options: {mass: 2.5}}`"
-        message, robot = "the payload has no mass", manipulator.name
-        raise EditError(Problem(message=message, robot=robot, field="edits", accepted=accepted))
+        raise EditError(say("payload-without-mass", robot=manipulator.name, field="edits"))
     inertia = None if options.inertia is None else _tensor(options.inertia)
     if shape := Box(size=options.size) if options.size else Sphere(radius=options.radius) if options.radius else None:
         unit = solid(shape, 1.0)
@@ -88,10 +88,8 @@ def edit_table(manipulator: Manipulator, options: PayloadOptions) -> Manipulator
         bodies = [Inertial(mass=each.mass, com=each.com, inertia=each.inertia) for each in (old, new) if each.inertia]
         if len(bodies) < 2:  # noqa: PLR2004 - of two
             which = "the payload that the arm has" if old.inertia is None else "the payload of this edit"
-            message = f"the arm has a payload of {old.mass:g} kg already, and {which} has no inertia"
-            accepted = "two payloads with an inertia, the size of a box or the radius of a ball; or one payload"
-            problem = Problem(message=message, mark=manipulator.mark, field="edits", accepted=accepted)
-            raise EditError(problem.about(robot=manipulator.name))
+            code, name = "payload-without-inertia", manipulator.name
+            raise EditError(say(code, manipulator.mark, robot=name, field="edits", mass=old.mass, which=which))
         body = compound(bodies)
         new = Payload(mass=body.mass, com=body.com, inertia=body.inertia)
     return replace_unchecked(manipulator, payload=new)

@@ -7,13 +7,15 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Literal
 
 from dh2urdf.errors import EditError
-from dh2urdf.source import Problem, shown
+from dh2urdf.source import Messages, Problem
 from dh2urdf.stages import Edit, EditsInColumns
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
     from dh2urdf.manipulator import Manipulator
+
+say = Messages(__file__)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -67,8 +69,7 @@ def edit_table(manipulator: Manipulator, options: RenameOptions) -> Manipulator:
     rows = tuple(replace_unchecked(row, joint=joint, link=link) for row, joint, link in named)
     notices = manipulator.notices
     if all((new.joint, new.link) == (old.joint, old.link) for new, old in zip(rows, manipulator.rows, strict=True)):
-        message = "the edit `rename` changes no name of this arm"
-        notices = (*notices, Problem(message=message, severity="notice", field="edits"))
+        notices = (*notices, say("edit-changes-nothing", field="edits", edit="rename", what="name"))
     return replace_unchecked(manipulator, rows=rows, notices=notices)
 
 
@@ -78,12 +79,9 @@ def _problems(what: str, before: Sequence[str], after: Sequence[str]) -> Iterato
     for old, new in zip(before, after, strict=True):
         other = first.setdefault(new, old)
         if not new.strip():
-            message = f"the {what} {shown(old)} has no name after the edit `rename`"
+            yield say("name-gone", field="edits", found=new, what=what, old=old)
         elif other != old:
-            message = f"the {what}s {shown(other)} and {shown(old)} are both {shown(new)} after the edit `rename`"
-        else:
-            continue
-        yield Problem(message=message, field="edits", found=new, accepted=f"a different {what} in each row")
+            yield say("names-alike", field="edits", found=new, what=what, other=other, old=old)
 
 
 EDIT = Edit(

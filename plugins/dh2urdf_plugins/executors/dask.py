@@ -18,12 +18,14 @@ from typing import TYPE_CHECKING, Any, Literal
 
 from dh2urdf.errors import ExecutorError, MissingDependencyError
 from dh2urdf.isolation import is_own
-from dh2urdf.source import Problem
+from dh2urdf.source import Messages, Problem
 from dh2urdf.stages import Executor, Lost, Requires
 from dh2urdf_plugins.executors.local import processors
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator
+
+say = Messages(__file__)
 
 AHEAD_OF_THREADS = 3
 """Tasks per thread of the cluster that wait or are under way: the next one is there before the last result has left."""
@@ -108,15 +110,7 @@ def _client(address: str) -> Iterator[Any]:
         distributed.comm.resolve_address(address)  # A client that met no address would never be closed.
         client = distributed.Client(address, timeout=CONNECTING, set_as_default=False)
     except (OSError, ValueError) as error:
-        raise ExecutorError(
-            Problem(
-                message=f"no Dask scheduler answers at {address!r}: {error}",
-                field="scheduler",
-                accepted="the address that `dask scheduler` prints, such as tcp://host:8786",
-                suggestion="`dask scheduler` starts one, and `dask worker ADDRESS` a worker on every machine; without "
-                "`scheduler`, a cluster is started on this machine",
-            )
-        ) from error
+        raise ExecutorError(say("no-scheduler", field="scheduler", address=address, reason=error)) from error
     try:
         yield client
     finally:
@@ -136,7 +130,7 @@ def _own_cluster(workers: int) -> Iterator[str]:
             address = child.call(_start, (workers,), None, "Dask").value
         except (OSError, RuntimeError) as error:
             reason = f"{type(error).__name__}: {error}"
-            raise ExecutorError(f"no Dask cluster can be started on this machine: {reason}") from error
+            raise ExecutorError(say("no-cluster", reason=reason)) from error
         yield address
 
 
@@ -217,7 +211,7 @@ class _Cluster:
         except (OSError, asyncio.CancelledError, concurrent.futures.CancelledError) as error:
             if future.status == "error":  # It is what the function raised.
                 raise
-            raise _gone() from error
+            raise ExecutorError(say("scheduler-gone")) from error
         finally:
             gathered.cancel()
         return result
@@ -237,7 +231,7 @@ class _Cluster:
         try:
             self._threads = sum(self._client.nthreads().values())
         except OSError as error:
-            raise _gone() from error
+            raise ExecutorError(say("scheduler-gone")) from error
         self._looked = time.monotonic()
 
     def _look_for_workers(self) -> None:
@@ -250,19 +244,10 @@ class _Cluster:
                 _LOGGER.warning("no Dask worker is there; waiting for one, up to %g s", WORKERS_WITHIN)
                 told = True
             if waited > WORKERS_WITHIN:
-                start = f"`dask worker {self._client.scheduler.address}` starts one"
-                raise _ended(f"no Dask worker came within {WORKERS_WITHIN:g} s", start)
+                address = self._client.scheduler.address
+                raise ExecutorError(say("no-worker-came", seconds=WORKERS_WITHIN, address=address))
             time.sleep(_LOOK / 10)
             self._look()
-
-
-def _gone() -> ExecutorError:
-    return _ended("the Dask scheduler is gone", "start it and its workers")
-
-
-def _ended(message: str, advice: str) -> ExecutorError:
-    advice += ", and the same run with `--resume` goes on where this one ended"
-    return ExecutorError(Problem(message=message, suggestion=advice))
 
 
 @cache
@@ -275,9 +260,8 @@ def _others(address: str, ours: dict[str, str], theirs: dict[str, str]) -> Itera
     """Yield what a worker has not, or in another version."""
     for name, version in ours.items():
         if theirs.get(name) != version:
-            has = f"has {name} {theirs[name]}, not {version} as the run has" if theirs.get(name) else f"has no {name}"
-            advice = f"install {name} {version} where `dask worker` is started"
-            yield Problem(message=f"the Dask worker at {address} {has}", suggestion=advice)
+            code = "worker-of-other-version" if theirs.get(name) else "worker-without-package"
+            yield say(code, address=address, name=name, version=version, theirs=theirs.get(name))
 
 
 _ONE_AT_A_TIME = threading.Lock()

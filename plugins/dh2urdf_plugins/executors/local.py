@@ -20,13 +20,15 @@ from typing import TYPE_CHECKING, Any, Literal
 
 from dh2urdf.errors import ExecutorError, PluginError
 from dh2urdf.isolation import claim
-from dh2urdf.source import Problem, printable
+from dh2urdf.source import Messages, printable
 from dh2urdf.stages import Executor, Lost, Usual
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator
 
     from dh2urdf.isolation import Child
+
+say = Messages(__file__)
 
 MOST_PRINTED = 100
 """Lines of what C code and other programs print during a task that are passed on."""
@@ -133,7 +135,6 @@ class _Pool:
 
         from dh2urdf.isolation import PICKLED, Child
 
-        advice = "`--workers 1` needs none"
         for _ in range(TRIES):
             with self._changing:
                 if self._is_ending:
@@ -141,8 +142,7 @@ class _Pool:
                 try:
                     worker = Child("-X", "faulthandler")
                 except OSError as error:
-                    message = f"worker processes cannot be started: {error.strerror}"
-                    raise ExecutorError(Problem(message=message, suggestion=advice)) from error
+                    raise ExecutorError(say("workers-not-started", reason=error.strerror)) from error
                 self._workers.append(worker)
             answer = worker.ask(self._begin, None, PICKLED)
             if answer.word == "value":
@@ -151,11 +151,9 @@ class _Pool:
                 reported = answer.body and PICKLED.unpack(answer.body)
                 if isinstance(reported, PluginError):  # It says whose fault it is.
                     raise reported
-                message = f"a worker process cannot take the work over: {answer.text}"
-                advice = "stages have to be in importable modules, not in a script; `--workers 1` takes any"
-                raise ExecutorError(Problem(message=message, suggestion=advice))
+                raise ExecutorError(say("worker-without-function", reason=answer.text))
             reason = _reason(worker)
-        raise ExecutorError(Problem(message=f"worker processes cannot begin: {reason}", suggestion=advice))
+        raise ExecutorError(say("workers-not-started", reason=reason))
 
     def _pass_on(self, worker: Child) -> None:
         """Print on standard error what C code and other programs printed during a task."""

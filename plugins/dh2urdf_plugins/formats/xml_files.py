@@ -15,13 +15,15 @@ from dh2urdf.errors import Dh2UrdfError, ProofError
 from dh2urdf.manipulator import JointType
 from dh2urdf.robot import Cylinder, Joint, Origin, Sphere
 from dh2urdf.rotations import IDENTITY, IDENTITY_ROTATION, RigidTransform
-from dh2urdf.source import Mark, Problem, shown
+from dh2urdf.source import Mark, Messages, Problem, shown
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Mapping, Sequence
     from pathlib import Path
 
     from dh2urdf.robot import Geometry, Robot
+
+say = Messages(__file__)
 
 
 T = TypeVar("T")
@@ -49,8 +51,7 @@ def content_of(path: Path) -> bytes:
     try:
         return path.read_bytes()
     except OSError as error:
-        message = f"the file cannot be read: {error.strerror}"
-        raise ProofError(Problem(message=message, mark=Mark(file=str(path)))) from error
+        raise ProofError(say("description-unreadable", Mark(file=str(path)), reason=error.strerror)) from error
 
 
 def written_tree_of(content: bytes, file: str, *, is_deep: bool = False) -> etree._Element:
@@ -105,16 +106,10 @@ def tree_of(content: bytes, file: str, *, is_deep: bool = False) -> etree._Eleme
 
 def _no_xml(error: etree.XMLSyntaxError, file: str, faults: Sequence[Any]) -> ProofError:
     if isinstance(error, ForbiddenXmlError) or not faults:
-        return ProofError(Problem(message=error.msg, mark=Mark(file=file), accepted=ACCEPTED_XML))
+        return ProofError(say("xml-refused", Mark(file=file), reason=error.msg, accepted=ACCEPTED_XML))
     fault = faults[0]
-    return ProofError(
-        Problem(
-            message=f"this is not XML: {fault.message.partition(chr(10))[0].strip()}",
-            mark=Mark(file=file, line=fault.line, column=fault.column),
-            accepted="a robot description in XML, whole, which begins with <",
-            suggestion="correct the XML at this place, or give another file",
-        )
-    )
+    mark = Mark(file=file, line=fault.line, column=fault.column)
+    return ProofError(say("not-xml", mark, reason=fault.message.partition(chr(10))[0].strip()))
 
 
 def mark_of(element: etree._Element, file: str = "") -> Mark:
@@ -158,9 +153,9 @@ class FileElements:
         """Where an element is."""
         return mark_of(element, self.file)
 
-    def error(self, element: etree._Element, message: str, accepted: str | None = None) -> ProofError:
+    def error(self, element: etree._Element, code: str, **about: Any) -> ProofError:  # noqa: ANN401 - of a message
         """What is wrong with an element."""
-        return ProofError(Problem(message=message, accepted=accepted, mark=self.mark(element)))
+        return ProofError(say(code, self.mark(element), **about))
 
     def read(self, element: etree._Element, name: str, text: str, count: int, most: int = 0) -> list[float]:
         """The finite numbers of a text with spaces between them.
@@ -183,7 +178,7 @@ class FileElements:
             if is_plain and count <= len(numbers) <= max(count, most):
                 return numbers[:count]
         accepted = "one finite number" if count == 1 else f"{count} finite numbers with spaces between them"
-        raise self.error(element, f"{name} of {element.tag} is {shown(text)}", accepted)
+        raise self.error(element, "numbers-wrong", name=name, tag=element.tag, text=text, accepted=accepted)
 
     def not_read(self, element: etree._Element, what: str) -> None:
         """Notes that an element cannot be read."""
@@ -212,7 +207,7 @@ class FileElements:
 
     def not_of_a_manipulator(self, element: etree._Element, kind: str, accepted: str) -> ProofError:
         """What is wrong with a joint of a type that is not one of a manipulator."""
-        return self.error(element, f"joint type {shown(kind)} is not one of a manipulator", accepted)
+        return self.error(element, "joint-type-foreign", type=kind, accepted=accepted)
 
 
 class Model(NamedTuple):
@@ -245,10 +240,9 @@ class Model(NamedTuple):
         """
         for joint in self.robot.joints if self.loose else ():
             if (kind := self.loose.get(joint.name)) is not None:
-                message = f"joint type {shown(kind)} is not one of a manipulator"
-                raise ProofError(Problem(message=message, accepted=accepted, mark=joint.mark))
+                raise ProofError(say("joint-type-foreign", joint.mark, type=kind, accepted=accepted))
         for what, mark, fault in self.unread:
-            raise ProofError(fault or Problem(message=f"{what} is not read here", mark=mark))
+            raise ProofError(fault or say("not-read", mark, what=what))
         return self.robot
 
 

@@ -36,7 +36,7 @@ from dh2urdf.robot import (
 )
 from dh2urdf.rotations import RigidTransform, Vec3, add, cross, norm, rotate, subtract
 from dh2urdf.row_fields import DYNAMICS
-from dh2urdf.source import Problem
+from dh2urdf.source import Messages
 from dh2urdf_plugins.transforms.checks import PAYLOAD, is_frame, is_weighed
 from dh2urdf_plugins.transforms.shapes import SMALLEST
 
@@ -46,6 +46,8 @@ if TYPE_CHECKING:
     from dh2urdf.elementwise import Number
     from dh2urdf.manipulator import Manipulator
     from dh2urdf_plugins.transforms.alpha_swap_options import AlphaSwapOptions
+
+say = Messages(__file__)
 
 
 LEAST_EFFORT = 10.0
@@ -284,14 +286,8 @@ def shape_body(visuals: Sequence[Visual], density: float, joint: str | None = No
     try:
         return compound(bodies)
     except ValueError:
-        raise TransformError(
-            Problem(
-                message=f"the shapes of {'the link' if joint else 'the base'} are so small that their mass is 0",
-                joint=joint,
-                field="radius",
-                accepted="a greater radius, or a mass, a centre of mass and an inertia in the table",
-            )
-        ) from None
+        what = "the link" if joint else "the base"
+        raise TransformError(say("shapes-too-small", joint=joint, field="radius", what=what)) from None
 
 
 def of_mass(body: Inertial, mass: float | None) -> Inertial:

@@ -11,7 +11,7 @@ from dh2urdf.kinematics.mass import inertia_problem, is_sound, possible_inertia
 from dh2urdf.manipulator import Convention, DHRow, JointType
 from dh2urdf.rotations import HALF_PI, IDENTITY, nearest_quarter, quarter_turns, rounded_quarter_turn
 from dh2urdf.row_fields import NUMBERS
-from dh2urdf.source import Problem, did_you_mean
+from dh2urdf.source import Messages, Problem, did_you_mean
 from dh2urdf.variations.drawn_links import GAP, is_to_compare, mesh_gap
 from dh2urdf_plugins.transforms.shapes import SHAPES
 
@@ -23,16 +23,14 @@ if TYPE_CHECKING:
     from dh2urdf.kinematics.mass import Inertias
     from dh2urdf.manipulator import Inertia, LinkGeometry, Manipulator
 
+say = Messages(__file__)
+
 SUSPICIOUS = 2e-3
 """Distance from a quarter turn [rad] at which an angle was probably meant to be one: 3.14 and 1.57 are nearer."""
 LARGEST = 1e9
 """Size of a number [any unit] up to which a table is beyond doubt: nothing that follows from it overflows."""
 PAYLOAD = "payload"
 """Name of the link that is the payload."""
-_REPAIR = (
-    "if it is published so, set the option inertias of the transform: `--set inertias=repair` takes the nearest that a "
-    "body can have, `--set inertias=recompute` that of the drawn shape at the stated mass"
-)
 PAPER_ANGLES = {"0": 0.0, "pi": math.pi, "pi/2": HALF_PI, "-pi/2": -HALF_PI}
 """The set of the paper's equation (1), by the words that a table may use."""
 
@@ -47,10 +45,10 @@ def is_weighed(row: DHRow) -> bool:
     return row.mass is not None and row.com is not None and row.inertia is not None
 
 
-def row_problem(row: DHRow, message: str, *, field: str, found: float | None = None, **words: Any) -> Problem:  # noqa: ANN401 - those of a Problem
+def row_problem(row: DHRow, code: str, *, field: str, found: float | None = None, **words: Any) -> Problem:  # noqa: ANN401 - of a message
     """A problem of one field of a row."""
     text = None if found is None else f"{found:.12g}"
-    return Problem(message=message, mark=row.mark, joint=row.joint, field=field, found=text, **words)
+    return say(code, row.mark, joint=row.joint, field=field, found=text, **words)
 
 
 # --- Problems of every table ------------------------------------------------------------------------------------------
@@ -64,8 +62,7 @@ def table_problems(manipulator: Manipulator) -> list[Problem]:
     if payload is not None:
         problems += [*_positive("payload.mass", payload.mass), *_tensor_problems("payload.inertia", payload.inertia)]
         if any(PAYLOAD in (row.joint, row.link) for row in manipulator.rows):
-            message = f"a row of the table is called {PAYLOAD}, and so is the link of the payload"
-            problems.append(Problem(message=message, field="payload", accepted="another name of the row"))
+            problems.append(say("payload-name-taken", field="payload", name=PAYLOAD))
     problems += _geometry_problems("geometry", manipulator.geometry)
     problems += _geometry_problems("base.geometry", manipulator.base_geometry)
     for row in manipulator.rows:
@@ -75,35 +72,29 @@ def table_problems(manipulator: Manipulator) -> list[Problem]:
 
 def _positive(name: str, value: float | None) -> Iterator[Problem]:
     if value is not None and value <= 0.0:
-        message, found = f"{name} must be greater than 0", f"{value:.12g}"
-        yield Problem(message=message, field=name, found=found, accepted="a number greater than 0")
+        yield say("not-above-0", field=name, found=f"{value:.12g}", what=name)
 
 
 def _tensor_problems(field: str, inertia: Inertia | None) -> Iterator[Problem]:
     if inertia and (broken := inertia_problem(inertia)):
-        accepted = "the tensor about the centre of mass [kg·m²] of a body that exists, or nothing: then it is computed"
-        yield Problem(message=broken, field=field, accepted=accepted, suggestion=_REPAIR)
+        yield say("inertia-of-no-body", field=field, reason=broken)
 
 
 def _geometry_problems(name: str, geometry: LinkGeometry) -> Iterator[Problem]:
     shape = geometry.shape
     if shape is not None and shape not in SHAPES:
-        message, near = f"no link shape has the name {shape!r}", did_you_mean(shape, SHAPES)
-        accepted = ", ".join(SHAPES)
-        yield Problem(message=message, field=f"{name}.shape", found=shape, accepted=accepted, suggestion=near)
+        near = did_you_mean(shape, SHAPES)
+        yield say("shape-unknown", field=f"{name}.shape", found=shape, shapes=tuple(SHAPES), suggestion=near)
     yield from _positive(f"{name}.radius", geometry.radius)
 
 
 def _row_problems(row: DHRow) -> Iterator[Problem]:
     if row.type is not JointType.FIXED and (row.limits.lower is None) is not (row.limits.upper is None):
         there, missing = ("upper", "lower") if row.limits.lower is None else ("lower", "upper")
-        message = f"the limit {there} is given without {missing}"
-        yield row_problem(row, message, field=f"limits.{missing}", accepted="both of lower and upper, or neither")
+        yield row_problem(row, "limit-alone", field=f"limits.{missing}", there=there, missing=missing)
     for name in ("mass", "radius"):
         if (value := getattr(row, name)) is not None and value <= 0.0 and not (name == "mass" and is_frame(row)):
-            message = f"{name} must be greater than 0"
-            accepted = "a number greater than 0, or nothing: then it is computed"
-            yield row_problem(row, message, field=name, found=value, accepted=accepted)
+            yield row_problem(row, "not-above-0", field=name, found=value, what=name)
     yield from (replace(each, joint=row.joint, mark=row.mark) for each in _tensor_problems("inertia", row.inertia))
 
 
@@ -114,14 +105,14 @@ def with_inertias(manipulator: Manipulator, how: Inertias, floor: float | None) 
         if row.inertia is not None:
             used, message = possible_inertia(row.inertia, how, floor)
             if message:
-                notices.append(row_problem(row, message, field="inertia", severity="notice"))
+                notices.append(row_problem(row, "inertia-replaced", field="inertia", reason=message))
                 row = replace(row, inertia=used)  # noqa: PLW2901 - the row as it is used
         rows.append(row)
     payload = manipulator.payload
     if payload and payload.inertia:
         used, message = possible_inertia(payload.inertia, how, floor)
         if message:
-            notices.append(Problem(message=message, field="payload.inertia", severity="notice"))
+            notices.append(say("inertia-replaced", field="payload.inertia", reason=message))
             payload = replace(payload, inertia=used)
     return (replace(manipulator, rows=tuple(rows), payload=payload) if notices else manipulator), notices
 
@@ -146,8 +137,7 @@ def angle_notices(manipulator: Manipulator) -> Iterator[Problem]:
         turns, _ = nearest_quarter(value)
         meant = {1: "pi/2", -1: "-pi/2", 2: "pi", -2: "-pi"}.get(turns, f"{turns}*pi/2")
         others = f"; {more} more angle{' is' if more == 1 else 's are'} rounded like that" if more else ""
-        message = f"{name} is {value:.12g}, which is kept as given; {meant} was probably meant{others}"
-        yield row_problem(row, message, field=name, found=value, severity="notice")
+        yield row_problem(row, "angle-rounded", field=name, found=value, meant=meant, others=others)
 
 
 def _angles_of(row: DHRow) -> tuple[str, ...]:
@@ -217,30 +207,24 @@ def nearest_paper_angle(alpha: float) -> tuple[str, float]:
 
 def paper_problems(manipulator: Manipulator, snap: float) -> Iterator[Problem]:
     """What the paper's algorithm has no place for; an α within `snap` of its set is a notice."""
-    exact, convention = "the exact variant takes it", manipulator.convention
+    convention = manipulator.convention
     if convention is not Convention.STANDARD:
-        message = "the paper's variant takes the standard convention only"
-        yield Problem(message=message, field="convention", found=convention, accepted="standard", suggestion=exact)
+        yield say("paper-convention", field="convention", found=convention)
     for row in manipulator.rows:
         word, value = nearest_paper_angle(row.alpha)
         turns = quarter_turns(row.alpha)
         if abs(row.alpha - value) > snap:
             # The word of the paper's set for the same turn as an angle outside it, such as pi for -pi.
-            same = exact if turns is None else f"{('0', 'pi/2', 'pi', '-pi/2')[turns % 4]} is the same turn"
-            message = f"alpha is {row.alpha:.12g}, which is not in the set of the paper's variant"
-            accepted = ", ".join(PAPER_ANGLES)
-            yield row_problem(row, message, field="alpha", found=row.alpha, accepted=accepted, suggestion=same)
+            same = None if turns is None else f"{('0', 'pi/2', 'pi', '-pi/2')[turns % 4]} is the same turn"
+            about = {"angles": tuple(PAPER_ANGLES), "suggestion": same}
+            yield row_problem(row, "paper-alpha", field="alpha", found=row.alpha, **about)
         elif turns is None:
-            message = f"alpha is {row.alpha:.12g} and was taken for {word}"
-            yield row_problem(row, message, field="alpha", found=row.alpha, severity="notice")
+            yield row_problem(row, "paper-alpha-taken", field="alpha", found=row.alpha, word=word)
         for name, allowed in (("theta", 0.0), ("offset", 0.0), ("sign", 1)):
             if (found := getattr(row, name)) != allowed:
-                message = f"{name} is {found:.12g}, and the paper's variant has no place for it"
-                yield row_problem(row, message, field=name, found=found, accepted=f"{allowed:.12g}", suggestion=exact)
+                yield row_problem(row, "paper-number", field=name, found=found, allowed=allowed)
         if row.com is not None or row.inertia is not None:
-            message = "com and inertia hold in DH frames, which the paper's chain does not have; its boxes' are written"
-            yield row_problem(row, message, field="com", severity="notice")
+            yield row_problem(row, "paper-masses", field="com")
     for name in ("payload", "base", "tool"):
         if getattr(manipulator, name) not in (None, IDENTITY):
-            message = f"the paper's variant has no place for a {name}"
-            yield Problem(message=message, field=name, accepted=f"no {name}", suggestion=exact)
+            yield say("paper-part", field=name)

@@ -18,7 +18,7 @@ from dh2urdf.errors import MissingDependencyError, TransformError
 from dh2urdf.kinematics.mass import scaled
 from dh2urdf.meshes import FORMATS, REMEDY, Asset, asset_of, enclosed, file_address, load_scene, read_mesh, to_metres
 from dh2urdf.robot import Collision, Inertial, Mesh, Origin, Visual
-from dh2urdf.source import Problem, shown
+from dh2urdf.source import Messages, Problem
 from dh2urdf_plugins.transforms.checks import is_weighed
 
 if TYPE_CHECKING:
@@ -27,6 +27,8 @@ if TYPE_CHECKING:
     from dh2urdf.manipulator import DHRow, Manipulator, MeshFile, MeshShape
     from dh2urdf.robot import Material
     from dh2urdf.rotations import RigidTransform, Vec3
+
+say = Messages(__file__)
 
 LARGE, SMALL = 10.0, 1e-3
 """Sizes of a mesh at which a careful person would look at its scale [m]."""
@@ -81,7 +83,7 @@ def mesh_solid(mesh: Mesh, density: float) -> Inertial:
         MissingDependencyError: a package that reads it is not installed.
     """
     if mesh.file is None:
-        raise TransformError(f"the file of the mesh {shown(mesh.filename)} is not at hand")
+        raise TransformError(say("mesh-not-at-hand", mesh=mesh.filename))
     body = mesh_body(mesh.file, mesh.scale).solid
     return Inertial(mass=density * body.mass, com=body.com, inertia=scaled(body.inertia, density))
 
@@ -117,9 +119,7 @@ def mesh_body(file: MeshFile, scale: Vec3) -> MeshBody:
     except (QhullError, ValueError):  # all points lie in a plane
         solid = None
     if solid is None:
-        message = f"the mesh {shown(Path(file.path).name)} is flat, so that it weighs nothing"
-        accepted = "a mesh that encloses a volume, or mass, com and inertia in the table"
-        raise TransformError(Problem(message=message, accepted=accepted))
+        raise TransformError(say("mesh-flat", name=Path(file.path).name))
     return MeshBody(solid, is_closed=False, size=size)
 
 
@@ -138,8 +138,8 @@ def _read(file: MeshFile) -> Any:  # noqa: ANN401 - a module without type inform
         raise
     except Exception as error:  # what readers of other people's files raise is anything
         reason = " ".join(str(error).split()) or type(error).__name__
-        message = f"the mesh {shown(Path(file.path).name)} cannot be read as {suffix[1:].upper()}: {reason[:200]}"
-        raise TransformError(Problem(message=message)) from error
+        code, name, form = "mesh-unreadable", Path(file.path).name, suffix[1:].upper()
+        raise TransformError(say(code, name=name, format=form, reason=reason[:200])) from error
     return mesh
 
 
@@ -171,66 +171,58 @@ def mesh_problems(manipulator: Manipulator) -> list[Problem]:
 
 def unplaced_meshes(manipulator: Manipulator) -> Iterator[Problem]:
     """Meshes are in DH frames; the paper's chain has none."""
-    message = "meshes are in DH frames, which the paper's chain does not have; its boxes are drawn"
     if manipulator.base_visual or manipulator.base_collision:
-        yield Problem(message=message, severity="notice", field="base")
+        yield say("paper-meshes", field="base")
     for row in manipulator.rows:
         if shape := row.visual or row.collision:
-            mark = shape.mark or row.mark
-            yield Problem(message=message, severity="notice", mark=mark, joint=row.joint, field="visual")
+            yield say("paper-meshes", shape.mark or row.mark, joint=row.joint, field="visual")
 
 
 def _shape_problems(shape: MeshShape, field: str, row: DHRow | None, *, weighed: bool) -> Iterator[Problem]:
     path = Path(shape.file.path)
-    name, suffix = shown(path.name), path.suffix.lower()
+    name, suffix = path.name, path.suffix.lower()
 
-    def problem(message: str, **more: Any) -> Problem:  # noqa: ANN401 - words of a problem
-        joint, mark = (row.joint, row.mark) if row else (None, None)
-        return Problem(message=message, mark=shape.mark or mark, joint=joint, field=field, **more)
+    joint, place = (row.joint, shape.mark or row.mark) if row else (None, shape.mark)
+
+    def problem(code: str, **more: Any) -> Problem:  # noqa: ANN401 - of a message
+        return say(code, place, joint=joint, field=field, name=name, **more)
 
     if suffix not in FORMATS:
-        yield problem(f"the mesh {name} is in no format that simulators share", found=suffix, accepted="STL, OBJ, DAE")
+        yield problem("mesh-format-unshared", found=suffix)
         return
     if not all(factor and math.isfinite(factor) for factor in shape.scale):
         found = ", ".join(f"{factor:.12g}" for factor in shape.scale)
-        yield problem(f"the scale of the mesh {name} is {found}", found=found, accepted="factors that are not 0")
+        yield problem("mesh-scale-wrong", found=found)
         return
-    for message, suggestion in _remarks(shape.file):
-        yield problem(f"the mesh {name} {message}", severity="notice", suggestion=suggestion)
+    for code, about in _remarks(shape.file):
+        yield problem(code, **about)
     if not weighed:
         return
     try:
         body = mesh_body(shape.file, shape.scale)
     except TransformError as error:
         for why in error.problems:
-            yield replace(problem(why.message, accepted=why.accepted), found=shape.file.path)
+            yield replace(why, mark=place, joint=joint, field=field, found=shape.file.path)
         return
     if not body.is_closed:
-        message, advice = (
-            "is not closed: its mass is that of its convex hull",
-            "give mass, com and inertia, or close the mesh",
-        )
-        yield problem(f"the mesh {name} {message}", severity="notice", suggestion=advice)
+        yield problem("mesh-open")
     if not SMALL < body.size < LARGE:
-        advice = "if its numbers are in mm, give it the scale 0.001; if they are in m, the scale 1"
-        yield problem(f"the mesh {name} is {body.size:.3g} m long", severity="notice", suggestion=advice)
+        yield problem("mesh-size-odd", size=body.size)
 
 
 @lru_cache(maxsize=256)
-def _remarks(file: MeshFile) -> tuple[tuple[str, str], ...]:
-    """What a file says that readers of robot descriptions take in different ways, each with what to do about it."""
+def _remarks(file: MeshFile) -> tuple[tuple[str, dict[str, str]], ...]:
+    """What a file says that readers of robot descriptions take in different ways: the codes, and what they name."""
     content, suffix = read_mesh(file), Path(file.path).suffix.lower()
     try:
         asset = asset_of(content, suffix)
     except ValueError:  # It is no COLLADA; its reader reports that.
         return ()
-    remarks = []
-    for is_odd, message, how in (
-        (asset.unit != 1.0, f"says that its unit is {asset.unit:.6g} m", "in metres"),
-        (asset.up != "Z_UP", f"says that {asset.up[:1].lower()} points up", "with z up"),
-    ):
-        if is_odd:
-            remarks.append((f"{message}, which some readers follow and others do not", f"export it {how}, or {REMEDY}"))
+    remarks: list[tuple[str, dict[str, str]]] = []
+    if asset.unit != 1.0:
+        remarks.append(("mesh-of-own-unit", {"unit": f"{asset.unit:.6g}", "remedy": REMEDY}))
+    if asset.up != "Z_UP":
+        remarks.append(("mesh-of-own-up", {"axis": asset.up[:1].lower(), "remedy": REMEDY}))
     if suffix in _OTHER_FILES and _OTHER_FILES[suffix].search(content):
-        remarks.append(("names files of materials or textures, which are not copied with it", "give it plain colours"))
+        remarks.append(("mesh-names-files", {}))
     return tuple(remarks)

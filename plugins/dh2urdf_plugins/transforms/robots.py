@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from dh2urdf.errors import TransformError
 from dh2urdf.manipulator import JointType
-from dh2urdf.source import Problem
+from dh2urdf.source import Messages, Problem
 from dh2urdf.variations.drawn_links import other_lengths
 from dh2urdf_plugins.transforms.alpha_swap_options import AlphaSwapOptions
 from dh2urdf_plugins.transforms.checks import (
@@ -25,6 +25,8 @@ if TYPE_CHECKING:
 
     from dh2urdf.manipulator import Manipulator, MeshShape
     from dh2urdf.robot import Robot
+
+say = Messages(__file__)
 
 
 def robot_of(manipulator: Manipulator, options: AlphaSwapOptions) -> Robot:
@@ -98,16 +100,13 @@ def without_effect(manipulator: Manipulator, options: AlphaSwapOptions) -> Itera
         ),
     ):
         if is_given:
-            yield Problem(message=f"{field} has no effect: {why}", severity="notice", field=field)
+            yield say("no-effect", field=field, why=why)
     if base_shows and base.shape in ("capsule", "arm"):
-        message, field = f"the base is drawn as a cylinder: it cannot be drawn as {base.shape}", "base.geometry.shape"
-        accepted = "cylinder or box for the base"
-        yield Problem(message=message, severity="notice", field=field, found=base.shape, accepted=accepted)
+        yield say("base-shape-drawn-otherwise", field="base.geometry.shape", found=base.shape)
     why = boxes if is_paper else "no shape of the link is drawn, and none says what the link weighs"
     for row, shows in zip(rows, shown, strict=True):
         if row.radius is not None and not shows:
-            message = f"radius has no effect: {why}"
-            yield row_problem(row, message, field="radius", found=row.radius, severity="notice")
+            yield row_problem(row, "no-effect", field="radius", found=row.radius, why=why)
 
 
 def _shown(manipulator: Manipulator, options: AlphaSwapOptions) -> tuple[bool, list[bool]]:

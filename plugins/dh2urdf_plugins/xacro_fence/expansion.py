@@ -13,13 +13,15 @@ from dh2urdf.documents import DOCUMENT_TYPE, check_encoding, refuse_other_kind
 from dh2urdf.errors import CrashError, ProofError, TimeLimitError
 from dh2urdf.isolation import Data, enter, run_in_child, tell_of_missing_wall
 from dh2urdf.meshes import packages_in
-from dh2urdf.source import Mark, Problem
+from dh2urdf.source import Mark, Messages
 from dh2urdf.stages import Expansion
 from dh2urdf_plugins.xacro_fence.files import Files
 from dh2urdf_plugins.xacro_fence.places import Place, keep_places, place_of_failure, places
 
 if TYPE_CHECKING:
     from xml.dom.minidom import Document
+
+say = Messages(__file__)
 
 _Result = tuple[bytes, list[Place | None], str | None]
 _NOT_THERE = r"\[Errno 2\] No such file or directory: (.*)"
@@ -86,14 +88,9 @@ def expand_foreign(
 
 def _failure(path: Path, reason: str, place: Place | None = None) -> ProofError:
     mark = mark_of(_named(path, place)) if place else Mark(file=str(path))
-    advice = None
     if missing := re.fullmatch(_NOT_THERE, reason):
-        reason = f"it names the file {missing[1]}, which is not there"
-        advice = (
-            "keep the files that it names where it names them; where one file alone is given, as to the studio, give "
-            "the URDF that xacro makes of it: `xacro FILE > robot.urdf`"
-        )
-    return ProofError(Problem(message=f"xacro cannot expand it: {reason}", mark=mark, suggestion=advice))
+        return ProofError(say("xacro-file-missing", mark, file=missing[1]))
+    return ProofError(say("xacro-unexpandable", mark, reason=reason))
 
 
 def mark_of(place: Place) -> Mark:

@@ -33,11 +33,13 @@ from dh2urdf.rotations import (
     scale,
     subtract,
 )
-from dh2urdf.source import Problem, shown
+from dh2urdf.source import Messages
 from dh2urdf_plugins.formats.xml_files import FILE, LARGEST, FileElements, mark_of, tree_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
+
+say = Messages(__file__)
 
 
 _AXES: dict[str, Vec3] = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
@@ -104,7 +106,7 @@ class Elements(FileElements):
             name = above.get("childclass") or (above.get("class") if above.tag == "frame" else None)
             above = above.getparent()
         if (name := name or "main") not in self._defaults:
-            raise self.error(element, f"there is no class {shown(name)}")
+            raise self.error(element, "default-class-unknown", name=name)
         defaults = self._defaults[name]
         given = defaults.get(str(element.tag), {})
         for tag in kin:
@@ -142,7 +144,7 @@ class Elements(FileElements):
         above, depth = element.getparent(), 0
         while above is not None and above.tag == "frame":
             if (depth := depth + 1) > _DEEPEST:
-                raise self.error(element, f"more than {_DEEPEST} frames are around it")
+                raise self.error(element, "frames-too-deep", most=_DEEPEST)
             pose = self.own_pose(above, _attributes(above)) @ pose
             above = above.getparent()
         return pose
@@ -159,7 +161,7 @@ class Elements(FileElements):
         start, end = (numbers[0], numbers[1], numbers[2]), (numbers[3], numbers[4], numbers[5])
         along = subtract(start, end)
         if not (length := norm(along)):
-            raise self.error(element, f"fromto of {element.tag} has the same point twice")
+            raise self.error(element, "fromto-of-one-point", tag=element.tag)
         return RigidTransform(z_rotation(scale(1.0 / length, along)), scale(0.5, add(start, end))), 0.5 * length
 
     def _rotation(self, element: etree._Element, attributes: dict[str, str]) -> Rotation:
@@ -173,8 +175,7 @@ class Elements(FileElements):
                 try:
                     return rotation_from_quaternion((y, z, rest[0], x))
                 except ZeroDivisionError:
-                    message = f"quat of {element.tag} gives no rotation"
-                    raise self.error(element, message, "four numbers with a length") from None
+                    raise self.error(element, "quaternion-of-length-0", tag=element.tag) from None
             case "axisangle":
                 return axis_rotation(self._unit(element, name, (x, y, z)), rest[0] * self.angle)
             case "xyaxes":
@@ -187,7 +188,7 @@ class Elements(FileElements):
                 return z_rotation(self._unit(element, name, (x, y, z)))
         rotation, sequence = IDENTITY_ROTATION, self.compiler.get("eulerseq") or "xyz"
         if len(sequence) != len(_AXES) or not set(sequence.lower()) <= _AXES.keys():
-            raise self.error(element, f"eulerseq is {shown(sequence)}", "three of the letters x, y, z, X, Y, Z")
+            raise self.error(element, "eulerseq-wrong", sequence=sequence)
         for word, angle in zip(sequence, numbers, strict=True):
             turn = axis_rotation(_AXES[word.lower()], angle * self.angle)
             # About axes that turn along, or about those that stand still.
@@ -196,7 +197,7 @@ class Elements(FileElements):
 
     def _unit(self, element: etree._Element, name: str, vector: Vec3) -> Vec3:
         if (length := norm(vector)) < SMALLEST:
-            raise self.error(element, f"{name} of {element.tag} gives no direction", "a vector with a length")
+            raise self.error(element, "vector-of-length-0", name=name, tag=element.tag)
         return vector if length == 1.0 else scale(1.0 / length, vector)
 
     # Numbers
@@ -321,16 +322,16 @@ def _file(include: etree._Element, path: Path, beside: Path, taken: set[Path]) -
     """
     name = (include.get("file") or "").replace("\\", "/")
     file = next((each for folder in (path.parent, beside) if is_file(each := folder / name)), None)
-    what = ""
     if file is None:
-        what = f"the included file {shown(name)} is not there"
-    elif not file.resolve().is_relative_to(path.resolve().parent.parent):
-        what = f"the included file {shown(name)} is not in the folder of the file, nor in one beside that"
+        raise InputError(say("include-missing", name=name))
+    code = None
+    if not file.resolve().is_relative_to(path.resolve().parent.parent):
+        code = "include-outside"
     elif file.resolve() in taken:
-        what = f"the file {shown(name)} is included a second time"
+        code = "include-twice"
     elif len(taken) > _MOST:
-        what = f"more than {_MOST} files are included"
-    if file is None or what:
-        raise InputError(Problem(message=what))
+        code = "includes-too-many"
+    if code:
+        raise InputError(say(code, name=name, most=_MOST))
     taken.add(file.resolve())
     return file

@@ -30,7 +30,7 @@ from dh2urdf.rotations import (
     rotate,
     scale,
 )
-from dh2urdf.source import Mark, Problem, shown
+from dh2urdf.source import Mark, Messages, shown
 from dh2urdf_plugins.formats.mjcf.elements import SMALLEST, Elements, include_files
 from dh2urdf_plugins.formats.mjcf.shapes import Shapes, mass_of_shapes
 from dh2urdf_plugins.formats.xml_files import Model, content_of, fixed, mark_of, tree_of, written_tree_of
@@ -40,6 +40,8 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from lxml import etree
+
+say = Messages(__file__)
 
 
 _NOT_READ = ("include", "replicate", "composite", "flexcomp", "attach")
@@ -87,7 +89,7 @@ def whole_tree_of(content: bytes, path: Path) -> etree._Element:
     root = tree_of(content, str(path), is_deep=True)
     missing = include_files(root, path)
     if missing:
-        raise ProofError(Problem(message=each.message, mark=mark_of(each.include)) for each in missing)
+        raise ProofError(say("include-refused", mark_of(each.include), reason=each.message) for each in missing)
     return root
 
 
@@ -98,8 +100,8 @@ def model_of(root: etree._Element, file: str) -> Model:
         ProofError: the elements are not the MJCF of a robot.
     """
     if root.tag != "mujoco":
-        message = f"the outermost element is {shown(str(root.tag))}"
-        raise ProofError(Problem(message=message, accepted="mujoco", mark=Mark(file=file, line=1)))
+        mark = Mark(file=file, line=1)
+        raise ProofError(say("root-element-other", mark, found=str(root.tag), accepted="mujoco"))
     return _Reader(root, file).model()
 
 
@@ -110,19 +112,11 @@ class _Reader(Elements):
         super().__init__(root, file)
         self._nameless_in = defaultdict[str, int](lambda: 1)  # by their place, the bodies and sites without a name
         for element in root.iter(*_NOT_READ):
-            message = f"the element {element.tag} is not read here"
             how = "mujoco.mj_saveLastXML writes a model without it"
-            raise ProofError(Problem(message=message, suggestion=how, mark=self.mark(element)))
+            raise ProofError(say("not-read", self.mark(element), what=f"the element {element.tag}", suggestion=how))
         if (where := self.compiler.get("coordinate", "local")) != "local":
-            raise ProofError(
-                Problem(
-                    message="poses are not given in the bodies that hold them",
-                    found=f"coordinate={where}",
-                    accepted="coordinate=local",
-                    suggestion="MuJoCo 2.3.3 and older load such a model and save it so",
-                    mark=self.mark(root.findall("compiler")[-1]),
-                )
-            )
+            mark = self.mark(root.findall("compiler")[-1])
+            raise ProofError(say("coordinates-not-local", mark, found=f"coordinate={where}"))
         self._shapes = Shapes(self)
         self._loose: dict[str, str] = {}
         self._references: dict[str, float] = {}
@@ -131,7 +125,7 @@ class _Reader(Elements):
         root = self.root
         worlds = root.findall("worldbody")
         if not worlds:
-            raise self.error(root, "there is no worldbody")
+            raise self.error(root, "element-missing", tag="mujoco", what="worldbody")
         names = dict.fromkeys(worlds, WORLD)
         links, joints = [self._link(worlds, WORLD)], []
         bodies = {body.get("name") for world in worlds for body in world.iter("body")}
@@ -183,7 +177,7 @@ class _Reader(Elements):
         """The name of the body that holds an element."""
         above = next(above for above in element.iterancestors() if above.tag != "frame")
         if above not in names:
-            raise self.error(element, f"a {element.tag} is in a {above.tag}", "a body, a frame or worldbody")
+            raise self.error(element, "element-misplaced", tag=element.tag, above=above.tag)
         return names[above]
 
     def _nameless(self, element: etree._Element, taken: set[str | None]) -> str:
@@ -243,12 +237,12 @@ class _Reader(Elements):
             return JointType.FIXED, Z_AXIS
         axis = self.vector(element, attributes, "axis", Z_AXIS)
         if (length := norm(axis)) < SMALLEST:
-            raise self.error(element, "the axis of the joint has no length")
+            raise self.error(element, "axis-of-length-0")
         axis = axis if length == 1.0 else scale(1.0 / length, axis)
         if kind == "slide":
             return JointType.PRISMATIC, axis
         if kind != "hinge":
-            raise self.error(element, f"there is no joint type {shown(kind)}", "hinge, slide, ball, free")
+            raise self.error(element, "joint-type-unknown", kind=kind)
         is_bounded = self.limits(element, attributes, "range", "limited") is not None
         return (JointType.REVOLUTE if is_bounded else JointType.CONTINUOUS), axis
 

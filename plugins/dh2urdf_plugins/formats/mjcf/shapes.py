@@ -101,7 +101,7 @@ class Shapes:
         if count and min(numbers) <= 0.0:
             accepted = "above 0" if is_long else f"{count} numbers above 0"
             text = shown(attributes.get("size", ""))
-            raise self._elements.error(element, f"size of geom is {text}", accepted)
+            raise self._elements.error(element, "geom-size-wrong", text=text, accepted=accepted)
         x, y, z, *_ = (*numbers, 0.0, 0.0, 0.0)
         size = (x, y, z)
         if is_long:
@@ -136,7 +136,7 @@ class Shapes:
     def _mesh(self, geom: Geom) -> list[Placed]:
         mesh = self._meshes.get(name := geom.attributes["mesh"])
         if mesh is None:
-            raise self._elements.error(geom.element, f"there is no mesh {shown(name)}")
+            raise self._elements.error(geom.element, "mesh-undefined", name=name)
         attributes = self._elements.attributes(mesh)
         if geom.kind != "mesh":
             self._elements.not_read(geom.element, f"a shape {shown(geom.kind)} that is fitted to a mesh")

@@ -16,7 +16,7 @@ from dh2urdf.manipulator import WORLD, JointType
 from dh2urdf.quantities import format_numbers
 from dh2urdf.robot import Box, Cylinder, Mesh, Sphere, Visual
 from dh2urdf.rotations import ZERO
-from dh2urdf.source import Problem
+from dh2urdf.source import Messages
 from dh2urdf_plugins.formats.mjcf.home_contacts import touching_at_home
 from dh2urdf_plugins.formats.mjcf.servos import servos
 from dh2urdf_plugins.formats.urdf.writer import Notation, serialise
@@ -26,6 +26,8 @@ if TYPE_CHECKING:
     from collections.abc import Collection, Iterable, Iterator
 
     from dh2urdf.robot import Collision, Geometry, Inertial, Joint, Link, Origin, Robot
+
+say = Messages(__file__)
 
 DEEPEST = 490
 """Bodies, one within the other, that MuJoCo reads: its XML parser takes 500 elements, the outermost included."""
@@ -121,8 +123,7 @@ class _Model:
                 etree.SubElement(holder, "site", place)
                 continue
             if depth[link.name] > DEEPEST:
-                accepted = f"at most {DEEPEST} links, one after the other; it reads longer ones from a URDF"
-                raise self._error("MuJoCo reads no chain of so many links", joint, accepted=accepted)
+                raise self._error("mujoco-chain-too-long", joint, most=DEEPEST)
             body = bodies[link.name] = etree.SubElement(holder, "body", place)
             if is_frame:  # It holds something, which a site cannot, and is looked for among the sites all the same.
                 etree.SubElement(body, "site", {"name": place["name"]})
@@ -143,13 +144,8 @@ class _Model:
         }
         if limits.lower is not None and limits.upper is not None:
             if not limits.lower < limits.upper:
-                raise self._error(
-                    "MuJoCo takes no joint whose limits leave it no way",
-                    joint,
-                    field="limits",
-                    found=numbers((limits.lower, limits.upper)),
-                    accepted="lower below upper, or a row of type fixed",
-                )
+                found = numbers((limits.lower, limits.upper))
+                raise self._error("mujoco-limits-of-no-way", joint, field="limits", found=found)
             attributes["range"] = numbers((limits.lower, limits.upper))
         if limits.effort:
             attributes["actuatorfrcrange"] = numbers((-limits.effort, limits.effort))
@@ -253,12 +249,12 @@ class _Model:
 
     def _name(self, link: Link, joint: Joint | None) -> str:
         if link.name == WORLD:
-            raise self._error("MuJoCo calls what stands still `world`, and lets no other link have this name", joint)
+            raise self._error("mujoco-link-world", joint)
         return self._notation.name(link.name)
 
-    def _error(self, message: str, joint: Joint | None, **words: Any) -> EmitterError:  # noqa: ANN401 - those of a Problem
+    def _error(self, code: str, joint: Joint | None, **words: Any) -> EmitterError:  # noqa: ANN401 - of a message
         name, mark = (joint.name, joint.mark) if joint else (None, None)
-        return EmitterError(Problem(message=message, robot=self._robot.name, joint=name, mark=mark, **words))
+        return EmitterError(say(code, mark, robot=self._robot.name, joint=name, **words))
 
 
 def _carried(robot: Robot, servos: Collection[str]) -> Iterator[str]:

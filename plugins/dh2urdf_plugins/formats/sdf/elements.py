@@ -39,14 +39,14 @@ class SdfElements(FileElements):
         """The name of an element."""
         name = element.get("name")
         if name is None:
-            raise self.error(element, f"{element.tag} lacks a name")
+            raise self.error(element, "attribute-missing", tag=element.tag, attribute="name")
         return name
 
     def word(self, element: etree._Element, tag: str) -> str:
         """The text of a child."""
         text = element.findtext(tag)
         if text is None:
-            raise self.error(element, f"{element.tag} lacks {tag}")
+            raise self.error(element, "element-missing", tag=element.tag, what=tag)
         return text.strip()
 
     def pose(self, element: etree._Element) -> RigidTransform:
@@ -64,7 +64,7 @@ class SdfElements(FileElements):
             try:
                 return Origin.of(RigidTransform(rotation_from_quaternion(quaternion), (x, y, z)))
             except ZeroDivisionError:
-                raise self.error(element, f"the pose of {element.tag} has a quaternion of length 0") from None
+                raise self.error(element, "quaternion-of-length-0", tag=element.tag) from None
         x, y, z, roll, pitch, yaw = self.read(element, "pose", text, 6)
         if is_true(pose.get("degrees")):
             roll, pitch, yaw = radians(roll), radians(pitch), radians(yaw)

@@ -18,7 +18,6 @@ from lxml import etree
 
 from dh2urdf.manipulator import WORLD
 from dh2urdf.rotations import IDENTITY, RigidTransform
-from dh2urdf.source import shown
 from dh2urdf_plugins.formats.sdf.elements import MODEL
 
 if TYPE_CHECKING:
@@ -205,7 +204,7 @@ class Places:
             way[name] = None
             name = self.canonical if place is None else place.moves_with
             if name in way:
-                raise self._elements.error(self._model, f"frame {shown(name)} is attached to itself")
+                raise self._elements.error(self._model, "frame-of-itself", name=name)
         body = self._bodies.get(name, name)
         self._bodies.update(dict.fromkeys(way, body))
         return body
@@ -237,7 +236,7 @@ class Places:
             way[name] = place = self._known(name)
             name = place.reference
             if name in way:
-                raise self._elements.error(self._model, f"the pose of {shown(name)} is relative to itself")
+                raise self._elements.error(self._model, "pose-of-itself", name=name)
         pose = found.get(name, IDENTITY)
         for each, place in reversed(way.items()):
             pose = found[each] = pose @ place.pose
@@ -245,7 +244,7 @@ class Places:
 
     def _known(self, name: str) -> _Place:
         if name not in self._places:
-            raise self._elements.error(self._model, f"there is no link, joint or frame {shown(name)}")
+            raise self._elements.error(self._model, "frame-unknown", name=name)
         return self._places[name]
 
     def _model_in_world(self) -> RigidTransform:
@@ -260,7 +259,6 @@ class Places:
             if named == WORLD:
                 return pose
             if (onto := others.get(named)) is None or onto in seen or (onto.tag == "model" and onto.get(PLACED_BY)):
-                message = f"the model is placed by {shown(named)}, which is not read here"
-                raise self._elements.error(self._model, message, "a frame of the world, or a model in it")
+                raise self._elements.error(self._model, "model-placed-elsewhere", name=named)
             seen.add(onto)
             at = onto

@@ -22,7 +22,7 @@ from dh2urdf.manipulator import JOINT_TYPES, WORLD, Inertia, JointType, Limits
 from dh2urdf.robot import Box, Collision, Cylinder, Inertial, Joint, Link, Material, Mesh, Origin, Robot, Sphere, Visual
 from dh2urdf.rotations import IDENTITY, IDENTITY_ROTATION, Z_AXIS, RigidTransform, rotate
 from dh2urdf.row_fields import INERTIA, LIMITS
-from dh2urdf.source import Mark, Problem, shown
+from dh2urdf.source import Mark, Messages, shown
 from dh2urdf_plugins.formats.sdf.elements import IN_MODEL, SdfElements, modernise
 from dh2urdf_plugins.formats.sdf.places import AT_INCLUDED, Places, flatten, leave_out_attached
 from dh2urdf_plugins.formats.xml_files import Model, Placed, capsule, content_of, fixed, tree_of, written_tree_of
@@ -32,6 +32,8 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from dh2urdf.robot import Geometry
+
+say = Messages(__file__)
 
 UNLIMITED = 1e16
 """A limit from which on SDF means that there is none [rad or m]."""
@@ -78,7 +80,7 @@ def model_of(root: etree._Element, file: str) -> Model:
     if not models:
         included = [shown((uri.text or "").strip()) for uri in root.iterfind(".//include/uri")]
         how = f"it includes {included[0]}: give the file of that model" if included else None
-        raise ProofError(Problem(message="there is no model in it", suggestion=how, mark=Mark(file=file)))
+        raise ProofError(say("no-model", Mark(file=file), suggestion=how))
     is_nested = any(each is not None for model in models for each in (model.find("model"), model.find("include")))
     return _Reader(deepcopy(root) if is_nested else root, file).model()
 
@@ -111,7 +113,7 @@ class _Reader(SdfElements):
         self._doubly = set[str]()
         for joint in self._model.iterchildren("joint"):
             if (body := self._places.body(self.word(joint, "child"))) == WORLD:
-                raise self.error(joint, "the joint moves the world", "a child that is a link, or is attached to one")
+                raise self.error(joint, "joint-moves-world")
             if self._joint_to.setdefault(body, joint) is not joint:
                 self.not_read(joint, "a second joint of a link")
                 self._doubly.add(body)

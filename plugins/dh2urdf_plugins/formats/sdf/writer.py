@@ -17,12 +17,14 @@ from dh2urdf.errors import EmitterError
 from dh2urdf.manipulator import WORLD, JointType
 from dh2urdf.robot import Box, Cylinder, Mesh, Sphere
 from dh2urdf.rotations import ZERO
-from dh2urdf.source import Problem, shown
+from dh2urdf.source import Messages
 from dh2urdf_plugins.base_bodies import with_base_bodies
 from dh2urdf_plugins.formats.urdf.writer import INERTIA, Notation, serialise
 
 if TYPE_CHECKING:
     from dh2urdf.robot import Collision, Geometry, Joint, Link, Origin, Robot, Visual
+
+say = Messages(__file__)
 
 VERSION = "1.7"
 MODEL = "__model__"
@@ -75,14 +77,14 @@ class _Model:
             if link.inertial and link.inertial.mass:
                 if not held and set(carriers.values()) <= {MODEL}:
                     # The model's own frame, and with it base_link, would move with the first body.
-                    raise self._error("SDF needs a body at rest, and nothing before this joint has a mass", joint)
+                    raise self._error("sdf-without-body-at-rest", joint)
                 carriers[link.name] = link.name
             elif held:
                 carriers[link.name] = carriers[joint.parent] if joint else MODEL
             else:
-                raise self._error(f"SDF needs a mass of the moving link {shown(link.name)}, which has none", joint)
+                raise self._error("sdf-link-without-mass", joint, link=link.name)
         if set(carriers.values()) <= {MODEL}:
-            raise self._error("SDF needs a body, and no link has a mass")
+            raise self._error("sdf-without-body")
         return carriers
 
     def _append_link(self, model: etree._Element, link: Link, joint: Joint | None) -> etree._Element:
@@ -180,17 +182,12 @@ class _Model:
 
     def _name(self, name: str, joint: Joint | None = None) -> str:
         if _NOT_A_NAME.fullmatch(name):
-            raise self._error(
-                f"SDF cannot hold the name {shown(name)}",
-                joint,
-                found=name,
-                accepted="a name without `::`, which is not `world` and does not stand between `__` and `__`",
-            )
+            raise self._error("sdf-name-wrong", joint, found=name)
         return self._notation.text(name)
 
-    def _error(self, message: str, joint: Joint | None = None, **words: Any) -> EmitterError:  # noqa: ANN401 - those of a Problem
+    def _error(self, code: str, joint: Joint | None = None, **words: Any) -> EmitterError:  # noqa: ANN401 - of a message
         name, mark = (joint.name, joint.mark) if joint else (None, None)
-        return EmitterError(Problem(message=message, robot=self._robot.name, joint=name, mark=mark, **words))
+        return EmitterError(say(code, mark, robot=self._robot.name, joint=name, **words))
 
 
 def _reference(link: str) -> str | None:

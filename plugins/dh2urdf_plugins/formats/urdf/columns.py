@@ -15,13 +15,15 @@ from dh2urdf.elementwise import is_column
 from dh2urdf.errors import EmitterError
 from dh2urdf.quantities import format_number, format_rows
 from dh2urdf.robot_check import LONGEST_NAME
-from dh2urdf.source import Problem
+from dh2urdf.source import Messages
 from dh2urdf_plugins.formats.urdf.writer import LONGEST_COMMENT, Notation, check_lines, serialise, urdf_tree
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Mapping
 
     from dh2urdf.columns import Mask, RobotColumns
+
+say = Messages(__file__)
 
 
 _OPEN, _CLOSE = "\ue000", "\ue001"  # for private use: nothing means them, and XML takes them
@@ -48,7 +50,7 @@ class ColumnNotation(Notation):
             EmitterError: it could be taken for a slot, or XML cannot hold one of its characters.
         """
         if _OPEN in text:
-            raise EmitterError(Problem(message="a name holds what marks a slot of the template", found=text))
+            raise EmitterError(say("name-with-slot", found=text))
         return super().text(text)
 
     def numbers(self, numbers: Iterable[float]) -> str:
@@ -141,7 +143,7 @@ def _optional(robots: RobotColumns, template: str) -> Iterator[tuple[tuple[int, 
     for place, link in enumerate(robots.robot.links):
         masks = [robots.present.get((place, number)) for number, _ in enumerate(link.collisions)]
         if masks and not link.inertial and not link.visuals and all(mask is not None for mask in masks):
-            raise EmitterError(Problem(message="some of many robots have an empty link where others have shapes"))
+            raise EmitterError(say("links-empty-in-some"))
         for mask in masks:
             span = next(spans)
             if mask is not None:

@@ -14,7 +14,7 @@ from lxml import etree
 from dh2urdf.errors import EmitterError
 from dh2urdf.manipulator import WORLD, JointType
 from dh2urdf.robot import WEIGHTLESS, Arm, Collision, Joint, Link, Origin, Robot
-from dh2urdf.source import Problem
+from dh2urdf.source import Messages, Problem
 from dh2urdf_plugins.base_bodies import links_at_rest, notices_for_gazebo, notices_of_riders, with_base_bodies
 
 if TYPE_CHECKING:
@@ -22,6 +22,8 @@ if TYPE_CHECKING:
 
     from dh2urdf_plugins.formats.urdf import ProfileName
     from dh2urdf_plugins.formats.urdf.writer import Notation
+
+say = Messages(__file__)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -155,10 +157,7 @@ def _held(robot: Robot) -> Robot:
     """The cell of one arm, which stands where the world does."""
     names = {link.name for link in robot.links} | {joint.name for joint in robot.joints}
     if WORLD in names:
-        message = "the profile gazebo holds the arm on a link `world`, and the arm has that name for its own"
-        raise EmitterError(
-            Problem(message=message, robot=robot.name, suggestion="rename it, or take the profile portable")
-        )
+        raise EmitterError(say("gazebo-world-taken", robot=robot.name))
     root, *others = robot.links
     mounted = replace(root, inertial=root.inertial or WEIGHTLESS)
     base_joint = Joint(name=robot.mounting, type=JointType.FIXED, parent=WORLD, child=root.name)

@@ -98,7 +98,7 @@ class _UrdfReader(FileElements):
 
     def model(self, root: etree._Element) -> Model:
         if root.tag != "robot":
-            raise self.error(root, f"the outermost element is {shown(str(root.tag))}", accepted="robot")
+            raise self.error(root, "root-element-other", found=str(root.tag), accepted="robot")
         for element in root.iterchildren("material"):
             self._material(element)
         robot = Robot(
@@ -173,7 +173,7 @@ class _UrdfReader(FileElements):
         elif element.find("texture") is not None:
             self._materials[name] = None
         elif name not in self._materials:
-            raise self.error(element, f"material {shown(name)} is defined nowhere")
+            raise self.error(element, "material-undefined", name=name)
         return self._materials[name]
 
     def _placed(self, element: etree._Element) -> Iterator[tuple[Geometry, Origin]]:
@@ -186,7 +186,7 @@ class _UrdfReader(FileElements):
         geometry = self._child(parent, "geometry")
         shape = next(geometry.iterchildren(etree.Element), None)
         if shape is None:
-            raise self.error(geometry, "the geometry has no shape", "box, cylinder, sphere, capsule, mesh")
+            raise self.error(geometry, "geometry-unknown")
         match shape.tag:
             case "box":
                 return [Placed(Box(size=self._vector(shape, "size")))]
@@ -214,13 +214,13 @@ class _UrdfReader(FileElements):
     def _child(self, element: etree._Element, tag: str) -> etree._Element:
         child = element.find(tag)
         if child is None:
-            raise self.error(element, f"{element.tag} lacks {tag}")
+            raise self.error(element, "element-missing", tag=element.tag, what=tag)
         return child
 
     def _text(self, element: etree._Element, attribute: str) -> str:
         text = element.get(attribute)
         if text is None:
-            raise self.error(element, f"{element.tag} lacks the attribute {attribute}")
+            raise self.error(element, "attribute-missing", tag=element.tag, attribute=attribute)
         return text
 
     def _optional(self, element: etree._Element | None, attribute: str) -> float | None:

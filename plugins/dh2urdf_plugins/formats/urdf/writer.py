@@ -16,12 +16,14 @@ from dh2urdf.manipulator import JointType
 from dh2urdf.meshes import has_meshes
 from dh2urdf.quantities import format_numbers
 from dh2urdf.robot import Box, Cylinder, Mesh, Sphere
-from dh2urdf.source import Problem, shown
+from dh2urdf.source import Messages, shown
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
     from dh2urdf.robot import Collision, Geometry, Inertial, Joint, Link, Material, Origin, Robot, Visual
+
+say = Messages(__file__)
 
 LONGEST_LINE = 8000
 """Bytes of one line: PyBullet cuts a longer one in silence."""
@@ -54,9 +56,7 @@ class Notation:
             EmitterError: XML cannot hold one of its characters.
         """
         if not (text.isascii() and text.isprintable()) and (culprit := re.search(_NOT_FOR_XML, text)):
-            message = f"a name holds U+{ord(culprit.group()):04X}, which no robot description can carry"
-            accepted = "any text without control characters and lone surrogates"
-            raise EmitterError(Problem(message=message, found=shown(text), accepted=accepted))
+            raise EmitterError(say("name-not-for-xml", found=shown(text), number=ord(culprit.group())))
         return text
 
     def name(self, name: str) -> str:
@@ -171,14 +171,8 @@ def check_lines(content: bytes) -> None:
     """
     for number, line in enumerate(content.splitlines(), start=1):
         if len(line) > LONGEST_LINE:
-            raise EmitterError(
-                Problem(
-                    message=f"line {number} of the robot description would have {len(line)} bytes",
-                    found=shown(line.decode("utf-8").strip()),
-                    accepted=f"at most {LONGEST_LINE} bytes: PyBullet cuts a longer line without a word",
-                    suggestion="shorten the names",
-                )
-            )
+            found = shown(line.decode("utf-8").strip())
+            raise EmitterError(say("line-too-long", found=found, number=number, size=len(line), most=LONGEST_LINE))
 
 
 def _comment(text: str) -> etree._Comment:
@@ -192,7 +186,7 @@ def _materials(robot: Robot) -> list[Material]:
     materials: dict[str, Material] = {}
     for visual in (visual for link in robot.links for visual in link.visuals):
         if (material := visual.material) and materials.setdefault(material.name, material) != material:
-            raise EmitterError(Problem(message=f"material {shown(material.name)} has two colours", robot=robot.name))
+            raise EmitterError(say("material-of-two-colours", robot=robot.name, material=material.name))
     return list(materials.values())
 
 
@@ -224,8 +218,8 @@ def _limits(joint: Joint, notation: Notation) -> dict[str, str]:
     for name in LIMITS_OF[joint.type]:
         value = getattr(joint.limits, name)
         if value is None:
-            message = f"a {joint.type.value} joint needs {name}"
-            raise EmitterError(Problem(message=message, mark=joint.mark, joint=joint.name, field=f"limits.{name}"))
+            about = {"joint": joint.name, "field": f"limits.{name}", "type": joint.type.value, "name": name}
+            raise EmitterError(say("limit-needed", joint.mark, **about))
         attributes[name] = notation.limit(joint, name, value)
     return attributes
 

@@ -12,7 +12,7 @@ from importlib.machinery import ModuleSpec, SourceFileLoader
 from typing import TYPE_CHECKING, Any
 
 from dh2urdf.errors import ProofError
-from dh2urdf.source import Mark, Problem
+from dh2urdf.source import Mark, Messages
 from dh2urdf_plugins.formats.urdf.reader import parse_urdf
 from dh2urdf_plugins.xacro_fence.expansion import expand_foreign
 
@@ -22,6 +22,8 @@ if TYPE_CHECKING:
 
     from dh2urdf.robot import Robot
     from dh2urdf.stages import Expansion
+
+say = Messages(__file__)
 
 
 _ONE_AT_A_TIME = threading.Lock()
@@ -71,7 +73,7 @@ def expand(path: Path, arguments: Mapping[str, str] | None = None) -> bytes:
             document = xacro.process_file(path.name, mappings=dict(arguments or {}))
         except Exception as error:  # xacro evaluates Python: anything may come out.
             said = " ".join(str(error).split()) or repr(error)
-            raise ProofError(Problem(message=f"xacro cannot expand it: {said}", mark=Mark(file=str(path)))) from error
+            raise ProofError(say("xacro-unexpandable", Mark(file=str(path)), reason=said)) from error
     text: bytes = document.documentElement.toprettyxml(indent="  ", encoding="utf-8")
     return text
 

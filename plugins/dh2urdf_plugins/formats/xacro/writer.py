@@ -25,7 +25,7 @@ from dh2urdf.errors import EmitterError
 from dh2urdf.meshes import has_meshes
 from dh2urdf.quantities import format_number
 from dh2urdf.robot import Inertial
-from dh2urdf.source import Problem, shown
+from dh2urdf.source import Messages, shown
 from dh2urdf.stages import EmittedFile
 from dh2urdf_plugins.formats.urdf.profiles import (
     PROFILES,
@@ -47,6 +47,8 @@ if TYPE_CHECKING:
 
     from dh2urdf.robot import Arm, Parameter, Robot
     from dh2urdf_plugins.formats.urdf import ProfileName
+
+say = Messages(__file__)
 
 NAMESPACE = "http://www.ros.org/wiki/xacro"
 MACRO_PARAMETERS = "prefix:='' parent:='' *origin"
@@ -289,9 +291,8 @@ def property_name(parameter: Parameter) -> str:
     """
     name = parameter.name
     if not name.isidentifier() or iskeyword(name) or name.startswith("__") or name in _WORDS_IN_USE:
-        message = f"the parameter {shown(name)} cannot be a xacro property"
-        accepted = f"an identifier that is none of Python's keywords and none of {', '.join(sorted(_WORDS_IN_USE))}"
-        raise EmitterError(Problem(message=message, joint=parameter.joint, found=name, accepted=accepted))
+        words = sorted(_WORDS_IN_USE)
+        raise EmitterError(say("xacro-property-wrong", joint=parameter.joint, found=name, words=words))
     return name
 
 

@@ -8,11 +8,13 @@ from dataclasses import dataclass, field
 from typing import Literal, TypeAlias
 
 from dh2urdf.errors import ConfigError
-from dh2urdf.source import Problem
+from dh2urdf.source import Messages
 from dh2urdf.stages import Emitter, GivesNotices, ReadsBack, WritesFolders
 from dh2urdf_plugins.formats import checks, read_foreign_xacro
 from dh2urdf_plugins.late import Late
 from dh2urdf_plugins.packages.srdf import SrdfOptions
+
+say = Messages(__file__)
 
 Interface: TypeAlias = Literal["position", "velocity", "effort"]
 HardwareName: TypeAlias = Literal["mock", "gazebo", "topic", "none"]
@@ -85,17 +87,13 @@ class Ros2Options(SrdfOptions):
         for name, accepted in _ACCEPTED.items():
             text = getattr(self, name)
             if text and not (text.isprintable() and text.strip() and (name != "email" or _EMAIL.fullmatch(text))):
-                message = f"package.xml cannot have this {name}: colcon, rosdep and bloom refuse it"
-                raise ConfigError(Problem(message=message, field=name, found=text, accepted=accepted))
+                raise ConfigError(say("package-text-wrong", field=name, found=text, accepted=accepted))
         given = self.command_interfaces
         if "position" not in given or len(set(given)) < len(given):
-            message = "one is given twice" if "position" in given else "the trajectory controller commands positions"
-            accepted, found = "position, and beside it velocity, effort, or both", ", ".join(given)
-            raise ConfigError(Problem(message=message, field="command_interfaces", found=found, accepted=accepted))
+            code = "interface-twice" if "position" in given else "interface-position-missing"
+            raise ConfigError(say(code, field="command_interfaces", found=", ".join(given)))
         if self.acceleration is not None and not (math.isfinite(self.acceleration) and self.acceleration > 0.0):
-            message, found = "this is no acceleration that a joint can plan with", f"{self.acceleration:.9g}"
-            accepted = "a finite number greater than 0 [rad/s², m/s²]"
-            raise ConfigError(Problem(message=message, field="acceleration", found=found, accepted=accepted))
+            raise ConfigError(say("acceleration-wrong", field="acceleration", found=f"{self.acceleration:.9g}"))
 
 
 _PACKAGES = f"{__name__}.packages"

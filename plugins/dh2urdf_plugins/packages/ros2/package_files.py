@@ -13,7 +13,7 @@ from dh2urdf.errors import EmitterError
 from dh2urdf.kinematics import link_poses
 from dh2urdf.manipulator import TOOL, JointType
 from dh2urdf.rotations import norm
-from dh2urdf.source import Problem, markdown_text, shown
+from dh2urdf.source import Messages, Problem, markdown_text
 from dh2urdf_plugins.home_pose import initial_position
 from dh2urdf_plugins.packages import templates
 from dh2urdf_plugins.packages.ros2 import NO_EMAIL, NO_LICENSE, NO_MAINTAINER
@@ -26,6 +26,8 @@ if TYPE_CHECKING:
     from dh2urdf.robot import Joint, Robot
     from dh2urdf_plugins.packages.ros2 import Ros2Options
     from dh2urdf_plugins.packages.ros2.description_xacro import Kind
+
+say = Messages(__file__)
 
 
 VIEWING = (
@@ -63,15 +65,8 @@ def robot_name(stem: str, package: str) -> str:
     name = package_stem(stem, package)
     if PACKAGE_NAME.fullmatch(name) and len(name) >= _SHORTEST:
         return name
-    raise EmitterError(
-        Problem(
-            message=f"a ROS package cannot be named {shown(f'{name}{_SUFFIX}')}",
-            found=name,
-            field="package",
-            accepted="two or more lower-case letters, digits and single `_`; the first is a letter (REP 144)",
-            suggestion=f"set the option `package: {proposed_name(name)}`",
-        )
-    )
+    package, proposed = f"{name}{_SUFFIX}", proposed_name(name)
+    raise EmitterError(say("package-name-wrong", field="package", found=name, package=package, proposed=proposed))
 
 
 def proposed_name(name: str) -> str:
@@ -98,12 +93,7 @@ def _problems(robot: Robot) -> Iterator[Problem]:
     for what, name in [*named, *(("material", name) for name in dict.fromkeys(materials))]:
         if not re.fullmatch(r"[A-Za-z0-9_-]+", name):
             near = _near(name, "[^A-Za-z0-9_-]+").strip("_") or what
-            yield Problem(
-                message=f"the {what} {shown(name)} has a name that ROS cannot use everywhere",
-                found=name,
-                accepted="letters, digits, `_` and `-`",
-                suggestion=f"rename it to {shown(near)} in the table",
-            )
+            yield say("ros-name-wrong", found=name, what=what, near=near)
 
 
 def _problems_of_prefixes(robot: Robot) -> Iterator[Problem]:
@@ -111,12 +101,8 @@ def _problems_of_prefixes(robot: Robot) -> Iterator[Problem]:
     for arm in robot.arms:
         if arm.prefix and not re.fullmatch("[A-Za-z_][A-Za-z0-9_]*", arm.prefix):
             near = _near(arm.prefix, "[^A-Za-z0-9_]+")
-            yield Problem(
-                message=f"the arm {shown(arm.name)} has a prefix that no controller of ROS can be named with",
-                found=arm.prefix,
-                accepted="letters, digits and `_`; the first is no digit",
-                suggestion=f"set `prefix: {f'arm_{near}' if near[:1].isdigit() else near}` for the arm of the cell",
-            )
+            proposed = f"arm_{near}" if near[:1].isdigit() else near
+            yield say("ros-prefix-wrong", found=arm.prefix, arm=arm.name, proposed=proposed)
 
 
 def _near(name: str, others: str) -> str:

@@ -17,7 +17,7 @@ from dh2urdf.manipulator import WORLD, JointType
 from dh2urdf.meshes import copy_name, read_mesh
 from dh2urdf.robot import Joint, Link, Mesh, Origin
 from dh2urdf.rotations import IDENTITY
-from dh2urdf.source import Problem, markdown_text, shown
+from dh2urdf.source import Messages, Problem, markdown_text
 from dh2urdf.stages import EmittedFile
 from dh2urdf_plugins.formats.urdf.profiles import PROFILES, adapted, notices_of
 from dh2urdf_plugins.formats.urdf.writer import check_lines, serialise
@@ -41,6 +41,8 @@ if TYPE_CHECKING:
     from dh2urdf.robot import Robot
     from dh2urdf_plugins.packages.ros2 import Ros2Options
 
+say = Messages(__file__)
+
 
 BASE = "base"
 PLANNING = (
@@ -58,9 +60,7 @@ def packages_of(robot: Robot, stem: str, options: Ros2Options) -> tuple[EmittedF
         MissingDependencyError: what finds collision pairs for MoveIt is not installed.
     """
     if not VERSION.fullmatch(options.version):
-        accepted = "three numbers with dots between them, such as 1.2.0 (REP 149)"
-        message = "this is not the version of a ROS package"
-        raise EmitterError(Problem(message=message, field="version", found=options.version, accepted=accepted))
+        raise EmitterError(say("package-version-wrong", field="version", found=options.version))
     name = files.robot_name(stem, options.package)
     files.check_names(robot, prefixes=options.controlled or options.moveit)
     package = f"{name}_description"
@@ -135,8 +135,7 @@ def _moveit(robot: Robot, name: str, package: str, options: Ros2Options) -> Iter
         MissingDependencyError: what finds collision pairs is not installed.
     """
     if not robot.moving_joints:
-        message = "MoveIt plans for joints that move, and this robot has none"
-        raise EmitterError(Problem(message=message, field="moveit", accepted="a robot with a moving joint, or false"))
+        raise EmitterError(say("moveit-without-joints", field="moveit"))
     arms, description, controlled = yamls.arm_joints(robot), f"{name}_description", options.controlled
     yield f"config/{name}.srdf", srdf(robot, options, options.group)
     yield f"config/{name}.urdf.xacro", _shown_description(robot, name, package, options)
@@ -234,34 +233,21 @@ def notices_of_packages(robot: Robot, options: Ros2Options) -> list[Problem]:
     """What a person should know of the packages, such as what package.xml still needs."""
     found = notices_of(robot, "ros")
     if missing := [name for name in ("maintainer", "email", "license") if not getattr(options, name)]:
-        found.append(
-            _notice(
-                f"package.xml has no {', '.join(missing)}: it has what `ros2 pkg create` writes instead",
-                "set the options " + ", ".join(f"`{name}`" for name in missing),
-            )
-        )
+        options_missing = ", ".join(f"`{name}`" for name in missing)
+        found.append(say("package-xml-incomplete", missing=missing, options=options_missing))
     for prefix, kind in arms_of(robot):
         table = kind.manipulator
         if table is not None and table.base != IDENTITY and BASE in {row.link for row in table.rows}:
-            message = f"{prefix}{BASE} is the name of a link of the table: no frame of the controller is written"
-            found.append(_notice(f"{message} (REP 199)", "give the link another name"))
+            found.append(say("frame-name-taken", name=f"{prefix}{BASE}"))
     return [*found, *(_notices_of_moveit(robot, options) if options.moveit else ())]
 
 
 def _notices_of_moveit(robot: Robot, options: Ros2Options) -> Iterator[Problem]:
     if options.acceleration is None:
-        message = f"no table has accelerations: MoveIt gets those that reach full velocity in {yamls.SPEED_UP} s"
-        yield _notice(message, "set the option `acceleration`, or edit joint_limits.yaml")
+        yield say("no-accelerations", seconds=yamls.SPEED_UP)
     for name in (joint.name for joint in robot.moving_joints if yamls.is_no_text_to_launch(joint.name)):
-        message = f"MoveIt does not start with the joint {shown(name)}: launch_ros hands the name on without quotes, "
-        message += "and ROS then reads a truth value or a number"
-        yield _notice(message, f"rename the joint, for example to {shown(f'joint_{name}')}")
+        yield say("joint-name-no-text", name=name, other=f"joint_{name}")
     for group in groups(robot, options.group):
         if (count := len(group.joints)) < yamls.SPACE:
             joints = f"{count} joint{'' if count == 1 else 's'}"
-            message = f"the group {group.name!r} has {joints}: MoveIt finds positions for it, and leaves orientations "
-            yield _notice(f"{message}free")
-
-
-def _notice(message: str, suggestion: str | None = None) -> Problem:
-    return Problem(message=message, severity="notice", suggestion=suggestion)
+            yield say("group-too-small", group=group.name, joints=joints)

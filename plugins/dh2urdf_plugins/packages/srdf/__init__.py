@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from dh2urdf.errors import ConfigError, InputError
-from dh2urdf.source import Mark, Problem, shown
+from dh2urdf.source import Mark, Messages
 from dh2urdf.stages import Annotates, EmittedFile, Emitter
 from dh2urdf_plugins.collision_pairs.options import PairOptions
 
@@ -15,6 +15,8 @@ if TYPE_CHECKING:
 
     from dh2urdf.robot import Mesh, Robot
     from dh2urdf.stages import Annotation, Expansion
+
+say = Messages(__file__)
 
 # What searches for pairs is imported where it is used: a run without an SRDF pays for none of it.
 
@@ -69,8 +71,7 @@ def annotate(path: Path, expansion: Expansion, earlier: Path | None, options: Sr
 
     has_macros = path.name.lower().endswith(_MACROS)
     if expansion.arguments and not has_macros:
-        message = "a URDF has no macros and takes no arguments"
-        raise ConfigError(Problem(message=message, mark=Mark(file=str(path)), accepted="NAME:=VALUE with a xacro"))
+        raise ConfigError(say("arguments-without-macros", Mark(file=str(path))))
     content = None if earlier is None else read_bytes(earlier, InputError, limit=LARGEST)
     packages = with_its_own(path, packages_in(expansion.package_paths))
     description = describe("xacro" if has_macros else "urdf", path, expansion)
@@ -78,14 +79,7 @@ def annotate(path: Path, expansion: Expansion, earlier: Path | None, options: Sr
 
     def mesh(shape: Mesh) -> tuple[bytes, str]:
         if (file := find(shape.filename)) is None:
-            raise InputError(
-                Problem(
-                    message=f"a collision shape is the mesh {shown(shape.filename)}, and there is no such file",
-                    mark=Mark(file=str(path)),
-                    accepted="meshes that are beside the description, or in packages that are named",
-                    suggestion="--package-path names the folder of its package, or of a workspace",
-                )
-            )
+            raise InputError(say("collision-mesh-missing", Mark(file=str(path)), mesh=shape.filename))
         return read_bytes(file, InputError, limit=LARGEST), file.suffix.lower()
 
     mechanism = Mechanism(

@@ -10,7 +10,7 @@ from lxml import etree
 
 from dh2urdf.documents import xml_root
 from dh2urdf.errors import InputError
-from dh2urdf.source import Mark, Problem, shown
+from dh2urdf.source import Mark, Messages, Problem, shown
 from dh2urdf_plugins.collision_pairs.scene import pair_of
 from dh2urdf_plugins.collision_pairs.search import REASONS
 
@@ -19,6 +19,8 @@ if TYPE_CHECKING:
 
     from dh2urdf.robot import Robot
     from dh2urdf_plugins.collision_pairs.search import DisabledPair
+
+say = Messages(__file__)
 
 TAG = "disable_collisions"
 _INDENT = "  "
@@ -53,7 +55,7 @@ def updated(content: bytes, file: str, robot: Robot, pairs: Sequence[DisabledPai
     places = [match.span(1) for match in _ELEMENT.finditer(content) if match[1]]
     elements = list(root.iter(TAG))
     if len(places) != len(elements):
-        raise _refusal(file, f"an element {TAG} holds something", f"elements {TAG} without content")
+        raise _refusal(file, "pairs-with-content", tag=TAG)
     found = [
         (place, element, pair_of(element.get("link1", "").strip(), element.get("link2", "").strip()))
         for place, element in zip(places, elements, strict=True)
@@ -65,18 +67,14 @@ def updated(content: bytes, file: str, robot: Robot, pairs: Sequence[DisabledPai
     met = {pair for _, element, pair in found if element.get("reason") not in REASONS}
     notices = []
     if (own := root.get("name", "").strip()) != robot.name:
-        message = f"the SRDF is of the robot {shown(own)}, the description of {shown(robot.name)}"
-        how = "MoveIt reports this as an error: give both the same name"
-        notices.append(Problem(message=message, severity="notice", mark=Mark(file=file), suggestion=how))
+        notices.append(say("srdf-of-other-robot", Mark(file=file), own=own, robot_name=robot.name))
     edits: list[tuple[int, int, str]] = []
     for (start, end), element, pair in found:
         if (reason := element.get("reason")) not in REASONS:
             if unknown := [shown(name) for name in pair if name not in links]:
-                message = f"the pair of {' and '.join(map(shown, pair))} stays, though the description has no link "
-                message += " and no link ".join(unknown)
                 mark = Mark(file=file, line=element.sourceline)  # type: ignore[arg-type]  # wrong in the stubs
-                advice = "remove it, or name links of the description"
-                notices.append(Problem(message=message, severity="notice", mark=mark, suggestion=advice))
+                names = {"pair": " and ".join(map(shown, pair)), "unknown": " and no link ".join(unknown)}
+                notices.append(say("pair-of-no-links", mark, **names))
         elif pair not in wanted or pair in met:
             edits.append((*_whole_lines(content, start, end), ""))
         else:
@@ -97,23 +95,22 @@ def _root(content: bytes, file: str) -> etree._Element:
         InputError: it is no SRDF, or its pairs cannot be brought up to date.
     """
     if b"\0" in content[:4]:
-        raise _refusal(file, "the SRDF has two bytes for each character", "UTF-8")
+        raise _refusal(file, "srdf-in-utf-16")
     try:
         root = xml_root(content)
     except etree.XMLSyntaxError as error:
-        raise _refusal(file, f"this is not XML: {error.msg}", "an SRDF without <!DOCTYPE>") from error
+        raise _refusal(file, "srdf-no-xml", reason=error.msg) from error
     if root.tag != "robot":
-        raise _refusal(file, f"the outermost element is {shown(str(root.tag))}", "robot")
+        raise _refusal(file, "root-element-other", found=str(root.tag), accepted="robot")
     if b"<xacro:" in content:
-        accepted = "a plain SRDF, as `xacro` makes it, or a file of pairs that it includes"
-        raise _refusal(file, "the SRDF has macros of xacro, in which no pairs can be brought up to date", accepted)
+        raise _refusal(file, "srdf-with-macros")
     if b"</robot" not in content:
-        raise _refusal(file, "the robot has no content", "<robot> and </robot>")
+        raise _refusal(file, "srdf-empty")
     return root
 
 
-def _refusal(file: str, message: str, accepted: str) -> InputError:
-    return InputError(Problem(message=message, mark=Mark(file=file), accepted=accepted))
+def _refusal(file: str, code: str, **about: str) -> InputError:
+    return InputError(say(code, Mark(file=file), **about))
 
 
 def _whole_lines(content: bytes, start: int, end: int) -> tuple[int, int]:

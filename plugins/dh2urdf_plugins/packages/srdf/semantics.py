@@ -13,7 +13,7 @@ from dh2urdf.errors import EmitterError
 from dh2urdf.kinematics import KinematicChain
 from dh2urdf.manipulator import ENDS, TOOL, WORLD, JointType
 from dh2urdf.quantities import format_numbers
-from dh2urdf.source import Problem, free_name
+from dh2urdf.source import Messages, free_name
 from dh2urdf_plugins.formats.urdf.writer import Notation
 from dh2urdf_plugins.home_pose import initial_position
 
@@ -22,6 +22,8 @@ if TYPE_CHECKING:
 
     from dh2urdf.robot import Joint, Robot
     from dh2urdf_plugins.collision_pairs.search import CollisionPairs
+
+say = Messages(__file__)
 
 EVERY_ARM = "all"
 """The group of all arms of a cell."""
@@ -50,8 +52,7 @@ def groups(robot: Robot, name: str) -> list[Group]:
         EmitterError: the name is none, or it is that of the group of all arms.
     """
     if not name.strip() or (len(robot.arms) > 1 and any(arm.prefix + name == EVERY_ARM for arm in robot.arms)):
-        accepted = f"a name that is not empty, and not {EVERY_ARM!r} in a cell"
-        raise EmitterError(Problem(message="this is no name of a group", field="group", found=name, accepted=accepted))
+        raise EmitterError(say("group-name-wrong", field="group", found=name, every=EVERY_ARM))
     ends = [(arm.prefix, arm.kind) for arm in robot.arms] or [("", robot)]
     found = []
     for prefix, kind in ends:

@@ -24,7 +24,7 @@ from dh2urdf.kinematics import row_transform
 from dh2urdf.manipulator import ROOT, TOOL, Convention, JointType
 from dh2urdf.quantities import UNITS, format_number
 from dh2urdf.rotations import IDENTITY
-from dh2urdf.source import Problem, free_name
+from dh2urdf.source import Messages, Problem, free_name
 from dh2urdf.table_text.texts import number_in
 from dh2urdf_plugins.packages.templates import filled
 
@@ -34,6 +34,8 @@ if TYPE_CHECKING:
     from dh2urdf.manipulator import DHRow, Manipulator
     from dh2urdf.rotations import RigidTransform
     from dh2urdf_plugins.packages.table import Format
+
+say = Messages(__file__)
 
 _NOT_A_NAME = re.compile(r"[^A-Za-z0-9]+")
 _STRING = re.compile(r'"(?:\\.|[^"\\])*"')
@@ -184,15 +186,12 @@ def _moving(arm: Manipulator) -> tuple[RigidTransform, Sequence[DHRow], RigidTra
         tool = row_transform(arm.convention, rows.pop()) @ tool
     between = [row for row in rows if row.type is JointType.FIXED]
     if between or not rows:
-        what = "a row between two joints is fixed" if between else "no row of the table does"
         raise EmitterError(
-            Problem(
-                message=f"every link of a DHRobot moves, and {what}",
+            say(
+                "fixed-row-between" if between else "nothing-moves",
+                between[0].mark if between else arm.mark,
                 robot=arm.name,
-                mark=between[0].mark if between else arm.mark,
                 found=(between or arm.rows)[0].joint,
-                accepted="fixed rows before the first joint and after the last one",
-                suggestion="`dh2urdf convert` to URDF, then `dh2urdf extract`, folds fixed rows into the others",
             )
         )
     return base, rows, tool
@@ -301,8 +300,7 @@ def left_out_of_code(name: Format, arms: Sequence[Manipulator]) -> Iterator[Prob
         if any(getattr(arm, each) is not None for arm in arms for each in names.split())
     ]
     if found:
-        message = f"{what} has no place for {', '.join(found)}: left out"
-        yield Problem(message=message, severity="notice", suggestion="a YAML table holds everything")
+        yield say("no-place-in-code", what=what, fields=found)
     fixed = [row for arm in arms for row in arm.rows if row not in arm.moving_rows]
     if name == "roboticstoolbox" and any((row.mass, row.com, row.inertia) != (None, None, None) for row in fixed):
-        yield Problem(message="a DHRobot has no fixed links: the masses of fixed rows are left out", severity="notice")
+        yield say("fixed-masses-left-out")

@@ -17,7 +17,7 @@ from dh2urdf.errors import EmitterError, InputError, RecordValueError
 from dh2urdf.manipulator import BASE, FLANGE, ROOT, TOOL, WORLD
 from dh2urdf.rotations import IDENTITY
 from dh2urdf.row_fields import INERTIA, LIMITS
-from dh2urdf.source import Problem, listed, shown
+from dh2urdf.source import Messages, Problem, listed, shown
 from dh2urdf.stages import EmittedFile
 from dh2urdf_plugins.packages.table import SUFFIXES
 from dh2urdf_plugins.packages.table.code import left_out_of_code, matlab_file, toolbox_file
@@ -30,6 +30,8 @@ if TYPE_CHECKING:
     from dh2urdf.robot import Robot
     from dh2urdf.rotations import RigidTransform
     from dh2urdf_plugins.packages.table import Format, TableOptions
+
+say = Messages(__file__)
 
 
 _READ_BACK = ("yaml", "csv", "json")
@@ -65,9 +67,7 @@ def manipulators_of(robot: Robot) -> list[Manipulator]:
     arms: dict[int, Manipulator] = {}
     for kind in kinds:
         if kind.manipulator is None:
-            message = "the table of this robot is not known, and a table is what is written"
-            accepted = "a robot that a run or `dh2urdf convert` has made of a table or of a description"
-            raise EmitterError(Problem(message=message, robot=kind.name, accepted=accepted))
+            raise EmitterError(say("table-unknown", robot=kind.name))
         arms[id(kind.manipulator)] = kind.manipulator
     return list(arms.values())
 
@@ -104,18 +104,13 @@ def notices_of_tables(robot: Robot, options: TableOptions) -> list[Problem]:
     """What the formats leave out, that a table does not say where the arms of a cell are, and has no other links."""
     arms = manipulators_of(robot)
     found = [notice for name in _formats(options) for notice in _left_out(name, arms, options)]
-    message = what = ""
     if robot.arms:
         kinds = f"{len(arms)} kind{'' if len(arms) == 1 else 's'} of arms"
-        message = f"the tables are those of {kinds}; they do not say where the {len(robot.arms)} arms of the cell are"
-        what = "cell"
+        found.append(say("tables-of-a-cell", kinds=kinds, count=len(robot.arms)))
     elif arms:
         known = {*_LINKS, *(row.link for row in arms[0].rows)}
         if others := [shown(link.name) for link in robot.links if link.name not in known]:
-            message, what = f"a table has no place for {listed(others, _MOST_LINKS)}", "robot"
-    if message:
-        how = f"a URDF, SDF or MJCF describes the whole {what}"
-        found.append(Problem(message=message, severity="notice", suggestion=how))
+            found.append(say("links-of-no-row", links=listed(others, _MOST_LINKS)))
     return found
 
 

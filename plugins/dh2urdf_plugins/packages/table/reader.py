@@ -9,10 +9,12 @@ from dh2urdf.kinematics import row_transform
 from dh2urdf.manipulator import ROOT, TOOL, Convention, JointType, Manipulator
 from dh2urdf.robot import Joint, Link, Origin, Robot
 from dh2urdf.rotations import IDENTITY, Z_AXIS
-from dh2urdf.source import Mark, Problem
+from dh2urdf.source import Mark, Messages
 
 if TYPE_CHECKING:
     from pathlib import Path
+
+say = Messages(__file__)
 
 _READERS = {".yaml": "yaml", ".yml": "yaml", ".json": "yaml", ".csv": "csv"}
 
@@ -26,9 +28,8 @@ def read_table(path: Path) -> Robot:
     """
     reader = _READERS.get(path.suffix.lower())
     if reader is None:
-        message = "the file is a table for people or for another program, and only written"
-        accepted = f"a file that ends in {', '.join(_READERS)}"
-        raise InputError(Problem(message=message, mark=Mark(file=str(path)), found=path.suffix, accepted=accepted))
+        mark = Mark(file=str(path))
+        raise InputError(say("table-only-written", mark, found=path.suffix, suffixes=tuple(_READERS)))
     from dh2urdf import read_all
 
     (arm,) = read_all(path, reader=reader)

@@ -176,7 +176,7 @@ BODY = '<mujoco><worldbody><body name="a">{}</body></worldbody></mujoco>'
     [
         ("<mujoco>", "not XML"),
         ("<robot/>", "outermost element is 'robot'"),
-        ("<mujoco/>", "no worldbody"),
+        ("<mujoco/>", "mujoco lacks worldbody"),
         ('<mujoco><include file="other.xml"/><worldbody/></mujoco>', "include is not read"),
         (BODY.format("").replace("<w", '<compiler coordinate="global"/><w', 1), "poses are not given in the bodies"),
         (BODY.format('<freejoint name="f"/>'), "'floating' is not one of a manipulator"),

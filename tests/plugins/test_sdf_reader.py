@@ -300,7 +300,7 @@ JOINT = '<joint name="j" type="{}"><parent>a</parent><child>b</child><axis><xyz>
         (MODEL.format('<joint name="j" type="fixed"><parent>x</parent><child>b</child></joint>'), "frame 'x'"),
         (MODEL.format('<frame name="f" attached_to="f"/>'), "to itself"),
         (MODEL.format('<frame name="f" attached_to="g"/><frame name="g" attached_to="f"/>'), "to itself"),
-        (MODEL.format('<frame attached_to="a"/>'), "frame lacks a name"),
+        (MODEL.format('<frame attached_to="a"/>'), "frame lacks the attribute name"),
         (
             MODEL.format(
                 '<frame name="f" attached_to="a"><pose relative_to="g">0 0 0 0 0 0</pose></frame>'

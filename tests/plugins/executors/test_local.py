@@ -169,7 +169,9 @@ class TestErrors:
 
     def test_workers_that_die_before_they_begin(self, functions: ModuleType) -> None:
         """Where no worker can begin, the tasks are not to blame: the run ends."""
-        with pytest.raises(ExecutorError, match="worker processes cannot begin: the worker left with exit status 5"):
+        with pytest.raises(
+            ExecutorError, match="worker processes cannot be started: the worker left with exit status 5"
+        ):
             list(map_locally(functions.Deadly(), range(100), TWO))
 
 

@@ -25,7 +25,7 @@ from dh2urdf.cli.shared_options import (
     table_options,
     without_option,
 )
-from dh2urdf.commands.check import inspect
+from dh2urdf.commands.check import emitter_of, inspect
 from dh2urdf.commands.choices import read_manipulator, reader_call
 from dh2urdf.documents.text_files import check_file, is_folder
 from dh2urdf.errors import ConfigError, InputError
@@ -33,6 +33,7 @@ from dh2urdf.output.whole_files import write_whole
 from dh2urdf.plugin_system.options import COMMAND_LINE
 from dh2urdf.source import Mark, Problem, did_you_mean, printable, shown
 from dh2urdf.stages import Expansion
+from dh2urdf_check.ask.findings import asking, seen_findings, why_unasked
 from dh2urdf_check.several import inspect_several, repaired
 
 if TYPE_CHECKING:
@@ -66,7 +67,10 @@ EXIT_STATUS = (
 @option("--tip-link", metavar="LINK", help="Where it ends; tool0, flange, or its last link.")
 @table_options
 @option("--as", "format_name", metavar="NAME", help="Format of FILE, such as urdf; by FILE's suffix.")
+@option("--no-ask", "is_silent", is_flag=True, help="Give the file to no simulator: only foretell what each will do.")
+@option("--verbose", "is_whole", is_flag=True, help="Print every finding with all that is known of it.")
 @option("--format", "form", type=click.Choice(["text", "json", "sarif"]), default="text", help="What is printed; text.")
+@option("--json", "form", flag_value="json", help="The same as --format json.")
 @option("--fix", "is_fixed", is_flag=True, help="Fix what is mechanical, write it to -o, and check that.")
 @option("-o", "--out", type=PATH, metavar="FILE", help="Where --fix writes.")
 @without_option
@@ -78,8 +82,10 @@ def command(  # noqa: PLR0917 - click hands everything over by name
     base_link: str | None,
     tip_link: str | None,
     format_name: str | None,
+    is_silent: bool,  # noqa: FBT001 - click hands it over by name
+    is_whole: bool,  # noqa: FBT001 - as before
     form: str,
-    is_fixed: bool,  # noqa: FBT001 - click hands it over by name
+    is_fixed: bool,  # noqa: FBT001 - as before
     out: Path | None,
     **flags: str | None,
 ) -> int:
@@ -114,17 +120,23 @@ def command(  # noqa: PLR0917 - click hands everything over by name
         files = [_fixed(installed, files, format_name, out if is_fixed else None)]
     if len(files) != 1 or is_folder(files[0]):
         _refuse_for_several(files, table)
-        several = inspect_several(installed, files, format_name, "`--as NAME`", expansion)
-        return _print_several(several, _chosen(simulators, several.consumers), form)
+        asked = _asked(simulators, is_silent=is_silent)
+        several = inspect_several(installed, files, format_name, "`--as NAME`", expansion, asked=asked)
+        return _print_several(several, _chosen(simulators, several.consumers), form, is_whole=is_whole)
     file = files[0]
     if DASH == str(file) == str(table):
         raise ConfigError(Problem(message="FILE and TABLE cannot both be standard input", mark=COMMAND_LINE))
     file = given_description(file, format_name, installed)
     check_file(file, InputError)
     manipulator = _manipulator(installed, table, flags) if table else None
-    inspection = inspect(installed, file, format_name, "`--as NAME`", expansion)
-    consumers = _chosen(simulators, inspection.consumers)
-    findings = [found for finding in inspection.findings if (found := _only(finding, consumers))]
+    emitter = emitter_of(installed, file, format_name, "`--as NAME`")
+    with asking(installed, [(file, emitter)], expansion, _asked(simulators, is_silent=is_silent)) as at_work:
+        inspection = inspect(installed, file, format_name, "`--as NAME`", expansion)
+        consumers = _chosen(simulators, inspection.consumers)
+        seen = next(at_work, None)
+    found_of = inspection.findings if seen is None else seen_findings(seen, inspection.findings)
+    answers = () if seen is None else seen.answers
+    findings = [found for finding in found_of if (found := _only(finding, consumers))]
     comparison = None
     if manipulator is not None and table is not None:
         agreement = _agreement(inspection.robot, manipulator, file, base_link, tip_link)
@@ -135,14 +147,24 @@ def command(  # noqa: PLR0917 - click hands everything over by name
         findings.append(replace(apart, mark=Mark(file=str(file))))
     status = _settled(findings)
     if form == "json":
-        answer(as_json(file, findings, consumers, comparison))
+        answer(as_json(file, findings, consumers, answers, comparison))
     elif form == "sarif":
         answer(as_sarif(findings))
     else:
         from dh2urdf_check.printing import print_findings
 
-        print_findings(findings, consumers, comparison)
+        print_findings(findings, consumers, answers, comparison, is_whole=is_whole)
     return status
+
+
+def _asked(simulators: Sequence[str], *, is_silent: bool) -> Sequence[str] | None:
+    """Whom to give the files to; None for nobody, with a notice where the user has not asked for that."""
+    if is_silent:
+        return None
+    if why := why_unasked():
+        click.echo(f"notice: no simulator is given the file: {why}", err=True)
+        return None
+    return simulators
 
 
 def _fixed(catalog: Catalog, files: Sequence[Path], format_name: str | None, out: Path | None) -> Path:
@@ -193,7 +215,7 @@ def _refuse_for_several(files: Sequence[Path], table: Path | None) -> None:
         raise ConfigError(problem)
 
 
-def _print_several(several: Inspections, consumers: Mapping[str, str], form: str) -> int:
+def _print_several(several: Inspections, consumers: Mapping[str, str], form: str, *, is_whole: bool) -> int:
     findings = [found for finding in several.findings if (found := _only(finding, consumers))]
     status = _settled(findings)
     if form == "sarif":
@@ -205,9 +227,9 @@ def _print_several(several: Inspections, consumers: Mapping[str, str], form: str
 
         answer(several_as_json(several, findings, consumers))
     else:
-        from dh2urdf_check.printing import print_grouped
+        from dh2urdf_check.printing import print_findings
 
-        print_grouped(several, findings, consumers)
+        print_findings(findings, consumers, several.answers, several=several, is_whole=is_whole)
     return status
 
 

@@ -1,93 +1,212 @@
-"""What `dh2urdf check` found, for people: a table on a terminal, plain lines elsewhere; of several files, by rule."""
+"""What `dh2urdf check` found, for people: each cause once, the worst first, and who loads the file."""
 
 from __future__ import annotations
 
-from dataclasses import replace
-from typing import TYPE_CHECKING
+import re
+from typing import TYPE_CHECKING, NamedTuple
 
-from dh2urdf.cli.answers import answer, answers
+import click
+
+from dh2urdf.cli.answers import answer, answers as stream
 from dh2urdf.kinematics.comparison import changes
-from dh2urdf.source import printable
+from dh2urdf.source import listed, printable
 from dh2urdf.stages import PACKAGE_FILE, SEVERITIES
-from dh2urdf_check.reports import OTHER_ARM, by_rule, counts, in_files
+from dh2urdf_check.reports import OTHER_ARM, counts
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping, Sequence
+    from collections.abc import Iterable, Iterator, Mapping, Sequence
     from pathlib import Path
 
     from dh2urdf.kinematics.comparison import Agreement, Difference
     from dh2urdf.manipulator import Manipulator
-    from dh2urdf.stages import Finding
+    from dh2urdf.source import Mark
+    from dh2urdf.stages import Effect, Finding
+    from dh2urdf_check.ask.asking import Answer
     from dh2urdf_check.several import Inspections
 
 COLOURS = {"error": "red", "warning": "yellow", "note": "cyan"}
+SHORT = 20
+"""Lines after which warnings and notes are counted and not printed; errors always are."""
+LONGEST = 240
+"""Characters of what a consumer does that are printed."""
+MOST_PLACES = 4
+"""Places of one cause that are named besides the first."""
+_PARTICULAR = re.compile(r"'[^']*'|\"[^\"]*\"|\[[^\]]*\]|[-+]?\d[\d.e+-]*|\S*/\S*")
+"""What differs between two messages about the same: names, numbers and paths."""
+
+
+class Cause(NamedTuple):
+    """Findings that have one cause: a rule, with the same effects in the same programs.
+
+    Attributes:
+        first: the first of them.
+        others: the others.
+    """
+
+    first: Finding
+    others: list[Finding]
+
+
+def causes(findings: Iterable[Finding]) -> list[Cause]:
+    """The causes of some findings, the worst first, and else in their order."""
+    found: dict[tuple[object, ...], Cause] = {}
+    for finding in findings:
+        is_own = finding.rule.startswith("seen-")  # What was seen without a rule is alike where its words are.
+        effects = tuple((each.consumer, each.severity, is_own and _general(each.text)) for each in finding.effects)
+        key = (finding.rule, effects, finding.fix)
+        if key in found and found[key].first.seen < finding.seen:
+            found[key] = Cause(finding, [found[key].first, *found[key].others])
+        elif key in found:
+            found[key].others.append(finding)
+        else:
+            found[key] = Cause(finding, [])
+    return sorted(found.values(), key=lambda cause: SEVERITIES.index(cause.first.severity))
+
+
+def _general(text: str) -> str:
+    return _PARTICULAR.sub("#", text)
 
 
 def print_findings(
     findings: Sequence[Finding],
     consumers: Mapping[str, str],
-    comparison: tuple[Agreement, Manipulator, Path] | None,
+    asked: Sequence[Answer],
+    comparison: tuple[Agreement, Manipulator, Path] | None = None,
+    several: Inspections | None = None,
+    *,
+    is_whole: bool,
 ) -> None:
-    """Print findings, how many there are, and what came of the comparison."""
+    """Print findings, how many there are, what came of the comparison, and who loads the file.
+
+    Args:
+        findings: what was found.
+        consumers: whom the findings are about.
+        asked: what the programs made of the files that they were given.
+        comparison: the arm beside that of a table.
+        several: the files, where it is not one.
+        is_whole: whether each finding is printed by itself, with all that is known of it.
+    """
     of_the_file = [finding for finding in findings if finding.rule != OTHER_ARM]
-    if of_the_file and answers().isatty():
-        _print_table(of_the_file)
-    else:
+    left_out = 0
+    if is_whole:
         for finding in of_the_file:
-            answer("\n".join(map(printable, _lines(finding))))
-    answer(f"{numbers_of(of_the_file)} for {', '.join(consumers)}")
+            _print([*_lines(Cause(finding, []), is_whole=True)], finding.severity)
+    else:
+        left_out = _print_causes(causes(of_the_file))
+    rest = f"; {left_out} of them are not printed: --verbose prints all" if left_out else ""
+    answer(f"{numbers_of(of_the_file)}{rest}")
+    if several is not None:
+        packages = sum(path.name == PACKAGE_FILE for path in several.files)
+        checked = [_count(len(several.files) - packages, "description")]
+        checked += [_count(packages, "package")] if packages else []
+        answer(f"{' and '.join(checked)} checked; {_count(several.looked_at, 'file')} looked at")
     if comparison:
         answer("\n".join(map(printable, _comparison(*comparison))))
+    answer(printable(verdict(consumers, of_the_file, asked)))
+
+
+def _print_causes(found: Sequence[Cause]) -> int:
+    """Print causes; how many findings were left out."""
+    count = left_out = 0
+    for cause in found:
+        lines = [*_lines(cause, is_whole=False)]
+        if cause.first.severity != "error" and count + len(lines) > SHORT:
+            left_out += 1 + len(cause.others)
+            continue
+        count += len(lines)
+        _print(lines, cause.first.severity)
+    return left_out
+
+
+def _print(lines: Sequence[str], severity: str) -> None:
+    first, *others = map(printable, lines)
+    if stream().isatty():
+        first = first.replace(f" {severity}: ", f" {click.style(severity, fg=COLOURS[severity], bold=True)}: ", 1)
+    answer("\n".join([first, *others]))
+
+
+def _lines(cause: Cause, *, is_whole: bool) -> Iterator[str]:
+    """A cause: of a note one line, of an error or a warning also what is done with it, and the fix."""
+    finding = cause.first
+    head = f"{f'{finding.mark}: ' if finding.mark else ''}{finding.severity}: {finding.message} [{finding.rule}]"
+    more = _places(finding, cause.others)
+    if finding.severity == "note" and not is_whole:
+        yield f"{head}{f' and {more}' if more else ''}"
+        return
+    yield head
+    if more:
+        yield f"    and {more}"
+    for call in finding.calls:
+        yield f"    by the macro called at {call}"
+    for line in said(finding):
+        yield f"    {line if is_whole or len(line) <= LONGEST else f'{line[: LONGEST - 1]}…'}"
+    yield f"    fix: {finding.fix}"
+
+
+def _places(first: Finding, others: Sequence[Finding]) -> str:
+    """Where a cause is found besides: how often, and the first places."""
+    if not others:
+        return ""
+    marks = list(dict.fromkeys(each.mark for each in others if each.mark))
+    files = {mark.file for mark in marks} | ({first.mark.file} if first.mark else set())
+    where = f" in {_count(len(files), 'file')}" if len(files) > 1 else ""
+    named = listed(list(dict.fromkeys(_place(mark, first.mark) for mark in marks)), MOST_PLACES)
+    return f"{len(others)} more{where}{f': {named}' if named else ''}"
+
+
+def _place(mark: Mark, first: Mark | None) -> str:
+    return f"line {mark.line}" if first and mark.file == first.file and mark.line else str(mark)
 
 
 def numbers_of(findings: Sequence[Finding]) -> str:
     """How many findings there are of each severity, as a sentence says it."""
-    numbers = [f"{count} {severity}{'s' if count > 1 else ''}" for severity, count in counts(findings).items() if count]
+    numbers = [_count(count, severity) for severity, count in counts(findings).items() if count]
     return ", ".join(numbers) or "nothing found"
 
 
 def said(finding: Finding) -> Iterator[str]:
-    """What the consumers do, those together that do the same."""
-    together: dict[str, list[str]] = {}
+    """What the consumers do, those together that do the same; what was seen says in which program."""
+    together: dict[str, list[Effect]] = {}
     for effect in finding.effects:
-        severity = f" ({effect.severity})" if effect.severity != finding.severity else ""
-        together.setdefault(effect.text, []).append(f"{effect.consumer}{severity}")
-    for text, names in together.items():
+        together.setdefault(effect.text, []).append(effect)
+    for text, effects in together.items():
+        names = []
+        for effect in effects:
+            severity = f", {effect.severity}" if effect.severity != finding.severity else ""
+            known = f"seen in {effect.seen}" if effect.seen else "foretold"
+            names.append(f"{effect.consumer} ({known}{severity})")
         yield f"{', '.join(names)}: {text}"
 
 
-def _lines(finding: Finding) -> Iterator[str]:
-    place = f"{finding.mark}: " if finding.mark else ""
-    yield f"{place}{finding.severity}: {finding.message} [{finding.rule}]"
-    for call in finding.calls:
-        yield f"    by the macro called at {call}"
-    for line in said(finding):
-        yield f"    {line}"
-    yield f"    fix: {finding.fix}"
+def verdict(consumers: Mapping[str, str], findings: Sequence[Finding], asked: Sequence[Answer]) -> str:
+    """Who loads the files: as was seen of those that were given them, and as the findings foretell of the others."""
+    ends: dict[str, list[Answer]] = {}
+    for each in asked:
+        if each.end != "unasked":
+            ends.setdefault(each.program.consumer, []).append(each)
+    loads, fails, fine, faulty = list[str](), list[str](), list[str](), list[str]()
+    for consumer in consumers:
+        if seen := ends.get(consumer):
+            loaded = sum(each.end == "loads" for each in seen)
+            share = f" ({loaded} of {len(seen)} files)" if 0 < loaded < len(seen) else ""
+            (loads if loaded else fails).append(f"{seen[-1].name}{share}")
+        elif any(each.consumer == consumer and each.severity == "error" for one in findings for each in one.effects):
+            faulty.append(consumer)
+        else:
+            fine.append(consumer)
+    parts = [
+        f"seen: {'; '.join(part for part in (_part('loads in', loads), _part('does not load in', fails)) if part)}",
+        f"foretold: {'; '.join(part for part in (_part('no error in', fine), _part('errors in', faulty)) if part)}",
+    ]
+    return ". ".join(part for part in parts if not part.endswith(": "))
 
 
-def _print_table(findings: Sequence[Finding]) -> None:
-    from rich.console import Console
-    from rich.markup import escape
-    from rich.table import Table
+def _part(words: str, names: Sequence[str]) -> str:
+    return f"{words} {', '.join(names)}" if names else ""
 
-    files = list(dict.fromkeys(finding.mark.file for finding in findings if finding.mark))
-    table = Table(title=escape(printable(", ".join(files))), show_lines=True)
-    table.add_column("line", justify="right")
-    table.add_column("rule", overflow="fold")
-    table.add_column("what is there, and how to fix it", ratio=3, overflow="fold")
-    table.add_column("what is done with it", ratio=4, overflow="fold")
-    for finding in findings:
-        mark = finding.mark
-        place = str(mark if len(files) > 1 and mark else replace(mark, file="") if mark else "").removeprefix(":")
-        colour = COLOURS[finding.severity]
-        table.add_row(
-            escape(printable("\n".join([place, *(f"by {call}" for call in finding.calls)]))),
-            f"[{colour}]{finding.severity}[/]\n{escape(finding.rule)}",
-            escape(printable(finding.message)) + f"\n[dim]{escape(printable(finding.fix))}[/]",
-            escape("\n".join(map(printable, said(finding)))),
-        )
-    Console(file=answers(), highlight=False).print(table)
+
+def _count(number: int, what: str) -> str:
+    return f"{number} {what}{'' if number == 1 else 's'}"
 
 
 def _comparison(agreement: Agreement, manipulator: Manipulator, table: Path) -> Iterator[str]:
@@ -113,38 +232,3 @@ def _comparison(agreement: Agreement, manipulator: Manipulator, table: Path) -> 
 
 def _errors(difference: Difference) -> str:
     return f"{difference.position_error:.2g} m and {difference.angle_error:.2g} rad"
-
-
-MOST_OF_A_FILE = 3
-"""Findings of one rule in one file that are printed; the others are counted."""
-
-
-def print_grouped(several: Inspections, findings: Sequence[Finding], consumers: Mapping[str, str]) -> None:
-    """Print findings by rule, how many there are, and how many files were looked at."""
-    for rule, found in by_rule(findings).items():
-        answer("\n".join(map(printable, _grouped_lines(rule, found))))
-    packages = sum(path.name == PACKAGE_FILE for path in several.files)
-    checked = [_count(len(several.files) - packages, "description")]
-    if packages:
-        checked.append(_count(packages, "package"))
-    answer(f"{numbers_of(findings)} for {', '.join(consumers)}")
-    answer(f"{' and '.join(checked)} checked; {_count(several.looked_at, 'file')} looked at")
-
-
-def _count(number: int, what: str) -> str:
-    return f"{number} {what}{'' if number == 1 else 's'}"
-
-
-def _grouped_lines(rule: str, findings: Sequence[Finding]) -> Iterator[str]:
-    files = in_files(findings)
-    severity = min((finding.severity for finding in findings), key=SEVERITIES.index)
-    yield f"{severity}: [{rule}] in {len(files)} file{'' if len(files) == 1 else 's'}"
-    for file, count in files.items():
-        here = [finding for finding in findings if (finding.mark.file if finding.mark else "") == file]
-        for finding in here[:MOST_OF_A_FILE]:
-            yield f"    {finding.mark or file}: {finding.message}"
-        if count > MOST_OF_A_FILE:
-            yield f"    {file}: and {count - MOST_OF_A_FILE} more"
-    for line in dict.fromkeys(line for finding in findings for line in said(finding)):
-        yield f"        {line}"
-    yield f"        fix: {findings[0].fix}"

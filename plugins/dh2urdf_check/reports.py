@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections import Counter
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 from urllib.parse import quote
@@ -18,6 +19,7 @@ if TYPE_CHECKING:
     from dh2urdf.kinematics.comparison import Agreement, Difference
     from dh2urdf.manipulator import Manipulator
     from dh2urdf.source import Mark
+    from dh2urdf_check.ask.asking import Answer
     from dh2urdf_check.several import Inspections
 
 SCHEMA = "dh2urdf-check/1"
@@ -56,6 +58,7 @@ def as_json(
     file: Path,
     findings: Sequence[Finding],
     consumers: Mapping[str, str],
+    answers: Sequence[Answer],
     comparison: tuple[Agreement, Manipulator, Path] | None,
 ) -> str:
     """What was found, as a JSON text."""
@@ -64,6 +67,7 @@ def as_json(
         "version": __version__,
         "file": str(file),
         "consumers": dict(consumers),
+        "asked": {each.program.consumer: {"program": each.name, "end": each.end} for each in answers},
         "counts": counts(findings),
         "findings": [finding_entry(finding) for finding in findings],
     }
@@ -95,12 +99,14 @@ def in_files(findings: Sequence[Finding]) -> dict[str, int]:
 
 def several_as_json(several: Inspections, findings: Sequence[Finding], consumers: Mapping[str, str]) -> str:
     """What was found, as a JSON text."""
+    names = dict.fromkeys(each.name for each in several.answers)
     document: dict[str, Any] = {
         "schema": SCHEMA,
         "version": __version__,
         "files": [str(file) for file in several.files],
         "looked_at": several.looked_at,
         "consumers": dict(consumers),
+        "asked": {name: dict(Counter(each.end for each in several.answers if each.name == name)) for name in names},
         "counts": counts(findings),
         "rules": {
             rule: {"severity": min((f.severity for f in found), key=SEVERITIES.index), "files": in_files(found)}

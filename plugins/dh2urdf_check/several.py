@@ -11,13 +11,16 @@ from dh2urdf.errors import ConfigError, InputError
 from dh2urdf.source import Mark, Problem
 from dh2urdf.stage_calls.calls import Call, a_record, depending_on
 from dh2urdf.stages import Checks, Expansion, Finding, Repair
+from dh2urdf_check.ask.findings import asking, seen_findings
 from dh2urdf_check.described_files import described_files
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Iterable, Sequence
     from pathlib import Path
 
     from dh2urdf.plugin_system.catalog import Catalog
+    from dh2urdf.stages import Inspection
+    from dh2urdf_check.ask.asking import Answer
 
 _UNREADABLE = Finding(rule="unreadable-file", message="", fix="make it a file that can be read, or remove it")
 
@@ -30,16 +33,24 @@ class Inspections(NamedTuple):
         looked_at: how many files were looked at to find them.
         consumers: the consumers of their formats.
         findings: what was found, in the order of the files; of a file that several include, once.
+        answers: what the programs made of the files that were asked.
     """
 
     files: tuple[Path, ...]
     looked_at: int
     consumers: dict[str, str]
     findings: tuple[Finding, ...]
+    answers: tuple[Answer, ...] = ()
 
 
 def inspect_several(
-    catalog: Catalog, paths: Iterable[Path], format_name: str | None, choice: str, expansion: Expansion
+    catalog: Catalog,
+    paths: Iterable[Path],
+    format_name: str | None,
+    choice: str,
+    expansion: Expansion,
+    *,
+    asked: Sequence[str] | None = None,
 ) -> Inspections:
     """The findings about files and about the descriptions in folders, which know the ROS packages in there.
 
@@ -49,6 +60,7 @@ def inspect_several(
         format_name: the format of the files that are named; by their suffix where it is None.
         choice: how a format is named, for messages.
         expansion: how those are expanded that hold macros, and where packages are.
+        asked: the consumers whose programs are given the files, all where it is empty; None where nobody is asked.
 
     Raises:
         InputError: a file that is named cannot be read, or there is nothing to inspect in a folder.
@@ -75,26 +87,35 @@ def inspect_several(
     waiting = list(dict.fromkeys(waiting))
     is_used = expansion == Expansion()
     known = replace(expansion, package_paths=(*expansion.package_paths, *packages))
-    for path, name in waiting:
-        emitter = emitter_of(catalog, path, name, choice)
-        checks = emitter.can(Checks)
-        expands, finds = has_macros(emitter), checks is not None and checks.finds_packages
-        is_used = is_used or expands or (finds and not expansion.arguments)
-        given = known if expands else replace(known, arguments={}) if finds else None
-        try:
-            inspection = inspect(catalog, path, emitter.name, choice, given)
-        except InputError as error:
-            if isinstance(error, ConfigError):
-                raise
-            findings += [replace(_UNREADABLE, message=problem.message, mark=problem.mark) for problem in error.problems]
-            continue
+    with_emitters = [(path, emitter_of(catalog, path, name, choice)) for path, name in waiting]
+    answers: list[Answer] = []
+    with asking(catalog, with_emitters, known, asked) as seen:
+        by_path: dict[Path, Inspection] = {}
+        for path, emitter in with_emitters:
+            checks = emitter.can(Checks)
+            expands, finds = has_macros(emitter), checks is not None and checks.finds_packages
+            is_used = is_used or expands or (finds and not expansion.arguments)
+            given = known if expands else replace(known, arguments={}) if finds else None
+            try:
+                by_path[path] = inspect(catalog, path, emitter.name, choice, given)
+            except InputError as error:
+                if isinstance(error, ConfigError):
+                    raise
+                findings += [replace(_UNREADABLE, message=each.message, mark=each.mark) for each in error.problems]
+        seen_of = {each.given.path: each for each in seen}
+    for path, inspection in by_path.items():
         consumers.update(inspection.consumers)
-        findings.extend(inspection.findings)
+        if each := seen_of.get(path):
+            answers.extend(each.answers)
+            findings.extend(seen_findings(each, inspection.findings))
+        else:
+            findings.extend(inspection.findings)
     if not is_used:
         message = "none of these files has macros: they take no arguments, and only a URDF takes package paths"
         raise ConfigError(Problem(message=message, accepted="NAME:=VALUE and package paths with a xacro"))
     different = {(finding.rule, finding.mark, finding.message): finding for finding in reversed(findings)}
-    return Inspections(tuple(path for path, _ in waiting), looked_at, consumers, tuple(reversed(different.values())))
+    paths = tuple(path for path, _ in waiting)
+    return Inspections(paths, looked_at, consumers, tuple(reversed(different.values())), tuple(answers))
 
 
 def repaired(catalog: Catalog, file: Path, format_name: str | None, choice: str) -> Repair:

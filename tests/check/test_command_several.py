@@ -48,25 +48,28 @@ def folder(tmp_path: Path) -> Path:
 
 
 def test_a_folder_is_checked_by_what_is_in_its_files(cli: Cli, folder: Path) -> None:
-    """Whole descriptions are found whatever their suffix; a rule is printed once, with the files that break it."""
+    """Whole descriptions are found whatever their suffix; a cause is printed once, with the files that have it."""
     assert folder.is_dir()
-    lines = cli("check", "robots", "--for", "ros", status=1).stdout.splitlines()
-    (index,) = [number for number, line in enumerate(lines) if line == "error: [duplicate-link] in 3 files"]
-    assert [line.split(": ")[0].strip() for line in lines[index + 1 : index + 6]] == [
-        "robots/a/part.xacro:3:50",
-        "robots/one.urdf:4:3",
-        "robots/two.urdf:4:3",
-        "robots/two.urdf:4:27",
-        "ros",
+    lines = cli("check", "--no-ask", "robots", "--for", "ros", status=1).stdout.splitlines()
+    (index,) = [number for number, line in enumerate(lines) if line.endswith("[duplicate-link]")]
+    assert lines[index].startswith("robots/a/part.xacro:3:50: error: ")
+    assert lines[index + 1] == (
+        "    and 3 more in 3 files: robots/one.urdf:4:3, robots/two.urdf:4:3, robots/two.urdf:4:27"
+    )
+    assert lines[index + 2] == "    by the macro called at robots/a/arm.urdf.xacro:3:39"
+    assert lines[index + 3].startswith("    ros (foretold): ")
+    assert lines[-3:] == [
+        "4 errors",
+        "4 descriptions and 1 package checked; 10 files looked at",
+        "foretold: errors in ros",
     ]
-    assert lines[-2:] == ["4 errors for ros", "4 descriptions and 1 package checked; 10 files looked at"]
 
 
 def test_a_folder_as_json(cli: Cli, folder: Path) -> None:
     """Every finding, and the rules with how many there are in which file."""
     assert folder.is_dir()
-    told = json.loads(cli("check", "robots", "--for", "ros", "--format", "json", status=1).stdout)
-    assert set(told) == {"schema", "version", "files", "looked_at", "consumers", "counts", "rules", "findings"}
+    told = json.loads(cli("check", "--no-ask", "robots", "--for", "ros", "--format", "json", status=1).stdout)
+    assert set(told) == {"schema", "version", "files", "looked_at", "consumers", "asked", "counts", "rules", "findings"}
     assert told["files"] == [f"robots/{name}" for name in FILES]
     assert told["looked_at"] == 10
     assert told["rules"]["duplicate-link"] == {
@@ -80,7 +83,7 @@ def test_what_cannot_be_looked_at_is_a_finding(cli: Cli, folder: Path) -> None:
     """A link to nothing and a pipe: the other files are checked all the same."""
     (folder / "broken.urdf").symlink_to("nowhere.urdf")
     os.mkfifo(folder / "pipe.urdf")
-    told = json.loads(cli("check", "robots", "--format", "json", status=1).stdout)
+    told = json.loads(cli("check", "--no-ask", "robots", "--format", "json", status=1).stdout)
     found = {
         finding["file"]: finding["message"] for finding in told["findings"] if finding["rule"] == "unreadable-file"
     }
@@ -101,7 +104,7 @@ def test_what_cannot_be_looked_at_is_a_finding(cli: Cli, folder: Path) -> None:
 def test_what_cannot_be_done_with_several_ends_with_2(cli: Cli, folder: Path, words: list[str], said: str) -> None:
     (folder.parent / "empty").mkdir()
     (folder.parent / "empty" / "README").touch()
-    assert said in " ".join(cli("check", *words, status=2).stderr.split())
+    assert said in " ".join(cli("check", "--no-ask", *words, status=2).stderr.split())
 
 
 def test_arguments_reach_the_xacros_of_a_folder(cli: Cli, folder: Path) -> None:
@@ -109,8 +112,8 @@ def test_arguments_reach_the_xacros_of_a_folder(cli: Cli, folder: Path) -> None:
     (folder / "a" / "arm.urdf.xacro").write_text(
         XACRO.format('name="arm"', '<xacro:arg name="n" default="one"/><link name="$(arg n)"/><link name="two"/>')
     )
-    assert "'two' has the name" in cli("check", "robots", "n:=two", status=1).stdout
-    assert "'two' has the name" not in cli("check", "robots", status=1).stdout
+    assert "'two' has the name" in cli("check", "--no-ask", "robots", "n:=two", status=1).stdout
+    assert "'two' has the name" not in cli("check", "--no-ask", "robots", status=1).stdout
 
 
 def test_the_packages_of_a_folder_are_known_to_its_files(cli: Cli, folder: Path) -> None:
@@ -125,7 +128,7 @@ def test_the_packages_of_a_folder_are_known_to_its_files(cli: Cli, folder: Path)
         XACRO.format('name="arm"', '<xacro:include filename="$(find parts)/hand.xacro"/>')
     )
     for words in (["robots"], ["robots/two.urdf", "--package-path", "robots/parts_of_all"]):
-        told = json.loads(cli("check", *words, "--format", "json", status=1).stdout)
+        told = json.loads(cli("check", "--no-ask", *words, "--format", "json", status=1).stdout)
         assert not {finding["rule"] for finding in told["findings"]} & {"unresolved-package", "xacro-fails"}
-    alone = json.loads(cli("check", "robots/two.urdf", "--format", "json", status=1).stdout)
+    alone = json.loads(cli("check", "--no-ask", "robots/two.urdf", "--format", "json", status=1).stdout)
     assert "unresolved-package" in {finding["rule"] for finding in alone["findings"]}

@@ -48,4 +48,4 @@ def test_the_same_findings_are_the_same_bytes() -> None:
     """No time and no order of chance is in either form."""
     findings = [finding(MILD, BAD), finding(BAD, line=1)]
     assert as_sarif(findings) == as_sarif(findings)
-    assert as_json(Path("a"), findings, {"one": "One"}, None) == as_json(Path("a"), findings, {"one": "One"}, None)
+    assert as_json(Path("a"), findings, {}, (), None) == as_json(Path("a"), findings, {}, (), None)

@@ -22,7 +22,7 @@ from typing import TYPE_CHECKING, Any
 from dh2urdf.isolation.process import is_own
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Iterable, Sequence
 
 TRUST = "DH2URDF_TRUST"
 """Environment variable, also for workers on other machines: meshes are read where the kernel offers no wall."""
@@ -90,18 +90,29 @@ def refuse_without_wall() -> None:
         raise ValueError(f"{missing}; `--trust` (or {TRUST}=1) reads it all the same")
 
 
-def enter(readable: Iterable[Path], seconds: float) -> None:
+def enter(readable: Iterable[Path], seconds: float, *, starts_program: bool = False) -> None:
     """Gives up, for the rest of this process, all that working on a stranger's file does not need.
 
     Args:
         readable: folders and files that may still be read.
         seconds: computing time that is left [s]; the process is killed when it is over.
+        starts_program: whether a program of the system works on the file. Then the programs and libraries of the system
+            can be read and started too; the audit hook, which ends at this process, is left out.
     """
     folders = sorted({os.path.realpath(path) for path in readable})
     _end_with_parent()
     _limit(seconds)
-    _lock(folders)
-    _watch(folders)
+    _lock(folders, _system_folders() if starts_program else [])
+    if not starts_program:
+        _watch(folders)
+
+
+def _system_folders() -> list[str]:
+    """Where programs, and what they load, are on this system."""
+    prefixes = {os.path.realpath(Path(folder).parent) for folder in os.get_exec_path()}
+    places = {*prefixes, sys.prefix, "/usr", "/lib", "/lib64", "/etc", "/proc", "/opt", "/dev"}
+    home = {os.path.realpath(Path.home()), "/"}
+    return sorted({place for place in map(os.path.realpath, places) if Path(place).is_dir()} - home)
 
 
 def _end_with_parent() -> None:
@@ -129,8 +140,8 @@ def _limit(seconds: float) -> None:
         resource.setrlimit(what, (most, most))
 
 
-def _lock(folders: list[str]) -> None:
-    """Has the kernel refuse all files but those of some folders, where it can."""
+def _lock(folders: list[str], system: Sequence[str] = ()) -> None:
+    """Has the kernel refuse all files but those of some folders, where it can; what is in `system` can be started."""
     if missing_wall():  # The parent has told the user.
         return
     from landlock import FSAccess, Ruleset
@@ -138,6 +149,8 @@ def _lock(folders: list[str]) -> None:
     rules = Ruleset()
     for folder in folders:
         rules.allow(folder, rules=FSAccess.READ_FILE | (FSAccess.READ_DIR if Path(folder).is_dir() else 0))
+    for folder in system:
+        rules.allow(folder, rules=FSAccess.READ_FILE | FSAccess.READ_DIR | FSAccess.EXECUTE)
     rules.apply()
 
 

@@ -37,7 +37,7 @@ if TYPE_CHECKING:
         Repair,
         Severity,
     )
-    from dh2urdf.stages.load_records import LoadReport, LoadRequest, SimulatedArm
+    from dh2urdf.stages.load_records import HeldRobot, LoadReport, LoadRequest, Question, SimulatedArm
     from dh2urdf.table_text import CellRow, TableText, Trace, WrittenTable
 
 __all__ = [
@@ -64,7 +64,9 @@ __all__ = [
     "ForeignRobot",
     "GivesNotices",
     "HasSchema",
+    "HeldRobot",
     "Inspection",
+    "Inspects",
     "KeepsKinematics",
     "Kind",
     "LoadReport",
@@ -74,6 +76,7 @@ __all__ = [
     "Lost",
     "NoOptions",
     "OtherFiles",
+    "Question",
     "Reader",
     "ReaderCapability",
     "ReadsBack",
@@ -102,7 +105,7 @@ __all__ = [
 _ELSEWHERE = {
     "stages.foreign_robot": "Follower ForeignRobot",
     "stages.inspections": "SEVERITIES Annotation Effect Expansion Finding Inspection Repair Severity",
-    "stages.load_records": "LoadReport LoadRequest SimulatedArm",
+    "stages.load_records": "HeldRobot LoadReport LoadRequest Question SimulatedArm",
 }
 """The names that are imported when they are asked for, by their modules: most commands make no such record."""
 
@@ -560,7 +563,31 @@ class Reusable(NamedTuple):
     prepare: Callable[[Any], None]
 
 
-LoaderCapability: TypeAlias = Requires | ReadsOutput | Reusable
+class Inspects(NamedTuple):
+    """A loader whose simulator is given descriptions of any origin: ``dh2urdf check``.
+
+    Attributes:
+        inspect: what the simulator makes of a file. It is called behind a fence, where nothing can be imported and no
+            file can be written. It raises `dh2urdf.errors.LoaderError` where the simulator
+            refuses the file.
+        prepare: imports all that this needs, and returns the version of the simulator.
+        complaints: of all that was printed meanwhile, what the simulator says about the file, a message each.
+        formats: names of the emitters whose files it takes.
+        title: what findings call the simulator.
+        unopened: elements of a file that the simulator takes over without looking at what they name, such as ``mesh``.
+        starts_program: whether `inspect` starts a program; then the fence allows the programs of the system.
+    """
+
+    inspect: Callable[[Question], HeldRobot]
+    prepare: Callable[[], str]
+    complaints: Callable[[str], Sequence[str]]
+    formats: tuple[str, ...]
+    title: str
+    unopened: tuple[str, ...] = ()
+    starts_program: bool = False
+
+
+LoaderCapability: TypeAlias = Requires | ReadsOutput | Reusable | Inspects
 """What else a loader can do."""
 
 

@@ -34,6 +34,47 @@ class LoadRequest:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Question:
+    """A robot description of any origin that a simulator is given: what does it make of it?
+
+    Attributes:
+        path: the file, as an absolute path.
+        format: the name of its format, such as ``sdf``; what a xacro expands to is a ``urdf``.
+        packages: the folders of ROS packages, by their names.
+        postures: values of joints by their names [rad or m]: where the links are is asked at each.
+    """
+
+    path: Path
+    format: str
+    packages: Mapping[str, Path] = field(default_factory=dict)
+    postures: tuple[Mapping[str, float], ...] = ()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class HeldRobot:
+    """What a simulator made of a robot description: plain numbers. What a simulator does not tell is left out.
+
+    Attributes:
+        links: by the name of the link: mass [kg], centre of mass [m], and inertia about it [kg·m²], row by row, in the
+            axes of the link; None where the simulator tells names only.
+        joints: the moving joints, each with its name and what it knows of type, axis, lower, upper, velocity and
+            effort; and ``mimic``, which is the leader, the multiplier and the offset, or None where it follows none.
+        frames: by the name of the link, T(world → link) at each posture, as row-major 4x4 matrices [m].
+        shapes: by the name of the link and ``visual`` or ``collision``, the lengths of each shape along the axes of
+            the shape, the longest first [m].
+        root_is_loose: whether the root can move in the world; None where the simulator was asked to hold it.
+        refusals: the parts that it refused though it took the rest, each in the simulator's words.
+    """
+
+    links: dict[str, tuple[float, tuple[float, ...], tuple[float, ...]] | None] = field(default_factory=dict)
+    joints: list[dict[str, Any]] = field(default_factory=list)
+    frames: dict[str, list[list[float]]] = field(default_factory=dict)
+    shapes: dict[str, dict[str, list[tuple[float, float, float]]]] = field(default_factory=dict)
+    root_is_loose: bool | None = None
+    refusals: list[str] = field(default_factory=list)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class LoadReport:
     """What a simulator reports about a file, measured by asking it.
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from typing import Any, Literal, TypeAlias
 
 from dh2urdf.errors import MissingDependencyError
-from dh2urdf.stages import LOAD_TIME_LIMIT, Loader, ReadsOutput, Requires, Reusable
+from dh2urdf.stages import LOAD_TIME_LIMIT, Inspects, Loader, ReadsOutput, Requires, Reusable
 from dh2urdf_plugins.late import Late
 
 Engine: TypeAlias = Literal["bullet", "ode", "vortex", "newton", "mujoco"]
@@ -125,6 +125,25 @@ PACKAGES = {
 }
 
 
+def _inspects(name: str, title: str, formats: str, unopened: str = "", *, starts_program: bool = False) -> Inspects:
+    """How the simulator of a loader is given files of any origin."""
+    inspect, prepare, complaints = (
+        Late(f"{__package__}.{name}.model:{function}") for function in ("inspect", "prepare", "complaints")
+    )
+    return Inspects(
+        inspect, prepare, complaints, tuple(formats.split()), title, tuple(unopened.split()), starts_program
+    )
+
+
+_INSPECTING = {
+    "pybullet": _inspects("pybullet", "PyBullet", "urdf sdf mjcf"),
+    "mujoco": _inspects("mujoco", "MuJoCo", "urdf mjcf"),
+    "pinocchio": _inspects("pinocchio", "Pinocchio", "urdf"),
+    "drake": _inspects("drake", "Drake", "urdf sdf mjcf"),
+    "gazebo": _inspects("gazebo", "sdformat", "urdf sdf", "mesh", starts_program=True),
+}
+
+
 def _loader(name: str, formats: str, options: type[SimulatorOptions], summary: str, *own: str) -> Loader[Any]:
     """The record of a loader.
 
@@ -144,6 +163,8 @@ def _loader(name: str, formats: str, options: type[SimulatorOptions], summary: s
     if name != "coppeliasim":  # a program of its own, whose console is not ours
         prepare = of("prepare") if "prepare" in own else PACKAGES[name].prepare
         capabilities += (ReadsOutput(of("read_output")), Reusable(prepare))
+    if name in _INSPECTING:
+        capabilities += (_INSPECTING[name],)
     load = of("load")
     return Loader(
         name=name,

@@ -14,8 +14,9 @@ from dh2urdf.errors import LoaderError, MissingProgramError
 from dh2urdf.isolation.loads import load_in_child
 from dh2urdf.kinematics import KinematicChain
 from dh2urdf.robot import Link, Origin
-from dh2urdf_plugins.loaders.gazebo import loader as gazebo
-from dh2urdf_plugins.loaders.gazebo.loader import find_command, load, precision, require
+from dh2urdf_plugins.loaders.gazebo import model as gazebo
+from dh2urdf_plugins.loaders.gazebo.loader import load, precision, require
+from dh2urdf_plugins.loaders.gazebo.model import find_command
 from dh2urdf_plugins.loaders.simulators import LOADERS, SimulatorOptions
 
 if TYPE_CHECKING:

@@ -7,10 +7,6 @@ the group "Parsing Models for Multibody Dynamics", what it takes of a URDF.
 
 from __future__ import annotations
 
-import logging
-import math
-import re
-import sys
 from dataclasses import replace
 from functools import partial
 from importlib.metadata import version
@@ -18,9 +14,9 @@ from typing import TYPE_CHECKING, Any
 
 from dh2urdf.errors import LoaderError
 from dh2urdf.kinematics.mass import GRAVITY
-from dh2urdf.measuring import DOUBLE, Body
-from dh2urdf.rotations import RigidTransform
+from dh2urdf.measuring import DOUBLE
 from dh2urdf.source import listed, shown
+from dh2urdf_plugins.loaders.drake.model import Model, log_to_output, messages
 from dh2urdf_plugins.loaders.measures import (
     HOLD_SECONDS,
     HOLD_STAYS,
@@ -30,24 +26,22 @@ from dh2urdf_plugins.loaders.measures import (
     farthest,
     hold_start,
     printed,
-    rotation,
-    vector,
 )
 from dh2urdf_plugins.loaders.simulators import PACKAGES
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator, Sequence
+    from collections.abc import Callable, Iterator, Sequence
 
+    from dh2urdf.rotations import RigidTransform
     from dh2urdf.source import Problem
     from dh2urdf.stages import LoadReport, LoadRequest
     from dh2urdf_plugins.loaders.simulators import SimulatorOptions
 
 YIELD = HOLD_STAYS / 10
 """Displacement at which a motor of the hold test gives its full effort [rad or m]: it acts as a stiff spring."""
-_MARK = "Drake logged "
 
 
-class Arm:
+class Arm(Model):
     """The arm as Drake holds it, beside the robot that was written; its root is in the world's origin.
 
     Raises:
@@ -55,31 +49,18 @@ class Arm:
     """
 
     def __init__(self, request: LoadRequest) -> None:
-        from pydrake.multibody.parsing import Parser
-        from pydrake.multibody.plant import AddMultibodyPlantSceneGraph
-        from pydrake.systems.framework import DiagramBuilder
-
         self.request, self.robot = request, request.robot
         # Drake holds the inertia about the link's origin: a centre of mass far from it costs digits.
         self.comparison = Comparison("Drake", request, DOUBLE._replace(inertia_about_origin=1e-15))
-        builder = DiagramBuilder()
-        self.plant, self.scene = AddMultibodyPlantSceneGraph(builder, TIME_STEP)
-        self._guarded(lambda: Parser(self.plant).AddModels(request.path.resolve()), "cannot load the file")
-        self.joints = {joint.name(): joint for joint in self._moving_joints()}
-        self.bodies = {
-            body.name(): body
-            for model in map(self._model, range(self.plant.num_model_instances()))
-            for body in map(self.plant.get_body, self.plant.GetBodyIndices(model))
-        }
-        joints = [*map(self._held_joint, self.joints.values())]
-        self.loaded = self.comparison.loaded(version("drake"), joints, self._held_bodies())
+        self._guarded(lambda: super(Arm, self).__init__(request.path.resolve()), "cannot load the file")
+        joints = [*map(self.held_joint, self.joints.values())]
+        held = self.held_bodies(link.name for link in self.robot.links)
+        self.loaded = self.comparison.loaded(version("drake"), joints, held)
         self._fix_root()
         self._add_motors()
         self.plant.mutable_gravity_field().set_gravity_vector([0.0, 0.0, -GRAVITY])
         self._guarded(self.plant.Finalize, "cannot compute with the arm")
-        self.diagram = builder.Build()
-        self.context = self.diagram.CreateDefaultContext()
-        self.state = self.plant.GetMyMutableContextFromRoot(self.context)
+        self.build()
 
     def report(self) -> LoadReport:
         """Measure everything.
@@ -101,40 +82,6 @@ class Arm:
             said = str(error).replace(f"{self.request.path.resolve()}:", "line ")
             raise LoaderError(self.comparison.problem(message=f"Drake {doing}: {said}")) from error
 
-    # Joints
-
-    def _model(self, index: int) -> Any:  # noqa: ANN401 - a module without type information
-        from pydrake.multibody.tree import ModelInstanceIndex
-
-        return ModelInstanceIndex(index)
-
-    def _moving_joints(self) -> Iterable[Any]:
-        """The joints that have a joint value, in Drake's order."""
-        joints = map(self.plant.get_joint, self.plant.GetJointIndices())
-        return [joint for joint in joints if joint.num_velocities()]
-
-    def _held_joint(self, joint: Any) -> dict[str, Any]:  # noqa: ANN401 - a module without type information
-        """A joint as Drake has it; the effort is that of its actuator, which a URDF gives it by a transmission only."""
-        kind = joint.type_name()
-        if joint.num_velocities() != 1:
-            return {"name": joint.name(), "type": kind}
-        axis = joint.revolute_axis() if kind == "revolute" else joint.translation_axis()
-        lower, upper = joint.position_lower_limits()[0], joint.position_upper_limits()[0]
-        endless = kind == "revolute" and lower == -math.inf and upper == math.inf
-        efforts = {actuator.joint().name(): actuator.effort_limit() for actuator in self._actuators()}
-        return {
-            "name": joint.name(),
-            "type": "continuous" if endless else kind,
-            "axis": tuple(float(element) + 0.0 for element in axis),
-            "lower": None if endless else float(lower),
-            "upper": None if endless else float(upper),
-            "velocity": float(joint.velocity_upper_limits()[0]),
-            **({"effort": efforts[joint.name()]} if joint.name() in efforts else {}),
-        }
-
-    def _actuators(self) -> Iterable[Any]:
-        return map(self.plant.get_joint_actuator, self.plant.GetJointActuatorIndices())
-
     def _without_actuator(self) -> tuple[Problem, ...]:
         """The joints that a controller in Drake cannot move, and whose efforts it has therefore not kept."""
         idle = [shown(joint["name"]) for joint in self.loaded.joints if "effort" not in joint]
@@ -152,30 +99,11 @@ class Arm:
 
     def _fix_root(self) -> None:
         """Weld the root to the world, unless the file has it there; a root of the name ``world`` is the world."""
-        root, world = self._frame(self.robot.root), self.plant.world_body()
+        root, world = self.frame(self.robot.root), self.plant.world_body()
         if root.body().index() not in {body.index() for body in self.plant.GetBodiesWeldedTo(world)}:
             self.plant.WeldFrames(self.plant.world_frame(), root)
 
-    def _frame(self, name: str) -> Any:  # noqa: ANN401 - a module without type information
-        """The frame of a link, which of an SDF may be a frame on another body."""
-        return self.bodies[name].body_frame() if name in self.bodies else self.plant.GetFrameByName(name)
-
     # Masses and poses
-
-    def _held_bodies(self) -> dict[str, Body]:
-        """The links as Drake has them, a mere frame without mass."""
-        nothing = Body(0.0, (0.0, 0.0, 0.0), (0.0,) * 9)
-        names = [link.name for link in self.robot.links if link.name not in self.bodies]
-        bodies = {name: nothing for name in names if self.plant.HasFrameNamed(name)}
-        for name, body in self.bodies.items():
-            if body.index() == self.plant.world_body().index():  # It has no mass of its own.
-                bodies[name] = nothing
-                continue
-            spatial = body.default_spatial_inertia()
-            com = spatial.get_com()
-            about_com = spatial.Shift(com).CalcRotationalInertia().CopyToFullMatrix3()
-            bodies[name] = Body(float(spatial.get_mass()), vector(com), rotation(about_com))
-        return bodies
 
     def _put(self, q: Sequence[float]) -> None:
         """Put the arm at a joint vector, at rest."""
@@ -188,11 +116,7 @@ class Arm:
     def _frames(self, q: Sequence[float], links: Sequence[str]) -> dict[str, RigidTransform]:
         """The frames of some links in the world at a joint vector."""
         self._put(q)
-        frames = {}
-        for name in links:
-            pose = self._frame(name).CalcPoseInWorld(self.state)
-            frames[name] = RigidTransform(rotation(pose.rotation().matrix()), vector(pose.translation()))
-        return frames
+        return self.placed(links)
 
     # The hold test
 
@@ -204,7 +128,7 @@ class Arm:
         """
         from pydrake.multibody.tree import PdControllerGains
 
-        motors = {actuator.joint().name(): actuator for actuator in self._actuators()}
+        motors = {actuator.joint().name(): actuator for actuator in self.actuators()}
         for joint in self.robot.moving_joints:
             if not joint.limits.effort:
                 continue
@@ -236,7 +160,7 @@ class Arm:
 
     def _set_targets(self, start: dict[str, float]) -> None:
         """Tell the motors where to stay: positions, then velocities, in the order of each model's actuators."""
-        for model in map(self._model, range(self.plant.num_model_instances())):
+        for model in map(self.model, range(self.plant.num_model_instances())):
             actuators = map(self.plant.get_joint_actuator, self.plant.GetJointActuatorIndices(model))
             targets = [start[actuator.joint().name()] for actuator in actuators]
             if targets:
@@ -270,15 +194,8 @@ def load(request: LoadRequest, options: SimulatorOptions) -> LoadReport:
         MissingDependencyError: Drake is not installed.
     """
     PACKAGES["drake"].load(options)
-    # Drake's C++ hands its messages to this logger, whose last resort would print them without their level.
-    to_output = logging.StreamHandler(sys.stderr)
-    to_output.setFormatter(logging.Formatter(f"{_MARK}%(levelname)s: %(message)s"))
-    logger = logging.getLogger("drake")
-    logger.handlers, logger.propagate = [to_output], False
+    log_to_output()
     return Arm(request).report()
-
-
-_LOGGED = re.compile(rf"{_MARK}([A-Z]+): ")
 
 
 def read_output(request: LoadRequest, output: str) -> tuple[Problem, ...]:
@@ -286,12 +203,5 @@ def read_output(request: LoadRequest, output: str) -> tuple[Problem, ...]:
 
     A message may have many lines; a line that nobody logged is a message of its own.
     """
-    messages: list[tuple[str, str]] = []
-    for line in filter(None, map(str.strip, output.splitlines())):
-        logged = _LOGGED.match(line)
-        if messages and messages[-1][0] and not logged:
-            messages[-1] = (messages[-1][0], f"{messages[-1][1]} {line}")
-        else:
-            messages.append((logged[1] if logged else "", _LOGGED.sub("", line)))
     place = f"{request.path.resolve()}:"
-    return printed("Drake", request, [(level, text.replace(place, "line ", 1)) for level, text in messages])
+    return printed("Drake", request, [(level, text.replace(place, "line ", 1)) for level, text in messages(output)])

@@ -10,19 +10,18 @@ from __future__ import annotations
 import math
 import re
 import shutil
-import subprocess
 import sys
 from dataclasses import asdict, replace
-from functools import cache
 from typing import TYPE_CHECKING
 
-from dh2urdf.errors import LoaderError, MissingProgramError, ProofError
+from dh2urdf.errors import LoaderError, ProofError
 from dh2urdf.kinematics import link_poses
 from dh2urdf.kinematics.mass import tensor
 from dh2urdf.measuring import DOUBLE, Body
 from dh2urdf.rotations import IDENTITY, RigidTransform, quarter_turns
 from dh2urdf.source import shown
 from dh2urdf_plugins.base_bodies import with_base_bodies
+from dh2urdf_plugins.loaders.gazebo.model import COMMANDS, call, complaints, find_command, missing
 from dh2urdf_plugins.loaders.measures import Comparison, carriers, lumped_bodies, printed
 
 if TYPE_CHECKING:
@@ -34,13 +33,6 @@ if TYPE_CHECKING:
     from dh2urdf.stages import LoadReport, LoadRequest
     from dh2urdf_plugins.loaders.simulators import SimulatorOptions
 
-COMMANDS = ("gz", "ign")
-"""What the command of sdformat is a subcommand of: in Gazebo from Garden on (and Gazebo classic), and before."""
-REMEDY = (
-    "apt-get install ignition-tools libsdformat-dev (Debian 12), or install Gazebo (gazebosim.org), "
-    "which brings it along"
-)
-
 
 def require(_options: SimulatorOptions) -> None:
     """Ask whether there is a command that may be sdformat's, without starting it.
@@ -49,7 +41,7 @@ def require(_options: SimulatorOptions) -> None:
         MissingProgramError: there is none.
     """
     if not any(map(shutil.which, COMMANDS)):
-        raise _missing()
+        raise missing()
 
 
 def prepare(_options: SimulatorOptions) -> None:
@@ -163,8 +155,8 @@ def load(request: LoadRequest, _options: SimulatorOptions) -> LoadReport:
     command, version = find_command()
     comparison = Comparison("sdformat", request, precision(request.robot))
     path = str(request.path.resolve())
-    converted = _call(command, "--print", path)
-    checked = _call(command, "--check", path)
+    converted = call(command, "--print", path)
+    checked = call(command, "--check", path)
     for done, what in ((converted, "cannot convert the file"), (checked, "finds the file invalid")):
         if done.returncode or not done.stdout.strip():
             raise LoaderError(comparison.problem(message=f"sdformat {what}"))
@@ -175,59 +167,11 @@ def load(request: LoadRequest, _options: SimulatorOptions) -> LoadReport:
     return Arm(model, comparison).report(version)
 
 
-def find_command() -> tuple[str, str]:
-    """The command that has sdformat as a subcommand, and the version of sdformat.
-
-    Raises:
-        MissingProgramError: there is none.
-    """
-    for name in COMMANDS:
-        command = shutil.which(name)
-        if command is None:
-            continue
-        if version := _version(command):
-            return command, version
-    raise _missing()
-
-
-@cache
-def _version(command: str) -> str:
-    """The version of sdformat that a command has; empty where it has none."""
-    asked = subprocess.run(  # noqa: S603 - no words of a stranger
-        [command, "sdf", "--versions"], capture_output=True, check=False, text=True, encoding="utf-8"
-    )
-    version = re.search(r"^\d+(\.\d+)+$", asked.stdout, re.MULTILINE)
-    return version[0] if version else ""
-
-
-def _call(command: str, option: str, path: str) -> subprocess.CompletedProcess[bytes]:
-    """Call sdformat; its messages go where a simulator's do, into the report."""
-    done = subprocess.run([command, "sdf", option, path], stdout=subprocess.PIPE, stderr=sys.stderr, check=False)  # noqa: S603 - an absolute path, and no shell
-    if done.returncode and done.stdout:  # Of a file that it refuses it also speaks on standard output.
-        sys.stderr.write(done.stdout.decode("utf-8", "replace"))
-    return done
-
-
-def _missing() -> MissingProgramError:
-    return MissingProgramError("loader 'gazebo'", "the command `gz sdf` or `ign sdf` of sdformat", REMEDY)
-
-
-_COLOUR = re.compile(r"\x1b\[[0-9;]*m")
 _LEVEL = re.compile(r"\b(Error|Warning)\b")
-_EXPECTED = re.compile(r"backtrace generation will be disabled")  # said by `ign` of itself, whatever it does
 
 
 def read_output(request: LoadRequest, output: str) -> tuple[Problem, ...]:
-    """What sdformat printed; of a good file it prints nothing.
-
-    A message may go on in lines that are indented.
-    """
-    messages: list[str] = []
-    for line in _COLOUR.sub("", output).splitlines():
-        if line[:1].isspace() and messages:
-            messages[-1] += f" {line.strip()}"
-        elif line.strip():
-            messages.append(line.strip())
+    """What sdformat printed."""
+    messages = complaints(output)
     levels = [level[1] if (level := _LEVEL.search(message)) else "" for message in messages]
-    told = zip(levels, messages, strict=True)
-    return printed("sdformat", request, [each for each in told if not _EXPECTED.search(each[1])])
+    return printed("sdformat", request, zip(levels, messages, strict=True))

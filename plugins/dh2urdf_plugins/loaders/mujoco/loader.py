@@ -14,7 +14,6 @@ import contextlib
 import importlib
 import math
 import os
-import re
 import sys
 from dataclasses import replace
 from importlib.metadata import version
@@ -23,8 +22,6 @@ from typing import TYPE_CHECKING, Any
 from dh2urdf.errors import LoaderError
 from dh2urdf.kinematics.mass import GRAVITY
 from dh2urdf.manipulator import JointType
-from dh2urdf.measuring import Body
-from dh2urdf.rotations import ZERO, RigidTransform, multiply, transpose
 from dh2urdf.source import shown
 from dh2urdf_plugins.home_pose import stepped
 from dh2urdf_plugins.loaders.measures import (
@@ -35,14 +32,14 @@ from dh2urdf_plugins.loaders.measures import (
     farthest,
     hold_start,
     printed,
-    rotation,
-    vector,
 )
+from dh2urdf_plugins.loaders.mujoco.model import Model, complaints, print_warning
 from dh2urdf_plugins.loaders.simulators import PACKAGES
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
+    from dh2urdf.rotations import RigidTransform
     from dh2urdf.source import Problem
     from dh2urdf.stages import LoadReport, LoadRequest
     from dh2urdf_plugins.loaders.simulators import PictureOptions
@@ -67,7 +64,7 @@ HELD_JOINTS = 300
 """Largest number of joints of a hold test: the time of a step grows with its cube, and beyond it takes minutes."""
 
 
-class Arm:
+class Arm(Model):
     """The arm as MuJoCo holds it, beside the robot that was written; its root is in the world's origin.
 
     Raises:
@@ -75,18 +72,13 @@ class Arm:
     """
 
     def __init__(self, mujoco: Any, request: LoadRequest) -> None:  # noqa: ANN401 - a module without type information
-        self.mujoco, self.request, self.robot = mujoco, request, request.robot
+        self.request, self.robot = request, request.robot
         self.comparison = Comparison("MuJoCo", request)
         try:
-            self.model = mujoco.MjModel.from_xml_path(str(request.path.resolve()))
+            super().__init__(mujoco, request.path.resolve())
         except (ValueError, mujoco.FatalError) as error:
             said = " ".join(str(error).split())
             raise LoaderError(self.comparison.problem(message=f"MuJoCo cannot load the file: {said}")) from error
-        self.data = mujoco.MjData(self.model)
-        self.bodies = {self.model.body(number).name: number for number in range(self.model.nbody)}
-        sites = {self.model.site(number).name: number for number in range(self.model.nsite)}
-        self.sites = {name: number for name, number in sites.items() if name not in self.bodies}
-        self.joints = {self.model.joint(number).name: number for number in range(self.model.njnt)}
         self._servo = int(mujoco.mjtBias.mjBIAS_AFFINE)
         self._refuse_fused_links()
 
@@ -96,8 +88,8 @@ class Arm:
         Raises:
             LoaderError: MuJoCo holds another arm.
         """
-        joints = [self._held_joint(number) for number in range(self.model.njnt)]
-        report = self.comparison.loaded(version("mujoco"), joints, self._held_bodies())
+        joints = [self.held_joint(number) for number in range(self.model.njnt)]
+        report = self.comparison.loaded(version("mujoco"), joints, self.held_bodies())
         joints = [{**joint, "velocity": None} for joint in joints]
         report = replace(report, joints=tuple(joints), **self.comparison.poses(self.frames))
         if not joints:
@@ -118,20 +110,9 @@ class Arm:
 
     def frames(self, q: Sequence[float], links: Sequence[str]) -> dict[str, RigidTransform]:
         """The frames of some links, sites among them, in the world at a joint vector."""
-        data = self.data
-        data.qpos[self.addresses(self.model)] = q
-        self.mujoco.mj_kinematics(self.model, data)
-        frames = {}
-        for name in links:
-            if name in self.sites:
-                site = self.sites[name]
-                frames[name] = RigidTransform(rotation(data.site_xmat[site]), vector(data.site_xpos[site]))
-            else:
-                body = self.bodies[name]
-                frames[name] = RigidTransform(rotation(data.xmat[body]), vector(data.xpos[body]))
-        return frames
-
-    # What was loaded
+        self.data.qpos[self.addresses(self.model)] = q
+        self.mujoco.mj_kinematics(self.model, self.data)
+        return self.placed(links)
 
     def _refuse_fused_links(self) -> None:
         held = {*self.bodies, *self.sites}
@@ -142,40 +123,6 @@ class Arm:
                     suggestion='it keeps them where the file says <mujoco><compiler fusestatic="false"/></mujoco>',
                 )
             )
-
-    def _held_joint(self, number: int) -> dict[str, Any]:
-        """A joint as MuJoCo has it; limits that make no sense, it has switched off."""
-        model, types = self.model, self.mujoco.mjtJoint
-        limited = bool(model.jnt_limited[number])
-        kinds = {int(types.mjJNT_HINGE): "revolute" if limited else "continuous", int(types.mjJNT_SLIDE): "prismatic"}
-        kind = int(model.jnt_type[number])
-        limits = [model.jnt_actfrcrange[number][1]] if model.jnt_actfrclimited[number] else []
-        moved_by = model.actuator_trnid[:, 0] == number
-        limits += list(model.actuator_forcerange[moved_by & (model.actuator_forcelimited != 0), 1])
-        return {
-            "name": model.joint(number).name,
-            "type": kinds.get(kind, types(kind).name),
-            "axis": vector(model.jnt_axis[number]),
-            "lower": float(model.jnt_range[number][0]) if limited else None,
-            "upper": float(model.jnt_range[number][1]) if limited else None,
-            "effort": float(min(limits)) if limits else None,
-        }
-
-    def _held_bodies(self) -> dict[str, Body]:
-        """The links as MuJoCo has them, a site without mass; inertias are turned back from their principal axes."""
-        import numpy as np
-
-        bodies = {name: Body(0.0, ZERO, (0.0,) * 9) for name in self.sites}
-        for name, number in self.bodies.items():
-            matrix = np.zeros(9)
-            self.mujoco.mju_quat2Mat(matrix, self.model.body_iquat[number])
-            axes = rotation(matrix)
-            a, b, c = vector(self.model.body_inertia[number])
-            tensor = multiply(multiply(axes, (a, 0.0, 0.0, 0.0, b, 0.0, 0.0, 0.0, c)), transpose(axes))
-            mass = float(self.model.body_mass[number])
-            # The centre of no mass is wherever MuJoCo's compiler left it.
-            bodies[name] = Body(mass, vector(self.model.body_ipos[number]) if mass else ZERO, tensor)
-        return bodies
 
     # The hold test
 
@@ -306,7 +253,7 @@ def load(request: LoadRequest, options: PictureOptions) -> LoadReport:
 
     prepare(options)
     mujoco = sys.modules["mujoco"]
-    mujoco.set_mju_user_warning(_print_warning)
+    mujoco.set_mju_user_warning(print_warning)
     arm = Arm(mujoco, request)
     report = arm.report()
     if request.picture:
@@ -324,17 +271,6 @@ def load(request: LoadRequest, options: PictureOptions) -> LoadReport:
     return report
 
 
-def _print_warning(text: str | bytes) -> None:
-    """Print a warning; without this, MuJoCo writes it into a file in the working directory too."""
-    words = text.decode("utf-8", "replace") if isinstance(text, bytes) else text
-    os.write(2, f"WARNING: {' '.join(words.split())}\n".encode())
-
-
-_MESSAGE = re.compile(r"^(?:WARNING|ERROR): *(.+?) *$", re.MULTILINE)
-_UNNAMED = "Geom with duplicate name ''"  # MuJoCo 3.3 prints this for every file with two shapes: shapes have no names
-
-
 def read_output(request: LoadRequest, output: str) -> tuple[Problem, ...]:
     """MuJoCo's warnings; what graphics libraries print is not about the arm."""
-    said = [("", text) for text in _MESSAGE.findall(output) if not text.startswith(_UNNAMED)]
-    return printed("MuJoCo", request, said)
+    return printed("MuJoCo", request, [("", text) for text in complaints(output)])

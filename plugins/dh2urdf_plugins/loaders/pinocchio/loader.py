@@ -8,7 +8,6 @@ are frames. https://gepettoweb.laas.fr/doc/stack-of-tasks/pinocchio has its docu
 from __future__ import annotations
 
 import math
-import re
 from dataclasses import replace
 from functools import partial
 from importlib.metadata import version
@@ -18,15 +17,16 @@ from dh2urdf.errors import LoaderError
 from dh2urdf.kinematics.mass import GRAVITY
 from dh2urdf.manipulator import JointType
 from dh2urdf.measuring import Body
-from dh2urdf.rotations import RigidTransform
 from dh2urdf.source import shown
 from dh2urdf_plugins.loaders.measures import Comparison, hold_start, lumped_bodies, printed, rotation, share_of, vector
+from dh2urdf_plugins.loaders.pinocchio.model import MESSAGE, UNIVERSE, Model
 from dh2urdf_plugins.loaders.simulators import PACKAGES
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
 
     from dh2urdf.robot import Joint
+    from dh2urdf.rotations import RigidTransform
     from dh2urdf.source import Problem
     from dh2urdf.stages import LoadReport, LoadRequest
     from dh2urdf_plugins.loaders.simulators import SimulatorOptions
@@ -34,8 +34,6 @@ if TYPE_CHECKING:
 MEASURED_JOINTS = 250
 """Largest number of joints of an arm that is put into a pose: Pinocchio's working memory holds four arrays of the cube
 of their number, here half a gigabyte."""
-_UNIVERSE = 0
-"""The joint that holds the root."""
 
 
 class _Load(NamedTuple):
@@ -47,7 +45,7 @@ class _Load(NamedTuple):
     q: tuple[float, ...]
 
 
-class Arm:
+class Arm(Model):
     """The arm as Pinocchio holds it, beside the robot that was written.
 
     Raises:
@@ -55,15 +53,12 @@ class Arm:
     """
 
     def __init__(self, pinocchio: Any, request: LoadRequest) -> None:  # noqa: ANN401 - a module without type information
-        self.pinocchio, self.request, self.robot = pinocchio, request, request.robot
+        self.request, self.robot = request, request.robot
         self.comparison = Comparison("Pinocchio", request)
         try:
-            self.model = pinocchio.buildModelFromUrdf(str(request.path.resolve()))
+            super().__init__(pinocchio, request.path.resolve())
         except ValueError as error:  # The reason stands only in what the parser prints.
             raise LoaderError(self.comparison.problem(message="Pinocchio cannot load the file")) from error
-        self.joints = {name: number for number, name in enumerate(self.model.names) if number != _UNIVERSE}
-        frames = enumerate(self.model.frames)
-        self.numbers = {frame.name: number for number, frame in frames if frame.type == pinocchio.FrameType.BODY}
 
     def report(self) -> LoadReport:
         """Measure everything.
@@ -76,7 +71,7 @@ class Arm:
             for link in self.robot.links
             if link.name not in self.numbers
         ]
-        joints = [*map(self._held_joint, self.joints.values())]
+        joints = [*map(self.held_joint, self.joints.values())]
         bodies, written = self._held_bodies(), lumped_bodies(self.robot)
         report = self.comparison.loaded(version("pin"), joints, bodies, written, lost)
         if len(joints) > MEASURED_JOINTS:
@@ -95,30 +90,10 @@ class Arm:
 
     # What was loaded
 
-    def _held_joint(self, number: int) -> dict[str, Any]:
-        """A joint as Pinocchio has it; its axis is read off the columns of its motion subspace."""
-        model, joint = self.model, self.model.joints[number]
-        if joint.nv != 1:
-            return {"name": model.names[number], "type": joint.shortname()}
-        turning = joint.createData()
-        joint.calc(turning, self.pinocchio.neutral(model)[joint.idx_q : joint.idx_q + joint.nq])
-        *along, rx, ry, rz = (float(element) + 0.0 for element in turning.S.reshape(6))
-        slides = any(along)
-        endless = joint.nq == 2  # noqa: PLR2004 - cosine and sine
-        return {
-            "name": model.names[number],
-            "type": "prismatic" if slides else "continuous" if endless else "revolute",
-            "axis": tuple(along) if slides else (rx, ry, rz),
-            "lower": None if endless else float(model.lowerPositionLimit[joint.idx_q]),
-            "upper": None if endless else float(model.upperPositionLimit[joint.idx_q]),
-            "velocity": float(model.velocityLimit[joint.idx_v]),
-            "effort": float(model.effortLimit[joint.idx_v]),
-        }
-
     def _held_bodies(self) -> dict[str, Body]:
         """The moving bodies, by the names of the links that carry them, and the body that is in the world."""
         carriers = {joint.child: self.joints.get(joint.name) for joint in self.robot.moving_joints}
-        carriers[self.robot.root] = _UNIVERSE
+        carriers[self.robot.root] = UNIVERSE
         inertias = {name: self.model.inertias[number] for name, number in carriers.items() if number is not None}
         return {
             name: Body(float(inertia.mass), vector(inertia.lever), rotation(inertia.inertia))
@@ -129,20 +104,13 @@ class Arm:
 
     def _coordinates(self, q: Sequence[float]) -> Any:  # noqa: ANN401 - an array of Pinocchio's coordinates
         """A joint vector in Pinocchio's coordinates: cosine and sine of a joint that turns without end."""
-        coordinates = self.pinocchio.neutral(self.model)
-        for joint, value in zip(self.robot.moving_joints, q, strict=True):
-            first = self.model.joints[self.joints[joint.name]].idx_q
-            if joint.type is JointType.CONTINUOUS:
-                coordinates[first : first + 2] = math.cos(value), math.sin(value)
-            else:
-                coordinates[first] = value
-        return coordinates
+        names = (joint.name for joint in self.robot.moving_joints)
+        return self.coordinates(dict(zip(names, q, strict=True)))
 
     def _frames(self, data: Any, q: Sequence[float], links: Sequence[str]) -> Mapping[str, RigidTransform]:  # noqa: ANN401 - Pinocchio's working memory
         """The frames of some links in the root at a joint vector."""
         self.pinocchio.framesForwardKinematics(self.model, data, self._coordinates(q))
-        frames = ((name, data.oMf[self.numbers[name]]) for name in links)
-        return {name: RigidTransform(rotation(frame.rotation), vector(frame.translation)) for name, frame in frames}
+        return self.placed(data, links)
 
     # The hold test
 
@@ -184,10 +152,6 @@ class Arm:
             yield _Load(share_of(effort, force), force, joint, tuple(q))
 
 
-# What Pinocchio's parser, urdfdom, prints: a level, a text, and in the next line where in urdfdom's source it stands.
-_MESSAGE = re.compile(r"^(Warning|Error): *(.*?) *$", re.MULTILINE)
-
-
 def load(request: LoadRequest, options: SimulatorOptions) -> LoadReport:
     """Load a URDF into Pinocchio and measure it.
 
@@ -200,4 +164,4 @@ def load(request: LoadRequest, options: SimulatorOptions) -> LoadReport:
 
 def read_output(request: LoadRequest, output: str) -> tuple[Problem, ...]:
     """The warnings and errors that Pinocchio's parser printed."""
-    return printed("Pinocchio", request, _MESSAGE.findall(output))
+    return printed("Pinocchio", request, MESSAGE.findall(output))

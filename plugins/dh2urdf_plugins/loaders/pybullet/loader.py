@@ -21,9 +21,8 @@ from typing import TYPE_CHECKING, Any
 
 from dh2urdf.errors import LoaderError
 from dh2urdf.kinematics.mass import GRAVITY
-from dh2urdf.measuring import Body, Precision
+from dh2urdf.measuring import Precision
 from dh2urdf.robot import Box, Inertial, Sphere
-from dh2urdf.rotations import IDENTITY, RigidTransform, multiply, rotate, rotation_from_quaternion, transpose
 from dh2urdf_plugins.loaders.measures import (
     HOLD_SECONDS,
     OVERLAP,
@@ -35,6 +34,7 @@ from dh2urdf_plugins.loaders.measures import (
     printed,
     touching_pairs,
 )
+from dh2urdf_plugins.loaders.pybullet.model import NO_INERTIA, Model, messages
 from dh2urdf_plugins.loaders.simulators import PACKAGES
 from dh2urdf_plugins.loaders.viewpoint import (
     FIELD_OF_VIEW,
@@ -51,6 +51,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from dh2urdf.robot import Link
+    from dh2urdf.rotations import RigidTransform
     from dh2urdf.source import Problem
     from dh2urdf.stages import LoadReport, LoadRequest
     from dh2urdf_plugins.loaders.simulators import PyBulletOptions
@@ -80,14 +81,13 @@ _PRECISION = Precision(
     name="single precision",
 )
 _SHADOWS_UP_TO = 5.0  # [m] from the camera: beyond, the renderer's fixed bias lets every surface shade itself
-_ROOT = -1  # PyBullet's index of the root link
 
 
-class Arm:
+class Arm(Model):
     """The arm as PyBullet holds it, beside the robot that was written."""
 
     def __init__(self, bullet: Any, request: LoadRequest) -> None:  # noqa: ANN401 - a module without type information
-        self.bullet, self.request, self.robot = bullet, request, request.robot
+        self.request, self.robot = request, request.robot
         self.comparison = Comparison("PyBullet", request, _PRECISION)
         bullet.setPhysicsEngineParameter(
             enableFileCaching=0,  # Or a rewritten file would give the old arm again.
@@ -95,15 +95,12 @@ class Arm:
             globalCFM=SOFTNESS,
         )
         try:
-            self.body = bullet.loadURDF(
+            body = bullet.loadURDF(
                 str(request.path.resolve()), useFixedBase=True, flags=bullet.URDF_USE_INERTIA_FROM_FILE
             )
         except bullet.error as error:
             raise LoaderError(self.comparison.problem(message="PyBullet cannot load the file")) from error
-        infos = [bullet.getJointInfo(self.body, index) for index in range(bullet.getNumJoints(self.body))]
-        self.moving = [info for info in infos if info[2] != bullet.JOINT_FIXED]
-        self.joints = {_text(info[1]): info[0] for info in infos}
-        self.links = {self.robot.root: _ROOT, **{_text(info[12]): info[0] for info in infos}}
+        super().__init__(bullet, body, self.robot.root)
 
     def report(self) -> LoadReport:
         """Measure everything.
@@ -113,8 +110,8 @@ class Arm:
         """
         # The root is the world's, and PyBullet makes it weightless.
         written = {link.name: link.inertial or Inertial(mass=0.0) for link in self.robot.links[1:]}
-        joints = map(self._held_joint, self.moving)
-        report = self.comparison.loaded(version("pybullet"), joints, self._held_bodies(), written)
+        joints = map(self.held_joint, self.moving)
+        report = self.comparison.loaded(version("pybullet"), joints, self.held_bodies(), written)
         if not self._gives_poses():
             message = "PyBullet cannot move so large an arm: only joints and masses were compared"
             found = f"{len(self.moving)} moving joints, {len(self.links) - 1} links"
@@ -134,32 +131,6 @@ class Arm:
         for joint, value in zip(self.robot.moving_joints, q, strict=True):
             self.bullet.resetJointState(self.body, self.joints[joint.name], value)
 
-    def _held_joint(self, info: Sequence[Any]) -> dict[str, Any]:
-        """A joint as PyBullet has it; its axis is held in the inertial frame, and turned back to the link frame."""
-        lower, upper = info[8], info[9]
-        endless = info[2] == self.bullet.JOINT_REVOLUTE and lower > upper
-        names = {self.bullet.JOINT_REVOLUTE: "revolute", self.bullet.JOINT_PRISMATIC: "prismatic"}
-        inertial_frame = rotation_from_quaternion(self.bullet.getDynamicsInfo(self.body, info[0])[4])
-        return {
-            "name": _text(info[1]),
-            "type": "continuous" if endless else names.get(info[2], f"number {info[2]}"),
-            "axis": tuple(round(element, 12) + 0.0 for element in rotate(inertial_frame, info[13])),
-            "lower": None if endless else lower,
-            "upper": None if endless else upper,
-            "velocity": info[11],
-            "effort": info[10],
-        }
-
-    def _held_bodies(self) -> dict[str, Body]:
-        """The links as PyBullet has them: the inertia is held in its principal axes, and turned back to the link."""
-        bodies = {}
-        for name, index in self.links.items():
-            mass, _, moments, com, orientation = self.bullet.getDynamicsInfo(self.body, index)[:5]
-            axes = rotation_from_quaternion(orientation)
-            principal = (moments[0], 0, 0, 0, moments[1], 0, 0, 0, moments[2])
-            bodies[name] = Body(mass, com, multiply(multiply(axes, principal), transpose(axes)))
-        return bodies
-
     # Poses
 
     def _gives_poses(self) -> bool:
@@ -169,7 +140,7 @@ class Arm:
         all and tells them wrong.
         """
         try:
-            self._frame(max(self.links.values()))
+            self.frame(max(self.links.values()))
             if not self.moving:
                 return True
             last, somewhere = max(info[0] for info in self.moving), 0.125
@@ -178,17 +149,10 @@ class Arm:
         except self.bullet.error:
             return False
 
-    def _frame(self, link: int) -> RigidTransform:
-        """The frame of a link in the world, in whose origin the root stands."""
-        if link == _ROOT:
-            return IDENTITY
-        state = self.bullet.getLinkState(self.body, link, computeForwardKinematics=1)
-        return RigidTransform(rotation_from_quaternion(state[5]), state[4])
-
     def _frames(self, q: Sequence[float], links: Sequence[str]) -> dict[str, RigidTransform]:
         """The frames of some links in the world at a joint vector."""
         self.set_joints(q)
-        return {name: self._frame(self.links[name]) for name in links}
+        return {name: self.frame(self.links[name]) for name in links}
 
     # The hold test
 
@@ -263,10 +227,6 @@ def _margin(link: Link) -> float:
     return max(0.0 if isinstance(shape.geometry, Box | Sphere) else MARGIN for shape in link.collisions)
 
 
-def _text(name: bytes) -> str:
-    return name.decode("utf-8", "replace")
-
-
 def load(request: LoadRequest, options: PyBulletOptions) -> LoadReport:
     """Load a URDF into PyBullet and measure it.
 
@@ -286,12 +246,6 @@ def load(request: LoadRequest, options: PyBulletOptions) -> LoadReport:
     return report
 
 
-# What PyBullet prints: "b3Warning[file,line]:", a line end and the text; often the next message follows without one.
-_MESSAGE = re.compile(r"b3(Warning|Error)\[[^\]]*\]:\n?(.*?)(?=\n|b3(?:Warning|Error)\[|\Z)")
-_COMPLAINT = re.compile(r"\b(warning|error|fail(ed|ure)?|cannot|invalid)\b", re.IGNORECASE)
-_NO_INERTIA = "No inertial data for link"
-
-
 def read_output(request: LoadRequest, output: str) -> tuple[Problem, ...]:
     """The warnings and errors that PyBullet printed.
 
@@ -300,12 +254,6 @@ def read_output(request: LoadRequest, output: str) -> tuple[Problem, ...]:
     """
     robot = request.robot
     names = {*(link.name for link in robot.links), *(joint.name for joint in robot.joints)}
-    said: list[tuple[str, str]] = []
-    for kind, text in _MESSAGE.findall(output):
-        if text in names and said:
-            said[-1] = (said[-1][0], f"{said[-1][1]}: {text}")
-        elif text:
-            said.append((kind, text))
-    said += [("Warning", line.strip()) for line in _MESSAGE.sub("", output).splitlines() if _COMPLAINT.search(line)]
-    of_root = re.compile(rf"{_NO_INERTIA}.*: {re.escape(robot.root)}", re.DOTALL)
+    of_root = re.compile(rf"{NO_INERTIA}.*: {re.escape(robot.root)}", re.DOTALL)
+    said = messages(output, lambda text: text in names)
     return printed("PyBullet", request, [each for each in said if not of_root.fullmatch(each[1])])

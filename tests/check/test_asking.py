@@ -1,0 +1,269 @@
+"""`dh2urdf check` asks the programs that are installed: what they refuse, print, lose and change is seen."""
+
+from __future__ import annotations
+
+import json
+import time
+from typing import TYPE_CHECKING, Any
+
+import pytest
+from consumers import require
+
+from dh2urdf.plugin_system.catalog import load
+from dh2urdf.stages import Question
+from dh2urdf_check.ask.asking import Asked, Asking, programs
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from pathlib import Path
+
+    from conftest import Answer
+
+    Cli = Callable[..., Answer]
+
+BODY = '<inertial><mass value="{}"/><inertia ixx="0.1" ixy="0" ixz="0" iyy="0.1" iyz="0" izz="0.1"/></inertial>'
+JOINT = (
+    '<joint name="{name}" type="revolute"><parent link="{parent}"/><child link="{child}"/>'
+    '<origin xyz="0 0 0.3"/><axis xyz="0 1 0"/><limit lower="-1" upper="1" effort="10" velocity="1"/>{more}</joint>'
+)
+SDF = (
+    '<?xml version="1.0"?>\n<sdf version="1.9"><model name="m"><link name="base">{base}</link>'
+    '<link name="arm"/><joint name="j" type="revolute"><parent>base</parent><child>arm</child>'
+    "<axis><xyz>0 0 1</xyz></axis></joint></model></sdf>\n"
+)
+DAE = (
+    '<?xml version="1.0"?><COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1">{asset}'
+    '<library_geometries><geometry id="g"><mesh><source id="p"><float_array id="a" count="12">'
+    '0 0 0 2 0 0 0 2 0 0 0 2</float_array><technique_common><accessor source="#a" count="4" stride="3">'
+    '<param name="X" type="float"/><param name="Y" type="float"/><param name="Z" type="float"/></accessor>'
+    '</technique_common></source><vertices id="v"><input semantic="POSITION" source="#p"/></vertices>'
+    '<triangles count="4"><input semantic="VERTEX" source="#v" offset="0"/><p>0 2 1 0 1 3 0 3 2 1 2 3</p></triangles>'
+    '</mesh></geometry></library_geometries><library_visual_scenes><visual_scene id="s"><node id="n">'
+    '<instance_geometry url="#g"/></node></visual_scene></library_visual_scenes><scene>'
+    '<instance_visual_scene url="#s"/></scene></COLLADA>'
+)
+OBJ = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n"
+ASSET = '<asset><unit meter="{}"/><up_axis>Z_UP</up_axis></asset>'
+
+
+def urdf(base: str = BODY.format(9), arm: str = BODY.format(2), more: str = "", joint: str = "") -> str:
+    """Two links, and what else is in the robot or in its joint."""
+    first = JOINT.format(name="j1", parent="base", child="arm", more=joint)
+    return (
+        f'<?xml version="1.0"?>\n<robot name="r">\n<link name="base">{base}</link>\n'
+        f'<link name="arm">{arm}</link>\n{first}\n{more}\n</robot>\n'
+    )
+
+
+def mesh(name: str) -> str:
+    return f'<collision><geometry><mesh filename="{name}"/></geometry></collision>'
+
+
+@pytest.fixture
+def told(cli: Cli, tmp_path: Path) -> Callable[..., dict[str, Any]]:
+    """What `check` finds in a text, as its JSON."""
+
+    def check(text: str, *words: str, name: str = "arm.urdf", status: int = 0) -> dict[str, Any]:
+        (tmp_path / name).write_text(text)
+        document: dict[str, Any] = json.loads(cli("check", name, *words, "--json", status=status).stdout)
+        return document
+
+    return check
+
+
+def seen(document: dict[str, Any], consumer: str) -> dict[str, dict[str, Any]]:
+    """By rule, the findings with something that was seen in a consumer's program."""
+    return {
+        finding["rule"]: {**finding, **finding["consumers"][consumer]}
+        for finding in document["findings"]
+        if (finding["consumers"].get(consumer) or {}).get("seen")
+    }
+
+
+def test_a_program_says_which_it_is(told: Any) -> None:
+    """With its version, in the findings and in the list of those that were asked."""
+    require("mujoco")
+    document = told(urdf(), "--for", "mujoco")
+    assert document["asked"]["mujoco"] == {"program": "MuJoCo 4.0.0", "end": "loads"}
+    assert seen(document, "mujoco")["seen-lost-root"]["seen"] == "MuJoCo 4.0.0"
+
+
+def test_nobody_is_asked_where_the_user_wants_that(told: Any) -> None:
+    document = told(urdf(), "--no-ask")
+    assert document["asked"] == {}
+    assert all(does["seen"] is None for each in document["findings"] for does in each["consumers"].values())
+
+
+def test_only_the_programs_that_are_named_are_asked(told: Any) -> None:
+    require("pinocchio", "mujoco")
+    assert list(told(urdf(), "--for", "pinocchio")["asked"]) == ["pinocchio"]
+
+
+def test_a_refusal_is_at_the_joint_that_the_program_names(told: Any) -> None:
+    """In the program's words; what one program refuses is not said of the others."""
+    require("ros", "pinocchio", "mujoco")
+    document = told(urdf(joint='<calibration rising="x"/>'), status=1)
+    for consumer in ("ros", "pinocchio"):
+        found = seen(document, consumer)["seen-refusal"]
+        assert "not a valid float" in found["does"]
+        assert (found["severity"], found["line"]) == ("error", 5)
+    assert document["asked"]["mujoco"]["end"] == "loads"
+
+
+def test_a_crash_is_a_finding_and_the_other_files_are_asked(cli: Cli, tmp_path: Path) -> None:
+    """The mesh ends PyBullet with a signal; in a new child it gets the next file."""
+    require("pybullet")
+    (tmp_path / "one.dae").write_text(DAE.format(asset=ASSET.format("").replace(' meter=""', "")))
+    (tmp_path / "a.urdf").write_text(urdf(arm=BODY.format(2) + mesh("one.dae")))
+    (tmp_path / "b.urdf").write_text(urdf())
+    document = json.loads(cli("check", "a.urdf", "b.urdf", "--for", "pybullet", "--json", status=1).stdout)
+    (crash,) = [each for each in document["findings"] if each["rule"] == "seen-crash"]
+    assert crash["file"] == "a.urdf"
+    assert "segmentation fault" in crash["consumers"]["pybullet"]["does"]
+    assert document["asked"] == {"PyBullet 3.2.7": {"crashes": 1, "loads": 1}}
+
+
+def test_units_of_a_mesh_that_two_programs_read_otherwise(told: Any, tmp_path: Path) -> None:
+    """PyBullet multiplies by the unit of COLLADA, Pinocchio does not."""
+    require("pybullet", "pinocchio")
+    for factor, name in ((0.01, "hundredth"), (1, "metre")):
+        (tmp_path / f"{name}.dae").write_text(DAE.format(asset=ASSET.format(factor)))
+    found = seen(told(urdf(arm=BODY.format(2) + mesh("hundredth.dae")), status=1), "pybullet")["seen-mesh-size"]
+    assert "0.01 times as large" in found["does"]
+    assert "seen-mesh-size" not in seen(told(urdf(arm=BODY.format(2) + mesh("metre.dae")), status=1), "pybullet")
+
+
+def test_what_mujoco_makes_of_the_root(told: Any) -> None:
+    """Its name and its mass are gone."""
+    require("mujoco")
+    found = seen(told(urdf()), "mujoco")["seen-lost-root"]
+    assert (found["severity"], found["line"]) == ("note", 3)
+    assert "9 of 11 kg are gone" in found["does"]
+
+
+def test_a_joint_that_follows_another_one_does_not_in_pybullet(told: Any) -> None:
+    require("pybullet", "mujoco", "drake")
+    second = JOINT.format(name="j2", parent="arm", child="hand", more='<mimic joint="j1" multiplier="2"/>')
+    document = told(urdf(more=f'<link name="hand">{BODY.format(1)}</link>{second}'))
+    does = " ".join(each["does"] for each in seen(document, "pybullet").values())
+    assert "does not follow 'j1'" in does
+    for consumer in ("mujoco", "drake"):
+        assert "does not follow" not in " ".join(each["does"] for each in seen(document, consumer).values())
+
+
+def test_an_inertia_that_pybullet_does_not_take(told: Any) -> None:
+    """It prints that, and has another one; MuJoCo refuses the file."""
+    require("pybullet", "mujoco")
+    impossible = BODY.format(2).replace('izz="0.1"', 'izz="0.9"')
+    document = told(urdf(arm=impossible), status=1)
+    assert "mujoco" in document["asked"]
+    assert document["asked"]["mujoco"]["end"] == "refuses"
+    assert any("inertia" in each["does"] for each in seen(document, "pybullet").values())
+    assert any("A + B >= C" in each["does"] for each in seen(document, "mujoco").values())
+
+
+@pytest.mark.parametrize("consumer", ["pybullet", "mujoco", "pinocchio", "drake", "gazebo"])
+def test_a_good_file_is_the_same_in_every_program(told: Any, consumer: str) -> None:
+    """Links, masses, centres, axes, limits, shapes and poses: nothing but what is merged or held by the world."""
+    require(consumer)
+    box = '<collision><origin xyz="0.1 0 0"/><geometry><box size="0.1 0.2 0.3"/></geometry></collision>'
+    off = BODY.format(2).replace("<mass", '<origin xyz="0.1 0.02 0.03" rpy="0.3 0 0"/><mass')
+    second = JOINT.format(name="j2", parent="arm", child="hand", more="").replace("0 0 0.3", "0.1 0.2 0.3")
+    second = second.replace('<axis xyz="0 1 0"/>', '<axis xyz="0.6 0 0.8"/>').replace("<axis", "<axis", 1)
+    text = urdf(arm=off + box, more=f'<link name="hand">{BODY.format(1)}</link>{second}')
+    document = told(text, "--for", consumer)
+    assert document["asked"][consumer]["end"] == "loads"
+    assert set(seen(document, consumer)) <= {"seen-lost-root"}
+
+
+def test_a_xacro_is_given_as_what_it_expands_to(cli: Cli, tmp_path: Path) -> None:
+    """Places are those of the xacro; files beside it are found."""
+    require("mujoco")
+    text = urdf(arm=BODY.format("${1 + 1}") + mesh("part.obj"))
+    (tmp_path / "arm.urdf.xacro").write_text(
+        text.replace("<robot", '<robot xmlns:xacro="http://www.ros.org/wiki/xacro"')
+    )
+    (tmp_path / "part.obj").write_text(OBJ)
+    document = json.loads(cli("check", "arm.urdf.xacro", "--for", "mujoco", "--json").stdout)
+    assert document["asked"]["mujoco"]["end"] == "loads"
+    assert seen(document, "mujoco")["seen-lost-root"]["line"] == 3
+
+
+def test_sdf_is_asked_too(told: Any) -> None:
+    """An address of an unknown package, which Drake and PyBullet refuse and sdformat passes over."""
+    require("drake", "pybullet", "gazebo")
+    visual = '<visual name="v"><geometry><mesh><uri>package://gone/t.obj</uri></mesh></geometry></visual>'
+    document = told(SDF.format(base=visual), name="arm.sdf", status=1)
+    ends = {consumer: each["end"] for consumer, each in document["asked"].items()}
+    assert ends == {"pybullet": "refuses", "drake": "refuses", "gazebo": "loads"}
+    assert "unknown package" in " ".join(each["does"] for each in seen(document, "drake").values())
+
+
+def test_an_mjcf_that_is_an_empty_world(told: Any) -> None:
+    """MuJoCo loads it in silence: bodies beside `worldbody` are no bodies."""
+    require("mujoco")
+    text = '<mujoco><body name="b"><geom size="0.1"/></body></mujoco>'
+    document = told(text, "--for", "mujoco", name="arm.xml", status=1)
+    assert document["asked"]["mujoco"]["end"] == "loads"
+    assert "seen-empty-world" in seen(document, "mujoco")
+
+
+def test_a_program_is_behind_the_fence(tmp_path: Path) -> None:
+    """It sees the folders that it is given, and no other: here the mesh is in one that it is not given."""
+    require("mujoco")
+    (tmp_path / "elsewhere").mkdir()
+    (tmp_path / "elsewhere" / "part.obj").write_text(OBJ)
+    (tmp_path / "arm").mkdir()
+    path = tmp_path / "arm" / "arm.urdf"
+    mjcf = '<mujoco><compiler strippath="false"/></mujoco>'
+    path.write_text(urdf(arm=BODY.format(2) + mesh(str(tmp_path / "elsewhere" / "part.obj")), more=mjcf))
+    ends = []
+    for readable in ((path.parent,), (path.parent, tmp_path / "elsewhere")):
+        question = Question(path=path, format="urdf")
+        with Asking(programs(load(), ["mujoco"]), [Asked(question, readable)]) as at_work:
+            ((answer,),) = at_work.answers()
+        ends.append(answer.end)
+    assert ends == ["refuses", "loads"]
+
+
+def test_where_the_kernel_has_no_wall_nobody_is_asked(
+    cli: Cli, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Unless the user trusts the file; a notice says so."""
+    from dh2urdf.isolation import fence
+
+    (tmp_path / "arm.urdf").write_text(urdf())
+    monkeypatch.setattr("dh2urdf_check.ask.findings.missing_wall", lambda: "this kernel offers no Landlock: none")
+    monkeypatch.delenv(fence.TRUST, raising=False)
+    answer = cli("check", "arm.urdf", "--json")
+    assert json.loads(answer.stdout)["asked"] == {}
+    assert "no simulator is given the file" in answer.stderr
+
+
+def test_what_is_foretold_and_was_not_seen_is_left_out(told: Any) -> None:
+    """A finding of a rule says where it was seen; of a program that was asked nothing else is foretold."""
+    require("pybullet")
+    text = urdf(
+        more='<link name="tool0"/><joint name="t" type="fixed"><parent link="arm"/><child link="tool0"/></joint>'
+    )
+    document = told(text)
+    foretold = [
+        (each["rule"], consumer)
+        for each in document["findings"]
+        for consumer, does in each["consumers"].items()
+        if does["seen"] is None and consumer in {"pybullet", "mujoco", "pinocchio", "drake"} & set(document["asked"])
+    ]
+    assert foretold == []
+    assert "tool0" in seen(document, "pybullet")["frame-without-inertial"]["does"]
+
+
+def test_many_files_in_one_command(cli: Cli, tmp_path: Path) -> None:
+    """Each simulator is imported once: a file more costs a fork."""
+    require("pybullet", "mujoco", "pinocchio", "drake")
+    (tmp_path / "many").mkdir()
+    for number in range(12):
+        (tmp_path / "many" / f"{number}.urdf").write_text(urdf(base=BODY.format(number + 1)))
+    begun = time.monotonic()
+    document = json.loads(cli("check", "many", "--json").stdout)
+    assert all(sum(ends.values()) == 12 for ends in document["asked"].values())
+    assert time.monotonic() - begun < 60

@@ -15,6 +15,8 @@ from dh2urdf.plugin_system import load
 from dh2urdf.rotations import RigidTransform
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from dh2urdf.manipulator import Manipulator
 
 TABLES = Path(__file__).parents[3] / "configs" / "tables"
@@ -71,6 +73,11 @@ joint,a,alpha,d
 """
 
 
+def in_csv(text: str, folder: Path) -> Path:
+    (folder / "arms.csv").write_text(text)
+    return folder / "arms.csv"
+
+
 def in_workbook(text: str, folder: Path) -> Path:
     """The cells of a text as one sheet of a workbook."""
     book = pytest.importorskip("openpyxl").Workbook()
@@ -82,17 +89,47 @@ def in_workbook(text: str, folder: Path) -> Path:
 
 
 @pytest.mark.parametrize(("number", "name", "first"), [(1, "left", (0.1, 0.0)), (2, "right", (0.2, 0.0))])
-def test_a_table_of_a_sheet_is_chosen_by_its_number(
-    number: int, name: str, first: tuple[float, float], tmp_path: Path
+@pytest.mark.parametrize("written", [in_csv, in_workbook])
+def test_a_table_of_a_file_is_chosen_by_its_number(
+    written: Callable[[str, Path], Path], number: int, name: str, first: tuple[float, float], tmp_path: Path
 ) -> None:
-    """Each has what is above all of them and what is above itself, which is stronger."""
-    arm = api.read(in_workbook(TWO, tmp_path), table_number=number)
+    """Each has what is above all of them and what is above itself, which is stronger; its rows keep their places."""
+    arm = api.read(written(TWO, tmp_path), table_number=number)
     assert (arm.name, arm.convention, len(arm.rows)) == (name, "standard", 2)
     assert (arm.rows[0].a, arm.rows[0].d) == first
+    assert arm.rows[0].mark
+    assert arm.rows[0].mark.line == (5 if number == 1 else 11)
 
 
 @pytest.mark.parametrize("number", [None, 0, 3])
-def test_which_table_of_a_sheet_is_meant_is_asked(number: int | None, tmp_path: Path) -> None:
+@pytest.mark.parametrize(("written", "places"), [(in_csv, "line {}"), (in_workbook, "Sheet!A{}")])
+def test_which_table_of_a_file_is_meant_is_asked(
+    written: Callable[[str, Path], Path], places: str, number: int | None, tmp_path: Path
+) -> None:
     """In one sentence that has the places of all of them."""
-    with pytest.raises(TableError, match="the file has 2 tables of parameters: 1 in Sheet!A4, 2 in Sheet!A10"):
-        api.read(in_workbook(TWO, tmp_path), table_number=number)
+    said = f"the file has 2 tables of parameters: 1 in {places.format(4)}, 2 in {places.format(10)}"
+    with pytest.raises(TableError, match=said):
+        api.read(written(TWO, tmp_path), table_number=number)
+
+
+@pytest.mark.parametrize(
+    "between", ["", "\n", "# of the other arm\n", "\nThe other arm:\n\n", "# name: b\n", ",,,\n,,,\n"]
+)
+@pytest.mark.parametrize("header", ["joint,a,alpha,d", "i,d,a [m],alpha"])
+def test_a_second_header_is_never_passed_over(header: str, between: str, tmp_path: Path) -> None:
+    """Whatever is between two tables, and whether their headers are the same or not."""
+    path = in_csv(f"joint,a,alpha,d\n1,0.1,0,0\n{between}{header}\n1,0.2,0,0\n", tmp_path)
+    with pytest.raises(TableError, match=r"header of line 1 again|1 in line 1, 2 in line"):
+        api.read(path, convention="standard")
+    assert [row.a for row in api.read(path, convention="standard", table_number=1).rows] == [0.1]
+    with_a = api.read(path, convention="standard", table_number=2).rows[0]
+    assert (with_a.a, with_a.d) == ((0.2, 0.0) if header.startswith("joint") else (0.0, 0.2))
+
+
+def test_a_table_in_a_text_is_chosen_as_one_in_a_file() -> None:
+    """A text that is pasted is asked about in the same words; of one table the first is meant."""
+    assert api.read(TWO, table_number=2).name == "right"
+    with pytest.raises(TableError, match="the file has 2 tables of parameters: 1 in line 4, 2 in line 10"):
+        api.read(TWO)
+    with pytest.raises(TableError, match="the file has 1 table of parameters: 1 in line 1"):
+        api.read("a,alpha,d\n1,0,0\n", convention="standard", table_number=2)

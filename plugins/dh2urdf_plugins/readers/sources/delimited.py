@@ -7,17 +7,17 @@ import re
 from collections import deque
 from itertools import accumulate, chain, islice
 from operator import itemgetter
-from typing import TYPE_CHECKING, NamedTuple, NoReturn
+from typing import TYPE_CHECKING, NamedTuple
 
 from dh2urdf.errors import TableError
-from dh2urdf.source import Mark, Problem, shown
+from dh2urdf.source import Mark, Messages, shown
 from dh2urdf.table_text import REQUIRED, STATEMENTS, CellRow
 from dh2urdf_plugins.readers.comments.declared import comment_below
 from dh2urdf_plugins.readers.comments.top import MAX_TITLES, is_header
 from dh2urdf_plugins.readers.header.columns import TURN_ROUND, are_joints
 from dh2urdf_plugins.readers.header.header_rows import completed, headers_in
-from dh2urdf_plugins.readers.header.words import read_header
-from dh2urdf_plugins.readers.sources.texts import DELIMITERS, MAX_HEADER, delimiter_of, split
+from dh2urdf_plugins.readers.sources.several import choose, one_table, starts_table
+from dh2urdf_plugins.readers.sources.texts import DELIMITERS, MAX_HEADER, delimiter_of, fields_in, split
 from dh2urdf_plugins.readers.statements.text import line_blocks
 from dh2urdf_plugins.readers.tables.cell_rows import is_note, other_header
 from dh2urdf_plugins.readers.words.cells import SPACES
@@ -39,6 +39,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from dh2urdf.columns import PlaceInFile
+    from dh2urdf.source import Problem
     from dh2urdf_plugins.readers.header.columns import Columns
     from dh2urdf_plugins.readers.rows.source import Row
 
@@ -54,6 +55,8 @@ _EMPTY = SPACES + "".join(DELIMITERS) + '"'
 _LINES_OF_A_CELL = 100
 """Lines that a comment, or a header, in quotes may run over."""
 _EXCEL_SEPARATOR = r'(?i)\s*"?sep=(.)"?[\s,;]*'  # Excel's own way to name the delimiter
+
+say = Messages(__file__)
 
 
 class _Line(NamedTuple):
@@ -77,21 +80,26 @@ class CsvRows:
 
     The key of a row is the number of its line.
 
+    Args:
+        path: the file.
+        number: which of several tables is read, from 1; None where the file has one.
+
     Attributes:
         below: comments and notes below the header, which may define names.
     """
 
-    def __init__(self, path: Path) -> None:
-        self.file = str(path)
+    def __init__(self, path: Path, number: int | None = None) -> None:
+        self.path, self.file = path, str(path)
         self.below: list[Comment] = []
-        self.blocks = line_blocks(path)
+        self.blocks = line_blocks(path) if number is None else iter([lines_of_table(path, number)])
         self.lines: list[str] = []  # those that were read and not handed on
         self.passed = 0  # lines before these
         self.delimiter = ","
         self.header: list[str] = []
         self.width = self.needed = 0
         self.geometry: list[int] = []
-        self.after_empty = False
+        self.one_robot = True
+        self.after_empty = self.after_gap = False  # an empty line, or that or a comment, is above
         self.held: list[tuple[int, list[str]]] = []  # notes, as long as no joint follows
         self.quoted: deque[tuple[int, str]] = deque()  # lines with quotes: lengths do not tell where their cells start
         self.comments: set[int] = set()  # lines among the latest rows that are comments, and so no empty rows
@@ -115,10 +123,9 @@ class CsvRows:
             if line.number == 1 and (match := re.fullmatch(_EXCEL_SEPARATOR, line.text)):
                 separator = match[1] if match[1] in DELIMITERS else None
                 continue
-            text = _header_in(line)
+            text = (commented_header(line.text) or "") if line.comment else line.text
             if len(text) > MAX_HEADER:
-                message, accepted = f"the header has {len(text)} characters", f"at most {MAX_HEADER} characters"
-                raise TableError(Problem(message=message, mark=self._mark(line.number), accepted=accepted))
+                raise TableError(say("long-header", self._mark(line.number), length=len(text), most=MAX_HEADER))
             found = separator or delimiter_of(text)
             if found and is_header(row := self._cells(text, line.number, found)) and not self._is_explained(line):
                 yield from self._begin(line, row, found, above)
@@ -127,7 +134,9 @@ class CsvRows:
             titles += [] if line.comment else [line]
             if len(titles) > MAX_TITLES:
                 break
-        yield from self._likely(above, titles, separator)
+        likely, found = self._likely(titles, separator)
+        row = self._cells(likely.text, likely.number, found)
+        yield from self._begin(likely, row, found, above[: above.index(likely)])
 
     def _top_lines(self) -> Iterator[_Line]:
         """The lines that hold anything, each with those that a cell in quotes runs over."""
@@ -147,13 +156,7 @@ class CsvRows:
     def _begin(self, line: _Line, row: CellRow, delimiter: str, above: Sequence[_Line]) -> Iterator[CellRow]:
         """What is above the header, and the header."""
         if not line.comment and _is_cut(line.text):
-            raise TableError(
-                Problem(
-                    message=f"a column of the header opens with a quote that is not closed: {shown(line.text.strip())}",
-                    mark=self._mark(line.number),
-                    accepted='a quote at both ends, "like this", or none',
-                )
-            )
+            raise TableError(say("open-quote-in-header", self._mark(line.number), text=shown(line.text.strip())))
         self.delimiter = delimiter
         for each in above:
             if each.comment:
@@ -173,44 +176,25 @@ class CsvRows:
         line = next((line for line in below if line.strip(_EMPTY) and not is_comment(line, top=True)), "")
         return delimiter_of(line) is not None
 
-    def _likely(self, above: Sequence[_Line], titles: Sequence[_Line], separator: str | None) -> Iterator[CellRow]:
-        """The line that is most like a header.
+    def _likely(self, titles: Sequence[_Line], separator: str | None) -> tuple[_Line, str]:
+        """The line that is most like a header, and its delimiter.
 
         Raises:
             TableError: no line is like one.
         """
         if not titles:
-            raise TableError(
-                Problem(
-                    message="there is no header and there are no rows",
-                    mark=Mark(file=self.file),
-                    accepted="a header with at least the columns a, alpha and d, and one row for each joint",
-                )
-            )
-        likely = max(titles, key=lambda title: max(map(len, _fields_by_delimiter(title.text).values())))
-        by_delimiter = _fields_by_delimiter(likely.text)
-        found = separator or max(by_delimiter, key=lambda sign: (len(by_delimiter[sign]), likely.text.count(sign)))
-        if not by_delimiter[found] or found not in likely.text:
-            raise TableError(self._no_header(likely))
-        row = self._cells(likely.text, likely.number, found)
-        yield from self._begin(likely, row, found, above[: above.index(likely)])
-
-    def _no_header(self, line: _Line) -> Problem:
-        text = line.text.strip(_EMPTY)
+            raise TableError(say("nothing-in-the-file", Mark(file=self.file)))
+        line = max(titles, key=lambda title: max(len(fields_in(title.text, sign)) for sign in DELIMITERS))
+        named = {sign: len(fields_in(line.text, sign)) for sign in DELIMITERS}
+        found = separator or max(DELIMITERS, key=lambda sign: (named[sign], line.text.count(sign)))
+        if named[found] and found in line.text:
+            return line, found
+        text, advice = line.text.strip(_EMPTY), None
         if ":" in text and text.partition(":")[0].strip().casefold() in STATEMENTS:
             advice = f"write `# {text}`: what holds for all rows is in comment lines"
         elif any(are_joints(split(line.text, sign)) for sign in DELIMITERS):
             advice = TURN_ROUND
-        else:
-            advice = "`--columns theta,d,a,alpha` names the columns of numbers without a header, in their order"
-        return Problem(
-            message=f"this line is no header whose columns are known: {shown(line.text)}",
-            mark=self._mark(line.number),
-            field="columns",
-            found=line.text,
-            accepted="a header with at least the columns a, alpha and d, such as `joint,type,a,alpha,d,theta`",
-            suggestion=advice,
-        )
+        raise TableError(say("no-header", self._mark(line.number), field="columns", found=line.text, suggestion=advice))
 
     def complete(self, header: CellRow) -> CellRow:
         """The header with a row of units, or of names under shared titles, that follows it.
@@ -236,6 +220,7 @@ class CsvRows:
         self.width = len(columns.headers)
         self.needed = max(index for index, header in enumerate(columns.headers) if header) + 1
         self.geometry = [columns.fields.index(name) for name in REQUIRED]
+        self.one_robot = "robot" not in columns.fields
         columns.decimal_comma = self.delimiter != ","
         columns.quoted_commas = self.delimiter == ","
         return columns
@@ -244,7 +229,7 @@ class CsvRows:
         """The rows that hold anything, and the line at which each starts."""
         for lines, batch in self._records():
             plain = set(map(len, batch)) == {self.width} and all(map(str.strip, map(itemgetter(0), batch)))
-            if plain and not self.after_empty and not self.held and not _may_be_note(batch[-1]):
+            if plain and not self.after_gap and not self.held and not _may_be_note(batch[-1]):
                 yield lines, batch
             else:
                 pairs = [pair for each in zip(lines, batch, strict=True) for pair in self._joints(*each)]
@@ -254,13 +239,16 @@ class CsvRows:
     def _joints(self, line: int, cells: list[str]) -> list[tuple[int, list[str]]]:
         """What a line adds to the rows: itself with notes that a joint follows after all, or nothing."""
         if not any(map(str.strip, cells)):
+            self.after_gap = True
             self.after_empty = self.after_empty or line not in self.comments
             return []
         row = CellRow(cells, self._mark(line))
+        if self.after_gap and self.one_robot and starts_table(row):
+            lines_of_table(self.path, None)
         if is_note(row, self.geometry, self.needed, after_empty=self.after_empty):
             self.held.append((line, cells))
             return []
-        joints, self.held, self.after_empty = [*self.held, (line, cells)], [], False
+        joints, self.held, self.after_empty, self.after_gap = [*self.held, (line, cells)], [], False, False
         return joints
 
     def _records(self) -> Iterator[tuple[Sequence[int], list[list[str]]]]:
@@ -280,7 +268,7 @@ class CsvRows:
                         starts.append(start + reader.line_num)
                         batch.append(self._unguarded(next(reader), starts[-1]))
                 except csv.Error as error:
-                    self._refuse_cell(error, starts[-1])
+                    raise TableError(self._wrong_cell(str(error), starts[-1])) from None
                 yield starts, batch
             self.comments.clear()
 
@@ -306,11 +294,16 @@ class CsvRows:
         """Passes over a comment below the header.
 
         Raises:
-            TableError: it says something, which would not hold for the rows above.
+            TableError: it declares something, which would not hold for the rows above.
         """
         self.comments.add(number)
         for text in as_typed(line, self.delimiter):
-            comment = comment_below(text, self._mark(number))
+            try:
+                comment = comment_below(text, self._mark(number))
+            except TableError:
+                if self.one_robot:
+                    lines_of_table(self.path, None)  # it may be above another header
+                raise
             if "=" in comment.line and len(self.below) < MAX_BELOW:
                 self.below.append(comment)
         return True
@@ -322,20 +315,15 @@ class CsvRows:
             return []
         return [cell[1:] if _GUARDED.match(cell) else cell for cell in cells]
 
-    def _refuse_cell(self, error: csv.Error, line: int) -> NoReturn:
-        """Refuses the file for a cell whose quotes are wrong, or that has no end."""
+    def _wrong_cell(self, error: str, line: int) -> Problem:
+        """What is wrong with a cell whose quotes are wrong, or that has no end."""
         number, text = next(((n, text) for n, text in self.quoted if n >= line and '"' in text), (line, ""))
         is_open = number == line and text.count('"') % 2
-        if "limit" in str(error) and not is_open:
-            most = f"at most {csv.field_size_limit()} characters in a cell"
-            raise TableError(Problem(message="a cell is too long", mark=self._mark(line), accepted=most))
-        message, accepted = "a cell opens with a quote that is not closed", 'a quote at both ends, "like this"'
-        if "expected after" in str(error):
-            message, accepted = "text is behind a closing quote", "a quote that is part of the text twice"
+        if "limit" in error and not is_open:
+            return say("long-cell", self._mark(line), most=csv.field_size_limit())
         mark = Mark(file=self.file, line=line, column=text.find('"') + 1 or None)
-        raise TableError(
-            Problem(message=f"{message}: {shown(text.strip())}", mark=mark, found=text or None, accepted=accepted)
-        )
+        about = {"found": text or None, "text": shown(text.strip())}
+        return say("text-behind-a-quote" if "expected after" in error else "open-quote", mark, **about)
 
     # --- Places -------------------------------------------------------------------------------------------------------
 
@@ -369,23 +357,32 @@ class CsvRows:
         return [Mark(file=self.file, line=key, column=start) for start in starts]
 
     def row_problems(self, key: int, texts: Sequence[str], number: int) -> Iterator[Problem]:
-        """What is wrong with a row that is another header, or has other cells than the header has columns."""
+        """What is wrong with a row that is another header, or has other cells than the header has columns.
+
+        Raises:
+            TableError: it begins another table, and no option has the number of the one that is meant.
+        """
         row = CellRow(texts, self._mark(key))
         if headers_in(row) != self.header and (problem := other_header(row, number)):
+            if self.one_robot and starts_table(row):
+                lines_of_table(self.path, None)
             yield problem
             return
         more = next((text for text in texts[self.width :] if text.strip()), None)
         if len(texts) >= self.needed and (more is None or marks_a_comment(more)):
             return
-        suggestion = "if this is a note, put an empty row before it, or a # at its beginning"
+        advice = None
         if self.delimiter == "," and len(texts) > self.width:
-            suggestion = "is there a decimal comma in it, or a comma in a text without quotes?"
-        yield Problem(
-            message=f"row {number} has {len(texts)} cells, and the header has {self.width} columns",
-            mark=row.mark,
+            advice = "is there a decimal comma in it, or a comma in a text without quotes?"
+        yield say(
+            "ragged-row",
+            row.mark,
             joint=f"joint_{number}",
-            accepted=f"one cell for each column, with a {DELIMITERS[self.delimiter]} between them",
-            suggestion=suggestion,
+            suggestion=advice,
+            number=number,
+            cells=len(texts),
+            columns=self.width,
+            sign=DELIMITERS[self.delimiter],
         )
 
 
@@ -408,6 +405,28 @@ class _Joined:
             yield from lines
 
 
+def lines_of_table(path: Path, number: int | None) -> list[str]:
+    """The lines of one of several tables; all others are empty, so that each line keeps its number.
+
+    Args:
+        path: the file.
+        number: which table, from 1; None where no option has it.
+
+    Raises:
+        TableError: there is no such table, or there are several and no number.
+    """
+    lines = list(chain.from_iterable(line_blocks(path)))
+    sign = next(filter(None, map(delimiter_of, lines)), ",")
+    rows = [
+        CellRow([line] if is_comment(line, top=True) or len(line) > MAX_HEADER else split(line, sign), mark)
+        for line, mark in zip(lines, (Mark(file="", line=at) for at in range(1, len(lines) + 1)), strict=True)
+    ]
+    headers = [str(row.mark.in_file) for row in rows if starts_table(row)]
+    chosen = choose(range(1, len(headers) + 1), headers, number, path)
+    kept = {row.mark.line for row in one_table(rows, chosen)}
+    return [line if at in kept else "" for at, line in enumerate(lines, start=1)]
+
+
 def commented_header(line: str) -> str | None:
     """The header that a line starting with # is, or None where it is a comment.
 
@@ -415,21 +434,10 @@ def commented_header(line: str) -> str | None:
     """
     if max(map(line.count, DELIMITERS)) + 1 < len(REQUIRED) or len(line) > MAX_HEADER or is_quoted(line):
         return None
-    fields = {text: max(_fields_by_delimiter(text).values(), key=len) for text in (line, without_marker(line))}
-    best = max(fields, key=lambda text: len(fields[text]))
-    return best if fields[best].issuperset(REQUIRED) else None
-
-
-def _header_in(line: _Line) -> str:
-    return (commented_header(line.text) or "") if line.comment else line.text
-
-
-def _fields_by_delimiter(line: str) -> dict[str, set[str]]:
-    """The fields that the cells of a line name, by the delimiter that they may have between them."""
-    cells = {sign: split(line, sign) if sign in line else [line] for sign in DELIMITERS}
-    return {
-        sign: {header.field.name for header in map(read_header, texts) if header.field} for sign, texts in cells.items()
-    }
+    texts = (line, without_marker(line))
+    named = {text: max((fields_in(text, sign) for sign in DELIMITERS), key=len) for text in texts}
+    best = max(texts, key=lambda text: len(named[text]))
+    return best if named[best].issuperset(REQUIRED) else None
 
 
 def _starts_of(line: str, delimiter: str) -> list[int]:

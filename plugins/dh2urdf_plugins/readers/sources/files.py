@@ -12,19 +12,18 @@ from typing import TYPE_CHECKING
 from dh2urdf.columns import ManipulatorGroups
 from dh2urdf.documents import decoded, read_bytes
 from dh2urdf.errors import TableError
-from dh2urdf.source import Mark
+from dh2urdf.source import Mark, Messages
 from dh2urdf.table_text import CellRow
 from dh2urdf_plugins.readers.comments.top import is_header
+from dh2urdf_plugins.readers.sources.several import choose
 from dh2urdf_plugins.readers.sources.texts import (
     TextTable,
     all_tables,
-    chosen,
     delimiter_of,
     form_of,
     grammar_rows,
     split,
     tables_of,
-    two_headers,
 )
 from dh2urdf_plugins.readers.statements.text import line_blocks
 from dh2urdf_plugins.readers.tables.cell_rows import CellRows
@@ -40,6 +39,7 @@ if TYPE_CHECKING:
 
 FORMS = {".md": "markdown", ".tex": "latex"}
 """The forms that a suffix says; of other files the first lines say it."""
+say = Messages(__file__)
 _TOP = 100
 """Lines in which the header of a CSV file is."""
 _LONGEST = 2**24
@@ -70,13 +70,13 @@ def read_file_columns(
     if form == "csv" and not options.columns:
         from dh2urdf_plugins.readers.sources.delimited import CsvRows
 
-        yield from read_table_columns(CsvRows(path), str(path), options, name=path.stem, trace=trace)
+        rows = CsvRows(path, options.table_number)
+        yield from read_table_columns(rows, str(path), options, name=path.stem, trace=trace)
         return
-    file = str(path)
     if form == "csv" and any(map(delimiter_of, lines)):
-        raise TableError(two_headers(Mark(file=file)))
-    rows = _rows_of(path, form, options, file)
-    yield from read_table_columns(rows, file, options, name=path.stem, decimal_comma=True, trace=trace)
+        raise TableError(say("two-headers", Mark(file=str(path)), field="columns"))
+    cells = _rows_of(path, form, options)
+    yield from read_table_columns(cells, str(path), options, name=path.stem, decimal_comma=True, trace=trace)
 
 
 def _form_of(path: Path, *, named: bool = False) -> tuple[str, list[str]]:
@@ -101,11 +101,13 @@ def _has_header(lines: list[str], file: str, form: str) -> bool:
     return any(is_header(row) for table in all_tables("\n".join(lines), file, form) for row in table.rows)
 
 
-def _rows_of(path: Path, form: str, options: TableOptions, file: str) -> list[CellRow]:
+def _rows_of(path: Path, form: str, options: TableOptions) -> list[CellRow]:
     """The rows of the one table of a text, from what is around it on."""
+    file = str(path)
     text = decoded(read_bytes(path, TableError, limit=_LONGEST), file, TableError)
     tables = [_delimited(text, file)] if form == "csv" else tables_of(text, file, form)
-    return list(grammar_rows(chosen(tables, options.table_number, file), options.column_names, file))
+    places = [str(table.rows[0].mark.in_file) for table in tables]
+    return list(grammar_rows(choose(tables, places, options.table_number, path), options.column_names, file))
 
 
 def _delimited(text: str, file: str) -> TextTable:
@@ -159,7 +161,7 @@ def typed_texts(path: Path) -> Iterator[TableText]:
     from dh2urdf_plugins.readers.options import TableOptions
     from dh2urdf_plugins.readers.sources.csv_texts import texts
 
-    file, form = str(path), _form_of(path)[0]
+    form = _form_of(path)[0]
     if form == "yaml":
         from dh2urdf_plugins.readers.sources import yaml_texts as in_yaml
 
@@ -169,4 +171,4 @@ def typed_texts(path: Path) -> Iterator[TableText]:
 
         yield from texts(CsvRows(path), path)
     else:
-        yield from texts(CellRows(_rows_of(path, form, TableOptions(), file), decimal_comma=True), path)
+        yield from texts(CellRows(_rows_of(path, form, TableOptions()), decimal_comma=True), path)

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any
 from dh2urdf.columns import ManipulatorGroups
 from dh2urdf.documents import check_file, load_yaml, refuse_other_kind
 from dh2urdf.errors import MissingDependencyError, TableError
-from dh2urdf.source import Mark, Problem, did_you_mean, shown
+from dh2urdf.source import Mark, Messages, did_you_mean, shown
 from dh2urdf.table_text import METADATA, STATEMENTS, CellRow
 from dh2urdf_plugins.readers.header.header_rows import completed
 from dh2urdf_plugins.readers.header.words import read_header
@@ -61,6 +61,8 @@ _MOST_IN_LIST, _SPARE = 12, 1000
 _SMALL = 2**16
 """Bytes of a column that cannot become too much, however often a row repeats a part of it [B]."""
 
+say = Messages(__file__)
+
 
 def read_parquet(path: Path, options: TableOptions, trace: Trace | None = None) -> Iterator[Manipulator | Rejected]:
     """The manipulators of a Parquet file.
@@ -98,10 +100,8 @@ def read_columns(
             refuse_other_kind(start, str(path), TableError, "a Parquet file", "a whole Parquet file")
         with _reporting_errors(Mark(file=str(path)), "this is no Parquet file that can be read"):
             file = ParquetFile(binary, buffer_size=_BUFFER, pre_buffer=False)
-            if file.metadata.num_columns > MAX_COLUMNS:
-                message = f"the file has {file.metadata.num_columns:,} columns"
-                accepted = f"at most {MAX_COLUMNS:,} columns"
-                raise TableError(Problem(message=message, mark=Mark(file=str(path)), accepted=accepted))
+            if (count := file.metadata.num_columns) > MAX_COLUMNS:
+                raise TableError(say("many-columns", Mark(file=str(path)), count=f"{count:,}", most=f"{MAX_COLUMNS:,}"))
             fields = list(file.schema_arrow)
             _refuse_large(file, path, [field.name for field in fields if _is_readable(field)])
         said = _statements(file.metadata.metadata or {}, str(path))
@@ -126,10 +126,9 @@ def _statements(metadata: dict[bytes, bytes], file: str) -> dict[str, Node]:
             said[key] = load_yaml(text, f"{file}, metadata {name}", TableError)
         elif key != name.casefold() or (key in STATEMENTS and key != "name") or key.endswith(("_unit", "_units")):
             known = [f"{METADATA}{key}" for key in STATEMENTS]
-            message = f"the metadata say {shown(name)}" + ("" if text.strip() else ", and its value is empty")
-            near = did_you_mean(name, known)
+            empty, near = "" if text.strip() else ", and its value is empty", did_you_mean(name, known)
             raise TableError(
-                Problem(message=message, mark=Mark(file=file), found=name, accepted=", ".join(known), suggestion=near)
+                say("unknown-metadata", Mark(file=file), found=name, empty=empty, keys=known, suggestion=near)
             )
     return said
 
@@ -160,9 +159,7 @@ class _ParquetRows:
         """The names of the columns: a file has nothing above them."""
         names = [field.name for field in self.fields]
         if twins := [name for name, count in Counter(names).items() if count > 1]:
-            message = f"two columns are called {shown(twins[0])}"
-            mark = Mark(file=self.path)
-            raise TableError(Problem(message=message, mark=mark, found=twins[0], accepted="names that differ"))
+            raise TableError(say("columns-of-one-name", Mark(file=self.path), found=twins[0]))
         marks = [Mark(file=self.path, place=f"column {name}") for name in names]
         headers = [_with_unit(field, mark) for field, mark in zip(self.fields, marks, strict=True)]
         if not any((field := read_header(header).field) and field.name == "joint" for header in headers):
@@ -201,13 +198,8 @@ class _ParquetRows:
             kept = index not in columns.ignored
             if kept and name and not _is_accepted(kind, name):
                 header = columns.headers[index]
-                mark, message = (
-                    Mark(file=self.path, place=f"column {header}"),
-                    f"the column {shown(header)} holds {kind}",
-                )
-                problems.append(
-                    Problem(message=message, mark=mark, field=name, found=str(kind), accepted="numbers or text")
-                )
+                mark = Mark(file=self.path, place=f"column {header}")
+                problems.append(say("column-of-a-kind", mark, field=name, found=str(kind), header=header))
             is_read = kept and _is_readable(self.fields[index])
             if kept and name and FIELDS[name].dimension and _is_number(kind):
                 numbers.add(index)
@@ -264,18 +256,14 @@ class _ParquetRows:
 
 @contextmanager
 def _reporting_errors(mark: Mark, what: str) -> Iterator[None]:
-    """Turn what pyarrow reports about a file into an error of the table.
-
-    Raises:
-        TableError: pyarrow raised anything.
-    """
+    """Turn errors of pyarrow into a `TableError`."""
     from pyarrow import ArrowException
 
     try:
         yield
     except (ArrowException, OSError, UnicodeDecodeError) as error:
         (reason, *_) = str(error).splitlines() or [type(error).__name__]
-        raise TableError(Problem(message=f"{what}: {reason}", mark=mark, accepted="a whole Parquet file")) from None
+        raise TableError(say("broken-parquet", mark, what=what, reason=reason)) from None
 
 
 # --- Columns ----------------------------------------------------------------------------------------------------------
@@ -295,8 +283,7 @@ def _with_unit(field: Any, mark: Mark) -> str:  # noqa: ANN401 - a field of pyar
         return name
     if said or len(units) > 1:
         others = " and ".join(map(shown, sorted(units | ({said} if said else set()))))
-        message = f"the name and the metadata of the column {shown(name)} say {others}"
-        raise TableError(Problem(message=message, mark=mark, found=others, accepted="one unit for a column"))
+        raise TableError(say("units-of-a-column", mark, found=others, name=name))
     return f"{name} [{min(units)}]"
 
 
@@ -369,21 +356,18 @@ def _refuse_large(file: Any, path: Path, names: Collection[str]) -> None:  # noq
         rows, size = file.metadata.row_group(group).num_rows, chunk.total_uncompressed_size
         if size > MAX_UNPACKED or chunk.num_values > _MOST_IN_LIST * rows + _SPARE:
             found = f"{chunk.num_values:,} values, {size / 2**20:,.0f} MiB when unpacked, in {rows:,} rows"
-            accepted = f"a number or a list of nine in each row, and at most {MAX_UNPACKED / 2**20:,.0f} MiB"
-            raise TableError(_too_large(path, name, found, accepted))
+            most = f"a number or a list of nine in each row, and at most {MAX_UNPACKED / 2**20:,.0f} MiB"
+            raise TableError(say("large-column", _column_mark(path, name), name=name, size=found, most=most))
         if size > _SMALL and chunk.physical_type == "BYTE_ARRAY" and any("DICT" in each for each in chunk.encodings):
             shared.setdefault(name, []).append(group)
     for name, groups in shared.items():
-        _refuse_long_texts(path, name, groups)
+        if (longest := _longest_text(path, name, groups)) > MAX_CELL:
+            size, most = f"a text of {longest:,} bytes", f"at most {MAX_CELL:,} bytes in a cell"
+            raise TableError(say("large-column", _column_mark(path, name), name=name, size=size, most=most))
 
 
-def _too_large(path: Path, name: str, found: str, accepted: str) -> Problem:
-    return Problem(
-        message=f"the column {shown(name)} has {found}",
-        mark=Mark(file=str(path), place=f"column {name}"),
-        accepted=accepted,
-        suggestion=f"write fewer rows into a row group; {IGNORED} before the name leaves the column out",
-    )
+def _column_mark(path: Path, name: str) -> Mark:
+    return Mark(file=str(path), place=f"column {name}")
 
 
 def _chunks(file: Any, names: Collection[str]) -> Iterator[tuple[int, str, Any]]:  # noqa: ANN401
@@ -399,24 +383,19 @@ def _chunks(file: Any, names: Collection[str]) -> Iterator[tuple[int, str, Any]]
                 yield group, name, chunk
 
 
-def _refuse_long_texts(path: Path, name: str, groups: list[int]) -> None:
-    """Refuses a column in which a long text is kept once for all rows that have it.
-
-    Raises:
-        TableError: it is such a column.
-    """
+def _longest_text(path: Path, name: str, groups: list[int]) -> int:
+    """Bytes of the longest text of a column [B], in which each is kept once for all rows that have it."""
     from pyarrow import compute
     from pyarrow.parquet import ParquetFile
 
     with path.open("rb") as binary:
         file = ParquetFile(binary, read_dictionary=[name], pre_buffer=False)
+        longest = 0
         for group in groups:
             for part in file.read_row_group(group, columns=[name], use_threads=False).column(0).chunks:
                 texts = getattr(part, "dictionary", part)
-                longest = (compute.max(compute.binary_length(texts)).as_py() if len(texts) else 0) or 0
-                if longest > MAX_CELL:
-                    found = f"a text of {longest:,} bytes"
-                    raise TableError(_too_large(path, name, found, f"at most {MAX_CELL:,} bytes in a cell"))
+                longest = max(longest, (compute.max(compute.binary_length(texts)).as_py() if len(texts) else 0) or 0)
+        return longest
 
 
 def _refuse_one_manipulator(file: Any, path: str, robot: str | None, skipped: int) -> None:  # noqa: ANN401

@@ -41,8 +41,11 @@ def choose(tables: Sequence[Table], places: Sequence[str], number: int | None, p
     mark, found = Mark(file=str(path)), None if number is None else str(number)
     if not tables:
         raise TableError(say("no-table", mark, field="columns", found=found))
+    count = "1 table" if len(tables) == 1 else f"{len(tables)} tables"
     listed = [f"{at} in {place}" for at, place in enumerate(places, start=1)]
-    raise TableError(say("several-tables", mark, field="table_number", found=found, count=len(tables), places=listed))
+    raise TableError(
+        say("several-tables", mark, field="table_number", found=found, count=count, places=listed, most=len(tables))
+    )
 
 
 def starts_table(row: CellRow) -> bool:

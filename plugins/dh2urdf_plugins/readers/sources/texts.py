@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from dh2urdf.errors import TableError
 from dh2urdf.quantities import is_unit, plain_text
-from dh2urdf.source import Mark, Problem
+from dh2urdf.source import Mark, Messages
 from dh2urdf.table_text import STATEMENTS, CellRow
 from dh2urdf_plugins.readers.comments.top import is_header
 from dh2urdf_plugins.readers.header.words import read_header
@@ -51,6 +51,9 @@ _ARGUMENTS = {"tabular*": 2, "tabularx": 2, "tabulary": 2} | dict.fromkeys(
 _POSE = r"\W*(base|tool)\W*:\W*?(\{.*\})\W*"
 _MIXED = r"\s*\[[^\[\],]+,[^\[\],]+\]"
 _NUMBER = r"[-+−–]?\s*(?:[0-9.]|\\?pi\b|π|np\.|math\.|M_PI|sqrt|[a-zA-Zθα]{1,5}_?\{?[0-9])"
+
+
+say = Messages(__file__)
 
 
 class TextTable(NamedTuple):
@@ -108,7 +111,7 @@ def delimiter_of(line: str) -> str | None:
     if len(line) > MAX_HEADER:
         return None
     found = [sign for sign in DELIMITERS if sign in line and is_header(CellRow(split(line, sign), Mark(file="")))]
-    return max(found, key=lambda sign: len(_fields(split(line, sign))), default=None)
+    return max(found, key=lambda sign: len(fields_in(line, sign)), default=None)
 
 
 def split(line: str, delimiter: str) -> list[str]:
@@ -117,7 +120,9 @@ def split(line: str, delimiter: str) -> list[str]:
     return [cell.strip() for cell in next(csv.reader(lines, delimiter=delimiter, skipinitialspace=True), [])]
 
 
-def _fields(cells: Sequence[str]) -> set[str]:
+def fields_in(line: str, delimiter: str) -> set[str]:
+    """The fields that the cells of a line name, if a delimiter is between them."""
+    cells = split(line, delimiter) if delimiter in line else [line]
     return {header.field.name for header in map(read_header, cells) if header.field}
 
 
@@ -162,30 +167,6 @@ def _has_numbers(table: TextTable) -> bool:
     return min(counts, default=0) >= _FEWEST
 
 
-def chosen(tables: Sequence[TextTable], number: int | None, file: str) -> TextTable:
-    """The table that is meant.
-
-    Raises:
-        TableError: there is none, or which of several is not said.
-    """
-    if number is not None and 0 < number <= len(tables):
-        return tables[number - 1]
-    if len(tables) == 1 and number is None:
-        return tables[0]
-    places = ", ".join(f"{at} in line {table.rows[0].mark.line}" for at, table in enumerate(tables, start=1))
-    raise TableError(
-        Problem(
-            message=f"the text has {len(tables)} tables of parameters: {places}" if tables else "the text has no table",
-            mark=Mark(file=file),
-            field="table_number" if tables else "columns",
-            found=None if number is None else str(number),
-            accepted=f"`--table-number N`, from 1 to {len(tables)}"
-            if tables
-            else "a header of at least a, alpha and d, and one row for each joint",
-        )
-    )
-
-
 def grammar_rows(table: TextTable, columns: Sequence[str] | None, file: str) -> Iterator[CellRow]:
     """The rows of a table as the grammar takes them: what is around it, a header, and its rows."""
     head = next((row for row in table.rows if is_header(row)), None)
@@ -197,7 +178,7 @@ def grammar_rows(table: TextTable, columns: Sequence[str] | None, file: str) -> 
         yield from rows
         return
     if columns:
-        raise TableError(two_headers(head.mark))
+        raise TableError(say("two-headers", head.mark, field="columns"))
     texts = [re.sub(_MIXED, "", str(cell)) for cell in head.cells]  # bounds in both units have those of the others
     poses = list(filter(_is_pose, table.around))
     if poses or texts != list(head.cells):
@@ -221,25 +202,8 @@ def named_columns(rows: Sequence[CellRow], columns: Sequence[str] | None, file: 
     mark = rows[0].mark if rows else Mark(file=file)
     if columns and (not rows or width == len(columns)):
         return CellRow(list(columns), mark, [mark] * len(columns))
-    said = f", and --columns names {len(columns)}" if columns else ", and their order is never guessed"
-    raise TableError(
-        Problem(
-            message=f"the {width} columns have no names{said}",
-            mark=mark,
-            field="columns",
-            accepted="a header, or `--columns` with the names in their order, such as `--columns theta,d,a,alpha`",
-        )
-    )
-
-
-def two_headers(mark: Mark) -> Problem:
-    """What is wrong with a table that names its columns where an option does, too."""
-    return Problem(
-        message="the table names its columns itself",
-        mark=mark,
-        field="columns",
-        accepted="no `--columns`, or a table without a header",
-    )
+    named = f", and --columns names {len(columns)}" if columns else ", and their order is never guessed"
+    raise TableError(say("no-names-of-columns", mark, field="columns", width=width, named=named))
 
 
 def _is_pose(row: CellRow) -> bool:
@@ -381,14 +345,8 @@ def _refuse_changed(code: str, file: str) -> None:
         TableError: it does.
     """
     if found := re.search(_CHANGED, code):
-        raise TableError(
-            Problem(
-                message="the numbers are changed where they are made, and no program is run here",
-                mark=Mark(file=file, line=code.count("\n", 0, found.start()) + 1),
-                found=found[0].strip(),
-                accepted="numbers in brackets as they hold; `--angle-unit deg` says that angles are in degrees",
-            )
-        )
+        mark = Mark(file=file, line=code.count("\n", 0, found.start()) + 1)
+        raise TableError(say("changed-by-a-program", mark, found=found[0].strip()))
 
 
 def _names(comment: str, width: int, file: str) -> CellRow | None:

@@ -150,7 +150,7 @@ class _File:
 
     def _by_points(self, form: str) -> Axes:
         """The axes of Slist or of Blist, by the points of them that are nearest to the frame they are in."""
-        columns, pose = self._columns(form, _SCREW), self.values.placement(self.entries["M"], "M") or IDENTITY
+        columns, pose = self._columns(form, _SCREW), self.values.read("placement", self.entries["M"], "M") or IDENTITY
         self._check()
         accepted = "ω of length 1, or ω = 0 and v of length 1 where the joint slides"
         screws: list[tuple[Vec3, Vec3, bool]] = []
@@ -220,7 +220,7 @@ class _File:
         zero, one = (replace(node, value=number, text=str(number)) for number in (0, 1))
         wide = [replace(row, value=[*_items(row), zero]) for row in rows]
         matrix = replace(node, value=[*wide, replace(node, value=[zero, zero, zero, one])])
-        return self.values.placement(matrix, "R") or IDENTITY
+        return self.values.read("placement", matrix, "R") or IDENTITY
 
     def _columns(self, key: str, size: int) -> list[tuple[Node, ...]]:
         """The columns of a matrix of so many rows."""
@@ -237,7 +237,7 @@ class _File:
         return list(zip(*rows, strict=True))
 
     def _vector(self, key: str, nodes: Sequence[Node], dimension: Dimension) -> Vec3:
-        x, y, z = (self.values.number(node, key, dimension) for node in nodes)
+        x, y, z = (self.values.read("number", node, key, dimension) for node in nodes)
         self._check()
         return (x or 0.0, y or 0.0, z or 0.0)
 

@@ -44,10 +44,17 @@ if TYPE_CHECKING:
 
 say = Messages(__file__)
 
+KINDS = {
+    "base": ("base", False),
+    "tool": ("placement", True),
+    "payload": ("payload", True),
+    "visuals": ("drawn", True),
+    "collisions": ("drawn", True),
+    "defaults": ("defaults", False),
+}
+"""What a manipulator has beside its rows: how `Values` reads it, and whether it is one attribute, or several."""
 PLACES = ("base", "tool", "payload")
-"""Statements that the options may have as well."""
-OTHERS = ("visuals", "collisions", "defaults")
-"""The other statements about what a manipulator has beside its rows."""
+"""Those that the options may have as well."""
 OPTIONS = "an option"
 """What marks name as the file of an option."""
 _OF_SI = (Dimension.LENGTH, Dimension.ANGLE)
@@ -216,38 +223,22 @@ class Statements:
     # --- What is beside the rows --------------------------------------------------------------------------------------
 
     def declare(self, key: str, node: Node, add: Callable[[Problem], None]) -> None:
-        """Takes the value of one of the keys of `PLACES` and `OTHERS`."""
-        from dh2urdf_plugins.readers.statements.values import BASE, DEFAULTS, PLACED, Values, meshes_of
+        """Takes the value of one of the keys of `KINDS`."""
+        from dh2urdf_plugins.readers.statements.values import Values
 
-        is_nothing = isinstance(node.value, str) and key_of(node.value.casefold()) in keys_in("values", "identity")
-        values = Values(self.units(), add, links=self.mesh_links)
-        if key in OTHERS[:2]:
-            self._take(key, values.drawn(node, key), node, add)
-        elif key == "defaults":
-            for name, value in (values.record(node, key, DEFAULTS, key) or {}).items():
-                self._take(name, value, node.entry(name) or node, add)
-        elif is_nothing:
+        kind, is_whole = KINDS[key]
+        is_word = isinstance(node.value, str) and key_of(node.value.casefold()) in keys_in("values", "identity")
+        if is_word and key in PLACES:  # `tool: none`
             return
-        elif key == "payload":
-            self._take(key, values.payload(node, key), node, add)
-        elif key == "base" and isinstance(node.value, dict):
-            found = values.record(node, key, BASE, "placement") or {}
-            if not found.keys().isdisjoint(PLACED):
-                self._take(key, values.placed(node, key, found), node, add)
-            for name, value in meshes_of(found).items():
-                if name not in PLACED:
-                    self._take(f"base_{name}", value, node.value.get(name, node), add)
-        else:
-            self._take(key, values.placement(node, key), node, add)
-
-    def _take(self, name: str, value: Any, node: Node, add: Callable[[Problem], None]) -> None:  # noqa: ANN401
-        """Takes a value of the manipulator; None where something is wrong with it."""
-        if value is None:
+        found = Values(self.units(), add, links=self.mesh_links).read(kind, node, key)
+        if found is None:
             return
-        if self.values.setdefault(name, value) != value:
-            what = name.replace("_", ".")
-            add(say("said-twice", node.mark, field=what, found=node.text, option=OPTIONS))
-        self.placed.setdefault(name, node.mark)
+        for name, value in {key: found}.items() if is_whole else found.items():
+            place = node.entry(name.removeprefix("base_")) or node
+            if self.values.setdefault(name, value) != value:
+                what = name.replace("_", ".")
+                add(say("said-twice", node.mark, field=what, found=node.text, option=OPTIONS))
+            self.placed.setdefault(name, place.mark)
 
     # --- Options ------------------------------------------------------------------------------------------------------
 

@@ -26,7 +26,7 @@ from dh2urdf_plugins.readers.options import given_by
 from dh2urdf_plugins.readers.rows.rows import RowReader
 from dh2urdf_plugins.readers.rows.source import Rows
 from dh2urdf_plugins.readers.statements.plausibility import far_away
-from dh2urdf_plugins.readers.statements.statements import OTHERS, PLACES, Statements
+from dh2urdf_plugins.readers.statements.statements import KINDS, Statements
 from dh2urdf_plugins.readers.tables.cells import TableCells
 from dh2urdf_plugins.readers.tables.tables import manipulator, read_rows, stopped, too_many_joints
 from dh2urdf_plugins.readers.words.bounds import MAX_JOINTS
@@ -142,7 +142,7 @@ class RowTable:
         problems += unit_problems(columns, statements.stated.values())
         statements.columns = columns
         declare(self.sentences, statements, add, by_row="convention" in columns.fields)
-        for what in (*PLACES, *OTHERS):
+        for what in KINDS:
             if node := said.get(what):
                 statements.declare(what, node, add)
         statements.declare_option_transforms(given, add)

@@ -31,7 +31,7 @@ from dh2urdf.kinematics.chain import forward_kinematics, link_poses
 from dh2urdf.kinematics.expected_poses import ExpectedPoses, proof_vectors
 from dh2urdf.kinematics.proof import prove
 from dh2urdf.plugin_system.catalog import load
-from dh2urdf.quantities.quantity import Dimension, QuantityError, evaluate, find_unit
+from dh2urdf.quantities import Dimension, QuantityError, evaluate, find_unit
 from dh2urdf.robot_check import check_robot
 from dh2urdf.run_file.config import load_config
 from dh2urdf.run_file.plan import make_plan

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from dh2urdf.quantities.quantity import Dimension
+from dh2urdf.quantities import Dimension
 from dh2urdf.run_file.variation_section import JOINT_TYPES, LAWS
 from dh2urdf.variations.sampling import Sampling
 from dh2urdf.variations.variation import AXES, FIELDS, TYPE

@@ -20,7 +20,7 @@ from dh2urdf.documents.text_files import MAX_BYTES
 from dh2urdf.errors import SCREENFUL, TableError
 from dh2urdf.manipulator import Manipulator
 from dh2urdf.quantities import MAX_CHARACTERS, Dimension, QuantityError, evaluate
-from dh2urdf.quantities.quantity import MAX_NESTING
+from dh2urdf.quantities.grammar import MAX_NESTING
 from dh2urdf.stages import Rejected
 from dh2urdf_plugins.readers import csv, yaml
 from dh2urdf_plugins.readers.rows.rows import MAX_PROBLEMS

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from dh2urdf.kinematics import chain
 from dh2urdf.kinematics.expected_poses import LARGEST_SAMPLE
 from dh2urdf.manipulator import JointType
-from dh2urdf.quantities.quantity import evaluate
+from dh2urdf.quantities import evaluate
 from dh2urdf.quantities.units import UNITS, Unit
 
 if TYPE_CHECKING:

@@ -6,7 +6,7 @@ from math import inf, tau
 from typing import TYPE_CHECKING
 
 from dh2urdf.documents.nodes import LARGEST_BARE
-from dh2urdf.quantities.quantity import Dimension, QuantityError, accepted_forms, evaluate
+from dh2urdf.quantities import Dimension, QuantityError, accepted_forms, evaluate
 from dh2urdf.source import shown
 
 if TYPE_CHECKING:

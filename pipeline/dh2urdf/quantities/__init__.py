@@ -6,23 +6,13 @@ from dh2urdf import late_names
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
+    from dh2urdf.quantities.grammar import MAX_CHARACTERS as MAX_CHARACTERS
     from dh2urdf.quantities.number_text import (
         format_number as format_number,
         format_numbers as format_numbers,
         format_rows as format_rows,
     )
-    from dh2urdf.quantities.quantity import (
-        MAX_CHARACTERS as MAX_CHARACTERS,
-        Dimension as Dimension,
-        Quantity as Quantity,
-        QuantityError as QuantityError,
-        accepted_forms as accepted_forms,
-        accepted_units as accepted_units,
-        evaluate as evaluate,
-        find_unit as find_unit,
-        is_unit as is_unit,
-        is_zero as is_zero,
-    )
+    from dh2urdf.quantities.quantity import Quantity as Quantity, evaluate as evaluate, is_zero as is_zero
     from dh2urdf.quantities.spellings import (
         DEGREE_SIGNS as DEGREE_SIGNS,
         composed as composed,
@@ -30,16 +20,26 @@ if TYPE_CHECKING:
         unwrapped as unwrapped,
     )
     from dh2urdf.quantities.symbols import Symbols as Symbols
-    from dh2urdf.quantities.units import UNITS as UNITS, Unit as Unit, unit_word as unit_word
+    from dh2urdf.quantities.units import (
+        UNITS as UNITS,
+        Dimension as Dimension,
+        QuantityError as QuantityError,
+        Unit as Unit,
+        accepted_forms as accepted_forms,
+        accepted_units as accepted_units,
+        find_unit as find_unit,
+        is_unit as is_unit,
+        unit_word as unit_word,
+    )
 else:
     __all__, __getattr__, __dir__ = late_names(
         __name__,
         {
             "number_text": "format_rows format_number format_numbers",
-            "quantity": "Dimension MAX_CHARACTERS Quantity QuantityError accepted_forms accepted_units "
-            "evaluate find_unit is_unit is_zero",
+            "grammar": "MAX_CHARACTERS",
+            "quantity": "Quantity evaluate is_zero",
             "spellings": "DEGREE_SIGNS composed plain_text unwrapped",
             "symbols": "Symbols",
-            "units": "UNITS Unit unit_word",
+            "units": "UNITS Dimension QuantityError Unit accepted_forms accepted_units find_unit is_unit unit_word",
         },
     )

@@ -33,11 +33,15 @@ from dh2urdf.quantities.units import (
     unknown_unit,
 )
 from dh2urdf.rotations import HALF_PI, cos_sin
-from dh2urdf.source import shown
+from dh2urdf.source import Messages, shown
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
+    from dh2urdf.source import Problem
+
+
+say = Messages(__file__)
 
 # --- Tokens -----------------------------------------------------------------------------------------------------------
 
@@ -249,7 +253,7 @@ class _Parser:
         if len(self.tokens) == 1:
             raise QuantityError("there is nothing", self.accepted)
         if wrong := misreading(self.text):
-            self.fail(*wrong)
+            self.fail(say("misreading", reason=wrong[0], suggestion=wrong[1]))
         value = self.sum()
         if self.next.kind != "end":
             self.unexpected()
@@ -266,26 +270,25 @@ class _Parser:
             return self.tokens[self.position - 1].text
         return None
 
-    def fail(self, reason: str, suggestion: str | None = None) -> NoReturn:
-        if suggestion is None:
-            suggestion = advice(self.text)
-        raise QuantityError(f"{shown(self.text)} cannot be read: {reason}", self.accepted, suggestion)
+    def fail(self, fault: Problem) -> NoReturn:
+        suggestion = advice(self.text) if fault.suggestion is None else fault.suggestion
+        raise QuantityError(f"{shown(self.text)} cannot be read: {fault.message}", self.accepted, suggestion)
 
     def unexpected(self) -> NoReturn:
         token = self.next
         if token.kind == "end":
-            self.fail("something is missing at its end")
+            self.fail(say("no-end"))
         if token.kind in ("number", "word", "degree") and self.position:
             before = self.tokens[self.position - 1].text
             if token.kind == "number" or OTHER_NAMES.get(token.text, token.text) in (*_CONSTANTS, *FUNCTIONS):
-                self.fail(f"no sign stands between {shown(before)} and {shown(token.text)}")
+                self.fail(say("no-sign", before=before, found=token.text))
             if token.kind == "word" and is_unit(token.text):
-                self.fail(f"the unit {shown(token.text)} does not belong there")
+                self.fail(say("unit-there", found=token.text))
         if token.kind == "word":
             if is_symbol(token.text) and not is_unit(token.text):
-                self.undefined(token.text)
-            self.fail(f"{shown(token.text)} is no number, unit, constant or function that is known")
-        self.fail(f"{shown(token.text)} does not belong there")
+                self.fail(say("undefined", found=token.text))
+            self.fail(say("unknown-word", found=token.text))
+        self.fail(say("unexpected", found=token.text))
 
     def sum(self) -> Intermediate:
         value = self.product()
@@ -294,25 +297,23 @@ class _Parser:
             value = self.add(value, other if sign == "+" else negative(other))
         return value
 
+    def joined(
+        self, left: Intermediate, right: Intermediate, number: float, factor: float, dimension: Dimension | None
+    ) -> Intermediate:
+        """What two values make together: a number, and a factor of their joint variable."""
+        variable = left.variable or right.variable
+        uses_pi, foreign = left.uses_pi or right.uses_pi, left.foreign or right.foreign
+        return Intermediate(self.finite(number), None, dimension, variable, self.finite(factor), uses_pi, foreign)
+
     def add(self, left: Intermediate, right: Intermediate) -> Intermediate:
         if left.variable and right.variable:
-            twice = left.variable.row == right.variable.row
-            self.fail(
-                f"it names {'a joint variable twice' if twice else 'the variables of two joints'}",
-                None if twice else "write that of this joint alone: how a controller couples joints is no part of it",
-            )
+            self.fail(say("variable-twice" if left.variable.row == right.variable.row else "two-variables"))
         dimension = left.dimension or right.dimension
         for value in (left, right):
             only_variable = value.variable is not None and value.number == 0
             if value.dimension is not dimension and not only_variable:
-                self.fail(
-                    "one part of the sum has a unit and another has none, or another one",
-                    "write a unit behind each part of the sum, or behind none",
-                )
-        number = self.finite(left.number + right.number)
-        variable, factor = left.variable or right.variable, left.factor + right.factor
-        uses_pi, foreign = left.uses_pi or right.uses_pi, left.foreign or right.foreign
-        return Intermediate(number, None, dimension, variable, factor, uses_pi, foreign)
+                self.fail(say("half-a-unit"))
+        return self.joined(left, right, left.number + right.number, left.factor + right.factor, dimension)
 
     def product(self) -> Intermediate:
         value = self.unit(self.factor())
@@ -320,6 +321,26 @@ class _Parser:
             other = self.factor()
             value = self.unit(self.multiply(value, other) if sign == "*" else self.divide(value, other))
         return value
+
+    def multiply(self, left: Intermediate, right: Intermediate) -> Intermediate:
+        if left.variable and right.variable:
+            self.fail(say("variables-multiplied"))
+        if left.dimension and right.dimension:
+            self.fail(say("units-multiplied"))
+        if right.variable:
+            left, right = right, left
+        dimension = left.dimension or right.dimension
+        return self.joined(left, right, left.number * right.number, left.factor * right.number, dimension)
+
+    def divide(self, left: Intermediate, right: Intermediate) -> Intermediate:
+        if right.variable:
+            self.fail(say("divided-by-a-variable"))
+        if right.number == 0:
+            self.fail(say("divided-by-zero"))
+        if right.dimension and right.dimension is not left.dimension:
+            self.fail(say("divided-by-a-unit"))
+        dimension = None if right.dimension else left.dimension
+        return self.joined(left, right, left.number / right.number, left.factor / right.number, dimension)
 
     def unit(self, value: Intermediate) -> Intermediate:
         """The value in SI units, where a unit follows it."""
@@ -332,15 +353,14 @@ class _Parser:
         word = self.between(self.position, self.position + count)
         self.position += count
         if value.dimension is not None:
-            self.fail(f"{shown(token.text)} follows a quantity that has a unit already")
+            self.fail(say("unit-twice", found=token.text))
         if value.variable:
-            self.fail(f"the variable {shown(value.variable.text)} takes no unit")
+            self.fail(say("unit-of-a-variable", found=value.variable.text))
         unit = unit_where(word, self.dimension)
         if unit is None:
             self.unknown_unit()
         if value.uses_pi and unit.parts:
-            parts = "degrees" if unit.degrees else unit.symbol
-            self.fail(f"it is a multiple of π in {parts}", "write the angle in degrees without pi, or in rad")
+            self.fail(say("pi-in-degrees", unit="degrees" if unit.degrees else unit.symbol))
         number = self.finite(unit.si(value.number, value.decimal))
         return Intermediate(number, dimension=unit.dimension, foreign=not unit.is_si)
 
@@ -366,37 +386,12 @@ class _Parser:
         name = word.removeprefix("\\").casefold()
         if name in _CONSTANTS or name in FUNCTIONS or any(name.startswith(module) for module in _MODULES):
             self.unexpected()
-        self.fail(f"{shown(word)} is no unit that is known", unknown_unit(word, self.dimension).suggestion)
-
-    def multiply(self, left: Intermediate, right: Intermediate) -> Intermediate:
-        if left.variable and right.variable:
-            self.fail("it multiplies joint variables")
-        if left.dimension and right.dimension:
-            self.fail("it multiplies two quantities with units")
-        if right.variable:
-            left, right = right, left
-        return self.scaled(left, right, left.number * right.number, left.factor * right.number)
-
-    def divide(self, left: Intermediate, right: Intermediate) -> Intermediate:
-        if right.variable:
-            self.fail("it divides by a joint variable")
-        if right.number == 0:
-            self.fail("it divides by zero")
-        if right.dimension and right.dimension is not left.dimension:
-            self.fail("it divides by a quantity with a unit")
-        value = self.scaled(left, right, left.number / right.number, left.factor / right.number)
-        return value._replace(dimension=None) if right.dimension else value
-
-    def scaled(self, left: Intermediate, right: Intermediate, number: float, factor: float) -> Intermediate:
-        uses_pi = left.uses_pi or right.uses_pi
-        dimension = left.dimension or right.dimension
-        foreign = left.foreign or right.foreign
-        return Intermediate(self.finite(number), None, dimension, left.variable, self.finite(factor), uses_pi, foreign)
+        self.fail(say("unknown-unit", found=word, suggestion=unknown_unit(word, self.dimension).suggestion))
 
     def factor(self) -> Intermediate:
         sign = self.take("+", "-")
         if sign and self.next.text in ("+", "-"):
-            self.fail("two signs follow each other")
+            self.fail(say("two-signs"))
         value = self.primary()
         return negative(value) if sign == "-" else value
 
@@ -407,7 +402,7 @@ class _Parser:
             digits, _, exponent = token.text.lower().partition("e")
             decimal, number = Decimal(digits, int(exponent or 0)), self.finite(float(token.text))
             if number == 0 and not decimal.is_zero:
-                self.fail(f"{shown(token.text)} is below the smallest number that can be held", "write 0 for it")
+                self.fail(say("too-small", found=token.text))
             if self.next.kind == "word" and self.next.text.casefold() in _CONSTANTS:
                 return self.times_constant(number)
             return Intermediate(number, decimal)
@@ -422,7 +417,7 @@ class _Parser:
     def times_constant(self, number: float) -> Intermediate:
         """A number directly before π: ``2π/3``."""
         if self.position > 1 and self.tokens[self.position - 2].text == "/":
-            self.fail("π may be above or below the line", "write brackets: 1/(2*pi), or pi/2")
+            self.fail(say("pi-below-the-line"))
         constant = _CONSTANTS[self.next.text.casefold()]
         self.position += 1
         return Intermediate(self.finite(number * constant), uses_pi=True)
@@ -431,11 +426,11 @@ class _Parser:
         """What is in a bracket that was just opened."""
         self.depth += 1
         if self.depth > MAX_NESTING:
-            self.fail(f"its brackets are nested more than {MAX_NESTING} deep")
+            self.fail(say("deep", limit=MAX_NESTING))
         value = read()
         if not self.take(")"):
             if self.next.kind == "end":
-                self.fail("a bracket is not closed")
+                self.fail(say("open-bracket"))
             self.unexpected()
         self.depth -= 1
         return value
@@ -458,18 +453,9 @@ class _Parser:
             variable = Variable(_VARIABLE_KINDS.get(match[1], match[1]), row, token.text)
             return Intermediate(0.0, variable=variable, factor=1.0)
         if self.next.text == "(" and name not in UNITS and not is_symbol(token.text):
-            self.fail(f"{shown(token.text)} is no function that is known", f"the functions are {', '.join(FUNCTIONS)}")
+            self.fail(say("unknown-function", found=token.text, functions=[*FUNCTIONS]))
         self.position -= 1
         return self.unexpected()
-
-    def undefined(self, name: str) -> NoReturn:
-        """Refuses a name that nothing defines."""
-        raise QuantityError(
-            f"{shown(self.text)} cannot be read: {shown(name)} is not defined",
-            self.accepted,
-            f"define it: `# {name} = 0.1` above the table, `symbols: {{{name}: 100 mm}}` in YAML, or "
-            f"`--symbol {name}=100mm`",
-        )
 
     def skip_variable_star(self, token: Token) -> None:
         """Passes over the star that marks a variable in textbooks (Spong): ``theta2*``, ``theta2* + pi/2``.
@@ -483,10 +469,7 @@ class _Parser:
         if sign.text in ("+", "-") and number.kind == "number" and end.kind not in ("word", "degree"):
             touching = sign.start == star.start + 1
             if (touching or (attached and float(number.text) == 1)) and not self.has_pi_ahead():
-                self.fail(
-                    f"the star may be a product, or mark {token.text} as the variable",
-                    f"write {token.text} {sign.text} {number.text} or -{token.text}, without the star",
-                )
+                self.fail(say("star", found=token.text, sign=sign.text, number=number.text))
         if attached and (sign.kind == "end" or sign.text in ("+", "-", ")")):
             self.position += 1
 
@@ -499,24 +482,23 @@ class _Parser:
         while self.take(","):
             arguments.append(self.sum())
         if len(arguments) != function.arguments:
-            wanted = "one argument" if function.arguments == 1 else "two arguments, with a comma between them"
-            self.fail(f"{written} takes {wanted}")
+            self.fail(say("one-argument" if function.arguments == 1 else "two-arguments", found=written))
         if any(argument.variable for argument in arguments):
-            self.fail(f"{written} is taken of a joint variable")
+            self.fail(say("function-of-a-variable", found=written))
         dimensions = {argument.dimension for argument in arguments}
         ratio = function.arguments > 1 and len(dimensions) == 1  # atan2 of two lengths
         if not ratio and function.call is not abs and dimensions - {None, function.takes}:
-            self.fail(f"{written} is taken of a quantity with a unit")
+            self.fail(say("function-of-a-unit", found=written))
         if function.call is math.atan2 and not any(argument.number for argument in arguments):
-            self.fail(f"{written} has no value there")
+            self.fail(say("no-value-there", found=written))
         if function.takes is Dimension.ANGLE:
             self.check_angle(written, arguments[0])
         if function.call is from_degrees and arguments[0].uses_pi:
-            self.fail(f"{written} is taken of a multiple of π, which is in radians already")
+            self.fail(say("function-of-radians", found=written))
         try:
             number = function.call(*(argument.number for argument in arguments))
         except (ValueError, ZeroDivisionError, OverflowError):
-            self.fail(f"{written} has no value there")
+            self.fail(say("no-value-there", found=written))
         if function.call is abs:
             return arguments[0]._replace(number=number, decimal=None)
         return Intermediate(self.finite(number), dimension=function.gives)
@@ -525,20 +507,14 @@ class _Parser:
         """Refuses a bare number whose unit a function of an angle would have to guess."""
         if argument.dimension is not None or argument.uses_pi or argument.number == 0:
             return
-        number = f"{argument.number:.12g}"
-        if self.angle is not None and self.angle.parts:
-            declared = "degrees" if self.angle.degrees else self.angle.symbol
-            self.fail(
-                f"{written} is taken of {number}, which has no unit, and angles are declared in {declared}",
-                f"name the unit of the angle: {written}({number} {self.angle.symbol}), or {written}({number} rad)",
-            )
-        if self.angle is None and abs(argument.number) > math.tau:
-            self.fail(
-                f"{written} is taken of {number}, more than a full turn in rad, and no unit is declared for it",
-                f"name the unit of the angle: {written}({number} deg), or {written}({number} rad)",
-            )
+        number, unit = f"{argument.number:.12g}", self.angle
+        if unit is not None and unit.parts:
+            declared = "degrees" if unit.degrees else unit.symbol
+            self.fail(say("angle-without-a-unit", found=written, number=number, declared=declared, unit=unit.symbol))
+        if unit is None and abs(argument.number) > math.tau:
+            self.fail(say("angle-above-a-turn", found=written, number=number))
 
     def finite(self, number: float) -> float:
         if not math.isfinite(number):
-            self.fail("it is beyond the largest number that can be held")
+            self.fail(say("too-large"))
         return number

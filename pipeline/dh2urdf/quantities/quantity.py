@@ -12,36 +12,14 @@ import re
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from dh2urdf.quantities.grammar import MAX_CHARACTERS, MAX_NESTING, SPACE, Intermediate, Variable, parse
-from dh2urdf.quantities.units import (
-    Decimal,
-    Dimension,
-    QuantityError,
-    Unit,
-    accepted_forms,
-    accepted_units,
-    find_unit,
-    is_unit,
-)
-from dh2urdf.source import shown
+from dh2urdf.quantities.grammar import MAX_CHARACTERS, SPACE, Intermediate, Variable, parse
+from dh2urdf.quantities.units import Decimal, Dimension, QuantityError, Unit, accepted_forms
+from dh2urdf.source import Messages
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-__all__ = [
-    "MAX_CHARACTERS",
-    "MAX_NESTING",
-    "Dimension",
-    "Quantity",
-    "QuantityError",
-    "Unit",
-    "Variable",
-    "accepted_forms",
-    "accepted_units",
-    "evaluate",
-    "find_unit",
-    "is_unit",
-]
+say = Messages(__file__)
 
 
 @dataclass(frozen=True, slots=True)
@@ -122,28 +100,24 @@ def _is_part_of_pi(number: float) -> bool:
 
 
 def _in_si(text: str, value: Intermediate, dimension: Dimension, unit: Unit | None) -> Quantity:
-    accepted = accepted_forms(dimension)
-    number = value.number
-    if value.uses_pi and value.dimension is None and dimension is Dimension.LENGTH and _is_part_of_pi(number):
-        message = f"{shown(text)} is a part of π, as an angle is, and a length is needed"
-        raise QuantityError(message, accepted, "is it in the right column? a length that is one has its unit behind it")
-    if value.dimension is None and unit is not None:
-        if value.uses_pi and unit.parts:
-            declared = "degrees" if unit.degrees else unit.symbol
-            message = f"{shown(text)} is a multiple of π, and the unit declared for numbers here is {declared}"
-            si = "rad" if dimension is Dimension.ANGLE else "rad/s"
-            raise QuantityError(
-                message, accepted, f"write the angle in degrees, or name its unit: '{text.strip()} {si}'"
-            )
+    number, fault = value.number, None
+    if value.dimension is not None:
+        if not dimension.holds(value.dimension):
+            fault = say("other-dimension", found=text, measures=value.dimension, needed=dimension)
+    elif dimension is Dimension.LENGTH and value.uses_pi and _is_part_of_pi(number):
+        fault = say("part-of-pi", found=text)
+    elif unit is not None and unit.parts and value.uses_pi:
+        si, declared = "rad" if dimension is Dimension.ANGLE else "rad/s", "degrees" if unit.degrees else unit.symbol
+        fault = say("pi-in-a-column-of-degrees", found=text, text=text.strip(), declared=declared, unit=si)
+    elif unit is not None:
         number = unit.si(number, value.decimal)
-    elif value.dimension is not None and not dimension.holds(value.dimension):
-        raise QuantityError(f"{shown(text)} is {value.dimension}, and {dimension} is needed", accepted)
     if number == 0 and (value.number or (value.decimal and not value.decimal.is_zero)):
-        raise QuantityError(f"{shown(text)} is below the smallest number that can be held", accepted, "write 0 for it")
-    if not math.isfinite(number):
-        raise QuantityError(f"{shown(text)} is beyond the largest number that can be held", accepted)
-    if value.variable and value.factor not in (1.0, -1.0):
-        message = f"{shown(text)} takes {value.variable.text} times {value.factor:g}"
-        raise QuantityError(message, f"{value.variable.text}, or its negative, and a number added to it")
+        fault = fault or say("too-small", found=text)
+    elif not math.isfinite(number):
+        fault = fault or say("too-large-a-number", found=text)
+    elif value.variable and value.factor not in (1.0, -1.0):
+        fault = fault or say("factor", found=text, variable=value.variable.text, factor=f"{value.factor:g}")
+    if fault:
+        raise QuantityError(fault.message, fault.accepted or accepted_forms(dimension), fault.suggestion)
     sign = -1 if value.factor < 0 else 1
     return Quantity(number + 0.0, value.dimension is not None, value.variable, sign, value.uses_pi, value.foreign)

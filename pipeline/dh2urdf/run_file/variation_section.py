@@ -9,7 +9,7 @@ from dh2urdf.documents.measures import measured
 from dh2urdf.errors import ConfigError
 from dh2urdf.manipulator import JointType
 from dh2urdf.output.whole_files import safe_stem
-from dh2urdf.quantities.quantity import Dimension, QuantityError, evaluate
+from dh2urdf.quantities import Dimension, QuantityError, evaluate
 from dh2urdf.run_file.reading import Reading
 from dh2urdf.run_file.sections import LAWS, NormalSection, SpacedSection, VariationSection
 from dh2urdf.source import Mark, Messages, did_you_mean

@@ -18,8 +18,8 @@ from typing import TYPE_CHECKING
 
 from dh2urdf.kinematics.mass import rotated
 from dh2urdf.manipulator import Convention, Inertia, JointType
+from dh2urdf.quantities import QuantityError, evaluate
 from dh2urdf.quantities.number_text import format_number
-from dh2urdf.quantities.quantity import QuantityError, evaluate
 from dh2urdf.quantities.units import UNITS, Unit
 from dh2urdf.rotations import IDENTITY, RigidTransform, cos_sin, rotation_x
 from dh2urdf.row_fields import COM, INERTIA

@@ -11,7 +11,7 @@ from nicegui import run, ui
 from dh2urdf.errors import InputError
 from dh2urdf.kinematics.inverse import InverseSolution, dexterity, inverse_kinematics
 from dh2urdf.manipulator import JointType
-from dh2urdf.quantities.quantity import evaluate
+from dh2urdf.quantities import evaluate
 from dh2urdf.quantities.units import UNITS, Dimension, QuantityError, Unit
 from dh2urdf.rotations import (
     IDENTITY_ROTATION,

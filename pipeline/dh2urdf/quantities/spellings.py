@@ -9,6 +9,7 @@ from __future__ import annotations
 import re
 import tomllib
 import unicodedata
+from functools import cache
 from pathlib import Path
 
 DEGREE_SIGNS = "°º˚◦∘"
@@ -43,9 +44,14 @@ _WRAPS = (
 """What is around a whole text in bold, italics, code or a formula."""
 _WIDE = {code: code - 0xFEE0 for code in range(0xFF01, 0xFF5F)}
 """Fullwidth signs and digits."""
-_STEPS = [(re.compile(pattern), to) for pattern, to in _DATA["typesetting"]]
 _VARIABLE_ALONE = frozenset(("*", "^*", "⋆", "★", "var", "var.", "variable"))
 """What marks the joint variable of its row without a symbol."""
+
+
+@cache
+def _typesetting() -> list[tuple[re.Pattern[str], str]]:
+    """What is taken off, in order; most tables have no typesetting, and never compile it."""
+    return [(re.compile(pattern), to) for pattern, to in _DATA["typesetting"]]
 
 
 def plain_text(text: str) -> str:
@@ -61,7 +67,7 @@ def plain_text(text: str) -> str:
     text = unwrapped(text).translate(SIGNS)
     if text.strip().lower() in _VARIABLE_ALONE:
         return "q"
-    for pattern, to in _STEPS:
+    for pattern, to in _typesetting():
         text = pattern.sub(to, text)
     text = text.strip()
     return text[1:-1] if text[:1] == "{" and text[-1:] == "}" else text
@@ -79,15 +85,12 @@ def unwrapped(text: str) -> str:
 
 # --- What has two meanings --------------------------------------------------------------------------------------------
 
-_MISREADINGS = [(re.compile(entry["pattern"]), entry) for entry in _DATA["misreadings"]]
-_ADVICE = [(re.compile(pattern), advised) for pattern, advised in _DATA["advice"]]
-
 
 def misreading(text: str) -> tuple[str, str] | None:
     """What a text is that the grammar would take for another number, and what to write; None for any other text."""
     typed, plain = text.replace("−", "-").strip().lower(), text.translate(SIGNS).strip().lower()
-    for pattern, entry in _MISREADINGS:
-        found = pattern.fullmatch(typed if "as_typed" in entry else plain)
+    for entry in _DATA["misreadings"]:
+        found = re.fullmatch(entry["pattern"], typed if "as_typed" in entry else plain)
         condition = entry.get("if")
         if found is None or (condition == "rises" and not _number(found[1]) < _number(found[2])):
             continue
@@ -103,4 +106,4 @@ def _number(text: str) -> float:
 
 def advice(text: str) -> str | None:
     """What to write in place of a text that cannot be read, where its kind is known."""
-    return next((advised for pattern, advised in _ADVICE if pattern.match(text)), None)
+    return next((advised for pattern, advised in _DATA["advice"] if re.match(pattern, text)), None)

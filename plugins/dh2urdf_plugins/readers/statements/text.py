@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import codecs
-import io
 from typing import TYPE_CHECKING
 
 from dh2urdf.documents import check_file, refuse_other_kind
@@ -40,10 +39,22 @@ def line_blocks(path: Path) -> Iterator[list[str]]:
     """
     check_file(path, TableError)
     with path.open("rb") as binary:
-        sample = binary.read(_SAMPLE)
-        encoding = _encoding(sample, path)
-        binary.seek(0)
-        yield from _blocks(binary, encoding, path)
+        encoding = _encoding(binary.read(_SAMPLE), path)
+    rest, line = "", 0
+    # Universal newlines: CR LF, CR and LF become "\n", also in a cell in quotes.
+    with path.open(encoding=encoding, newline=None) as text:
+        try:
+            while block := text.read(_CHARACTERS):
+                lines = (rest + block).split("\n")
+                rest = lines.pop()
+                if len(rest) > MAX_LINE:
+                    raise TableError(say("long-line", Mark(file=str(path), line=line + len(lines) + 1), limit=MAX_LINE))
+                yield lines
+                line += len(lines)
+        except UnicodeDecodeError as error:
+            raise _no_text(error, path, encoding) from None
+    if rest:
+        yield [rest]
 
 
 def _encoding(sample: bytes, path: Path) -> str:
@@ -61,26 +72,6 @@ def _encoding(sample: bytes, path: Path) -> str:
     if even or odd:
         raise TableError(say("nul-bytes", Mark(file=str(path))))
     return "utf-8"
-
-
-def _blocks(binary: io.BufferedReader, encoding: str, path: Path) -> Iterator[list[str]]:
-    # Universal newlines: CR LF, CR and LF become "\n", also in a cell in quotes.
-    text = io.TextIOWrapper(binary, encoding=encoding, errors="strict", newline=None)
-    rest, line = "", 0
-    try:
-        while block := text.read(_CHARACTERS):
-            lines = (rest + block).split("\n")
-            rest = lines.pop()
-            if len(rest) > MAX_LINE:
-                raise TableError(say("long-line", Mark(file=str(path), line=line + len(lines) + 1), limit=MAX_LINE))
-            yield lines
-            line += len(lines)
-        if rest:
-            yield [rest]
-    except UnicodeDecodeError as error:
-        raise _no_text(error, path, encoding) from None
-    finally:
-        text.detach()
 
 
 def _no_text(error: UnicodeDecodeError, path: Path, encoding: str) -> TableError:

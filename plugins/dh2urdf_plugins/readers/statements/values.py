@@ -90,7 +90,7 @@ _MEANT |= dict.fromkeys(("rotation", "orientation", "quaternion", "quat", "euler
 
 
 class _WrongError(Exception):
-    """A value is wrong; the problem is told where there is none."""
+    """A value is wrong; there is no problem where `add` has it already."""
 
     def __init__(self, problem: Problem | None = None) -> None:
         self.problem = problem

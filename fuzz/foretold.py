@@ -3,7 +3,8 @@
     python fuzz/foretold.py ~/corpora --most 100 --seen /tmp/seen.json --report report.md
 
 Each folder below a FOLDER is one source: its ROS packages are known to its files, and the files that are drawn are
-spread over the sources. Descriptions of the same bytes count once. A xacro is handed to the programs as it expands.
+spread over the sources. Descriptions of the same bytes count once. A xacro is handed to the programs as it expands, in a
+file beside it. No program is told of packages that it does not find itself.
 
 The table has a line for each format and program: how many files were asked about, how many of them the program does not
 load although nothing foretold that (missed), and how many it loads against what was foretold (false). Below it, each
@@ -16,7 +17,6 @@ from __future__ import annotations
 import argparse
 import hashlib
 import json
-import os
 import random
 import subprocess
 import sys
@@ -27,7 +27,6 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from dh2urdf.commands.check import inspect
 from dh2urdf.errors import Dh2UrdfError
-from dh2urdf.meshes import packages_in
 from dh2urdf.plugin_system.catalog import load
 from dh2urdf.stages import Expansion
 from dh2urdf_check.described_files import described_files
@@ -168,8 +167,6 @@ def key(case: Case, consumer: str, given: dict[Case, Path | None]) -> str:
 
 def ask(cases: Sequence[Case], given: dict[Case, Path | None], seen: dict[str, Any]) -> None:
     """Ask the programs about the files of one source that they have not answered yet."""
-    found = packages_in(packages_of(cases[0]))
-    os.environ["DRAKE_PACKAGES"] = os.pathsep.join(str(path) for path in found.values() if path.name != "drake")
     for consumer in FORMATS["urdf"]:
         fresh = [case for case in cases if consumer in FORMATS[case.form] and given[case]]
         fresh = [case for case in fresh if key(case, consumer, given) not in seen]

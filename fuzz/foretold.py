@@ -3,8 +3,8 @@
     python fuzz/foretold.py ~/corpora --most 100 --seen /tmp/seen.json --report report.md
 
 Each folder below a FOLDER is one source: its ROS packages are known to its files, and the files that are drawn are
-spread over the sources. Descriptions of the same bytes count once. A xacro is handed to the programs as it expands, in a
-file beside it. No program is told of packages that it does not find itself.
+spread over the sources. Descriptions of the same bytes count once. A xacro is handed to the programs as it expands, in
+a file beside it. No program is told of packages that it does not find itself.
 
 The table has a line for each format and program: how many files were asked about, how many of them the program does not
 load although nothing foretold that (missed), and how many it loads against what was foretold (false). Below it, each

@@ -229,6 +229,10 @@ def rotation_from_rpy(rpy: Vec3) -> Rotation:
     )
 
 
+NEARLY_UPRIGHT = 0.01
+"""Cosine of the pitch below which a difference of roll and yaw counts more than either of them."""
+
+
 def rpy_from_rotation(rotation: Rotation) -> Vec3:
     """URDF's fixed-axis angles (roll, pitch, yaw) [rad] of a rotation, right to 4e-16 at every pitch.
 
@@ -243,6 +247,16 @@ def rpy_from_rotation(rotation: Rotation) -> Vec3:
     pitch = atan2(0.0 - r20, c * r00 + s * r10)
     roll = atan2(s * r02 - c * r12 + 0.0, c * r11 - s * r01 + 0.0)
     return (roll + 0.0, pitch + 0.0, yaw + 0.0)
+
+
+def turned_over(rpy: Vec3) -> Vec3:
+    """The other roll, pitch and yaw of the same rotation [rad]: their pitch is on the other side of ±π/2."""
+    roll, pitch, yaw = rpy
+    return (
+        math.remainder(roll + math.pi, math.tau),
+        math.copysign(math.pi, pitch) - pitch,
+        math.remainder(yaw + math.pi, math.tau),
+    )
 
 
 def rotation_from_quaternion(quaternion: Sequence[float]) -> Rotation:

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, strategies as st
 
 from dh2urdf.manipulator import LinkGeometry
-from dh2urdf.quantities import UNITS, evaluate
+from dh2urdf.quantities import UNITS, Dimension, evaluate
 from dh2urdf.rotations import RigidTransform
 from dh2urdf.source import Mark
 from dh2urdf.table_text import Place, TableText, WrittenTable
@@ -63,6 +63,22 @@ def test_a_transform_says_what_is_not_zero() -> None:
     turned = RigidTransform.from_xyz_rpy((0.0, 0.0, 0.0), (0.0, 0.0, math.pi))
     body = {"mass": 4.0, "geometry": LinkGeometry(shape="box", radius=0.1)}
     assert transform_text(turned, m, rad, **body) == ("{rpy: [0, 0, pi], mass: 4, geometry: {shape: box, radius: 0.1}}")
+
+
+@pytest.mark.parametrize("short", [0.0, 3e-9, 1e-8, 3.6732051e-6, 1e-4])
+@pytest.mark.parametrize("side", [1.0, -1.0])
+@pytest.mark.parametrize(("roll", "yaw"), [(0.0, 0.0), (0.3, 0.0), (0.0, 0.5), (0.1, 0.5)])
+def test_near_a_pitch_of_a_quarter_turn_zeros_are_written(side: float, short: float, roll: float, yaw: float) -> None:
+    """Such as rpy="0 1.5708 0": the angles of the rotation alone were 1.85e-08, 1.570796324, 1.85e-08."""
+    turned = RigidTransform.from_xyz_rpy((0.0, 0.0, 0.0), (roll, side * round(math.pi / 2 - short, 10), yaw))
+    text = transform_text(turned, UNITS["m"], UNITS["rad"])
+    angles = (
+        [evaluate(word, Dimension.ANGLE).value for word in text.removeprefix("{rpy: [")[:-2].split(",")] if text else []
+    )
+    assert RigidTransform.from_xyz_rpy((0.0, 0.0, 0.0), tuple(angles or (0.0, 0.0, 0.0))) == turned
+    assert max(len(word.strip()) for word in text[7:-2].split(",")) <= len("-1.570796326795")
+    if short and roll * yaw == 0.0:
+        assert text.count("0,") + text.count("0]") >= 1
 
 
 def test_columns_are_those_in_use(reference_robots: list[ReferenceRobot]) -> None:

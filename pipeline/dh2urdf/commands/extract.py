@@ -146,7 +146,7 @@ def write_extracted(
     call = default_call(catalog, table_writer(catalog, out, Mark(file=str(out))))
     renamed: list[Problem] = []
     arms = [_without_numbers(arm, renamed) for arm in arms]
-    texts = [table_text(arm, length_unit, angle_unit) for arm in arms]
+    texts = [table_text(arm, length_unit, angle_unit, folder=out.parent) for arm in arms]
     content = b"".join(map(_header, arms)) + in_format(texts, call).content
     lost = left_out(arms, content, call, str(out))
     refuse_inputs([out], inputs)

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
         row_transform as row_transform,
         table_chain as table_chain,
     )
-    from dh2urdf.kinematics.comparison import USUAL_TIPS as USUAL_TIPS
+    from dh2urdf.kinematics.comparison import usual_tips as usual_tips
     from dh2urdf.kinematics.pose_arrays import pose_matrices as pose_matrices
     from dh2urdf.kinematics.proof import largest_errors as largest_errors
     from dh2urdf.kinematics.walk import CompiledChain as CompiledChain
@@ -34,7 +34,7 @@ else:
             "chain": "KinematicChain angle_error axis_rotation dh_frames dh_transform "
             "dh_transform_of dh_transforms forward_kinematics joint_motion "
             "joint_variables link_poses position_error reach row_transform table_chain",
-            "comparison": "USUAL_TIPS",
+            "comparison": "usual_tips",
             "pose_arrays": "pose_matrices",
             "proof": "largest_errors",
             "walk": "CompiledChain",

@@ -19,7 +19,7 @@ from dh2urdf.source import Mark, Messages, did_you_mean, shown
 from dh2urdf.table_text.texts import number_in
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
+    from collections.abc import Collection, Iterable, Sequence
 
     from dh2urdf.kinematics.screws import Alignment
     from dh2urdf.manipulator import DHRow
@@ -35,6 +35,8 @@ POSES = 32
 """Random joint vectors at which poses are compared, besides zero."""
 USUAL_TIPS = (TOOL, "tcp", FLANGE, "ee_link")
 """Links that are the tip of an arm where a description has them, the likeliest first."""
+_PREFIXED_TIPS = ("_" + TOOL, "_tcp")
+"""What the names of such links end with where arms have prefixes, the likeliest first."""
 
 DECIMALS = 12
 """Decimals of numbers that are computed of a description [m or rad]."""
@@ -127,6 +129,19 @@ def compare(
 # Which chain.
 
 
+def usual_tips(names: Collection[str]) -> list[str]:
+    """The links that are usually meant by the tip of an arm: the one of the likeliest name, else all of one ending.
+
+    Args:
+        names: the names of links, such as ``left_tool0``; the tip of an arm with a prefix counts where no link has a
+            name of `USUAL_TIPS` as it stands.
+    """
+    if (whole := next((name for name in USUAL_TIPS if name in names), None)) is not None:
+        return [whole]
+    endings = ([name for name in names if name.endswith(ending)] for ending in _PREFIXED_TIPS)
+    return next(filter(None, endings), [])
+
+
 def _link(robot: Robot, name: str, option: str) -> str:
     names = [link.name for link in robot.links]
     if name not in names:
@@ -148,7 +163,8 @@ def _tip(robot: Robot, base: str, moving: int) -> str:
                 order.append(joint.child)
     wanted = min(count.values(), key=lambda number: (abs(number - moving), number))
     fitting = [name for name in order if count[name] == wanted]
-    return next((name for name in USUAL_TIPS if name in fitting), fitting[-1])
+    usual = usual_tips(fitting)
+    return usual[0] if len(usual) == 1 else fitting[-1]
 
 
 def _other_joints(joints: Sequence[Joint], rows: Sequence[DHRow]) -> str | None:

@@ -3,18 +3,21 @@
 from __future__ import annotations
 
 import math
+import os
 import re
+from itertools import product
 from typing import TYPE_CHECKING
 
 from dh2urdf.manipulator import JointType
 from dh2urdf.quantities.number_text import format_number
 from dh2urdf.quantities.units import UNITS, Dimension, Unit
-from dh2urdf.rotations import IDENTITY, RigidTransform, Vec3
+from dh2urdf.rotations import IDENTITY, NEARLY_UPRIGHT, RigidTransform, Vec3, turned_over
 from dh2urdf.row_fields import COM, INERTIA, LIMITS, NUMBERS, ROW_FIELDS
 from dh2urdf.table_text import FIELDS, MESHES, TableText
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping, Sequence
+    from collections.abc import Iterable, Sequence
+    from pathlib import Path
 
     from dh2urdf.manipulator import DHRow, LinkGeometry, Manipulator, MeshShape, Payload
 
@@ -25,15 +28,21 @@ _LARGEST_MULTIPLE = 48
 _DOUBTED = 4 * math.pi
 """Bounds above it [rad] are written with their unit: without one, they may be degrees."""
 _PLAIN_LENGTH = 24
+_YAW_PLACES = 12
+"""How many places of roll and yaw are tried near a pitch of ±π/2."""
 
 
-def table_text(manipulator: Manipulator, length_unit: str = "m", angle_unit: str = "rad") -> TableText:
+def table_text(
+    manipulator: Manipulator, length_unit: str = "m", angle_unit: str = "rad", *, folder: Path | None = None
+) -> TableText:
     """The texts of a manipulator: the shortest that read back to the same numbers.
 
     Args:
         manipulator: the arm.
         length_unit: the unit to write lengths in.
         angle_unit: the unit to write angles in.
+        folder: that of the file that the table is for, from which the paths of its meshes lead; they are as the
+            manipulator has them where it is None, or shares no folder with a mesh but the root of all.
     """
     length, angle = UNITS[length_unit], UNITS[angle_unit]
     # A column of links has a name in every row.
@@ -49,14 +58,17 @@ def table_text(manipulator: Manipulator, length_unit: str = "m", angle_unit: str
             angle,
             mass=manipulator.base_mass,
             geometry=manipulator.base_geometry,
-            others=[f"{key}: {mesh}" for key, mesh in _meshes(manipulator, length, angle, "base_").items()],
+            others=[f"{key}: {mesh}" for key, mesh in _meshes(manipulator, length, angle, folder, "base_").items()],
         ),
         tool=transform_text(manipulator.tool, length, angle),
         payload=_payload(manipulator.payload, length),
         defaults=_mapping(_geometry(manipulator.geometry, length), _number_entry("density", manipulator.density)),
         visuals=_drawn(manipulator.visuals),
         collisions=_drawn(manipulator.collisions),
-        rows=tuple(_row_text(row, length, angle, link=row.link if has_links else "") for row in manipulator.rows),
+        rows=tuple(
+            _row_text(row, length, angle, link=row.link if has_links else "") | _meshes(row, length, angle, folder)
+            for row in manipulator.rows
+        ),
     )
 
 
@@ -109,11 +121,23 @@ def transform_text(
 
 def _exact_rpy(transform: RigidTransform) -> Vec3 | None:
     """The angles that a transform is made of to the last bit; None where none are found."""
-    for digits in (17, 9, 12, 14, 15, 16):
-        roll, pitch, yaw = (float(f"{angle:.{digits}g}") for angle in transform.rpy)
-        if RigidTransform.from_xyz_rpy(transform.translation, (roll, pitch, yaw)) == transform:
-            return (roll, pitch, yaw)
+    for digits, (roll, pitch, yaw) in product((9, 12, 17, 14, 15, 16), _same_rpy(transform.rpy)):
+        rpy = (float(f"{roll:.{digits}g}"), float(f"{pitch:.{digits}g}"), float(f"{yaw:.{digits}g}"))
+        if RigidTransform.from_xyz_rpy(transform.translation, rpy) == transform:
+            return rpy
     return None
+
+
+def _same_rpy(rpy: Vec3) -> list[Vec3]:
+    """Angles of the same rotation: near a pitch of ±π/2, where roll ∓ yaw counts, those of a shorter yaw come first."""
+    if abs(math.cos(rpy[1])) >= NEARLY_UPRIGHT:
+        return [rpy]
+    found: list[Vec3] = []
+    for roll, pitch, yaw in sorted((rpy, turned_over(rpy)), key=lambda angles: abs(angles[2])):
+        for other in (0.0, *dict.fromkeys(round(yaw, places) for places in range(_YAW_PLACES)), yaw):
+            first = math.remainder(roll + math.copysign(1.0, pitch) * (other - yaw), math.tau)
+            found += [(first, pitch, other), (round(first, _YAW_PLACES), pitch, other)]
+    return found
 
 
 def _matrix(transform: RigidTransform, length: Unit) -> str:
@@ -146,7 +170,7 @@ def unit_of(dimension: Dimension, length: Unit, angle: Unit) -> Unit:
             return UNITS[f"{angle.symbol}/s"]
 
 
-def _row_text(row: DHRow, length: Unit, angle: Unit, *, link: str) -> Mapping[str, str]:
+def _row_text(row: DHRow, length: Unit, angle: Unit, *, link: str) -> dict[str, str]:
     texts = {"joint": row.joint, "type": str(row.type)}
     if link:
         texts["link"] = link
@@ -159,7 +183,7 @@ def _row_text(row: DHRow, length: Unit, angle: Unit, *, link: str) -> Mapping[st
                 texts[field] += f" {angle.symbol}"
     if row.type is JointType.FIXED:
         texts = {field: text for field, text in texts.items() if field not in LIMITS}
-    return {field: texts[field] for field in FIELDS if field in texts} | _meshes(row, length, angle)
+    return {field: texts[field] for field in FIELDS if field in texts}
 
 
 def _values(row: DHRow) -> dict[str, float | None]:
@@ -217,15 +241,20 @@ def _number_entry(key: str, value: float | None) -> str:
     return f"{key}: {format_number(value)}" if value is not None else ""
 
 
-def _meshes(record: DHRow | Manipulator, length: Unit, angle: Unit, prefix: str = "") -> dict[str, str]:
+def _meshes(
+    record: DHRow | Manipulator, length: Unit, angle: Unit, folder: Path | None, prefix: str = ""
+) -> dict[str, str]:
     """The meshes of a link or of the base as YAML, by key."""
     shapes: dict[str, MeshShape | None] = {key: getattr(record, prefix + key) for key in MESHES}
-    return {key: _mesh(shape, length, angle) for key, shape in shapes.items() if shape is not None}
+    return {key: _mesh(shape, length, angle, folder) for key, shape in shapes.items() if shape is not None}
 
 
-def _mesh(shape: MeshShape, length: Unit, angle: Unit) -> str:
+def _mesh(shape: MeshShape, length: Unit, angle: Unit, folder: Path | None) -> str:
     """The mesh of a link as YAML in one line."""
-    entries = [f"file: {yaml_word(shape.file.path)}"]
+    path = shape.file.path
+    if folder is not None and os.path.commonpath([path, folder.absolute()]) != os.sep:
+        path = os.path.relpath(path, folder)
+    entries = [f"file: {yaml_word(path)}"]
     if shape.scale != (1.0, 1.0, 1.0):
         entries.append(f"scale: [{_listed(map(format_number, shape.scale))}]")
     return transform_text(shape.pose, length, angle, others=entries)

@@ -37,7 +37,8 @@ class DescriptionOptions:
         default=None,
         metadata={
             "flag": "LINK",
-            "help": "where it ends; * for every leaf; tool0, tcp, flange, ee_link or the only leaf by default",
+            "help": "where it ends; * for every leaf; tool0, tcp, flange, ee_link, *_tool0, *_tcp, or the only leaf by "
+            "default",
         },
     )
     tolerance: float = field(

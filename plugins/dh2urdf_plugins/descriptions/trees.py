@@ -7,21 +7,22 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from dh2urdf.errors import TableError
-from dh2urdf.kinematics import USUAL_TIPS
+from dh2urdf.kinematics import usual_tips
 from dh2urdf.manipulator import JointType
 from dh2urdf.rotations import norm
 from dh2urdf.source import Mark, Problem, did_you_mean, listed, shown
 from dh2urdf_plugins.readers.words.bounds import MEASURABLE_ARM
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Collection, Iterable
 
     from dh2urdf.robot import Joint
     from dh2urdf_plugins.descriptions.description import Description
 
 EVERY = "*"
 """As a tip link: every leaf that a joint moves."""
-_SHOWN = 20
+_SHOWN = 10
+"""How many links a message names."""
 _OTHER_ENDS = "the options base_link and tip_link choose other ends"
 
 
@@ -104,16 +105,32 @@ class Tree:
         """
         if tip_link and tip_link != EVERY:
             return [self._link(tip_link, "tip_link")]
-        reached = self.reached()
-        if not tip_link and (usual := next((name for name in USUAL_TIPS if reached.get(name)), None)):
-            return [usual]
+        moved = {name: count for name, count in self.reached().items() if count}
+        usual = [] if tip_link else usual_tips(moved)
+        if len(usual) == 1:
+            return usual
         leaves = {name: count for name, count in self.leaves().items() if count}
         if len(leaves) > 1 and not tip_link:
-            named = [f"{name} ({count} moving joint{'s' if count > 1 else ''})" for name, count in leaves.items()]
-            message = f"the description has {len(leaves)} leaves: {listed(named, _SHOWN)}"
+            named = [f"{name} ({_moving(moved[name])})" for name in usual or leaves]
+            what = "links that may be the tip" if usual else "leaves"
+            message = f"the description has {len(named)} {what}: {listed(named, _SHOWN)}"
             accepted, advice = "the name of a link, or * for every leaf", "the option tip_link chooses one"
+            if shared := self._last_shared(leaves, moved):
+                advice += f"; all leaves are behind {shown(shared)} ({_moving(moved[shared])})"
             raise self._error(message, "tip_link", accepted=accepted, suggestion=advice)
         return list(leaves or self.leaves())
+
+    def _last_shared(self, leaves: Iterable[str], moved: Collection[str]) -> str | None:
+        """The last link that joints move on the ways to all leaves; None where the ways part before one."""
+        ways: list[list[str]] = []
+        for leaf in leaves:
+            way, link = [leaf], leaf
+            while link != self.base:
+                link = self.above[link].parent
+                way.append(link)
+            ways.append(way[::-1])
+        shared = [links[0] for links in zip(*ways, strict=False) if len(set(links)) == 1]
+        return next((link for link in reversed(shared) if link in moved), None)
 
     def chain(self, tip: str) -> tuple[Joint, ...]:
         """The joints from the base link to a tip link.
@@ -161,3 +178,7 @@ class Tree:
         mark = (joint.mark if joint else None) or Mark(file=self.description.file)
         problem = Problem(message=message, mark=mark, joint=joint.name if joint else None, field=field)
         return TableError(replace(problem, **words))
+
+
+def _moving(count: int) -> str:
+    return f"{count} moving joint{'s' if count > 1 else ''}"

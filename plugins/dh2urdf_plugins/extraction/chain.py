@@ -19,6 +19,7 @@ from dh2urdf.manipulator import JointType
 from dh2urdf.rotations import (
     IDENTITY,
     IDENTITY_ROTATION,
+    NEARLY_UPRIGHT,
     ZERO,
     RigidTransform,
     cos_sin,
@@ -29,6 +30,7 @@ from dh2urdf.rotations import (
     rotation_z,
     scale,
     transpose,
+    turned_over,
 )
 
 if TYPE_CHECKING:
@@ -61,8 +63,15 @@ class Precision(NamedTuple):
         if pose == IDENTITY:
             return pose
         x, y, z = map(self.length_of, pose.translation)
-        roll, pitch, yaw = map(self.angle_of, pose.rpy)
-        return RigidTransform.from_xyz_rpy((x, y, z), (roll, pitch, yaw))
+        roll, pitch, yaw = pose.rpy
+        # Near a pitch of ±π/2 only roll ∓ yaw counts, up to the cosine: yaw gets the fewest digits, roll the rest.
+        if abs(math.cos(pitch)) < NEARLY_UPRIGHT:
+            roll, pitch, yaw = min(pose.rpy, turned_over(pose.rpy), key=lambda angles: abs(angles[2]))
+            level = abs(math.cos(self.angle_of(pitch)))
+            rough = Precision(self.length, between_decimals(self.angle / max(level, self.angle)))
+            written = 0.0 if abs(yaw) * level <= self.angle else rough.angle_of(yaw)
+            roll, yaw = roll + math.copysign(1.0, pitch) * (written - yaw), written
+        return RigidTransform.from_xyz_rpy((x, y, z), (self.angle_of(roll), self.angle_of(pitch), self.angle_of(yaw)))
 
     def length_of(self, value: float) -> float:
         """A rounded length [m]."""

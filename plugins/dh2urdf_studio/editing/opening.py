@@ -170,7 +170,9 @@ def _opened(arm: Manipulator, typed: TableText | None, catalog: Catalog, units: 
     # The page does not show meshes: it could not move them along with the frames of a table.
     meshes: dict[str, Any] = dict.fromkeys(("base_visual", "base_collision", "visuals", "collisions"))
     bare = [replace(row, visual=None, collision=None) for row in arm.rows]
-    table = table_text(replace(arm, rows=tuple(bare), **meshes), **units)
+    table = table_text(
+        replace(arm, rows=tuple(bare), **meshes), units.get("length_unit", "m"), units.get("angle_unit", "rad")
+    )
     again = read_whole(table, catalog).manipulator
     return Opened(table, tuple(_lost(arm, again)) if again else (), _unseen(arm, again))
 

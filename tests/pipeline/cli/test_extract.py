@@ -242,6 +242,19 @@ class TestWritten:
         assert dh2urdf.convert(tmp_path / "arm.yaml", tmp_path / "back.urdf").proofs
         assert dh2urdf.convert(tmp_path / "arm.urdf").text
 
+    @pytest.mark.parametrize("where", ["arm.yaml", "tables/arm.yaml"])
+    def test_paths_of_meshes_lead_from_the_table(self, ur5: Path, tmp_path: Path, where: str) -> None:
+        """The folder of both may be moved: the table had the path that the mesh had before."""
+        (tmp_path / "a" / "tables").mkdir(parents=True)
+        (tmp_path / "a" / "part.stl").write_bytes(bytes(84))
+        text = re.sub(r"<visual>.*?</visual>", "", ur5.read_text(), flags=re.DOTALL)
+        seen = '<visual><geometry><mesh filename="part.stl"/></geometry></visual>'
+        (tmp_path / "a" / "arm.urdf").write_text(text.replace("</inertial>", f"</inertial>{seen}"))
+        dh2urdf.extract(tmp_path / "a" / "arm.urdf", tmp_path / "a" / where)
+        (tmp_path / "a").rename(tmp_path / "b")
+        meshes = [row.visual for row in dh2urdf.read(tmp_path / "b" / where).rows]
+        assert {mesh.file.path for mesh in meshes if mesh} == {str(tmp_path / "b" / "part.stl")}
+
     def test_the_description_stays(self, ur5: Path) -> None:
         with pytest.raises((OutputError, InputError)):
             dh2urdf.extract(ur5, ur5)

@@ -220,6 +220,23 @@ class TestTheChain:
         assert "the option tip_link chooses one" in message
         assert [row.joint for row in read(tmp_path, text, tip_link="camera").rows] == ["hip", "pan"]
 
+    @pytest.mark.parametrize("name", ["left_tool0", "panda_hand_tcp", "link_tcp"])
+    def test_a_usual_tip_behind_a_prefix_is_taken(self, tmp_path: Path, name: str) -> None:
+        """As of an arm in a cell; a link in the middle of whose name it stands is none."""
+        text = urdf(*self.BRANCHES).replace("tool0", name).replace("camera", "tool0_camera")
+        assert [row.joint for row in read(tmp_path, text).rows] == ["hip", "knee"]
+
+    def test_two_tips_with_prefixes_are_listed(self, tmp_path: Path) -> None:
+        message = refusal(tmp_path, urdf(*self.BRANCHES).replace("tool0", "left_tcp").replace("camera", "right_tcp"))
+        assert "left_tcp (2 moving joints)" in message
+        assert "right_tcp (2 moving joints)" in message
+
+    def test_the_last_link_before_all_leaves_is_proposed(self, tmp_path: Path) -> None:
+        fingers = [joint(f"finger_{number}", "hand", f"tip_{number}") for number in range(12)]
+        message = refusal(tmp_path, urdf(*PLAIN, END.replace("tool0", "hand"), *fingers))
+        assert "'hand' (2 moving joints)" in message
+        assert "tip_9 (3 moving joints) and 2 more" in message
+
     def test_every_leaf_in_one_go(self, tmp_path: Path) -> None:
         path = tmp_path / "robot.urdf"
         path.write_text(urdf(*self.BRANCHES))

@@ -80,7 +80,7 @@ class Carried:
         while ahead:
             parent = ahead.pop()
             for joint in tree.below.get(parent, ()):
-                if joint.child not in self.poses:
+                if joint.child not in self.poses and joint.name not in tree.description.faulty:
                     moves, is_on_chain = joint.type is not JointType.FIXED, joint.name in on_chain
                     self.segments[joint.child] = self.segments[parent] + (moves and is_on_chain)
                     self.poses[joint.child] = self.poses[parent] @ joint.origin.transform

@@ -69,6 +69,7 @@ class Description:
         notices: what a careful person would want to know about how the file was read.
         left_out: what is in the file besides, and neither the robot nor a table has a place for.
         doubly: links that are held besides the joints of the robot, which closes a loop.
+        faulty: joints that could not be read, by name, with what is wrong: where their links are is not known.
     """
 
     file: str
@@ -81,10 +82,12 @@ class Description:
     notices: list[Problem] = field(default_factory=list)
     left_out: list[Problem] = field(default_factory=list)
     doubly: set[str] = field(default_factory=set)
+    faulty: dict[str, Unread] = field(default_factory=dict)
 
     def take(self, model: Model) -> Robot:
         """The robot of a model, what it lacks besides, and notices of what could not be read."""
         self.loose |= model.loose
+        self.faulty |= model.faulty
         self.doubly |= set(model.doubly)
         self.notices += _notices(model.unread)
         return model.robot

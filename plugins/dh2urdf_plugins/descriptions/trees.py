@@ -160,7 +160,9 @@ class Tree:
         return tuple(joints)
 
     def _check(self, joint: Joint) -> None:
-        """Refuses a joint that no table has."""
+        """Refuses a joint that is faulty, or that no table has."""
+        if (faulty := self.description.faulty.get(joint.name)) is not None and faulty.fault is not None:
+            raise TableError(faulty.fault)
         followers, loose, name = self.description.followers, self.description.loose, joint.name
         if name in loose or name in followers:
             leader = followers[name].leader if name in followers else ""

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import re
 from contextlib import suppress
+from functools import partial
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
@@ -12,22 +13,25 @@ from lxml import etree
 
 from dh2urdf.documents import ACCEPTED_XML, ForbiddenXmlError, refuse_other_kind, xml_root
 from dh2urdf.errors import Dh2UrdfError, ProofError
-from dh2urdf.manipulator import JointType
-from dh2urdf.robot import Cylinder, Joint, Origin, Sphere
+from dh2urdf.manipulator import JointType, new_limits
+from dh2urdf.robot import Cylinder, Joint, Origin, Sphere, new_collision, new_visual
 from dh2urdf.rotations import IDENTITY, IDENTITY_ROTATION, RigidTransform
+from dh2urdf.row_fields import LIMITS
 from dh2urdf.source import Mark, Messages, Problem, shown
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Collection, Mapping, Sequence
+    from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
     from pathlib import Path
 
-    from dh2urdf.robot import Geometry, Robot
+    from dh2urdf.robot import Collision, Geometry, Material, Robot, Visual
 
 say = Messages(__file__)
 
 
 T = TypeVar("T")
 D = TypeVar("D")
+BOUNDS = ("lower", "upper")
+"""The limits between which a joint moves."""
 LARGEST = 2**26
 """Size of a robot description that is read, and of each file that it includes [B]."""
 PASSED_OVER = frozenset(
@@ -143,11 +147,13 @@ class FileElements:
     Attributes:
         file: what messages call the file.
         unread: what is in the file and could not be read.
+        faulty: by name, what is wrong with joints.
     """
 
     def __init__(self, file: str) -> None:
         self.file = file
         self.unread: list[Unread] = []
+        self.faulty: dict[str, Unread] = {}
 
     def mark(self, element: etree._Element) -> Mark:
         """Where an element is."""
@@ -205,6 +211,69 @@ class FileElements:
                 self.unread.append(Unread(what, problem.mark or mark, problem.about(mark=problem.mark or mark)))
             return default
 
+    def shapes(
+        self,
+        link: etree._Element,
+        placed: Callable[[etree._Element], Iterable[tuple[Geometry, Origin]]],
+        material_of: Callable[[etree._Element], Material | None],
+    ) -> dict[str, Any]:
+        """What a link is seen as and what it touches with, for the record of it.
+
+        Args:
+            link: the element of the link.
+            placed: reads the parts of a shape, and where they are in the link.
+            material_of: reads the material of one that is seen.
+        """
+
+        def seen(element: etree._Element) -> list[Visual]:
+            material = material_of(element)
+            return [new_visual(geometry=each, origin=origin, material=material) for each, origin in placed(element)]
+
+        def touching(element: etree._Element) -> list[Collision]:
+            return [new_collision(geometry=each, origin=origin) for each, origin in placed(element)]
+
+        visuals = [one for each in link.iterchildren("visual") for one in self.part(each, seen, ())]
+        collisions = [one for each in link.iterchildren("collision") for one in self.part(each, touching, ())]
+        return {"visuals": tuple(visuals), "collisions": tuple(collisions)}
+
+    def joint(
+        self, element: etree._Element, name: str, parent: str, child: str, read: Callable[[etree._Element], Joint]
+    ) -> Joint:
+        """A joint; where it is faulty, one that holds its link, and no chain of a table may have.
+
+        Args:
+            element: the element of it.
+            name: its name.
+            parent: the link that holds it.
+            child: the link that it moves.
+            read: reads the joint.
+        """
+        found = self.part(element, read, None, f"the joint {shown(name)}")
+        if found is not None:
+            return found
+        self.faulty[name] = self.unread[-1]
+        return Joint(name=name, type=JointType.FIXED, parent=parent, child=child, mark=self.mark(element))
+
+    def numbers_of_joint(
+        self, joint: etree._Element, number: Callable[[str, etree._Element], float | None], others: Iterable[str]
+    ) -> dict[str, Any]:
+        """The limits of a joint and what resists its motion; only what bounds the motion is one with the chain.
+
+        Args:
+            joint: the element of the joint.
+            number: reads the number of a field.
+            others: the fields besides the limits.
+        """
+        name = shown(joint.get("name", ""))
+        found = {
+            field: number(field, joint)
+            if field in BOUNDS
+            else self.part(joint, partial(number, field), None, f"the {field} of joint {name}")
+            for field in (*LIMITS, *others)
+        }
+        limits = new_limits(**{field: found.pop(field) for field in LIMITS})
+        return {"limits": limits, **found}
+
     def not_of_a_manipulator(self, element: etree._Element, kind: str, accepted: str) -> ProofError:
         """What is wrong with a joint of a type that is not one of a manipulator."""
         return self.error(element, "joint-type-foreign", type=kind, accepted=accepted)
@@ -217,6 +286,7 @@ class Model(NamedTuple):
         robot: its links and joints; joints that no table has are fixed in it.
         loose: their types, by name.
         unread: what could not be read.
+        faulty: joints that could not be read, by name, with what is wrong; they are fixed in it.
         doubly: links that are held by more than one joint, which closes a loop.
         mimics: of an SDF, the elements by which joints follow others, by the joints' names.
         references: of an MJCF, the reference values of the joints that move, by name [rad or m].
@@ -225,6 +295,7 @@ class Model(NamedTuple):
     robot: Robot
     loose: Mapping[str, str]
     unread: Sequence[Unread]
+    faulty: Mapping[str, Unread] = MappingProxyType({})
     doubly: Collection[str] = ()
     mimics: Mapping[str, etree._Element] = MappingProxyType({})
     references: Mapping[str, float] = MappingProxyType({})

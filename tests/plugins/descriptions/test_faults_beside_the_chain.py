@@ -88,6 +88,48 @@ def test_a_mass_or_a_shape(  # noqa: PLR0917 - a row of the table above
 
 @pytest.mark.filterwarnings("ignore::dh2urdf.TableWarning")
 @pytest.mark.parametrize(
+    ("form", "was", "now", "line"),
+    [
+        ("urdf", 'velocity="1"', 'velocity="1rad/s"', 10),
+        ("urdf", 'effort="10"', 'effort="10Nm"', 10),
+        ("sdf", "<lower>", '<velocity>2.35"</velocity><lower>', 8),
+        ("mjcf", 'axis="0 1 0"', 'axis="0 1 0" damping="soft"', 2),
+    ],
+)
+def test_what_bounds_no_motion(tmp_path: Path, form: str, was: str, now: str, line: int) -> None:
+    """As the velocity of a published iiwa in SDF, which ends with a quotation mark."""
+    sound = dh2urdf.read(written(tmp_path, form))
+    arm = dh2urdf.read(written(tmp_path, form, was, now))
+    assert forward_kinematics(arm, Q) == forward_kinematics(sound, Q)
+    assert (arm.rows[0].limits.lower, arm.rows[0].limits.upper) == (
+        sound.rows[0].limits.lower,
+        sound.rows[0].limits.upper,
+    )
+    assert line in [notice.mark.line for notice in arm.notices if notice.mark]
+
+
+BRANCH = """<link name="imu"><inertial><mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial></link>
+<joint name="carries" type="fixed"><parent link="upper"/><child link="imu"/><origin xyz="$(optenv XYZ 0 0 0)"/></joint>
+</robot>"""
+
+
+@pytest.mark.filterwarnings("ignore::dh2urdf.TableWarning")
+def test_a_joint_of_a_branch(tmp_path: Path) -> None:
+    """As of the camera of a published Husky: nobody knows where its link is, so that the arm has nothing of it."""
+    sound = dh2urdf.read(written(tmp_path, "urdf"))
+    path = written(tmp_path, "urdf", "</robot>", BRANCH)
+    arm = dh2urdf.read(path)
+    assert forward_kinematics(arm, Q) == forward_kinematics(sound, Q)
+    assert arm.rows[0].mass == 2
+    assert 13 in [notice.mark.line for notice in arm.notices if notice.mark]
+    with pytest.raises(TableError):
+        dh2urdf.read(path, tip_link="imu")
+    with pytest.raises(ProofError):
+        read_urdf(path)
+
+
+@pytest.mark.filterwarnings("ignore::dh2urdf.TableWarning")
+@pytest.mark.parametrize(
     ("form", "was", "now"),
     [
         ("urdf", 'xyz="0 0 0.3"', 'xyz="0 0 0.3m"'),

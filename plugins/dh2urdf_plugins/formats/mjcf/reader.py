@@ -12,6 +12,7 @@ origin, and each of several joints of a body, gets a link of its own.
 from __future__ import annotations
 
 from collections import defaultdict
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from dh2urdf.errors import ProofError
@@ -154,7 +155,7 @@ class _Reader(Elements):
             if constraint.tag in _HOLDING_BODIES:
                 doubly |= {names[body] for body in self._looped(constraint, named)}
         robot = Robot(name=root.get("model") or "MuJoCo Model", links=tuple(links), joints=tuple(joints))
-        return Model(robot, self._loose, self.unread, doubly, references=self._references)
+        return Model(robot, self._loose, self.unread, self.faulty, doubly, references=self._references)
 
     def _looped(
         self, constraint: etree._Element, named: Mapping[tuple[str, str | None], etree._Element]
@@ -249,14 +250,17 @@ class _Reader(Elements):
     def _numbers_of_joint(
         self, element: etree._Element, attributes: dict[str, str], kind: JointType, unit: float
     ) -> dict[str, Any]:
-        """The limits of a joint and what resists its motion."""
+        """The limits of a joint and what resists its motion; only what bounds the motion is one with the chain."""
+        name = shown(attributes.get("name", ""))
         bounds = None if kind is JointType.FIXED else self.limits(element, attributes, "range", "limited")
         lower, upper = [unit * value for value in bounds] if bounds else (None, None)
-        _, effort = self.limits(element, attributes, "actuatorfrcrange", "actuatorfrclimited") or (None, None)
+        ranges = partial(self.limits, attributes=attributes, name="actuatorfrcrange", limited="actuatorfrclimited")
+        _, effort = self.part(element, ranges, None, f"the effort of joint {name}") or (None, None)
         numbers: dict[str, Any] = {"limits": Limits(lower=lower, upper=upper, effort=effort)}
-        for field, name in (("damping", "damping"), ("friction", "frictionloss"), ("armature", "armature")):
-            if name in attributes:
-                (numbers[field],) = self.numbers(element, attributes, name, (0.0,), most=3)
+        for field, word in (("damping", "damping"), ("friction", "frictionloss"), ("armature", "armature")):
+            if word in attributes:
+                read = partial(self.numbers, attributes=attributes, name=word, default=(0.0,), most=3)
+                (numbers[field],) = self.part(element, read, (None,), f"the {field} of joint {name}")
         return numbers
 
     # Bodies

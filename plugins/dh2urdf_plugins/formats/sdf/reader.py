@@ -12,20 +12,31 @@ posed relative to it hangs below it. A joint apart from its child's origin gets 
 from __future__ import annotations
 
 from copy import deepcopy
+from dataclasses import replace
+from functools import partial
 from typing import TYPE_CHECKING
 
 from lxml import etree
 
 from dh2urdf.errors import ProofError
 from dh2urdf.kinematics.mass import rotated
-from dh2urdf.manipulator import JOINT_TYPES, WORLD, Inertia, JointType, Limits
-from dh2urdf.robot import Box, Collision, Cylinder, Inertial, Joint, Link, Material, Mesh, Origin, Robot, Sphere, Visual
+from dh2urdf.manipulator import JOINT_TYPES, WORLD, Inertia, JointType
+from dh2urdf.robot import Box, Cylinder, Inertial, Joint, Link, Material, Mesh, Origin, Robot, Sphere
 from dh2urdf.rotations import IDENTITY, IDENTITY_ROTATION, Z_AXIS, RigidTransform, rotate
 from dh2urdf.row_fields import INERTIA, LIMITS
 from dh2urdf.source import Mark, Messages, shown
 from dh2urdf_plugins.formats.sdf.elements import IN_MODEL, SdfElements, modernise
 from dh2urdf_plugins.formats.sdf.places import AT_INCLUDED, Places, flatten, leave_out_attached
-from dh2urdf_plugins.formats.xml_files import Model, Placed, capsule, content_of, fixed, tree_of, written_tree_of
+from dh2urdf_plugins.formats.xml_files import (
+    BOUNDS,
+    Model,
+    Placed,
+    capsule,
+    content_of,
+    fixed,
+    tree_of,
+    written_tree_of,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -133,7 +144,7 @@ class _Reader(SdfElements):
         robot = Robot(name=self.name(self._model), links=tuple(links), joints=tuple(joints))
         found = {self.name(joint): joint.find("axis/mimic") for joint in self._model.iterchildren("joint")}
         mimics = {name: mimic for name, mimic in found.items() if mimic is not None}
-        return Model(robot, self._loose, self.unread, self._doubly, mimics=mimics)
+        return Model(robot, self._loose, self.unread, self.faulty, self._doubly, mimics=mimics)
 
     # Frames
 
@@ -165,13 +176,19 @@ class _Reader(SdfElements):
     # Links and joints
 
     def _joint(self, element: etree._Element, child: str, parent: str, pose: RigidTransform) -> Joint:
+        ends = Joint(name=self.name(element), type=JointType.FIXED, parent=parent, child=child, origin=Origin.of(pose))
+        return self.joint(element, ends.name, parent, child, partial(self._motion, ends))
+
+    def _motion(self, ends: Joint, element: etree._Element) -> Joint:
+        """The joint of an element, between two links."""
         word = _type(element)
         kind = JointType.FIXED if word in _LOOSE else JOINT_TYPES.get(word)
         if kind is None:
             raise self.not_of_a_manipulator(element, word, _ACCEPTED)
         if word in _LOOSE:
             self._loose[self.name(element)] = word
-        limits = Limits(**{name: self._limit(element, name) for name in LIMITS})
+        numbers = self.numbers_of_joint(element, self._number, ("damping", "friction"))
+        limits = numbers["limits"]
         if kind is JointType.REVOLUTE and limits.lower is None and limits.upper is None:
             kind = JointType.CONTINUOUS
         axis = Z_AXIS
@@ -181,23 +198,14 @@ class _Reader(SdfElements):
             xyz = element.find("axis/xyz")
             if xyz is not None and (frame := xyz.get("expressed_in")):
                 axis = rotate(self._places.between(self._places.key(element), frame).rotation, axis)
-        return Joint(
-            name=self.name(element),
-            type=kind,
-            parent=parent,
-            child=child,
-            origin=Origin.of(pose),
-            axis=axis,
-            limits=limits,
-            damping=self.optional(element, "axis/dynamics/damping"),
-            friction=self.optional(element, "axis/dynamics/friction"),
-            mark=self.mark(element),
-        )
+        return replace(ends, type=kind, axis=axis, mark=self.mark(element), **numbers)
 
-    def _limit(self, joint: etree._Element, name: str) -> float | None:
-        """A limit; None where there is none: no word of it, an endless one, or the −1 of an endless effort or speed."""
-        value = self.optional(joint, f"axis/limit/{name}")
-        if value is None or abs(value) >= UNLIMITED or (value < 0 and name in {"velocity", "effort"}):
+    def _number(self, field: str, joint: etree._Element) -> float | None:
+        """A number; None where there is no word of it, an endless limit, or the −1 of an endless effort or speed."""
+        if field not in LIMITS:
+            return self.optional(joint, f"axis/dynamics/{field}")
+        value = self.optional(joint, f"axis/limit/{field}")
+        if value is None or abs(value) >= UNLIMITED or (value < 0 and field not in BOUNDS):
             return None
         return value
 
@@ -207,22 +215,8 @@ class _Reader(SdfElements):
         return Link(
             name=self.name(element),
             inertial=usual if given is None else self.part(given, self._inertial, None),
-            visuals=tuple(
-                [one for each in element.iterchildren("visual") for one in self.part(each, self._visuals, ())]
-            ),
-            collisions=tuple(
-                [one for each in element.iterchildren("collision") for one in self.part(each, self._collisions, ())]
-            ),
+            **self.shapes(element, self._placed, self._material),
         )
-
-    def _visuals(self, element: etree._Element) -> list[Visual]:
-        material = self._material(element)
-        return [
-            Visual(geometry=geometry, origin=origin, material=material) for geometry, origin in self._placed(element)
-        ]
-
-    def _collisions(self, element: etree._Element) -> list[Collision]:
-        return [Collision(geometry=geometry, origin=origin) for geometry, origin in self._placed(element)]
 
     def _inertial(self, element: etree._Element) -> Inertial:
         if element.get("auto") == "true":

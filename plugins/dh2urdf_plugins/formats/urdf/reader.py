@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 from lxml import etree
 
 from dh2urdf.kinematics.mass import rotated
-from dh2urdf.manipulator import JOINT_TYPES, JointType, new_inertia, new_limits
+from dh2urdf.manipulator import JOINT_TYPES, JointType, new_inertia
 from dh2urdf.robot import (
     Box,
     Cylinder,
@@ -25,12 +25,10 @@ from dh2urdf.robot import (
     Origin,
     Robot,
     Sphere,
-    new_collision,
     new_inertial,
     new_joint,
     new_link,
     new_origin,
-    new_visual,
 )
 from dh2urdf.rotations import IDENTITY, X_AXIS, Z_AXIS, ZERO, Vec3, rotation_from_rpy
 from dh2urdf.row_fields import INERTIA, LIMITS
@@ -41,7 +39,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
     from pathlib import Path
 
-    from dh2urdf.robot import Collision, Geometry, Visual
+    from dh2urdf.robot import Geometry
 
 _ACCEPTED = ", ".join(JOINT_TYPES)
 _LOOSE = ("floating", "planar")
@@ -106,29 +104,28 @@ class _UrdfReader(FileElements):
             links=tuple([self._link(element) for element in root.iterchildren("link")]),
             joints=tuple([self._joint(element) for element in root.iterchildren("joint")]),
         )
-        return Model(robot, self._loose, self.unread)
+        return Model(robot, self._loose, self.unread, self.faulty)
 
     def _link(self, element: etree._Element) -> Link:
         inertial = element.find("inertial")
         return new_link(
             name=self._text(element, "name"),
             inertial=None if inertial is None else self.part(inertial, self._inertial, None),
-            visuals=tuple(
-                [one for each in element.iterchildren("visual") for one in self.part(each, self._visuals, ())]
-            ),
-            collisions=tuple(
-                [one for each in element.iterchildren("collision") for one in self.part(each, self._collisions, ())]
-            ),
+            **self.shapes(element, self._placed, self._material_of),
         )
 
     def _joint(self, element: etree._Element) -> Joint:
+        parent, child = (self._text(self._child(element, end), "link") for end in ("parent", "child"))
+        return self.joint(element, self._text(element, "name"), parent, child, self._motion)
+
+    def _motion(self, element: etree._Element) -> Joint:
         name, word = self._text(element, "name"), self._text(element, "type")
         if word in _LOOSE:
             self._loose[name] = word
         kind = JointType.FIXED if word in _LOOSE else JOINT_TYPES.get(word)
         if kind is None:
             raise self.not_of_a_manipulator(element, word, _ACCEPTED)
-        axis, limit, dynamics = element.find("axis"), element.find("limit"), element.find("dynamics")
+        axis = element.find("axis")
         direction = Z_AXIS  # What the field holds of a fixed joint, which has none.
         if kind is not JointType.FIXED:
             direction = X_AXIS if axis is None else self._vector(axis, "xyz", X_AXIS)
@@ -139,11 +136,12 @@ class _UrdfReader(FileElements):
             child=self._text(self._child(element, "child"), "link"),
             origin=self._origin(element),
             axis=direction,
-            limits=new_limits(**{name: self._optional(limit, name) for name in LIMITS}),
-            damping=self._optional(dynamics, "damping"),
-            friction=self._optional(dynamics, "friction"),
             mark=self.mark(element),
+            **self.numbers_of_joint(element, self._number, ("damping", "friction")),
         )
+
+    def _number(self, field: str, joint: etree._Element) -> float | None:
+        return self._optional(joint.find("limit" if field in LIMITS else "dynamics"), field)
 
     def _inertial(self, element: etree._Element) -> Inertial:
         tensor, origin = self._child(element, "inertia"), self._origin(element)
@@ -153,16 +151,9 @@ class _UrdfReader(FileElements):
         mass = self._numbers(self._child(element, "mass"), "value", 1)[0]
         return new_inertial(mass=mass, com=origin.xyz, inertia=inertia)
 
-    def _visuals(self, element: etree._Element) -> list[Visual]:
-        found = element.find("material")
-        material = None if found is None else self._material(found)
-        return [
-            new_visual(geometry=geometry, origin=origin, material=material)
-            for geometry, origin in self._placed(element)
-        ]
-
-    def _collisions(self, element: etree._Element) -> list[Collision]:
-        return [new_collision(geometry=geometry, origin=origin) for geometry, origin in self._placed(element)]
+    def _material_of(self, visual: etree._Element) -> Material | None:
+        material = visual.find("material")
+        return None if material is None else self._material(material)
 
     def _material(self, element: etree._Element) -> Material | None:
         """A material that is defined here or was defined above; None where it is a texture only."""

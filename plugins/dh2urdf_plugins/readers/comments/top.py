@@ -94,7 +94,7 @@ def read_top(
     if problem := _too_large(header):
         raise TableError(problem)
     if last and above and last is above[-1] and last is not header and not _too_large(last):
-        header, _ = join_headers(last, header)
+        header = join_headers(last, header)
     if isinstance(rows, HeaderRows):
         header = rows.complete(header)
     texts, sentences = marked_as_left_out(header, ignore), sentences_in(comments)

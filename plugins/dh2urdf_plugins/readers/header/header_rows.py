@@ -7,13 +7,15 @@ from typing import TYPE_CHECKING
 
 from dh2urdf.errors import TableError
 from dh2urdf.quantities import is_unit
-from dh2urdf.source import Problem, shown
+from dh2urdf.source import Messages, Problem
 from dh2urdf.table_text import CellRow
 from dh2urdf_plugins.readers.header.words import read_header
 from dh2urdf_plugins.readers.words.cells import SPACES, text_of
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
+
+say = Messages(__file__)
 
 _UNIT = r"(.*\S)\s*[\[(]([^\[\]()]*)[\])]"
 _DASHES = frozenset("- – — [-] [–] (-) [] n/a unit units einheit einheiten unité unidad unità".split()) | {""}  # noqa: SIM905
@@ -36,113 +38,10 @@ def headers_in(row: CellRow) -> list[str]:
     return [" ".join(text_in(cell).split("\n")).strip(SPACES) for cell in row.cells]
 
 
-def join_headers(upper: CellRow, lower: CellRow) -> tuple[CellRow, CellRow]:
-    """A header that has two rows, and what of its upper row has no effect.
-
-    A title over several columns, such as ``Limits [deg]`` over ``lower`` and ``upper``, gives them its unit; ``com``
-    over ``x`` makes one header of both; a name over a unit gets it.
-    """
-    tops, subs = headers_in(upper), headers_in(lower)
-    width = max(len(tops), len(subs))
-    tops += [""] * (width - len(tops))
-    subs += [""] * (width - len(subs))
-    tops = _carried(tops, subs)
-    texts = [_joined(top, sub) for top, sub in zip(tops, subs, strict=True)]
-    used = {top for top, sub, text in zip(tops, subs, texts, strict=True) if text != sub}
-    marks = lower.marks if len(lower.marks or ()) == width else upper.marks
-    unused = [top if top not in used else None for top in dict.fromkeys(tops) if top]
-    return CellRow(texts, lower.mark, marks), CellRow([top for top in unused if top], upper.mark)
-
-
-def _carried(tops: list[str], subs: list[str]) -> list[str]:
-    """Titles, each also over the next columns where these are its parts: what a merged cell leaves in a CSV file."""
-    carried: list[str] = []
-    title = ""
-    for top, sub in zip(tops, subs, strict=True):
-        title = top or title
-        carried.append(title if title and not top and sub and _has_part(title, sub) else top)
-    return carried
-
-
-def _has_part(title: str, sub: str) -> bool:
-    """Whether a title is of several fields, and what is below it one of these."""
-    if not (group := read_header(title).field):
-        return False
-    match = re.fullmatch(_UNIT, title)
-    part = read_header(sub).field or read_header(f"{match[1] if match else title} {sub}").field
-    return part is not None and part.name in group.parts
-
-
-def _joined(top: str, sub: str) -> str:
-    """The header that a name and what is below it make; the lower one where the upper one adds nothing."""
-    if not top or not sub:
-        return sub or (top if read_header(top).field else "")
-    stem, unit = top, unit_in(sub)
-    if unit:
-        return f"{top} [{unit}]"
-    if match := re.fullmatch(_UNIT, top):
-        stem, unit = match[1], match[2]
-    header = read_header(sub)
-    if header.field is None and read_header(f"{stem} {sub}").field:
-        sub = f"{stem} {sub}"
-        header = read_header(sub)
-    measures = header.field and header.field.dimension and header.unit is None
-    return f"{sub} [{unit}]" if measures and unit and is_unit(unit) else sub
-
-
 def unit_in(text: str) -> str | None:
     """The unit that a cell is, in brackets or not: ``mm``, ``[deg]``; None where it is none."""
     word = text.strip(f"{SPACES}[]()")
     return word if word and is_unit(word) else None
-
-
-def completed(header: CellRow, row: CellRow) -> CellRow | None:
-    """The header with the row below it, where that is a row of units, or of names under shared titles; else None.
-
-    Raises:
-        TableError: the row of units contradicts the header.
-    """
-    if not _continues(header, row):
-        return None
-    marks = row.marks or [row.mark] * len(row.cells)
-    for name, text, mark in zip(headers_in(header), map(text_in, row.cells), marks, strict=False):
-        said, unit = read_header(name).unit, unit_in(text)
-        if said and unit and said.casefold() != unit.casefold():
-            message = f"the row of units says {shown(unit)}, and the header above says {shown(name)}"
-            raise TableError(Problem(message=message, mark=mark, found=unit, accepted="one unit for a column"))
-    return join_headers(header, _without_dashes(header, row))[0]
-
-
-def _continues(header: CellRow, row: CellRow) -> bool:
-    """Whether a row below the header is part of it: units, dashes for none, and names under shared titles."""
-    if not all(cell is None or isinstance(cell, str) for cell in row.cells):
-        return False
-    names, texts = headers_in(header), headers_in(row)
-    names = _carried(names, (texts + [""] * len(names))[: len(names)])
-    pairs = list(zip(names, texts, strict=False))
-    filled = [(name, text) for name, text in pairs if text]
-    if not filled or len(row.cells) > len(pairs):
-        return False
-    return all(_is_part(name, text) for name, text in filled) and any(
-        unit_in(text) or text not in _DASHES for _, text in filled
-    )
-
-
-def _is_part(name: str, text: str) -> bool:
-    if unit_in(text) or text.casefold() in _DASHES:
-        return True
-    title = read_header(name).field
-    if title and not title.parts:
-        return False
-    return (read_header(f"{name} {text}").field or read_header(text).field) is not None
-
-
-def _without_dashes(header: CellRow, row: CellRow) -> CellRow:
-    texts = [
-        "" if text.casefold() in _DASHES and not (name and unit_in(text)) else text
-        for name, text in zip(headers_in(header), headers_in(row), strict=False)
-    ]
-    return CellRow(texts, header.mark, header.marks)
 
 
 def is_beside(index: int, named: Sequence[object]) -> bool:
@@ -153,3 +52,88 @@ def is_beside(index: int, named: Sequence[object]) -> bool:
         named: for each column of the header whether it has one.
     """
     return index > 0 and not any(named[index - 1 :])
+
+
+def join_headers(upper: CellRow, lower: CellRow) -> CellRow:
+    """A header that has two rows.
+
+    A title over several columns, such as ``Limits [deg]`` over ``lower`` and ``upper``, gives them its unit; ``com``
+    over ``x`` makes one header of both; a name over a unit gets it.
+    """
+    tops, subs = _pairs(upper, lower)
+    marks = lower.marks if len(lower.marks or ()) == len(tops) else upper.marks
+    return CellRow([_joined(top, sub) for top, sub in zip(tops, subs, strict=True)], lower.mark, marks)
+
+
+def completed(header: CellRow, row: CellRow) -> CellRow | None:
+    """The header with the row below it, where that is a row of units, or of names under shared titles; else None.
+
+    Raises:
+        TableError: the row of units contradicts the header.
+    """
+    if len(row.cells) > len(header.cells) or not all(cell is None or isinstance(cell, str) for cell in row.cells):
+        return None
+    filled = [(name, text) for name, text in zip(*_pairs(header, row), strict=True) if text]
+    says = any(unit_in(text) or text not in _DASHES for _, text in filled)
+    if not says or not all(_is_part(name, text) for name, text in filled):
+        return None
+    names, texts = headers_in(header), headers_in(row)
+    for name, text, mark in zip(names, texts, row.marks or [row.mark] * len(texts), strict=False):
+        said, unit = read_header(name).unit, unit_in(text)
+        if said and unit and said.casefold() != unit.casefold():
+            raise TableError(say("row-of-units", mark, found=unit, header=name))
+    named = [
+        "" if text.casefold() in _DASHES and not (name and unit_in(text)) else text
+        for name, text in zip(names, texts, strict=False)
+    ]
+    return join_headers(header, CellRow(named, header.mark, header.marks))
+
+
+def _pairs(upper: CellRow, lower: CellRow) -> tuple[list[str], list[str]]:
+    """Titles and what is below them; a title is also over the next columns where these are its parts.
+
+    That is what a merged cell leaves in a CSV file.
+    """
+    tops, subs = headers_in(upper), headers_in(lower)
+    width = max(len(tops), len(subs))
+    tops += [""] * (width - len(tops))
+    subs += [""] * (width - len(subs))
+    carried: list[str] = []
+    title = ""
+    for top, sub in zip(tops, subs, strict=True):
+        title = top or title
+        carried.append(title if not top and sub and _has_part(title, sub) else top)
+    return carried, subs
+
+
+def _has_part(title: str, sub: str) -> bool:
+    """Whether a title is of several fields, and what is below it one of these."""
+    if not title or not (group := read_header(title).field):
+        return False
+    match = re.fullmatch(_UNIT, title)
+    part = read_header(sub).field or read_header(f"{match[1] if match else title} {sub}").field
+    return part is not None and part.name in group.parts
+
+
+def _joined(top: str, sub: str) -> str:
+    """The header that a name and what is below it make; the lower one where the upper one adds nothing."""
+    if not top or not sub:
+        return sub or (top if read_header(top).field else "")
+    if unit := unit_in(sub):
+        return f"{top} [{unit}]"
+    match = re.fullmatch(_UNIT, top)
+    stem, unit = (match[1], match[2]) if match else (top, None)
+    header = read_header(sub)
+    if header.field is None and read_header(f"{stem} {sub}").field:
+        sub = f"{stem} {sub}"
+        header = read_header(sub)
+    measures = header.field and header.field.dimension and header.unit is None
+    return f"{sub} [{unit}]" if measures and unit and is_unit(unit) else sub
+
+
+def _is_part(name: str, text: str) -> bool:
+    """Whether a cell below a name is its unit, a dash for none, or the name of one of its fields."""
+    if unit_in(text) or text.casefold() in _DASHES:
+        return True
+    title = read_header(name).field
+    return (not title or bool(title.parts)) and any(read_header(each).field for each in (f"{name} {text}", text))

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from dh2urdf.quantities import Dimension, QuantityError, accepted_units
 from dh2urdf.row_fields import COM, INERTIA, ROW_FIELDS
-from dh2urdf.source import Mark, Problem, shown
+from dh2urdf.source import Mark, Messages, Problem, shown
 from dh2urdf_plugins.readers.words.cells import Doubt, Units, rate_of
 from dh2urdf_plugins.readers.words.fields import FIELDS
 
@@ -19,6 +19,8 @@ if TYPE_CHECKING:
     from dh2urdf_plugins.readers.words.cells import Cell
 
     Cells: TypeAlias = Mapping[tuple[str, Dimension], Cell]
+
+say = Messages(__file__)
 
 UNIT_KEYS = {
     "length": (Dimension.LENGTH,),
@@ -58,6 +60,19 @@ _GROUPS = (
     ),
 )
 """Columns that are beside each other, and are hardly in two units."""
+_MADE_OF = (
+    (Dimension.INERTIA, Dimension.INERTIA, (Dimension.LENGTH, Dimension.MASS)),
+    (Dimension.DAMPING, Dimension.DAMPING, (Dimension.ANGLE, Dimension.LENGTH)),
+    (Dimension.LINEAR_DAMPING, Dimension.LINEAR_DAMPING, (Dimension.LENGTH,)),
+    ("friction", Dimension.TORQUE, (Dimension.LENGTH,)),
+)
+"""Kinds of quantities, and a field, with what is in their units: where that is not in SI units, theirs are not sure."""
+_OF_TWO_KINDS = [
+    (key, one, other) for key, both in UNIT_KEYS.items() for one, other in ((both, both[::-1]) if len(both) > 1 else ())
+]
+"""Keys of `units` that may declare the unit of one kind of joints, and what they leave open then."""
+_RATES = {Dimension.SPEED: Dimension.LENGTH, Dimension.TURN_RATE: Dimension.ANGLE}
+"""What has the unit of lengths or angles per second, where these have a sure one."""
 
 
 def group_of(name: str) -> tuple[str, ...]:
@@ -72,106 +87,81 @@ def table_units(stated: Mapping[Dimension, Unit], columns: Columns | None = None
         stated: what the table and the options declare.
         columns: its headers, where it has some.
     """
-    known = dict(stated)
-    doubts: dict[str, Doubt] = {}
-    if columns:
-        for dimension in _GEOMETRY:
-            if dimension not in stated:
-                unit, doubt = _of_geometry(columns, dimension)
-                known |= {dimension: unit} if unit else {}
-                doubts |= {dimension: doubt} if doubt else {}
-    units = Units(known=known, columns=columns.units if columns else {})
-    doubts |= _of_kinds(units, stated, doubts)
-    if columns:
-        doubts |= _beside(columns, units, stated)
-    return Units(
-        known=known,
-        columns=units.columns,
-        doubts=doubts,
-        decimal_comma=columns.decimal_comma if columns else False,
-    )
-
-
-def _of_geometry(columns: Columns, dimension: Dimension) -> tuple[Unit | None, Doubt | None]:
-    """The unit that the headers of all columns of geometry declare, where it is not SI; or why there is none."""
-    names = [name for name in _GEOMETRY[dimension] if name in columns.fields]
-    units = [columns.units.get(name) for name in names]
-    foreign = next((unit for unit in units if unit and not unit.is_si), None)
-    if foreign is None:
-        return None, None
-    if all(unit == foreign for unit in units):
-        return foreign, None
-    said = map(_unit_of, names, units)
-    return None, Doubt(" and ".join(said), foreign.symbol)
+    if columns is None:
+        return Units(known=stated, doubts=_of_kinds(stated, {}, stated, {}))
+    known, doubts = dict(stated), dict[str, Doubt]()
+    for dimension, names in _GEOMETRY.items():
+        units = {name: columns.units.get(name) for name in names if name in columns.fields}
+        foreign = next((unit for unit in units.values() if unit and not unit.is_si), None)
+        if foreign is None or dimension in stated:
+            continue
+        if all(unit == foreign for unit in units.values()):
+            known[dimension] = foreign
+        else:
+            said = " and ".join(_unit_of(name, unit) for name, unit in units.items())
+            doubts[dimension] = Doubt(said, foreign.symbol)
+    doubts |= _of_kinds(known, columns.units, stated, doubts)
+    doubts |= _beside(columns, Units(known=known), stated)
+    return Units(known=known, columns=columns.units, doubts=doubts, decimal_comma=columns.decimal_comma)
 
 
 def _unit_of(what: str, unit: Unit | None) -> str:
     return f"the unit of {what} is {unit.symbol}" if unit else f"{what} has none"
 
 
-def _of_kinds(units: Units, stated: Mapping[Dimension, Unit], doubts: Mapping[str, Doubt]) -> dict[str, Doubt]:
+def _of_kinds(
+    known: Mapping[Dimension, Unit],
+    headers: Mapping[str, Unit],
+    stated: Mapping[Dimension, Unit],
+    doubts: Mapping[str, Doubt],
+) -> dict[str, Doubt]:
     """Why the unit of a whole kind of quantities is in doubt: it may go with another that is not the SI unit."""
+    foreign = {str(what): _unit_of(word, unit) for what, word in _PLURAL.items() if (unit := _foreign(known, what))}
+    foreign |= {what: doubt.reason for what, doubt in doubts.items()}
+    bodies = [_unit_of(name, unit) for name in (*COM, "mass") if (unit := _foreign(headers, name))]
     found: dict[str, Doubt] = {}
-
-    def because(*dimensions: Dimension) -> str | None:
-        for dimension in dimensions:
-            unit = units.known.get(dimension)
-            if dimension in doubts:
-                return doubts[dimension].reason
-            if unit and not unit.is_si:
-                return _unit_of(_PLURAL[dimension], unit)
-        return None
-
-    def doubt(what: Dimension | str, reason: str | None, unit: str) -> None:
-        if reason and what not in stated:
-            found[what] = Doubt(reason, unit)
-
-    length, angle = Dimension.LENGTH, Dimension.ANGLE
-    headers = {name: unit for name, unit in units.columns.items() if not unit.is_si}
-    of_bodies = next((_unit_of(name, headers[name]) for name in (*COM, "mass") if name in headers), None)
-    doubt(Dimension.INERTIA, because(length, Dimension.MASS) or of_bodies, SI[Dimension.INERTIA])
-    doubt(Dimension.DAMPING, because(angle, length), SI[Dimension.DAMPING])
-    doubt(Dimension.LINEAR_DAMPING, because(length), SI[Dimension.LINEAR_DAMPING])
-    doubt("friction", None if Dimension.TORQUE in stated else because(length), SI[Dimension.TORQUE])
-    doubt(Dimension.SPEED, because(length) if length in doubts else None, SI[Dimension.SPEED])
-    doubt(Dimension.TURN_RATE, because(angle) if angle in doubts else None, SI[Dimension.TURN_RATE])
-    doubt(Dimension.MASS, *_of_masses(units, stated))
-    for key, both in UNIT_KEYS.items():
-        for dimension, other in (both, both[::-1]) if len(both) > 1 else ():
-            if dimension in stated:
-                doubt(other, f"`units` declares {stated[dimension].symbol} for {key}", SI[other])
+    for what, measured, parts in _MADE_OF:
+        reasons = [foreign[part] for part in parts if part in foreign]
+        reasons += bodies if what is Dimension.INERTIA else []
+        if reasons and measured not in stated:
+            found[what] = Doubt(reasons[0], SI[measured])
+    for rate, base in _RATES.items():
+        if base in doubts and rate not in stated:
+            found[rate] = Doubt(doubts[base].reason, SI[rate])
+    of_inertia = filter(None, (stated.get(Dimension.INERTIA), *map(headers.get, INERTIA)))
+    other = next((unit for unit in of_inertia if not unit.symbol.startswith("kg")), None)
+    if other and Dimension.MASS not in stated:
+        found[Dimension.MASS] = Doubt(_unit_of("moments of inertia", other), other.symbol.partition("·")[0])
+    for key, one, left in _OF_TWO_KINDS:
+        if one in stated and left not in stated:
+            found[left] = Doubt(f"`units` declares {stated[one].symbol} for {key}", SI[left])
     return found
 
 
-def _of_masses(units: Units, stated: Mapping[Dimension, Unit]) -> tuple[str | None, str]:
-    """Why masses may not be in kg, and in what: moments of inertia are in a unit of another mass."""
-    for unit in (stated.get(Dimension.INERTIA), *(units.columns.get(name) for name in INERTIA)):
-        if unit and not unit.symbol.startswith("kg"):
-            return _unit_of("moments of inertia", unit), unit.symbol.partition("·")[0]
-    return None, SI[Dimension.MASS]
+def _foreign(units: Mapping[Any, Unit], name: str) -> Unit | None:
+    """A unit that is not the SI unit."""
+    unit = units.get(name)
+    return None if unit is None or unit.is_si else unit
 
 
 def _beside(columns: Columns, units: Units, stated: Mapping[Dimension, Unit]) -> dict[str, Doubt]:
     """Columns without a unit beside one whose header has another unit than the numbers would be read in."""
     found: dict[str, Doubt] = {}
     for name in columns.names:
-        if name in columns.units:
-            continue
         rate = name == "velocity"
-        group = _OF_THE_JOINT if rate else next((group for group in _GROUPS if name in group), ())
-        for other in group:
-            unit = columns.units.get(other)
-            unit = rate_of(unit) if unit and rate else unit
-            if unit and unit.dimension not in stated and unit.dimension in _dimensions(name):
-                read = units.of(unit.dimension)
-                if unit != read and not (read is None and unit.is_si):
-                    doubt = Doubt(_unit_of(other, columns.units[other]), unit.symbol, unit.dimension)
-                    found.setdefault(name, doubt)
+        for other in () if name in columns.units else _OF_THE_JOINT if rate else group_of(name):
+            said = columns.units.get(other)
+            unit = rate_of(said) if said and rate else said
+            if said is None or unit is None or unit.dimension in stated:
+                continue
+            read = units.of(unit.dimension)
+            is_read = unit == read or (read is None and unit.is_si)
+            if unit.dimension in (FIELDS[name].dimension, FIELDS[name].linear) and not is_read:
+                found.setdefault(name, Doubt(_unit_of(other, said), unit.symbol, unit.dimension))
     return found
 
 
-def _dimensions(name: str) -> tuple[Dimension | None, ...]:
-    return FIELDS[name].dimension, FIELDS[name].linear
+# --- Numbers without a unit -------------------------------------------------------------------------------------------
 
 
 def unit_advice(doubt: Doubt, dimension: Dimension, text: str) -> str:
@@ -200,11 +190,9 @@ def refuse_doubt(quantity: Quantity, name: str, cell: Cell, dimension: Dimension
     if doubt is None and units.of(dimension) is None:
         units.bare.setdefault(dimension, (name, cell))
     if doubt:
-        raise QuantityError(
-            f"{shown(text)} has no unit, and {doubt.reason}",
-            f"0, or a number with a unit: {accepted_units(dimension)}",
-            unit_advice(doubt, dimension, text),
-        )
+        accepted = f"0, or a number with a unit: {accepted_units(dimension)}"
+        message = f"{shown(text)} has no unit, and {doubt.reason}"
+        raise QuantityError(message, accepted, unit_advice(doubt, dimension, text))
 
 
 def bare_beside_cells(units: Units, foreign: Cells, bare: Cells) -> Iterator[Problem]:
@@ -219,55 +207,35 @@ def bare_beside_cells(units: Units, foreign: Cells, bare: Cells) -> Iterator[Pro
     """
     seen = set[tuple[tuple[str, ...], Dimension]]()
     for (name, dimension), cell in bare.items():
-        group = group_of(name)
+        group, text = group_of(name), cell.text
         named = next((each for each in (name, *group) if (each, dimension) in foreign), None)
-        if named is None or (group, dimension) in seen:
-            continue
-        seen.add((group, dimension))
-        system, other = SI[dimension], foreign[named, dimension].text
-        yield Problem(
-            message=f"{shown(cell.text)} has no unit and is read in {system}, and {named} is {shown(other)} elsewhere",
-            severity="notice",
-            mark=cell.mark,
-            field=name,
-            found=cell.text,
-            suggestion=f"write its unit behind it: '{cell.text.strip()} {system}' if that is meant",
-        )
+        if named and (group, dimension) not in seen:
+            seen.add((group, dimension))
+            about = {"named": named, "other": foreign[named, dimension].text, "unit": SI[dimension]}
+            yield say("bare-beside-cells", cell.mark, field=name, found=text, number=text.strip(), **about)
     for dimension, names in _GEOMETRY.items():
         cells = {name: foreign[name, dimension] for name in names if (name, dimension) in foreign}
         if dimension not in units.bare or not cells or any((name, dimension) in bare for name in names):
             continue
         field, number = units.bare[dimension]
         named, cell = next(iter(cells.items()))
-        yield Problem(
-            message=f"{shown(number.text)} has no unit, and {named} is {shown(cell.text)} in the rows",
-            mark=number.mark,
-            field=field,
-            found=number.text,
-            accepted=f"0, or a number with a unit: {accepted_units(dimension)}",
-            suggestion="write the unit behind the number, as in the rows, or declare it: "
-            f"`units: {{{KEY_OF[dimension]}: …}}`",
-        )
-
-
-# --- Messages about headers -------------------------------------------------------------------------------------------
+        about = {"named": named, "other": cell.text, "units": accepted_units(dimension), "key": KEY_OF[dimension]}
+        yield say("bare-outside-rows", number.mark, field=field, found=number.text, **about)
 
 
 def unit_problems(columns: Columns, declared: Iterable[tuple[Unit, Mark]]) -> list[Problem]:
     """What is wrong with headers' units beside the units declared for the whole table."""
-    problems = []
-    for said, place in declared:
-        for name, unit in columns.units.items():
-            if unit.dimension is said.dimension and unit != said:
-                header = columns.header_of(name)
-                problems.append(
-                    Problem(
-                        message=f"the header {shown(header)} declares {unit.symbol}, and {place} declares "
-                        f"{said.symbol}",
-                        mark=columns.mark,
-                        field=name,
-                        found=header,
-                        accepted="one unit for a column",
-                    )
-                )
-    return problems
+    return [
+        say(
+            "unit-twice",
+            columns.mark,
+            field=name,
+            found=columns.header_of(name),
+            unit=unit.symbol,
+            place=place,
+            said=said.symbol,
+        )
+        for said, place in declared
+        for name, unit in columns.units.items()
+        if unit.dimension is said.dimension and unit != said
+    ]

@@ -212,9 +212,10 @@ def _around(name: str) -> tuple[str, ...]:
 @lru_cache(maxsize=4096)
 def _cores(key: str, name: str) -> frozenset[str]:
     """A key, and what is left of it without some of the words that may stand around the headers of a field."""
-    if len(key) > _LONGEST_KEY:
+    around = _around(name)
+    if len(key) > _LONGEST_KEY or not (key.startswith(around) or key.endswith(around)):
         return frozenset((key,))
-    rests = {rest for word in _around(name) for rest in (key.removeprefix(word), key.removesuffix(word)) if rest != key}
+    rests = {rest for word in around for rest in (key.removeprefix(word), key.removesuffix(word)) if rest != key}
     kept = [rest for rest in rests if len(rest) >= (SHORTEST_CORE if rest.isascii() else 1) and not _is_word(rest)]
     return frozenset((key,)).union(*(_cores(rest, name) for rest in kept))
 

@@ -1,10 +1,12 @@
-"""Columns of plain numbers, read at the speed of Python's own loops."""
+"""Columns of plain numbers, read at the speed of Python's own loops.
+
+A column is plain where all of its cells are decimal numbers, or where each is one or a multiple of π: in the unit that
+the table declares, or in SI units. A cell that names a unit of its own is read with care.
+"""
 
 from __future__ import annotations
 
-import math
 import re
-from contextlib import suppress
 from typing import TYPE_CHECKING, Any
 
 from dh2urdf.quantities import Dimension, QuantityError, evaluate
@@ -19,10 +21,21 @@ if TYPE_CHECKING:
     from dh2urdf.quantities import Unit
     from dh2urdf_plugins.readers.words.cells import Units
 
-_WITHOUT_UNIT = frozenset("0123456789.+-*/() eEpiPI")
-"""What numbers and multiples of pi consist of."""
+_MULTIPLES = frozenset("0123456789.+-*/() eEpiPIπ")
+"""What numbers and multiples of π consist of."""
 _TINY = "[eE]-[0-9]{3}"
 """An exponent, or what looks like one, of numbers too small for a double."""
+
+
+def dimension_of(name: str, *, linear: bool = False) -> Dimension:
+    """What a field measures, or what it does in the rows of prismatic joints."""
+    field = FIELDS[name]
+    return (field.linear if linear else None) or field.dimension or Dimension.NUMBER
+
+
+def declared_unit(units: Units, name: str, *, linear: bool = False) -> Unit | None:
+    """The unit that a table declares for the bare numbers of a field; None where nothing does."""
+    return units.columns.get(name) or units.of(dimension_of(name, linear=linear))
 
 
 class PlainNumbers:
@@ -34,22 +47,43 @@ class PlainNumbers:
 
     def __init__(self, name: str, units: Units) -> None:
         """Takes the field of the column, and the units of the table."""
-        self.name = name
-        self.units = units
         self.has_expressions = False
-        unit = foreign_unit(units, name)
-        self._converted = _converter(unit)
-        self._is_si = unit is None
-        self._shifts = bool(unit and unit.power)
+        self._dimension, unit = dimension_of(name), declared_unit(units, name)
+        self._unit = unit
+        self._is_si = unit is None or unit.is_si
+        self._converted = _converter(None if self._is_si else unit)
+        self._shifts = not self._is_si and bool(unit and unit.power)
         self._known: dict[Any, float] = {}
-        self._is_declared = is_declared(units, name)
-        self._named = set[Any]()  # cells that name a unit where nothing declares one
 
     def read(self, column: Sequence[Any]) -> list[float] | None:
         """The SI numbers of a column of texts, or of numbers; None where one of them is not plain."""
         numbers = self.decimals(column)
         self.has_expressions = numbers is None
-        return self._by_text(column) if numbers is None else numbers
+        if numbers is not None:
+            return numbers
+        known = self._known  # a table has few expressions that differ
+        if len(known) > REMEMBERED:
+            known.clear()
+        for cell in set(column) - known.keys():
+            value = self._expression(text_of(cell))
+            if value is None:
+                return None
+            known[cell] = value
+        return list(map(known.__getitem__, column))
+
+    def read_some(self, column: Sequence[Any]) -> list[float | None] | None:
+        """The same of a column with empty cells, which are None."""
+        if isinstance(column[0], float) or all(map(str.strip, column)):
+            return [*found] if (found := self.read(column)) else None
+        filled = [bool(cell.strip(SPACES)) for cell in column]
+        if not any(filled):
+            self.has_expressions = False
+            return [None] * len(column)
+        numbers = self.read([cell for cell, is_filled in zip(column, filled, strict=True) if is_filled])
+        if numbers is None:
+            return None
+        given = iter(numbers)
+        return [next(given) if is_filled else None for is_filled in filled]
 
     def decimals(self, column: Sequence[Any]) -> list[float] | None:
         """The same where all are decimal numbers; infinities and what is no number may be among them."""
@@ -71,80 +105,15 @@ class PlainNumbers:
             return None
         return [number + 0.0 for number in numbers] if "-" in text else numbers
 
-    def _by_text(self, column: Sequence[Any]) -> list[float] | None:
-        """The same where some are expressions, of which a table has few that differ."""
-        known = self._known
-        if len(known) > REMEMBERED:
-            known.clear()
-        for cell in set(column) - known.keys():
-            value = plain_quantity(text_of(cell), self.units, self.name)
-            if value is None:
-                return None
-            known[cell] = value
-            if not self._is_declared and names_foreign_unit(text_of(cell), self.name):
-                self._named.add(cell)
-        return list(map(known.__getitem__, column))
-
-    def names_units(self, column: Sequence[Any]) -> bool:
-        """Whether a cell of the column that was read last names a unit, not the SI unit, that nothing declares."""
-        return bool(self._named) and self.has_expressions and not self._named.isdisjoint(column)
-
-    def has_bare(self, column: Sequence[Any], numbers: Sequence[float]) -> bool:
-        """Whether a cell of that column is no 0 and names no such unit."""
-        return any(number and cell not in self._named for cell, number in zip(column, numbers, strict=True))
-
-
-def plain_quantity(text: str, units: Units, name: str, *, linear: bool = False) -> float | None:
-    """The SI number that a cell says, or None where there is anything else to report about it.
-
-    Args:
-        text: the cell.
-        units: the units of the table.
-        name: the field.
-        linear: whether the joint is prismatic.
-    """
-    field = FIELDS[name]
-    dimension = (field.linear if linear else None) or field.dimension or Dimension.NUMBER
-    unit = units.columns.get(name) or units.of(dimension)
-    if (unit and unit.dimension is not dimension) or (units.decimal_comma and "," in text) or LINE_END in text:
-        return None
-    if unit is None and text.isascii() and "_" not in text:
-        with suppress(ValueError):
-            number = float(text)  # as most are; `evaluate` takes eight times as long
-            if math.isfinite(number) and _is_held(text, number):
-                return number + 0.0
-    try:
-        quantity = evaluate(text.strip(SPACES), dimension, unit, angle=units.in_functions)
-    except QuantityError:
-        return None
-    return None if quantity.variable else quantity.value
-
-
-def names_foreign_unit(text: str, name: str, *, linear: bool = False) -> bool:
-    """Whether a cell that is a quantity names another unit than the SI unit."""
-    if _WITHOUT_UNIT.issuperset(text):
-        return False
-    field = FIELDS[name]
-    with suppress(QuantityError):
-        return evaluate(
-            text.strip(SPACES), (field.linear if linear else None) or field.dimension or Dimension.NUMBER
-        ).foreign
-    return False
-
-
-def is_declared(units: Units, name: str, *, linear: bool = False) -> bool:
-    """Whether a table declares the unit of a column, or of its cells in the rows of prismatic joints."""
-    field = FIELDS[name]
-    dimension = (field.linear if linear else None) or field.dimension or Dimension.NUMBER
-    return (units.columns.get(name) or units.of(dimension)) is not None
-
-
-def foreign_unit(units: Units, name: str, *, linear: bool = False) -> Unit | None:
-    """The unit of a column, or of its cells in the rows of prismatic joints; None where it is the SI unit."""
-    field = FIELDS[name]
-    dimension = (field.linear if linear else None) or field.dimension or Dimension.NUMBER
-    unit = units.columns.get(name) or units.of(dimension)
-    return unit if unit and not unit.is_si else None
+    def _expression(self, text: str) -> float | None:
+        """The SI number that a cell says, or None where it is more than a number or a multiple of π."""
+        if not _MULTIPLES.issuperset(text):
+            return None
+        try:
+            quantity = evaluate(text.strip(SPACES), self._dimension, self._unit)
+        except QuantityError:
+            return None
+        return None if quantity.variable else quantity.value
 
 
 def _is_held(text: str, number: float) -> bool:

@@ -10,7 +10,6 @@ from dh2urdf.source import Mark, Problem, shown
 from dh2urdf.table_text import REQUIRED
 from dh2urdf_plugins.readers.header.header_rows import is_beside
 from dh2urdf_plugins.readers.header.unknown_columns import (
-    Refusal,
     is_number,
     left_out,
     refusal,
@@ -31,6 +30,7 @@ if TYPE_CHECKING:
     from dh2urdf_plugins.readers.header.columns import Columns
     from dh2urdf_plugins.readers.rows.rows import RowReader
     from dh2urdf_plugins.readers.words.cells import Value
+    from dh2urdf_plugins.readers.words.fields import Refusal
 
 _DECIMAL_COMMA = (
     rf"[-+−]?[0-9]*,[0-9]+(?:[eE][-+]?[0-9]+)?\s*(?:[^\W\d_]{{1,3}}|[{DEGREE_SIGNS}])?(?:[/·][^\W\d_]{{1,3}})?"

@@ -25,8 +25,9 @@ if TYPE_CHECKING:
 
 _SPACES = "\t\n\v\f\r\x1c\x1d\x1e\x1f \x85\xa0\u1680\u2028\u2029\u202f\u205f\u3000"
 _SEPARATORS = f"{_SPACES}_.*{{}}'’-"
-_DOT_WORDS = {"\u0307": "dot", "\u0308": "ddot"}
-_DOTS = {f"{letter}{dots}": f"{letter}{word}" for letter in "qθτ" for dots, word in _DOT_WORDS.items()}
+_DOTS = {
+    f"{letter}{dots}": f"{letter}{word}" for letter in "qθτ" for dots, word in (("\u0307", "dot"), ("\u0308", "ddot"))
+}
 _GREEK = str.maketrans({"α": "alpha", "θ": "theta", "σ": "sigma", "β": "beta", "γ": "gamma", "φ": "phi", "τ": "tau"})
 _GREEK |= str.maketrans({"ω": "omega", "μ": "mu", "ı": "i", "ё": "е", "№": "no"})  # with letters of other alphabets
 _WITHOUT_DOTS = str.maketrans({"ä": "ae", "ö": "oe", "ü": "ue"})
@@ -36,14 +37,12 @@ _KEY = _GREEK | dict.fromkeys((*map(ord, _SEPARATORS), *range(0x2000, 0x200B), *
 
 def key_of(plain: str) -> str:
     """A word without separators and accents, by which words are compared; its case is the caller's matter."""
-    if plain.isascii():
-        if plain.isalpha():
-            return plain
-    else:
+    if plain.isascii() and plain.isalpha():
+        return plain
+    if not plain.isascii():
         plain = unicodedata.normalize("NFD", plain)
-        if not _DOT_WORDS.keys().isdisjoint(plain):
-            for dotted, word in _DOTS.items():
-                plain = plain.replace(dotted, word)
+        for dotted, word in _DOTS.items():
+            plain = plain.replace(dotted, word)
     return plain.translate(_KEY)
 
 
@@ -72,6 +71,28 @@ def keys_in(section: str, name: str) -> frozenset[str]:
     return frozenset(key for word in words_in(vocabulary()[section].get(name, "")) for key in keys_of(word))
 
 
+@cache
+def words_for(section: str) -> dict[str, str]:
+    """The words of a section in all languages, with what each means: ``hinge`` of `types` is ``revolute``."""
+    lines = ((kind, line) for kind, entry in vocabulary()[section].items() for line in entry.values())
+    return {word: kind for kind, line in lines for word in words_in(line)}
+
+
+def type_words() -> dict[str, JointType]:
+    """The words for types of joints, with the type of each."""
+    return {word: JointType(kind) for word, kind in words_for("types").items()}
+
+
+def convention_words() -> dict[str, Convention]:
+    """The words for conventions, with the convention of each."""
+    return {word: Convention(kind) for word, kind in words_for("conventions").items()}
+
+
+@cache
+def _keys_for(section: str) -> dict[str, str]:
+    return {key: kind for word, kind in words_for(section).items() for key in keys_of(word)}
+
+
 # --- Fields -----------------------------------------------------------------------------------------------------------
 
 _AXES = dict.fromkeys(COM, "com_*") | dict.fromkeys(INERTIA, "i*")
@@ -95,17 +116,21 @@ class Field:
     parts: tuple[str, ...] = ()
 
     @property
+    def _section(self) -> dict[str, str]:
+        fields: dict[str, dict[str, str]] = vocabulary()["fields"]
+        return fields.get(self.name) or fields.get(_AXES.get(self.name, ""), {"en": self.name})
+
+    @property
     def languages(self) -> dict[str, tuple[str, ...]]:
         """What tables call it, by language."""
-        fields, axes = vocabulary()["fields"], self.name.removeprefix("com_").removeprefix("i")
-        section = fields.get(self.name) or fields.get(_AXES.get(self.name, ""), {"en": self.name})
-        forms = (axes, axes[::-1], axes.translate(str.maketrans("xyz", "123"))) if "i" in self.name[:1] else (axes,)
-        found = {}
-        for language, words in section.items():
-            if language != "around":
-                each = [word.replace("*", form) for word in words_in(words) for form in forms if "*" in word]
-                found[language] = tuple(dict.fromkeys(each)) if self.name in _AXES else words_in(words)
-        return found
+        found = {key: words_in(line) for key, line in self._section.items() if key != "around"}
+        if self.name not in _AXES:
+            return found
+        axes = self.name.removeprefix("com_").removeprefix("i")
+        forms = (
+            dict.fromkeys((axes, axes[::-1], axes.translate(str.maketrans("xyz", "123")))) if len(axes) > 1 else (axes,)
+        )
+        return {key: tuple(word.replace("*", form) for word in words for form in forms) for key, words in found.items()}
 
     @property
     def headers(self) -> tuple[str, ...]:
@@ -120,8 +145,7 @@ class Field:
     @property
     def around(self) -> tuple[str, ...]:
         """Words that may stand before or behind its headers and say nothing new: ``max`` of ``max speed``."""
-        fields = vocabulary()["fields"]
-        return words_in(fields.get(_AXES.get(self.name, self.name), {}).get("around", ""))
+        return words_in(self._section.get("around", ""))
 
 
 _NAMES = (
@@ -152,6 +176,58 @@ def header_fields() -> dict[str, Field]:
     return {key: each for each in FIELDS.values() for word in each.words for key in keys_of(word)}
 
 
+def parts_of(field: Field) -> tuple[str, ...]:
+    """The fields that a column of a field gives: itself, or those that share its cells."""
+    return field.parts or (field.name,)
+
+
+def spellings(field: Field) -> list[str]:
+    """The headers of a field as a schema has them: each as it is written, and with ``ae`` for ``ä``."""
+    return [form for word in field.words for form in sorted({word, *keys_of(word)}, key=lambda form: form != word)]
+
+
+# --- Headers that are no field ----------------------------------------------------------------------------------------
+
+IGNORED = "_"
+"""What the header of a column begins with that its author wants to be left out."""
+GEOMETRY = "0 in this column, or a table of a, alpha, d and theta (or offset) without it"
+
+
+class Refusal(NamedTuple):
+    """Why a column that names no field is refused where it holds a value.
+
+    Attributes:
+        reason: what it is.
+        accepted: what to write in its place.
+        any_text: whether texts are refused, too: no field holds what it is.
+        counts: whether it may hold the number of the row.
+        if_no: whether only a no says anything: that a joint is not ``active``.
+    """
+
+    reason: str
+    accepted: str = GEOMETRY
+    any_text: bool = True
+    counts: bool = False
+    if_no: bool = False
+
+
+@cache
+def _unheld() -> dict[str, Refusal]:
+    held = {key for name in FIELDS for key in keys_of(name)}
+    found: dict[str, Refusal] = {}
+    for entry in vocabulary()["unheld"]:
+        marks = {mark: entry[mark] for mark in ("any_text", "counts", "if_no") if mark in entry}
+        meaning = Refusal(entry["is"].strip(), " ".join(entry.get("write", GEOMETRY).split()), **marks)
+        found |= {key: meaning for word in words_in(entry["words"]) for key in keys_of(word) if key not in held}
+    return found
+
+
+def unheld(key: str) -> Refusal | None:
+    """What a header means that no field holds, by its key: ``passive?`` and ``isfixed`` are known, too."""
+    asked = key.strip("?")
+    return _unheld().get(asked) or _unheld().get(asked.removeprefix("is"))
+
+
 # --- Words in cells ---------------------------------------------------------------------------------------------------
 
 ACCEPTED_TYPES = "revolute, rotational or R; prismatic, linear or P; continuous; fixed"
@@ -162,38 +238,7 @@ ACCEPTED_CONVENTIONS = (
 ACCEPTED_FLIPS = "true or false"
 _TYPES = {form: kind for kind in JointType for form in (kind.value, kind.value[0])}
 _CONVENTIONS = {kind.value: kind for kind in Convention}
-
-
-@cache
-def type_words() -> dict[str, JointType]:
-    """The words for types of joints, with the type of each."""
-    return {
-        word: JointType(kind)
-        for kind, lines in vocabulary()["types"].items()
-        for line in lines.values()
-        for word in words_in(line)
-    }
-
-
-@cache
-def convention_words() -> dict[str, Convention]:
-    """The words for conventions, with the convention of each."""
-    return {
-        word: Convention(kind)
-        for kind, lines in vocabulary()["conventions"].items()
-        for line in lines.values()
-        for word in words_in(line)
-    }
-
-
-@cache
-def _type_keys() -> dict[str, JointType]:
-    return {key: kind for word, kind in type_words().items() for key in keys_of(word)}
-
-
-@cache
-def _convention_keys() -> dict[str, Convention]:
-    return {key: kind for word, kind in convention_words().items() for key in keys_of(word)}
+_LONGEST_NAME = 60
 
 
 @lru_cache(maxsize=1024)
@@ -203,14 +248,15 @@ def joint_type(text: str) -> JointType | None:
     if key in _TYPES or not any(map(str.isalpha, key)):
         return _TYPES.get(key)
     nouns = keys_in("around", "types")
-    return _type_keys().get(next((key.removesuffix(noun) for noun in nouns if key.endswith(noun) and key != noun), key))
+    bare = next((key.removesuffix(noun) for noun in nouns if key.endswith(noun) and key != noun), key)
+    return JointType(_keys_for("types")[bare]) if bare in _keys_for("types") else None
 
 
 def type_advice(text: str) -> str | None:
     """What to do about a word that is no type of joint."""
     if text.strip() in ("0", "1", "2"):
         return "0 and 1 have two meanings: write R and P, or call the column sigma, where 0 turns and 1 slides"
-    return did_you_mean(text, [word for word in type_words() if len(word) > 1])
+    return did_you_mean(text, [word for word in words_for("types") if len(word) > 1])
 
 
 def convention_of(text: str) -> Convention | None:
@@ -218,14 +264,14 @@ def convention_of(text: str) -> Convention | None:
     key = key_of(text.strip().casefold())
     if key in _CONVENTIONS:
         return _CONVENTIONS[key]
-    known, both = _convention_keys(), keys_in("around", "conventions")
-    behind = keys_in("around", "after_convention")
-    bare = next((key.removesuffix(word) for word in behind if key.endswith(word)), key)
-    if key in known or bare in known:
-        return known.get(key, known.get(bare))
+    known, both = _keys_for("conventions"), keys_in("around", "conventions")
+    ends = keys_in("around", "after_convention")
+    bare = next((key.removesuffix(word) for word in ends if key.endswith(word)), key)
     words = "".join(letter if letter.isalnum() else " " for letter in text.casefold()).split()
-    named = {known.get(word) for word in map(key_of, words) if word not in both}
-    return named.pop() if len(named) == 1 else None
+    meant = {known.get(word) for word in map(key_of, words) if word not in both}
+    only = meant.pop() if len(meant) == 1 else None
+    named = known.get(key) or known.get(bare) or only
+    return Convention(named) if named else None
 
 
 def flip_of(text: str) -> bool | None:
@@ -239,72 +285,15 @@ def is_no_joint(name: str) -> bool:
     """Whether a row is by its whole name none of a joint: ``total``, ``tool frame``."""
     if len(name) > _LONGEST_NAME:
         return False
-    key, words = key_of(name.strip().casefold()).translate(_JOINERS), keys_in("rows", "no_joints")
+    key, words = key_of(name.strip().casefold()).replace(":", ""), keys_in("rows", "no_joints")
     beside = keys_in("rows", "beside")
     return key in words or any(key.removesuffix(word) in words or key.removeprefix(word) in words for word in beside)
 
 
-_LONGEST_NAME = 60
-_JOINERS = dict.fromkeys(map(ord, ":"))
+# --- Slips of the pen -------------------------------------------------------------------------------------------------
 
-
-# --- Headers that are no field ----------------------------------------------------------------------------------------
-
-IGNORED = "_"
-"""What the header of a column begins with that its author wants to be left out."""
-GEOMETRY = "0 in this column, or a table of a, alpha, d and theta (or offset) without it"
-
-
-class Unheld(NamedTuple):
-    """What a header means that no field holds.
-
-    Attributes:
-        reason: what it is.
-        accepted: what to write in its place.
-        counts: whether it may hold the number of the row.
-        if_no: whether only a no says anything: that a joint is not ``active``.
-        any_text: whether a text says anything, too, and not numbers alone.
-    """
-
-    reason: str
-    accepted: str = GEOMETRY
-    counts: bool = False
-    if_no: bool = False
-    any_text: bool = True
-
-
-@cache
-def _unheld() -> dict[str, Unheld]:
-    held = {key for name in FIELDS for key in keys_of(name)}
-    return {
-        key: Unheld(
-            each["is"].strip(),
-            " ".join(each.get("write", GEOMETRY).split()),
-            each.get("counts", False),
-            each.get("if_no", False),
-            each.get("any_text", True),
-        )
-        for each in vocabulary()["unheld"]
-        for word in words_in(each["words"])
-        for key in keys_of(word)
-        if key not in held
-    }
-
-
-def unheld(key: str) -> Unheld | None:
-    """What a header means that no field holds, by its key: ``passive?`` and ``isfixed`` are known, too."""
-    asked = key.strip("?")
-    return _unheld().get(asked) or _unheld().get(asked.removeprefix("is"))
-
-
-def spellings(field: Field) -> list[str]:
-    """The headers of a field as a schema has them: each as it is written, and with ``ae`` for ``ä``."""
-    return [form for word in field.words for form in sorted({word, *keys_of(word)}, key=lambda form: form != word)]
-
-
-def parts_of(field: Field) -> tuple[str, ...]:
-    """The fields that a column of a field gives: itself, or those that share its cells."""
-    return field.parts or (field.name,)
+_LONG = 7
+"""Letters of a key that two slips do not make another word."""
 
 
 def one_slip(left: str, right: str) -> bool:
@@ -313,23 +302,14 @@ def one_slip(left: str, right: str) -> bool:
         return False
     start = next((k for k, (x, y) in enumerate(zip(left, right, strict=False)) if x != y), min(len(left), len(right)))
     rest, other = left[start:], right[start:]
-    return (
-        rest[1:] == other[1:]
-        or rest[1:] == other
-        or rest == other[1:]
-        or (rest[:2] == other[1::-1] and rest[2:] == other[2:])
-    )
+    exchanged = rest[:2] == other[1::-1] and rest[2:] == other[2:]
+    return exchanged or rest[1:] == other[1:] or rest[1:] == other or rest == other[1:]
 
 
 def near(word: str, words: Iterable[str]) -> str | None:
     """The first of some words that a word misses by one slip, or by two where it is long."""
     for known in words:
-        if one_slip(word, known):
-            return known
-        if len(known) >= _LONG and any(one_slip(word[:k] + word[k + 1 :], known) for k in range(len(word))):
+        shorter = (word[:k] + word[k + 1 :] for k in range(len(word) if len(known) >= _LONG else 0))
+        if one_slip(word, known) or any(one_slip(each, known) for each in shorter):
             return known
     return None
-
-
-_LONG = 7
-"""Letters of a key that two slips do not make another word."""

@@ -5,13 +5,15 @@ from __future__ import annotations
 import unicodedata
 from dataclasses import replace
 from itertools import chain, count
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from dh2urdf.manipulator import BASE, ENDS, ROOT, WORLD
-from dh2urdf.source import Mark, Problem, shown
+from dh2urdf.source import Mark, Messages, Problem, shown
 
 if TYPE_CHECKING:
-    from collections.abc import Collection, Sequence
+    from collections.abc import Sequence
+
+say = Messages(__file__)
 
 MAX_NAME = 200
 """Length of a name; readers of robot descriptions cut names of a thousand characters, or crash."""
@@ -32,9 +34,7 @@ def name_fault(name: str) -> tuple[str, str] | None:
     if name.isascii() and name.isprintable():
         return None
     for character in name:
-        kind = _CLASSES.get(unicodedata.category(character))
-        if character in "\ufffe\uffff":
-            kind = "no character"
+        kind = "no character" if character in "\ufffe\uffff" else _CLASSES.get(unicodedata.category(character))
         if kind and character not in _JOINERS:
             return f"the name {shown(name)} holds U+{ord(character):04X}, which is {kind}", accepted
     return None
@@ -49,41 +49,30 @@ class RowNames(NamedTuple):
     link_mark: Mark | None = None
 
 
+def added_joints(last: str) -> tuple[str, ...]:
+    """The joints that a description adds to those of the rows, by the name of the last link."""
+    return ("base_link-base_link_inertia", f"{last}-tool0", f"{last}-flange")
+
+
 def name_problems(rows: Sequence[RowNames]) -> list[Problem]:
     """What is wrong with the names of a manipulator's joints and links, taken together.
 
     Links and joints share one set of names, with those that every description has.
     """
-    last = rows[-1].link
     taken: dict[str, str] = dict.fromkeys(RESERVED, "it is the name of a link that every robot description has")
-    for name in ("base_link-base_link_inertia", f"{last}-tool0", f"{last}-flange"):
-        taken[name] = "it is the name of a joint that the description adds"
+    taken |= dict.fromkeys(added_joints(rows[-1].link), "it is the name of a joint that the description adds")
     names = {name for row in rows for name in (row.joint, row.link)}
     problems = []
     for joint, link, joint_mark, link_mark in rows:
         for kind, name, mark in (("joint", joint, joint_mark), ("link", link, link_mark)):
-            if name in taken:
-                free = _free(name, kind, names | taken.keys())
-                problems.append(_taken(kind, name, taken[name], joint, mark, free=free))
+            if name not in taken:
+                taken[name] = (
+                    f"a {kind} of {replace(mark, column=None)} has it already" if mark else "it is taken already"
+                )
                 continue
-            taken[name] = f"a {kind} of {replace(mark, column=None)} has it already" if mark else "it is taken already"
+            kinds = () if name.casefold().endswith(kind) else (f"{name}_{kind}",)
+            others = chain(kinds, (f"{name}_{number}" for number in count(2)))
+            free = next(other for other in others if other not in names and other not in taken)
+            about: dict[str, Any] = {"reason": taken[name], "reserved": RESERVED, "free": free}
+            problems.append(say("name-taken", mark, joint=joint, field=kind, found=name, **about))
     return problems
-
-
-def _free(name: str, kind: str, taken: Collection[str]) -> str:
-    """A name like this one that nothing has yet."""
-    numbered = (f"{name}_{number}" for number in count(2))
-    kinds = () if name.casefold().endswith(kind) else (f"{name}_{kind}",)
-    return next(free for free in chain(kinds, numbered) if free not in taken)
-
-
-def _taken(kind: str, name: str, reason: str, joint: str, mark: Mark | None, *, free: str) -> Problem:
-    return Problem(
-        message=f"the {kind} cannot be named {shown(name)}: {reason}",
-        mark=mark,
-        joint=joint,
-        field=kind,
-        found=name,
-        accepted=f"a name of its own: links and joints share one set of names, and {', '.join(RESERVED)} are in it",
-        suggestion=f"name it otherwise, such as {free}",
-    )

@@ -9,10 +9,8 @@ from dh2urdf.kinematics.mass import inertia_problem, principal_moments
 from dh2urdf.robot import WEIGHTLESS
 from dh2urdf.row_fields import INERTIA
 from dh2urdf.source import shown
-from dh2urdf_check.document.description import ALL, MOVING, Hit, few
-from dh2urdf_check.merged import head_of, inertial_of, merged_inertial
-from dh2urdf_check.numbers import ROUNDED, SMALLEST_MOMENT, is_no_inertia
-from dh2urdf_check.single_readers.gazebo import (
+from dh2urdf_check.document.description import ALL, MOVING, Hit
+from dh2urdf_check.gazebo import (
     body_of,
     holding_nothing,
     kept,
@@ -22,6 +20,8 @@ from dh2urdf_check.single_readers.gazebo import (
     tensor_of,
     without_centre,
 )
+from dh2urdf_check.merged import head_of, inertial_of, merged_inertial
+from dh2urdf_check.numbers import ROUNDED, SMALLEST_MOMENT, is_no_inertia
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -47,7 +47,6 @@ def hits(description: Description) -> Iterator[Hit]:
             yield from _inertia(description, link, link.inertial)
     yield from _weightless_chains(description)
     yield from _weightless_holders(description)
-    yield from _fixed_links(description)
 
 
 def _moves(description: Description, link: LinkNode) -> bool:
@@ -212,16 +211,3 @@ def _weightless_holders(description: Description) -> Iterator[Hit]:
         if moving:
             message = f"link {shown(link.name)} weighs nothing, and holds the moving joint {moving[0]}"
             yield Hit("weightless-holder", link.element, message)
-
-
-def _fixed_links(description: Description) -> Iterator[Hit]:
-    fixed = [link for link in description.links if (joint := description.holder(link)) and joint.kind == "fixed"]
-    if not fixed:
-        return
-    compiler = description.root.first("mujoco", "compiler")
-    keeps = compiler is not None and compiler.get("fusestatic") == "false"
-    to_the_world = {node.name for root in description.roots for node in description.body(root)}
-    of = {"gazebo", "coppeliasim"}
-    if not keeps and any(link.name in to_the_world for link in fixed):
-        of.add("mujoco")
-    yield Hit("fixed-link", fixed[0].element, f"fixed to another link: {few(link.name for link in fixed)}", of)

@@ -257,7 +257,7 @@ def _misplaced(_: Document, found: list[etree._Element], about: Mapping[str, Any
         for at, name in given:
             if name in known or {":", "{"} & set(name):
                 continue
-            near = did_you_mean(name, known)
+            near = did_you_mean(name, [each for each in known if at is not element or element.get(each) is None])
             if near or not about.get("near"):
                 yield Place(at, {"$name": shown(name), "$near": f": {near}" if near else ""})
 

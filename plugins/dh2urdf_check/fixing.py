@@ -14,13 +14,14 @@ from dh2urdf.rotations import norm
 from dh2urdf.source import Mark, Problem, free_name, shown
 from dh2urdf.stages import Repair
 from dh2urdf_check.document.tree import numbers_of
-from dh2urdf_check.joints import UNIT
 from dh2urdf_plugins.formats.xml_files import LARGEST
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
     from pathlib import Path
 
+UNIT = 1e-5
+"""How far the length of an axis may be from 1: what rounding to six digits makes of it."""
 DENSITY = 2700.0
 """Of the ball whose inertia takes the place of 0: aluminium, as of drawn shapes [kg/m³]."""
 _DECLARATION = b'<?xml version="1.0" encoding="utf-8"?>\n'

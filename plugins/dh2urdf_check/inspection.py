@@ -12,21 +12,19 @@ from dh2urdf.source import Mark
 from dh2urdf.stages import Expansion, Finding, Inspection
 from dh2urdf_check import (
     bodies,
-    joints,
     materials,
     numbers,
     plausibility,
-    references,
     shapes,
     structure,
     text,
+    urdf,
 )
 from dh2urdf_check.document.description import Description, Hit
 from dh2urdf_check.document.parsing import NotXmlError, parse
 from dh2urdf_check.document.reading import robot_of
 from dh2urdf_check.document.tree import Element
 from dh2urdf_check.rules import CONSUMERS, rules, unread_include
-from dh2urdf_check.single_readers import coppeliasim, drake, drake_extensions, mujoco
 from dh2urdf_plugins.formats.xml_files import LARGEST
 from dh2urdf_plugins.xacro_fence.expansion import expand_foreign, mark_of
 
@@ -95,10 +93,10 @@ def _inspection(
         hits.append(Hit("not-a-robot", parsed.root, f"the outermost element is {parsed.root.tag}, not robot"))
     else:
         description = Description(parsed.root, path, content, lambda at: _said(origin(at)[0], path), packages)
-        alone = (coppeliasim, drake, drake_extensions, mujoco)
-        finders = (text, numbers, structure, joints, bodies, shapes, materials, plausibility, references, *alone)
+        finders = (text, numbers, structure, bodies, shapes, materials, plausibility)
         for finder in finders:
             hits.extend(finder.hits(description))
+        hits.extend(urdf.hits(description, rules()))
         robot = robot_of(description)
     findings = [finding for hit in sorted(hits, key=_order) if (finding := _finding(hit, origin)).effects]
     included = [each for each in parsed.root.walk() if each.tag.rpartition(":")[2] == "include"]

@@ -12,7 +12,6 @@ from dh2urdf.row_fields import INERTIA
 from dh2urdf.source import shown
 from dh2urdf_check.document.description import MOVING, SHAPES, Hit
 from dh2urdf_check.document.tree import numbers_of
-from dh2urdf_check.merged import head_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -34,17 +33,6 @@ _URDFDOM = frozenset({"pinocchio", "ros", "gazebo"})
 _ALL = frozenset({"pybullet", "mujoco", "drake"}) | _URDFDOM
 _READ_BY_COPPELIASIM = frozenset({"mass", "inertia", "limit", "cylinder", "sphere"})
 """The elements of which CoppeliaSim reads single numbers."""
-_GAZEBO = frozenset(
-    {"mu1", "mu2", "kp", "kd", "dampingFactor", "maxVel", "minDepth", "maxContacts", "laserRetro"}
-) | frozenset({"stopCfm", "stopErp", "springStiffness", "springReference", "fudgeFactor"})
-"""The elements of `gazebo` of which sdformat reads a number itself."""
-SENSORS = (
-    "air_pressure altimeter boundingbox boundingbox_camera camera contact custom depth depth_camera "
-    "force_torque gps gpu_lidar gpu_ray imu lidar logical_camera magnetometer multicamera navsat ray rfid "
-    "rfidtag rgbd rgbd_camera segmentation segmentation_camera sonar thermal thermal_camera wide_angle_camera "
-    "wideanglecamera wireless_receiver wireless_transmitter"
-)
-"""The types of sensors that sdformat takes, with blanks between them."""
 ROUNDED = 1e-9
 """By what share of the largest a principal moment may be off."""
 SMALLEST_MOMENT = 1e-14
@@ -99,16 +87,6 @@ def _of_strtod(word: str) -> float:
         return math.inf
 
 
-def ends_stod(text: str) -> bool:
-    """Whether `std::stod` raises an exception for a text: it begins with no number, or with one out of range."""
-    if (match := _STRTOD.match(text)) is None:
-        return True
-    value = _of_strtod(match[0])
-    mantissa = match[0].lower().partition("e")[0]
-    is_too_small = value == 0.0 and any(digit in mantissa for digit in "123456789")
-    return is_too_small or (math.isinf(value) and "i" not in match[0].lower())
-
-
 class _Place(NamedTuple):
     """Numbers that readers read.
 
@@ -147,59 +125,6 @@ def hits(description: Description) -> Iterator[Hit]:
         ):
             message = f"{place.attribute} of {place.element.tag} is {shown(text)}, with blanks around the number"
             yield Hit("misread-number", place.element, message, {"coppeliasim"})
-    yield from _of_gazebo(description)
-
-
-def _of_gazebo(description: Description) -> Iterator[Hit]:
-    """Numbers in the elements of Gazebo, whatever they refer to: sdformat catches no exception there.
-
-    Where there is an attribute `value`, sdformat reads it, and not the text.
-    """
-    sensors = set[tuple[str | None, str | None]]()
-    for gazebo in description.root.all("gazebo"):
-        for child in gazebo.children:
-            reference = gazebo.get("reference")
-            link = description.link.get(reference or "")
-            place = (head_of(description, link).name if link else reference, child.get("name"))
-            if child.tag == "sensor" and place in sensors:
-                yield Hit("duplicate-link", child, "a sensor has the name of another in the same place", {"gazebo"})
-            if child.tag == "sensor" and _holds_sensors(description, reference):
-                sensors.add(place)
-            if child.tag == "plugin" and reference is None and not (child.get("name") and child.get("filename")):
-                yield Hit("missing-name", child, "a plugin has no name, or no filename", {"gazebo"})
-            text = child.attributes.get("value", child.text).strip()
-            if child.tag in _GAZEBO and ends_stod(text):
-                message = f"{child.tag} of gazebo is {shown(text)}, not one finite number"
-                yield Hit("invalid-number", child, message, {"gazebo"})
-            else:
-                yield from _in_link(description, gazebo.get("reference"), child, text)
-
-
-def _holds_sensors(description: Description, name: str | None) -> bool:
-    """Whether sdformat takes what refers to a name, or to the model, for a part of the description."""
-    return name is None or name in description.link or any(joint.name == name for joint in description.joints)
-
-
-def _in_link(description: Description, name: str | None, child: Element, text: str) -> Iterator[Hit]:
-    """What sdformat refuses of what an element of Gazebo adds to a link, or friction to its collision shapes."""
-    link = description.link.get(name or "")
-    is_joint = any(joint.name == name for joint in description.joints)
-    about = f"{child.tag} of gazebo is {shown(text)}"
-    if child.tag == "pose" and numbers_of(text, 6) is None and (link or is_joint or name is None):
-        yield Hit("invalid-vector", child, f"{about}, not 6 finite numbers", {"gazebo"})
-    if (
-        child.tag == "sensor"
-        and (link or is_joint)
-        and not (child.get("name") and (child.get("type") or "").strip() in SENSORS.split())
-    ):
-        yield Hit("missing-name", child, "a sensor has no name, or no type that SDF knows", {"gazebo"})
-    if link is None or link.element.first("collision") is None:
-        return
-    numbers = drake_numbers(text)
-    if child.tag in {"mu1", "mu2"} and numbers and numbers[0] < 0.0:
-        yield Hit("invalid-number", child, f"{about}, which is below 0", {"gazebo"})
-    if child.tag == "fdir1" and text and len(numbers) < len("xyz"):
-        yield Hit("invalid-vector", child, f"{about}, not 3 finite numbers", {"gazebo"})
 
 
 def _said(place: _Place, text: str) -> Iterator[Hit]:

@@ -10,10 +10,9 @@ from dh2urdf.documents import is_file
 from dh2urdf.kinematics.mass import principal_moments
 from dh2urdf.rotations import ZERO, add, rotate
 from dh2urdf.source import shown
-from dh2urdf_check.document.description import ALL, TURNING_OR_SLIDING, Hit
+from dh2urdf_check.document.description import Hit
 from dh2urdf_check.merged import inertial_of, pose_of
 from dh2urdf_check.shapes import resolved
-from dh2urdf_check.single_readers.drake import actuated_joints
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -44,9 +43,8 @@ SMALLEST = 0.05
 
 def hits(description: Description) -> Iterator[Hit]:
     """Findings about sizes, angles and masses."""
-    actuated = actuated_joints(description)
     for joint in description.joints:
-        yield from _limits(joint, actuated)
+        yield from _limits(joint)
     for element in description.root.walk():
         if element.tag == "origin" and (angles := element.numbers("rpy", 3)) and _in_degrees(angles):
             yield Hit("angles-in-degrees", element, f"the rpy is {shown(element.get('rpy') or '')}")
@@ -69,7 +67,7 @@ def _in_degrees(angles: tuple[float, ...]) -> bool:
     return WHOLE_TURN < max(map(abs, angles)) <= MOST_DEGREES and all(map(_whole, angles))
 
 
-def _limits(joint: JointNode, actuated: set[str]) -> Iterator[Hit]:
+def _limits(joint: JointNode) -> Iterator[Hit]:
     limit = joint.element.first("limit")
     if limit is None:
         return
@@ -80,11 +78,6 @@ def _limits(joint: JointNode, actuated: set[str]) -> Iterator[Hit]:
         if MOST_TURNS <= largest <= MOST_DEGREES and all(map(_whole, ends)) and largest not in _NO_LIMIT:
             message = f"joint {shown(joint.name)} turns from {lower:g} to {upper:g} rad"
             yield Hit("limits-in-degrees", limit, message)
-    if joint.kind in TURNING_OR_SLIDING and limit.number("velocity") == 0.0:
-        yield Hit("zero-velocity", limit, f"the velocity of joint {shown(joint.name)} is 0")
-    if joint.kind in TURNING_OR_SLIDING and limit.number("effort") == 0.0:
-        of = None if joint.name in actuated else ALL - {"drake"}  # Drake reads efforts for its actuators alone.
-        yield Hit("zero-effort", limit, f"the effort of joint {shown(joint.name)} is 0", of)
 
 
 def _meshes(description: Description) -> Iterator[Hit]:

@@ -18,7 +18,7 @@ from dh2urdf_check.rules import rules
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from dh2urdf_check.document.description import Description, LinkNode
+    from dh2urdf_check.document.description import Description
     from dh2urdf_check.document.tree import Element
 
 SMALLEST = 1e-3
@@ -32,16 +32,6 @@ _TAKES = {
     "drake": {".obj", ".vtk", ".gltf"},
 }
 """The formats of meshes that a reader takes: Drake, of collisions; it draws what it can of the others."""
-CONTACTS = (
-    "inertia_scaling",
-    "lateral_friction",
-    "rolling_friction",
-    "spinning_friction",
-    "restitution",
-    "stiffness",
-    "damping",
-)
-"""Elements of a contact whose value PyBullet needs."""
 _MODEL = "model://"
 _OF_DRAKE = {"drake:capsule", "drake:ellipsoid"}
 
@@ -54,7 +44,6 @@ def hits(description: Description) -> Iterator[Hit]:
     capsules: list[Element] = []
     touches = False
     for link in description.links:
-        yield from _contact(link)
         for shape in link.shapes:
             hidden: frozenset[str] = frozenset() if draws or shape.tag == "collision" else frozenset({"mujoco"})
             for hit in _of_shape(shape, f"a {shape.tag} of link {shown(link.name)}"):
@@ -75,14 +64,6 @@ def hits(description: Description) -> Iterator[Hit]:
         yield Hit("capsule", capsules[0], message, None if touches else ALL - {"coppeliasim"})
     yield from _tiny(description)
     yield from _meshes(description, meshes, draws=draws)
-
-
-def _contact(link: LinkNode) -> Iterator[Hit]:
-    contact = link.element.first("contact")
-    for name in CONTACTS:
-        found = contact.first(name) if contact else None
-        if found and found.get("value") is None:
-            yield Hit("friction-without-value", found, f"{name} of link {shown(link.name)} has no value")
 
 
 def _of_shape(shape: Element, about: str) -> Iterator[Hit]:

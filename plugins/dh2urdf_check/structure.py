@@ -6,10 +6,9 @@ import re
 from typing import TYPE_CHECKING
 
 from dh2urdf.manipulator import WORLD
-from dh2urdf.robot_check import LONGEST_NAME
 from dh2urdf.source import did_you_mean, shown
 from dh2urdf_check.document.description import ALL, MOVING, TYPES, Hit, few
-from dh2urdf_check.single_readers.gazebo import kept
+from dh2urdf_check.gazebo import kept
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -17,13 +16,9 @@ if TYPE_CHECKING:
     from dh2urdf_check.document.description import Description, JointNode
     from dh2urdf_check.document.tree import Element
 
-MOST_MOVING, MOST_JOINTS = 121, 127
-"""Moving joints, and joints of any type, that PyBullet tells the state of."""
-
 _BLANKS = " \t\n"
 """What sdformat takes from the ends of a name."""
 _RESERVED = re.compile(r"world|__.*__", re.DOTALL)
-_TROUBLESOME = re.compile(r"\s|::|[&<>\"'/]|[^\x00-\x7f]")
 
 
 def hits(description: Description) -> Iterator[Hit]:
@@ -33,7 +28,6 @@ def hits(description: Description) -> Iterator[Hit]:
     yield from _shared_names(description)
     yield from _ends(description)
     yield from _tree(description)
-    yield from _too_many(description)
 
 
 def _robot_name(description: Description) -> Iterator[Hit]:
@@ -43,14 +37,6 @@ def _robot_name(description: Description) -> Iterator[Hit]:
         yield Hit("robot-without-name", root, "the robot has no name", of)
     elif not (root.get("name") or "").strip():
         yield Hit("robot-without-name", root, "the name of the robot is blank", {"gazebo"})
-    else:
-        yield from _length("the robot", root)
-
-
-def _length(what: str, element: Element) -> Iterator[Hit]:
-    name = element.get("name") or ""
-    if len(name) > LONGEST_NAME:
-        yield Hit("name-too-long", element, f"the name of {what} {shown(name)} has {len(name):,} characters")
 
 
 def _has_its_name(element: Element, heads: set[str]) -> bool:
@@ -61,7 +47,6 @@ def _has_its_name(element: Element, heads: set[str]) -> bool:
 
 def _names(description: Description) -> Iterator[Hit]:
     root = description.root
-    owners: dict[tuple[str, str], Element] = {}
     heads = {body[0].name for body in description.once(kept)}
     is_only_link = len(root.all("link")) == 1
     nameless_joints = [joint.get("name") for joint in root.all("joint")].count("")
@@ -82,13 +67,6 @@ def _names(description: Description) -> Iterator[Hit]:
             continue
         if not name.strip(_BLANKS) and _has_its_name(element, heads):
             yield Hit("missing-name", element, f"the name of a {kind} is blank", {"gazebo"})
-        if (kind, name) in owners:
-            message = f"{kind} {shown(name)} has the name of the {kind} in {description.place(owners[kind, name])}"
-            yield Hit(f"duplicate-{kind}", element, message)
-        owners.setdefault((kind, name), element)
-        yield from _length(kind, element)
-        if match := _TROUBLESOME.search(name):
-            yield Hit("name-characters", element, f"the name of {kind} {shown(name)} holds {shown(match[0])}")
 
 
 def _shared_names(description: Description) -> Iterator[Hit]:
@@ -203,11 +181,3 @@ def _closes_a_loop(description: Description) -> bool:
                 return True
             group[child] = parent
     return False
-
-
-def _too_many(description: Description) -> Iterator[Hit]:
-    moving = [joint for joint in description.joints if joint.kind in MOVING]
-    for joints, most, what in ((moving, MOST_MOVING, "moving joints"), (description.joints, MOST_JOINTS, "joints")):
-        if len(joints) > most:
-            yield Hit("too-many-joints", joints[most].element, f"the robot has {len(joints)} {what}")
-            return

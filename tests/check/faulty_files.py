@@ -232,7 +232,6 @@ FAULTS: dict[str, Fault] = {
     "missing-name": Fault('<joint name="elbow"', "<joint", '<joint type="revolute"'),
     "no-link": Fault(SOUND, '<?xml version="1.0"?>\n<robot name="arm">\n</robot>\n', "<robot"),
     "repeated-element": Fault('<mass value="1"/>', '<mass value="1"/>\n      <mass value="5"/>', '<mass value="5"/>'),
-    "mujoco-extension": Fault('discardvisual="false"/>', 'discardvisual="false" angle="rad"/>', "<compiler"),
     "unknown-element": Fault(ELBOW_AXIS, f'{ELBOW_AXIS}\n    <limits lower="0"/>', "<limits"),
     "invalid-number": Fault(
         'lower="-2" upper="2"',
@@ -323,7 +322,6 @@ FAULTS: dict[str, Fault] = {
     "transmission-incomplete": Fault(
         END, "  <transmission>\n    <type>SimpleTransmission</type>\n  </transmission>\n" + END, "<transmission"
     ),
-    "drake-extension": Fault(END, '  <drake:joint name="ball" type="ball"/>\n' + END, "<drake:joint"),
     "transmission-type-empty": Fault(END, "  <transmission>\n    <type/>\n  </transmission>\n" + END, "<type"),
     "axis-along-minus-z": Fault(ELBOW_AXIS, '<axis xyz="0 0 -1"/>', '<axis xyz="0 0 -1"/>'),
     "missing-axis": Fault(f"    {ELBOW_AXIS}\n", "", '<joint name="elbow"'),

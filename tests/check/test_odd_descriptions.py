@@ -17,8 +17,6 @@ SHOULDER = '<joint name="shoulder" type="revolute">'
 MASS, WITHOUT_MASS = '<mass value="1"/>', '<mass value="0"/>'
 KEPT = ' fusestatic="false"'
 ACTUATOR = '<actuator name="motor"/>'
-GROUP = "drake:collision_filter_group"
-MEMBER = '<drake:member link="link_1"/>'
 
 
 def changed(*pairs: tuple[str, str]) -> str:
@@ -84,25 +82,6 @@ def of_drake() -> list[str]:
     """Elements that Drake alone reads."""
     numbers = ("1", "x", "nan", "-1", "0", "", "1 2", "1e5x")
     kinds = ("fixed", "floating", "planar", "prismatic", "continuous")
-    frames = (
-        *(
-            'name="f" link="link_1"',
-            'name="f" link="nowhere"',
-            'name="f"',
-            'link="link_1"',
-            'name="link_1" link="link_2"',
-        ),
-        *('name="f" link="world"', 'name="" link="link_1"', 'name="elbow" link="link_1"'),
-        *(f'name="f" link="link_1" xyz="{xyz}"' for xyz in ("1 2", "1 2 3x", "", "a b c", "1 2 3")),
-    )
-    groups = (
-        *("", f' name="g">{MEMBER}', f' name="">{MEMBER}', ' name="g">', ' name="g"><drake:member link="nowhere"/>'),
-        *(' name="g"><drake:member/>', ' name="g" ignore="true"><drake:member link="nowhere"/>'),
-        *(
-            f' name="g">{MEMBER}<drake:ignored_collision_filter_group{name}/>'
-            for name in ("", ' name="g"', ' name="h"')
-        ),
-    )
     elements = [
         *(
             driven(actuator=f'<actuator name="motor"><drake:{kind} value="{number}"/></actuator>')
@@ -113,11 +92,6 @@ def of_drake() -> list[str]:
         driven() + driven("shoulder"),
         driven() + driven(actuator='<actuator name="other"/>'),
         driven("link_2-tool0"),
-        *(f"<frame {frame}/>" for frame in frames),
-        '<frame name="f" link="link_1"/><frame name="f" link="link_2"/>',
-        *(f"<{GROUP}{group if '>' in group else '>'}</{GROUP}>" for group in groups),
-        2 * f'<{GROUP} name="g">{MEMBER}</{GROUP}>',
-        "<loop_joint/>",
     ]
     texts = [changed((END, element + END)) for element in elements]
     return [*texts, *(changed((ELBOW, ELBOW.replace("revolute", kind)), (END, driven() + END)) for kind in kinds)]

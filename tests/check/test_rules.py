@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import pytest
 from consumers import Behaviour, behaviours, require
 from faulty_files import FAULTS, SOUND, write_all
+from lxml import etree
 from real_robots import descriptions, findings_of
 
 from dh2urdf.stages import Expansion
@@ -78,6 +79,8 @@ def test_the_table_is_in_order() -> None:
         assert re.fullmatch(r"[a-z]+(-[a-z]+)*", rule.name)
         assert rule.effects
         assert set(rule.outcomes) <= set(CONSUMERS)
+        for path in (*(case.at for case in rule.cases), *filter(None, rule.where.values())):
+            etree.XPath(path)
         for text in (rule.fault, rule.fix, *(effect.text for effect in rule.effects)):
             assert text == text.strip()
             assert not text.endswith(".")

@@ -1,1 +1,0 @@
-"""Rules of what one reader alone does, and what it alone reads."""

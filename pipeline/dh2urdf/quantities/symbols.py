@@ -13,12 +13,14 @@ from typing import TYPE_CHECKING, TypeVar
 from dh2urdf.quantities.grammar import Intermediate, is_symbol, parse, symbol_key
 from dh2urdf.quantities.spellings import plain_text
 from dh2urdf.quantities.units import Dimension, QuantityError
-from dh2urdf.source import Problem, shown
+from dh2urdf.source import Messages
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from dh2urdf.source import Mark
+    from dh2urdf.source import Mark, Problem
+
+say = Messages(__file__)
 
 T = TypeVar("T")
 MAX_SYMBOLS = 1000
@@ -65,22 +67,19 @@ class Symbols(dict[str, Intermediate]):
     def define(self, name: str, text: str, mark: Mark, *, decimal_comma: bool = False) -> Problem | None:
         """Takes a definition; returns what is wrong with it."""
         key = symbol_key(name)
-
-        def fault(message: str, accepted: str | None = None) -> Problem:
-            return Problem(message=message, mark=mark, field="symbols", found=name, accepted=accepted)
-
         if not is_symbol(name):
-            return fault(f"{shown(name)} is no name for a length", "a name such as L1, a2 or d_4")
+            return say("no-name", mark, field="symbols", found=name)
         try:
             value = parse(plain_text(text), Dimension.LENGTH, decimal_comma=decimal_comma, symbols=self)
         except QuantityError as error:
-            return fault(f"{name}: {error.message}", error.accepted)
+            about = {"reason": error.message, "accepted": error.accepted}
+            return say("no-length", mark, field="symbols", found=name, **about)
         if value.variable or value.dimension not in (None, Dimension.LENGTH, Dimension.ANGLE):
-            return fault(f"{name} is {shown(text)}", "a length or an angle")
+            return say("no-length-or-angle", mark, field="symbols", found=name, text=text)
         if key in self and (self[key].number, self[key].dimension) != (value.number, value.dimension):
-            return fault(f"{name} is defined twice: here, and in {self.places[key][1]}", "one definition")
+            return say("defined-twice", mark, field="symbols", found=name, where=self.places[key][1])
         if len(self) >= MAX_SYMBOLS:
-            return fault("too many names are defined", f"at most {MAX_SYMBOLS}")
+            return say("many-names", mark, field="symbols", found=name, limit=MAX_SYMBOLS)
         self[key] = value
         self.places.setdefault(key, (name, mark))
         return None
@@ -91,7 +90,7 @@ class Symbols(dict[str, Intermediate]):
             name, text = match[1], match[2].strip().rstrip(".")
             if is_symbol(name):
                 problem = self.define(name, text, mark, decimal_comma=decimal_comma)
-                if problem and "twice" in problem.message:
+                if problem and problem.code == "defined-twice":
                     yield problem
 
     def take_cell(self, text: str, mark: Mark, *, decimal_comma: bool = False) -> tuple[str, Problem | None]:
@@ -110,9 +109,7 @@ class Symbols(dict[str, Intermediate]):
         names = [name for key, (name, _) in self.places.items() if key not in self.used and re.fullmatch(_SYMBOL, name)]
         if not names:
             return None
-        mark = self.places[symbol_key(names[0])][1]
-        message = f"{', '.join(names)}: defined and not used"
-        return Problem(message=message, severity="notice", mark=mark, field="symbols")
+        return say("not-used", self.places[symbol_key(names[0])][1], field="symbols", names=names)
 
 
 def plain_line(line: str) -> str:

@@ -74,11 +74,6 @@ def said_in(comment: Comment) -> Sentence | None:
     return Sentence(comment, convention, units, types, is_bare) if convention or units or types else None
 
 
-def names_measure(key: str) -> bool:
-    """Whether a key is about units or what has them: ``length_unit``."""
-    return any(_is(name, word) for word in re.split(r"[\W_]+", key) for name in (*_MEASURES, "before"))
-
-
 @lru_cache(maxsize=1024)
 def _read(text: str) -> tuple[Convention | None, Mapping[str, str], str, bool]:
     spaced = re.sub(_CHINESE, r" \1 ", unicodedata.normalize("NFC", text)) if not text.isascii() else text

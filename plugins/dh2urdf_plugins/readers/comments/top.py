@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from itertools import islice
 from typing import TYPE_CHECKING, Protocol, runtime_checkable
 
 from dh2urdf.documents import Node
@@ -142,12 +141,6 @@ def is_header(row: CellRow) -> bool:
     """Whether a row is a header beyond doubt."""
     has_marker = bool(row.cells) and text_in(row.cells[0]).startswith("# ")  # `# a` names no column
     return len(row.cells) - has_marker >= SURE and len(_fields(row) & GEOMETRY) >= SURE
-
-
-def find_header(rows: Iterable[CellRow]) -> CellRow | None:
-    """The header of a table, as `read_top` finds it; None where no row is one."""
-    filled = (row for row in rows if any(map(text_in, row.cells)))
-    return next(filter(is_header, islice(filled, MAX_TITLES)), None)
 
 
 def _both(key: str, earlier: Node, node: Node) -> Node:

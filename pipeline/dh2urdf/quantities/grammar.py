@@ -179,29 +179,6 @@ OTHER_NAMES = {"arcsin": "asin", "arccos": "acos", "arctan": "atan", "arctan2": 
 # --- Parser -----------------------------------------------------------------------------------------------------------
 
 
-def parse(
-    text: str,
-    dimension: Dimension,
-    *,
-    decimal_comma: bool = False,
-    angle: Unit | None = None,
-    symbols: Mapping[str, Intermediate] | None = None,
-) -> Intermediate:
-    """The value of an expression.
-
-    Args:
-        text: the expression.
-        dimension: what it should measure, for the message.
-        decimal_comma: whether a comma may stand for the decimal point.
-        angle: the unit that is declared for angles; None where nothing declares one.
-        symbols: what names of lengths and angles stand for, by `symbol_key`.
-
-    Raises:
-        QuantityError: it is no expression, or one that can be read in two ways.
-    """
-    return _Parser(text, dimension, decimal_comma=decimal_comma, angle=angle, symbols=symbols or {}).parse()
-
-
 def symbol_key(name: str) -> str:
     """A name as it is looked up: ``L_1``, ``L_{1}`` and ``L₁`` are one."""
     return re.sub(r"[\\\\_{}]", "", unicodedata.normalize("NFKC", name)).casefold()
@@ -219,245 +196,252 @@ def is_symbol(name: str) -> bool:
     )
 
 
-class _Parser:
-    """Reads one expression, by recursive descent that `MAX_NESTING` bounds."""
+class Parser:
+    """Reads one expression, by recursive descent that `MAX_NESTING` bounds.
+
+    Args:
+        text: the expression.
+        dimension: what it should measure, for the message.
+        decimal_comma: whether a comma may stand for the decimal point.
+        angle: the unit that is declared for angles; None where nothing declares one.
+        symbols: what names of lengths and angles stand for, by `symbol_key`.
+
+    Raises:
+        QuantityError: it is too long, or, of every method, it is no expression, or one that can be read in two ways.
+    """
 
     def __init__(
         self,
         text: str,
         dimension: Dimension,
         *,
-        decimal_comma: bool,
-        angle: Unit | None,
-        symbols: Mapping[str, Intermediate],
+        decimal_comma: bool = False,
+        angle: Unit | None = None,
+        symbols: Mapping[str, Intermediate] | None = None,
     ) -> None:
-        self.text = text
-        self.symbols = symbols
-        self.angle = angle
-        self.dimension = dimension
+        self.text, self.dimension, self.angle, self.symbols = text, dimension, angle, symbols or {}
         self.accepted = accepted_forms(dimension)
         if len(text) > MAX_CHARACTERS:
             message = f"{shown(text)} has {len(text)} characters"
             raise QuantityError(message, f"at most {MAX_CHARACTERS} characters")
-        plain = text.translate(SIGNS)
+        self.plain = text.translate(SIGNS)
         if decimal_comma:
-            plain = re.sub(_DECIMAL_COMMA, r"\1.\2", plain)
-        matches = (match for match in re.finditer(TOKEN, plain) if match.lastgroup != "space")
+            self.plain = re.sub(_DECIMAL_COMMA, r"\1.\2", self.plain)
+        matches = (match for match in re.finditer(TOKEN, self.plain) if match.lastgroup != "space")
         self.tokens = [Token(match.lastgroup or "", match.group(), match.start()) for match in matches]
-        self.tokens.append(Token("end", "", len(plain)))
-        self.plain = plain
-        self.position = 0
-        self.depth = 0
+        self.tokens.append(Token("end", "", len(self.plain)))
+        self.position = self.depth = 0
 
     def parse(self) -> Intermediate:
+        """The value of the expression."""
         if len(self.tokens) == 1:
             raise QuantityError("there is nothing", self.accepted)
         if wrong := misreading(self.text):
-            self.fail(say("misreading", reason=wrong[0], suggestion=wrong[1]))
-        value = self.sum()
-        if self.next.kind != "end":
-            self.unexpected()
+            self._fail(say("misreading", reason=wrong[0], suggestion=wrong[1]))
+        value = self._sum()
+        if self._next.kind != "end":
+            self._unexpected()
         return value
 
     @property
-    def next(self) -> Token:
+    def _next(self) -> Token:
         return self.tokens[self.position]
 
-    def take(self, *signs: str) -> str | None:
+    def _take(self, *signs: str) -> str | None:
         """The next token, where it is one of some signs; it is passed over then."""
-        if self.next.kind == "sign" and self.next.text in signs:
+        if self._next.kind == "sign" and self._next.text in signs:
             self.position += 1
             return self.tokens[self.position - 1].text
         return None
 
-    def fail(self, fault: Problem) -> NoReturn:
+    def _fail(self, fault: Problem) -> NoReturn:
         suggestion = advice(self.text) if fault.suggestion is None else fault.suggestion
         raise QuantityError(f"{shown(self.text)} cannot be read: {fault.message}", self.accepted, suggestion)
 
-    def unexpected(self) -> NoReturn:
-        token = self.next
+    def _unexpected(self) -> NoReturn:
+        token = self._next
         if token.kind == "end":
-            self.fail(say("no-end"))
+            self._fail(say("no-end"))
         if token.kind in ("number", "word", "degree") and self.position:
             before = self.tokens[self.position - 1].text
             if token.kind == "number" or OTHER_NAMES.get(token.text, token.text) in (*_CONSTANTS, *FUNCTIONS):
-                self.fail(say("no-sign", before=before, found=token.text))
+                self._fail(say("no-sign", before=before, found=token.text))
             if token.kind == "word" and is_unit(token.text):
-                self.fail(say("unit-there", found=token.text))
+                self._fail(say("unit-there", found=token.text))
         if token.kind == "word":
             if is_symbol(token.text) and not is_unit(token.text):
-                self.fail(say("undefined", found=token.text))
-            self.fail(say("unknown-word", found=token.text))
-        self.fail(say("unexpected", found=token.text))
+                self._fail(say("undefined", found=token.text))
+            self._fail(say("unknown-word", found=token.text))
+        self._fail(say("unexpected", found=token.text))
 
-    def sum(self) -> Intermediate:
-        value = self.product()
-        while sign := self.take("+", "-"):
-            other = self.product()
-            value = self.add(value, other if sign == "+" else negative(other))
+    def _sum(self) -> Intermediate:
+        value = self._product()
+        while sign := self._take("+", "-"):
+            other = self._product()
+            value = self._add(value, other if sign == "+" else negative(other))
         return value
 
-    def joined(
+    def _joined(
         self, left: Intermediate, right: Intermediate, number: float, factor: float, dimension: Dimension | None
     ) -> Intermediate:
         """What two values make together: a number, and a factor of their joint variable."""
         variable = left.variable or right.variable
         uses_pi, foreign = left.uses_pi or right.uses_pi, left.foreign or right.foreign
-        return Intermediate(self.finite(number), None, dimension, variable, self.finite(factor), uses_pi, foreign)
+        return Intermediate(self._finite(number), None, dimension, variable, self._finite(factor), uses_pi, foreign)
 
-    def add(self, left: Intermediate, right: Intermediate) -> Intermediate:
+    def _add(self, left: Intermediate, right: Intermediate) -> Intermediate:
         if left.variable and right.variable:
-            self.fail(say("variable-twice" if left.variable.row == right.variable.row else "two-variables"))
+            self._fail(say("variable-twice" if left.variable.row == right.variable.row else "two-variables"))
         dimension = left.dimension or right.dimension
         for value in (left, right):
             only_variable = value.variable is not None and value.number == 0
             if value.dimension is not dimension and not only_variable:
-                self.fail(say("half-a-unit"))
-        return self.joined(left, right, left.number + right.number, left.factor + right.factor, dimension)
+                self._fail(say("half-a-unit"))
+        return self._joined(left, right, left.number + right.number, left.factor + right.factor, dimension)
 
-    def product(self) -> Intermediate:
-        value = self.unit(self.factor())
-        while sign := self.take("*", "/"):
-            other = self.factor()
-            value = self.unit(self.multiply(value, other) if sign == "*" else self.divide(value, other))
+    def _product(self) -> Intermediate:
+        value = self._unit(self._factor())
+        while sign := self._take("*", "/"):
+            other = self._factor()
+            value = self._unit(self._multiply(value, other) if sign == "*" else self._divide(value, other))
         return value
 
-    def multiply(self, left: Intermediate, right: Intermediate) -> Intermediate:
+    def _multiply(self, left: Intermediate, right: Intermediate) -> Intermediate:
         if left.variable and right.variable:
-            self.fail(say("variables-multiplied"))
+            self._fail(say("variables-multiplied"))
         if left.dimension and right.dimension:
-            self.fail(say("units-multiplied"))
+            self._fail(say("units-multiplied"))
         if right.variable:
             left, right = right, left
         dimension = left.dimension or right.dimension
-        return self.joined(left, right, left.number * right.number, left.factor * right.number, dimension)
+        return self._joined(left, right, left.number * right.number, left.factor * right.number, dimension)
 
-    def divide(self, left: Intermediate, right: Intermediate) -> Intermediate:
+    def _divide(self, left: Intermediate, right: Intermediate) -> Intermediate:
         if right.variable:
-            self.fail(say("divided-by-a-variable"))
+            self._fail(say("divided-by-a-variable"))
         if right.number == 0:
-            self.fail(say("divided-by-zero"))
+            self._fail(say("divided-by-zero"))
         if right.dimension and right.dimension is not left.dimension:
-            self.fail(say("divided-by-a-unit"))
+            self._fail(say("divided-by-a-unit"))
         dimension = None if right.dimension else left.dimension
-        return self.joined(left, right, left.number / right.number, left.factor / right.number, dimension)
+        return self._joined(left, right, left.number / right.number, left.factor / right.number, dimension)
 
-    def unit(self, value: Intermediate) -> Intermediate:
+    def _unit(self, value: Intermediate) -> Intermediate:
         """The value in SI units, where a unit follows it."""
-        token = self.next
-        count = self.words_of_unit()
+        token = self._next
+        count = self._words_of_unit()
         if not count:
             if token.kind == "word" and self.tokens[self.position - 1].kind == "number":
-                self.unknown_unit()
+                self._unknown_unit()
             return value
-        word = self.between(self.position, self.position + count)
+        word = self._between(self.position, self.position + count)
         self.position += count
         if value.dimension is not None:
-            self.fail(say("unit-twice", found=token.text))
+            self._fail(say("unit-twice", found=token.text))
         if value.variable:
-            self.fail(say("unit-of-a-variable", found=value.variable.text))
+            self._fail(say("unit-of-a-variable", found=value.variable.text))
         unit = unit_where(word, self.dimension)
         if unit is None:
-            self.unknown_unit()
+            self._unknown_unit()
         if value.uses_pi and unit.parts:
-            self.fail(say("pi-in-degrees", unit="degrees" if unit.degrees else unit.symbol))
-        number = self.finite(unit.si(value.number, value.decimal))
+            self._fail(say("pi-in-degrees", unit="degrees" if unit.degrees else unit.symbol))
+        number = self._finite(unit.si(value.number, value.decimal))
         return Intermediate(number, dimension=unit.dimension, foreign=not unit.is_si)
 
-    def words_of_unit(self) -> int:
+    def _words_of_unit(self) -> int:
         """How many tokens ahead are one unit, such as ``kg m^2``, ``deg/s`` or ``1/min``; 0 where there is none."""
-        start, first = self.position, self.next
-        if first.kind not in ("word", "degree") and self.between(start, start + 2) != "1/":
+        start, first = self.position, self._next
+        if first.kind not in ("word", "degree") and self._between(start, start + 2) != "1/":
             return 0
         for count in range(min(_LONGEST_UNIT, len(self.tokens) - 1 - start), 0, -1):
-            word = self.between(start, start + count)
+            word = self._between(start, start + count)
             whole = self.tokens[start + count - 1].kind != "sign" and not re.search(_TORN, word)
             if whole and is_unit(word):
                 return count
         return 0
 
-    def between(self, start: int, end: int) -> str:
+    def _between(self, start: int, end: int) -> str:
         """The text from one token to before another."""
         last = self.tokens[min(end, len(self.tokens)) - 1]
         return self.plain[self.tokens[start].start : last.start + len(last.text)]
 
-    def unknown_unit(self) -> NoReturn:
-        word = self.next.text
+    def _unknown_unit(self) -> NoReturn:
+        word = self._next.text
         name = word.removeprefix("\\").casefold()
         if name in _CONSTANTS or name in FUNCTIONS or any(name.startswith(module) for module in _MODULES):
-            self.unexpected()
-        self.fail(say("unknown-unit", found=word, suggestion=unknown_unit(word, self.dimension).suggestion))
+            self._unexpected()
+        self._fail(say("unknown-unit", found=word, suggestion=unknown_unit(word, self.dimension).suggestion))
 
-    def factor(self) -> Intermediate:
-        sign = self.take("+", "-")
-        if sign and self.next.text in ("+", "-"):
-            self.fail(say("two-signs"))
-        value = self.primary()
+    def _factor(self) -> Intermediate:
+        sign = self._take("+", "-")
+        if sign and self._next.text in ("+", "-"):
+            self._fail(say("two-signs"))
+        value = self._primary()
         return negative(value) if sign == "-" else value
 
-    def primary(self) -> Intermediate:
-        token = self.next
+    def _primary(self) -> Intermediate:
+        token = self._next
         if token.kind == "number":
             self.position += 1
             digits, _, exponent = token.text.lower().partition("e")
-            decimal, number = Decimal(digits, int(exponent or 0)), self.finite(float(token.text))
+            decimal, number = Decimal(digits, int(exponent or 0)), self._finite(float(token.text))
             if number == 0 and not decimal.is_zero:
-                self.fail(say("too-small", found=token.text))
-            if self.next.kind == "word" and self.next.text.casefold() in _CONSTANTS:
-                return self.times_constant(number)
+                self._fail(say("too-small", found=token.text))
+            if self._next.kind == "word" and self._next.text.casefold() in _CONSTANTS:
+                return self._times_constant(number)
             return Intermediate(number, decimal)
         if token.kind == "word":
             self.position += 1
-            return self.named(token)
-        if self.take("("):
-            value = self.inside(self.sum)
+            return self._named(token)
+        if self._take("("):
+            value = self._inside(self._sum)
             return value._replace(decimal=None)
-        return self.unexpected()
+        return self._unexpected()
 
-    def times_constant(self, number: float) -> Intermediate:
+    def _times_constant(self, number: float) -> Intermediate:
         """A number directly before π: ``2π/3``."""
         if self.position > 1 and self.tokens[self.position - 2].text == "/":
-            self.fail(say("pi-below-the-line"))
-        constant = _CONSTANTS[self.next.text.casefold()]
+            self._fail(say("pi-below-the-line"))
+        constant = _CONSTANTS[self._next.text.casefold()]
         self.position += 1
-        return Intermediate(self.finite(number * constant), uses_pi=True)
+        return Intermediate(self._finite(number * constant), uses_pi=True)
 
-    def inside(self, read: Callable[[], Intermediate]) -> Intermediate:
+    def _inside(self, read: Callable[[], Intermediate]) -> Intermediate:
         """What is in a bracket that was just opened."""
         self.depth += 1
         if self.depth > MAX_NESTING:
-            self.fail(say("deep", limit=MAX_NESTING))
+            self._fail(say("deep", limit=MAX_NESTING))
         value = read()
-        if not self.take(")"):
-            if self.next.kind == "end":
-                self.fail(say("open-bracket"))
-            self.unexpected()
+        if not self._take(")"):
+            if self._next.kind == "end":
+                self._fail(say("open-bracket"))
+            self._unexpected()
         self.depth -= 1
         return value
 
-    def named(self, token: Token) -> Intermediate:
+    def _named(self, token: Token) -> Intermediate:
         name = unicodedata.normalize("NFKC", token.text).casefold().removeprefix("\\")
         name = next((name.removeprefix(module) for module in _MODULES if name.startswith(module)), name)
         name = OTHER_NAMES.get(name, name)
         if name in _CONSTANTS:
-            if self.next.text == "(" and self.tokens[self.position + 1].text == ")":  # PI() of spreadsheets
+            if self._next.text == "(" and self.tokens[self.position + 1].text == ")":  # PI() of spreadsheets
                 self.position += 2
             return Intermediate(_CONSTANTS[name], uses_pi=True)
-        if name in FUNCTIONS and self.take("("):
-            return self.inside(lambda: self.call(token.text, FUNCTIONS[name]))
+        if name in FUNCTIONS and self._take("("):
+            return self._inside(lambda: self._call(token.text, FUNCTIONS[name]))
         if (value := self.symbols.get(symbol_key(token.text))) is not None:
             return value
         if match := re.fullmatch(_VARIABLE, name):
-            self.skip_variable_star(token)
+            self._skip_variable_star(token)
             row = int(match[2]) if match[2] and match[2] != "i" else None
             variable = Variable(_VARIABLE_KINDS.get(match[1], match[1]), row, token.text)
             return Intermediate(0.0, variable=variable, factor=1.0)
-        if self.next.text == "(" and name not in UNITS and not is_symbol(token.text):
-            self.fail(say("unknown-function", found=token.text, functions=[*FUNCTIONS]))
+        if self._next.text == "(" and name not in UNITS and not is_symbol(token.text):
+            self._fail(say("unknown-function", found=token.text, functions=[*FUNCTIONS]))
         self.position -= 1
-        return self.unexpected()
+        return self._unexpected()
 
-    def skip_variable_star(self, token: Token) -> None:
+    def _skip_variable_star(self, token: Token) -> None:
         """Passes over the star that marks a variable in textbooks (Spong): ``theta2*``, ``theta2* + pi/2``.
 
         The star may be a product's as well: ``q1*-1`` is -q1 to one person, and q1 - 1 to another.
@@ -468,53 +452,53 @@ class _Parser:
         attached = star.start == token.start + len(token.text)
         if sign.text in ("+", "-") and number.kind == "number" and end.kind not in ("word", "degree"):
             touching = sign.start == star.start + 1
-            if (touching or (attached and float(number.text) == 1)) and not self.has_pi_ahead():
-                self.fail(say("star", found=token.text, sign=sign.text, number=number.text))
+            if (touching or (attached and float(number.text) == 1)) and not self._has_pi_ahead():
+                self._fail(say("star", found=token.text, sign=sign.text, number=number.text))
         if attached and (sign.kind == "end" or sign.text in ("+", "-", ")")):
             self.position += 1
 
-    def has_pi_ahead(self) -> bool:
+    def _has_pi_ahead(self) -> bool:
         """Whether π is among what is left: such a number is an angle, and no factor of a variable."""
         return any(token.text.casefold().rpartition(".")[2] in _CONSTANTS for token in self.tokens[self.position :])
 
-    def call(self, written: str, function: Function) -> Intermediate:
-        arguments = [self.sum()]
-        while self.take(","):
-            arguments.append(self.sum())
+    def _call(self, written: str, function: Function) -> Intermediate:
+        arguments = [self._sum()]
+        while self._take(","):
+            arguments.append(self._sum())
         if len(arguments) != function.arguments:
-            self.fail(say("one-argument" if function.arguments == 1 else "two-arguments", found=written))
+            self._fail(say("one-argument" if function.arguments == 1 else "two-arguments", found=written))
         if any(argument.variable for argument in arguments):
-            self.fail(say("function-of-a-variable", found=written))
+            self._fail(say("function-of-a-variable", found=written))
         dimensions = {argument.dimension for argument in arguments}
         ratio = function.arguments > 1 and len(dimensions) == 1  # atan2 of two lengths
         if not ratio and function.call is not abs and dimensions - {None, function.takes}:
-            self.fail(say("function-of-a-unit", found=written))
+            self._fail(say("function-of-a-unit", found=written))
         if function.call is math.atan2 and not any(argument.number for argument in arguments):
-            self.fail(say("no-value-there", found=written))
+            self._fail(say("no-value-there", found=written))
         if function.takes is Dimension.ANGLE:
-            self.check_angle(written, arguments[0])
+            self._check_angle(written, arguments[0])
         if function.call is from_degrees and arguments[0].uses_pi:
-            self.fail(say("function-of-radians", found=written))
+            self._fail(say("function-of-radians", found=written))
         try:
             number = function.call(*(argument.number for argument in arguments))
         except (ValueError, ZeroDivisionError, OverflowError):
-            self.fail(say("no-value-there", found=written))
+            self._fail(say("no-value-there", found=written))
         if function.call is abs:
             return arguments[0]._replace(number=number, decimal=None)
-        return Intermediate(self.finite(number), dimension=function.gives)
+        return Intermediate(self._finite(number), dimension=function.gives)
 
-    def check_angle(self, written: str, argument: Intermediate) -> None:
+    def _check_angle(self, written: str, argument: Intermediate) -> None:
         """Refuses a bare number whose unit a function of an angle would have to guess."""
         if argument.dimension is not None or argument.uses_pi or argument.number == 0:
             return
         number, unit = f"{argument.number:.12g}", self.angle
         if unit is not None and unit.parts:
             declared = "degrees" if unit.degrees else unit.symbol
-            self.fail(say("angle-without-a-unit", found=written, number=number, declared=declared, unit=unit.symbol))
+            self._fail(say("angle-without-a-unit", found=written, number=number, declared=declared, unit=unit.symbol))
         if unit is None and abs(argument.number) > math.tau:
-            self.fail(say("angle-above-a-turn", found=written, number=number))
+            self._fail(say("angle-above-a-turn", found=written, number=number))
 
-    def finite(self, number: float) -> float:
+    def _finite(self, number: float) -> float:
         if not math.isfinite(number):
-            self.fail(say("too-large"))
+            self._fail(say("too-large"))
         return number

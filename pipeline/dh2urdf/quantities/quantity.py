@@ -12,7 +12,7 @@ import re
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from dh2urdf.quantities.grammar import MAX_CHARACTERS, SPACE, Intermediate, Variable, parse
+from dh2urdf.quantities.grammar import MAX_CHARACTERS, SPACE, Intermediate, Parser, Variable
 from dh2urdf.quantities.units import Decimal, Dimension, QuantityError, Unit, accepted_forms
 from dh2urdf.source import Messages
 
@@ -81,7 +81,7 @@ def evaluate(
     else:
         if angle is None and unit is not None and unit.dimension is Dimension.ANGLE:
             angle = unit
-        value = parse(text, dimension, decimal_comma=decimal_comma, angle=angle, symbols=symbols)
+        value = Parser(text, dimension, decimal_comma=decimal_comma, angle=angle, symbols=symbols).parse()
     return _in_si(text, value, dimension, unit)
 
 

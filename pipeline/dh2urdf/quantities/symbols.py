@@ -10,7 +10,7 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING, TypeVar
 
-from dh2urdf.quantities.grammar import Intermediate, is_symbol, parse, symbol_key
+from dh2urdf.quantities.grammar import Intermediate, Parser, is_symbol, symbol_key
 from dh2urdf.quantities.spellings import plain_text
 from dh2urdf.quantities.units import Dimension, QuantityError
 from dh2urdf.source import Messages
@@ -70,7 +70,7 @@ class Symbols(dict[str, Intermediate]):
         if not is_symbol(name):
             return say("no-name", mark, field="symbols", found=name)
         try:
-            value = parse(plain_text(text), Dimension.LENGTH, decimal_comma=decimal_comma, symbols=self)
+            value = Parser(plain_text(text), Dimension.LENGTH, decimal_comma=decimal_comma, symbols=self).parse()
         except QuantityError as error:
             about = {"reason": error.message, "accepted": error.accepted}
             return say("no-length", mark, field="symbols", found=name, **about)

@@ -123,6 +123,7 @@ def test_the_convention_of_a_comment_holds(comment: str, convention: str, read: 
         ("Modified DH parameters:", 0),
         ("Convention: standard DH", 0),
         ("standard DH, lengths in m", 0),
+        ("Table 2: standard DH parameters", 0),
         ("Puma 560, standard DH", 1),
         ("standard DH, lengths in mm", 1),
         ("an RR arm, standard DH, lengths in mm", 1),

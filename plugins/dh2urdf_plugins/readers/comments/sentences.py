@@ -80,7 +80,7 @@ def _read(text: str) -> tuple[Convention | None, Mapping[str, str], str, bool]:
     tokens = [part for token in re.findall(_TOKENS, spaced) for part in _split(token)]
     letters = re.findall(_TYPES, text)
     types = letters[0].replace("-", "") if len(letters) == 1 else ""
-    is_bare = all(_unit(token) or any(_is(name, token) for name in _DECLARING) for token in tokens if token.isalnum())
+    is_bare = all(_unit(token) or any(_is(name, token) for name in _DECLARING) for token in tokens if token.isalpha())
     return _convention(tokens), _units(tokens), types, is_bare
 
 

@@ -20,10 +20,11 @@ from dh2urdf.quantities import (
     is_unit,
     unit_word,
 )
-from dh2urdf.source import Mark, Messages, did_you_mean
+from dh2urdf.source import Mark, did_you_mean
 from dh2urdf.table_text import Said
 from dh2urdf_plugins.readers.header.columns import Columns
 from dh2urdf_plugins.readers.header.units import KEY_OF, SI, UNIT_KEYS, table_units
+from dh2urdf_plugins.readers.statements.problems import say
 from dh2urdf_plugins.readers.words.cells import Cell, Units
 from dh2urdf_plugins.readers.words.fields import (
     ACCEPTED_CONVENTIONS,
@@ -41,8 +42,6 @@ if TYPE_CHECKING:
     from dh2urdf.rotations import RigidTransform
     from dh2urdf.source import Problem
     from dh2urdf_plugins.calibrations.calibration import CalibrationFile  # noqa: TC004 - only the tables with one need it
-
-say = Messages(__file__)
 
 KINDS = {
     "base": ("base", False),
@@ -134,17 +133,15 @@ class Statements:
             self.declare_implied_convention(convention, cell, add)
         elif cell.text:
             advice = did_you_mean(cell.text, [word for word in convention_words() if len(word) > len("dh")])
-            about = {"field": "convention", "found": cell.text, "suggestion": advice}
-            add(say("no-convention", cell.mark, accepted=ACCEPTED_CONVENTIONS, **about))
+            add(say("no-convention", cell, "convention", accepted=ACCEPTED_CONVENTIONS, suggestion=advice))
         else:
-            add(say("empty-convention", cell.mark, field="convention", found="", accepted=ACCEPTED_CONVENTIONS))
+            add(say("empty-convention", cell, "convention", accepted=ACCEPTED_CONVENTIONS))
 
     def declare_implied_convention(self, convention: Convention, cell: Cell, add: Callable[[Problem], None]) -> None:
         """Takes the convention from what only it writes."""
         self.convention = said, where = self.convention or (convention, cell.mark)
         if said is not convention:
-            about = {"field": "convention", "found": cell.text}
-            add(say("convention-twice", cell.mark, means=convention, where=where, says=said, **about))
+            add(say("convention-twice", cell, "convention", means=convention, where=where, says=said))
 
     def declare_unit(self, cell: Cell, key: str, add: Callable[[Problem], None], *, said: str | None = None) -> None:
         """Takes a declaration of a unit.
@@ -155,8 +152,7 @@ class Statements:
             add: takes what is wrong with it.
             said: the sentence that it is in.
         """
-        name, about = f"units.{key}", dict[str, str | None]()
-        faults: list[QuantityError] = []
+        name, faults = f"units.{key}", list[QuantityError]()
         for dimension in UNIT_KEYS[key]:
             try:
                 unit = find_unit(cell.text, dimension)
@@ -165,22 +161,11 @@ class Statements:
                 continue
             earlier, where = self.stated.setdefault(unit.dimension, (unit, cell.mark))
             if earlier != unit:
-                about = {"field": name, "found": cell.text}
-                add(
-                    say(
-                        "unit-twice",
-                        cell.mark,
-                        said=said or cell.text,
-                        earlier=earlier.symbol,
-                        where=where,
-                        key=key,
-                        **about,
-                    )
-                )
+                what = said or cell.text
+                add(say("unit-twice", cell, name, said=what, earlier=earlier.symbol, where=where, key=key))
             return
-        about = {"field": name, "found": cell.text, "suggestion": faults[0].suggestion}
-        units = [accepted_units(dimension) for dimension in UNIT_KEYS[key]]
-        add(say("no-quantity", cell.mark, reason=faults[0].message, accepted=units, **about))
+        units, advice = [accepted_units(dimension) for dimension in UNIT_KEYS[key]], faults[0].suggestion
+        add(say("no-quantity", cell, name, reason=faults[0].message, accepted=units, suggestion=advice))
 
     def declare_units(self, node: Node, add: Callable[[Problem], None]) -> None:
         """Takes `units`: a mapping such as ``{length: mm, effort: [Nm, N]}``, or bare words such as ``mm, deg``."""
@@ -191,7 +176,7 @@ class Statements:
             words = words_of_units(node)
             known = [unit for word in words if (unit := UNITS.get(unit_word(word.text)))]
             if not words or len(known) < len(words):
-                add(say("no-units", node.mark, field="units", found=node.text, is_a=node.describe(), keys=[*UNIT_KEYS]))
+                add(say("no-units", node, "units", is_a=node.describe(), keys=[*UNIT_KEYS]))
                 return
             for word, unit in zip(words, known, strict=True):
                 self.declare_unit(word, KEY_OF.get(unit.dimension, "length"), add)
@@ -201,11 +186,12 @@ class Statements:
             if key not in UNIT_KEYS:
                 meant = next((name for name in UNIT_KEYS if key_of(key.casefold()) in keys_in("unit_keys", name)), None)
                 advice = f"did you mean {meant!r}?" if meant else did_you_mean(key, UNIT_KEYS)
-                add(say("no-unit-key", node.key_mark(key), field=name, found=key, keys=[*UNIT_KEYS], suggestion=advice))
+                mark = node.key_mark(key)
+                add(say("no-unit-key", node, name, mark=mark, found=key, keys=[*UNIT_KEYS], suggestion=advice))
                 continue
             words = words_of_units(item) if len(UNIT_KEYS[key]) > 1 or not isinstance(item.value, list) else []
             if not words:
-                add(say("no-value", item.mark, field=name, is_a=item.describe(), accepted="the name of a unit"))
+                add(say("no-value", item, name, is_a=item.describe(), accepted="the name of a unit"))
             for word in words:
                 self.declare_unit(word, key, add)
 
@@ -236,8 +222,7 @@ class Statements:
         for name, value in {key: found}.items() if is_whole else found.items():
             place = node.entry(name.removeprefix("base_")) or node
             if self.values.setdefault(name, value) != value:
-                what = name.replace("_", ".")
-                add(say("said-twice", node.mark, field=what, found=node.text, option=OPTIONS))
+                add(say("said-twice", node, name.replace("_", "."), option=OPTIONS))
             self.placed.setdefault(name, place.mark)
 
     # --- Options ------------------------------------------------------------------------------------------------------

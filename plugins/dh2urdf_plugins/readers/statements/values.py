@@ -12,8 +12,9 @@ from dh2urdf.manipulator import Inertia, LinkGeometry, MeshShape, Payload
 from dh2urdf.quantities import Dimension, QuantityError, evaluate
 from dh2urdf.rotations import ZERO, RigidTransform, Vec3, nearest_rotation
 from dh2urdf.row_fields import INERTIA
-from dh2urdf.source import Messages, Problem, did_you_mean
+from dh2urdf.source import Problem, did_you_mean
 from dh2urdf_plugins.readers.header.units import refuse_doubt
+from dh2urdf_plugins.readers.statements.problems import say
 from dh2urdf_plugins.readers.words.bounds import FULL_TURN, LARGEST_ANGLE, MEASURABLE_ARM
 from dh2urdf_plugins.readers.words.cells import Cell
 
@@ -22,8 +23,6 @@ if TYPE_CHECKING:
 
     from dh2urdf.documents import Node
     from dh2urdf_plugins.readers.words.cells import Units
-
-MESSAGES = Messages(__file__)
 
 ORTHONORMAL = 1e-9
 """Largest |RᵀR − 1| of a rotation that is taken without a word."""
@@ -97,11 +96,6 @@ class _WrongError(Exception):
         super().__init__(problem)
 
 
-def say(code: str, node: Node, field: str, **words: Any) -> Problem:  # noqa: ANN401 - what the sentence names
-    """A problem of a value."""
-    return MESSAGES(code, node.mark, **{"field": field, "found": node.text, **words})
-
-
 def refuse_unknown_keys(node: Node, keys: Iterable[str], what: str, add: Callable[[Problem], None]) -> None:
     """Notes the keys of a mapping that nothing reads.
 
@@ -116,8 +110,8 @@ def refuse_unknown_keys(node: Node, keys: Iterable[str], what: str, add: Callabl
     for key in node.value if isinstance(node.value, dict) else ():
         if key not in keys:
             advice = meant.get(key.casefold()) or did_you_mean(key, keys)
-            problem = say("unknown-key", node, key, found=key, what=what, keys=keys, suggestion=advice)
-            add(replace(problem, mark=node.key_mark(key)))
+            mark = node.key_mark(key)
+            add(say("unknown-key", node, key, mark=mark, found=key, what=what, keys=keys, suggestion=advice))
 
 
 class Values:
@@ -174,8 +168,9 @@ class Values:
             quantity = evaluate(node.text, dimension, self.units.sure(dimension), angle=self.units.in_functions)
             refuse_doubt(quantity, what, Cell(node.text, node.mark), dimension, self.units)
         except QuantityError as error:
-            words = {"accepted": error.accepted, "suggestion": error.suggestion}
-            raise _WrongError(say("no-quantity", node, what, reason=error.message, **words)) from None
+            reason, accepted, advice = error.message, error.accepted, error.suggestion
+            problem = say("no-quantity", node, what, reason=reason, accepted=accepted, suggestion=advice)
+            raise _WrongError(problem) from None
         value, has_unit = abs(quantity.value), quantity.has_unit or self.units.angle
         if quantity.variable:
             raise _WrongError(say("nothing-moves", node, what))
@@ -232,8 +227,7 @@ class Values:
     def _placed(self, node: Node, what: str, found: Mapping[str, Any]) -> RigidTransform:
         """The transform that values under the keys of `PLACED` say."""
         if "matrix" in found and (both := [key for key in ("xyz", "rpy") if key in found]):
-            problem = say("matrix-beside", node, what, beside=both[0])
-            raise _WrongError(replace(problem, mark=node.key_mark(both[0])))
+            raise _WrongError(say("matrix-beside", node, what, mark=node.key_mark(both[0]), beside=both[0]))
         matrix: RigidTransform | None = found.get("matrix")
         transform = matrix or RigidTransform.from_xyz_rpy(found.get("xyz", ZERO), found.get("rpy", ZERO))
         distance = math.hypot(*transform.translation)

@@ -157,14 +157,14 @@ class _Headers:
 
     def settle(self, convention: Convention | None, problems: list[Problem]) -> None:
         """Gives headers of two meanings the one that they have in this table."""
-        parts = [k for k in self._named("theta") if unheld(self.headers[k].key)]
-        if len(parts) < len(self._named("theta")):  # a constant part of theta, beside theta itself
-            for index in parts:
-                self._put(index, None)
-        joints = self._named("joint")
-        names = [k for k in joints if any(word in self.headers[k].key for word in keys_in("rows", "names"))]
-        if len(joints) == 2 and len(names) == 1 and not self._named("index"):  # noqa: PLR2004 - `Joint` beside `Name`
-            self._put(next(k for k in joints if k not in names), "index")
+        of_theta, joints = self._named("theta"), self._named("joint")
+        parts = [k for k in of_theta if unheld(self.headers[k].key)] if len(of_theta) > 1 else []
+        for index in parts if len(parts) < len(of_theta) else ():  # a constant part of theta, beside theta itself
+            self._put(index, None)
+        if len(joints) == 2 and not self._named("index"):  # noqa: PLR2004 - `Joint` beside `Name`
+            names = [k for k in joints if any(word in self.headers[k].key for word in keys_in("rows", "names"))]
+            if len(names) == 1:
+                self._put(next(k for k in joints if k not in names), "index")
         self._settle_types()
         problems += self._settle_khalil(convention)
 

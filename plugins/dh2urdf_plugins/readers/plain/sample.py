@@ -6,18 +6,21 @@ tables; this module compares them on the table at hand, in every run.
 
 from __future__ import annotations
 
-from dataclasses import fields
+from dataclasses import fields, replace
 from typing import TYPE_CHECKING
 
 from dh2urdf.errors import TableError
 from dh2urdf.manipulator import Manipulator
-from dh2urdf.source import Problem
+from dh2urdf.source import Messages
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from dh2urdf.manipulator import DHRow
+    from dh2urdf.source import Problem
     from dh2urdf.stages import Rejected
+
+say = Messages(__file__)
 
 HEAD = 50
 """Rows of one manipulator that are read again at most, and rows that are read again in any file."""
@@ -59,63 +62,37 @@ def compare(fast: Manipulator, careful: Manipulator | Rejected, count: int) -> N
     Raises:
         TableError: the readings differ.
     """
-    problem = None
+    found = None
     if isinstance(careful, Manipulator):
-        problem = _of_rows(fast.rows, careful.rows)
-        if problem is None and count == len(fast.rows):
-            problem = _of_manipulators(fast, careful)
+        found = _of_rows(fast.rows, careful.rows)
+        if found is None and count == len(fast.rows):
+            found = _of_manipulators(fast, careful)
     elif count == len(fast.rows):  # the first rows of a longer arm may be refused as an arm of their own
         refused = careful.problems[0]
-        problem = Problem(
-            message=f"the fast reading accepts {_row(fast, refused.joint)}, and the careful one refuses it: "
-            f"{refused.message}",
-            mark=refused.mark,
-            joint=refused.joint,
-            field=refused.field,
-            found=refused.found,
-        )
-    if problem is None:
-        return
-    raise TableError(
-        Problem(
-            message=problem.message,
-            mark=problem.mark or fast.mark,
-            robot=fast.name,
-            joint=problem.joint,
-            field=problem.field,
-            found=problem.found,
-            accepted="two equal readings of every row",
-            suggestion="this is a fault of dh2urdf, not of the table, and no robot of this file is safe to use: report "
-            "this message to the makers of dh2urdf, with this row and all lines above the first row",
-        )
-    )
-
-
-def _row(arm: Manipulator, joint: str | None) -> str:
-    row = next((row for row in arm.rows if row.joint == joint), None)
-    return repr(row) if row else f"the manipulator {arm.name!r}"
+        row = next((row for row in fast.rows if row.joint == refused.joint), None)
+        what = repr(row) if row else f"the manipulator {fast.name!r}"
+        found = replace(refused, message=say("only-fast", row=what, reason=refused.message).message)
+    if found:
+        about = {"joint": found.joint, "field": found.field, "found": found.found}
+        raise TableError(say("two-readings", found.mark or fast.mark, robot=fast.name, reason=found.message, **about))
 
 
 def _of_rows(fast: Sequence[DHRow], careful: Sequence[DHRow]) -> Problem | None:
     """The first field of the first row that has two readings."""
     for one, other in zip(fast, careful, strict=False):
-        for field in fields(one):
-            found, wanted = (repr(getattr(row, field.name)) for row in (one, other))
-            if found != wanted:
-                message = f"the fast reading of {field.name} is {found}, and the careful reading is {wanted}"
-                return Problem(message=message, mark=one.mark, joint=one.joint, field=field.name)
+        for name in (field.name for field in fields(one)):
+            first, second = repr(getattr(one, name)), repr(getattr(other, name))
+            if first != second:
+                return say("other-value", one.mark, joint=one.joint, field=name, fast=first, careful=second)
     return None
 
 
 def _of_manipulators(fast: Manipulator, careful: Manipulator) -> Problem | None:
     """What two readings of a manipulator differ by, where it is not a row; None where they are equal."""
-    parts = []
-    for field in fields(fast):
-        found, wanted = (getattr(arm, field.name) for arm in (fast, careful))
-        if repr(found) != repr(wanted):
-            message = f"the fast reading of {field.name} is {found!r}, and the careful reading is {wanted!r}"
-            if field.name == "notices":
-                said = "; ".join(notice.message for notice in wanted)
-                message = f"the fast reading has no notice, and the careful reading has: {said}"
-            parts.append(message)
-    return Problem(message="; ".join(parts)) if parts else None
+    for name in (field.name for field in fields(fast)):
+        first, second = repr(getattr(fast, name)), repr(getattr(careful, name))
+        if first != second and name == "notices":
+            return say("other-notices", said="; ".join(notice.message for notice in careful.notices))
+        if first != second:
+            return say("other-value", field=name, fast=first, careful=second)
+    return None

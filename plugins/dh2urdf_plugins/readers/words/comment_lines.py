@@ -9,7 +9,7 @@ from __future__ import annotations
 import csv
 import re
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 from dh2urdf.source import Mark
 from dh2urdf_plugins.readers.words.bounds import MAX_TEXT
@@ -60,7 +60,7 @@ class Comment:
     def of(cls, line: str, place: Mark, *, longest: int = MAX_TEXT) -> Comment:
         """The comment that a line or a row is, with its marker or without one; a quoted or long one has no text."""
         start = _start_of(line)
-        text = line[start.end :] if start else line
+        text = line[start.end() :] if start else line
         if is_quoted(line) or len(text) > longest:
             text = ""
         rest = text.lstrip(f"{_INVISIBLE}{''.join(MARKERS)}")
@@ -72,38 +72,15 @@ class Comment:
         return cls.of(cls.of(text, place).text.strip(SPACES), place)
 
 
-class _Start(NamedTuple):
-    """The beginning of a comment line: what is before its marker, and the marker.
-
-    Attributes:
-        outer: cells without content, and blanks.
-        quote: the quote that the comment is in.
-        at: the place of the marker in the line.
-        sign: the marker.
-    """
-
-    outer: str
-    quote: str
-    at: int
-    sign: str
-
-    @property
-    def end(self) -> int:
-        """The place of the first character behind the marker."""
-        return self.at + len(self.sign)
-
-
-def _start_of(line: str) -> _Start | None:
-    if line.startswith(MARKERS[0]):
-        return _Start("", "", 0, MARKERS[0])  # as most begin
-    match = re.match(_ANY_START, line) if any(sign in line for sign in SIGNS) else None
-    return _Start(match["outer"], match["quote"], match.start("sign"), match["sign"]) if match else None
+def _start_of(line: str) -> re.Match[str] | None:
+    """The beginning of a comment line: ``outer`` cells without content, a ``quote`` perhaps, and the ``sign``."""
+    return re.match(_ANY_START, line) if any(sign in line for sign in SIGNS) else None
 
 
 def is_quoted(line: str) -> bool:
     """Whether a comment has the words of another file, as ``#> …`` has: nothing is read from it."""
     start = _start_of(line) if _QUOTED in line else None
-    return start is not None and line.startswith(_QUOTED, start.at)
+    return start is not None and line.startswith(_QUOTED, start.start("sign"))
 
 
 def within(place: Mark, position: int) -> Mark:
@@ -120,9 +97,9 @@ def is_comment(line: str, *, top: bool = False) -> bool:
             Below, a cell in quotes may be a name.
     """
     start = _start_of(line)
-    if start is None or (line[start.end :][:1] != " " and re.match(SPREADSHEET_ERROR, line[start.at :])):
+    if start is None or (line[start.end() :][:1] != " " and re.match(SPREADSHEET_ERROR, line[start.start("sign") :])):
         return False
-    return top or not (start.quote or start.outer.strip(_INVISIBLE))
+    return top or not (start["quote"] or start["outer"].strip(_INVISIBLE))
 
 
 def marks_a_comment(cell: str) -> bool:
@@ -133,7 +110,7 @@ def marks_a_comment(cell: str) -> bool:
 def is_open(line: str) -> bool:
     """Whether a comment in quotes goes on in the next line."""
     start = _start_of(line)
-    return start is not None and bool(start.quote) and line.count('"') % 2 == 1
+    return start is not None and bool(start["quote"]) and line.count('"') % 2 == 1
 
 
 def without_marker(line: str) -> str:
@@ -141,8 +118,8 @@ def without_marker(line: str) -> str:
     start = _start_of(line)
     if start is None:
         return line
-    before = len(start.outer) + len(start.quote)
-    return line[:before] + " " * (start.end - before) + line[start.end :]
+    before = start.end("quote")
+    return line[:before] + " " * (start.end() - before) + line[start.end() :]
 
 
 def as_typed(line: str, delimiter: str | None) -> list[str]:
@@ -158,13 +135,14 @@ def as_typed(line: str, delimiter: str | None) -> list[str]:
     delimiters = delimiter or ",;\t"
     padded = line.rstrip(f'{SPACES}{delimiters}"')
     is_padded = any(sign in line[len(padded) :] for sign in delimiters)
-    typed = without_marker(line)[: start.at] + line[start.at :].rstrip(SPACES + delimiters)
-    if start.quote or (delimiter and (is_padded or (delimiter != "," and _BRACKETS.intersection(typed)))):
+    at = start.start("sign")
+    typed = without_marker(line)[:at] + line[at:].rstrip(SPACES + delimiters)
+    if start["quote"] or (delimiter and (is_padded or (delimiter != "," and _BRACKETS.intersection(typed)))):
         cells = next(csv.reader([line.lstrip(SPACES + delimiters)], delimiter=delimiter or ","), [])
         first = _start_of(cells[0]) if cells else None
         if first is not None:
-            text = joined([cells[0][first.at :], *cells[1:]], decimal_comma=delimiter != ",")
-            typed = " " * start.at + text
+            text = joined([cells[0][first.start("sign") :], *cells[1:]], decimal_comma=delimiter != ",")
+            typed = " " * at + text
     return typed.split("\n")
 
 

@@ -79,22 +79,8 @@ def units_text(table: TableText) -> str:
 
 def flow_text(node: Node) -> str:
     """A value of YAML in one line."""
-    parts: list[str] = []
-    waiting: list[Node | str] = [node]
-    while waiting:
-        item = waiting.pop()
-        if isinstance(item, str):
-            parts.append(item)
-        elif isinstance(item.value, dict):
-            inner: list[Node | str] = ["{"]
-            for index, (key, value) in enumerate(item.value.items()):
-                inner += [f"{', ' if index else ''}{yaml_word(key)}: ", value]
-            waiting += reversed([*inner, "}"])
-        elif isinstance(item.value, list):
-            inner = ["["]
-            for index, value in enumerate(item.value):
-                inner += [*([", "] if index else []), value]
-            waiting += reversed([*inner, "]"])
-        else:
-            parts.append(item.text or "" if item.value is None else yaml_word(item.text or ""))
-    return "".join(parts)
+    if isinstance(node.value, dict):
+        return "{" + ", ".join(f"{yaml_word(key)}: {flow_text(value)}" for key, value in node.value.items()) + "}"
+    if isinstance(node.value, list):
+        return f"[{', '.join(map(flow_text, node.value))}]"
+    return node.text or "" if node.value is None else yaml_word(node.text or "")

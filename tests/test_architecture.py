@@ -396,7 +396,7 @@ BUDGETS = {
     "pipeline/dh2urdf/meshes": 1150,
     "pipeline/dh2urdf/output": 1630,
     "pipeline/dh2urdf/plugin_system": 1590,
-    "pipeline/dh2urdf/quantities": 1320,
+    "pipeline/dh2urdf/quantities": 1330,
     "pipeline/dh2urdf/report": 2170,
     "pipeline/dh2urdf/robot_check": 360,
     "pipeline/dh2urdf/run_file": 1880,

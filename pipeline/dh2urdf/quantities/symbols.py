@@ -27,7 +27,9 @@ MAX_SYMBOLS = 1000
 MAX_LINE = 1000
 """Characters of a comment that are looked at."""
 _NAME = r"[^\W\d_]\w{0,15}(?:\{\w{1,8}\})?"
-_DEFINITION = rf"(?<![\w.\\])({_NAME})\s?(?:=|:(?=\s))\s?([-+.0-9][^,;=:]*|[^\W\d_]\w*\s?[-+*/][^,;=:]*)"
+_REST = rf"(?:(?!\s{_NAME}\s?=)[^,;=:()]|\([^()]*\))*"
+"""The rest of a length: it ends at a bracket that it did not open, and before the next name that is defined."""
+_DEFINITION = rf"(?<![\w.\\])({_NAME})\s?(?:=|:(?=\s))\s?([-+.0-9]{_REST}|[^\W\d_]\w*\s?[-+*/]{_REST})"
 """A name and what it stands for, in prose too: ``L1 = 91 mm``."""
 _SYMBOL = r"[^\W\d_]{1,2}_?\{?[0-9]{1,2}\}?"
 _IN_CELL = rf"(?:({_NAME})\s?=\s?([^=]+)|({_NAME}(?=\s)|{_SYMBOL})\s?\(([^()]*[0-9][^()]*)\))"
@@ -92,6 +94,12 @@ class Symbols(dict[str, Intermediate]):
                 problem = self.define(name, text, mark, decimal_comma=decimal_comma)
                 if problem and problem.code == "defined-twice":
                     yield problem
+
+    @staticmethod
+    def is_definition(text: str) -> bool:
+        """Whether a text is nothing but definitions: ``L1 = 91 mm, L2 = 80 mm``."""
+        line = plain_line(text.strip())
+        return "=" in line and not re.sub(_DEFINITION, "", line).strip(" ,;.")
 
     def take_cell(self, text: str, mark: Mark, *, decimal_comma: bool = False) -> tuple[str, Problem | None]:
         """The text of a cell without the name that it defines, and what is wrong with the definition."""

@@ -7,6 +7,7 @@ from dataclasses import replace
 from itertools import chain, islice
 from typing import TYPE_CHECKING
 
+from dh2urdf.quantities import Symbols
 from dh2urdf.source import Problem
 from dh2urdf.table_text import REQUIRED
 from dh2urdf_plugins.readers.comments.declared import comment_below
@@ -186,7 +187,8 @@ def is_note(row: CellRow, geometry: Iterable[int], width: int, *, after_empty: b
     filled = [text for text in texts if text]
     filled = filled[len(filled) > 1 and re.fullmatch(_FOOTMARK, filled[0]) is not None :]
     start = filled[0][:_LONGEST_NOTE]
-    if not re.match(_PROSE, start) or not (after_empty or re.match(_SURE_NOTE, start)):
+    is_prose = re.match(_PROSE, start) and (after_empty or re.match(_SURE_NOTE, start))
+    if not is_prose and not all(map(Symbols.is_definition, filled)):
         return False
     if len(filled) == 1:
         return True

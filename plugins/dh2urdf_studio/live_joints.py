@@ -17,13 +17,15 @@ from fastapi.responses import JSONResponse
 from nicegui import app, background_tasks, ui
 
 from dh2urdf.errors import InputError
-from dh2urdf.source import Problem, did_you_mean, listed, shown
+from dh2urdf.source import Messages, did_you_mean, listed, shown
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping
 
     from dh2urdf_studio.viewing import View
     from dh2urdf_studio.widgets import ArmView
+
+say = Messages(__file__)
 
 LARGEST_REQUEST = 2**20
 """Size of a request [B]."""
@@ -81,20 +83,20 @@ class LiveJoints:
         try:
             asked = json.loads(text)
         except (ValueError, RecursionError) as error:
-            raise _refused(f"the request is no JSON: {error}") from error
+            raise _refused("request-no-json", reason=error) from error
         names, positions = (asked.get(key) if isinstance(asked, dict) else None for key in ("names", "positions"))
         if not isinstance(names, list) or not isinstance(positions, list):
-            raise _refused("the request needs a list of names and a list of positions")
+            raise _refused("request-without-lists")
         if len(names) != len(positions):
-            raise _refused(f"there are {len(names)} names, but {len(positions)} positions")
+            raise _refused("names-not-positions", names=len(names), positions=len(positions))
         values: dict[str, float] = {}
         for name, position in zip(names, positions, strict=True):
             if not isinstance(name, str) or name not in self.q:
                 near = did_you_mean(name, self.q) if isinstance(name, str) else None
                 known = listed(list(self.q), 20) if self.q else "no joint moves"
-                raise _refused(f"no joint that moves is called {shown(str(name))}", known, near)
+                raise _refused("joint-unknown", name=name, accepted=known, suggestion=near)
             if name in values:
-                raise _refused(f"joint {shown(name)} is named more than once")
+                raise _refused("joint-twice", name=name)
             values[name] = _number(name, position)
         return values
 
@@ -111,12 +113,12 @@ def _number(name: str, position: object) -> float:
         number = math.inf
     if not math.isfinite(number):
         told = shown(json.dumps(position))[1:-1]
-        raise _refused(f"the position of joint {shown(name)} is {told}", "a finite number, in rad or m")
+        raise _refused("position-no-number", name=name, position=told, accepted="a finite number, in rad or m")
     return number
 
 
-def _refused(message: str, accepted: str = ACCEPTED, suggestion: str | None = None) -> InputError:
-    return InputError(Problem(message=message, accepted=accepted, suggestion=suggestion))
+def _refused(code: str, accepted: str = ACCEPTED, **about: Any) -> InputError:  # noqa: ANN401 - of a message
+    return InputError(say(code, accepted=accepted, **about))
 
 
 def serve_joints(live: LiveJoints, views: Callable[[], Iterable[View]]) -> None:

@@ -11,7 +11,7 @@ from importlib.util import find_spec
 from typing import TYPE_CHECKING
 
 from dh2urdf.errors import InputError, MissingDependencyError
-from dh2urdf.source import Mark, Messages, Problem
+from dh2urdf.source import Mark, Messages
 from dh2urdf_studio.guard import Guard
 
 if TYPE_CHECKING:
@@ -49,8 +49,7 @@ def listen(host: str, port: int | None) -> socket.socket:
     try:
         family, _, _, _, address = socket.getaddrinfo(host, PORT if port is None else port, type=socket.SOCK_STREAM)[0]
     except OSError as error:
-        message = f"no address is known for the host {host!r}: {error.strerror}"
-        raise InputError(Problem(message=message, found=host)) from error
+        raise InputError(say("host-unknown", found=host, reason=error.strerror)) from error
     listening = socket.socket(family, socket.SOCK_STREAM)
     listening.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
     try:
@@ -58,20 +57,16 @@ def listen(host: str, port: int | None) -> socket.socket:
     except OSError as error:
         if port is not None or error.errno != errno.EADDRINUSE:
             listening.close()
-            problem = Problem(
-                message=f"nothing can be served at {host}, port {PORT if port is None else port}: {error.strerror}",
-                mark=Mark(file="command line"),
-                found=str(port),
-                accepted="a free port, 1 to 65535, or 0 for any that is free",
-            )
-            raise InputError(problem) from error
+            number, mark = PORT if port is None else port, Mark(file="command line")
+            about = {"host": host, "number": str(number), "reason": str(error.strerror)}
+            raise InputError(say("port-taken", mark, found=str(port), **about)) from error
         listening.bind((address[0], 0, *address[2:]))
     listening.listen(128)
     return listening
 
 
 def serve(
-    build: Callable[[], None], *, host: str, port: int | None, browser: bool, say: Callable[[str], None], title: str
+    build: Callable[[], None], *, host: str, port: int | None, browser: bool, report: Callable[[str], None], title: str
 ) -> None:
     """Serves pages until it is interrupted.
 
@@ -106,9 +101,9 @@ def serve(
     server = uvicorn.Server(uvicorn.Config(guarded, log_level="warning", ws_max_size=64 * 2**20))
     place = f"[{name}]" if ":" in name else name
     address = f"http://{LOOPBACK if name in ('0.0.0.0', '::') else place}:{port}/"  # noqa: S104 - a comparison
-    say(f"{title} is at {address} (Ctrl-C ends it)")
+    report(f"{title} is at {address} (Ctrl-C ends it)")
     if is_open:
-        say("everybody who reaches this port of the machine can use it: there is no password")
+        report("everybody who reaches this port of the machine can use it: there is no password")
     if browser:
         threading.Timer(0.5, webbrowser.open, [address]).start()
     try:

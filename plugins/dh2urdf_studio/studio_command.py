@@ -9,11 +9,14 @@ import click
 from dh2urdf.cli import EXIT_STATUS
 from dh2urdf.cli.answers import answer
 from dh2urdf.cli.shared_options import PATH, catalog, option, without_option
+from dh2urdf.source import Messages
 
 if TYPE_CHECKING:
     from pathlib import Path
 
     from dh2urdf_studio.editing.opening import Opened
+
+say = Messages(__file__)
 
 
 @click.command(name="studio", epilog=EXIT_STATUS)
@@ -55,7 +58,7 @@ def command(table: Path | None, robot: str | None, port: int | None, host: str, 
         host=host,
         port=port,
         browser=not no_browser,
-        say=answer,
+        report=answer,
         title="dh2urdf studio",
     )
     return 0
@@ -68,14 +71,13 @@ def _chosen(tables: tuple[Opened, ...], robot: str | None, path: Path) -> Opened
         TableError: there is none of the name, or which of several is not said.
     """
     from dh2urdf.errors import TableError
-    from dh2urdf.source import Mark, Problem, did_you_mean, shown
+    from dh2urdf.source import Mark, did_you_mean
 
     names = [opened.table.name for opened in tables]
     if robot is None and len(tables) == 1:
         return tables[0]
     if robot in names:
         return tables[names.index(robot)]
-    message = "the table holds several manipulators" if robot is None else f"the table holds no {shown(robot)}"
-    accepted = f"--robot NAME, with one of {', '.join(names[:20])}"
+    code = "several-manipulators" if robot is None else "manipulator-unknown"
     near = did_you_mean(robot, names) if robot else None
-    raise TableError(Problem(message=message, mark=Mark(file=str(path)), accepted=accepted, suggestion=near))
+    raise TableError(say(code, Mark(file=str(path)), found=robot, names=names[:20], suggestion=near))

@@ -62,7 +62,7 @@ def command(
             host=host,
             port=port,
             browser=not no_browser,
-            say=answer,
+            report=answer,
             title="dh2urdf view",
         )
     return 0

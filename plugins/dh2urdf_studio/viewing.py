@@ -18,7 +18,7 @@ from dh2urdf.robot import Robot
 from dh2urdf.rotations import IDENTITY, RigidTransform, norm, scale
 from dh2urdf.run_file.config import RUN_SUFFIXES, StageCall, is_run_file, load_config
 from dh2urdf.run_file.plan import make_plan
-from dh2urdf.source import Mark, Problem, listed, shown
+from dh2urdf.source import Mark, Messages, Problem, listed, shown
 from dh2urdf.stage_calls.calls import a_record, blaming, default_call
 from dh2urdf.stages import Expansion, ReadsBack, ReadsForeign, Rejected
 from dh2urdf.stages.foreign_robot import ForeignRobot, following, with_followers
@@ -38,6 +38,8 @@ if TYPE_CHECKING:
     from dh2urdf_studio.drawing.mesh_files import DrawnMesh
     from dh2urdf_studio.drawing.parts import Colour
     from dh2urdf_studio.joints import Slider
+
+say = Messages(__file__)
 
 MOST_FIGURES = 50
 """Robots that one scene shows."""
@@ -63,10 +65,9 @@ def load_figures(paths: Sequence[Path], catalog: Catalog, expansion: Expansion |
     if problems:
         raise InputError(problems, notices)
     if expansion not in (None, Expansion()) and not any(_holds_macros(path, catalog) for path in paths):
-        message = "none of the files has macros: they take no arguments and no package paths"
-        raise InputError(Problem(message=message, mark=Mark(file=str(paths[0])), accepted="a xacro among the files"))
+        raise InputError(say("files-without-macros", Mark(file=str(paths[0]))))
     if len(found) > MOST_FIGURES:
-        raise InputError(_too_many(str(len(found))))
+        raise InputError(say("too-many-robots", count=len(found), most=MOST_FIGURES))
     if len(found) == 1:
         return (replace(found[0], name="", title=""),)
     return tuple(_with_own_names(found))
@@ -108,7 +109,7 @@ def description(path: Path, catalog: Catalog, expansion: Expansion | None = None
     emitter = catalog.emitter_for(path)
     reads = emitter.can(ReadsForeign) or emitter.can(ReadsBack)
     if reads is None:
-        raise InputError(Problem(message=f"files of the emitter {emitter.name!r} cannot be read back", found=path.name))
+        raise InputError(say("format-not-read-back", found=path.name, emitter=emitter.name))
     given = expansion or Expansion()
     with blaming(default_call(catalog, emitter), "read_back" if isinstance(reads, ReadsBack) else "read_foreign"):
         read = reads.read_back(path) if isinstance(reads, ReadsBack) else reads.read_foreign(path, given)
@@ -139,14 +140,10 @@ def _of_run(path: Path, catalog: Catalog) -> Iterator[Figure]:
         if isinstance(what, Rejected):
             raise InputError(what.problems, what.notices)
         if count == MOST_FIGURES:
-            raise InputError(_too_many(f"more than {MOST_FIGURES}"))
+            raise InputError(say("too-many-robots", count=f"more than {MOST_FIGURES}", most=MOST_FIGURES))
         arm = what.manipulator(what.drawn()) if isinstance(what, Variant) else what
         robot, _ = make_item(arm, transform, edits)
         yield Figure(robot=robot, manipulator=None if isinstance(arm, Cell) else arm, title=robot.name)
-
-
-def _too_many(count: str) -> Problem:
-    return Problem(message=f"these are {count} robots", accepted=f"at most {MOST_FIGURES} in one scene")
 
 
 def _with_own_names(figures: Sequence[Figure]) -> Iterator[Figure]:

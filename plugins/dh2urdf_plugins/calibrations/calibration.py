@@ -19,13 +19,15 @@ from dh2urdf.kinematics import forward_kinematics, position_error
 from dh2urdf.manipulator import Convention, DHRow, JointType, Manipulator
 from dh2urdf.plugin_system import load
 from dh2urdf.quantities import is_zero
-from dh2urdf.source import Mark, Problem, did_you_mean, shown
+from dh2urdf.source import Mark, Messages, Problem, did_you_mean, shown
 from dh2urdf.stages import Reader, Traces
 from dh2urdf.table_text import Trace
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
     from pathlib import Path
+
+say = Messages(__file__)
 
 
 FIELDS = {"a": "m", "alpha": "rad", "d": "m", "theta": "rad", "offset": ""}
@@ -62,13 +64,18 @@ class Calibration(NamedTuple):
         joints = names if self.joints is None else self.joints
         if len(joints) != len(self.differences):
             what = "moving joints" if self.of_moving_rows else "joints"
-            message = f"the calibration is of {len(self.differences)} {what}, and the table has {len(names)}"
-            accepted = "a difference for each joint, in the order of the table, or a table with the names of some"
-            raise _error(message, "calibration", Mark(file=self.file), accepted)
+            counts = {"count": str(len(self.differences)), "joints": str(len(names))}
+            raise TableError(
+                say("calibration-of-other-count", Mark(file=self.file), field="calibration", what=what, **counts)
+            )
         for joint, (_, mark) in zip(joints, self.differences, strict=True):
             if joint not in names:
-                message = f"the calibration has a row for {shown(joint)}, which is no joint of the table"
-                raise _error(message, "joint", mark, ", ".join(names[:20]), joint, near=did_you_mean(joint, names))
+                near = did_you_mean(joint, names)
+                raise TableError(
+                    say(
+                        "calibration-joint-unknown", mark, field="joint", found=joint, names=names[:20], suggestion=near
+                    )
+                )
         added = {joint: numbers for joint, (numbers, _) in zip(joints, self.differences, strict=True)}
         return [
             replace(row, **{name: getattr(row, name) + value for name, value in added[row.joint].items() if value})
@@ -82,22 +89,14 @@ class Calibration(NamedTuple):
         largest = {name: max(abs(each.get(name, 0.0)) for each, _ in self.differences) for name in FIELDS}
         changes = [f"{name} by up to {value:.3g} {FIELDS[name]}".rstrip() for name, value in largest.items() if value]
         moved, reach = _moved(given, calibrated)
-        odd = moved > FAR * reach
-        return Problem(
-            message=f"{shown(self.file, 200)} changes {', '.join(changes) or 'nothing'}: the tip moves by up to "
-            f"{1000 * moved:.3g} mm",
-            severity="notice",
-            mark=Mark(file=self.file),
+        return say(
+            "calibration-moves-far" if moved > FAR * reach else "calibration-changes",
+            Mark(file=self.file),
             field="calibration",
-            suggestion="is it the calibration of this arm, in these units?" if odd else None,
+            file=self.file,
+            changes=", ".join(changes) or "nothing",
+            moved=1000 * moved,
         )
-
-
-def _error(
-    message: str, field: str, mark: Mark | None, accepted: str, found: str | None = None, *, near: str | None = None
-) -> TableError:
-    problem = Problem(message=message, mark=mark, field=field, found=found, accepted=accepted, suggestion=near)
-    return TableError(problem)
 
 
 def _moved(one: Manipulator, other: Manipulator) -> tuple[float, float]:
@@ -129,33 +128,26 @@ def read_ur_conf(path: Path, convention: Convention) -> Calibration:
     """
     file = str(path)
     if convention is not Convention.STANDARD:
-        message = (
-            "the differences of a calibration.conf belong to rows of the standard convention, and the convention of "
-            f"the table is {convention}"
-        )
-        accepted = "a table of the standard convention, such as that of the data sheet"
-        raise _error(message, "convention", Mark(file=file), accepted)
+        mark = Mark(file=file)
+        raise TableError(say("calibration-convention", mark, field="convention", convention=str(convention)))
     entries = _entries(decoded(read_bytes(path, TableError, limit=LARGEST_CALIBRATION), file, TableError), file)
     lists: dict[str, list[float]] = {}
     for name, field in LISTS.items():
         if name not in entries:
             near = did_you_mean(name, entries.keys() - LISTS.keys())
-            accepted = f"{name} = {_EXAMPLE}, a number for each joint"
-            raise _error(f"the calibration does not have {name}", name, Mark(file=file), accepted, near=near)
+            mark = Mark(file=file)
+            raise TableError(say("calibration-list-missing", mark, field=name, example=_EXAMPLE, suggestion=near))
         text, mark = entries[name]
         lists[field] = _numbers(text)
         if not lists[field]:
-            accepted = f"a finite number for each joint: `{name} = {_EXAMPLE}`"
-            raise _error(f"{name} is no list of numbers", name, mark, accepted, text)
+            raise TableError(say("calibration-no-numbers", mark, field=name, found=text, example=_EXAMPLE))
         if (count := len(lists[field])) != len(lists["a"]):
-            message = f"{name} has {count} numbers, and delta_a has {len(lists['a'])}"
-            raise _error(message, name, mark, "lists of one length: a number for each joint", text)
+            wanted = len(lists["a"])
+            raise TableError(say("calibration-counts", mark, field=name, found=text, count=count, wanted=wanted))
     notices: tuple[Problem, ...] = ()
     if (status := entries.get("calibration_status")) and status[0] != _LINEARISED:
         text, mark = status
-        message = f"calibration_status is {text}: the controller does not use this calibration as it is"
-        odd = _error(message, "calibration_status", mark, "2, linearised", text)
-        notices = tuple(replace(problem, severity="notice") for problem in odd.problems)
+        notices = (say("calibration-status", mark, field="calibration_status", found=text),)
     rows = zip(*lists.values(), strict=True)
     differences = tuple((dict(zip(lists, row, strict=True)), entries["delta_a"][1]) for row in rows)
     return Calibration(file, differences, of_moving_rows=True, notices=notices)
@@ -174,9 +166,9 @@ def _entries(text: str, file: str) -> dict[str, tuple[str, Mark]]:
         if not content or (content[0] == "[" and content[-1] == "]"):
             continue
         if not equals:
-            raise _error(f"{shown(content)} is no line of a calibration", content, mark, "`key = value`", content)
+            raise TableError(say("calibration-line-wrong", mark, field=content, found=content))
         if key in LISTS and key in entries:
-            raise _error(f"{key} is given twice, the first time at {entries[key][1]}", key, mark, "each list once")
+            raise TableError(say("calibration-list-twice", mark, field=key, first=entries[key][1]))
         entries[key] = value, mark
     return entries
 
@@ -239,17 +231,16 @@ class CalibrationFile:
                 raise TableError(item.problems)
             found.append((item, trace.rows))
         if len(found) != 1:
-            message, file = f"the calibration has {len(found)} manipulators", Mark(file=str(self.path))
-            raise _error(message, "calibration", file, "the rows of one arm")
+            file = Mark(file=str(self.path))
+            raise TableError(say("calibration-of-several", file, field="calibration", count=len(found)))
         ((arm, cells),) = found
         usual = {each.name: each.default for each in fields(DHRow) if each.name not in _ALLOWED}
         for said, row in zip(cells, arm.rows, strict=False):
             others = [name for name in ("beta", "gamma", "b") if name in said and not is_zero(said[name].text or "")]
             others += [name for name, default in usual.items() if getattr(row, name) != default]
             for name in others:
-                message = f"a row of differences has {name}, which no calibration changes"
                 mark = said[name].mark if name in said else row.mark
-                raise _error(message, name, mark, f"{', '.join(FIELDS)}, with joint to name the row")
+                raise TableError(say("calibration-field-wrong", mark, field=name, fields=tuple(FIELDS)))
         return Calibration(
             file=str(self.path),
             differences=tuple(({name: getattr(row, name) for name in FIELDS}, row.mark) for row in arm.rows),
@@ -270,6 +261,6 @@ class CalibrationFile:
         stages = [provided.stage for provided in catalog.provided("reader")]
         able = [each for each in stages if isinstance(each, Reader) and each.can(Traces) is not None]
         suffixes = ", ".join(suffix for each in able for suffix in each.suffixes)
-        message, mark = f"no calibration is known with the name {shown(self.path.name)}", Mark(file=str(self.path))
-        accepted = f"{CONF} of Universal Robots, or a table of differences: {suffixes}"
-        raise _error(message, "calibration", mark, accepted, self.path.suffix or None)
+        about = {"name": self.path.name, "conf": CONF, "suffixes": suffixes}
+        mark, found = Mark(file=str(self.path)), self.path.suffix or None
+        raise TableError(say("calibration-of-no-format", mark, field="calibration", found=found, **about))

@@ -11,7 +11,7 @@ from dh2urdf.manipulator import DHRow, JointType, Limits, Manipulator
 from dh2urdf.robot_check import UNIT
 from dh2urdf.rotations import norm, scale
 from dh2urdf.row_fields import DYNAMICS
-from dh2urdf.source import Mark, Problem, free_name, listed, shown
+from dh2urdf.source import Mark, Messages, Problem, free_name, listed, shown
 from dh2urdf_plugins.descriptions.bodies import Carried
 from dh2urdf_plugins.extraction.chain import Precision
 from dh2urdf_plugins.extraction.solving import RANDOM_VECTORS, Choices, Solution, chain_difference, solve
@@ -24,6 +24,8 @@ if TYPE_CHECKING:
     from dh2urdf.robot import Joint
     from dh2urdf_plugins.descriptions.description import Description
     from dh2urdf_plugins.descriptions.trees import Tree
+
+say = Messages(__file__)
 
 _FEW = 6
 
@@ -43,9 +45,9 @@ class Asked(NamedTuple):
     find: Callable[[str], Path | None]
     repair: bool
 
-    def notice(self, message: str, field: str | None = None, suggestion: str | None = None) -> Problem:
+    def notice(self, code: str, field: str | None = None, **values: Any) -> Problem:  # noqa: ANN401 - of a message
         """A notice of the manipulator."""
-        return Problem(message=message, severity="notice", robot=self.name, field=field, suggestion=suggestion)
+        return say(code, robot=self.name, field=field, **values)
 
 
 def manipulator_of(tree: Tree, tip: str, asked: Asked) -> Manipulator:
@@ -65,8 +67,12 @@ def manipulator_of(tree: Tree, tip: str, asked: Asked) -> Manipulator:
     carried = Carried(tree, chain, asked.find, precision)
     notices = [
         asked.notice(
-            f"the table is the chain from {shown(tree.base)} to {shown(tip)}: its tip is within {position:.2g} m and "
-            f"{angle:.2g} rad of the file's at {RANDOM_VECTORS + 1} joint vectors"
+            "chain-extracted",
+            base=tree.base,
+            tip=tip,
+            position=position,
+            angle=angle,
+            count=RANDOM_VECTORS + 1,
         ),
         *_rounded(tree, tip, asked),
         *(replace(pair.notice(), robot=asked.name) for pair in solution.nearly_parallel),
@@ -76,8 +82,8 @@ def manipulator_of(tree: Tree, tip: str, asked: Asked) -> Manipulator:
     base = carried.body(0, solution.table.base)
     notices += row_notices
     if base.mass:
-        notices.append(asked.notice("the base keeps its mass, and not its centre of mass and inertia", "base.mass"))
-    notices += [asked.notice(f"the table leaves out {sentence}") for sentence in carried.lost]
+        notices.append(asked.notice("base-keeps-mass-alone", "base.mass"))
+    notices += [asked.notice("left-out-of-table", what=sentence) for sentence in carried.lost]
     notices += _weightless(rows, asked)
     try:
         return Manipulator(
@@ -128,12 +134,11 @@ def _rows(
         rows.append(replace(row, joint=name, link=link, limits=limits, mark=joint.mark, **body._asdict(), **dynamics))
     notices = []
     for text, joints in unknown.items():
-        message = f"{text} stands for an unknown one and is left out: {listed(list(map(shown, joints)), _FEW)}"
-        notices.append(asked.notice(message, f"limits.{text.partition(' ')[0]}"))
+        names_of = listed(list(map(shown, joints)), _FEW)
+        notices.append(asked.notice("limit-left-out", f"limits.{text.partition(' ')[0]}", limit=text, joints=names_of))
     if names.renamed:
         pairs = [f"{shown(old)} is {shown(new)}" for old, new in names.renamed.items()]
-        message = f"names that joints, links or every written description have already: {listed(pairs, _FEW)}"
-        notices.append(asked.notice(message))
+        notices.append(asked.notice("names-replaced", pairs=listed(pairs, _FEW)))
     return tuple(rows), notices
 
 
@@ -145,14 +150,9 @@ def _limits(joint: Joint, unknown: dict[str, list[str]], mark: Mark) -> Limits:
     elif (lower is None) is not (upper is None):  # URDF: what is not written is 0
         lower, upper = lower or 0.0, upper or 0.0
     if lower is not None and upper is not None and lower > upper:
+        place = joint.mark or mark
         raise TableError(
-            Problem(
-                message=f"lower, {lower:.12g}, is above upper, {upper:.12g}",
-                mark=joint.mark or mark,
-                joint=joint.name,
-                field="limits.lower",
-                accepted="lower at most upper",
-            )
+            say("lower-above-upper", place, joint=joint.name, field="limits.lower", lower=lower, upper=upper)
         )
     kept: dict[str, float | None] = {"velocity": joint.limits.velocity, "effort": joint.limits.effort}
     for name, value in kept.items():
@@ -191,14 +191,16 @@ def _too_far(solution: Solution, asked: Asked, mark: Mark) -> Problem:
     position, angle = solution.difference
     tolerance, is_split = asked.choices.tolerance, all(pair.split for pair in solution.nearly_parallel)
     advice = None if is_split else "the option near_parallel: split keeps numbers of the arm's own size"
-    return Problem(
-        message=f"the table is {position:.2g} m and {angle:.2g} rad from the file's chain, and the tolerance is "
-        f"{tolerance:.2g}",
-        mark=mark,
+    return say(
+        "table-too-far",
+        mark,
         robot=asked.name,
         field="tolerance",
         found=f"{tolerance:.9g}",
-        accepted=f"a tolerance above {max(position, angle):.2g}: doubles hold no table that is nearer",
+        position=position,
+        angle=angle,
+        tolerance=tolerance,
+        least=max(position, angle),
         suggestion=advice,
     )
 
@@ -217,16 +219,16 @@ def _rounded(tree: Tree, tip: str, asked: Asked) -> Iterator[Problem]:
     count = f"{places} place{'s' if places > 1 else ''}{where}"
     others = "" if all(each.text == first.text for each in description.rounded) else " and the like"
     if asked.repair:
-        yield asked.notice(
-            f"{first.text} was read as {first.word}{others} in {count}: the tip differs from the file's by up to "
-            f"{position:.2g} m and {angle:.2g} rad",
-            "rounded_pi",
-        )
+        about = {"position": position, "angle": angle}
+        yield asked.notice("pi-repaired", "rounded_pi", text=first.text, word=first.word + others, count=count, **about)
     elif max(position, angle) > 1e-10:  # noqa: PLR2004 - below, the table has the part of π anyhow
         yield asked.notice(
-            f"{first.text} stands for {first.word}{others} in {count}, and is kept as it is written",
+            "pi-rounded",
             "rounded_pi",
-            f"the option rounded_pi: repair reads it so, the tip then differs by up to {position:.2g} m",
+            text=first.text,
+            word=first.word + others,
+            count=count,
+            position=position,
         )
 
 
@@ -237,22 +239,17 @@ def _besides_the_chain(
     followers = [name for name in description.followers if name in carried.left_out]
     moving = [joint for joint in chain if joint.type is not JointType.FIXED]
     long_axes = [joint.name for joint in moving if abs(norm(joint.axis) - 1.0) > UNIT]
-    for message, names in (
-        ("joints that leave the chain are left out, their links as they are at 0: {}", carried.left_out),
-        ("joints that mimic others are among them: {}", followers),
-        ("the axes of {} have another length than 1: their directions are taken", long_axes),
+    for code, names in (
+        ("joints-left-out", carried.left_out),
+        ("followers-left-out", followers),
+        ("axes-of-other-length", long_axes),
     ):
         if names:
-            yield asked.notice(message.format(listed(list(map(shown, names)), _FEW)))
+            yield asked.notice(code, joints=listed(list(map(shown, names)), _FEW))
 
 
 def _weightless(rows: Sequence[DHRow], asked: Asked) -> Iterator[Problem]:
     """Links without a mass beside others that have one: no row that moves has the mass 0."""
     names = [shown(row.link) for row in rows if row.mass is None]
     if names and any(row.mass for row in rows):
-        yield asked.notice(
-            f"the file has no mass for {listed(names, _FEW)}, and has one for other links: the table has none, and "
-            "robots that are made of it have the mass of a drawn shape there",
-            "mass",
-            "write a mass into the rows: a small one if the link has no body",
-        )
+        yield asked.notice("masses-missing", "mass", links=listed(names, _FEW))

@@ -15,7 +15,7 @@ from dh2urdf.documents import is_file, read_bytes
 from dh2urdf.elementwise import total
 from dh2urdf.errors import ProofError, TableError
 from dh2urdf.robot import Robot
-from dh2urdf.source import Mark, Problem, listed, shown
+from dh2urdf.source import Mark, Messages, Problem, listed
 from dh2urdf.stages import Expansion
 from dh2urdf.stages.foreign_robot import Follower
 from dh2urdf_plugins.formats.mjcf import reader as mjcf_reader
@@ -32,6 +32,8 @@ if TYPE_CHECKING:
     from dh2urdf_plugins.formats.xml_files import Model
 
     Found: TypeAlias = tuple[str, etree._Element]  # noqa: SLF001 - what is left out, in words, and where
+
+say = Messages(__file__)
 
 _URDF = {
     ".": "link joint material mujoco",
@@ -122,7 +124,7 @@ def describe(form: str, path: Path, expansion: Expansion | None = None, *, colou
     except ProofError as error:
         raise TableError(error.problems) from error
     except (ValueError, OverflowError) as error:  # a record that refuses what is written, such as a limit
-        problems = getattr(error, "problems", None) or (Problem(message=str(error)),)
+        problems = getattr(error, "problems", None) or (say("record-refused", reason=error),)
         raise TableError(problem.about(mark=Mark(file=file)) for problem in problems) from error
     return found
 
@@ -136,8 +138,8 @@ def _notices(unread: Iterable[Unread]) -> list[Problem]:
     for (what, reason), marks in places.items():
         lines = listed([f"{mark.line}" for mark in marks])
         where = f", in {len(marks)} places (lines {lines})" if len(marks) > 1 else ""
-        message = f"{what} is left out{where}{f': {reason}' if reason else ''}"
-        notices.append(Problem(message=message, severity="notice", mark=marks[0]))
+        why = f": {reason}" if reason else ""
+        notices.append(say("left-out", marks[0], what=what, where=where, why=why))
     return notices
 
 
@@ -211,9 +213,7 @@ def _read_urdf(root: etree._Element, file: str, found: Description, *, colours: 
             found.followers[name] = Follower(mimic.get("joint", ""), multiplier, offset)
         axis = joint.find("axis")
         if axis is not None and axis.get("xyz") is None and joint.get("type") != "fixed":
-            message = f"the axis of joint {shown(name)} has no xyz, and is taken for 1 0 0"
-            how = "write its direction: other readers take 0 0 0, or refuse the file"
-            found.notices.append(Problem(message=message, severity="notice", suggestion=how, mark=mark_of(axis, file)))
+            found.notices.append(say("axis-without-xyz", mark_of(axis, file), name=name))
     defined = {each.get("name") for each in root.iter("material") if len(each)} if colours else set()
     for material in [*root.iter("material")]:  # colours, which may be defined nowhere
         if (parent := material.getparent()) is not None and material.get("name") not in defined:

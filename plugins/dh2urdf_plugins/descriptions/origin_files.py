@@ -16,7 +16,7 @@ from dh2urdf.errors import TableError
 from dh2urdf.manipulator import TOOL, JointType
 from dh2urdf.robot import Joint, Link, Origin, Robot
 from dh2urdf.rotations import Z_AXIS
-from dh2urdf.source import Problem, did_you_mean
+from dh2urdf.source import Messages, did_you_mean
 from dh2urdf_plugins.descriptions.description import Description
 from dh2urdf_plugins.formats.xml_files import LARGEST
 
@@ -24,6 +24,8 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from dh2urdf.documents import Node
+
+say = Messages(__file__)
 
 NUMBERS = ("x", "y", "z", "roll", "pitch", "yaw")
 _LARGEST = 1000.0
@@ -115,8 +117,8 @@ def _below(place: str, key: str) -> str:
 def _number(node: Node, place: str) -> float:
     value = node.value
     if not isinstance(value, (int, float)) or isinstance(value, bool) or not abs(value) <= _LARGEST:
-        message, accepted = f"{place} is {node.describe()}", f"a number [m, rad] of {_LARGEST:g} at most"
-        raise TableError(Problem(message=message, mark=node.mark, field=place, found=node.text, accepted=accepted))
+        kind = node.describe()
+        raise TableError(say("origin-no-number", node.mark, field=place, found=node.text, kind=kind, most=_LARGEST))
     return float(value)
 
 
@@ -126,21 +128,14 @@ def _entries(node: Node, wanted: tuple[str, ...], place: str, others: tuple[str,
     Raises:
         TableError: one is missing, or there is another.
     """
-    accepted, field = f"a mapping with {', '.join(wanted)}", place or None
+    field = place or None
     if not isinstance(node.value, dict):
-        message = f"{place or 'the file'} is {node.describe()}"
-        raise TableError(Problem(message=message, mark=node.mark, field=field, accepted=accepted))
+        what, kind = place or "the file", node.describe()
+        raise TableError(say("origin-no-mapping", node.mark, field=field, what=what, kind=kind, wanted=wanted))
     for key in node.value:
         if key not in (*wanted, *others):
-            message, mark, near = (
-                f"{key!r} is no entry of a chain of origins",
-                node.key_mark(key),
-                did_you_mean(key, wanted),
-            )
-            raise TableError(
-                Problem(message=message, mark=mark, field=field, found=key, accepted=accepted, suggestion=near)
-            )
+            mark, near = node.key_mark(key), did_you_mean(key, wanted)
+            raise TableError(say("origin-key-unknown", mark, field=field, found=key, wanted=wanted, suggestion=near))
     if missing := [key for key in wanted if key not in node.value]:
-        message = f"there is no {_below(place, missing[0])}"
-        raise TableError(Problem(message=message, mark=node.mark, field=_below(place, missing[0]), accepted=accepted))
+        raise TableError(say("origin-key-missing", node.mark, field=_below(place, missing[0]), wanted=wanted))
     return {key: node.value[key] for key in wanted}

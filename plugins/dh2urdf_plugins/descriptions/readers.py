@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 from dh2urdf.errors import InputError, TableError
-from dh2urdf.source import Mark, Problem
+from dh2urdf.source import Mark, Messages
 from dh2urdf.stages import Reader, ReadsDescriptions, Rejected
 from dh2urdf_plugins.extraction import TOLERANCE
 
@@ -17,6 +17,8 @@ if TYPE_CHECKING:
 
     from dh2urdf.manipulator import Manipulator
     from dh2urdf_plugins.descriptions.description import Description
+
+say = Messages(__file__)
 
 # What reads and what computes is imported where a description is read: a run of tables pays for none of it.
 
@@ -75,14 +77,8 @@ class DescriptionOptions:
 
     def __post_init__(self) -> None:
         if not _FINEST <= self.tolerance <= _COARSEST:
-            raise TableError(
-                Problem(
-                    message="tolerance must be a small number greater than 0",
-                    field="tolerance",
-                    found=f"{self.tolerance:.9g}",
-                    accepted=f"{_FINEST:g} to {_COARSEST:g} [m, rad]",
-                )
-            )
+            found = f"{self.tolerance:.9g}"
+            raise TableError(say("tolerance-wrong", field="tolerance", found=found, least=_FINEST, most=_COARSEST))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from itertools import accumulate, pairwise
-from typing import TYPE_CHECKING, NamedTuple, NoReturn
+from typing import TYPE_CHECKING, Any, NamedTuple, NoReturn
 
 from dh2urdf.documents import Item, load_yaml, read_bytes
 from dh2urdf.errors import TableError
@@ -22,7 +22,7 @@ from dh2urdf.quantities import Dimension
 from dh2urdf.robot import Joint, Link, Origin, Robot
 from dh2urdf.rotations import IDENTITY, ZERO, RigidTransform, Vec3, add, cross, dot, norm, scale, subtract
 from dh2urdf.row_fields import DYNAMICS
-from dh2urdf.source import Problem, shown
+from dh2urdf.source import Messages, Problem
 from dh2urdf.stages import Rejected
 from dh2urdf.table_text import REQUIRED
 from dh2urdf_plugins.descriptions.description import Description
@@ -44,6 +44,8 @@ if TYPE_CHECKING:
 
     from dh2urdf.documents import Node
     from dh2urdf.manipulator import Manipulator
+
+say = Messages(__file__)
 
 KEYS = ("name", "link", "type", "limits", *DYNAMICS)
 """Keys of a joint: those of a joint in a table that do not depend on its frame."""
@@ -129,23 +131,22 @@ class _File:
         if errors:
             raise TableError(errors, [problem for problem in self.problems if problem.severity == "notice"])
 
-    def _refuse(self, node: Node, field: str, message: str, accepted: str, suggestion: str | None = None) -> NoReturn:
-        problem = Problem(message=message, mark=node.mark, field=field, found=node.text)
-        raise TableError(replace(problem, accepted=accepted, suggestion=suggestion))
+    def _refuse(self, node: Node, field: str, code: str, **about: Any) -> NoReturn:  # noqa: ANN401 - of a message
+        raise TableError(say(code, node.mark, field=field, found=node.text, **about))
 
     def axes(self) -> Axes:
         """The axes, in the one form that the file has."""
         found = [key for key in FORMS if key in self.entries]
         if len(found) != 1:
-            message = f"it has {found[0]} and {found[1]}" if found else "there are no axes in it"
-            self._refuse(self.root, found[0] if found else "Slist", message, _EXAMPLE)
+            field, code = (found[0], "axes-of-two-forms") if found else ("Slist", "no-axes")
+            self._refuse(self.root, field, code, forms=" and ".join(found[:2]), accepted=_EXAMPLE)
         (form,) = found
         keys = FORMS[form]
         refuse_unknown_keys(self.root, ("name", "units", "joints", *keys), f"a file of {form}", self.problems.append)
         self._check()
         for key in keys:
             if key not in self.entries and key != "R":
-                self._refuse(self.root, key, f"there is no key {key}", _EXAMPLE)
+                self._refuse(self.root, key, "screw-key-missing", accepted=_EXAMPLE)
         return self._by_steps() if form == "H" else self._by_points(form)
 
     def _by_points(self, form: str) -> Axes:
@@ -176,29 +177,24 @@ class _File:
     def _check_pitch(self, form: str, number: int, node: Node, pitch: float, size: float) -> None:
         """Refuses a thread; what missing digits leave of a pitch [m/rad] is left out, with a notice."""
         if abs(pitch) > NEARLY_ORTHONORMAL * size:
-            message = (
-                f"column {number} of {form} is the screw of a thread: it moves {pitch:.4g} m along it for each rad"
-            )
-            self._refuse(node, form, message, "v perpendicular to ω: v = −ω × (a point on the axis)")
+            self._refuse(node, form, "screw-of-thread", number=number, pitch=pitch)
         if abs(pitch) > ORTHONORMAL * size:
-            message = f"column {number} of {form} has a pitch of {pitch:.2g} m/rad, which is left out"
-            self.problems.append(Problem(message=message, severity="notice", mark=node.mark, field=form))
+            self.problems.append(say("pitch-left-out", node.mark, field=form, number=number, pitch=pitch))
 
     def _check_unit(self, form: str, number: int, node: Node, direction: Vec3, accepted: str) -> None:
         """Refuses a direction whose length is not 1 to four digits."""
         length = norm(direction)
         if abs(length * length - 1.0) > NEARLY_ORTHONORMAL:
-            found = f"has an axis of the length {length:.6g}" if length else "is 0: nothing moves"
+            code = "screw-axis-length" if length else "screw-axis-0"
             advice = MORE_DIGITS if abs(length - 1.0) < 0.1 else None  # noqa: PLR2004 - as of a rotation that is rounded
-            self._refuse(node, form, f"column {number} of {form} {found}", accepted, advice)
+            self._refuse(node, form, code, number=number, length=length, accepted=accepted, suggestion=advice)
 
     def _by_steps(self) -> Axes:
         """The axes of H, and the steps between them of P; R turns the tip."""
         columns, steps = self._columns("H", _DIRECTION), self._columns("P", _DIRECTION)
         if len(steps) != len(columns) + 1:
-            accepted = f"{len(columns) + 1} columns in P: from the base to joint 1, between joints, to the tool"
-            message = f"P has {len(steps)} columns, and H has {len(columns)}"
-            self._refuse(self.entries["P"], "P", message, accepted)
+            counts = {"steps": len(steps), "axes": len(columns), "wanted": len(columns) + 1}
+            self._refuse(self.entries["P"], "P", "steps-not-axes", **counts)
         turned = self._rotation()
         directions = [self._vector("H", column, Dimension.NUMBER) for column in columns]
         *places, tip = accumulate([self._vector("P", column, Dimension.LENGTH) for column in steps], add)
@@ -216,7 +212,7 @@ class _File:
             return IDENTITY
         rows = _items(node)
         if [len(_items(row)) for row in rows] != [_DIRECTION] * _DIRECTION:
-            self._refuse(node, "R", f"R is {node.describe()}", "a rotation as three rows of three numbers")
+            self._refuse(node, "R", "screw-rotation-wrong", kind=node.describe())
         zero, one = (replace(node, value=number, text=str(number)) for number in (0, 1))
         wide = [replace(row, value=[*_items(row), zero]) for row in rows]
         matrix = replace(node, value=[*wide, replace(node, value=[zero, zero, zero, one])])
@@ -229,11 +225,12 @@ class _File:
         widths = {len(row) for row in rows}
         accepted = f"{size} rows of numbers, as lists of one length, with a column for each joint"
         if len(widths) != 1 or 0 in widths:
-            self._refuse(node, key, f"{key} is no matrix: it is {node.describe()}", accepted)
+            self._refuse(node, key, "screw-no-matrix", kind=node.describe(), accepted=accepted)
         (width,) = widths
         if len(rows) != size:
             advice = f"exchange rows and columns: {size} rows of {len(rows)} numbers" if width == size else None
-            self._refuse(node, key, f"{key} has {len(rows)} rows of {width} numbers", accepted, advice)
+            about = {"rows": len(rows), "width": width, "accepted": accepted, "suggestion": advice}
+            self._refuse(node, key, "screw-matrix-shape", **about)
         return list(zip(*rows, strict=True))
 
     def _vector(self, key: str, nodes: Sequence[Node], dimension: Dimension) -> Vec3:
@@ -252,8 +249,7 @@ class _File:
         joints = [replace(self.root, value={}) for _ in slides] if node is None else self._joints()
         if node is not None and len(joints) != len(slides):
             found = f"a list of {len(joints)}" if joints else node.describe()
-            accepted = f"a list of {len(slides)} names, or of {len(slides)} mappings with {', '.join(KEYS)}"
-            self._refuse(node, "joints", f"joints is {found}, and there are {len(slides)} axes", accepted)
+            self._refuse(node, "joints", "joints-not-axes", what=found, count=len(slides), keys=KEYS)
         rows = [self._row(joint, is_sliding=is_sliding) for joint, is_sliding in zip(joints, slides, strict=True)]
         self._check()
         table = {key: self.entries[key] for key in ("name", "units") if key in self.entries} | {
@@ -266,10 +262,8 @@ class _File:
         for row, is_sliding in zip(arm.rows, slides, strict=True):
             if row.type is JointType.FIXED or (row.type is JointType.PRISMATIC) is not is_sliding:
                 moves, accepted = ("slides", "prismatic") if is_sliding else ("turns", "revolute, continuous")
-                message = f"joint {shown(row.joint)} is {row.type}, and its axis is that of a joint that {moves}"
-                raise TableError(
-                    Problem(message=message, mark=row.mark, field="type", found=row.type, accepted=accepted)
-                )
+                about = {"joint_name": row.joint, "moves": moves, "accepted": accepted}
+                raise TableError(say("type-not-of-axis", row.mark, field="type", found=row.type, **about))
         return arm
 
     def _row(self, node: Node, *, is_sliding: bool) -> Node:

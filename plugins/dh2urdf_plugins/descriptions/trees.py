@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from copy import copy
-from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from dh2urdf.errors import TableError
 from dh2urdf.kinematics import usual_tips
 from dh2urdf.manipulator import JointType
 from dh2urdf.rotations import norm
-from dh2urdf.source import Mark, Problem, did_you_mean, listed, shown
+from dh2urdf.source import Mark, Messages, did_you_mean, listed, shown
 from dh2urdf_plugins.readers.words.bounds import MEASURABLE_ARM
 
 if TYPE_CHECKING:
@@ -19,11 +18,12 @@ if TYPE_CHECKING:
     from dh2urdf.robot import Joint
     from dh2urdf_plugins.descriptions.description import Description
 
+say = Messages(__file__)
+
 EVERY = "*"
 """As a tip link: every leaf that a joint moves."""
 _SHOWN = 10
 """How many links a message names."""
-_OTHER_ENDS = "the options base_link and tip_link choose other ends"
 
 
 class Tree:
@@ -59,9 +59,8 @@ class Tree:
 
     def _link(self, name: str, option: str) -> str:
         if name not in self._names:
-            accepted, near = listed(self._names, _SHOWN), did_you_mean(name, self._names)
-            message = f"the description has no link {shown(name)}"
-            raise self._error(message, option, found=name, accepted=accepted, suggestion=near)
+            known, near = listed(self._names, _SHOWN), did_you_mean(name, self._names)
+            raise self._error("link-unknown", option, found=name, names=known, suggestion=near)
         return name
 
     def _root(self) -> str:
@@ -69,11 +68,9 @@ class Tree:
         if len(roots) == 1:
             return roots[0]
         if not self.robot.links:
-            advice = "an SRDF and a file of macros have none: give the file that has them, or calls the macros"
-            raise self._error("the description has no links", accepted="links and joints", suggestion=advice)
-        message = f"{len(roots)} links have no parent: {listed([shown(root) for root in roots], _SHOWN)}"
-        message = message if roots else "no link is the root: the joints form a loop"
-        raise self._error(message, "base_link", suggestion="the options base_link and tip_link choose a chain")
+            raise self._error("no-links")
+        few = listed([shown(root) for root in roots], _SHOWN)
+        raise self._error("several-roots" if roots else "no-root", "base_link", count=len(roots), links=few)
 
     def with_joints(self, joints: Iterable[Joint]) -> Tree:
         """The same tree with other origins of its joints."""
@@ -113,11 +110,10 @@ class Tree:
         if len(leaves) > 1 and not tip_link:
             named = [f"{name} ({_moving(moved[name])})" for name in usual or leaves]
             what = "links that may be the tip" if usual else "leaves"
-            message = f"the description has {len(named)} {what}: {listed(named, _SHOWN)}"
-            accepted, advice = "the name of a link, or * for every leaf", "the option tip_link chooses one"
-            if shared := self._last_shared(leaves, moved):
-                advice += f"; all leaves are behind {shown(shared)} ({_moving(moved[shared])})"
-            raise self._error(message, "tip_link", accepted=accepted, suggestion=advice)
+            shared = self._last_shared(leaves, moved)
+            advice = f"; all leaves are behind {shown(shared)} ({_moving(moved[shared])})" if shared else ""
+            about = {"what": what, "leaves": listed(named, _SHOWN), "advice": advice}
+            raise self._error("several-leaves", "tip_link", count=len(named), **about)
         return list(leaves or self.leaves())
 
     def _last_shared(self, leaves: Iterable[str], moved: Collection[str]) -> str | None:
@@ -143,20 +139,16 @@ class Tree:
         while link != self.base:
             joint = self.above.get(link)
             if joint is None or len(joints) > len(self.robot.joints):
-                message = f"no chain leads from link {shown(self.base)} to link {shown(tip)}"
-                raise self._error(message, "tip_link", suggestion=_OTHER_ENDS)
+                raise self._error("no-way", "tip_link", base=self.base, tip=tip)
             if link in self.doubly:
                 holders = "several joints or constraints" if link in self.description.doubly else "several joints"
-                message = f"{holders} hold the link {shown(link)}: the chain is part of a loop"
-                advice = "the option tip_link chooses a link before it: a table has no loops"
-                raise self._error(message, "tip_link", suggestion=advice)
+                raise self._error("chain-in-loop", "tip_link", holders=holders, link=link)
             joints.insert(0, joint)
             link = joint.parent
         for joint in joints:
             self._check(joint)
         if all(joint.type is JointType.FIXED for joint in joints):
-            message = f"no joint moves between link {shown(self.base)} and link {shown(tip)}"
-            raise self._error(message, "tip_link", accepted="a chain with a joint that moves", suggestion=_OTHER_ENDS)
+            raise self._error("chain-without-motion", "tip_link", base=self.base, tip=tip)
         return tuple(joints)
 
     def _check(self, joint: Joint) -> None:
@@ -167,19 +159,16 @@ class Tree:
         if name in loose or name in followers:
             leader = followers[name].leader if name in followers else ""
             what = f"is {loose[name]}" if name in loose else f"mimics {shown(leader) if leader else 'another joint'}"
-            message, accepted = f"the chain holds {shown(name)}, which {what}", "joints that turn or slide on their own"
-            raise self._error(message, joint=joint, accepted=accepted, suggestion=_OTHER_ENDS)
+            raise self._error("joint-not-own", joint=joint, what=what)
         numbers = (*joint.origin.xyz, *joint.origin.rpy, *joint.axis)
         if not all(abs(number) <= MEASURABLE_ARM for number in numbers):
-            message = "its origin or its axis holds a number that no arm has"
-            raise self._error(message, joint=joint, accepted=f"numbers up to {MEASURABLE_ARM:g}")
+            raise self._error("joint-beyond-arms", joint=joint, most=MEASURABLE_ARM)
         if joint.type is not JointType.FIXED and not norm(joint.axis):
-            raise self._error("the axis of the joint has no length", joint=joint, accepted="a direction")
+            raise self._error("axis-of-length-0", joint=joint)
 
-    def _error(self, message: str, field: str | None = None, joint: Joint | None = None, **words: Any) -> TableError:  # noqa: ANN401 - those of a Problem
+    def _error(self, code: str, field: str | None = None, joint: Joint | None = None, **words: Any) -> TableError:  # noqa: ANN401 - of a message
         mark = (joint.mark if joint else None) or Mark(file=self.description.file)
-        problem = Problem(message=message, mark=mark, joint=joint.name if joint else None, field=field)
-        return TableError(replace(problem, **words))
+        return TableError(say(code, mark, joint=joint.name if joint else None, field=field, **words))
 
 
 def _moving(count: int) -> str:

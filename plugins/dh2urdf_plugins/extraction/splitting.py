@@ -16,7 +16,7 @@ from dh2urdf.kinematics import angle_error, dh_frames, forward_kinematics, posit
 from dh2urdf.kinematics.mass import rotated
 from dh2urdf.manipulator import Convention, DHRow, JointType
 from dh2urdf.rotations import IDENTITY, ZERO, RigidTransform, add, multiply, rotate, rotation_x, transpose
-from dh2urdf.source import Problem, free_name, shown
+from dh2urdf.source import Messages, Problem, free_name, shown
 from dh2urdf_plugins.extraction.chain import Axis, Chain, Precision, decompose, seen_from
 from dh2urdf_plugins.extraction.ends import STEEPEST, place_sliding_axes
 from dh2urdf_plugins.extraction.rows import rows_of
@@ -24,6 +24,8 @@ from dh2urdf_plugins.extraction.rows import rows_of
 if TYPE_CHECKING:
     from dh2urdf.manipulator import Manipulator, MeshShape
     from dh2urdf.rotations import Vec3
+
+say = Messages(__file__)
 
 MOST = 1000.0
 """How many lengths of the arm a d may be before the link is split."""
@@ -57,12 +59,8 @@ class NearlyParallel(NamedTuple):
     def notice(self) -> Problem:
         """What was done about them."""
         axes = f"joints {shown(self.first)} and {shown(self.second)} are {self.angle:.2g} rad from parallel"
-        if self.split:
-            how, advice = f"a fixed row is between them, in place of a d of {self.far:.3g} m", None
-        else:
-            how = f"d reaches {self.far:.3g} m"
-            advice = "the option near_parallel: split writes a fixed row in its place"
-        return Problem(message=f"{axes}: {how}", severity="notice", field="near_parallel", suggestion=advice)
+        code = "nearly-parallel-split" if self.split else "nearly-parallel"
+        return say(code, field="near_parallel", axes=axes, far=self.far)
 
 
 def split_links(
@@ -150,8 +148,8 @@ def in_convention(manipulator: Manipulator, convention: Convention) -> Manipulat
         one, other = forward_kinematics(manipulator, q), forward_kinematics(table, q)
         far = max(position_error(one, other), angle_error(one, other))
         if not far <= LARGEST:
-            message = f"the table in the {convention} convention is {far:.2g} m, rad from the given one"
-            raise TableError(Problem(message=message, mark=manipulator.mark, robot=manipulator.name))
+            about = {"convention": str(convention), "far": f"{far:.2g}"}
+            raise TableError(say("rewritten-table-differs", manipulator.mark, robot=manipulator.name, **about))
     return table
 
 

@@ -207,7 +207,7 @@ class FileElements:
             mark, holder = self.mark(element), element.getparent()
             if holder is not None:
                 what = what or f"the {element.tag} of {holder.tag} {shown(holder.get('name', ''))}"
-            for problem in getattr(error, "problems", None) or (Problem(message=str(error)),):
+            for problem in getattr(error, "problems", None) or (say("record-refused", reason=error),):
                 self.unread.append(Unread(what, problem.mark or mark, problem.about(mark=problem.mark or mark)))
             return default
 

@@ -12,7 +12,7 @@ from dh2urdf.kinematics.mass import GRAVITY, compound, placed
 from dh2urdf.manipulator import JointType
 from dh2urdf.robot import Inertial
 from dh2urdf.rotations import IDENTITY, ZERO, RigidTransform, Rotation, Vec3, add, rotate, scale, subtract
-from dh2urdf.source import Problem, listed, shown
+from dh2urdf.source import Messages, Problem, listed, shown
 from dh2urdf.stages import LoadReport
 from dh2urdf_plugins.base_bodies import STILL, is_weightless_base
 
@@ -22,6 +22,8 @@ if TYPE_CHECKING:
     from dh2urdf.measuring import Body
     from dh2urdf.robot import Joint, Robot
     from dh2urdf.stages import LoadRequest
+
+say = Messages(__file__)
 
 
 SINGLE_PRECISION = 2.0**-23
@@ -221,40 +223,26 @@ class Comparison(measuring.Comparison):
         findings = [self._did_not_stay(weakest, largest, share)] if weakest and largest > HOLD_STAYS else []
         if contacts:
             pairs = listed([f"{shown(first)} and {shown(second)}" for first, second in contacts])
-            message = f"collision shapes of the arm overlap at the start of the hold test: {pairs}"
-            advice = "switch the arm's contacts with itself off, or give these links a smaller radius"
-            findings.append(self.problem(message=message, severity="notice", suggestion=advice))
+            findings.append(self.placed(say("shapes-overlap", pairs=pairs)))
         return hold, tuple(findings)
 
     def _did_not_stay(self, weakest: Joint, largest: float, share: float) -> Problem:
         """Why an arm did not stay: a motor is too weak, or every motor is strong enough and the solver is not."""
         unit = "m" if weakest.type is JointType.PRISMATIC else "rad"
         by = f"by {largest:.3g} {unit}" if math.isfinite(largest) else "without end"
-        moved = f"in {HOLD_SECONDS:g} s under gravity this joint moved {by}"
         if share <= 1.0:
-            return self.problem(
-                message=f"the solver gave way: {moved}, though at the start gravity asks at most {share:.0%} "
-                "of any effort",
-                severity="notice",
-                joint=weakest.name,
-                suggestion="the efforts suffice; simulate with shorter time steps or more iterations of the solver",
-            )
-        return self.weak(weakest, f"the arm did not stay in place: {moved}")
+            code = "solver-gave-way"
+            return self.placed(say(code, joint=weakest.name, seconds=HOLD_SECONDS, by=by, share=share))
+        return self.weak(weakest, "arm-did-not-stay", seconds=HOLD_SECONDS, by=by)
 
-    def weak(self, joint: Joint, message: str) -> Problem:
+    def weak(self, joint: Joint, code: str, **about: Any) -> Problem:  # noqa: ANN401 - of a message
         """The finding about a joint whose effort does not suffice."""
-        return self.problem(
-            message=message,
-            severity="notice",
-            joint=joint.name,
-            field="limits.effort",
-            found=str(joint.limits.effort),
-            suggestion="give the joint the effort that its motor has",
-        )
+        found = str(joint.limits.effort)
+        return self.placed(say(code, joint=joint.name, field="limits.effort", found=found, **about))
 
-    def too_large(self, message: str, found: str, accepted: str) -> tuple[Problem, ...]:
+    def too_large(self, code: str, found: str, accepted: str) -> tuple[Problem, ...]:
         """The finding about an arm that is too large for a part of what is measured."""
-        return (self.problem(message=message, severity="notice", found=found, accepted=accepted),)
+        return (self.placed(say(code, found=found, accepted=accepted)),)
 
 
 def share_of(effort: float | None, load: float) -> float:
@@ -271,10 +259,11 @@ def printed(simulator: str, request: LoadRequest, messages: Iterable[tuple[str, 
         messages: the level and the text of each.
     """
     return tuple(
-        Problem(
-            message=f"{simulator} printed {shown(text, 300)}",
-            severity="error" if level.lower() in ("error", "critical") else "notice",
+        say(
+            "printed-error" if level.lower() in ("error", "critical") else "printed",
             robot=request.robot.name,
+            simulator=simulator,
+            text=shown(text, 300),
         )
         for level, text in dict.fromkeys(messages)
     )

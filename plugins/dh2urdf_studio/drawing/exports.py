@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from dh2urdf.errors import OutputError, pip_install
 from dh2urdf.kinematics.chain import as_matrices
 from dh2urdf.rotations import IDENTITY
-from dh2urdf.source import Problem
+from dh2urdf.source import Messages
 from dh2urdf_studio.drawing.mesh_files import creased, surfaces
 
 if TYPE_CHECKING:
@@ -19,6 +19,8 @@ if TYPE_CHECKING:
     from dh2urdf_studio.drawing.mesh_files import DrawnMesh, Surface
     from dh2urdf_studio.drawing.parts import ScenePart
     from dh2urdf_studio.drawing.scene import Drawing, Figure
+
+say = Messages(__file__)
 
 FRAMES = 36
 """Frames of a turn."""
@@ -67,7 +69,7 @@ def glb(drawing: Drawing, q: Mapping[str, float], layers: Collection[str], name:
             scene.geometry.setdefault(mesh, pieces.meshes[mesh])
             scene.graph.update(frame_to=f"{each} body {number}", frame_from=each, matrix=matrix, geometry=mesh)
     if not scene.geometry:
-        raise OutputError(Problem(message="nothing is shown that a file could have", suggestion="show the links"))
+        raise OutputError(say("nothing-shown"))
     return bytes(scene.export(file_type="glb", include_normals=True))
 
 
@@ -171,10 +173,7 @@ def gif(frames: Sequence[str]) -> bytes:
     try:
         from PIL import Image
     except ImportError as error:
-        remedy = f"install Pillow: {pip_install('dh2urdf[studio]')}"
-        raise OutputError(
-            Problem(message="a turntable needs Pillow, which is not installed", suggestion=remedy)
-        ) from error
+        raise OutputError(say("pillow-missing", command=pip_install("dh2urdf[studio]"))) from error
     pictures: list[Image.Image] = []
     for frame in frames:
         try:
@@ -184,9 +183,7 @@ def gif(frames: Sequence[str]) -> bytes:
                 raise ValueError(f"its size is {opened.size}")
             pictures.append(opened.convert("RGB"))
         except (binascii.Error, OSError, ValueError, Image.DecompressionBombError) as error:
-            raise OutputError(
-                Problem(message=f"frame {len(pictures) + 1} of the turn is no picture: {error}")
-            ) from error
+            raise OutputError(say("frame-no-picture", number=len(pictures) + 1, reason=error)) from error
     width, height = pictures[0].size
     samples = pictures[:: max(1, len(pictures) // 6)]
     sheet = Image.new("RGB", (width, height * len(samples)))

@@ -18,13 +18,15 @@ from dh2urdf.errors import OutputError
 from dh2urdf.meshes import FORMATS, REMEDY, read_parts
 from dh2urdf.meshes.addresses import NamedFiles
 from dh2urdf.rotations import Vec3
-from dh2urdf.source import Problem, shown
+from dh2urdf.source import Messages, shown
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from dh2urdf.meshes.triangles import Part
     from dh2urdf.robot import Mesh
+
+say = Messages(__file__)
 
 SUFFIXES = (*FORMATS, ".glb", ".gltf")
 """File name endings of the meshes that can be drawn."""
@@ -204,7 +206,6 @@ def _parts(mesh: DrawnMesh, named: NamedFiles) -> list[Part]:
     Raises:
         OutputError: the file cannot be read, or holds no triangles.
     """
-    name = shown(mesh.path.name)
     try:
         if mesh.path.stat().st_size > LARGEST:
             raise ValueError(f"it is larger than {LARGEST // 2**20} MB")
@@ -213,8 +214,7 @@ def _parts(mesh: DrawnMesh, named: NamedFiles) -> list[Part]:
     except OutputError:
         raise
     except ImportError as error:
-        message = f"{name} needs a package that is not installed"
-        raise OutputError(Problem(message=message, suggestion=REMEDY)) from error
+        raise OutputError(say("mesh-package-missing", name=mesh.path.name, remedy=REMEDY)) from error
     except Exception as error:
         why = getattr(error, "strerror", None) or str(error)[:200]
-        raise OutputError(Problem(message=f"{name} cannot be read: {why}")) from error
+        raise OutputError(say("file-unreadable", name=mesh.path.name, reason=why)) from error

@@ -13,13 +13,15 @@ from typing import TYPE_CHECKING
 from dh2urdf.errors import CrashError, OutputError
 from dh2urdf.isolation.child_process import Child
 from dh2urdf.isolation.encodings import Data
-from dh2urdf.source import Problem, shown
+from dh2urdf.source import Messages, shown
 from dh2urdf_studio.drawing.mesh_files import DrawnTriangles, triangles
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
 
     from dh2urdf_studio.drawing.mesh_files import DrawnMesh, Picture
+
+say = Messages(__file__)
 
 _MOST_READERS = 4
 """Files that are read at a time, where there are so many processors beside the one of the server and the page."""
@@ -89,7 +91,7 @@ class MeshStore:
                 if child.is_alive():
                     self._idle.append(child)
         except CrashError as error:
-            raise OutputError(Problem(message=f"{name} cannot be read: {error.problems[0].message}")) from error
+            raise OutputError(say("file-unreadable", name=mesh.path.name, reason=error.problems[0].message)) from error
         self._pictures.update(found.pictures)
         return found
 

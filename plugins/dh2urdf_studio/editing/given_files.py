@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 from dh2urdf.documents import BROKEN_ARCHIVE
 from dh2urdf.errors import Dh2UrdfError, InputError
 from dh2urdf.meshes import addresses
-from dh2urdf.source import Problem, shown
+from dh2urdf.source import Messages
 from dh2urdf.stages import PACKAGE_FILE, Emitter, ReadsForeign
 from dh2urdf_studio.drawing.mesh_files import LARGEST, SUFFIXES
 from dh2urdf_studio.drawing.scene import meshes_of
@@ -23,6 +23,8 @@ if TYPE_CHECKING:
 
     from dh2urdf.plugin_system.catalog import Catalog
     from dh2urdf_studio.drawing.scene import Figure
+
+say = Messages(__file__)
 
 MOST_FILES = 1000
 """Files that are kept of those that were sent."""
@@ -42,8 +44,7 @@ def wanted_suffixes(catalog: Catalog) -> tuple[str, ...]:
 
 def too_much() -> InputError:
     """The error of more files, or larger ones, than are kept."""
-    message = f"these are more than {MOST_FILES} files, or more than {LARGEST // 2**20} MB"
-    return InputError(Problem(message=message, suggestion="choose the description and its mesh files alone"))
+    return InputError(say("too-many-files", files=MOST_FILES, size=LARGEST // 2**20))
 
 
 class GivenFiles:
@@ -116,7 +117,7 @@ class GivenFiles:
                             with archive.open(entry) as file:
                                 self._write(entry.filename, file.read(self._left + 1))
             except BROKEN_ARCHIVE as error:
-                raise InputError(Problem(message=f"{shown(name)} cannot be unpacked: {error}")) from error
+                raise InputError(say("archive-broken", name=name, reason=error)) from error
 
     def _place(self, name: str) -> Path | None:
         """Where a file is written; None for one that nothing here reads, or whose name leads elsewhere."""
@@ -137,5 +138,5 @@ class GivenFiles:
             path.parent.mkdir(parents=True, exist_ok=True)
             path.write_bytes(content)
         except OSError as error:
-            raise InputError(Problem(message=f"{shown(name)} cannot be kept: {error.strerror}")) from error
+            raise InputError(say("file-not-kept", name=name, reason=error.strerror)) from error
         self._paths.append(path)

@@ -14,7 +14,7 @@ from dh2urdf.conversion.one_manipulator import read_items
 from dh2urdf.errors import Dh2UrdfError, InputError
 from dh2urdf.manipulator import Convention, Manipulator
 from dh2urdf.run_file.config import RUN_SUFFIXES, is_run_file
-from dh2urdf.source import Mark, Problem, listed, shown
+from dh2urdf.source import Mark, Messages, listed, shown
 from dh2urdf.stage_calls.calls import Call, blaming, default_call, several_records
 from dh2urdf.stages import ReadsDescriptions, Rejected, WritesTables
 from dh2urdf.table_text import FIELDS, TableText
@@ -26,6 +26,8 @@ if TYPE_CHECKING:
 
     from dh2urdf.plugin_system.catalog import Catalog
     from dh2urdf.stages import Reader
+
+say = Messages(__file__)
 
 MOST_NAMES = 5
 """Names that a notice has of manipulators that cannot be read."""
@@ -64,8 +66,7 @@ def open_tables(
         InputError: the file cannot be read, or none of its manipulators can, or not the one that is wanted.
     """
     if path.suffix.lower() in RUN_SUFFIXES and is_run_file(path):
-        told = "open a table that it names; `dh2urdf view` shows its robots"
-        raise InputError(Problem(message="this is a run file, not a table", mark=Mark(file=str(path)), suggestion=told))
+        raise InputError(say("run-file-for-table", Mark(file=str(path))))
     reader = catalog.reader_for(path)
     call = default_call(catalog, reader)
     call = replace(call, options=replace(call.options, **options)) if options else call

@@ -19,7 +19,7 @@ from dh2urdf.errors import InputError, ManipulatorError
 from dh2urdf.manipulator import Manipulator
 from dh2urdf.plugin_system.option_types import choices, type_hints
 from dh2urdf.plugin_system.options import make_options
-from dh2urdf.source import Mark, Problem, in_file_order
+from dh2urdf.source import Mark, Messages, Problem, in_file_order
 from dh2urdf.stage_calls.calls import Call, default_call
 from dh2urdf.stages import Compares, Rejected, Transform
 from dh2urdf.table_text import ANGLE_UNITS, FIELDS, LENGTH_UNITS, STATEMENTS, TableText, WrittenTable
@@ -28,6 +28,8 @@ from dh2urdf_studio.editing.edits import begun
 if TYPE_CHECKING:
     from dh2urdf.plugin_system.catalog import Catalog
     from dh2urdf.robot import Robot
+
+say = Messages(__file__)
 
 _UNIT = re.compile(r"(?:length|angle)(?:-unit|:) ?(\w+)")
 """A unit in a reader's advice, which says how to declare it in a file or on the command line."""
@@ -103,8 +105,7 @@ def read_whole(table: TableText, catalog: Catalog) -> Reading:
     """What the reader reports about all rows of a table."""
     reader = catalog.cell_reader()
     if blank := [number for number, row in enumerate(table.rows) if not row]:
-        told = "fill it in, or remove it"
-        problems = [Problem(message=f"row {number + 1} is empty", suggestion=told) for number in blank]
+        problems = [say("row-empty", number=number + 1) for number in blank]
         found = tuple(CellProblem(problem=each, row=row) for each, row in zip(problems, blank, strict=True))
         return Reading(table=table, problems=found)
     written = in_format([table], default_call(catalog, reader))

@@ -33,7 +33,7 @@ from dh2urdf.measuring import Body, Precision
 from dh2urdf.meshes import has_meshes
 from dh2urdf.robot import Inertial
 from dh2urdf.rotations import IDENTITY, RigidTransform, rotate, transpose
-from dh2urdf.source import Problem, listed, shown
+from dh2urdf.source import Messages, Problem, listed, shown
 from dh2urdf_plugins.coppeliasim_import import alias, importable_axis, importable_limits
 from dh2urdf_plugins.loaders.measures import HOLD_SECONDS, HOLD_STAYS, Comparison, farthest, hold_start
 
@@ -44,6 +44,8 @@ if TYPE_CHECKING:
     from dh2urdf.manipulator import Limits
     from dh2urdf.robot import Joint
     from dh2urdf.stages import LoadReport, LoadRequest
+
+say = Messages(__file__)
 
 # The importer's options, by the bits that its manual gives them. Bit 128 stays off: with it, every other link collides
 # with the arm itself.
@@ -162,7 +164,7 @@ class Arm:
         child = {joint.name: frames[joint.child] for joint in self.robot.moving_joints}
         joints = [self._held_joint(name, child.get(name, IDENTITY)) for name in self.joints]
         lost = [
-            self.comparison.problem(message=f"CoppeliaSim has lost the link {shown(tip)}")
+            self.comparison.placed(say("simulator-lost-link", simulator="CoppeliaSim", link=tip))
             for tip in self.request.expected
             if self._shape(tip) is None
         ]
@@ -200,13 +202,10 @@ class Arm:
             if self.connection.lost or not has_meshes(self.robot):
                 raise
             # What the importer says where a link became nothing is that an object does not exist.
-            advice = (
-                "CoppeliaSim reports a missing mesh in this way: meshes have to be where CoppeliaSim can "
-                "read them by the same path, as .stl, .obj or .dae, and not as `package://`"
-            )
-            raise LoaderError(self.comparison.problem(message=error.problems[0].message, suggestion=advice)) from error
+            reason = error.problems[0].message
+            raise LoaderError(self.comparison.placed(say("coppeliasim-lost-mesh", reason=reason))) from error
         if not roots:
-            raise LoaderError(self.comparison.problem(message="CoppeliaSim imported nothing; its console says more"))
+            raise LoaderError(self.comparison.placed(say("coppeliasim-imported-nothing")))
 
     def _text(self, path: Path) -> str:
         """The text of a file as the importer takes it.
@@ -216,8 +215,8 @@ class Arm:
         try:
             tree = xml_root(path.read_bytes())
         except (OSError, etree.XMLSyntaxError) as error:
-            what = "cannot be read" if isinstance(error, OSError) else "is not XML"
-            raise LoaderError(self.comparison.problem(message=f"the file {what}: {error}")) from error
+            code = "loaded-file-unreadable" if isinstance(error, OSError) else "loaded-file-not-xml"
+            raise LoaderError(self.comparison.placed(say(code, reason=error))) from error
         for mesh in tree.iter("mesh"):
             name = mesh.get("filename", "")
             if "://" not in name:
@@ -356,7 +355,7 @@ class Arm:
             ),
         )
         return tuple(
-            self.comparison.problem(message=f"{what}: {listed(links)}", severity="notice", suggestion=how)
+            self.comparison.placed(say("coppeliasim-has-otherwise", what=what, links=listed(links), suggestion=how))
             for links, what, how in told
             if links
         )
@@ -389,12 +388,8 @@ class Arm:
         tip, distance = max(apart.items(), key=lambda item: item[1])
         if distance <= HOLD_STAYS:
             return record, findings
-        finding = self.comparison.problem(
-            message=f"the engine {engine} of CoppeliaSim lets joints come apart: in {HOLD_SECONDS:g} s "
-            f"{shown(tip)} got {distance:.3g} m away from where the joints say that it is",
-            severity="notice",
-            suggestion="simulate with another engine: with MuJoCo arms were seen to hold together",
-        )
+        code = "coppeliasim-joints-apart"
+        finding = self.comparison.placed(say(code, engine=engine, seconds=HOLD_SECONDS, tip=tip, distance=distance))
         return {**record, "stayed": False}, (*findings, finding)
 
     def _vectors(self, engine: str, apart: dict[str, float]) -> Iterator[list[float]]:

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 from dh2urdf.errors import LoaderError
 from dh2urdf.kinematics.mass import GRAVITY
 from dh2urdf.measuring import DOUBLE
-from dh2urdf.source import listed, shown
+from dh2urdf.source import Messages, listed, shown
 from dh2urdf_plugins.loaders.drake.model import Model, log_to_output, messages
 from dh2urdf_plugins.loaders.measures import (
     HOLD_SECONDS,
@@ -36,6 +36,8 @@ if TYPE_CHECKING:
     from dh2urdf.source import Problem
     from dh2urdf.stages import LoadReport, LoadRequest
     from dh2urdf_plugins.loaders.simulators import SimulatorOptions
+
+say = Messages(__file__)
 
 YIELD = HOLD_STAYS / 10
 """Displacement at which a motor of the hold test gives its full effort [rad or m]: it acts as a stiff spring."""
@@ -80,7 +82,7 @@ class Arm(Model):
             call()
         except (RuntimeError, SystemExit) as error:  # Drake's C++ aborts arrive in Python as SystemExit.
             said = str(error).replace(f"{self.request.path.resolve()}:", "line ")
-            raise LoaderError(self.comparison.problem(message=f"Drake {doing}: {said}")) from error
+            raise LoaderError(self.comparison.placed(say("drake-refuses", doing=doing, reason=said))) from error
 
     def _without_actuator(self) -> tuple[Problem, ...]:
         """The joints that a controller in Drake cannot move, and whose efforts it has therefore not kept."""
@@ -88,14 +90,7 @@ class Arm(Model):
         if not idle:
             return ()
         joints = "1 joint" if len(idle) == 1 else f"{len(idle)} joints"
-        return (
-            self.comparison.problem(
-                message=f"Drake has no actuators, and drops the efforts, of {joints}: {listed(idle, 8)}",
-                severity="notice",
-                suggestion="Drake takes an actuator of a URDF from a `transmission` element; or add it by "
-                "`MultibodyPlant.AddJointActuator`",
-            ),
-        )
+        return (self.comparison.placed(say("drake-without-actuators", count=joints, joints=listed(idle, 8))),)
 
     def _fix_root(self) -> None:
         """Weld the root to the world, unless the file has it there; a root of the name ``world`` is the world."""

@@ -19,7 +19,7 @@ from dh2urdf.kinematics import link_poses
 from dh2urdf.kinematics.mass import tensor
 from dh2urdf.measuring import DOUBLE, Body
 from dh2urdf.rotations import IDENTITY, RigidTransform, quarter_turns
-from dh2urdf.source import shown
+from dh2urdf.source import Messages, shown
 from dh2urdf_plugins.base_bodies import with_base_bodies
 from dh2urdf_plugins.loaders.gazebo.model import COMMANDS, call, complaints, find_command, missing
 from dh2urdf_plugins.loaders.measures import Comparison, carriers, lumped_bodies, printed
@@ -32,6 +32,8 @@ if TYPE_CHECKING:
     from dh2urdf.source import Problem
     from dh2urdf.stages import LoadReport, LoadRequest
     from dh2urdf_plugins.loaders.simulators import SimulatorOptions
+
+say = Messages(__file__)
 
 
 def require(_options: SimulatorOptions) -> None:
@@ -117,12 +119,7 @@ class Arm:
         if not lost:
             return ()
         names = ", ".join(f"{shown(name)} (in {shown(self.carriers[name][0])})" for name in lost)
-        return (
-            self.comparison.problem(
-                message=f"Gazebo has no frame of the links that sdformat lumped into others: {names}",
-                severity="notice",
-            ),
-        )
+        return (self.comparison.placed(say("gazebo-lumped-links", links=names)),)
 
 
 def precision(robot: Robot) -> Precision:
@@ -159,7 +156,7 @@ def load(request: LoadRequest, _options: SimulatorOptions) -> LoadReport:
     checked = call(command, "--check", path)
     for done, what in ((converted, "cannot convert the file"), (checked, "finds the file invalid")):
         if done.returncode or not done.stdout.strip():
-            raise LoaderError(comparison.problem(message=f"sdformat {what}"))
+            raise LoaderError(comparison.placed(say("sdformat-refuses", what=what)))
     try:
         model = parse_sdf(converted.stdout, "what sdformat wrote")
     except ProofError as error:

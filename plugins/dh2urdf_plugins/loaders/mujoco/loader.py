@@ -22,7 +22,7 @@ from typing import TYPE_CHECKING, Any
 from dh2urdf.errors import LoaderError
 from dh2urdf.kinematics.mass import GRAVITY
 from dh2urdf.manipulator import JointType
-from dh2urdf.source import shown
+from dh2urdf.source import Messages, shown
 from dh2urdf_plugins.home_pose import stepped
 from dh2urdf_plugins.loaders.measures import (
     HOLD_SECONDS,
@@ -43,6 +43,8 @@ if TYPE_CHECKING:
     from dh2urdf.source import Problem
     from dh2urdf.stages import LoadReport, LoadRequest
     from dh2urdf_plugins.loaders.simulators import PictureOptions
+
+say = Messages(__file__)
 
 TIME_STEP = 0.001
 """Time step of the hold test [s]."""
@@ -78,7 +80,7 @@ class Arm(Model):
             super().__init__(mujoco, request.path.resolve())
         except (ValueError, mujoco.FatalError) as error:
             said = " ".join(str(error).split())
-            raise LoaderError(self.comparison.problem(message=f"MuJoCo cannot load the file: {said}")) from error
+            raise LoaderError(self.comparison.placed(say("mujoco-cannot-load", reason=said))) from error
         self._servo = int(mujoco.mjtBias.mjBIAS_AFFINE)
         self._refuse_fused_links()
 
@@ -95,9 +97,8 @@ class Arm(Model):
         if not joints:
             return report
         if len(joints) > HELD_JOINTS:
-            message = "MuJoCo would take minutes for the hold test of so large an arm: it was left out"
             found, accepted = f"{len(joints)} moving joints", f"at most {HELD_JOINTS} moving joints"
-            return replace(report, findings=self.comparison.too_large(message, found, accepted))
+            return replace(report, findings=self.comparison.too_large("mujoco-hold-left-out", found, accepted))
         hold, findings = self._hold()
         if hold["stayed"] and self.model.nkey and (self.model.actuator_biastype == self._servo).any():
             followed, more_findings = self._follow()
@@ -117,12 +118,7 @@ class Arm(Model):
     def _refuse_fused_links(self) -> None:
         held = {*self.bodies, *self.sites}
         if fused := [shown(link.name) for link in self.robot.links if link.name not in held]:
-            raise LoaderError(
-                self.comparison.problem(
-                    message=f"MuJoCo has fused links into those that hold them, or lost them: {', '.join(fused)}",
-                    suggestion='it keeps them where the file says <mujoco><compiler fusestatic="false"/></mujoco>',
-                )
-            )
+            raise LoaderError(self.comparison.placed(say("mujoco-fused-links", links=fused)))
 
     # The hold test
 
@@ -203,11 +199,8 @@ class Arm(Model):
             return followed, ()
         unit = "m" if joint.type is JointType.PRISMATIC else "rad"
         by = f"{error:.3g} {unit} from its target" if math.isfinite(error) else "thrown away"
-        message = (
-            f"the servos do not follow a step: after {FOLLOW_SECONDS:g} s this joint was {by}; "
-            f"joints overshot by up to {overshoot:.0%} of the step, at up to {speed:.3g} rad/s or m/s"
-        )
-        return followed, (self.comparison.weak(joint, message),)
+        about = {"seconds": FOLLOW_SECONDS, "by": by, "overshoot": overshoot, "speed": speed}
+        return followed, (self.comparison.weak(joint, "servos-do-not-follow", **about),)
 
     def _overlaps(self, data: Any) -> list[tuple[str, str]]:  # noqa: ANN401 - MuJoCo's data
         """The pairs of links, none joined to the other, whose collision shapes overlap."""
@@ -260,12 +253,7 @@ def load(request: LoadRequest, options: PictureOptions) -> LoadReport:
         try:
             write_picture(mujoco, request.path, arm, request.picture)
         except NoGraphicsError as error:
-            finding = arm.comparison.problem(
-                message=f"MuJoCo took no picture: {error}",
-                severity="notice",
-                suggestion="install EGL (Debian and Ubuntu: apt-get install libegl1 libopengl0 libgl1-mesa-dri), "
-                "or say `picture: false`",
-            )
+            finding = arm.comparison.placed(say("mujoco-no-picture", reason=error))
             return replace(report, findings=(*report.findings, finding))
         report = replace(report, picture=request.picture.name)
     return report

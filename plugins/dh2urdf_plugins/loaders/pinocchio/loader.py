@@ -17,7 +17,7 @@ from dh2urdf.errors import LoaderError
 from dh2urdf.kinematics.mass import GRAVITY
 from dh2urdf.manipulator import JointType
 from dh2urdf.measuring import Body
-from dh2urdf.source import shown
+from dh2urdf.source import Messages
 from dh2urdf_plugins.loaders.measures import Comparison, hold_start, lumped_bodies, printed, rotation, share_of, vector
 from dh2urdf_plugins.loaders.pinocchio.model import MESSAGE, UNIVERSE, Model
 from dh2urdf_plugins.loaders.simulators import PACKAGES
@@ -30,6 +30,8 @@ if TYPE_CHECKING:
     from dh2urdf.source import Problem
     from dh2urdf.stages import LoadReport, LoadRequest
     from dh2urdf_plugins.loaders.simulators import SimulatorOptions
+
+say = Messages(__file__)
 
 MEASURED_JOINTS = 250
 """Largest number of joints of an arm that is put into a pose: Pinocchio's working memory holds four arrays of the cube
@@ -58,7 +60,7 @@ class Arm(Model):
         try:
             super().__init__(pinocchio, request.path.resolve())
         except ValueError as error:  # The reason stands only in what the parser prints.
-            raise LoaderError(self.comparison.problem(message="Pinocchio cannot load the file")) from error
+            raise LoaderError(self.comparison.placed(say("cannot-load", simulator="Pinocchio"))) from error
 
     def report(self) -> LoadReport:
         """Measure everything.
@@ -67,7 +69,7 @@ class Arm(Model):
             LoaderError: Pinocchio holds another arm.
         """
         lost = [
-            self.comparison.problem(message=f"Pinocchio has lost the link {shown(link.name)}")
+            self.comparison.placed(say("simulator-lost-link", simulator="Pinocchio", link=link.name))
             for link in self.robot.links
             if link.name not in self.numbers
         ]
@@ -75,12 +77,8 @@ class Arm(Model):
         bodies, written = self._held_bodies(), lumped_bodies(self.robot)
         report = self.comparison.loaded(version("pin"), joints, bodies, written, lost)
         if len(joints) > MEASURED_JOINTS:
-            message = (
-                "Pinocchio's working memory for so large an arm grows with the cube of the number of its joints: "
-                "only joints and masses were compared"
-            )
             found, accepted = f"{len(joints)} moving joints", f"at most {MEASURED_JOINTS} moving joints"
-            return replace(report, findings=self.comparison.too_large(message, found, accepted))
+            return replace(report, findings=self.comparison.too_large("pinocchio-arm-too-large", found, accepted))
         data = self.model.createData()
         report = replace(report, **self.comparison.poses(partial(self._frames, data)))
         if not joints:
@@ -132,11 +130,8 @@ class Arm(Model):
         if hold["stayed"]:
             return hold, ()
         unit = "N" if worst.joint.type is JointType.PRISMATIC else "N·m"
-        message = (
-            f"the arm cannot hold its weight: at q = ({', '.join(map(str, worst.q))}) gravity asks "
-            f"{worst.force:.4g} {unit} of this joint"
-        )
-        return hold, (self.comparison.weak(worst.joint, message),)
+        about = {"q": worst.q, "force": worst.force, "unit": unit}
+        return hold, (self.comparison.weak(worst.joint, "arm-too-heavy", **about),)
 
     def _loads(self, data: Any, q: Sequence[float]) -> Iterator[_Load]:  # noqa: ANN401 - Pinocchio's working memory
         """What gravity asks of every joint at a joint vector, at rest."""

@@ -23,6 +23,7 @@ from dh2urdf.errors import LoaderError
 from dh2urdf.kinematics.mass import GRAVITY
 from dh2urdf.measuring import Precision
 from dh2urdf.robot import Box, Inertial, Sphere
+from dh2urdf.source import Messages
 from dh2urdf_plugins.loaders.measures import (
     HOLD_SECONDS,
     OVERLAP,
@@ -55,6 +56,8 @@ if TYPE_CHECKING:
     from dh2urdf.source import Problem
     from dh2urdf.stages import LoadReport, LoadRequest
     from dh2urdf_plugins.loaders.simulators import PyBulletOptions
+
+say = Messages(__file__)
 
 SOFTNESS = 1e-9
 """Added to the diagonal of the direct solver's matrix, which is singular for joints that move no mass."""
@@ -99,7 +102,7 @@ class Arm(Model):
                 str(request.path.resolve()), useFixedBase=True, flags=bullet.URDF_USE_INERTIA_FROM_FILE
             )
         except bullet.error as error:
-            raise LoaderError(self.comparison.problem(message="PyBullet cannot load the file")) from error
+            raise LoaderError(self.comparison.placed(say("cannot-load", simulator="PyBullet"))) from error
         super().__init__(bullet, body, self.robot.root)
 
     def report(self) -> LoadReport:
@@ -113,10 +116,9 @@ class Arm(Model):
         joints = map(self.held_joint, self.moving)
         report = self.comparison.loaded(version("pybullet"), joints, self.held_bodies(), written)
         if not self._gives_poses():
-            message = "PyBullet cannot move so large an arm: only joints and masses were compared"
             found = f"{len(self.moving)} moving joints, {len(self.links) - 1} links"
             accepted = "at most 121 moving joints, and 127 links without the root"
-            return replace(report, findings=self.comparison.too_large(message, found, accepted))
+            return replace(report, findings=self.comparison.too_large("pybullet-arm-too-large", found, accepted))
         report = replace(report, **self.comparison.poses(self._frames))
         if self.moving:
             hold, findings = self._hold()

@@ -390,7 +390,7 @@ def test_a_page_that_says_something_else_fails(tmp_path: Path) -> None:
 def test_commands_in_the_text_have_these_flags(path: Path) -> None:
     """A command between backticks exists, and so does each of its flags."""
     text = BLOCK.sub("", page_text(path))
-    context = click.Context(program, info_name="dh2urdf")
+    context = click.Context(program, info_name="dh2urdf", **program.context_settings)
     for command in re.findall(r"`dh2urdf ([^`]+)`", text):
         words = [word for word in command.split() if word not in ("--debug", "--help", "--version")]
         if not words or words[0].isupper():

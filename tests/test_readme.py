@@ -166,7 +166,7 @@ def test_the_picture_is_what_comes_out(*, output: Path, renew: bool) -> None:
     assert different.mean() < 0.01
 
 
-@pytest.mark.parametrize("command", program.list_commands(click.Context(program)))
+@pytest.mark.parametrize("command", program.list_commands(click.Context(program, **program.context_settings)))
 def test_every_command_and_flag_is_there(cli: Callable[..., Answer], command: str) -> None:
     """The README names every command, and no flag of one that does not have it."""
     text = README.read_text("utf-8")

@@ -20,7 +20,7 @@ KEEP_LINES = "\b"
 
 def commands() -> str:
     """A section for the program, and one for each command: its usage, what it does, what it takes."""
-    context = click.Context(dh2urdf, info_name="dh2urdf")
+    context = click.Context(dh2urdf, info_name="dh2urdf", **dh2urdf.context_settings)
     found = [command for name in dh2urdf.list_commands(context) if (command := dh2urdf.get_command(context, name))]
     return "\n\n".join([*_program(context), *(text for command in found for text in _command(command, context))])
 

@@ -29,7 +29,7 @@ CONFIGS = Path(__file__).parents[3] / "configs"
 
 def cli_commands() -> list[str]:
     """Every command, those of plugins included."""
-    return program.list_commands(click.Context(program))
+    return program.list_commands(click.Context(program, **program.context_settings))
 
 
 class TestHelp:

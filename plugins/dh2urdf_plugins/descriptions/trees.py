@@ -112,7 +112,7 @@ class Tree:
             what = "links that may be the tip" if usual else "leaves"
             shared = self._last_shared(leaves, moved)
             advice = f"; all leaves are behind {shown(shared)} ({_moving(moved[shared])})" if shared else ""
-            about = {"what": what, "leaves": listed(named, _SHOWN), "advice": advice}
+            about: dict[str, Any] = {"what": what, "leaves": listed(named, _SHOWN), "advice": advice}
             raise self._error("several-leaves", "tip_link", count=len(named), **about)
         return list(leaves or self.leaves())
 

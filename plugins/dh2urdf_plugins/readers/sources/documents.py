@@ -119,7 +119,7 @@ def _manipulator(
     comments: Iterable[CellRow] = (),
 ) -> Manipulator | Rejected:
     """The manipulator of a document, or everything that is wrong with it."""
-    table = _Document(item)
+    table = Document(item)
     place = item.node.mark
     try:
         source = CellRows([*comments, *table.rows(options)], prose=False)
@@ -150,7 +150,7 @@ class _Value(NamedTuple):
     mark: Mark
 
 
-class _Document:
+class Document:
     """A document that is one manipulator.
 
     Attributes:
@@ -319,7 +319,7 @@ class _Document:
                 return self._parts(field.name, place, node)
             self.problems.append(say("key-with-a-unit", place, field=field.name, found=key))
             return {}
-        cell: str | Problem = "" if node.value is None else node.text or ""
+        cell: str | Problem = _text(node)
         if field is not None and is_nested:
             accepted = "a text" if field.dimension is None else "a number or an expression"
             cell = say("wrong-value", node.mark, field=field.name, what=node.describe(), wanted=accepted)
@@ -335,7 +335,7 @@ class _Document:
         if isinstance(node.value, dict):
             for key, item in node.value.items():
                 name = PARTS.get(key, key)
-                cell: str | Problem = "" if item.value is None else item.text or ""
+                cell: str | Problem = _text(item)
                 if name not in _PARTS[group]:
                     self.problems.append(_unknown_key(node, key, _PARTS[group]))
                     continue
@@ -344,6 +344,10 @@ class _Document:
                     cell = say("wrong-value", item.mark, field=name, what=item.describe(), wanted=wanted)
                 found[name] = _Value(name, place, cell, item.mark)
             return found
+        names = GROUPS[group].parts
+        items = node.value if isinstance(node.value, list) else []
+        if group != "inertia" and len(items) == len(names) and all(item.text is not None for item in items):
+            return {name: _Value(name, place, _text(item), item.mark) for name, item in zip(names, items, strict=True)}
         text = flow_text(node) if isinstance(node.value, list) else node.text or ""
         parts = split_cell(GROUPS[group], text)
         if isinstance(parts, GroupError):
@@ -360,6 +364,11 @@ def _field(key: str) -> str | None:
     """The field that a key means."""
     header = read_header(key)
     return header.field.name if header.field and header.field.name not in NOT_IN_A_JOINT else None
+
+
+def _text(node: Node) -> str:
+    """The text of a scalar; empty where it is nothing."""
+    return "" if node.value is None else node.text or ""
 
 
 def _column(key: str) -> str:

@@ -7,9 +7,8 @@ never computed. Its parser knows all of them, so it is called here. It is not im
 from __future__ import annotations
 
 import datetime as dt
-from collections.abc import Sequence
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Any, overload
+from typing import TYPE_CHECKING, Any
 
 from openpyxl.cell.read_only import ReadOnlyCell
 from openpyxl.chartsheet import Chartsheet
@@ -25,7 +24,7 @@ from dh2urdf_plugins.readers.sources.number_formats import ShownOtherwiseError, 
 from dh2urdf_plugins.readers.words.cells import text_of
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterator, Sequence
     from pathlib import Path
 
     Value = str | float | Problem | None
@@ -103,26 +102,6 @@ def cell_mark(file: str, sheet: str, row: int, column: int) -> Mark:
     return Mark(file=file, line=row, column=column, place=f"{title}!{get_column_letter(column)}{row}")
 
 
-class _Marks(Sequence[Mark]):
-    """The places of the cells of a row, made when asked for."""
-
-    def __init__(self, file: str, sheet: str, row: int, width: int) -> None:
-        self.file, self.sheet, self.row, self.width = file, sheet, row, width
-
-    def __len__(self) -> int:
-        return self.width
-
-    @overload
-    def __getitem__(self, index: int) -> Mark: ...
-    @overload
-    def __getitem__(self, index: slice) -> list[Mark]: ...
-    def __getitem__(self, index: int | slice) -> Mark | list[Mark]:
-        columns = range(1, self.width + 1)[index]
-        if isinstance(columns, range):
-            return [cell_mark(self.file, self.sheet, self.row, column) for column in columns]
-        return cell_mark(self.file, self.sheet, self.row, columns)
-
-
 class SheetRows:
     """The rows of a sheet that hold anything, with one empty row where there are any between them.
 
@@ -193,8 +172,8 @@ class SheetRows:
                 if number > last + 1 and last:
                     yield CellRow([], cell_mark(file, self.title, last + 1, 1))
                 del values[filled[-1] :]
-                marks = _Marks(file, self.title, number, len(values))
-                yield CellRow(values, cell_mark(file, self.title, number, filled[0]), marks)
+                marks = [cell_mark(file, self.title, number, column) for column in range(1, len(values) + 1)]
+                yield CellRow(values, marks[filled[0] - 1], marks)
                 last = number
 
     def hidden(self) -> list[Problem]:

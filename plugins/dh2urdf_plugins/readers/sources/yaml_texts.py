@@ -6,21 +6,20 @@ import re
 from contextlib import suppress
 from typing import TYPE_CHECKING
 
-from dh2urdf.documents import load_yaml, read_bytes
+from dh2urdf.documents import Item, load_yaml, read_bytes
 from dh2urdf.errors import TableError
 from dh2urdf.row_fields import COM, INERTIA
-from dh2urdf.table_text import MESHES, TableText, WrittenTable
+from dh2urdf.table_text import MESHES, CellRow, TableText, WrittenTable
 from dh2urdf.table_text.texts import yaml_word
+from dh2urdf_plugins.readers.header.header_rows import text_in
 from dh2urdf_plugins.readers.header.words import read_header
-from dh2urdf_plugins.readers.tables.cell_groups import PARTS, GroupError, split_cell
+from dh2urdf_plugins.readers.options import TableOptions
+from dh2urdf_plugins.readers.sources.documents import Document
 from dh2urdf_plugins.readers.words.table_words import statements_of, units_text
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
     from pathlib import Path
-
-    from dh2urdf.documents import Node
-    from dh2urdf_plugins.readers.words.fields import Field
 
 _GROUPS = {"limits": ("lower", "upper", "velocity", "effort"), "inertia": INERTIA}
 _GROUPED = {field: group for group, fields in _GROUPS.items() for field in fields} | dict.fromkeys(COM, "com")
@@ -83,41 +82,16 @@ def texts(path: Path) -> Iterator[TableText]:
         TableError: the file is no YAML document, or too large to be typed by a person.
     """
     root = load_yaml(read_bytes(path, TableError, limit=_LONGEST), str(path), TableError)
-    robots = root.value.get("robots") if isinstance(root.value, dict) else None
-    nodes = robots.value if robots is not None and isinstance(robots.value, list) else [root]
-    for number, node in enumerate(nodes, start=1):
-        name = path.stem if node is root else f"{path.stem}_{number}"
-        if isinstance(node.value, dict) and (table := _table(node.value, name)):
-            yield table
-
-
-def _table(entries: Mapping[str, Node], default_name: str) -> TableText | None:
-    said = statements_of(entries, default_name=default_name)
-    joints = entries.get("joints")
-    if said is None or joints is None or not isinstance(joints.value, list):
-        return None
-    rows = [dict(_texts(joint)) for joint in joints.value]
-    return TableText(**said, rows=tuple({field: text for field, text in row.items() if text} for row in rows))
-
-
-def _texts(joint: Node) -> Iterator[tuple[str, str]]:
-    """The texts of a joint by field; what has no field is left out: a later comparison finds it."""
-    for key, node in joint.value.items() if isinstance(joint.value, dict) else ():
-        field = read_header(key).field
-        if field and field.parts:
-            yield from _parts(field, node)
-        elif field and node.text is not None:
-            yield field.name, node.text if node.value is not None else ""
-
-
-def _parts(field: Field, node: Node) -> Iterator[tuple[str, str]]:
-    """The texts of several fields at once, which are a mapping, a list, or a text as in a cell of CSV."""
-    if isinstance(node.value, dict):
-        names = _GROUPS.get(field.name, field.parts)
-        named = ((PARTS.get(key, key), inner) for key, inner in node.value.items())
-        yield from ((name, inner.text or "") for name, inner in named if name in names)
-    elif isinstance(node.value, list):
-        if len(node.value) == len(field.parts):
-            yield from zip(field.parts, (inner.text or "" for inner in node.value), strict=True)
-    elif not isinstance(parts := split_cell(field, node.text or ""), GroupError):
-        yield from parts.items()
+    robots = root.entries("robots") or [root]
+    for number, node in enumerate(robots, start=1):
+        document = Document(Item(node))
+        said = statements_of(document.said, default_name=path.stem if node is root else f"{path.stem}_{number}")
+        if said is None or document.joints is None or not isinstance(document.joints.value, list):
+            continue
+        header, *rows = document.rows(TableOptions()) if document.joints.value else [CellRow([], node.mark)]
+        fields = [read_header(key).field for key in map(text_in, header.cells)]
+        named = [zip(fields, map(text_in, row.cells), strict=True) for row in rows]
+        # What has no field is left out: a later comparison finds it.
+        yield TableText(
+            **said, rows=tuple({field.name: text for field, text in row if field and text} for row in named)
+        )

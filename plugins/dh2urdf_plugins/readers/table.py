@@ -68,20 +68,18 @@ def read_table(
     Raises:
         TableError: there is no header, or it is wrong, or a statement about all rows is.
     """
-    for item in read_table_columns(
-        rows,
-        file,
-        options,
-        name=name,
-        statements=statements,
-        decimal_comma=decimal_comma,
-        notices=notices,
-        trace=trace,
-    ):
-        if isinstance(item, ManipulatorGroups):
-            yield from item.tables()
-        else:
-            yield item
+    return one_by_one(
+        read_table_columns(
+            rows,
+            file,
+            options,
+            name=name,
+            statements=statements,
+            decimal_comma=decimal_comma,
+            notices=notices,
+            trace=trace,
+        )
+    )
 
 
 def read_table_columns(
@@ -110,3 +108,12 @@ def read_table_columns(
     table = RowTable(Cell(PurePath(file).stem if name is None else name, whole), options, top, source, trace)
     table.notices += notices
     yield from table.manipulators()
+
+
+def one_by_one(items: Iterable[Manipulator | ManipulatorGroups | Rejected]) -> Iterator[Manipulator | Rejected]:
+    """The manipulators that a reader yields, of which some come in columns."""
+    for item in items:
+        if isinstance(item, ManipulatorGroups):
+            yield from item.tables()
+        else:
+            yield item

@@ -10,7 +10,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from dh2urdf.errors import InputError
-from dh2urdf.source import Mark, Problem
+from dh2urdf.source import Mark, Messages
 from dh2urdf.table_text import FIELDS, Place, TableText, WrittenTable
 from dh2urdf.table_text.texts import yaml_word
 from dh2urdf_plugins.readers.comments.top import read_top
@@ -33,6 +33,8 @@ _QUOTED = frozenset(',;\t"#')
 _COMMON = ("convention", "length_unit", "angle_unit", "base", "tool", "payload", "defaults")
 """What comments declare about all rows."""
 
+say = Messages(__file__)
+
 
 def write(tables: Sequence[TableText]) -> WrittenTable:
     """A CSV file with a column for every field that a table says anything of, and one of names for several tables.
@@ -45,16 +47,9 @@ def write(tables: Sequence[TableText]) -> WrittenTable:
     first, *others = tables
     for table in others:
         if differing := [key for key in _COMMON if getattr(table, key) != getattr(first, key)]:
-            raise InputError(
-                Problem(
-                    message=f"a CSV file has one {' and '.join(differing)} for all of its manipulators, and these "
-                    "have different ones",
-                    robot=table.name,
-                    found=f"{getattr(table, differing[0]) or 'none'}, after {getattr(first, differing[0]) or 'none'}",
-                    accepted="the same for all",
-                    suggestion="write a YAML table, or one file for each",
-                )
-            )
+            found = f"{getattr(table, differing[0]) or 'none'}, after {getattr(first, differing[0]) or 'none'}"
+            keys = " and ".join(differing)
+            raise InputError(say("different-in-one-file", robot=table.name, found=found, differing=keys))
     used = {field for table in tables for field in table.columns()}
     rows = [{"robot": table.name, **row} for table in tables for row in table.rows]
     return _written(replace(first, name=""), ("robot", *(field for field in FIELDS if field in used)), rows)

@@ -422,6 +422,8 @@ def lines_of_table(path: Path, number: int | None) -> list[str]:
         for line, mark in zip(lines, (Mark(file="", line=at) for at in range(1, len(lines) + 1)), strict=True)
     ]
     headers = [str(row.mark.in_file) for row in rows if starts_table(row)]
+    if len(headers) <= 1 and number in (None, 1):
+        return lines
     chosen = choose(range(1, len(headers) + 1), headers, number, path)
     kept = {row.mark.line for row in one_table(rows, chosen)}
     return [line if at in kept else "" for at, line in enumerate(lines, start=1)]

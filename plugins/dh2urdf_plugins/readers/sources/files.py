@@ -9,7 +9,6 @@ from contextlib import suppress
 from itertools import chain, islice
 from typing import TYPE_CHECKING
 
-from dh2urdf.columns import ManipulatorGroups
 from dh2urdf.documents import decoded, read_bytes
 from dh2urdf.errors import TableError
 from dh2urdf.source import Mark, Messages
@@ -32,6 +31,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
     from pathlib import Path
 
+    from dh2urdf.columns import ManipulatorGroups
     from dh2urdf.manipulator import Manipulator
     from dh2urdf.stages import Rejected
     from dh2urdf.table_text import TableText, Trace
@@ -48,11 +48,9 @@ _LONGEST = 2**24
 
 def read_file(path: Path, options: TableOptions, trace: Trace | None = None) -> Iterator[Manipulator | Rejected]:
     """The manipulators of a text of any form; see `read` of the stage ``csv``."""
-    for item in read_file_columns(path, options, trace):
-        if isinstance(item, ManipulatorGroups):
-            yield from item.tables()
-        else:
-            yield item
+    from dh2urdf_plugins.readers.table import one_by_one
+
+    return one_by_one(read_file_columns(path, options, trace))
 
 
 def read_file_columns(

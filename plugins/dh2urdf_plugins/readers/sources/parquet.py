@@ -14,14 +14,13 @@ from dataclasses import replace
 from itertools import islice
 from typing import TYPE_CHECKING, Any
 
-from dh2urdf.columns import ManipulatorGroups
 from dh2urdf.documents import check_file, load_yaml, refuse_other_kind
 from dh2urdf.errors import MissingDependencyError, TableError
 from dh2urdf.source import Mark, Messages, did_you_mean, shown
 from dh2urdf.table_text import METADATA, STATEMENTS, CellRow
 from dh2urdf_plugins.readers.header.header_rows import completed
 from dh2urdf_plugins.readers.header.words import read_header
-from dh2urdf_plugins.readers.table import read_table_columns
+from dh2urdf_plugins.readers.table import one_by_one, read_table_columns
 from dh2urdf_plugins.readers.tables.tables import too_many_joints
 from dh2urdf_plugins.readers.words.bounds import MAX_COLUMNS, MAX_JOINTS
 from dh2urdf_plugins.readers.words.cells import text_of
@@ -31,7 +30,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
     from pathlib import Path
 
-    from dh2urdf.columns import PlaceInFile
+    from dh2urdf.columns import ManipulatorGroups, PlaceInFile
     from dh2urdf.documents import Node
     from dh2urdf.manipulator import Manipulator
     from dh2urdf.stages import Rejected
@@ -79,11 +78,7 @@ def read_parquet(path: Path, options: TableOptions, trace: Trace | None = None) 
         TableError: the file is no Parquet file, is broken, or its columns or metadata are wrong.
         MissingDependencyError: pyarrow is not installed.
     """
-    for item in read_columns(path, options, trace):
-        if isinstance(item, ManipulatorGroups):
-            yield from item.tables()
-        else:
-            yield item
+    return one_by_one(read_columns(path, options, trace))
 
 
 def read_columns(

@@ -21,6 +21,7 @@ from dh2urdf.source import Mark, Messages, Problem, listed, shown
 from dh2urdf.table_text import CellRow
 from dh2urdf_plugins.readers.comments.top import MAX_TITLES, is_header
 from dh2urdf_plugins.readers.sources.number_formats import ShownOtherwiseError, shown_unit
+from dh2urdf_plugins.readers.sources.several import starts_table
 from dh2urdf_plugins.readers.words.cells import text_of
 
 if TYPE_CHECKING:
@@ -146,7 +147,7 @@ class SheetRows:
         for at, row in enumerate(self):
             if not found and at > MAX_TITLES:
                 break
-            if all(cell is None or isinstance(cell, str) for cell in row.cells) and is_header(row):
+            if starts_table(row) if found else is_header(row):
                 found.append(row)
         return found
 

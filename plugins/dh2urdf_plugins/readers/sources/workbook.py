@@ -62,7 +62,8 @@ def read_workbook(path: Path, options: XlsxOptions, trace: Trace | None = None) 
         for table in tables if not chosen else [chosen[0]]:
             name = path.stem if chosen or len(tables) == 1 else table.title
             try:
-                rows = one_table(table, chosen[1] if chosen else _chosen([table], None, path)[1])
+                number = chosen[1] if chosen else _chosen([table], None, path)[1]
+                rows = one_table(table, number) if len(table.headers) > 1 else table
                 said = [*notices, *table.hidden()]
                 yield from read_table(
                     rows, str(path), options, name=name, decimal_comma=True, notices=said, trace=trace

@@ -416,7 +416,7 @@ def lines_of_table(path: Path, number: int | None) -> list[str]:
         TableError: there is no such table, or there are several and no number.
     """
     lines = list(chain.from_iterable(line_blocks(path)))
-    sign = next(filter(None, map(delimiter_of, lines)), ",")
+    sign = next(filter(None, map(delimiter_of, lines[:MAX_TITLES])), ",")
     rows = [
         CellRow([line] if is_comment(line, top=True) or len(line) > MAX_HEADER else split(line, sign), mark)
         for line, mark in zip(lines, (Mark(file="", line=at) for at in range(1, len(lines) + 1)), strict=True)

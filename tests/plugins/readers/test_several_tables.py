@@ -133,3 +133,17 @@ def test_a_table_in_a_text_is_chosen_as_one_in_a_file() -> None:
         api.read(TWO)
     with pytest.raises(TableError, match="the file has 1 table of parameters: 1 in line 1"):
         api.read("a,alpha,d\n1,0,0\n", convention="standard", table_number=2)
+
+
+@pytest.mark.parametrize("suffix", [".yaml", ".parquet"])
+def test_a_number_is_never_passed_over(suffix: str, tmp_path: Path) -> None:
+    """A format that has one table in a file refuses another number."""
+    path = tmp_path / f"arm{suffix}"
+    if suffix == ".yaml":
+        path.write_text("joints: [{a: 1, alpha: 0, d: 0}]")
+    else:
+        columns = pytest.importorskip("pyarrow").table({"a": [1.0], "alpha": [0.0], "d": [0.0]})
+        pytest.importorskip("pyarrow.parquet").write_table(columns, path)
+    assert api.read(path, convention="standard", table_number=1).rows[0].a == 1.0
+    with pytest.raises(TableError, match="the file has 1 table of parameters"):
+        api.read(path, convention="standard", table_number=2)

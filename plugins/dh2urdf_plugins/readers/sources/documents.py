@@ -22,6 +22,7 @@ from dh2urdf_plugins.readers.comments.declared import declared_key
 from dh2urdf_plugins.readers.comments.top import read_top
 from dh2urdf_plugins.readers.header.words import read_header
 from dh2urdf_plugins.readers.options import TableOptions, ignored_columns
+from dh2urdf_plugins.readers.sources.several import choose
 from dh2urdf_plugins.readers.sources.texts import named_columns
 from dh2urdf_plugins.readers.statements.values import MESH_KEYS, MESHES, Values, meshes_of
 from dh2urdf_plugins.readers.tables.cell_groups import ACCEPTED, PARTS, GroupError, split_cell
@@ -69,6 +70,7 @@ say = Messages(__file__)
 def read_documents(path: Path, options: TableOptions, trace: Trace | None = None) -> Iterator[Manipulator | Rejected]:
     """The manipulators of a YAML or JSON file; see `read` of the stage ``yaml``."""
     file, count = str(path), 0
+    choose([path], ["line 1"], options.table_number, path)
     previous: Item | None = None
     text = decoded(read_bytes(path, TableError), file, TableError)
     comments = _sentences(text, file)

@@ -20,6 +20,7 @@ from dh2urdf.source import Mark, Messages, did_you_mean, shown
 from dh2urdf.table_text import METADATA, STATEMENTS, CellRow
 from dh2urdf_plugins.readers.header.header_rows import completed
 from dh2urdf_plugins.readers.header.words import read_header
+from dh2urdf_plugins.readers.sources.several import choose
 from dh2urdf_plugins.readers.table import one_by_one, read_table_columns
 from dh2urdf_plugins.readers.tables.tables import too_many_joints
 from dh2urdf_plugins.readers.words.bounds import MAX_COLUMNS, MAX_JOINTS
@@ -90,6 +91,7 @@ def read_columns(
     except ImportError as error:
         raise MissingDependencyError("reader 'parquet'", "pyarrow", "dh2urdf[parquet]", error) from None
     check_file(path, TableError)
+    choose([path], ["row 1"], options.table_number, path)
     with path.open("rb") as binary:
         if not (start := binary.read(100)).startswith(b"PAR1"):
             refuse_other_kind(start, str(path), TableError, "a Parquet file", "a whole Parquet file")

@@ -284,6 +284,37 @@ def test_the_fast_way_is_taken_by_plain_tables(tmp_path: Path, monkeypatch: pyte
     assert {type(row) for arm in arms if isinstance(arm, Manipulator) for row in arm.rows} == {DHRow}
 
 
+@pytest.mark.parametrize(
+    ("cells", "is_fast"),
+    [
+        ("0.3,90 deg,0,-170°,170°,180 deg/s", True),
+        ("300 mm,pi/2,2 cm,-1,1,1", True),
+        ("300 mm,pi/2,0.02,-1,1,1", False),
+        ("0.3,0,0,-170°,1,180 deg/s", False),
+        ("0.3,0,0,-170°,170°,3", False),
+    ],
+)
+def test_units_in_cells_are_read_fast_where_no_bare_number_is_beside_them(
+    cells: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, *, is_fast: bool
+) -> None:
+    """A number without a unit, in a column beside one whose cells name units, is looked at with care."""
+    found: list[bool] = []
+    fast = PlainRows.read
+
+    def noted(self: PlainRows, rows: Any, sizes: Any) -> Any:
+        result = fast(self, rows, sizes)
+        found.append(result is not None)
+        return result
+
+    monkeypatch.setattr(PlainRows, "read", noted)
+    rows = "".join(f"r{k},{cells}\n" for k in range(40))
+    content = f"robot,a,alpha,d,lower,upper,velocity\n{rows}"
+    read = outcome(tmp_path / "arms.csv", content, convention="standard")
+    assert any(found) is is_fast
+    with without_the_fast_way():
+        assert read == outcome(tmp_path / "arms.csv", content, convention="standard")
+
+
 # --- The sample that is read twice ------------------------------------------------------------------------------------
 
 

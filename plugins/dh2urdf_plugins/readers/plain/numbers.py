@@ -1,7 +1,7 @@
 """Columns of plain numbers, read at the speed of Python's own loops.
 
-A column is plain where all of its cells are decimal numbers, or where each is one or a multiple of π: in the unit that
-the table declares, or in SI units. A cell that names a unit of its own is read with care.
+A column is plain where all of its cells are decimal numbers, or where few expressions are in all of them. Where cells
+name units of their own, the columns beside them show whether that is plain, too.
 """
 
 from __future__ import annotations
@@ -21,8 +21,6 @@ if TYPE_CHECKING:
     from dh2urdf.quantities import Unit
     from dh2urdf_plugins.readers.words.cells import Units
 
-_MULTIPLES = frozenset("0123456789.+-*/() eEpiPIπ")
-"""What numbers and multiples of π consist of."""
 _TINY = "[eE]-[0-9]{3}"
 """An exponent, or what looks like one, of numbers too small for a double."""
 
@@ -43,11 +41,14 @@ class PlainNumbers:
 
     Attributes:
         has_expressions: whether anything but decimal numbers was among those that were read last.
+        foreign: whether any cell so far names another unit than the SI unit.
+        bare: whether any number so far, 0 left aside, is in the SI unit since nothing says its unit.
     """
 
     def __init__(self, name: str, units: Units) -> None:
         """Takes the field of the column, and the units of the table."""
-        self.has_expressions = False
+        self.has_expressions = self.foreign = self.bare = False
+        self._angle = units.in_functions
         self._dimension, unit = dimension_of(name), declared_unit(units, name)
         self._unit = unit
         self._is_si = unit is None or unit.is_si
@@ -60,6 +61,7 @@ class PlainNumbers:
         numbers = self.decimals(column)
         self.has_expressions = numbers is None
         if numbers is not None:
+            self.bare = self.bare or (self._unit is None and any(numbers))
             return numbers
         known = self._known  # a table has few expressions that differ
         if len(known) > REMEMBERED:
@@ -106,13 +108,16 @@ class PlainNumbers:
         return [number + 0.0 for number in numbers] if "-" in text else numbers
 
     def _expression(self, text: str) -> float | None:
-        """The SI number that a cell says, or None where it is more than a number or a multiple of π."""
-        if not _MULTIPLES.issuperset(text):
+        """The SI number that a cell says, or None where there is anything else to report about it."""
+        if "," in text or LINE_END in text:
             return None
         try:
-            quantity = evaluate(text.strip(SPACES), self._dimension, self._unit)
+            quantity = evaluate(text.strip(SPACES), self._dimension, self._unit, angle=self._angle)
         except QuantityError:
             return None
+        has_unit = quantity.has_unit or quantity.is_radians(self._dimension)
+        self.foreign = self.foreign or quantity.foreign
+        self.bare = self.bare or (self._unit is None and bool(quantity.value) and not has_unit)
         return None if quantity.variable else quantity.value
 
 

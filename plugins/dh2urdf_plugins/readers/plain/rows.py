@@ -21,6 +21,7 @@ from dh2urdf.rotations import HALF_PI, quarter_turns
 from dh2urdf.row_fields import COM, DYNAMICS, INERTIA, LIMITS, NUMBERS, ROW_FIELDS
 from dh2urdf.table_text import GEOMETRY
 from dh2urdf_plugins.readers.header.header_rows import is_beside
+from dh2urdf_plugins.readers.header.units import group_of
 from dh2urdf_plugins.readers.header.unknown_columns import is_number, is_value
 from dh2urdf_plugins.readers.header.words import read_header
 from dh2urdf_plugins.readers.plain.limits import PlainLimits
@@ -60,7 +61,7 @@ class PlainRows:
             columns: its columns.
             units: the units of its numbers.
         """
-        self.headers = columns.headers
+        self.units, self.headers = units, columns.headers
         self.width = len(columns.fields)
         self.holding_numbers = columns.numbers
         self.column = {name: index for index, name in enumerate(columns.fields) if name}
@@ -122,7 +123,7 @@ class PlainRows:
         # A multiple of π is no length.
         mixed = JointType.PRISMATIC in kinds and "offset" in values and self.numbers["offset"].has_expressions
         plain = _are_plain_angles(values) and _are_plain_lengths(values["a"], values["d"], sizes)
-        if limits is None or mixed or not (plain and _fit(values, kinds)):
+        if limits is None or mixed or self._are_in_doubt() or not (plain and _fit(values, kinds)):
             return None
         signs = list(map(int, values.pop("sign", [1.0] * len(rows))))
         geometry = dict.fromkeys(GEOMETRY, [0.0] * len(rows)) | values
@@ -149,6 +150,14 @@ class PlainRows:
             if len(known) < REMEMBERED:
                 known.update(new)
         return True
+
+    def _are_in_doubt(self) -> bool:
+        """Whether cells name units, and a number that nothing says the unit of is beside them, or outside of rows."""
+        numbers = self.numbers | self.limits.numbers
+        named = [name for name, each in numbers.items() if each.foreign]
+        beside = {other for name in named for other in group_of(name)}
+        beside |= {"velocity"} if not beside.isdisjoint(group_of("offset")) else set()
+        return bool(named and self.units.bare) or any(numbers[name].bare for name in beside & numbers.keys())
 
     # --- Words
 

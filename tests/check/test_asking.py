@@ -189,6 +189,40 @@ def test_a_xacro_is_given_as_what_it_expands_to(cli: Cli, tmp_path: Path) -> Non
     assert seen(document, "mujoco")["seen-lost-root"]["line"] == 3
 
 
+def test_what_a_xacro_expands_to_is_in_its_package(cli: Cli, tmp_path: Path) -> None:
+    """PyBullet looks for packages in the folders above a file: it refused 23 of 27 published xacros elsewhere."""
+    require("pybullet")
+    package = tmp_path / "src" / "arm_support"
+    for folder in ("urdf", "meshes"):
+        (package / folder).mkdir(parents=True)
+    (package / "package.xml").write_text("<package><name>arm_support</name></package>")
+    (package / "meshes" / "part.obj").write_text(OBJ)
+    text = urdf(arm=BODY.format(2) + mesh("package://arm_support/meshes/part.obj"))
+    (package / "urdf" / "arm.urdf.xacro").write_text(text)
+    words = ("check", str(package / "urdf" / "arm.urdf.xacro"), "--for", "pybullet", "--json")
+    assert json.loads(cli(*words).stdout)["asked"]["pybullet"]["end"] == "loads"
+
+
+def test_a_file_of_two_roots_does_not_end_the_command(told: Any) -> None:
+    """As the linkages of Drake's Strandbeest: no chain led from the first root to the links below the second."""
+    require("drake")
+    other = f'<link name="floor">{BODY.format(1)}</link><link name="post">{BODY.format(1)}</link>'
+    other += JOINT.format(name="j2", parent="floor", child="post", more="")
+    assert told(urdf(more=other), "--for", "drake")["asked"]["drake"]["end"] == "loads"
+
+
+def test_pybullet_is_not_asked_what_kills_it(told: Any) -> None:
+    """PyBullet 3.2.7 loads the hopper of its own data, and crashes when it is asked for its shapes that touch."""
+    require("pybullet")
+    text = (
+        '<mujoco model="hopper"><worldbody><body name="torso" pos="0 0 1.25"><joint name="slide" type="slide" '
+        'axis="1 0 0"/><joint name="turn" type="hinge" axis="0 1 0"/><geom name="g" type="capsule" '
+        'fromto="0 0 1.45 0 0 1.05" size="0.05"/></body></worldbody></mujoco>'
+    )
+    document = told(text, "--for", "pybullet", name="arm.xml", status=1)
+    assert document["asked"]["pybullet"]["end"] == "loads"
+
+
 def test_sdf_is_asked_too(told: Any) -> None:
     """An address of an unknown package, which Drake and PyBullet refuse and sdformat passes over."""
     require("drake", "pybullet", "gazebo")
@@ -238,6 +272,16 @@ def test_where_the_kernel_has_no_wall_nobody_is_asked(
     answer = cli("check", "arm.urdf", "--json")
     assert json.loads(answer.stdout)["asked"] == {}
     assert "no simulator is given the file" in answer.stderr
+
+
+def test_what_a_program_cannot_show_stays_foretold(told: Any) -> None:
+    """urdfdom tells the names of links, and nothing of their masses."""
+    require("ros")
+    effects = [
+        finding["consumers"]["ros"]
+        for finding in told(urdf(arm=BODY.format(2).replace('ixx="0.1"', 'ixx="9"')), "--for", "ros")["findings"]
+    ]
+    assert [effect["seen"] for effect in effects if effect["severity"] == "warning"] == [None]
 
 
 def test_what_is_foretold_and_was_not_seen_is_left_out(told: Any) -> None:

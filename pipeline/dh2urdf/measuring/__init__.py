@@ -248,12 +248,14 @@ def _shown(value: Any) -> str:  # noqa: ANN401 - words, numbers and vectors
 
 
 def reach(robot: Robot, tip: str) -> float:
-    """The farthest that a link can be from the root [m]: the length of the chain, with its rails drawn out."""
-    length = 0.0
-    for joint in KinematicChain.between(robot, robot.root, tip).joints:
+    """The farthest that a link can be from its root [m]: the length of the chain, with its rails drawn out."""
+    above = {joint.child: joint for joint in robot.joints}
+    length, link = 0.0, tip
+    while (joint := above.pop(link, None)) is not None:
         length += norm(joint.origin.xyz)
         if joint.type is JointType.PRISMATIC:
             length += max(abs(joint.limits.lower or 0.0), abs(joint.limits.upper or 0.0))
+        link = joint.parent
     return length
 
 

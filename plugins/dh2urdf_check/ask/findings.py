@@ -54,6 +54,9 @@ _ADDRESS = re.compile(
 )
 
 
+_PACKAGE = re.compile(rb"package://(\w[^/\"'<>\s]*)/")
+
+
 class SeenRule(NamedTuple):
     """A kind of fact, as ``rules/seen.yaml`` has it.
 
@@ -151,7 +154,7 @@ def _given(path: Path, emitter: Emitter[Any], expansion: Expansion, folder: Path
             expanded = expand_foreign(path, expansion)
             content, form = expanded.content, "urdf"
             marks = [place and mark_of(place) for place in expanded.places]
-            where = _written(content, where, folder)
+            where = _written(content, where, folder, _packages_above(content, where))
     except (Dh2UrdfError, OSError):  # The inspection of the file reports it.
         return None
     own = _own(path, emitter, expansion)
@@ -161,13 +164,25 @@ def _given(path: Path, emitter: Emitter[Any], expansion: Expansion, folder: Path
         Path(os.fspath(path)).absolute().parent,
         where.parent,
         *packages.values(),
+        *_packages_above(content, Path(os.fspath(path)).absolute()).values(),
         *_named(content, path, packages),
     )
     return Given(path, places_in(content, path, marks), own, Asked(question, tuple(dict.fromkeys(readable))))
 
 
-def _written(content: bytes, path: Path, folder: Path) -> Path:
-    """Write a text where files that are named relative to another one are found, too."""
+def _packages_above(content: bytes, path: Path) -> dict[str, Path]:
+    """The folders that are called as the packages in a text and are beside a folder above it: PyBullet looks there."""
+    names = {name.decode("utf-8", "replace") for name in _PACKAGE.findall(content)}
+    places = [(name, parent / name) for name in sorted(names) for parent in path.parents[:-1]]
+    return {name: place for name, place in reversed(places) if is_folder(place)}  # the nearest comes last
+
+
+def _written(content: bytes, path: Path, folder: Path, packages: Mapping[str, Path]) -> Path:
+    """Write a text where files that are named relative to another one are found, too, and packages above that."""
+    folder.mkdir()
+    for name, package in packages.items():
+        (folder / name).symlink_to(package)
+    folder /= "0"  # no name of a package
     folder.mkdir()
     for neighbour in path.parent.iterdir():
         (folder / neighbour.name).symlink_to(neighbour)
@@ -299,6 +314,8 @@ def _is_settled(answer: Answer, effect: Effect, at: Sequence[At]) -> bool:
     inside = {tag for each in at for tag in (*each.above, each.tag)}
     if answer.end != "loads":
         return effect.severity != "error"
+    if effect.severity != "error" and answer.held and not (answer.held.joints or any(answer.held.links.values())):
+        return False  # It tells the names of links, as urdfdom does.
     if inside & set(answer.program.inspects.unopened):
         return False
     return effect.severity == "error" or not inside & _UNCOMPARED

@@ -153,7 +153,8 @@ def inspect(question: Question) -> HeldRobot:
         if question.format == "urdf":  # The world holds the root, which PyBullet makes weightless.
             held.links[root] = None
         held.joints.extend({**model.held_joint(info), "mimic": None} for info in model.moving)
-        held.shapes.update(model.held_shapes())
+        if question.format != "mjcf":  # PyBullet 3.2.7 crashes when it is asked for the shapes of some of them.
+            held.shapes.update(model.held_shapes())
         held.frames.update(told_frames(question.postures, _frames(model)))
     return held
 

@@ -65,7 +65,8 @@ GROUPS = {
         (
             *sorted((PLUGINS / "readers" / "plain").glob("*.py")),
             *(PLUGINS / "readers" / "header" / f"{name}.py" for name in ("columns", "units", "words")),
-            *(PLUGINS / "readers" / "words" / f"{name}.py" for name in ("cells", "decimal_signs", "comment_lines")),
+            *(PLUGINS / "readers" / "words" / f"{name}.py" for name in ("cells", "comment_lines")),
+            PLUGINS / "readers" / "rows" / "cells.py",
         ),
         tuple(
             f"tests/plugins/readers/test_{name}.py"

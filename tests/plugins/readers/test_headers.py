@@ -12,11 +12,12 @@ from pyarrow import parquet as pq
 
 from dh2urdf.errors import TableError
 from dh2urdf.manipulator import Inertia, JointType, Manipulator
+from dh2urdf.source import Problem
 from dh2urdf_plugins.readers import csv, parquet, yaml
 from dh2urdf_plugins.readers.header.words import misspelt, read_header
 from dh2urdf_plugins.readers.plain.rows import PlainRows
+from dh2urdf_plugins.readers.rows.groups import split_cell
 from dh2urdf_plugins.readers.table import TableOptions
-from dh2urdf_plugins.readers.tables.cell_groups import GroupError, split_cell
 from dh2urdf_plugins.readers.words.fields import FIELDS
 
 if TYPE_CHECKING:
@@ -334,7 +335,7 @@ def test_long_words_may_be_one_slip_away(word: str) -> None:
 def test_a_decimal_comma_is_no_separator(text: str, parts: dict[str, str] | None) -> None:
     """Between semicolons a comma separates bounds only with a space behind it."""
     found = split_cell(FIELDS["limits"], text, decimal_comma=True)
-    assert (None if isinstance(found, GroupError) else found) == parts
+    assert (None if isinstance(found, Problem) else found) == parts
 
 
 @pytest.mark.parametrize(
@@ -349,4 +350,4 @@ def test_a_decimal_comma_is_no_separator(text: str, parts: dict[str, str] | None
 def test_a_decimal_comma_in_quotes(text: str, parts: dict[str, str] | None) -> None:
     """Between commas it is read where it can be nothing else."""
     found = split_cell(FIELDS["limits"], text)
-    assert (None if isinstance(found, GroupError) else found) == parts
+    assert (None if isinstance(found, Problem) else found) == parts

@@ -222,13 +222,14 @@ class RowReader:
             self._unsaid[name] = not is_sure
         if is_sure:
             return
-        about = self._at(name, units=accepted_units(dimension))
         if unit and not dimension.holds(unit.dimension):
             kind = "prismatic" if dimension is FIELDS[name].linear else "revolute"
-            self.add(say("unit-of-column", **about, unit=unit.symbol, kind=kind, what=dimension))
+            about = self._at(name, unit=unit.symbol, kind=kind, what=dimension, units=accepted_units(dimension))
+            self.add(say("unit-of-column", **about))
         elif doubt := self.units.doubt(dimension, name):
             advice = unit_advice(doubt, dimension, self._cells[name].text)
-            self.add(say("unit-in-doubt", **about, reason=doubt.reason, suggestion=advice))
+            about = self._at(name, reason=doubt.reason, units=accepted_units(dimension), suggestion=advice)
+            self.add(say("unit-in-doubt", **about))
         elif unit is None:
             self.bare.setdefault((name, dimension), self._cells[name])
 

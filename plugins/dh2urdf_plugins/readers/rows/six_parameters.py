@@ -15,15 +15,15 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from dh2urdf.manipulator import Convention, DHRow, JointType
 from dh2urdf.rotations import HALF_PI, ZERO, RigidTransform, cos_sin, multiply, rotation_x, rotation_y, rotation_z
-from dh2urdf.source import Problem, free_name, shown
+from dh2urdf.source import Messages, free_name, shown
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
 
     from dh2urdf.manipulator import Manipulator
-    from dh2urdf.source import Mark
+    from dh2urdf.source import Mark, Problem
 
-_BACK = rotation_z(0.0, -1.0)
+say = Messages(__file__)
 
 
 class Extra(NamedTuple):
@@ -36,34 +36,17 @@ class Extra(NamedTuple):
         mark: the place of γ or b.
     """
 
-    beta: float
-    gamma: float
-    b: float
-    mark: Mark | None
-
-    @property
-    def before(self) -> bool:
-        """Whether there is anything before the row."""
-        return bool(self.gamma or self.b)
-
-
-NOTHING = Extra(0.0, 0.0, 0.0, None)
+    beta: float = 0.0
+    gamma: float = 0.0
+    b: float = 0.0
+    mark: Mark | None = None
 
 
 def extra_problems(extras: Mapping[str, Extra], convention: Convention | None) -> Iterator[Problem]:
     """What is wrong with γ and b of the rows of some joints."""
-    if convention is not Convention.STANDARD:
-        return
-    for joint, extra in extras.items():
-        if extra.before:
-            yield Problem(
-                message="gamma and b stand before a row of the modified convention, and these rows are standard",
-                mark=extra.mark,
-                joint=joint,
-                field="gamma" if extra.gamma else "b",
-                accepted="0 in gamma and b, or the modified convention: "
-                "A = Rz(gamma) Tz(b) Rx(alpha) Tx(a) Rz(theta) Tz(d)",
-            )
+    for joint, extra in extras.items() if convention is Convention.STANDARD else ():
+        if extra.gamma or extra.b:
+            yield say("gamma-in-standard", extra.mark, joint=joint, field="gamma" if extra.gamma else "b")
 
 
 def with_four_parameters(manipulator: Manipulator, extras: Mapping[str, Extra]) -> Manipulator:
@@ -73,90 +56,74 @@ def with_four_parameters(manipulator: Manipulator, extras: Mapping[str, Extra]) 
 
     Args:
         manipulator: the table without them.
-        extras: what rows have besides, by the names of their joints.
+        extras: what rows have besides, by the names of their joints; none where all of it is 0.
     """
-    if not any(extra.beta or extra.before for extra in extras.values()):
+    if not extras:
         return manipulator
-    table = _Table(manipulator, extras)
+    table = _Table(manipulator)
     for row in manipulator.rows:
-        table.take(row)
-    notice = Problem(
-        message=f"beta, gamma and b are part of {', '.join(table.places)}",
-        severity="notice",
-        mark=manipulator.mark,
-        robot=manipulator.name,
-        field="beta",
-    )
-    return replace(
-        manipulator,
-        rows=tuple(table.rows),
-        base=table.base,
-        tool=table.tool,
-        notices=(*manipulator.notices, notice),
-    )
+        extra = extras.get(row.joint, Extra())
+        table.put_before(row, extra)
+        table.put(row, extra.beta)
+    notice = say("six-parameters", manipulator.mark, robot=manipulator.name, field="beta", places=table.places)
+    notices = (*manipulator.notices, notice)
+    return replace(manipulator, rows=tuple(table.rows), base=table.base, tool=table.tool, notices=notices)
 
 
 class _Table:
-    """A table of four parameters that grows.
+    """A table of four parameters that grows: its rows, base and tool, and where the other parameters are in it."""
 
-    Attributes:
-        rows: the rows so far.
-        base: its base.
-        tool: its tool.
-        places: where the other parameters are now.
-    """
-
-    def __init__(self, manipulator: Manipulator, extras: Mapping[str, Extra]) -> None:
-        self.given, self.extras = manipulator, extras
-        self.is_standard = manipulator.convention is Convention.STANDARD
+    def __init__(self, given: Manipulator) -> None:
         self.rows: list[DHRow] = []
-        self.base, self.tool = manipulator.base, manipulator.tool
+        self.base, self.tool = given.base, given.tool
         self.places: list[str] = []
-        self._taken = {name for row in manipulator.rows for name in (row.joint, row.link)}
-        self._behind: DHRow | None = None  # the fixed row that is the last one so far, of a β
+        self._is_standard = given.convention is Convention.STANDARD
+        self._last = given.rows[-1]
+        self._taken = {name for row in given.rows for name in (row.joint, row.link)}
+        self._is_behind_beta = False  # whether the last row so far is the fixed one of a β
 
-    def take(self, given: DHRow) -> None:
-        """Adds a row, with what is before and behind it."""
-        extra = self.extras.get(given.joint, NOTHING)
-        if extra.before:
-            self._put_before(given, extra)
-        # What is left of a turn about y goes to the row behind it, whose own motion it commutes with.
-        row = replace(given, theta=given.theta - HALF_PI) if self._behind and self.is_standard else given
-        self._behind = None
-        if not extra.beta:
-            self.rows.append(row)
-            return
-        turn = RigidTransform(rotation_y(*cos_sin(extra.beta)), ZERO)
-        if given is self.given.rows[-1]:
-            self.rows.append(_with_body(row, turn))
-            self.tool = turn @ self.tool
-            self.places.append("the tool")
-        elif self.is_standard:
-            self.rows.append(_with_body(row, turn))
-            self._behind = self._fixed(row, "beta", theta=HALF_PI, alpha=extra.beta)
-        else:
-            back = RigidTransform(multiply(rotation_x(*cos_sin(extra.beta)), _BACK), ZERO)
-            self.rows.append(_with_body(replace(row, theta=row.theta + HALF_PI), back))
-            self._behind = self._fixed(row, "beta", theta=-HALF_PI, alpha=extra.beta)
-
-    def _put_before(self, row: DHRow, extra: Extra) -> None:
+    def put_before(self, row: DHRow, extra: Extra) -> None:
         """γ and b: in the base, in the fixed row that is there already, or in one of their own."""
+        if not (extra.gamma or extra.b):
+            return
         if not self.rows:
             self.base @= RigidTransform(rotation_z(*cos_sin(extra.gamma)), (0.0, 0.0, extra.b))
             self.places.append("the base")
-        elif self._behind is not None:
-            self.rows[-1] = replace(self._behind, theta=self._behind.theta + extra.gamma, d=extra.b)
+        elif self._is_behind_beta:
+            self.rows[-1] = replace(self.rows[-1], theta=self.rows[-1].theta + extra.gamma, d=extra.b)
         else:
-            self._fixed(row, "gamma", theta=extra.gamma, d=extra.b)
+            self._put_fixed(row, "gamma", theta=extra.gamma, d=extra.b)
 
-    def _fixed(self, row: DHRow, what: str, *, theta: float, d: float = 0.0, alpha: float = 0.0) -> DHRow:
-        """Adds a fixed row without a body of its own."""
+    def put(self, given: DHRow, beta: float) -> None:
+        """A row, and β behind it."""
+        # What is left of a turn about y goes to the row behind it, whose own motion it commutes with.
+        left = HALF_PI if self._is_behind_beta and self._is_standard else 0.0
+        row = replace(given, theta=given.theta - left) if left else given
+        self._is_behind_beta = False
+        if not beta:
+            self.rows.append(row)
+            return
+        turn = RigidTransform(rotation_y(*cos_sin(beta)), ZERO)
+        if given is self._last:
+            self.rows.append(_with_body(row, turn))
+            self.tool = turn @ self.tool
+            self.places.append("the tool")
+        elif self._is_standard:
+            self.rows.append(_with_body(row, turn))
+            self._put_fixed(row, "beta", theta=HALF_PI, alpha=beta)
+        else:
+            back = RigidTransform(multiply(rotation_x(*cos_sin(beta)), rotation_z(0.0, -1.0)), ZERO)
+            self.rows.append(_with_body(replace(row, theta=row.theta + HALF_PI), back))
+            self._put_fixed(row, "beta", theta=-HALF_PI, alpha=beta)
+
+    def _put_fixed(self, row: DHRow, what: str, *, theta: float, d: float = 0.0, alpha: float = 0.0) -> None:
+        """A fixed row without a body of its own."""
         joint, link = (free_name(f"{name}_{what}", self._taken) for name in (row.joint, row.link))
         fixed = JointType.FIXED
         made = DHRow(joint=joint, link=link, type=fixed, a=0.0, alpha=alpha, d=d, theta=theta, mass=0.0, mark=row.mark)
         self.rows.append(made)
         self.places.append(f"the fixed row {shown(joint)}")
-        return made
+        self._is_behind_beta = what == "beta"
 
 
 def _with_body(row: DHRow, behind: RigidTransform) -> DHRow:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Protocol, TypeAlias, runtime_checkable
 
 from dh2urdf_plugins.readers.words.bounds import MAX_JOINTS
@@ -54,6 +55,7 @@ class RowSource(Protocol):
         """Why the cells of a row, whose number within its manipulator is given, are not those of the columns."""
 
 
+@dataclass(slots=True)
 class Rows:
     """The rows of one manipulator as they are in the file.
 
@@ -66,15 +68,12 @@ class Rows:
         nameless: whether the robot column is empty in some of them.
     """
 
-    __slots__ = ("cells", "count", "keys", "name", "nameless", "torn")
-
-    def __init__(self, name: str, keys: Iterable[Any] = (), cells: Iterable[Row] = ()) -> None:
-        self.name = name
-        self.keys = list(keys)
-        self.cells = list(cells)
-        self.count = len(self.cells)
-        self.torn = False
-        self.nameless = False
+    name: str
+    keys: list[Any] = field(default_factory=list)
+    cells: list[Row] = field(default_factory=list)
+    count: int = 0
+    torn: bool = False
+    nameless: bool = False
 
     def extend(self, keys: Sequence[Any], cells: Sequence[Row]) -> None:
         """Adds rows, as many as are needed to see that there are too many."""

@@ -10,12 +10,12 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from dh2urdf.errors import InputError
-from dh2urdf.source import Mark, Messages
+from dh2urdf.source import Mark, Messages, Problem
 from dh2urdf.table_text import FIELDS, Place, TableText, WrittenTable
 from dh2urdf.table_text.texts import yaml_word
 from dh2urdf_plugins.readers.comments.top import read_top
+from dh2urdf_plugins.readers.rows.groups import split_cell
 from dh2urdf_plugins.readers.sources.delimited import COMPUTED
-from dh2urdf_plugins.readers.tables.cell_groups import GroupError, split_cell
 from dh2urdf_plugins.readers.words.cells import SPACES, text_of
 from dh2urdf_plugins.readers.words.comment_lines import SIGNS
 from dh2urdf_plugins.readers.words.fields import GROUPS
@@ -104,7 +104,7 @@ def _row(cells: Mapping[str, str]) -> dict[str, str] | None:
     row: dict[str, str] = {}
     for field, text in cells.items():
         parts = split_cell(GROUPS[field], text) if field in GROUPS else {field: text}
-        if isinstance(parts, GroupError):
+        if isinstance(parts, Problem):
             return None
         row |= parts
     return row

@@ -15,17 +15,17 @@ from dh2urdf.documents import Node, decoded, read_bytes, stream_yaml
 from dh2urdf.errors import TableError
 from dh2urdf.manipulator import Manipulator
 from dh2urdf.row_fields import COM, INERTIA, LIMITS
-from dh2urdf.source import Mark, Messages, did_you_mean, shown
+from dh2urdf.source import Mark, Messages, Problem, did_you_mean, shown
 from dh2urdf.stages import Rejected
 from dh2urdf.table_text import STATEMENTS, CellRow
 from dh2urdf_plugins.readers.comments.declared import declared_key
 from dh2urdf_plugins.readers.comments.top import read_top
 from dh2urdf_plugins.readers.header.words import read_header
 from dh2urdf_plugins.readers.options import TableOptions, ignored_columns
+from dh2urdf_plugins.readers.rows.groups import PARTS, split_cell
 from dh2urdf_plugins.readers.sources.several import choose
 from dh2urdf_plugins.readers.sources.texts import named_columns
 from dh2urdf_plugins.readers.statements.values import MESH_KEYS, MESHES, Values, meshes_of
-from dh2urdf_plugins.readers.tables.cell_groups import ACCEPTED, PARTS, GroupError, split_cell
 from dh2urdf_plugins.readers.tables.cell_rows import CellRows
 from dh2urdf_plugins.readers.tables.row_table import RowTable
 from dh2urdf_plugins.readers.words.bounds import MAX_JOINTS
@@ -38,7 +38,6 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from dh2urdf.documents import Item
-    from dh2urdf.source import Problem
     from dh2urdf.table_text import Trace
 
 KEYS = (*STATEMENTS, "visuals", "collisions", "joints")
@@ -351,10 +350,9 @@ class Document:
         if group != "inertia" and len(items) == len(names) and all(item.text is not None for item in items):
             return {name: _Value(name, place, _text(item), item.mark) for name, item in zip(names, items, strict=True)}
         text = flow_text(node) if isinstance(node.value, list) else node.text or ""
-        parts = split_cell(GROUPS[group], text)
-        if isinstance(parts, GroupError):
-            about = {"found": text, "what": parts.message, "wanted": ACCEPTED[group], "suggestion": parts.suggestion}
-            self.problems.append(say("wrong-group", node.mark, field=group, **about))
+        parts = split_cell(GROUPS[group], text, node.mark)
+        if isinstance(parts, Problem):
+            self.problems.append(parts)
             return found
         return {name: _Value(name, place, part, node.mark) for name, part in parts.items()}
 

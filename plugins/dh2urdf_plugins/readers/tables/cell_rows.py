@@ -1,4 +1,4 @@
-"""Rows of cells that come one by one, from whatever container."""
+"""Rows of cells that come one by one, from whatever container, and which of them are no joints."""
 
 from __future__ import annotations
 
@@ -8,11 +8,11 @@ from itertools import chain, islice
 from typing import TYPE_CHECKING
 
 from dh2urdf.quantities import Symbols
-from dh2urdf.source import Problem
-from dh2urdf.table_text import REQUIRED
+from dh2urdf.source import Messages, Problem
+from dh2urdf.table_text import REQUIRED, CellRow
 from dh2urdf_plugins.readers.comments.declared import comment_below
 from dh2urdf_plugins.readers.comments.top import comment_text, is_header
-from dh2urdf_plugins.readers.header.header_rows import completed, headers_in, is_beside, text_in
+from dh2urdf_plugins.readers.header.header_rows import completed, headers_in, is_beside, text_in, unit_in
 from dh2urdf_plugins.readers.header.unknown_columns import is_number, stray_number
 from dh2urdf_plugins.readers.header.words import read_header
 from dh2urdf_plugins.readers.words.cells import LINE_END, SPACES
@@ -24,7 +24,6 @@ if TYPE_CHECKING:
 
     from dh2urdf.columns import PlaceInFile
     from dh2urdf.source import Mark
-    from dh2urdf.table_text import CellRow
     from dh2urdf_plugins.readers.header.columns import Columns
     from dh2urdf_plugins.readers.rows.source import Row
     from dh2urdf_plugins.readers.words.cells import Value
@@ -42,6 +41,7 @@ _SURE_NOTE = r"[*†‡§•>¹²³⁰⁴-⁹]|[^\W\d_]{3,}\s*:|(?:\S+\s+){3}"
 """How one begins that needs no empty row above it: with a mark or a key, or with several words."""
 _FOOTMARK = r"[*†‡§•¹²³⁰⁴-⁹]+|[\[(]?[0-9a-z][)\]]"
 """The mark of a footnote in a cell of its own."""
+say = Messages(__file__)
 
 
 class CellRows:
@@ -59,9 +59,7 @@ class CellRows:
         self.prose = prose
         self.below: list[Comment] = []
         self.fields: list[str | None] = []
-        self.header: list[str] = []
         self.named: list[bool] = []
-        self.quantities: frozenset[int] = frozenset()
 
     def __iter__(self) -> Iterator[CellRow]:
         """The rows one by one."""
@@ -74,30 +72,68 @@ class CellRows:
             TableError: the row of units contradicts the header.
         """
         row = next(self.rows, None) if self.prose else None
-        if row is None:
-            return header
-        joined = completed(header, row)
-        if joined is None:
+        joined = completed(header, row) if row else None
+        if row and joined is None:
             self.rows = chain((row,), self.rows)
         return joined or header
 
     def start(self, columns: Columns) -> Columns:
         """Takes the columns of the rows to come."""
-        self.fields, self.header = columns.fields, columns.headers
-        self.named = [bool(header) for header in columns.headers]
+        self.fields, self.named = columns.fields, [bool(header) for header in columns.headers]
         columns.decimal_comma = self.decimal_comma
-        self.quantities = frozenset(
-            index for index, name in enumerate(columns.fields) if name and FIELDS[name].dimension
-        )
-        columns.numbers = self.quantities
+        columns.numbers = frozenset(k for k, name in enumerate(columns.fields) if name and FIELDS[name].dimension)
         columns.as_written = not self.prose
         return columns
 
     def batches(self) -> Iterator[tuple[Sequence[CellRow], Sequence[Row]]]:
         """The rows that hold anything and are no comments and no notes."""
-        rows = without_notes(self.rows, self.fields, self.below) if self.prose else self.rows
+        rows = self._joints() if self.prose else self.rows
         while batch := list(islice(rows, _BATCH)):
             yield batch, [self._values(row) for row in batch]
+
+    def _joints(self) -> Iterator[CellRow]:
+        """The rows without those that are empty, comments, or notes below the last joint.
+
+        Raises:
+            TableError: a comment among them declares what would not hold for the rows above.
+        """
+        geometry = [index for index, field in enumerate(self.fields) if field in REQUIRED]
+        held: list[CellRow] = []  # notes, as long as no joint follows
+        after_empty = False
+        for row in self.rows:
+            first = next((text for text in map(text_in, row.cells) if text.strip(SPACES)), None)
+            if first is None:
+                after_empty = True
+            elif is_comment(first):
+                self.below.append(comment_below(comment_text(row), row.mark))
+            elif is_note(row, geometry, len(self.fields), after_empty=after_empty):
+                held.append(row)
+            else:
+                yield from (*held, row)
+                held, after_empty = [], False
+        self.below += (Comment.of(comment_text(row), row.mark) for row in held)
+
+    def _values(self, row: CellRow) -> list[Value]:
+        """The cells of a row, one for each column; numbers of quantities are numbers, and problems are never plain."""
+        width = len(self.named)
+        values: list[Value] = []
+        for index, cell in enumerate(row.cells):
+            field, text = self.fields[index] if index < width else None, text_in(cell)
+            if isinstance(cell, float) and field and FIELDS[field].dimension:
+                values.append(cell)
+            elif isinstance(cell, Problem) and field:
+                values.append(LINE_END + text)
+            elif (index < width and self.named[index]) or self._is_stray(index, cell):
+                values.append(text)
+            elif index < width:
+                values.append("")  # a note
+        return values + [""] * (width - len(values))
+
+    def _is_stray(self, index: int, cell: object) -> bool:
+        """Whether a cell is a number in a column of the table that has no header."""
+        if is_beside(index, self.named) or (index < len(self.named) and self.named[index]):
+            return False
+        return isinstance(cell, float | int) or is_number(text_in(cell).strip(SPACES))
 
     def row_places(self, keys: Iterable[CellRow]) -> Iterator[PlaceInFile]:
         """The places of rows."""
@@ -114,62 +150,19 @@ class CellRows:
 
     def row_problems(self, key: CellRow, texts: Sequence[str], number: int) -> Iterator[Problem]:
         """What the container declares about the row's cells, and of numbers behind the last column of the header."""
-        joint = f"joint_{number}"
-        if self.prose and headers_in(key) != self.header and (problem := other_header(key, number)):
+        if self.prose and (problem := other_header(key, number)):
             yield problem
             return
+        joint, marks = f"joint_{number}", self.marks(key, texts)
         for index, cell in enumerate(key.cells):
             field = self.fields[index] if index < len(self.fields) else None
             if isinstance(cell, Problem) and field:
-                yield replace(cell, joint=joint, field=field, mark=cell.mark or self.marks(key, texts)[index])
+                yield replace(cell, joint=joint, field=field, mark=cell.mark or marks[index])
             elif index >= len(self.fields) and self._is_stray(index, cell):
-                yield stray_number(text_in(cell), self.marks(key, texts)[index], joint)
-
-    def _is_stray(self, index: int, cell: object) -> bool:
-        """Whether a cell is a number in a column of the table that has no header."""
-        if is_beside(index, self.named) or (index < len(self.named) and self.named[index]):
-            return False
-        return isinstance(cell, float | int) or is_number(text_in(cell).strip(SPACES))
-
-    def _values(self, row: CellRow) -> list[Value]:
-        """The cells of a row, one for each column; numbers of quantities are numbers, and problems are never plain."""
-        width = len(self.named)
-        values: list[Value] = []
-        for index, cell in enumerate(row.cells[:width]):
-            text = text_in(cell)
-            if isinstance(cell, Problem) and self.fields[index]:
-                text = LINE_END + text
-            elif not self.named[index] and not self._is_stray(index, cell):
-                text = ""  # a note
-            values.append(cell if isinstance(cell, float) and index in self.quantities else text)
-        strays = [
-            text_in(cell) for index, cell in enumerate(row.cells[width:], start=width) if self._is_stray(index, cell)
-        ]
-        return values + [""] * (width - len(values)) + strays
+                yield stray_number(text_in(cell), marks[index], joint)
 
 
-def without_notes(rows: Iterable[CellRow], fields: Sequence[str | None], below: list[Comment]) -> Iterator[CellRow]:
-    """Rows without those that are empty, comments, or notes below the last joint.
-
-    Raises:
-        TableError: a comment among them declares what would not hold for the rows above.
-    """
-    geometry = [index for index, field in enumerate(fields) if field in REQUIRED]
-    held: list[CellRow] = []  # notes, as long as no joint follows
-    after_empty = False
-    for row in rows:
-        texts = [text for text in map(text_in, row.cells) if text.strip(SPACES)]
-        if not texts:
-            after_empty = True
-        elif is_comment(texts[0]):
-            below.append(comment_below(comment_text(row), row.mark))
-        elif is_note(row, geometry, len(fields), after_empty=after_empty):
-            held.append(row)
-        else:
-            yield from held
-            yield row
-            held, after_empty = [], False
-    below += (Comment.of(comment_text(row), row.mark) for row in held)
+# --- Rows that are no joints ------------------------------------------------------------------------------------------
 
 
 def is_note(row: CellRow, geometry: Iterable[int], width: int, *, after_empty: bool) -> bool:
@@ -205,17 +198,28 @@ def _names_fields(row: CellRow) -> bool:
 def other_header(row: CellRow, number: int) -> Problem | None:
     """What is wrong with a row that is the header of another table; None where it is none."""
     if any(is_number(text_in(cell).strip()) for cell in row.cells):
-        return None  # It is known without a look at what its words mean.
+        return None  # it is known without a look at what its words mean
+    joint = f"joint_{number}"
     if is_header(row):
-        advice = "put each table into a file or sheet of its own, or all rows below one header with a column robot"
-    elif _names_fields(row):
-        advice = "if it is of the same joints, put its columns beside those of the first table"
-    else:
+        return say("header-of-another-table", row.mark, joint=joint, number=number)
+    return say("header-of-the-same-joints", row.mark, joint=joint, number=number) if _names_fields(row) else None
+
+
+def no_joint(texts: Sequence[str], columns: Columns, mark: Mark, number: int) -> Problem | None:
+    """What is wrong with a row that is no joint: it holds units, or is the header again; it does not count.
+
+    Args:
+        texts: its cells.
+        columns: those of the table.
+        mark: its place.
+        number: its number within its manipulator.
+    """
+    texts, joint = [text.strip(SPACES) for text in texts], f"joint_{number}"
+    units = {field: unit_in(text) for field, text in zip(columns.fields, texts, strict=False) if number == 1 and field}
+    if number == 1 and all(units.get(name) for name in REQUIRED):
+        header = columns.header_of("a")
+        return say("row-of-units", mark, joint=joint, field="a", found=units["a"], header=header, unit=units["a"])
+    if texts[: len(columns.headers)] != columns.headers:
         return None
-    return Problem(
-        message=f"row {number} is the header of another table",
-        mark=row.mark,
-        joint=f"joint_{number}",
-        accepted="one table below its header",
-        suggestion=advice,
-    )
+    place = columns.mark.in_file
+    return say("header-again", mark, joint=joint, number=number, place=f" of {place}" if place else "")

@@ -18,17 +18,19 @@ from dh2urdf.columns import ManipulatorColumns, ManipulatorGroups
 from dh2urdf.errors import TableError
 from dh2urdf.manipulator import Convention, DHRow, Manipulator
 from dh2urdf.output import NameSet
-from dh2urdf.source import Problem, shown
+from dh2urdf.source import Messages, Problem, shown
 from dh2urdf.stages import Rejected
 from dh2urdf_plugins.readers.comments.sentences import declare, declare_types
 from dh2urdf_plugins.readers.header.units import unit_problems
 from dh2urdf_plugins.readers.options import given_by
-from dh2urdf_plugins.readers.rows.rows import RowReader
+from dh2urdf_plugins.readers.rows.cells import CellReader
+from dh2urdf_plugins.readers.rows.joint_rows import JointRows
+from dh2urdf_plugins.readers.rows.rows import MAX_PROBLEMS, RowReader
 from dh2urdf_plugins.readers.rows.source import Rows
 from dh2urdf_plugins.readers.statements.plausibility import far_away
 from dh2urdf_plugins.readers.statements.statements import KINDS, Statements
-from dh2urdf_plugins.readers.tables.cells import TableCells
-from dh2urdf_plugins.readers.tables.tables import manipulator, read_rows, stopped, too_many_joints
+from dh2urdf_plugins.readers.tables.cell_rows import no_joint
+from dh2urdf_plugins.readers.tables.tables import manipulator, too_many_joints
 from dh2urdf_plugins.readers.words.bounds import MAX_JOINTS
 from dh2urdf_plugins.readers.words.cells import SPACES, Cell, text_of
 from dh2urdf_plugins.readers.words.fields import convention_of
@@ -49,6 +51,7 @@ if TYPE_CHECKING:
 
 _ANY_ROW = DHRow(joint="joint_1", link="link_1", a=0.0, alpha=0.0, d=0.0)
 """A row that takes the place of all rows, where only what holds for each of them counts."""
+say = Messages(__file__)
 
 
 class RowTable:
@@ -81,7 +84,7 @@ class RowTable:
         one: bool = False,
     ) -> None:
         self.whole, self.one = name.mark, one
-        self.source = source
+        self.source, self.trace = source, trace
         self.columns = columns = source.start(top.columns)
         self.statements = Statements()
         self._define(top.comments, top.statements.get("symbols"))
@@ -89,17 +92,14 @@ class RowTable:
         self.sentences = top.sentences
         self.name = self._state(top.statements, options) or name
         self.units = self.statements.units()
-        self.robot_column = self._column("robot")
-        self.convention_column = self._column("convention")
-        self.trace = trace
+        place = {field: index for index, field in enumerate(columns.fields) if field}
+        self.robot_column, self.convention_column = place.get("robot"), place.get("convention")
+        self.has_type = "type" in place
+        self.seen = NameSet()
         said = self.statements.convention is not None or self.convention_column is not None
-        others = (trace, options.calibration, options.in_convention)
-        self.plain_table = said and not one and others == (None, None, None)
-        self.has_type = "type" in columns.fields
-        self.cells = TableCells(columns)
+        self.plain_table = said and not one and (trace, options.calibration, options.in_convention) == (None,) * 3
         self.plain_table &= self.has_type or not any(sentence.types for sentence in self.sentences)
         self.plain_table &= far_away(self.statements.base, self.statements.tool) is None
-        self.seen = NameSet()
 
     @cached_property
     def plain(self) -> PlainRows:
@@ -114,18 +114,14 @@ class RowTable:
         Raises:
             TableError: one is defined twice.
         """
-        symbols, comma = self.statements.symbols, self.columns.decimal_comma
-        problems = list[Problem]()
+        symbols, problems = self.statements.symbols, list[Problem]()
         if said:
             self.statements.declare_symbols(said, problems.append)
         for note in comments:
-            problems += symbols.take_line(note.line, note.whole, decimal_comma=comma)
+            problems += symbols.take_line(note.line, note.whole, decimal_comma=self.columns.decimal_comma)
         comments.clear()
         if problems:
             raise TableError(problems)
-
-    def _column(self, name: str) -> int | None:
-        return self.columns.fields.index(name) if name in self.columns.fields else None
 
     def _state(self, said: Mapping[str, Node], options: TableOptions) -> Cell | None:
         """Reads what table, headers and options declare about all rows; returns the name in the table."""
@@ -150,14 +146,10 @@ class RowTable:
         self.notices += (problem for problem in problems if problem.severity == "notice")
         if errors:
             raise TableError(errors, self.notices)
-        return self._name(said.get("name"))
-
-    @staticmethod
-    def _name(name: Node | None) -> Cell | None:
-        """The name that the table says."""
+        name = said.get("name")
         return Cell("" if name.value is None else name.text or "", name.mark) if name else None
 
-    # --- Rows ---------------------------------------------------------------------------------------------------------
+    # --- Manipulators -------------------------------------------------------------------------------------------------
 
     def manipulators(self) -> Iterator[Manipulator | ManipulatorGroups | Rejected]:
         """Reads all rows; what is read fast comes in columns."""
@@ -178,40 +170,30 @@ class RowTable:
         """The rows of manipulators that are complete, batch by batch."""
         rows = Rows(self.name.text)
         for keys, batch in self.source.batches():
-            finished = []
-            for name, some_keys, some_rows in self._by_robot(keys, batch):
+            finished, start = list[Rows](), 0
+            for value, some in groupby(batch, self._robot_of(batch)):
+                name, cells = text_of(value).strip(SPACES), list(some)
                 if not name and rows.keys:  # a cell that a spreadsheet has merged with the one above, perhaps
                     rows.nameless = True
-                elif name != rows.name or not rows.keys:
+                elif name != rows.name and rows.keys:
                     finished.append(rows)
-                    rows = Rows(name, some_keys, some_rows)
-                    continue
-                rows.extend(some_keys, some_rows)
-            yield self._whole(finished, rows)
-        yield self._whole([rows])
+                    rows = Rows(name)
+                rows.name = name or rows.name if rows.keys else name
+                rows.extend(keys[start : start + len(cells)], cells)
+                start += len(cells)
+            yield self._torn(finished, rows)
+        yield self._torn([rows])
 
-    def _by_robot(
-        self, keys: Sequence[Any], batch: Sequence[Row]
-    ) -> Iterator[tuple[str, Sequence[Any], Sequence[Row]]]:
-        """Runs of rows with the same name of the manipulator."""
+    def _robot_of(self, batch: Sequence[Row]) -> Callable[[Row], Value]:
+        """What names the manipulator of a row; one that is too short is refused later, and until then has no name."""
         column = self.robot_column
         if column is None:
-            yield self.name.text, keys, batch
-            return
-        key: Callable[[Row], Value] = itemgetter(column)
-        if batch and min(map(len, batch)) <= column:
+            return lambda _: self.name.text
+        if batch and min(map(len, batch)) > column:
+            return itemgetter(column)
+        return lambda cells: cells[column] if len(cells) > column else ""
 
-            def key(cells: Row) -> Value:
-                """A short row is refused later; until then it goes without a name."""
-                return cells[column] if len(cells) > column else ""
-
-        start = 0
-        for name, some in groupby(batch, key):
-            rows = list(some)
-            yield text_of(name).strip(SPACES), keys[start : start + len(rows)], rows
-            start += len(rows)
-
-    def _whole(self, groups: list[Rows], *unfinished: Rows) -> list[Rows]:
+    def _torn(self, groups: list[Rows], *unfinished: Rows) -> list[Rows]:
         """Marks the manipulators whose rows do not all stand together, as far as a batch shows it in time."""
         groups = [rows for rows in groups if rows.keys]
         if self.robot_column is not None:
@@ -222,6 +204,8 @@ class RowTable:
                 rows.torn = count[rows.name] > 1 or rows.name in known
             self.seen.add(names)
         return groups
+
+    # --- The fast way -------------------------------------------------------------------------------------------------
 
     def _any(self, groups: list[Rows]) -> Iterator[Manipulator | ManipulatorGroups | Rejected]:
         """Reads manipulators fast where all are plain, and else one half of them after the other."""
@@ -249,29 +233,27 @@ class RowTable:
         model = statements.manipulator(groups[0].name, (_ANY_ROW,), None)
         names, marks = [rows.name for rows in groups], list(self.source.row_marks(rows.keys[0] for rows in groups))
         lines = [tuple(self.source.row_places(rows.keys)) for rows in groups]
-        arms = ManipulatorGroups(
-            groups=tuple(
-                [
-                    (
-                        tuple(members),
-                        ManipulatorColumns.like(
-                            model,
-                            rows=rows,
-                            names=[names[member] for member in members],
-                            marks=[marks[member] for member in members],
-                            lines=[lines[member] for member in members],
-                        ),
-                    )
-                    for members, rows in read
-                ]
+        alike = [
+            (
+                tuple(members),
+                ManipulatorColumns.like(
+                    model,
+                    rows=found,
+                    names=[names[member] for member in members],
+                    marks=[marks[member] for member in members],
+                    lines=[lines[member] for member in members],
+                ),
             )
-        )
+            for members, found in read
+        ]
+        arms = ManipulatorGroups(groups=tuple(alike))
         if (index := self.plain.sample.choose(sizes)) is not None:
             from dh2urdf_plugins.readers.plain.sample import HEAD, compare
 
-            head = Rows(groups[index].name, groups[index].keys[:HEAD], groups[index].cells[:HEAD])
+            rows = groups[index]
+            head = Rows(rows.name, rows.keys[:HEAD], rows.cells[:HEAD], min(rows.count, HEAD))
             (arm,) = arms.part(index, index + 1).tables()
-            compare(arm, self._read_with_care(head, TableCells(self.columns)), head.count)
+            compare(arm, self._careful(head), head.count)
         return arms
 
     def _agreed(self, cells: list[Row]) -> Statements | None:
@@ -286,21 +268,14 @@ class RowTable:
             return None
         return replace(self.statements, convention=(convention, self.whole))
 
-    # --- Rows, with care ----------------------------------------------------------------------------------------------
+    # --- With care ----------------------------------------------------------------------------------------------------
 
     def _careful(self, rows: Rows) -> Manipulator | Rejected:
         """A manipulator, or everything that is wrong with it."""
-        result = self._read_with_care(rows, self.cells, self.trace)
-        self.plain_table &= not self.cells.signs.has_commas
-        self.notices = []  # messages about the file go with the first manipulator, once
-        return result
-
-    def _read_with_care(
-        self, rows: Rows, table_cells: TableCells, trace: Trace | None = None
-    ) -> Manipulator | Rejected:
-        reader = RowReader(self.units, type_is_given=self.has_type and not self.one, traced=trace is not None)
+        reader = RowReader(self.units, type_is_given=self.has_type and not self.one, traced=self.trace is not None)
         for notice in self.notices:
             reader.add(notice)
+        self.notices = []  # messages about the file go with the first manipulator, once
         mark = self._mark(rows.keys[0]) if rows.keys and not self.one else self.whole
         name = self.name
         if self.robot_column is not None and rows.keys:
@@ -308,71 +283,62 @@ class RowTable:
             name = Cell(rows.name, marks[min(self.robot_column, len(marks) - 1)])
         if rows.count > MAX_JOINTS:
             too_many = too_many_joints(rows.count, mark).about(robot=rows.name)
-            return Rejected(name=rows.name, problems=(too_many,), mark=mark, notices=tuple(self.notices))
+            return Rejected(name=rows.name, problems=(too_many,), mark=mark, notices=tuple(reader.problems))
         if rows.torn:
-            reader.add(_torn(name))
-        statements = replace(self.statements)
-        read = self._read_rows(rows, statements, reader, table_cells)
-        for problem in table_cells.problems(reader.types_from):
-            reader.add(problem)
-        if self.robot_column is None and not reader.errors and (unused := self.statements.symbols.unused()):
+            reader.add(say("robot-torn", name.mark, field="robot", found=name.text))
+        statements, cells = replace(self.statements), CellReader(self.columns, reader)
+        read = self._read_rows(rows, statements, cells, reader)
+        cells.finish()
+        self.plain_table &= cells.comma is None
+        if self.robot_column is None and not reader.errors and (unused := statements.symbols.unused()):
             reader.add(unused)
-        return manipulator(name, statements, read, reader, mark, trace=trace)
+        return manipulator(name, statements, read, reader, mark, trace=self.trace)
 
     def _read_rows(
-        self, rows: Rows, statements: Statements, reader: RowReader, table_cells: TableCells
+        self, rows: Rows, statements: Statements, cell_reader: CellReader, reader: RowReader
     ) -> list[DHRow | None]:
-        """The rows as far as they can be read, and what they declare about the convention."""
+        """The rows, None for each in which there is an error; and what they declare about the convention."""
         found: list[tuple[dict[str, Cell] | None, Mark]] = []
         for key, row in zip(rows.keys, rows.cells, strict=True):
             mark, texts, number = self._mark(key), list(map(text_of, row)), len(found) + 1
-            if problem := table_cells.no_joint(texts, mark, number):
+            if problem := no_joint(texts, self.columns, mark, number):
                 reader.add(problem)
                 continue
-            found.append((None, mark))
+            cells = None
             if problems := list(self.source.row_problems(key, texts, number)):
                 for problem in problems:
                     reader.add(problem)
-            elif cells := table_cells.read(row, self.source.marks(key, texts), number, reader):
+            elif cells := cell_reader.read(row, self.source.marks(key, texts), number):
                 if self.one:  # what a record does not have is not empty
                     cells = {name: cell for name, cell in cells.items() if cell.text or cell.mark is not mark}
                 if (robot := cells.pop("robot", None)) and not robot.text and rows.name:
-                    reader.add(_nameless(robot, rows.name, number))
+                    about = {"joint": f"joint_{number}", "field": "robot", "found": robot.text}
+                    reader.add(say("robot-unsaid", robot.mark, **about, number=number, above=shown(rows.name)))
                 if convention := cells.pop("convention", None):
                     statements.declare_convention(convention, reader.add)
-                found[-1] = (cells, mark)
-            if stopped(reader):
+            found.append((cells, mark))
+            if _is_enough(reader):
                 return [None]
+        return self._joints(found, reader) if found or not rows.keys else [None]
+
+    def _joints(self, found: list[tuple[dict[str, Cell] | None, Mark]], reader: RowReader) -> list[DHRow | None]:
+        """The rows of cells that are told apart."""
         declare_types(self.sentences, found, reader.add)
-        return read_rows(found, reader) if found or not rows.keys else [None]
+        read: list[DHRow | None] = []
+        for number, (cells, mark) in enumerate(found, start=JointRows(found, reader).first):
+            read.append(None if cells is None else reader.read(number, cells, mark))
+            if _is_enough(reader):
+                break
+        return read
 
     def _mark(self, key: Any) -> Mark:  # noqa: ANN401 - a key of the source's own
         (mark,) = self.source.row_marks([key])
         return mark
 
 
-def _means_modified(header: Cell) -> Problem:
-    message = f"the header {shown(header.text)} means the modified (Craig) convention"
-    return Problem(message=message, severity="notice", mark=header.mark, field="convention", found=header.text)
-
-
-def _nameless(robot: Cell, name: str, number: int) -> Problem:
-    return Problem(
-        message=f"row {number} does not say which manipulator it belongs to; the row above says {shown(name)}",
-        mark=robot.mark,
-        joint=f"joint_{number}",
-        field="robot",
-        found=robot.text,
-        accepted="the name of the manipulator in every row",
-        suggestion="a spreadsheet that has merged cells leaves all but the first of them empty",
-    )
-
-
-def _torn(name: Cell) -> Problem:
-    return Problem(
-        message=f"rows of {shown(name.text)} are in several places of the file",
-        mark=name.mark,
-        field="robot",
-        found=name.text,
-        accepted="all rows of a manipulator together",
-    )
+def _is_enough(reader: RowReader) -> bool:
+    """Whether a manipulator has so many errors that reading it stops; reports that, then."""
+    if reader.errors < MAX_PROBLEMS:
+        return False
+    reader.add(say("stopped", errors=reader.errors))
+    return True
